@@ -1,0 +1,37 @@
+"""freebody: the dynamics of robotic manipulators, from a robot description to equations, numbers and pictures.
+
+This module is a table of contents: each name is imported from its place when it is first used.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+__version__ = "0.1.0"
+
+_PLACES = {
+    "freebody.errors": (
+        "FreebodyError",
+        "FreebodyWarning",
+        "PhysicalWarning",
+    ),
+    "freebody.model.inertia": ("Inertia",),
+    "freebody.model.parameters": ("Parameter",),
+    "freebody.model.parts": ("Drive", "Limits"),
+    "freebody.model.model": ("Model",),
+    "freebody.model.planar": ("planar",),
+    "freebody.model.dh": ("dh",),
+}
+_PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
+__all__ = [*_PLACE_OF, "__version__"]  # noqa: PLE0604  names are strings, taken from the table
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PLACE_OF:
+        raise AttributeError(f"module 'freebody' has no attribute {name!r}")
+    return getattr(importlib.import_module(_PLACE_OF[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,50 @@
+"""Array types with named dimensions, and the one check of shape that every public function uses.
+
+Dimensions: `nq` positions, `nv` velocities, `nj` joints, `six` = 6 in space and 3 in the plane, `dim` = 3 or 2.
+Leading dimensions `...` are a batch of any shape.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from freebody.errors import FreebodyError, NotFiniteError, ShapeError
+
+Array = NDArray[np.float64]
+"""float64 array; the docstring of each function gives its shape."""
+
+
+def as_floats(function: str, argument: str, value: ArrayLike) -> Array:
+    """`value` as float64 array without a copy where possible; refuses text, objects and complex numbers."""
+    try:
+        array = np.asarray(value)
+    except ValueError as ragged:
+        raise ShapeError(function, argument, (len(value),), "rows of equal length", str(ragged)) from None  # type: ignore[arg-type]
+    if array.dtype == np.float64:
+        return array
+    if array.dtype.kind not in "iufb":
+        raise FreebodyError(f"{function}: {argument} holds {array.dtype} values, expected real numbers.")
+    return array.astype(np.float64)
+
+
+def check_core(function: str, argument: str, array: Array, core: tuple[int, ...], because: str) -> None:
+    """Refuse an array whose last dimensions are not `core`."""
+    if array.shape[array.ndim - len(core) :] != core or array.ndim < len(core):
+        raise ShapeError(function, argument, array.shape, f"(..., {', '.join(map(str, core))})", because)
+
+
+def refuse_not_finite(function: str, argument: str, array: Array, core: int, labels: Sequence[str] = ()) -> None:
+    """Refuse NaN and infinity, naming the sample (leading index) and, with `labels`, the component."""
+    bad = np.argwhere(~np.isfinite(array))
+    if not len(bad):
+        return
+    index = tuple(int(i) for i in bad[0])
+    sample, component = index[: array.ndim - core], index[array.ndim - core :]
+    where = [f"at sample {sample[0] if len(sample) == 1 else sample}"] if sample else []
+    if component:
+        last = component[-1]
+        where.append(f"for {labels[last]!r}" if last < len(labels) else f"at component {component}")
+    raise NotFiniteError(function, argument, float(array[index]), " ".join(where) or "as given")

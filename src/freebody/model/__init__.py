@@ -1,0 +1,1 @@
+"""What a robot is: parameters, joints, inertias and the frozen `Model` made of them."""

@@ -1,0 +1,278 @@
+"""From links and joints to a `Model`: the one place where a mechanism is checked.
+
+Refusals name the link or joint, the file's line where there is one, and the remedy.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import warnings
+from dataclasses import replace
+from typing import Literal, NoReturn, TypeVar
+
+import numpy as np
+
+from freebody.errors import FileError, ModelError, PhysicalWarning, UnknownNameError
+from freebody.model.joints import KINDS
+from freebody.model.model import Body, Frame, Model
+from freebody.model.parts import Description, Drive, Joint, Limits, Link, Mimic, Notice
+from freebody.model.placement import Placement
+from freebody.model.tree import Attached
+
+Policy = Literal["warn", "refuse", "ignore"]
+_Part = TypeVar("_Part", Link, Joint)
+MimicPolicy = Literal["follow", "free"]
+BasePolicy = Literal["fixed", "free"]
+
+
+def assemble(
+    description: Description,
+    *,
+    physical: Policy = "refuse",
+    mimic: MimicPolicy = "follow",
+    base: BasePolicy = "fixed",
+    tip: str | None = None,
+) -> Model:
+    """Check a description and lump what is fixed together; see `load` for the options."""
+    for option, value, allowed in (
+        ("physical", physical, ("warn", "refuse", "ignore")),
+        ("mimic", mimic, ("follow", "free")),
+        ("base", base, ("fixed", "free")),
+    ):
+        if value not in allowed:
+            raise UnknownNameError("option", value, f"{option}=", allowed)
+    return _Assembly(description, physical, mimic, base).model(tip)
+
+
+class _Assembly:
+    """One assembly: the description, what was found on the way, and its refusals."""
+
+    def __init__(self, description: Description, physical: Policy, mimic: MimicPolicy, base: BasePolicy):
+        self.description = description
+        self.physical, self.mimic, self.base = physical, mimic, base
+        self.notices = list(description.notices)
+        self.links = self._unique("link", description.links)
+        self.joints = self._unique("joint", description.joints)
+
+    def model(self, tip: str | None) -> Model:
+        d = self.description
+        if d.loops:
+            self.refuse(f"loop {d.loops[0].name!r}: closed chains are not supported; cut the loop open.")
+        if not d.links:
+            self.refuse("there are no links; a robot needs at least one.")
+        joints = [self.checked(joint) for joint in d.joints]
+        for link in d.links:
+            self.check_inertia(link)
+        parent_joint = self.parent_joints(joints)
+        root = self.root(parent_joint)
+        if self.base == "free":
+            if d.dim == 2:
+                joints.insert(0, Joint("base", "planar", "", root, axis=()))
+            else:
+                joints.insert(0, Joint("base", "free", "", root))
+            self._unique("joint", tuple(joints))
+            parent_joint[root] = joints[0]
+        order = [joint.child for joint in joints if joint.kind != "fixed"]
+        index = {name: i for i, name in enumerate(order)}
+        carrier: dict[str, tuple[int, Placement]] = {}
+        for link in d.links:
+            self.carry(link.name, parent_joint, index, carrier)
+        return self.finished(joints, index, carrier, tip)
+
+    # ------------------------------------------------------------ checks
+    def refuse(self, problem: str, line: int | None = None) -> NoReturn:
+        """Raise with the file and line where there is one."""
+        if self.description.file:
+            raise FileError(self.description.file, line, problem)
+        raise ModelError(f"{self.description.name!r}: {problem}")
+
+    def _unique(self, what: str, parts: tuple[_Part, ...]) -> dict[str, _Part]:
+        named: dict[str, _Part] = {}
+        for part in parts:
+            if not part.name:
+                self.refuse(f"a {what} has no name; give it one.", part.line)
+            if part.name in named:
+                self.refuse(f"two {what}s are called {part.name!r}; rename one.", part.line)
+            named[part.name] = part
+        return named
+
+    def checked(self, joint: Joint) -> Joint:
+        """The joint with a unit axis; refuses unknown kinds, links, axes, limits."""
+        where = f"joint {joint.name!r}"
+        if joint.kind not in KINDS:
+            self.refuse(str(UnknownNameError("joint kind", joint.kind, where, KINDS)), joint.line)
+        kind = KINDS[joint.kind]
+        dim = self.description.dim
+        if dim not in kind.dimensions:
+            self.refuse(f"{where}: a {kind.name} joint needs a model in space, this one is planar.", joint.line)
+        for role, name in (("parent", joint.parent), ("child", joint.child)):
+            if name not in self.links:
+                self.refuse(f"{where}: {UnknownNameError(f'{role} link', name, 'the file', self.links)}", joint.line)
+        if joint.parent == joint.child:
+            self.refuse(f"{where}: link {joint.child!r} cannot be its own parent; name another parent.", joint.line)
+        if kind.nv != 1 and joint.drive != Drive():
+            self.refuse(
+                f"{where}: friction, rotors and springs belong to one-axis joints, not a {kind.name} one; remove them.",
+                joint.line,
+            )
+        self.check_limits(joint, where)
+        return replace(joint, axis=self.unit_axis(joint, where) if kind.needs_axis else ())
+
+    def unit_axis(self, joint: Joint, where: str) -> tuple[float, ...]:
+        """The joint's axis, of unit length: for a planar revolute joint (±1,)."""
+        expected = 1 if self.description.dim == 2 and joint.kind != "prismatic" else self.description.dim
+        axis = np.array(joint.axis, dtype=float)
+        if axis.shape != (expected,) or not np.isfinite(axis).all() or not axis.any():
+            self.refuse(f"{where}: axis {joint.axis} must be {expected} finite numbers, not all zero.", joint.line)
+        if np.count_nonzero(axis) == 1:
+            return tuple(float(x) for x in np.sign(axis))
+        length = float(np.linalg.norm(axis))
+        return tuple(float(x) for x in (axis if abs(length - 1) < 1e-15 else axis / length))
+
+    def check_limits(self, joint: Joint, where: str) -> None:
+        limits: Limits = joint.limits
+        values = (limits.lower, limits.upper, limits.velocity, limits.effort)
+        if any(np.isnan(x) for x in values):
+            self.refuse(f"{where}: a limit is not a number; correct it.", joint.line)
+        if limits.lower > limits.upper:
+            self.refuse(f"{where}: lower limit {limits.lower:g} is above upper {limits.upper:g}; swap them.", joint.line)
+
+    def check_inertia(self, link: Link) -> None:
+        """The policy on inertias that no rigid body has: the numbers are used as given, or refused."""
+        if link.inertia is None or self.physical == "ignore":
+            return
+        if link.inertia.dim != self.description.dim:
+            self.refuse(f"link {link.name!r}: its inertia is {link.inertia.dim}D, the model {self.description.dim}D.", link.line)
+        fault = link.inertia.fault()
+        if fault is None:
+            return
+        problem = f"link {link.name!r}: {fault}"
+        if self.physical == "refuse":
+            self.refuse(f"{problem}. Correct it, or accept it with physical='warn'.", link.line)
+        notice = Notice("physical", f"warning: {problem}.", self.description.file, link.line)
+        self.notices.append(notice)
+        warnings.warn(str(notice), PhysicalWarning, stacklevel=5)
+
+    def parent_joints(self, joints: list[Joint]) -> dict[str, Joint]:
+        """For each link the joint above it; a link has at most one."""
+        above: dict[str, Joint] = {}
+        for joint in joints:
+            other = above.setdefault(joint.child, joint)
+            if other is not joint:
+                self.refuse(
+                    f"link {joint.child!r} hangs on two joints, {other.name!r} and {joint.name!r}; "
+                    "a tree allows one: remove one of them.",
+                    joint.line,
+                )
+        return above
+
+    def root(self, above: dict[str, Joint]) -> str:
+        """The one link without a joint above it; every other link must lead to it."""
+        roots = [link.name for link in self.description.links if link.name not in above]
+        for link in self.description.links:
+            seen: list[str] = []
+            name = link.name
+            while name in above:
+                if name in seen:
+                    cycle = " -> ".join([*seen[seen.index(name) :], name])
+                    self.refuse(
+                        f"the links form a cycle, {cycle} (child -> parent); a tree has none: remove a joint.",
+                        above[name].line,
+                    )
+                seen.append(name)
+                name = above[name].parent
+        if len(roots) > 1:
+            self.refuse(
+                f"links {', '.join(map(repr, roots[:6]))} have no joint above them; only one link can be the base: "
+                "connect the others to it by joints.",
+                self.links[roots[1]].line,
+            )
+        return roots[0]
+
+    # ------------------------------------------------------------ lumping and mimics
+    def carry(
+        self, link: str, above: dict[str, Joint], index: dict[str, int], carrier: dict[str, tuple[int, Placement]]
+    ) -> tuple[int, Placement]:
+        """The body that a link is part of, and the link's frame in it: found by walking its parents."""
+        if link not in carrier:
+            if link not in above:
+                carrier[link] = (-1, Placement())
+            elif link in index:
+                carrier[link] = (index[link], Placement())
+            else:
+                joint = above[link]
+                body, placement = self.carry(joint.parent, above, index, carrier)
+                carrier[link] = (body, placement.then(joint.placement))
+        return carrier[link]
+
+    def leaders(self, joints: list[Joint]) -> dict[str, Mimic]:
+        """Mimics resolved to an independent leader: ratios multiply along a chain of mimics."""
+        named = {joint.name: joint for joint in joints}
+        resolved: dict[str, Mimic] = {}
+        for joint in joints:
+            if joint.mimic is None:
+                continue
+            ratio, offset, leader, seen = 1.0, 0.0, joint, [joint.name]
+            while leader.mimic is not None:
+                offset += ratio * leader.mimic.offset
+                ratio *= leader.mimic.ratio
+                name = leader.mimic.joint
+                if name not in named:
+                    self.refuse(str(UnknownNameError("joint", name, f"the mimic of {joint.name!r}", named)), joint.line)
+                if name in seen:
+                    self.refuse(f"joint {joint.name!r}: its mimics go round in a circle; remove one.", joint.line)
+                seen.append(name)
+                leader = named[name]
+            if KINDS[leader.kind].nv != 1 or KINDS[joint.kind].nv != 1:
+                self.refuse(f"joint {joint.name!r}: only one-axis joints can mimic or be mimicked.", joint.line)
+            resolved[joint.name] = Mimic(leader.name, ratio, offset)
+        return resolved
+
+    def finished(
+        self, joints: list[Joint], index: dict[str, int], carrier: dict[str, tuple[int, Placement]], tip: str | None
+    ) -> Model:
+        d = self.description
+        followers = self.leaders(joints) if self.mimic == "follow" else {}
+        parts: list[list[Attached]] = [[] for _ in range(len(index) + 1)]  # the last is the base
+        for link in d.links:
+            body, placement = carrier[link.name]
+            if link.inertia is not None:
+                parts[body].append(Attached(link.name, link.inertia, placement.then(link.placement)))
+        bodies = []
+        for joint in joints:
+            if joint.kind == "fixed":
+                continue
+            parent, placement = carrier[joint.parent] if joint.parent else (-1, Placement())
+            mounted = replace(joint, placement=placement.then(joint.placement), mimic=followers.get(joint.name))
+            bodies.append(Body(joint.child, mounted, parent, tuple(parts[index[joint.child]])))
+        frames = [Frame(link.name, *carrier[link.name]) for link in d.links]
+        for mount in d.mounts:
+            if mount.link not in carrier:
+                self.refuse(str(UnknownNameError("link", mount.link, f"frame {mount.name!r}", self.links)))
+            if mount.name in carrier or any(frame.name == mount.name for frame in frames[len(d.links) :]):
+                self.refuse(f"frame {mount.name!r}: the name is taken; rename it.")
+            body, placement = carrier[mount.link]
+            frames.append(Frame(mount.name, body, placement.then(mount.placement)))
+        model = Model(
+            d.name,
+            d.dim,
+            tuple(bodies),
+            tuple(frames),
+            *d.gravity,
+            base_inertias=tuple(parts[-1]),
+            source=d.source,
+            notices=tuple(self.notices),
+        )
+        leaves = self.leaves(model)
+        model = dataclasses.replace(model, leaves=leaves)
+        chosen = tip or d.tip or (leaves[0] if len(leaves) == 1 else None)
+        return model if chosen is None else model.replace(tip=chosen)
+
+    def leaves(self, model: Model) -> tuple[str, ...]:
+        """The movable frames at the ends of the tree: links that carry nothing, or what is mounted on them."""
+        parents = {joint.parent for joint in self.description.joints}
+        ends: list[str] = []
+        for link in self.description.links:
+            if link.name not in parents and model.frame(link.name).body >= 0:
+                ends += [m.name for m in self.description.mounts if m.link == link.name] or [link.name]
+        return tuple(ends)

@@ -1,0 +1,147 @@
+"""Serial arms from Denavit-Hartenberg tables, standard or modified: the caller says which.
+
+standard:  T_{i-1,i} = Rz(θ_i) Tz(d_i) Tx(a_i) Rx(α_i); joint i acts along z_{i-1}, frame i sits at the far end of link i.
+modified:  T_{i-1,i} = Rx(α_i) Tx(a_i) Rz(θ_i) Tz(d_i), α_i and a_i being those of the row; joint i acts along z_i (6.16-6.29).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+from freebody.errors import FileError, ModelError, UnknownNameError
+from freebody.model.assembly import Policy, assemble
+from freebody.model.inertia import Inertia
+from freebody.model.model import Model, gravity_of
+from freebody.model.parameters import Parameter, Quantity, quantity
+from freebody.model.parts import Description, Drive, Joint, Limits, Link, Mount
+from freebody.model.placement import Placement, shift, turn
+
+Convention = Literal["standard", "modified"]
+KEYS = ("joint", "name", "theta", "d", "a", "alpha", "m", "com", "I", "rotor", "gear", "friction", "limits")
+
+
+def dh(
+    rows: Sequence[Mapping[str, Any]],
+    *,
+    convention: Convention,
+    gravity: float | str | Sequence[float] = 9.81,
+    name: str = "dh",
+    physical: Policy = "refuse",
+) -> Model:
+    """A serial arm from rows of a DH table.
+
+    Row keys: joint ("R" by default, or "P"), theta, d (constants; the joint variable's one is its offset), a, alpha
+    (m, rad), m (kg), com (3) and I (6: ixx, ixy, ixz, iyy, iyz, izz, or 3×3; about the com), both in DH frame i of the
+    convention, rotor (kg m²) and gear, friction (viscous, or (viscous, coulomb)), limits (lower, upper) or Limits, name.
+    A name instead of a number is a parameter. Raises ModelError naming the row.
+    """
+    return assemble(describe(rows, convention=convention, gravity=gravity, name=name), physical=physical)
+
+
+def describe(
+    rows: Sequence[Mapping[str, Any]],
+    *,
+    convention: Convention,
+    gravity: float | str | Sequence[float] = 9.81,
+    name: str = "dh",
+    source: str = "",
+    file: str | None = None,
+    lines: Sequence[int] | None = None,
+) -> Description:
+    """The links and joints of a DH table; for a file also its name and the line of each row."""
+    if convention not in ("standard", "modified"):
+        raise UnknownNameError("convention", convention, "dh", ("standard", "modified"))
+    if not len(rows):
+        raise ModelError("dh: the table has no rows; give one a joint.")
+    links, joints, mounts = [Link("base")], [], []
+    behind = Placement()  # from the link frame to where the next joint's placement starts
+    for i, row in enumerate(rows):
+        line = lines[i] if lines else None
+        try:
+            link, joint, frame = _row(row, i, convention, behind, links[-1].name, line)
+        except ModelError as error:
+            if file:
+                raise FileError(file, line, str(error)) from None
+            raise
+        links.append(link)
+        joints.append(joint)
+        mounts.append(Mount(f"frame{i + 1}", link.name, frame))
+        behind = frame
+    # a number keeps the letter g, so that equations can show it
+    field = Parameter("g", float(gravity)) if isinstance(gravity, int | float) else gravity
+    return Description(
+        name, 3, tuple(links), tuple(joints), gravity_of(field, 3), tuple(mounts), tip=mounts[-1].name, source=source, file=file
+    )
+
+
+def _row(
+    row: Mapping[str, Any], i: int, convention: Convention, behind: Placement, parent: str, line: int | None
+) -> tuple[Link, Joint, Placement]:
+    """Link, joint and the placement of DH frame i in the link's frame."""
+    where = f"dh row {i + 1}"
+    for key in row:
+        if key not in KEYS:
+            raise ModelError(str(UnknownNameError("key", key, where, KEYS)))
+    letter = row.get("joint", "R")
+    if letter not in ("R", "P"):
+        raise ModelError(f"{where}: joint is {letter!r}, expected 'R' or 'P'.")
+    theta, d, a, alpha = (quantity(row.get(key, 0.0), f"{where}: {key}") for key in ("theta", "d", "a", "alpha"))
+    about_z, along_z = turn("z", theta), shift(0.0, 0.0, d)
+    link_shape = shift(a, 0.0, 0.0).then(turn("x", alpha))
+    if convention == "modified":
+        placement, frame = behind.then(turn("x", alpha)).then(shift(a, 0.0, 0.0)).then(about_z).then(along_z), Placement()
+    elif letter == "R":
+        placement, frame = behind.then(about_z), along_z.then(link_shape)
+    else:
+        placement, frame = behind.then(about_z).then(along_z), link_shape
+    link = Link(str(row.get("name", f"link{i + 1}")), _inertia(row, where), frame, line)
+    joint = Joint(
+        f"joint{i + 1}",
+        "revolute" if letter == "R" else "prismatic",
+        parent,
+        link.name,
+        placement,
+        (0.0, 0.0, 1.0),
+        _limits(row.get("limits"), where),
+        _drive(row, where),
+        line=line,
+    )
+    return link, joint, frame
+
+
+def _inertia(row: Mapping[str, Any], where: str) -> Inertia | None:
+    if not any(key in row for key in ("m", "com", "I")):
+        return None
+    if "m" not in row:
+        raise ModelError(f"{where}: com or I without a mass; add m.")
+    com, tensor = row.get("com", (0.0, 0.0, 0.0)), row.get("I", (0.0,) * 6)
+    if len(com) != 3:
+        raise ModelError(f"{where}: com has {len(com)} entries, expected 3.")
+    try:
+        return Inertia.of(row["m"], com, tensor)
+    except ModelError as error:
+        raise ModelError(f"{where}: {error}") from None
+
+
+def _limits(given: Any, where: str) -> Limits:
+    if given is None or isinstance(given, Limits):
+        return given or Limits()
+    if len(given) != 2:
+        raise ModelError(f"{where}: limits must be (lower, upper); got {given!r}.")
+    return Limits(float(given[0]), float(given[1]))
+
+
+def _drive(row: Mapping[str, Any], where: str) -> Drive:
+    friction = row.get("friction", 0.0)
+    viscous, coulomb = (friction, 0.0) if isinstance(friction, int | float | str | Parameter) else friction
+
+    def read(key: str, value: object) -> Quantity:
+        return quantity(value, f"{where}: {key}")
+
+    return Drive(
+        viscous=read("friction", viscous),
+        coulomb=read("friction", coulomb),
+        rotor=read("rotor", row.get("rotor", 0.0)),
+        gear=read("gear", row.get("gear", 1.0)),
+    )

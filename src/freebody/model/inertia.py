@@ -1,0 +1,196 @@
+"""Mass, centre of mass and moment of inertia of a rigid body, and the shapes of textbooks (notes, 1.15-1.20)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from freebody.elementary import Scalar
+from freebody.errors import MissingValueError, ModelError
+from freebody.model.parameters import Parameter, Quantity, Read, each_parameter, finite, quantity, read_with
+from freebody.spatial import Vector
+
+_TOLERANCE = 1e-9  # of the largest eigenvalue: how negative a pseudo-inertia may be before it is called not physical
+
+
+@dataclass(frozen=True)
+class Inertia:
+    """Mass properties in some frame: `mass` (kg), `com` (m), `tensor` about the com (kg m²), axes of the frame.
+
+    In space `tensor` holds ixx, ixy, ixz, iyy, iyz, izz (symmetric matrix entries, no sign convention of products of
+    inertia); in the plane one number. Entries are numbers or parameters.
+    """
+
+    mass: Quantity
+    com: tuple[Quantity, ...]
+    tensor: tuple[Quantity, ...]
+
+    def __post_init__(self) -> None:
+        if (len(self.com), len(self.tensor)) not in ((3, 6), (2, 1)):
+            raise ModelError(
+                f"Inertia: com has {len(self.com)} and tensor {len(self.tensor)} entries; give 3 and 6 "
+                "(ixx, ixy, ixz, iyy, iyz, izz) in space, 2 and 1 in the plane."
+            )
+        for name, values in (("mass", (self.mass,)), ("com", self.com), ("tensor", self.tensor)):
+            cleaned = tuple(x if isinstance(x, Parameter) else finite(x, f"Inertia: {name}") for x in values)
+            object.__setattr__(self, name, cleaned[0] if name == "mass" else cleaned)
+
+    @property
+    def dim(self) -> int:
+        """2 or 3."""
+        return len(self.com)
+
+    # ------------------------------------------------------------ constructors
+    @staticmethod
+    def of(
+        mass: Quantity | str,
+        com: Sequence[Quantity | str],
+        tensor: Quantity | str | Sequence[Quantity | str] | Sequence[Sequence[float]] | np.ndarray,
+    ) -> Inertia:
+        """From a mass, a com and a tensor about it: a number (plane), 6 entries ixx, ixy, ixz, iyy, iyz, izz or 3×3."""
+        entries: tuple[object, ...]
+        if isinstance(tensor, str | Parameter) or np.ndim(tensor) == 0:  # type: ignore[arg-type]
+            entries = (tensor,)
+        elif len(tensor) == 3 and np.shape(tensor) == (3, 3):  # type: ignore[arg-type]
+            entries = _upper(np.asarray(tensor, dtype=float))
+        else:
+            entries = tuple(tensor)  # type: ignore[arg-type]
+        return Inertia(
+            quantity(mass, "Inertia: mass"),
+            tuple(quantity(c, "Inertia: com") for c in com),
+            tuple(quantity(t, "Inertia: tensor") for t in entries),
+        )
+
+    @staticmethod
+    def nothing(dim: int = 3) -> Inertia:
+        """No mass at all."""
+        return Inertia(0.0, (0.0,) * dim, (0.0,) * (6 if dim == 3 else 1))
+
+    @staticmethod
+    def point(mass: float, com: Sequence[float] = (0.0, 0.0, 0.0)) -> Inertia:
+        """A particle at `com`; two entries make it planar."""
+        return Inertia(mass, tuple(com), (0.0,) * (6 if len(com) == 3 else 1))
+
+    @staticmethod
+    def disc(mass: float, radius: float, dim: int = 3) -> Inertia:
+        """Thin uniform disc in the xy plane, about its centre: I_G = m r²/2 about z."""
+        return _shape(mass, dim, mass * radius**2 / 4, mass * radius**2 / 4, mass * radius**2 / 2)
+
+    @staticmethod
+    def ring(mass: float, radius: float, dim: int = 3) -> Inertia:
+        """Thin ring in the xy plane: I_G = m r² about z."""
+        return _shape(mass, dim, mass * radius**2 / 2, mass * radius**2 / 2, mass * radius**2)
+
+    @staticmethod
+    def bar(mass: float, length: float, dim: int = 3) -> Inertia:
+        """Thin uniform bar along x, about its middle: I_G = m l²/12."""
+        return _shape(mass, dim, 0.0, mass * length**2 / 12, mass * length**2 / 12)
+
+    @staticmethod
+    def box(mass: float, size: Sequence[float]) -> Inertia:
+        """Uniform box with sides along the axes; two sides make a planar rectangle."""
+        x, y = size[0] ** 2, size[1] ** 2
+        z = size[2] ** 2 if len(size) == 3 else 0.0
+        return _shape(mass, len(size), mass * (y + z) / 12, mass * (x + z) / 12, mass * (x + y) / 12)
+
+    @staticmethod
+    def cylinder(mass: float, radius: float, length: float) -> Inertia:
+        """Solid cylinder along z."""
+        across = mass * (3 * radius**2 + length**2) / 12
+        return _shape(mass, 3, across, across, mass * radius**2 / 2)
+
+    @staticmethod
+    def sphere(mass: float, radius: float) -> Inertia:
+        """Solid sphere."""
+        return _shape(mass, 3, *(0.4 * mass * radius**2,) * 3)
+
+    # ------------------------------------------------------------ numbers
+    def numbers(self) -> tuple[float, np.ndarray, np.ndarray]:
+        """(mass, com (dim,), tensor about the com (3, 3) or (1, 1)) as numbers."""
+        missing = [p.name for p in each_parameter(self) if p.value is None]
+        if missing:
+            raise MissingValueError("Inertia", missing)
+        m, c, t = self.lower(lambda p: p.value)
+        return float(m), np.array(c, dtype=float), np.array(t if self.dim == 3 else [[t]], dtype=float)
+
+    def lower(self, read: Read) -> tuple[Scalar, Vector, Scalar]:
+        """(mass, com, tensor) in scalars: a 3×3 matrix in space, a number in the plane."""
+        m = read_with(read, self.mass)
+        c = tuple(read_with(read, x) for x in self.com)
+        t = tuple(read_with(read, x) for x in self.tensor)
+        if self.dim == 2:
+            return m, c, t[0]
+        xx, xy, xz, yy, yz, zz = t
+        return m, c, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+
+    def about(self, point: Sequence[float]) -> np.ndarray:
+        """Tensor (3, 3), or (1, 1) in the plane, about a point of the frame: parallel axis theorem (1.19)."""
+        m, c, tensor = self.numbers()
+        return tensor + _steiner(m, np.asarray(point, dtype=float) - c)
+
+    def placed(self, rotation: np.ndarray | Sequence, position: Sequence[float]) -> Inertia:
+        """The same body in frame A, given the pose R_AB, p_AB of its own frame B."""
+        m, c, tensor = self.numbers()
+        R = np.asarray(rotation, dtype=float)
+        turned = R @ tensor @ R.T if self.dim == 3 else tensor
+        return Inertia(m, tuple(R @ c + np.asarray(position, dtype=float)), _upper(turned))
+
+    def moved_to(self, com: Sequence[float]) -> Inertia:
+        """The same body with its centre of mass elsewhere."""
+        return Inertia(self.mass, tuple(float(x) for x in com), self.tensor)
+
+    def __add__(self, other: Inertia) -> Inertia:
+        """Two bodies as one, both in the same frame."""
+        return combined((self, other))
+
+    def fault(self) -> str | None:
+        """Why no rigid body has this inertia, or None. Inertias with parameters without value pass."""
+        if any(p.value is None for p in each_parameter(self)):
+            return None
+        m, _, tensor = self.numbers()
+        if m < 0:
+            return f"mass {m:g} kg is negative"
+        if self.dim == 2:
+            return f"moment of inertia {tensor[0, 0]:g} kg m² is negative" if tensor[0, 0] < 0 else None
+        principal = np.sort(np.linalg.eigvalsh(tensor))
+        sigma = principal.sum() / 2 - principal
+        if sigma.min() >= -_TOLERANCE * max(abs(sigma).max(), m):
+            return None
+        a, b, c = principal
+        if a < -_TOLERANCE * abs(c):
+            return f"principal moment {a:g} kg m² is negative"
+        return f"principal moments {a:g}, {b:g}, {c:g} kg m² break the triangle inequality ({a:g} + {b:g} < {c:g})"
+
+
+def combined(parts: Sequence[Inertia]) -> Inertia:
+    """Several bodies in one frame as one rigid body: centre of mass (1.15) and parallel axes (1.19)."""
+    if not parts:
+        raise ModelError("combined: give at least one Inertia.")
+    numbers = [part.numbers() for part in parts]
+    if len({part.dim for part in parts}) > 1:
+        raise ModelError("combined: planar and spatial inertias cannot be mixed.")
+    mass = sum(m for m, _, _ in numbers)
+    moment = sum((m * c for m, c, _ in numbers), np.zeros(parts[0].dim))
+    com = moment / mass if mass else np.zeros(parts[0].dim)
+    tensor = sum(t + _steiner(m, c - com) for m, c, t in numbers)
+    return Inertia(mass, tuple(com), _upper(np.asarray(tensor)))
+
+
+def _steiner(m: float, d: np.ndarray) -> np.ndarray:
+    """m (d² 1 - d dᵀ), or m d² in the plane."""
+    return m * (d @ d * np.eye(3) - np.outer(d, d)) if len(d) == 3 else np.array([[m * (d @ d)]])
+
+
+def _upper(tensor: np.ndarray) -> tuple[float, ...]:
+    """Entries of a symmetric matrix in stored order."""
+    if tensor.shape == (1, 1):
+        return (float(tensor[0, 0]),)
+    if not np.allclose(tensor, tensor.T, rtol=0, atol=1e-12 * max(1e-300, float(abs(tensor).max()))):
+        raise ModelError("Inertia: the 3×3 tensor is not symmetric.")
+    return tuple(float(tensor[i, j]) for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)))
+
+
+def _shape(mass: float, dim: int, xx: float, yy: float, zz: float) -> Inertia:
+    return Inertia(mass, (0.0,) * dim, (xx, 0.0, 0.0, yy, 0.0, zz) if dim == 3 else (zz,))

@@ -1,0 +1,17 @@
+"""Joint kinds, one file each; a new kind is a file here and a line in `KINDS`."""
+
+from __future__ import annotations
+
+from freebody.model.joints.fixed import Fixed
+from freebody.model.joints.free import Free
+from freebody.model.joints.kind import JointKind, Primitive
+from freebody.model.joints.planar import Planar
+from freebody.model.joints.prismatic import Prismatic
+from freebody.model.joints.revolute import Continuous, Revolute
+from freebody.model.joints.spherical import Spherical
+
+KINDS: dict[str, JointKind] = {
+    kind.name: kind for kind in (Revolute(), Continuous(), Prismatic(), Fixed(), Planar(), Spherical(), Free())
+}
+
+__all__ = ["KINDS", "JointKind", "Primitive"]

@@ -1,0 +1,17 @@
+"""Fixed joint: no motion. Assembly lumps what it carries into the body before; it never reaches an algorithm."""
+
+from __future__ import annotations
+
+from freebody.model.joints.kind import JointKind, Primitive
+from freebody.spatial import AnySpace, Vector
+
+
+class Fixed(JointKind):
+    """Fixed."""
+
+    name = "fixed"
+    nq = nv = 0
+    dimensions = (2, 3)
+
+    def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
+        return ()

@@ -1,0 +1,40 @@
+"""Free joint: a body that nothing holds. q = x, y, z, quaternion w, x, y, z; rate = v, ω in the body's axes."""
+
+from __future__ import annotations
+
+from freebody.model.joints.kind import Column, JointKind, Primitive
+from freebody.model.joints.spherical import PIVOTING
+from freebody.spatial import AnySpace, Matrix, Vector, identity
+
+
+class Floating(Primitive):
+    """Any motion of a rigid body."""
+
+    nq = 7
+    nv = 6
+
+    def pose(self, space: AnySpace, axis: Vector, q: Vector) -> tuple[Matrix, Vector]:
+        R, _ = PIVOTING.pose(space, axis, q[3:])
+        return R, q[:3]
+
+    def columns(self, space: AnySpace, axis: Vector) -> tuple[Column, ...]:
+        units = identity(3)
+        return tuple((space.zero, unit) for unit in units) + tuple((unit, space.zero) for unit in units)
+
+    def bias(self, space: AnySpace, rates: Vector) -> Column:
+        # p̈ = d/dt (R v) = R (v̇ + ω × v)
+        return space.zero_angular, space.cross(rates[3:], rates[:3])
+
+
+FLOATING = Floating()
+
+
+class Free(JointKind):
+    """Free."""
+
+    name = "free"
+    nq = 7
+    nv = 6
+
+    def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
+        return ((FLOATING, axis),)

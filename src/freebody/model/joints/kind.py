@@ -1,0 +1,50 @@
+"""What a joint kind must tell: its coordinates, and the primitive motions it is made of.
+
+A *primitive* is a joint whose motion columns (angular and linear velocity of the child for a unit rate, at the
+child's origin, in the child's axes) are constant. That is all the algorithms know of joints.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import ClassVar
+
+from freebody.spatial import AnySpace, Matrix, Vector
+
+Column = tuple[Vector, Vector]
+"""(angular, linear)."""
+
+
+class Primitive(ABC):
+    """A joint with constant motion columns."""
+
+    nq: ClassVar[int]
+    nv: ClassVar[int]
+
+    @abstractmethod
+    def pose(self, space: AnySpace, axis: Vector, q: Vector) -> tuple[Matrix, Vector]:
+        """(R, p) of the child in the joint's frame at position q (nq scalars)."""
+
+    @abstractmethod
+    def columns(self, space: AnySpace, axis: Vector) -> tuple[Column, ...]:
+        """nv motion columns."""
+
+    def bias(self, space: AnySpace, rates: Vector) -> Column:
+        """The part of the child's acceleration relative to the joint's frame (the time derivative of its point's
+        velocity, in the child's axes) that does not stem from the second rates."""
+        return space.zero_angular, space.zero
+
+
+class JointKind(ABC):
+    """A family of joints as a user names it."""
+
+    name: ClassVar[str]
+    nq: ClassVar[int]
+    nv: ClassVar[int]
+    needs_axis: ClassVar[bool] = False
+    dimensions: ClassVar[tuple[int, ...]] = (3,)
+    """Spaces (2, 3) in which the kind makes sense."""
+
+    @abstractmethod
+    def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
+        """The chain of primitives, each with its axis, that stands for this joint; their coordinates in order."""

@@ -1,0 +1,33 @@
+"""Prismatic joint: slides along a constant axis (6.23-6.27)."""
+
+from __future__ import annotations
+
+from freebody.model.joints.kind import Column, JointKind, Primitive
+from freebody.spatial import AnySpace, Matrix, Vector, identity, scale
+
+
+class Sliding(Primitive):
+    """Translation by q[0] (m) along the axis."""
+
+    nq = nv = 1
+
+    def pose(self, space: AnySpace, axis: Vector, q: Vector) -> tuple[Matrix, Vector]:
+        return identity(space.dim), scale(q[0], axis)
+
+    def columns(self, space: AnySpace, axis: Vector) -> tuple[Column, ...]:
+        return ((space.zero_angular, axis),)
+
+
+SLIDING = Sliding()
+
+
+class Prismatic(JointKind):
+    """Prismatic."""
+
+    name = "prismatic"
+    nq = nv = 1
+    needs_axis = True
+    dimensions = (2, 3)
+
+    def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
+        return ((SLIDING, axis),)

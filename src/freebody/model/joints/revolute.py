@@ -1,0 +1,39 @@
+"""Revolute joint: turns about a constant axis (6.16-6.21)."""
+
+from __future__ import annotations
+
+from freebody.model.joints.kind import Column, JointKind, Primitive
+from freebody.spatial import AnySpace, Matrix, Vector
+
+
+class Turning(Primitive):
+    """Rotation by q[0] (rad) about the axis."""
+
+    nq = nv = 1
+
+    def pose(self, space: AnySpace, axis: Vector, q: Vector) -> tuple[Matrix, Vector]:
+        return space.rotation(axis, q[0]), space.zero
+
+    def columns(self, space: AnySpace, axis: Vector) -> tuple[Column, ...]:
+        return ((axis, space.zero),)
+
+
+TURNING = Turning()
+
+
+class Revolute(JointKind):
+    """Revolute, usually with limits."""
+
+    name = "revolute"
+    nq = nv = 1
+    needs_axis = True
+    dimensions = (2, 3)
+
+    def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
+        return ((TURNING, axis),)
+
+
+class Continuous(Revolute):
+    """Revolute without limits; the angle is one number, not a point on a circle."""
+
+    name = "continuous"

@@ -1,0 +1,34 @@
+"""Spherical joint: a quaternion w, x, y, z for position, the angular velocity in the child's axes for rate."""
+
+from __future__ import annotations
+
+from freebody.model.joints.kind import Column, JointKind, Primitive
+from freebody.spatial import AnySpace, Matrix, Space, Vector, identity
+
+
+class Pivoting(Primitive):
+    """Rotation by a quaternion, which is normalised on the way."""
+
+    nq = 4
+    nv = 3
+
+    def pose(self, space: AnySpace, axis: Vector, q: Vector) -> tuple[Matrix, Vector]:
+        assert isinstance(space, Space)  # the kind's `dimensions` keep it out of the plane
+        return space.quaternion(q), space.zero
+
+    def columns(self, space: AnySpace, axis: Vector) -> tuple[Column, ...]:
+        return tuple((unit, space.zero) for unit in identity(3))
+
+
+PIVOTING = Pivoting()
+
+
+class Spherical(JointKind):
+    """Spherical."""
+
+    name = "spherical"
+    nq = 4
+    nv = 3
+
+    def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
+        return ((PIVOTING, axis),)

@@ -1,0 +1,100 @@
+"""Quantities of a model: plain numbers, or parameters with a name and perhaps a value."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from freebody.elementary import Scalar
+from freebody.errors import ModelError
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A named quantity: equations show the name, numbers use the value (None: not known yet)."""
+
+    name: str
+    value: float | None = None
+
+    def __post_init__(self) -> None:
+        if not self.name.isidentifier():
+            raise ModelError(f"parameter name {self.name!r} must be a word of letters, digits and _, such as 'l1'.")
+        if self.value is not None:
+            object.__setattr__(self, "value", finite(self.value, f"parameter {self.name!r}"))
+
+
+Quantity = float | Parameter
+Read = Callable[[Parameter], Scalar]
+"""How a parameter becomes a scalar."""
+
+
+def finite(value: object, owner: str) -> float:
+    """`value` as a finite float, or an error that names its owner."""
+    try:
+        number = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        raise ModelError(f"{owner}: {value!r} is not a number.") from None
+    if not math.isfinite(number):
+        raise ModelError(f"{owner}: {number} is not a finite number.")
+    return number
+
+
+def quantity(value: object, owner: str, default_name: str | None = None) -> Quantity:
+    """A number, a name, a Parameter or None as a Quantity.
+
+    A name becomes a parameter without value, None the parameter `default_name`; with a `default_name` a number
+    becomes that parameter's value.
+    """
+    if isinstance(value, Parameter):
+        return value
+    if isinstance(value, str):
+        return Parameter(value)
+    if value is None:
+        if default_name is None:
+            raise ModelError(f"{owner}: a number or a name is needed.")
+        return Parameter(default_name)
+    number = finite(value, owner)
+    return number if default_name is None else Parameter(default_name, number)
+
+
+def each_parameter(thing: Any) -> Iterator[Parameter]:
+    """All parameters inside a tree of dataclasses, tuples and dicts, in order."""
+    if isinstance(thing, Parameter):
+        yield thing
+    elif dataclasses.is_dataclass(thing):
+        for field in dataclasses.fields(thing):
+            yield from each_parameter(getattr(thing, field.name))
+    elif isinstance(thing, tuple):
+        for item in thing:
+            yield from each_parameter(item)
+
+
+def with_parameters(thing: Any, change: Callable[[Parameter], Any]) -> Any:
+    """A copy of a tree of dataclasses and tuples, each parameter replaced by change(parameter)."""
+    if isinstance(thing, Parameter):
+        return change(thing)
+    if dataclasses.is_dataclass(thing) and not isinstance(thing, type):
+        old = {field.name: getattr(thing, field.name) for field in dataclasses.fields(thing) if field.init}
+        new = {name: with_parameters(value, change) for name, value in old.items()}
+        if all(new[name] is old[name] for name in old):
+            return thing
+        return dataclasses.replace(thing, **new)
+    if isinstance(thing, tuple):
+        items = tuple(with_parameters(item, change) for item in thing)
+        return thing if all(a is b for a, b in zip(items, thing, strict=True)) else items
+    return thing
+
+
+def value_of(parameter: Parameter) -> float:
+    """The `Read` that gives values; missing ones must have been refused before."""
+    if parameter.value is None:
+        raise ModelError(f"parameter {parameter.name!r} has no value.")
+    return parameter.value
+
+
+def read_with(read: Read, q: Quantity) -> Scalar:
+    """The scalar of a quantity."""
+    return read(q) if isinstance(q, Parameter) else q

@@ -1,0 +1,120 @@
+"""The parts of a robot, as data: what files and builders describe, and what a `Model` is made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from freebody.model.inertia import Inertia
+from freebody.model.parameters import Quantity
+from freebody.model.placement import Placement
+
+INFINITE = float("inf")
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Range of a one-axis joint: position (rad or m), speed, effort (N m or N)."""
+
+    lower: float = -INFINITE
+    upper: float = INFINITE
+    velocity: float = INFINITE
+    effort: float = INFINITE
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What acts along a one-axis joint besides the motor.
+
+    Friction: viscous d q̇ + coulomb sign(q̇). Rotor: inertia J seen through a gear as J gear². Spring: stiffness (q - rest).
+    """
+
+    viscous: Quantity = 0.0
+    coulomb: Quantity = 0.0
+    rotor: Quantity = 0.0
+    gear: Quantity = 1.0
+    stiffness: Quantity = 0.0
+    rest: Quantity = 0.0
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """A joint that follows another: position = ratio · q(joint) + offset."""
+
+    joint: str
+    ratio: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint between two links; its frame is placed in the parent link's frame, and is the child link's frame at q = 0."""
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    placement: Placement = Placement()
+    axis: tuple[float, ...] = ()
+    limits: Limits = Limits()
+    drive: Drive = Drive()
+    mimic: Mimic | None = None
+    line: int | None = None
+
+
+@dataclass(frozen=True)
+class Link:
+    """A rigid part with a frame; `inertia` is given in a frame placed in the link's."""
+
+    name: str
+    inertia: Inertia | None = None
+    placement: Placement = Placement()
+    line: int | None = None
+
+
+@dataclass(frozen=True)
+class Mount:
+    """A named frame fixed to a link, such as a tool's."""
+
+    name: str
+    link: str
+    placement: Placement = Placement()
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A closed chain: two frames held together by a joint kind. Described here, refused by assembly for now."""
+
+    name: str
+    kind: str
+    frames: tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Notice:
+    """Something worth knowing about how a model was read: snapped angles, ignored tags, doubtful inertias."""
+
+    kind: str
+    text: str
+    file: str | None = None
+    line: int | None = None
+
+    def __str__(self) -> str:
+        place = f"{self.file}:{self.line}: " if self.file and self.line else f"{self.file}: " if self.file else ""
+        return f"{place}{self.text}"
+
+
+@dataclass(frozen=True)
+class Description:
+    """Links and joints as a file or a builder gives them, before assembly into a Model."""
+
+    name: str
+    dim: int
+    links: tuple[Link, ...]
+    joints: tuple[Joint, ...]
+    gravity: tuple[Quantity, tuple[float, ...]]
+    mounts: tuple[Mount, ...] = ()
+    loops: tuple[Loop, ...] = ()
+    tip: str | None = None
+    source: str = ""
+    notices: tuple[Notice, ...] = field(default=())
+    file: str | None = None

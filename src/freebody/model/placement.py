@@ -1,0 +1,118 @@
+"""Constant poses: a chain of shifts and turns, whose entries may be parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from freebody.elementary import Scalar, cos, sin
+from freebody.errors import ModelError
+from freebody.model.parameters import Parameter, Quantity, Read, read_with
+from freebody.spatial import AnySpace, Matrix, Vector, add, identity, product, times
+
+_EXACT = 1e-12  # angles this close to a multiple of a right angle are that multiple
+
+
+@dataclass(frozen=True)
+class Shift:
+    """Translation by a constant vector (m), in the axes reached so far."""
+
+    by: tuple[Quantity, ...]
+
+
+@dataclass(frozen=True)
+class Turn:
+    """Rotation about one of the axes reached so far by a constant angle (rad)."""
+
+    axis: str
+    angle: Quantity
+
+
+@dataclass(frozen=True)
+class Rotate:
+    """A constant rotation matrix."""
+
+    matrix: Matrix
+
+
+@dataclass(frozen=True)
+class Placement:
+    """A constant pose T_AB: the steps that lead from frame A to frame B, first step first."""
+
+    steps: tuple[Shift | Turn | Rotate, ...] = ()
+
+    def then(self, other: Placement) -> Placement:
+        """T_AB T_BC."""
+        return Placement(self.steps + other.steps)
+
+    def lower(self, space: AnySpace, read: Read) -> tuple[Matrix, Vector]:
+        """(R_AB, p_AB) in scalars."""
+        R: Matrix = identity(space.dim)
+        p: Vector = space.zero
+        for step in self.steps:
+            if isinstance(step, Shift):
+                p = add(p, times(R, tuple(read_with(read, x) for x in step.by)))
+            elif isinstance(step, Rotate):
+                R = product(R, step.matrix)
+            else:
+                R = product(R, _rotation(space, step, read))
+        return R, p
+
+
+def _rotation(space: AnySpace, turn: Turn, read: Read) -> Matrix:
+    """Rotation matrix of one turn; numbers near right angles are exact."""
+    if isinstance(turn.angle, Parameter) and not isinstance(read(turn.angle), float):
+        angle = read(turn.angle)
+        s, c = sin(angle), cos(angle)
+    else:
+        s, c = exact_sin_cos(float(read_with(read, turn.angle)))
+    return ((c, -s), (s, c)) if space.dim == 2 else about(turn.axis, s, c)
+
+
+def about(axis: str, s: Scalar, c: Scalar) -> Matrix:
+    """Rotation about a coordinate axis with sine s and cosine c."""
+    return {
+        "x": ((1.0, 0.0, 0.0), (0.0, c, -s), (0.0, s, c)),
+        "y": ((c, 0.0, s), (0.0, 1.0, 0.0), (-s, 0.0, c)),
+        "z": ((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0)),
+    }[axis]
+
+
+def exact_sin_cos(angle: float, tolerance: float = _EXACT) -> tuple[float, float]:
+    """sin and cos, exactly 0 and ±1 within `tolerance` (rad) of a multiple of π/2."""
+    quarter = round(angle / (math.pi / 2))
+    if abs(angle - quarter * (math.pi / 2)) <= tolerance:
+        return ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))[quarter % 4]
+    return math.sin(angle), math.cos(angle)
+
+
+def shift(*by: Quantity) -> Placement:
+    """Translation, nothing at all where it is zero."""
+    return Placement((Shift(tuple(by)),)) if any(x != 0.0 for x in by) else Placement()
+
+
+def turn(axis: str, angle: Quantity) -> Placement:
+    """Rotation about a coordinate axis, nothing at all where it is zero."""
+    return Placement((Turn(axis, angle),)) if angle != 0.0 else Placement()
+
+
+def rotate(matrix: Sequence[Sequence[float]] | np.ndarray, owner: str = "rotation") -> Placement:
+    """A given rotation matrix; refuses what is not a rotation."""
+    R = np.asarray(matrix, dtype=float)
+    n = R.shape[0]
+    if R.shape not in ((2, 2), (3, 3)) or not np.allclose(R @ R.T, np.eye(n), atol=1e-9) or np.linalg.det(R) < 0:
+        raise ModelError(f"{owner}: the matrix is not a rotation (R Rᵀ = 1, det R = 1).")
+    if np.array_equal(R, np.eye(n)):
+        return Placement()
+    return Placement((Rotate(tuple(tuple(float(x) for x in row) for row in R)),))
+
+
+def rpy(roll: float, pitch: float, yaw: float, snap: float = _EXACT) -> Placement:
+    """URDF's fixed-axis roll, pitch, yaw: R = Rz(yaw) Ry(pitch) Rx(roll); right angles within `snap` are exact."""
+    R: Matrix = identity(3)
+    for axis, angle in (("z", yaw), ("y", pitch), ("x", roll)):
+        R = product(R, about(axis, *exact_sin_cos(angle, snap)))
+    return Placement() if R == identity(3) else Placement((Rotate(R),))

@@ -1,0 +1,102 @@
+"""Planar arms from a word over R and P, with the notes' names and geometry.
+
+Frame i is fixed to link i at joint i, x along the link; the next joint sits at x = l_i, the centre of mass at
+x = lc_i. R turns by θ_i. P slides by d_i along its own x.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from freebody.errors import ModelError
+from freebody.model.assembly import Policy, assemble
+from freebody.model.inertia import Inertia
+from freebody.model.model import Model, gravity_of
+from freebody.model.parameters import Parameter, Quantity, quantity
+from freebody.model.parts import Description, Drive, Joint, Limits, Link, Mount
+from freebody.model.placement import shift, turn
+
+Given = float | str | Parameter | None
+
+
+def planar(
+    word: str,
+    *,
+    l: Sequence[Given] | None = None,  # noqa: E741  the notes' letter for a length
+    lc: Sequence[Given] | None = None,
+    m: Sequence[Given] | None = None,
+    I: Sequence[Given] | None = None,  # noqa: E741  the notes' letter for a moment of inertia
+    g: float | str | Sequence[float] = 9.81,
+    angles: Sequence[float] | None = None,
+    limits: Sequence[tuple[float, float] | Limits | None] | None = None,
+    drives: Sequence[Drive | None] | None = None,
+    name: str | None = None,
+    physical: Policy = "refuse",
+) -> Model:
+    """A planar serial arm: planar("RR") is the notes' 2R, planar("PR") a cart with a pendulum.
+
+    word: letters R and P from the base outward. l, lc (m), m (kg), I (kg m² about the com): one entry a link, a
+    number, a name or None; without them parameters l1, lc1, m1, I1, … that have no value yet (a P link has l = 0
+    unless given). g: gravity along -y (m/s²), a name, or a vector. angles: constant turn of each joint's frame from the
+    frame before (rad); default 0 for R, 0 for P after an R or at the base, +π/2 for P after a P.
+    limits: (lower, upper) or Limits a joint. drives: friction, rotors and springs a joint.
+    """
+    n = len(word)
+    if not n or set(word) - set("RP"):
+        raise ModelError(f"planar: the word {word!r} must be made of the letters R and P, such as 'RR' or 'RP'.")
+    lengths = _entries("l", l, n, word)
+    centres, masses, inertias = _entries("lc", lc, n), _entries("m", m, n), _entries("I", I, n)
+    turns = _constant_turns(word, angles)
+    ranges = _optional("limits", limits, n)
+    drive = _optional("drives", drives, n)
+    links, joints = [Link("base")], []
+    reach: Quantity = 0.0
+    for i, letter in enumerate(word):
+        given = ranges[i]
+        links.append(Link(f"link{i + 1}", Inertia(masses[i], (centres[i], 0.0), (inertias[i],))))
+        joints.append(
+            Joint(
+                f"joint{i + 1}",
+                "revolute" if letter == "R" else "prismatic",
+                links[i].name,
+                links[i + 1].name,
+                shift(reach, 0.0).then(turn("z", turns[i])),
+                (1.0,) if letter == "R" else (1.0, 0.0),
+                given if isinstance(given, Limits) else Limits(*given) if given else Limits(),
+                drive[i] or Drive(),
+            )
+        )
+        reach = lengths[i]
+    tip = Mount("tip", links[-1].name, shift(reach, 0.0))
+    gravity = gravity_of(Parameter("g", float(g)) if isinstance(g, int | float) else g, 2)
+    description = Description(name or word, 2, tuple(links), tuple(joints), gravity, (tip,), tip="tip")
+    return assemble(description, physical=physical)
+
+
+def _entries(letter: str, given: Sequence[Given] | None, n: int, word: str = "") -> list[Quantity]:
+    """n quantities named letter1, letter2, …; with a word, a P's default is 0."""
+    values = _optional(letter, given, n)
+    return [
+        0.0
+        if value is None and word and word[i] == "P"
+        else quantity(value, f"planar: {letter}[{i}]", f"{letter}{i + 1}")
+        for i, value in enumerate(values)
+    ]
+
+
+def _optional(name: str, given: Sequence | None, n: int) -> list:
+    """`given`, or n times None; refuses another length."""
+    if given is None:
+        return [None] * n
+    if isinstance(given, str | float | int) or len(given) != n:
+        raise ModelError(f"planar: {name} must have {n} entries, one a joint; got {given!r}.")
+    return list(given)
+
+
+def _constant_turns(word: str, angles: Sequence[float] | None) -> list[float]:
+    if angles is not None:
+        return [float(a) for a in _optional("angles", angles, len(word))]
+    return [math.pi / 2 if letter == "P" and i and word[i - 1] == "P" else 0.0 for i, letter in enumerate(word)]
+
+

@@ -1,0 +1,219 @@
+"""The model in scalars: what the algorithms run on.
+
+`lower` turns names and placements into numbers, or into whatever `read` makes of a parameter. Joints become chains of
+primitives, in an order where parents come first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from freebody.elementary import Scalar
+from freebody.model.inertia import Inertia, combined
+from freebody.model.joints.kind import Column, Primitive
+from freebody.model.parameters import Read, each_parameter, read_with
+from freebody.model.placement import Placement
+from freebody.spatial import AnySpace, Matrix, Vector, add, identity, of_dimension, scale, times
+
+if TYPE_CHECKING:
+    from freebody.model.model import Body, Model
+
+
+@dataclass(frozen=True)
+class Attached:
+    """The inertia of one link, given in a frame placed in the body's."""
+
+    link: str
+    inertia: Inertia
+    placement: Placement = Placement()
+
+
+@dataclass(frozen=True)
+class Coordinates:
+    """Which entries of q and q̇ move a joint, and how: joint position = ratio · q + offset."""
+
+    q: tuple[int, ...]
+    v: tuple[int, ...]
+    ratio: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class Mass:
+    """Mass m, centre of mass c and inertia about it, in the body's axes."""
+
+    m: Scalar
+    c: Vector
+    inertia: Scalar
+
+
+@dataclass(frozen=True)
+class DriveScalars:
+    """Friction, reflected rotor inertia and spring of a one-axis joint."""
+
+    viscous: Scalar
+    coulomb: Scalar
+    rotor: Scalar
+    stiffness: Scalar
+    rest: Scalar
+
+
+@dataclass(frozen=True)
+class TreeBody:
+    """A body behind one primitive joint. R, p: the joint's frame in the parent's."""
+
+    name: str
+    parent: int
+    primitive: Primitive
+    axis: Vector
+    columns: tuple[Column, ...]
+    R: Matrix
+    p: Vector
+    coordinates: Coordinates
+    masses: tuple[Mass, ...]
+    drive: DriveScalars | None
+    """None where neither friction nor rotor nor spring acts."""
+
+    def position(self, q: Vector) -> Vector:
+        """The joint's own position scalars."""
+        at = self.coordinates
+        if at.ratio == 1.0 and at.offset == 0.0:
+            return tuple(q[k] for k in at.q)
+        return tuple(at.ratio * q[k] + at.offset for k in at.q)
+
+    def rates(self, qd: Vector) -> Vector:
+        """The joint's own rates, first or second."""
+        at = self.coordinates
+        return tuple(qd[k] for k in at.v) if at.ratio == 1.0 else tuple(at.ratio * qd[k] for k in at.v)
+
+
+@dataclass(frozen=True)
+class Tree:
+    """Bodies, parents first, and gravity, in scalars."""
+
+    space: AnySpace
+    bodies: tuple[TreeBody, ...]
+    gravity: Vector
+    nq: int
+    nv: int
+    body_of: tuple[int, ...]
+    """For each body of the model, its index here."""
+    frames: dict[str, tuple[int, Matrix, Vector]]
+    """For each frame its body here (-1: base) and its constant pose in it."""
+    base: tuple[Mass, ...]
+
+    @property
+    def follows(self) -> bool:
+        """Whether some coordinate moves more than one joint."""
+        used = [k for body in self.bodies for k in body.coordinates.v]
+        return len(used) != len(set(used))
+
+    def children(self, i: int) -> tuple[int, ...]:
+        """Indices of the bodies that hang on body i."""
+        return tuple(k for k, body in enumerate(self.bodies) if body.parent == i)
+
+
+def lower(model: Model, read: Read) -> Tree:
+    """The model's tree, its parameters read by `read`."""
+    space = of_dimension(model.dim)
+    bodies: list[TreeBody] = []
+    body_of: dict[int, int] = {-1: -1}
+    for i in _parents_first(model):
+        body = model.bodies[i]
+        at = model.coordinates[i]
+        R, p = body.joint.placement.lower(space, read)
+        parent = body_of[body.parent]
+        iq = iv = 0
+        chain = body.kind.primitives(space, body.joint.axis)
+        for k, (primitive, axis) in enumerate(chain):
+            last = k == len(chain) - 1
+            bodies.append(
+                TreeBody(
+                    body.name,
+                    parent,
+                    primitive,
+                    axis,
+                    primitive.columns(space, axis),
+                    R,
+                    p,
+                    Coordinates(
+                        at.q[iq : iq + primitive.nq], at.v[iv : iv + primitive.nv], at.ratio, at.offset
+                    ),
+                    _masses(space, body.inertias, read) if last else (),
+                    _drive(body, read) if len(chain) == 1 else None,
+                )
+            )
+            iq, iv = iq + primitive.nq, iv + primitive.nv
+            parent = len(bodies) - 1
+            R, p = identity(space.dim), space.zero
+        body_of[i] = parent
+    size = read_with(read, model.gravity_size)
+    return Tree(
+        space,
+        tuple(bodies),
+        scale(size, model.gravity_direction),
+        model.nq,
+        model.nv,
+        tuple(body_of[i] for i in range(len(model.bodies))),
+        {f.name: (body_of[f.body], *f.placement.lower(space, read)) for f in model.frames},
+        _masses(space, model.base_inertias, read),
+    )
+
+
+def _parents_first(model: Model) -> list[int]:
+    """Indices of the model's bodies, each after its parent, otherwise in the file's order."""
+    order: list[int] = []
+    waiting = list(range(len(model.bodies)))
+    placed = {-1}
+    while waiting:
+        ready = [i for i in waiting if model.bodies[i].parent in placed]
+        order += ready
+        placed.update(ready)
+        waiting = [i for i in waiting if i not in placed]
+    return order
+
+
+def _masses(space: AnySpace, parts: tuple[Attached, ...], read: Read) -> tuple[Mass, ...]:
+    """Masses in the body's axes; those without parameters are made one."""
+    plain = [a for a in parts if not any(each_parameter(a))]
+    named = [a for a in parts if any(each_parameter(a))]
+    masses = [_mass(space, a, read) for a in named]
+    if len(plain) == 1:
+        masses.append(_mass(space, plain[0], read))
+    elif plain:
+        moved = [a.inertia.placed(*a.placement.lower(space, read)) for a in plain]
+        masses.append(_mass(space, Attached("", combined(moved)), read))
+    return tuple(mass for mass in masses if not _is_nothing(mass))
+
+
+def _mass(space: AnySpace, part: Attached, read: Read) -> Mass:
+    m, c, inertia = part.inertia.lower(read)
+    R, p = part.placement.lower(space, read)
+    return Mass(m, add(p, times(R, c)), space.turned_inertia(R, inertia))
+
+
+def _is_nothing(mass: Mass) -> bool:
+    rows = mass.inertia if isinstance(mass.inertia, tuple) else ((mass.inertia,),)
+    return all(isinstance(x, float) and x == 0.0 for row in ((mass.m,), *rows) for x in row)
+
+
+def _drive(body: Body, read: Read) -> DriveScalars | None:
+    drive = body.joint.drive
+    viscous, coulomb, rotor, gear, stiffness, rest = (
+        read_with(read, x)
+        for x in (drive.viscous, drive.coulomb, drive.rotor, drive.gear, drive.stiffness, drive.rest)
+    )
+    if all(isinstance(x, float) and x == 0.0 for x in (viscous, coulomb, rotor, stiffness)):
+        return None
+    return DriveScalars(viscous, coulomb, rotor * gear * gear, stiffness, rest)
+
+
+TURN_INTO_SPACE: dict[str, Callable[[tuple[float, ...]], tuple[float, ...]]] = {
+    "revolute": lambda axis: (0.0, 0.0, axis[0]),
+    "continuous": lambda axis: (0.0, 0.0, axis[0]),
+    "prismatic": lambda axis: (*axis, 0.0),
+    "planar": lambda axis: (),
+}
+"""The axis, in space, of a planar joint."""

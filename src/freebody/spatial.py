@@ -1,0 +1,262 @@
+"""Rigid-body algebra in the plane and in space, under the same names, over any scalar.
+
+Vectors are tuples of scalars, matrices tuples of rows. *Linear* vectors (positions, velocities, forces) have `dim`
+entries; *angular* ones (rates, moments) have 3 in space and 1 in the plane. An algorithm is given `plane` or `space`
+and never asks which: that is how the notes' planar recursion (4.6-4.15) and the spatial one (6.16-6.29) are one text.
+
+Notation: R = R_PB takes components in B to components in P; p is the origin of B in P.
+"""
+
+from __future__ import annotations
+
+from functools import reduce
+from typing import Any
+
+from freebody.elementary import Scalar, cos, sin
+
+Vector = tuple[Scalar, ...]
+Matrix = tuple[Vector, ...]
+
+
+# ---------------------------------------------------------------- vectors and matrices of any size
+def add(*vectors: Vector) -> Vector:
+    """Sum of vectors."""
+    return tuple(reduce(lambda x, y: x + y, column) for column in zip(*vectors, strict=True))
+
+
+def sub(a: Vector, b: Vector) -> Vector:
+    """a - b."""
+    return tuple(x - y for x, y in zip(a, b, strict=True))
+
+
+def neg(a: Vector) -> Vector:
+    """-a."""
+    return tuple(-x for x in a)
+
+
+def scale(s: Scalar, a: Vector) -> Vector:
+    """s a."""
+    return tuple(s * x for x in a)
+
+
+def dot(a: Vector, b: Vector) -> Scalar:
+    """a · b."""
+    return reduce(lambda x, y: x + y, (x * y for x, y in zip(a, b, strict=True)))
+
+
+def combine(vectors: tuple[Vector, ...], weights: Vector) -> Vector:
+    """Σ weights[k] vectors[k]."""
+    return add(*(scale(s, v) for v, s in zip(vectors, weights, strict=True)))
+
+
+def times(A: Matrix, x: Vector) -> Vector:
+    """A x."""
+    return tuple(dot(row, x) for row in A)
+
+
+def transposed(A: Matrix) -> Matrix:
+    """Aᵀ."""
+    return tuple(zip(*A, strict=True))
+
+
+def product(A: Matrix, B: Matrix) -> Matrix:
+    """A B."""
+    columns = transposed(B)
+    return tuple(tuple(dot(row, column) for column in columns) for row in A)
+
+
+def plus(A: Matrix, B: Matrix) -> Matrix:
+    """A + B."""
+    return tuple(add(a, b) for a, b in zip(A, B, strict=True))
+
+
+def congruence(A: Matrix, X: Matrix) -> Matrix:
+    """Xᵀ A X for a symmetric A: the upper triangle is computed, the lower mirrored."""
+    right, left = product(A, X), transposed(X)
+    return symmetric(len(left), lambda i, j: dot(left[i], tuple(row[j] for row in right)))
+
+
+def symmetric(n: int, entry: Any) -> Matrix:
+    """The symmetric n×n matrix whose upper triangle is entry(i, j), i <= j."""
+    upper = {(i, j): entry(i, j) for i in range(n) for j in range(i, n)}
+    return tuple(tuple(upper[min(i, j), max(i, j)] for j in range(n)) for i in range(n))
+
+
+def identity(n: int) -> Matrix:
+    """The n×n unit matrix."""
+    return tuple(tuple(1.0 if i == j else 0.0 for j in range(n)) for i in range(n))
+
+
+class Space:
+    """Three dimensions: angular vectors are 3-vectors, inertias symmetric 3×3 matrices."""
+
+    dim = 3
+    six = 6
+    axes = "xyz"
+    zero: Vector = (0.0, 0.0, 0.0)
+    zero_angular: Vector = (0.0, 0.0, 0.0)
+    no_inertia: Any = ((0.0,) * 3,) * 3
+
+    def cross(self, w: Vector, r: Vector) -> Vector:
+        """ω × r: velocity that an angular rate gives to a point."""
+        return (w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2], w[0] * r[1] - w[1] * r[0])
+
+    moment = cross
+    """r × f: moment of a force."""
+    cross_angular = cross
+    """ω₁ × ω₂ of two angular vectors."""
+
+    def turn(self, R: Matrix, w: Vector) -> Vector:
+        """Components of an angular vector in turned axes: R ω."""
+        return times(R, w)
+
+    def rotation(self, axis: Vector, angle: Scalar) -> Matrix:
+        """Rotation by an angle about a constant unit axis (Rodrigues)."""
+        s, c = sin(angle), cos(angle)
+        x, y, z = axis
+        rest = 1.0 - c
+        return (
+            (_square(x, c), x * y * rest - z * s, x * z * rest + y * s),
+            (x * y * rest + z * s, _square(y, c), y * z * rest - x * s),
+            (x * z * rest - y * s, y * z * rest + x * s, _square(z, c)),
+        )
+
+    def quaternion(self, q: Vector) -> Matrix:
+        """Rotation of a quaternion w, x, y, z of any length but zero."""
+        w, x, y, z = q
+        s = 2.0 / (w * w + x * x + y * y + z * z)
+        return (
+            (1.0 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)),
+            (s * (x * y + w * z), 1.0 - s * (x * x + z * z), s * (y * z - w * x)),
+            (s * (x * z - w * y), s * (y * z + w * x), 1.0 - s * (x * x + y * y)),
+        )
+
+    def rates(self, w: Vector, wd: Vector) -> Matrix:
+        """[ω̇×] + [ω×][ω×]: its product with r is the acceleration of r relative to the origin, as in (4.5), (6.21)."""
+        xx, yy, zz = w[0] * w[0], w[1] * w[1], w[2] * w[2]
+        xy, yz, xz = w[0] * w[1], w[1] * w[2], w[0] * w[2]
+        return (
+            (-(yy + zz), xy - wd[2], xz + wd[1]),
+            (xy + wd[2], -(xx + zz), yz - wd[0]),
+            (xz - wd[1], yz + wd[0], -(xx + yy)),
+        )
+
+    def inertia_times(self, inertia: Matrix, w: Vector) -> Vector:
+        """I ω."""
+        return times(inertia, w)
+
+    def euler(self, inertia: Matrix, w: Vector, wd: Vector) -> Vector:
+        """I ω̇ + ω × I ω: moment about the centre of mass (6.2), (6.29)."""
+        return add(times(inertia, wd), self.cross(w, times(inertia, w)))
+
+    def turned_inertia(self, R: Matrix, inertia: Matrix) -> Matrix:
+        """R I Rᵀ (6.3)."""
+        return congruence(inertia, transposed(R))
+
+    def steiner(self, m: Scalar, h: Vector, p: Vector) -> Matrix:
+        """What an inertia about an origin gains when that origin (mass m, first moment h about it) lies at p (1.19)."""
+        # the inertia of first moments a, b is (a·b) 1 - a bᵀ, made symmetric
+        twice = tuple(m * p[i] + 2.0 * h[i] for i in range(3))
+        d = dot(p, twice)
+        return symmetric(
+            3, lambda i, j: d - p[i] * twice[i] if i == j else -(m * p[i] * p[j] + p[i] * h[j] + h[i] * p[j])
+        )
+
+    def plus_inertia(self, a: Matrix, b: Matrix) -> Matrix:
+        """Sum of two inertias about the same point."""
+        return symmetric(3, lambda i, j: a[i][j] + b[i][j])
+
+    def skew(self, r: Vector) -> Matrix:
+        """Matrix of r × f as a function of f: angular rows, linear columns."""
+        x, y, z = r
+        return ((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0))
+
+    def inertia_matrix(self, inertia: Matrix) -> Matrix:
+        """The inertia as a matrix over angular components."""
+        return inertia
+
+
+class Plane:
+    """Two dimensions: angular vectors have one entry, inertias are numbers."""
+
+    dim = 2
+    six = 3
+    axes = "xy"
+    zero: Vector = (0.0, 0.0)
+    zero_angular: Vector = (0.0,)
+    no_inertia: Any = 0.0
+
+    def cross(self, w: Vector, r: Vector) -> Vector:
+        """ω z × r."""
+        return (-w[0] * r[1], w[0] * r[0])
+
+    def moment(self, r: Vector, f: Vector) -> Vector:
+        """The scalar cross product of two planar vectors, r_x f_y - r_y f_x."""
+        return (r[0] * f[1] - r[1] * f[0],)
+
+    def cross_angular(self, w1: Vector, w2: Vector) -> Vector:
+        """Zero: all angular vectors are parallel."""
+        return (0.0,)
+
+    def turn(self, R: Matrix, w: Vector) -> Vector:
+        """Angular components do not depend on the axes."""
+        return w
+
+    def rotation(self, axis: Vector, angle: Scalar) -> Matrix:
+        """Rotation by an angle about ±z."""
+        s, c = axis[0] * sin(angle), cos(angle)
+        return ((c, -s), (s, c))
+
+    def rates(self, w: Vector, wd: Vector) -> Matrix:
+        """ω̇ z× + ω z× (ω z×), as in (4.10)."""
+        ww = -(w[0] * w[0])
+        return ((ww, -wd[0]), (wd[0], ww))
+
+    def inertia_times(self, inertia: Scalar, w: Vector) -> Vector:
+        """I ω."""
+        return (inertia * w[0],)
+
+    def euler(self, inertia: Scalar, w: Vector, wd: Vector) -> Vector:
+        """I ω̇ (3.2)."""
+        return (inertia * wd[0],)
+
+    def turned_inertia(self, R: Matrix, inertia: Scalar) -> Scalar:
+        """The same number in any axes."""
+        return inertia
+
+    def steiner(self, m: Scalar, h: Vector, p: Vector) -> Scalar:
+        """m p² + 2 p·h (1.19)."""
+        return m * dot(p, p) + 2.0 * dot(p, h)
+
+    def plus_inertia(self, a: Scalar, b: Scalar) -> Scalar:
+        """Sum."""
+        return a + b
+
+    def skew(self, r: Vector) -> Matrix:
+        """Row of r × f as a function of f."""
+        return ((-r[1], r[0]),)
+
+    def inertia_matrix(self, inertia: Scalar) -> Matrix:
+        """1×1 matrix."""
+        return ((inertia,),)
+
+
+plane = Plane()
+space = Space()
+AnySpace = Plane | Space
+
+
+def of_dimension(dim: int) -> AnySpace:
+    """`plane` for 2, `space` for 3."""
+    return {2: plane, 3: space}[dim]
+
+
+def compose(Rp: tuple[Matrix, Vector], Sr: tuple[Matrix, Vector]) -> tuple[Matrix, Vector]:
+    """The pose T_AB T_BC as (R, p)."""
+    (R, p), (S, r) = Rp, Sr
+    return product(R, S), add(p, times(R, r))
+
+
+def _square(x: float, c: Scalar) -> Scalar:
+    """x² + (1 - x²) cos: the diagonal of a rotation, exact for coordinate axes."""
+    return 1.0 if x in (1.0, -1.0) else c if x == 0.0 else x * x + (1.0 - x * x) * c
