@@ -1,0 +1,59 @@
+"""The examples of the Markdown files and of the commands' help run as tests, so that none stays wrong."""
+
+import doctest
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGES = sorted(ROOT.glob("*.md")) + sorted(ROOT.glob("docs/**/*.md")) + sorted(ROOT.glob("benchmarks/*.md"))
+BLOCK = re.compile(r"^(<!-- no-run: .+ -->\n)?```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+FLAGS = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS | doctest.REPORT_NDIFF
+LOCAL_LINK = re.compile(r"\]\((?!https?:|#|mailto:)([^)#\s]+)")
+
+
+def examples(page: Path):
+    """(language, line number, text) of each block that is to run."""
+    text = page.read_text(encoding="utf-8")
+    for block in BLOCK.finditer(text):
+        exempt, language, body = block.groups()
+        if not exempt and language in ("python", "pycon", "console"):
+            yield language, text.count("\n", 0, block.start(3)), body
+
+
+def freebody(command: str, cwd: Path) -> None:
+    words = [sys.executable, "-m", *shlex.split(command)]
+    done = subprocess.run(words, cwd=cwd, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, f"$ {command}\n{done.stdout[-2000:]}{done.stderr[-2000:]}"
+
+
+def run_doctest(text: str, names: dict, page: str, line: int) -> None:
+    said: list[str] = []
+    test = doctest.DocTestParser().get_doctest(text, names, page, page, line)
+    doctest.DocTestRunner(optionflags=FLAGS).run(test, out=said.append, clear_globs=False)
+    names.update(test.globs)
+    assert not said, "".join(said)
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if any(examples(p))], ids=lambda p: p.name)
+def test_examples_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    names: dict = {"__name__": "example"}
+    for language, line, text in examples(page):
+        if language == "pycon":
+            run_doctest(text, names, page.name, line)
+        elif language == "python":
+            exec(compile("\n" * line + text, page, "exec"), names)
+        else:
+            for command in re.findall(r"^\$ (freebody .*)$", text, re.MULTILINE):
+                freebody(command, tmp_path)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_links_lead_somewhere(page: Path):
+    targets = LOCAL_LINK.findall(page.read_text(encoding="utf-8"))
+    assert [t for t in targets if not (page.parent / t).exists()] == []
