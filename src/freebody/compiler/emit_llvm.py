@@ -1,0 +1,145 @@
+"""Program to LLVM text: a table from each operation to its instruction over one vector of lanes.
+
+The text is built by hand: making it through llvmlite.ir takes longer than compiling it. A module holds one function
+for each segment of the program, `@compute` that runs them on a tile of slots, and the gufunc loop around it.
+"""
+
+from __future__ import annotations
+
+from freebody.compiler.llvm_loop import gufunc_loop
+from freebody.compiler.llvm_sincos import double, sincos, splat
+from freebody.compiler.program import Program
+from freebody.compiler.segments import Segment, SinCos, segment
+from freebody.compiler.target import Target
+
+VERSION = 1
+"""Part of the key of cached objects: raise it whenever the same program gives other text."""
+
+INSTRUCTION = {
+    "add": "{r} = fadd contract {v} {a}, {b}",
+    "sub": "{r} = fsub contract {v} {a}, {b}",
+    "mul": "{r} = fmul contract {v} {a}, {b}",
+    "div": "{r} = fdiv {v} {a}, {b}",
+    "neg": "{r} = fneg contract {v} {a}",
+    "sqrt": "{r} = call {v} @llvm.sqrt.v{w}f64({v} {a})",
+    "sign": (
+        "{r}.u = call {v} @llvm.copysign.v{w}f64({v} {one}, {v} {a})\n"
+        "  {r}.c = fcmp one {v} {a}, zeroinitializer\n"
+        "  {r}.z = fadd {v} {a}, zeroinitializer\n"
+        "  {r} = select <{w} x i1> {r}.c, {v} {r}.u, {v} {r}.z"
+    ),
+}
+"""Only contraction to fused multiply-add is allowed: other fast-math flags break range reduction and NaN."""
+
+
+def emit(program: Program, target: Target) -> str:
+    """LLVM text of the kernel of `program`: `void @kernel(ptr args, ptr dims, ptr steps, ptr data)`, a gufunc loop.
+
+    Args:
+        program: a verified program with at least one input and one output scalar.
+        target: the machine, as far as the text depends on it.
+    """
+    layout, width = segment(program), target.width
+    v = f"<{width} x double>"
+    parts = [f"; {program}", sincos(width, target.fma)]
+    calls = []
+    for number, step in enumerate(layout.steps):
+        if isinstance(step, SinCos):
+            calls += [f"  call void @sincos({', '.join(f'ptr {p}' for p in _slots(number, step))})"]
+        else:
+            parts.append(_function(program, number, step, width))
+            calls += [f"  call void @segment{number}(ptr %tile)"]
+    pointers = [
+        f"  {pointer} = getelementptr {v}, ptr %tile, i64 {slot}"
+        for number, step in enumerate(layout.steps)
+        if isinstance(step, SinCos)
+        for pointer, slot in zip(_slots(number, step), (step.argument, step.sine, step.cosine), strict=True)
+    ]
+    parts.append(_compute(program, width, [*pointers, *calls]))
+    parts.append(gufunc_loop(program, target, layout.slots))
+    parts.append(
+        f"declare {v} @llvm.sqrt.v{width}f64({v})\n"
+        f"declare {v} @llvm.copysign.v{width}f64({v}, {v})\n"
+        f'attributes #0 = {{ nounwind "min-legal-vector-width"="{64 * width}" '
+        f'"prefer-vector-width"="{64 * width}" }}\n'
+    )
+    return "\n".join(parts)
+
+
+def _slots(number: int, step: SinCos) -> tuple[str, str, str]:
+    return f"%x{number}", f"%s{number}", f"%c{number}"
+
+
+def _function(program: Program, number: int, step: Segment, width: int) -> str:
+    v, align = f"<{width} x double>", 8 * width
+    lines = [f"define internal void @segment{number}(ptr noalias %tile) #0 {{"]
+    names: dict[int, str] = {}
+
+    def name(index: int) -> str:
+        """The value of a node: a constant, or a name, loaded at its first use."""
+        known = names.get(index)
+        if known is None:
+            if program.op[index] == "const":
+                known = splat(width, "double", double(program.constants[program.a[index]]))
+            else:
+                known = f"%v{index}"
+                lines.append(f"  %p{index} = getelementptr {v}, ptr %tile, i64 {step.loads[index]}")
+                lines.append(f"  {known} = load {v}, ptr %p{index}, align {align}")
+            names[index] = known
+        return known
+
+    one = splat(width, "double", double(1.0))
+    for index in step.nodes:
+        a, b = program.a[index], program.b[index]
+        a_name, b_name = name(a), name(b) if b >= 0 else ""
+        result = names[index] = f"%v{index}"
+        text = INSTRUCTION[program.op[index]]
+        lines.append("  " + text.format(r=result, v=v, a=a_name, b=b_name, w=width, one=one))
+        for position, slot in enumerate(step.stores.get(index, ())):
+            lines.append(f"  %q{index}.{position} = getelementptr {v}, ptr %tile, i64 {slot}")
+            lines.append(f"  store {v} {result}, ptr %q{index}.{position}, align {align}")
+    for index, slots in step.stores.items():
+        if index in step.loads or program.op[index] == "const":
+            for position, slot in enumerate(slots):
+                value = name(index)
+                lines.append(f"  %q{index}.{position} = getelementptr {v}, ptr %tile, i64 {slot}")
+                lines.append(f"  store {v} {value}, ptr %q{index}.{position}, align {align}")
+    return "\n".join([*lines, "  ret void", "}", ""])
+
+
+def _compute(program: Program, width: int, steps: list[str]) -> str:
+    """Run the steps; then make every output NaN in the lanes whose inputs are not all finite.
+
+    0 * x is NaN for NaN and infinite x, so the sum of these products tells. It runs in four strands.
+    """
+    v, align = f"<{width} x double>", 8 * width
+    lines = [f"define internal void @compute(ptr noalias %tile) #0 {{", *steps]
+    strands = ["zeroinitializer"] * 4
+    for slot in range(program.input_size):
+        lines.append(f"  %in{slot} = getelementptr {v}, ptr %tile, i64 {slot}")
+        lines.append(f"  %i{slot} = load {v}, ptr %in{slot}, align {align}")
+        lines.append(f"  %m{slot} = fmul contract {v} %i{slot}, zeroinitializer")
+        lines.append(f"  %a{slot} = fadd contract {v} {strands[slot % 4]}, %m{slot}")
+        strands[slot % 4] = f"%a{slot}"
+    lines.append(f"""\
+  %s01 = fadd {v} {strands[0]}, {strands[1]}
+  %s23 = fadd {v} {strands[2]}, {strands[3]}
+  %sum = fadd {v} %s01, %s23
+  %bad = fcmp uno {v} %sum, zeroinitializer
+  %bits = bitcast <{width} x i1> %bad to i{width}
+  %any = icmp ne i{width} %bits, 0
+  br i1 %any, label %poison, label %done
+poison:
+  %k = phi i64 [ {program.input_size}, %0 ], [ %k.next, %poison ]
+  %out = getelementptr {v}, ptr %tile, i64 %k
+  %old = load {v}, ptr %out, align {align}
+  %new = select <{width} x i1> %bad, {v} {splat(width, "double", "0x7FF8000000000000")}, {v} %old
+  store {v} %new, ptr %out, align {align}
+  %k.next = add i64 %k, 1
+  %more = icmp ult i64 %k.next, {program.input_size + program.output_size}
+  br i1 %more, label %poison, label %done
+done:
+  ret void
+}}
+""")
+    return "\n".join(lines)

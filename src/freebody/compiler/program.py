@@ -1,0 +1,154 @@
+"""A program: straight-line arithmetic from named arrays to named arrays, as data that can be checked and printed."""
+
+from __future__ import annotations
+
+import hashlib
+import struct
+from collections import Counter
+from dataclasses import dataclass
+from functools import cached_property
+from math import isfinite, prod
+
+from freebody.errors import FreebodyError
+from freebody.scalars.expr import ARITY
+
+
+class ProgramError(FreebodyError, ValueError):
+    """A program that breaks its specification."""
+
+
+@dataclass(frozen=True)
+class Argument:
+    """Name and core shape of an input or output; () is a scalar."""
+
+    name: str
+    shape: tuple[int, ...]
+
+    @property
+    def size(self) -> int:
+        """Number of scalars."""
+        return prod(self.shape)
+
+    def __str__(self) -> str:
+        return f"{self.name}({', '.join(map(str, self.shape))})"
+
+
+@dataclass(frozen=True)
+class Program:
+    """Nodes (op, a, b) in an order in which operands precede, and the nodes that are the results.
+
+    `a` and `b` index nodes, -1 where there is no operand; an "input" has in `a` its position among the scalars of all
+    inputs (C order), a "const" its position in `constants`. `results` lists the node of each scalar of all outputs,
+    in C order.
+    """
+
+    name: str
+    inputs: tuple[Argument, ...]
+    outputs: tuple[Argument, ...]
+    op: tuple[str, ...]
+    a: tuple[int, ...]
+    b: tuple[int, ...]
+    constants: tuple[float, ...]
+    results: tuple[int, ...]
+
+    def __len__(self) -> int:
+        return len(self.op)
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of the content, in hexadecimal."""
+        head = repr((self.name, self.inputs, self.outputs, self.results)).encode()
+        body = "".join(f"{op} {a} {b}\n" for op, a, b in zip(self.op, self.a, self.b, strict=True)).encode()
+        numbers = struct.pack(f"<{len(self.constants)}d", *self.constants)
+        digest = hashlib.sha256()
+        for part in (head, body, numbers):
+            digest.update(len(part).to_bytes(8, "little") + part)
+        return digest.hexdigest()
+
+    @cached_property
+    def operations(self) -> dict[str, int]:
+        """How often each arithmetic operation occurs."""
+        return dict(Counter(op for op in self.op if ARITY[op]))
+
+    @property
+    def input_size(self) -> int:
+        """Number of scalars of all inputs."""
+        return sum(argument.size for argument in self.inputs)
+
+    @property
+    def output_size(self) -> int:
+        """Number of scalars of all outputs."""
+        return sum(argument.size for argument in self.outputs)
+
+    def operands(self, index: int) -> tuple[int, ...]:
+        """The operands of a node."""
+        return (self.a[index], self.b[index])[: ARITY[self.op[index]]]
+
+    def listing(self) -> str:
+        """The whole program, one node a line."""
+        scalars = scalar_names(self.inputs)
+        lines = [f"{self.name}: {_listed(self.inputs)} -> {_listed(self.outputs)}"]
+        for index, op in enumerate(self.op):
+            if op == "input":
+                text = scalars[self.a[index]]
+            elif op == "const":
+                text = repr(self.constants[self.a[index]])
+            else:
+                text = " ".join([op, *(f"%{i}" for i in self.operands(index))])
+            lines.append(f"  %{index} = {text}")
+        lines += [f"  {name} = %{i}" for name, i in zip(scalar_names(self.outputs), self.results, strict=True)]
+        return "\n".join(lines)
+
+    def __str__(self) -> str:
+        counts = ", ".join(f"{count} {op}" for op, count in sorted(self.operations.items()))
+        return f"{self.name}: {_listed(self.inputs)} -> {_listed(self.outputs)}; {counts or 'no operations'}"
+
+
+def scalar_names(arguments: tuple[Argument, ...]) -> list[str]:
+    """`q[0]`, `M[0,1]`, … for each scalar of the arguments, in C order."""
+    names = []
+    for argument in arguments:
+        indices = [()]
+        for size in argument.shape:
+            indices = [(*index, i) for index in indices for i in range(size)]
+        names += [f"{argument.name}[{','.join(map(str, i))}]" if i else argument.name for i in indices]
+    return names
+
+
+def verify(program: Program) -> Program:
+    """The program itself, if it is a valid one.
+
+    Raises:
+        ProgramError: naming the first broken rule: known operations, operands that precede, positions in range,
+            finite constants, one result for each output scalar, sizes of at least 0, names used once.
+    """
+
+    def demand(truth: bool, rule: str) -> None:
+        if not truth:
+            raise ProgramError(f"{program.name}: {rule}.")
+
+    names = [argument.name for argument in program.inputs + program.outputs]
+    demand(len(set(names)) == len(names), f"the names of inputs and outputs are used once: {', '.join(names)}")
+    demand(len(program.outputs) > 0, "a program has at least one output")
+    for argument in program.inputs + program.outputs:
+        demand(all(size >= 0 for size in argument.shape), f"{argument} has a negative size")
+    count = len(program.op)
+    demand(len(program.a) == len(program.b) == count, "op, a and b have one entry a node")
+    for index, op in enumerate(program.op):
+        demand(op in ARITY, f"%{index}: unknown operation {op!r}; known: {', '.join(ARITY)}")
+        a, b = program.a[index], program.b[index]
+        if op == "input":
+            demand(0 <= a < program.input_size and b == -1, f"%{index}: input {a} of {program.input_size}")
+        elif op == "const":
+            demand(0 <= a < len(program.constants) and b == -1, f"%{index}: constant {a}")
+        else:
+            demand(0 <= a < index, f"%{index} = {op} %{a}: an operand precedes its use")
+            demand(0 <= b < index if ARITY[op] == 2 else b == -1, f"%{index} = {op} %{a} %{b}: wrong second operand")
+    demand(all(isfinite(value) for value in program.constants), "constants are finite")
+    demand(len(program.results) == program.output_size, f"{program.output_size} output scalars need as many results")
+    demand(all(0 <= index < count for index in program.results), "a result is a node")
+    return program
+
+
+def _listed(arguments: tuple[Argument, ...]) -> str:
+    return ", ".join(map(str, arguments))

@@ -1,0 +1,141 @@
+"""Cut a program into segments: pieces of straight-line code, with the sines and cosines between them.
+
+Code generation grows faster than linearly with the length of a function, so long programs are cut; values that cross
+a cut live in slots of a tile, one vector of lanes each. Sines and cosines are computed by a routine that reads and
+writes slots, so they stand between segments too: first what leads to their arguments, then they, then the rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from freebody.compiler.program import Program
+from freebody.scalars.expr import ARITY
+
+LONGEST = 500
+"""Nodes in one segment."""
+
+
+@dataclass
+class Segment:
+    """Nodes to compute in order; slots to load before and to store after."""
+
+    nodes: list[int]
+    loads: dict[int, int] = field(default_factory=dict)
+    stores: dict[int, list[int]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class SinCos:
+    """Slots of an argument, of its sine and of its cosine."""
+
+    argument: int
+    sine: int
+    cosine: int
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Steps in order, and the number of slots: inputs come first, then outputs, then what crosses cuts."""
+
+    steps: tuple[Segment | SinCos, ...]
+    slots: int
+
+
+def segment(program: Program, longest: int = LONGEST) -> Layout:
+    """Cut `program`, keeping its order within each stage."""
+    stage = _stages(program)
+    last = max(stage, default=0)
+    steps: list[list[int]] = []  # nodes of each step; a step of sines and cosines holds those of one argument
+    for k in range(last + 1):
+        steps += _trigonometric(program, [i for i, s in enumerate(stage) if s == k and program.op[i] in _TRIG])
+        plain = [i for i, s in enumerate(stage) if s == k and ARITY[program.op[i]] and program.op[i] not in _TRIG]
+        steps += [plain[i : i + longest] for i in range(0, len(plain), longest)]
+    if not steps or program.op[steps[-1][0]] in _TRIG:
+        steps.append([])  # somewhere to store outputs that are inputs, constants or sines
+    return _allocate(program, steps)
+
+
+_TRIG = ("sin", "cos")
+
+
+def _stages(program: Program) -> list[int]:
+    """Stage of each node. Stage k is the k-th round of sines and cosines, then arithmetic.
+
+    Sines and cosines come as early as they can, arithmetic as late: before the round that needs it, else at the end.
+    """
+    depth = [0] * len(program)  # rounds of sines and cosines behind a node
+    for index, op in enumerate(program.op):
+        depth[index] = max((depth[i] for i in program.operands(index)), default=0) + (op in _TRIG)
+    stage = [max(depth, default=0)] * len(program)
+    for index in range(len(program) - 1, -1, -1):
+        if program.op[index] in _TRIG:
+            stage[index] = depth[index]
+        needed = stage[index] - (program.op[index] in _TRIG)
+        for operand in program.operands(index):
+            stage[operand] = min(stage[operand], needed)
+    return stage
+
+
+def _trigonometric(program: Program, nodes: list[int]) -> list[list[int]]:
+    pairs: dict[int, list[int]] = {}
+    for index in nodes:
+        pairs.setdefault(program.a[index], []).append(index)
+    return list(pairs.values())
+
+
+def _allocate(program: Program, steps: list[list[int]]) -> Layout:
+    """Give slots to values that cross steps, reusing those whose last reader is done."""
+    producer = {index: number for number, nodes in enumerate(steps) for index in nodes}
+    readers: dict[int, set[int]] = {}
+    for number, nodes in enumerate(steps):
+        for index in nodes:
+            for operand in program.operands(index):
+                if producer.get(operand, -1) != number and program.op[operand] != "const":
+                    readers.setdefault(operand, set()).add(number)
+    first_output = program.input_size
+    outputs: dict[int, list[int]] = {}
+    for position, index in enumerate(program.results):
+        outputs.setdefault(index, []).append(first_output + position)
+    storing: dict[int, list[int]] = {}  # step -> results it stores
+    for index in outputs:
+        trigonometric = program.op[index] in _TRIG
+        number = producer.get(index, len(steps) - 1) if not trigonometric else len(steps) - 1
+        storing.setdefault(number, []).append(index)
+        if producer.get(index, -1) != number and program.op[index] != "const":
+            readers.setdefault(index, set()).add(number)
+
+    slot = {i: program.a[i] for i, op in enumerate(program.op) if op == "input"}
+    free: list[int] = []
+    expiring: dict[int, list[int]] = {}
+    slots = program.input_size + program.output_size
+    done: list[Segment | SinCos] = []
+
+    def take(step: int, index: int) -> int:
+        nonlocal slots
+        if free:
+            slot[index] = free.pop()
+        else:
+            slot[index], slots = slots, slots + 1
+        expiring.setdefault(max(readers.get(index, {step}), default=step), []).append(slot[index])
+        return slot[index]
+
+    for number, nodes in enumerate(steps):
+        if nodes and program.op[nodes[0]] in _TRIG:
+            by_kind = {program.op[index]: take(number, index) for index in nodes}
+            unused = -1 if len(by_kind) == 2 else take(number, -1)
+            argument = program.a[nodes[0]]
+            done.append(SinCos(slot[argument], by_kind.get("sin", unused), by_kind.get("cos", unused)))
+        else:
+            step = Segment(nodes)
+            for index in {i for node in nodes for i in program.operands(node)} | set(storing.get(number, [])):
+                if producer.get(index, -1) != number and program.op[index] != "const":
+                    step.loads[index] = slot[index]
+            for index in nodes:
+                if index in readers:
+                    step.stores[index] = [take(number, index)]
+            for index in storing.get(number, []):
+                step.stores[index] = step.stores.get(index, []) + outputs[index]
+            done.append(step)
+        free += expiring.pop(number, [])
+    return Layout(tuple(done), slots)

@@ -1,0 +1,136 @@
+"""The machine that kernels are compiled for, and the way from LLVM text to a function address."""
+
+from __future__ import annotations
+
+import ctypes
+import ctypes.util
+import itertools
+import platform
+import sys
+import threading
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from freebody.errors import FreebodyError
+
+WIDTHS = (2, 4, 8)
+
+
+@dataclass(frozen=True)
+class Target:
+    """What the text of a kernel depends on."""
+
+    width: int
+    fma: bool
+    x86: bool
+
+
+class CompileError(FreebodyError, RuntimeError):
+    """LLVM refused a kernel: a fault of freebody, not of its user."""
+
+
+@dataclass(frozen=True)
+class Host:
+    """This machine's CPU as LLVM names it."""
+
+    triple: str
+    cpu: str
+    features: str
+    llvm: str
+
+    @property
+    def has(self) -> frozenset[str]:
+        """Features that are present."""
+        return frozenset(name[1:] for name in self.features.split(",") if name.startswith("+"))
+
+    @property
+    def x86(self) -> bool:
+        """Whether this is a 64-bit x86."""
+        return self.triple.startswith(("x86_64", "amd64"))
+
+    def target(self, width: int | None = None) -> Target:
+        """The target of kernels of `width`, or of the width that suits the CPU."""
+        has = self.has
+        fma = "fma" in has if self.x86 else True
+        best = 8 if "avx512f" in has and "avx512dq" in has else 4 if "avx2" in has and fma else 2
+        return Target(width or best, fma, self.x86)
+
+
+@cache
+def host() -> Host:
+    """The host, asked once."""
+    import llvmlite.binding as llvm
+
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    return Host(
+        llvm.get_process_triple(),
+        llvm.get_host_cpu_name(),
+        llvm.get_host_cpu_features().flatten(),
+        ".".join(map(str, llvm.llvm_version_info)),
+    )
+
+
+_lock = threading.Lock()  # one compilation or link at a time
+_numbers = itertools.count()
+
+
+def object_code(text: str, opt: int = 2) -> bytes:
+    """A relocatable object for the host."""
+    return _emit(text, opt, "object")
+
+
+def assembly(text: str, opt: int = 2) -> str:
+    """The host's assembly, for reading."""
+    return _emit(text, opt, "assembly")
+
+
+def _emit(text: str, opt: int, kind: str) -> Any:
+    import llvmlite.binding as llvm
+
+    here = host()
+    with _lock:
+        machine = llvm.Target.from_triple(here.triple).create_target_machine(
+            cpu=here.cpu, features=here.features, opt=opt, reloc="pic", codemodel="small"
+        )
+        try:
+            module = llvm.parse_assembly(text)
+        except RuntimeError as problem:
+            raise CompileError(f"LLVM {here.llvm} refused the text of a kernel: {problem}") from None
+        module.triple, module.data_layout = here.triple, str(machine.target_data)
+        return machine.emit_object(module) if kind == "object" else machine.emit_assembly(module)
+
+
+def link(code: bytes, symbol: str = "kernel") -> tuple[int, Any]:
+    """Load an object into this process: the address of `symbol`, and what must live as long as it is called."""
+    import llvmlite.binding as llvm
+
+    library = llvm.JITLibraryBuilder().add_object_img(code).export_symbol(symbol)
+    for name, address in _externals().items():
+        library.import_symbol(name, address)
+    with _lock:
+        tracker = library.link(_jit(), f"freebody{next(_numbers)}")
+    return tracker[symbol], tracker
+
+
+@cache
+def _jit() -> Any:
+    import llvmlite.binding as llvm
+
+    here = host()
+    machine = llvm.Target.from_triple(here.triple).create_target_machine(
+        cpu=here.cpu, features=here.features, opt=2, reloc="pic", codemodel="small", jit=True
+    )
+    return llvm.create_lljit_compiler(machine)
+
+
+@cache
+def _externals() -> dict[str, int]:
+    """Addresses of the C functions that kernels call."""
+    if sys.platform == "win32":
+        library = ctypes.CDLL("ucrtbase")
+    else:
+        library = ctypes.CDLL(ctypes.util.find_library("m") if platform.libc_ver()[0] == "glibc" else None)
+    names = ("sin", "cos") if host().x86 else ("sin", "cos", "feclearexcept")
+    return {name: ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0 for name in names}

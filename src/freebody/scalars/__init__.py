@@ -1,0 +1,4 @@
+"""Scalars that algorithms are traced with.
+
+`expr`: interned nodes of a graph, from which the compiler makes kernels.
+"""
