@@ -1,0 +1,87 @@
+"""Articulated bodies: forward dynamics in a time linear in the number of bodies (Featherstone 2008, table 7.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from freebody.algorithms.crba import own_inertia
+from freebody.algorithms.kinematics import joint_poses
+from freebody.algorithms.plucker import columns, cross_force, cross_motion, inertia_matrix, transform
+from freebody.algorithms.rnea import External, drive_torque
+from freebody.elementary import Scalar
+from freebody.model.tree import Tree
+from freebody.spatial import (
+    Matrix,
+    Vector,
+    add,
+    combine,
+    congruence,
+    dot,
+    neg,
+    plus,
+    scale,
+    sub,
+    symmetric,
+    times,
+    transposed,
+)
+
+
+def aba(tree: Tree, q: Vector, qd: Vector, tau: Vector, external: Sequence[External] = ()) -> Vector:
+    """q̈, for trees whose coordinates move one joint each. Gravity is a base acceleration."""
+    assert not tree.follows, "a coordinate that moves several joints makes the tree's inertia global"
+    space = tree.space
+    joints = joint_poses(tree, q)
+    X = [transform(space, pose) for pose in joints]
+    S = [columns(body) for body in tree.bodies]
+    v: list[Vector] = []
+    c: list[Vector] = []
+    IA: list[Matrix] = []
+    pA: list[Vector] = []
+    for i, body in enumerate(tree.bodies):
+        joint = combine(S[i], body.rates(qd))
+        v.append(joint if body.parent < 0 else add(times(X[i], v[body.parent]), joint))
+        c.append(times(cross_motion(space, v[i]), joint))
+        inertia = inertia_matrix(space, own_inertia(space, body))
+        IA.append(inertia)
+        pA.append(times(cross_force(space, v[i]), times(inertia, v[i])))
+    for i, force, moment in external:
+        pA[i] = sub(pA[i], moment + force)
+    eliminated: list[list[tuple[int, Vector, Vector, Scalar, Scalar]]] = [[] for _ in tree.bodies]
+    for i in reversed(range(len(tree.bodies))):
+        body = tree.bodies[i]
+        inertia, force = IA[i], pA[i]
+        # a joint of several columns is taken column by column, the last first: each leaves a smaller articulated body
+        for k in reversed(range(len(S[i]))):
+            s, at = S[i][k], body.coordinates.v[k]
+            Us = times(inertia, s)
+            d = dot(s, Us)
+            motor = tau[at]
+            if body.drive is not None:
+                d, motor = d + body.drive.rotor, motor - drive_torque(body, q, qd)
+            inverse: Scalar = 1.0 / d
+            rest = motor - dot(s, force)
+            eliminated[i].append((k, s, Us, inverse, rest))
+            inertia = _less(inertia, Us, inverse)
+            force = add(force, scale(inverse * rest, Us))
+        if body.parent >= 0:
+            IA[body.parent] = plus(IA[body.parent], congruence(inertia, X[i]))
+            force = add(force, times(inertia, c[i]))
+            pA[body.parent] = add(pA[body.parent], times(transposed(X[i]), force))
+    qdd: list[Scalar] = [0.0] * tree.nv
+    a: list[Vector] = []
+    base = space.zero_angular + neg(tree.gravity)
+    for i, body in enumerate(tree.bodies):
+        acceleration = add(times(X[i], base if body.parent < 0 else a[body.parent]), c[i])
+        for k, s, Us, inverse, rest in reversed(eliminated[i]):
+            rate = inverse * (rest - dot(Us, acceleration))
+            qdd[body.coordinates.v[k]] = rate
+            acceleration = add(acceleration, scale(rate, s))
+        a.append(acceleration)
+    return tuple(qdd)
+
+
+def _less(inertia: Matrix, U: Vector, inverse: Scalar) -> Matrix:
+    """inertia - U Uᵀ / d."""
+    scaled = scale(inverse, U)
+    return symmetric(len(U), lambda i, j: inertia[i][j] - U[i] * scaled[j])

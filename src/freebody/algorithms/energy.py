@@ -1,0 +1,54 @@
+"""Kinetic and potential energy and momentum (notes, 5.1-5.5)."""
+
+from __future__ import annotations
+
+from freebody.algorithms.kinematics import joint_poses, outward, world_poses
+from freebody.elementary import Scalar
+from freebody.model.tree import Tree
+from freebody.spatial import Vector, add, dot, scale, sub, times
+
+
+def kinetic_energy(tree: Tree, q: Vector, qd: Vector) -> Scalar:
+    """½ m v_c² + ½ ω·I ω of every body (5.3), and ½ J gear² q̇² of every rotor."""
+    space = tree.space
+    motion = outward(tree, q, qd, (0.0,) * tree.nv)
+    twice: Scalar = 0.0
+    for i, body in enumerate(tree.bodies):
+        w = motion.w[i]
+        for mass in body.masses:
+            v = add(motion.v[i], space.cross(w, mass.c))
+            twice = twice + mass.m * dot(v, v) + dot(w, space.inertia_times(mass.inertia, w))
+        if body.drive is not None:
+            (rate,) = body.rates(qd)
+            twice = twice + body.drive.rotor * (rate * rate)
+    return 0.5 * twice
+
+
+def potential_energy(tree: Tree, q: Vector) -> Scalar:
+    """-m g·r_c of every body (5.4), zero at the world's origin, and ½ k (q - rest)² of every spring (5.5)."""
+    energy: Scalar = 0.0
+    for body, (R, p) in zip(tree.bodies, world_poses(tree, joint_poses(tree, q)), strict=True):
+        for mass in body.masses:
+            energy = energy - mass.m * dot(tree.gravity, add(p, times(R, mass.c)))
+        if body.drive is not None:
+            (position,) = body.position(q)
+            stretch = position - body.drive.rest
+            energy = energy + 0.5 * body.drive.stiffness * (stretch * stretch)
+    return energy
+
+
+def momentum(tree: Tree, q: Vector, qd: Vector, about: Vector | None = None) -> Vector:
+    """Linear, then angular momentum about a point of the world (default its origin), in world axes; rotors not counted."""
+    space = tree.space
+    motion = outward(tree, q, qd, (0.0,) * tree.nv)
+    linear, angular = space.zero, space.zero_angular
+    for i, (R, p) in enumerate(world_poses(tree, motion.joints)):
+        w = motion.w[i]
+        for mass in tree.bodies[i].masses:
+            m_v = times(R, scale(mass.m, add(motion.v[i], space.cross(w, mass.c))))
+            arm = add(p, times(R, mass.c))
+            if about is not None:
+                arm = sub(arm, about)
+            linear = add(linear, m_v)
+            angular = add(angular, space.turn(R, space.inertia_times(mass.inertia, w)), space.moment(arm, m_v))
+    return linear + angular

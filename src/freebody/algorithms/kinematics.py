@@ -1,0 +1,194 @@
+"""Poses, velocities, accelerations and Jacobians of a tree (notes, 2.10-2.26, 4.6-4.11, 6.16-6.27)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from freebody.elementary import Scalar
+from freebody.model.tree import Tree, TreeBody
+from freebody.spatial import AnySpace, Matrix, Vector, add, combine, compose, identity, scale, sub, times, transposed
+
+Pose = tuple[Matrix, Vector]
+"""(R, p): axes and origin of a frame."""
+
+Column = tuple[Vector, Vector]
+"""(angular, linear)."""
+
+
+def joint_poses(tree: Tree, q: Vector) -> list[Pose]:
+    """Pose of each body in its parent."""
+    return [
+        compose((body.R, body.p), body.primitive.pose(tree.space, body.axis, body.position(q)))
+        for body in tree.bodies
+    ]
+
+
+def world_poses(tree: Tree, joints: list[Pose]) -> list[Pose]:
+    """Pose of each body in the world."""
+    world: list[Pose] = []
+    for body, joint in zip(tree.bodies, joints, strict=True):
+        world.append(joint if body.parent < 0 else compose(world[body.parent], joint))
+    return world
+
+
+def frame_pose(tree: Tree, world: list[Pose], frame: str) -> Pose:
+    """Pose of a named frame in the world."""
+    body, R, p = tree.frames[frame]
+    return (R, p) if body < 0 else compose(world[body], (R, p))
+
+
+def relative_motion(space: AnySpace, body: TreeBody, rates: Vector) -> Column:
+    """Angular and linear velocity (or, of second rates, acceleration without bias) of a body over its joint, body axes."""
+    return (
+        combine(tuple(w for w, _ in body.columns), rates),
+        combine(tuple(v for _, v in body.columns), rates),
+    )
+
+
+@dataclass
+class Motion:
+    """Velocities and accelerations of every body, in its own axes, of its own origin."""
+
+    joints: list[Pose]
+    w: list[Vector]
+    wd: list[Vector]
+    v: list[Vector]
+    vd: list[Vector]
+    rates: list[Matrix]
+    """[ω̇×] + [ω×][ω×] of each body."""
+
+
+def outward(tree: Tree, q: Vector, qd: Vector, qdd: Vector, base_acceleration: Vector | None = None) -> Motion:
+    """Outward recursion (4.6-4.11; 6.16-6.22 revolute, 6.23-6.27 prismatic, in one form).
+
+    v̇ is the acceleration of the body's origin (time derivative of its velocity), in body axes. A base acceleration of -g
+    makes gravity part of it.
+    """
+    space = tree.space
+    motion = Motion(joint_poses(tree, q), [], [], [], [], [])
+    still = (space.zero_angular, space.zero_angular, space.zero, base_acceleration or space.zero)
+    for i, body in enumerate(tree.bodies):
+        R, p = motion.joints[i]
+        E = transposed(R)
+        first, second = body.rates(qd), body.rates(qdd)
+        w_joint, v_joint = relative_motion(space, body, first)
+        wd_joint, vd_joint = relative_motion(space, body, second)
+        wd_bias, vd_bias = body.primitive.bias(space, first)
+        k = body.parent
+        if k < 0:
+            w_parent, wd_parent, v_parent, vd_parent = still
+            rates_parent = None
+        else:
+            w_parent, wd_parent, v_parent, vd_parent = motion.w[k], motion.wd[k], motion.v[k], motion.vd[k]
+            rates_parent = motion.rates[k]
+        w_before = space.turn(E, w_parent)
+        vd_at_joint = vd_parent if rates_parent is None else add(vd_parent, times(rates_parent, p))
+        w = add(w_before, w_joint)
+        wd = add(space.turn(E, wd_parent), wd_joint, wd_bias, space.cross_angular(w_before, w_joint))
+        v = add(times(E, add(v_parent, space.cross(w_parent, p))), v_joint)
+        vd = add(times(E, vd_at_joint), vd_joint, vd_bias, scale(2.0, space.cross(w_before, v_joint)))
+        motion.w.append(w)
+        motion.wd.append(wd)
+        motion.v.append(v)
+        motion.vd.append(vd)
+        motion.rates.append(space.rates(w, wd))
+    return motion
+
+
+def frame_motion(tree: Tree, motion: Motion, frame: str, point: Vector | None = None) -> tuple[Column, Column]:
+    """((ω, v), (ω̇, v̇)) of a point fixed to a frame (default its origin), in world axes."""
+    space = tree.space
+    body, R, p = tree.frames[frame]
+    if body < 0:
+        return (space.zero_angular, space.zero), (space.zero_angular, space.zero)
+    at = p if point is None else add(p, times(R, point))
+    W, _ = world_poses(tree, motion.joints)[body]
+    v = add(motion.v[body], space.cross(motion.w[body], at))
+    vd = add(motion.vd[body], times(motion.rates[body], at))
+    return (
+        (space.turn(W, motion.w[body]), times(W, v)),
+        (space.turn(W, motion.wd[body]), times(W, vd)),
+    )
+
+
+def ancestors(tree: Tree, body: int) -> list[int]:
+    """The body and all that carry it, outermost first."""
+    chain = []
+    while body >= 0:
+        chain.append(body)
+        body = tree.bodies[body].parent
+    return chain
+
+
+def jacobian(tree: Tree, q: Vector, frame: str, reference: str = "world") -> Matrix:
+    """Rows: linear, then angular velocity of a frame per unit rate, in world axes or those of the frame ("body")."""
+    world = world_poses(tree, joint_poses(tree, q))
+    R, p = frame_pose(tree, world, frame)
+    columns = _columns(tree, world, p, frame)
+    return _assembled(tree, columns, None if reference == "world" else transposed(R))
+
+
+def jacobian_dot(tree: Tree, q: Vector, qd: Vector, frame: str, reference: str = "world") -> Matrix:
+    """Time derivative of `jacobian`: J q̈ + J̇ q̇ is the frame's acceleration (2.24)."""
+    space = tree.space
+    motion = outward(tree, q, qd, tuple(0.0 for _ in range(tree.nv)))
+    world = world_poses(tree, motion.joints)
+    R, p = frame_pose(tree, world, frame)
+    (w_frame, v_frame), _ = frame_motion(tree, motion, frame)
+    columns: dict[int, list[Column]] = {}
+    for i, of_body in _columns(tree, world, p, frame).items():
+        W, o = world[i]
+        w, v = space.turn(W, motion.w[i]), times(W, motion.v[i])
+        arm, arm_rate = sub(p, o), sub(v_frame, v)
+        columns[i] = []
+        for angular, linear in of_body:
+            slide = sub(linear, space.cross(angular, arm))  # R v_k: constant in the body
+            angular_rate = space.cross_angular(w, angular)
+            linear_rate = add(space.cross(w, slide), space.cross(angular_rate, arm), space.cross(angular, arm_rate))
+            if reference != "world":
+                # d/dt (Rᵀ J) = Rᵀ (J̇ - ω × J)
+                angular_rate = sub(angular_rate, space.cross_angular(w_frame, angular))
+                linear_rate = sub(linear_rate, space.cross(w_frame, linear))
+            columns[i].append((angular_rate, linear_rate))
+    return _assembled(tree, columns, None if reference == "world" else transposed(R))
+
+
+def _columns(tree: Tree, world: list[Pose], p: Vector, frame: str) -> dict[int, list[Column]]:
+    """For each body on the way to the frame its joint's columns, in world axes, at point p."""
+    space = tree.space
+    columns = {}
+    for i in ancestors(tree, tree.frames[frame][0]):
+        W, o = world[i]
+        arm = sub(p, o)
+        columns[i] = []
+        for w, v in tree.bodies[i].columns:
+            angular = space.turn(W, w)
+            columns[i].append((angular, add(times(W, v), space.cross(angular, arm))))
+    return columns
+
+
+def _assembled(tree: Tree, columns: dict[int, list[Column]], E: Matrix | None) -> Matrix:
+    """Columns as a matrix with rows linear, angular, turned by E; coordinates that move several joints add up."""
+    space = tree.space
+    full: list[Vector] = [(0.0,) * space.six for _ in range(tree.nv)]
+    for i, of_body in columns.items():
+        at = tree.bodies[i].coordinates
+        for k, (angular, linear) in zip(at.v, of_body, strict=True):
+            column = linear + angular if E is None else times(E, linear) + space.turn(E, angular)
+            full[k] = add(full[k], scale(at.ratio, column))
+    return transposed(tuple(full))
+
+
+def centre_of_mass(tree: Tree, q: Vector) -> tuple[Scalar, Vector]:
+    """Total mass and first moment Σ m r in the world (1.15), the base's mass included."""
+    total: Scalar = 0.0
+    moment = tree.space.zero
+    resting = (identity(tree.space.dim), tree.space.zero)
+    world = world_poses(tree, joint_poses(tree, q))
+    for masses, (R, p) in [(tree.base, resting)] + [(b.masses, w) for b, w in zip(tree.bodies, world, strict=True)]:
+        for mass in masses:
+            total = total + mass.m
+            moment = add(moment, scale(mass.m, add(p, times(R, mass.c))))
+    return total, moment
+
+

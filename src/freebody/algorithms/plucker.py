@@ -1,0 +1,65 @@
+"""Motion and force vectors of one column, angular part first, for the algorithms that are shortest that way."""
+
+from __future__ import annotations
+
+from freebody.algorithms.crba import Composite
+from freebody.algorithms.kinematics import Pose
+from freebody.model.tree import TreeBody
+from freebody.spatial import AnySpace, Matrix, Vector, identity, neg, product, scale, sub, times, transposed
+
+
+def size_angular(space: AnySpace) -> int:
+    """Number of angular entries."""
+    return len(space.zero_angular)
+
+
+def columns(body: TreeBody) -> tuple[Vector, ...]:
+    """Motion columns of a joint."""
+    return tuple(w + v for w, v in body.columns)
+
+
+def transform(space: AnySpace, pose: Pose) -> Matrix:
+    """X that takes motions of the parent to motions of the child at (R, p): ω' = Rᵀ ω, v' = Rᵀ (v + ω × p)."""
+    R, p = pose
+    E = transposed(R)
+    a = size_angular(space)
+    turn = transposed(tuple(space.turn(E, unit) for unit in identity(a)))
+    moved = product(E, transposed(tuple(space.cross(unit, p) for unit in identity(a))))
+    top = tuple(row + (0.0,) * space.dim for row in turn)
+    return top + tuple(m + e for m, e in zip(moved, E, strict=True))
+
+
+def cross_motion(space: AnySpace, v: Vector) -> Matrix:
+    """Matrix of m ↦ v × m."""
+    a = size_angular(space)
+    w, u = v[:a], v[a:]
+    angular = [space.cross_angular(w, unit) + neg(space.cross(unit, u)) for unit in identity(a)]
+    linear = [space.zero_angular + space.cross(w, unit) for unit in identity(space.dim)]
+    return transposed(tuple(angular + linear))
+
+
+def cross_force(space: AnySpace, v: Vector) -> Matrix:
+    """Matrix of f ↦ v ×* f = -(v×)ᵀ f."""
+    return transposed(tuple(neg(row) for row in cross_motion(space, v)))
+
+
+def cross_force_swapped(space: AnySpace, f: Vector) -> Matrix:
+    """Matrix of v ↦ v ×* f."""
+    n = space.six
+    return transposed(tuple(times(cross_force(space, unit), f) for unit in identity(n)))
+
+
+def inertia_matrix(space: AnySpace, composite: Composite) -> Matrix:
+    """The 6×6 (plane: 3×3) inertia about the origin."""
+    m, h, inertia = composite
+    hx = space.skew(h)
+    top = tuple(i + row for i, row in zip(space.inertia_matrix(inertia), hx, strict=True))
+    bottom = tuple(
+        row + scale(m, unit) for row, unit in zip(transposed(hx), identity(space.dim), strict=True)
+    )
+    return top + bottom
+
+
+def minus(A: Matrix, B: Matrix) -> Matrix:
+    """A - B."""
+    return tuple(sub(a, b) for a, b in zip(A, B, strict=True))
