@@ -284,7 +284,7 @@ def vector_width() -> str:
 
 
 def measure(entries: list[Entry], repeats: int) -> list[np.ndarray]:
-    """Nanoseconds a sample of each entry, one a round; each round times all of them, so that noise meets all."""
+    """Nanoseconds a sample of each entry, one a round; each round times all, so that noise meets all."""
     passes = []
     for entry in entries:
         entry.run()
