@@ -122,9 +122,9 @@ def _compute(program: Program, width: int, steps: list[str]) -> str:
         lines.append(f"  %a{slot} = fadd contract {v} {strands[slot % 4]}, %m{slot}")
         strands[slot % 4] = f"%a{slot}"
     lines.append(f"""\
-  %s01 = fadd {v} {strands[0]}, {strands[1]}
-  %s23 = fadd {v} {strands[2]}, {strands[3]}
-  %sum = fadd {v} %s01, %s23
+  %sum01 = fadd {v} {strands[0]}, {strands[1]}
+  %sum23 = fadd {v} {strands[2]}, {strands[3]}
+  %sum = fadd {v} %sum01, %sum23
   %bad = fcmp uno {v} %sum, zeroinitializer
   %bits = bitcast <{width} x i1> %bad to i{width}
   %any = icmp ne i{width} %bits, 0
