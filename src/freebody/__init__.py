@@ -22,6 +22,30 @@ _PLACES = {
     "freebody.model.model": ("Model",),
     "freebody.model.planar": ("planar",),
     "freebody.model.dh": ("dh",),
+    "freebody.numerics.kinematics": (
+        "forward_kinematics",
+        "velocity",
+        "acceleration",
+        "jacobian",
+        "jacobian_dot",
+        "center_of_mass",
+    ),
+    "freebody.numerics.dynamics": (
+        "inverse_dynamics",
+        "forward_dynamics",
+        "mass_matrix",
+        "coriolis_matrix",
+        "bias",
+        "gravity_torque",
+        "static_torque",
+        "tip_wrench",
+        "joint_wrenches",
+        "kinetic_energy",
+        "potential_energy",
+        "momentum",
+    ),
+    "freebody.numerics.states": ("neutral", "random_state", "integrate", "difference"),
+    "freebody.numerics.kernels": ("kernel",),
 }
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 __all__ = [*_PLACE_OF, "__version__"]  # noqa: PLE0604  names are strings, taken from the table

@@ -1,0 +1,1 @@
+"""The public numeric functions: validate, fetch the compiled kernel, call it."""

@@ -1,0 +1,109 @@
+"""What every public function does around its kernel: take vectors and dicts, check shapes, blame what is not finite."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
+from freebody.errors import FreebodyError, ShapeError, UnknownNameError
+from freebody.model.model import Model
+from freebody.numerics import kernels
+from freebody.numerics.formulas import Option
+
+Vector = ArrayLike | Mapping[str, float]
+Wrenches = ArrayLike | Mapping[str, ArrayLike] | None
+
+_UNIT = 1e-6  # how far a quaternion may be off unit length
+
+
+def evaluate(
+    function: str,
+    model: Model,
+    inputs: Mapping[str, Any],
+    option: Option,
+    wrenches: Wrenches = None,
+) -> Array:
+    """The kernel of `function` on checked inputs (in the formula's order), as an array or a float."""
+    arrays = [vector(function, model, name, value) for name, value in inputs.items()]
+    loads = _loads(function, model, wrenches)
+    if loads:
+        option = Option(option.frame, option.reference, tuple(loads), option.point)
+        arrays += loads.values()
+    try:
+        result = kernels.fetch(model, (function,), option)(*arrays)
+    except ShapeError:
+        raise
+    except ValueError:
+        batches = ", ".join(f"{n} {a.shape[:-1]}" for n, a in zip([*inputs, *loads], arrays, strict=True))
+        raise FreebodyError(f"{function}: the batch shapes do not broadcast together: {batches}.") from None
+    # a kernel gives NaN in all outputs of a sample with an input that is not finite: one entry a sample tells
+    first = result if not isinstance(result, np.ndarray) or result.ndim == 0 else result.reshape(-1)
+    if not np.isfinite(first).all():
+        for name, array in zip([*inputs, *loads], arrays, strict=True):
+            refuse_not_finite(function, name, array, 1, labels(model, name))
+    return result
+
+
+def vector(function: str, model: Model, name: str, value: Any) -> Array:
+    """q, qd, qdd, tau or a point as a checked array; a dict by names is one too."""
+    if isinstance(value, Mapping):
+        value = _from_names(function, model, name, value)
+    array = as_floats(function, name, value)
+    size = model.nq if name == "q" else model.dim if name in ("point", "about") else model.nv
+    if array.shape[-1:] != (size,):
+        symbol = "nq" if name == "q" else "dim" if name in ("point", "about") else "nv"
+        check_core(function, name, array, (size,), f"model {model.name!r} has {symbol} = {size}")
+    if name == "q" and model.nq != model.nv:
+        _check_quaternions(function, model, array)
+    return array
+
+
+def labels(model: Model, name: str) -> tuple[str, ...]:
+    """Names of the entries of an input."""
+    if name == "q":
+        return model.position_names
+    return model.velocity_names if name in ("qd", "qdd", "tau") else ()
+
+
+def _from_names(function: str, model: Model, name: str, given: Mapping[str, Any]) -> Array:
+    """A vector from {name: value or batch}; every entry must be there."""
+    names = labels(model, name)
+    for key in given:
+        if key not in names:
+            raise UnknownNameError("entry", key, f"{function}: {name}", names)
+    missing = [n for n in names if n not in given]
+    if missing:
+        raise FreebodyError(f"{function}: {name} lacks {', '.join(missing)}; give every entry, 0 where it rests.")
+    columns = [as_floats(function, f"{name}[{n!r}]", given[n]) for n in names]
+    return np.stack(np.broadcast_arrays(*columns), axis=-1)
+
+
+def _check_quaternions(function: str, model: Model, q: Array) -> None:
+    for body, at in zip(model.bodies, model.coordinates, strict=True):
+        if body.kind.nq in (4, 7):
+            length = np.sqrt(np.sum(q[..., at.q[-4:]] ** 2, axis=-1))
+            off = np.abs(length - 1.0)
+            if np.any(off > _UNIT):
+                raise FreebodyError(
+                    f"{function}: the quaternion of joint {body.joint.name!r} has length {float(np.max(length)):.6g}; "
+                    "it must be 1 within 1e-6: divide it by its length."
+                )
+
+
+def _loads(function: str, model: Model, wrenches: Wrenches) -> dict[str, Array]:
+    """External wrenches by frame."""
+    if wrenches is None:
+        return {}
+    six = 6 if model.dim == 3 else 3
+    given = wrenches if isinstance(wrenches, Mapping) else {model.frame().name: wrenches}
+    loads = {}
+    for frame, value in given.items():
+        name = model.frame(frame).name
+        loads[name] = as_floats(function, f"wrenches[{name!r}]", value)
+        order = "force, then moment, world axes"
+        check_core(function, f"wrenches[{name!r}]", loads[name], (six,), order)
+    return loads

@@ -1,0 +1,137 @@
+"""Dynamics: forces from motion, motion from forces, and what stands between them."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from freebody.arrays import Array
+from freebody.errors import SingularError
+from freebody.model.model import Model
+from freebody.numerics.calls import Vector, Wrenches, evaluate
+from freebody.numerics.formulas import Option
+from freebody.numerics.kinematics import checked_reference, jacobian
+from freebody.numerics.massless import refuse_massless
+
+_NO_OPTION = Option()
+
+
+def inverse_dynamics(model: Model, q: Vector, qd: Vector, qdd: Vector, wrenches: Wrenches = None) -> Array:
+    """tau (..., nv): M q̈ + c + g + friction + springs + rotors - Σ Jᵀ w (N m, N), by recursive Newton-Euler.
+
+    q: (..., nq); qd, qdd: (..., nv), rad or m and s. wrenches: {frame: (..., 6)} or one array for the tip: force, then
+    moment, that act on the arm at the frame's origin, world axes ((..., 3): fx, fy, m in the plane).
+    Raises ShapeError, NotFiniteError, UnknownNameError, MissingValueError. Source: Luh, Walker, Paul 1980; notes 4.6-4.15,
+    6.16-6.29.
+    """
+    return evaluate("inverse_dynamics", model, {"q": q, "qd": qd, "qdd": qdd}, _NO_OPTION, wrenches)
+
+
+def forward_dynamics(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches = None) -> Array:
+    """q̈ (..., nv) under joint torques tau (..., nv); other arguments as for `inverse_dynamics` (3.29).
+
+    Raises SingularError naming the joint that moves no inertia.
+    """
+    refuse_massless(model)
+    result = evaluate("forward_dynamics", model, {"q": q, "qd": qd, "tau": tau}, _NO_OPTION, wrenches)
+    if not np.isfinite(result).all():
+        sample = np.argwhere(~np.isfinite(result))[0]
+        raise SingularError(
+            f"forward_dynamics: the mass matrix of {model.name!r} is singular at sample {tuple(map(int, sample[:-1]))}: "
+            f"joint coordinate {model.velocity_names[sample[-1]]!r} has no finite acceleration."
+        )
+    return result
+
+
+def mass_matrix(model: Model, q: Vector) -> Array:
+    """M (..., nv, nv), rotors included, by composite bodies. q: (..., nq)."""
+    return evaluate("mass_matrix", model, {"q": q}, _NO_OPTION)
+
+
+def coriolis_matrix(model: Model, q: Vector, qd: Vector) -> Array:
+    """C (..., nv, nv): C q̇ is the velocity term and Ṁ - 2C is skew-symmetric (Christoffel).
+
+    q: (..., nq); qd: (..., nv). With free or spherical joints the matrix of Echeandia and Wensing 2021.
+    """
+    return evaluate("coriolis_matrix", model, {"q": q, "qd": qd}, _NO_OPTION)
+
+
+def bias(model: Model, q: Vector, qd: Vector) -> Array:
+    """c + g, friction and springs (..., nv): the inverse dynamics at zero acceleration."""
+    return evaluate("bias", model, {"q": q, "qd": qd}, _NO_OPTION)
+
+
+def gravity_torque(model: Model, q: Vector) -> Array:
+    """g (..., nv): the torque that holds the arm still against gravity, springs not counted."""
+    return evaluate("gravity_torque", model, {"q": q}, _NO_OPTION)
+
+
+def static_torque(model: Model, q: Vector, wrenches: Wrenches = None) -> Array:
+    """g + springs - Σ Jᵀ w (..., nv): the torque that holds the arm still (2.41-2.49).
+
+    wrenches act on the arm, as for `inverse_dynamics`; the notes' (2.52) prints the torque that exerts f, its negative.
+    """
+    return evaluate("static_torque", model, {"q": q}, _NO_OPTION, wrenches)
+
+
+def tip_wrench(model: Model, q: Vector, tau: Vector, frame: str | None = None) -> Array:
+    """Wrench (..., 6) that the arm exerts on its surroundings with torques tau (..., nv): J⁻ᵀ tau (2.51).
+
+    In the plane (..., 3). With fewer joints than rows the least-squares solution is not taken: a planar arm of two joints
+    returns the force alone (moment 0). Gravity and springs are not counted. Raises SingularError at a singular Jacobian.
+    """
+    J = jacobian(model, q, frame)
+    rows = J.shape[-2] if model.nv >= J.shape[-2] else model.dim
+    if rows != model.nv:
+        raise SingularError(
+            f"tip_wrench: {model.name!r} has {model.nv} joints but the wrench {rows} components; torques determine it only "
+            "when these are equal."
+        )
+    square = J[..., :rows, :]
+    smallest = np.linalg.svd(square, compute_uv=False)
+    singular = smallest[..., -1] <= 1e-12 * smallest[..., 0]
+    if np.any(singular):
+        where = tuple(int(i) for i in np.argwhere(singular)[0]) if np.ndim(singular) else ()
+        raise SingularError(f"tip_wrench: the Jacobian is singular{f' at sample {where}' if where else ''}.")
+    torque = np.asarray(tau, dtype=float)
+    wrench = np.zeros(np.broadcast_shapes(J.shape[:-2], torque.shape[:-1]) + (J.shape[-2],))
+    wrench[..., :rows] = np.linalg.solve(np.swapaxes(square, -1, -2), torque[..., None])[..., 0]
+    return wrench
+
+
+def joint_wrenches(
+    model: Model,
+    q: Vector,
+    qd: Vector,
+    qdd: Vector,
+    wrenches: Wrenches = None,
+    reference: Literal["world", "child"] = "world",
+) -> Array:
+    """Reaction wrench (..., nj, 6) of every joint: force (N), then moment (N m); (..., nj, 3) in the plane.
+
+    Row i belongs to joint_names[i]: all that the parent does to the child, at the child's joint origin, world axes or the
+    child's. Arguments as for `inverse_dynamics`.
+    """
+    option = Option(reference=checked_reference(reference, ("world", "child")))
+    return evaluate("joint_wrenches", model, {"q": q, "qd": qd, "qdd": qdd}, option, wrenches)
+
+
+def kinetic_energy(model: Model, q: Vector, qd: Vector) -> Array:
+    """T (...) in J, rotors included (5.1-5.3)."""
+    return evaluate("kinetic_energy", model, {"q": q, "qd": qd}, _NO_OPTION)
+
+
+def potential_energy(model: Model, q: Vector) -> Array:
+    """V (...) in J: gravity, zero at the world's origin, and springs (5.4, 5.5)."""
+    return evaluate("potential_energy", model, {"q": q}, _NO_OPTION)
+
+
+def momentum(model: Model, q: Vector, qd: Vector, about: ArrayLike | None = None) -> Array:
+    """Linear (kg m/s), then angular momentum (kg m²/s), (..., 6), about a point of the world (default its origin).
+
+    (..., 3) in the plane. Momentum of the bodies; rotors are not counted.
+    """
+    extra = {} if about is None else {"point": about}
+    return evaluate("momentum", model, {"q": q, "qd": qd, **extra}, Option(point=about is not None))

@@ -1,0 +1,149 @@
+"""The table of what can be computed: for each name its inputs, its outputs and the algorithm that does it.
+
+Kernels are traced from this table and the float reference runs it as it stands, so both are the same text. An
+`Option` picks a variant by structure (frame, axes, which frames carry wrenches); inputs and outputs are named by
+their dimensions, which a model turns into numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from freebody.algorithms import energy, kinematics
+from freebody.algorithms.aba import aba
+from freebody.algorithms.coriolis import coriolis_matrix
+from freebody.algorithms.crba import bias, crba, forward_dynamics, supports
+from freebody.algorithms.rnea import External, external_on_frame, joint_wrenches, rnea
+from freebody.model.tree import Tree
+from freebody.spatial import Vector
+
+
+@dataclass(frozen=True)
+class Option:
+    """Structure that a formula depends on, besides the model."""
+
+    frame: str | None = None
+    reference: str = "world"
+    wrench_frames: tuple[str, ...] = ()
+    point: bool = False
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A computable quantity.
+
+    inputs: names among q, qd, qdd, tau, point, wrenches. outputs: name -> dimensions among nq, nv, nj, six, dim, pose.
+    evaluate(tree, option, **inputs): a tuple of nested sequences of scalars; wrenches is a tuple of vectors, one for
+    each of option.wrench_frames.
+    """
+
+    inputs: tuple[str, ...]
+    outputs: dict[str, tuple[str, ...]]
+    evaluate: Callable[..., tuple[Any, ...]]
+
+
+def _external(tree: Tree, o: Option, q: Vector, wrenches: tuple[Vector, ...]) -> list[External]:
+    loads = (external_on_frame(tree, q, f, w) for f, w in zip(o.wrench_frames, wrenches, strict=True))
+    return [load for load in loads if load is not None]
+
+
+def _pose(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
+    R, p = kinematics.frame_pose(tree, kinematics.world_poses(tree, kinematics.joint_poses(tree, q)), _frame(o))
+    last = (0.0,) * tree.space.dim + (1.0,)
+    return ((*((*row, x) for row, x in zip(R, p, strict=True)), last),)
+
+
+def _velocity(tree: Tree, o: Option, q: Vector, qd: Vector, point: Vector | None = None) -> tuple[Any, ...]:
+    motion = kinematics.outward(tree, q, qd, _zeros(tree))
+    (w, v), _ = kinematics.frame_motion(tree, motion, _frame(o), point)
+    return (v + w,)
+
+
+def _acceleration(
+    tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, point: Vector | None = None
+) -> tuple[Any, ...]:
+    _, (wd, vd) = kinematics.frame_motion(tree, kinematics.outward(tree, q, qd, qdd), _frame(o), point)
+    return (vd + wd,)
+
+
+def _inverse(tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, wrenches: Any = ()) -> tuple[Any, ...]:
+    return (rnea(tree, q, qd, qdd, _external(tree, o, q, wrenches)).tau,)
+
+
+def _forward(tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector, wrenches: Any = ()) -> tuple[Any, ...]:
+    method = aba if prefers_articulated_bodies(tree) else forward_dynamics
+    return (method(tree, q, qd, tau, _external(tree, o, q, wrenches)),)
+
+
+def prefers_articulated_bodies(tree: Tree) -> bool:
+    """Whether articulated bodies take fewer operations than factoring the mass matrix: chains are long."""
+    longest = max((len(above) for above in supports(tree).values()), default=0)
+    return longest >= 24 and not tree.follows
+
+
+def _gravity(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
+    still = _zeros(tree)
+    springs = [0.0] * tree.nv
+    tau = list(rnea(tree, q, still, still).tau)
+    # gravity alone: what springs add is taken off again
+    for body in tree.bodies:
+        if body.drive is not None:
+            k, (position,) = body.coordinates.v[0], body.position(q)
+            springs[k] = springs[k] + body.coordinates.ratio * (body.drive.stiffness * (position - body.drive.rest))
+    return (tuple(t - s for t, s in zip(tau, springs, strict=True)),)
+
+
+def _static(tree: Tree, o: Option, q: Vector, wrenches: Any = ()) -> tuple[Any, ...]:
+    still = _zeros(tree)
+    return (rnea(tree, q, still, still, _external(tree, o, q, wrenches)).tau,)
+
+
+def _wrenches(tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, wrenches: Any = ()) -> tuple[Any, ...]:
+    return (joint_wrenches(tree, rnea(tree, q, qd, qdd, _external(tree, o, q, wrenches)), o.reference),)
+
+
+def _momentum(tree: Tree, o: Option, q: Vector, qd: Vector, point: Vector | None = None) -> tuple[Any, ...]:
+    return (energy.momentum(tree, q, qd, point),)
+
+
+def _centre(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
+    total, moment = kinematics.centre_of_mass(tree, q)
+    return (tuple(h / total for h in moment),)
+
+
+def _zeros(tree: Tree) -> Vector:
+    return (0.0,) * tree.nv
+
+
+def _frame(o: Option) -> str:
+    assert o.frame is not None  # the public functions resolve the tip
+    return o.frame
+
+
+FORMULAS: dict[str, Formula] = {
+    "forward_kinematics": Formula(("q",), {"T": ("pose", "pose")}, _pose),
+    "velocity": Formula(("q", "qd", "point"), {"V": ("six",)}, _velocity),
+    "acceleration": Formula(("q", "qd", "qdd", "point"), {"A": ("six",)}, _acceleration),
+    "jacobian": Formula(
+        ("q",), {"J": ("six", "nv")}, lambda t, o, q: (kinematics.jacobian(t, q, _frame(o), o.reference),)
+    ),
+    "jacobian_dot": Formula(
+        ("q", "qd"),
+        {"Jd": ("six", "nv")},
+        lambda t, o, q, qd: (kinematics.jacobian_dot(t, q, qd, _frame(o), o.reference),),
+    ),
+    "center_of_mass": Formula(("q",), {"com": ("dim",)}, _centre),
+    "inverse_dynamics": Formula(("q", "qd", "qdd", "wrenches"), {"tau": ("nv",)}, _inverse),
+    "forward_dynamics": Formula(("q", "qd", "tau", "wrenches"), {"qdd": ("nv",)}, _forward),
+    "mass_matrix": Formula(("q",), {"M": ("nv", "nv")}, lambda t, o, q: (crba(t, q),)),
+    "coriolis_matrix": Formula(("q", "qd"), {"C": ("nv", "nv")}, lambda t, o, q, qd: (coriolis_matrix(t, q, qd),)),
+    "bias": Formula(("q", "qd"), {"bias": ("nv",)}, lambda t, o, q, qd: (bias(t, q, qd),)),
+    "gravity_torque": Formula(("q",), {"g": ("nv",)}, _gravity),
+    "static_torque": Formula(("q", "wrenches"), {"tau": ("nv",)}, _static),
+    "joint_wrenches": Formula(("q", "qd", "qdd", "wrenches"), {"W": ("nj", "six")}, _wrenches),
+    "kinetic_energy": Formula(("q", "qd"), {"T": ()}, lambda t, o, q, qd: (energy.kinetic_energy(t, q, qd),)),
+    "potential_energy": Formula(("q",), {"V": ()}, lambda t, o, q: (energy.potential_energy(t, q),)),
+    "momentum": Formula(("q", "qd", "point"), {"h": ("six",)}, _momentum),
+}

@@ -1,0 +1,143 @@
+"""From a model and the name of a formula to its kernel, or to its value over plain arrays."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.compiler import Argument, Kernel, Program, compile_program, trace
+from freebody.errors import FreebodyError, UnknownNameError
+from freebody.model.model import Model
+from freebody.numerics.formulas import FORMULAS, Option
+
+_KERNELS: weakref.WeakKeyDictionary[Model, dict[Any, Kernel]] = weakref.WeakKeyDictionary()
+
+
+def kernel(
+    model: Model,
+    names: str | Sequence[str],
+    *,
+    frame: str | None = None,
+    reference: str = "world",
+    wrench_frames: Sequence[str] = (),
+    backend: str | None = None,
+    width: int | None = None,
+) -> Kernel:
+    """The compiled function for one quantity, or for several that share their work.
+
+    model: with all values. names: among "inverse_dynamics", "forward_dynamics", "mass_matrix", "jacobian", … or a list.
+    frame: for kinematic quantities (default: the tip). reference: "world" or "body" axes (for joint wrenches "child").
+    wrench_frames: frames that carry external wrenches; each becomes a further input (..., 6).
+    Returns k(q, qd, …, out=None, threads=None), which broadcasts like a NumPy ufunc, lets NaN through and checks no
+    names; its inputs are those of the quantities, in the order q, qd, qdd, tau, wrenches, and its outputs in the order
+    of `names`. Raises UnknownNameError.
+    """
+    listed = (names,) if isinstance(names, str) else tuple(names)
+    for name in listed:
+        if name not in FORMULAS:
+            raise UnknownNameError("quantity", name, "fb.kernel", FORMULAS)
+    if not listed:
+        raise FreebodyError("fb.kernel: give at least one quantity.")
+    needs_frame = any(name in _FRAMED for name in listed)
+    option = Option(
+        model.frame(frame).name if needs_frame or frame is not None else None,
+        reference,
+        tuple(model.frame(f).name for f in wrench_frames),
+    )
+    return fetch(model, listed, option, backend, width)
+
+
+_FRAMED = ("forward_kinematics", "velocity", "acceleration", "jacobian", "jacobian_dot")
+_ORDER = ("q", "qd", "qdd", "tau", "point")
+
+
+def fetch(
+    model: Model, names: tuple[str, ...], option: Option, backend: str | None = None, width: int | None = None
+) -> Kernel:
+    """The kernel, compiled on first use and kept as long as the model."""
+    kept = _KERNELS.setdefault(model, {})
+    key = (names, option, backend, width)
+    found = kept.get(key)
+    if found is None:
+        found = kept[key] = compile_program(program(model, names, option), backend=backend, width=width)
+    return found
+
+
+def program(model: Model, names: tuple[str, ...], option: Option) -> Program:
+    """What the formulas do to scalars, for this model."""
+    tree = model.tree
+    inputs = arguments(model, names, option)
+    labels = [a.name for a in inputs]
+    outputs = tuple(
+        Argument(f"{name}.{label}" if len(names) > 1 else label, _shape(model, dims))
+        for name in names
+        for label, dims in FORMULAS[name].outputs.items()
+    )
+
+    def evaluate(*values: Any) -> tuple[Any, ...]:
+        given = dict(zip(labels, values, strict=True))
+        return tuple(x for name in names for x in FORMULAS[name].evaluate(tree, option, **_chosen(name, given, option)))
+
+    return trace("+".join(names), evaluate, inputs, outputs)
+
+
+def reference(model: Model, name: str, option: Option, *arrays: Array) -> Array:
+    """The formula run on NumPy arrays instead of the compiled kernel; arrays as for the kernel."""
+    tree = model.tree
+    inputs = arguments(model, (name,), option)
+    batch = np.broadcast_shapes(
+        *(a.shape[: a.ndim - len(argument.shape)] for a, argument in zip(arrays, inputs, strict=True))
+    )
+    given = {
+        argument.name: _scalars(np.broadcast_to(a, batch + argument.shape), len(argument.shape))
+        for argument, a in zip(inputs, arrays, strict=True)
+    }
+    (value,) = FORMULAS[name].evaluate(tree, option, **_chosen(name, given, option))
+    (dims,) = FORMULAS[name].outputs.values()
+    shape = _shape(model, dims)
+    flat = [np.broadcast_to(np.asarray(x, dtype=float), batch) for x in _flat(value, len(shape))]
+    return np.stack(flat, axis=-1).reshape(batch + shape) if flat else np.zeros(batch + shape)
+
+
+def arguments(model: Model, names: tuple[str, ...], option: Option) -> tuple[Argument, ...]:
+    """Inputs that the formulas need, each once, in the fixed order."""
+    wanted = {label for name in names for label in FORMULAS[name].inputs}
+    shapes = {"q": (model.nq,), "qd": (model.nv,), "qdd": (model.nv,), "tau": (model.nv,), "point": (model.dim,)}
+    plain = [Argument(x, shapes[x]) for x in _ORDER if x in wanted and (x != "point" or option.point)]
+    loads = option.wrench_frames if "wrenches" in wanted else ()
+    return (*plain, *(Argument(f"wrench {frame}", _shape(model, ("six",))) for frame in loads))
+
+
+def _chosen(name: str, given: dict[str, Any], option: Option) -> dict[str, Any]:
+    """Of the given inputs those that a formula takes."""
+    taken = {x: given[x] for x in FORMULAS[name].inputs if x in given}
+    if "wrenches" in FORMULAS[name].inputs:
+        taken["wrenches"] = tuple(given[f"wrench {frame}"] for frame in option.wrench_frames)
+    return taken
+
+
+def _shape(model: Model, dims: tuple[str, ...]) -> tuple[int, ...]:
+    sizes = {
+        "nv": model.nv,
+        "nj": len(model.bodies),
+        "six": 6 if model.dim == 3 else 3,
+        "dim": model.dim,
+        "pose": model.dim + 1,
+    }
+    return tuple(sizes[d] for d in dims)
+
+
+def _scalars(array: Array, core: int) -> Any:
+    """An array as nested tuples over its core axes, each entry an array over the batch."""
+    if core == 0:
+        return array
+    axis = array.ndim - core
+    return tuple(_scalars(np.take(array, i, axis=axis), core - 1) for i in range(array.shape[axis]))
+
+
+def _flat(value: Any, depth: int) -> list[Any]:
+    return [value] if depth == 0 else [x for item in value for x in _flat(item, depth - 1)]

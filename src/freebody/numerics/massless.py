@@ -1,0 +1,45 @@
+"""Joints that move no inertia make the mass matrix singular; found once a model, and named."""
+
+from __future__ import annotations
+
+import weakref
+
+import numpy as np
+
+from freebody.algorithms.crba import crba, factor
+from freebody.errors import SingularError
+from freebody.model.model import Model
+from freebody.numerics.states import random_state
+
+_KNOWN: weakref.WeakKeyDictionary[Model, tuple[str, ...]] = weakref.WeakKeyDictionary()
+_NOTHING = 1e-13  # a pivot this small, relative to what it was subtracted from, is rounding
+
+
+def refuse_massless(model: Model) -> None:
+    """Raise SingularError if some joint moves no inertia at any of a few random configurations."""
+    if model not in _KNOWN:
+        _KNOWN[model] = _massless(model)
+    if _KNOWN[model]:
+        joints = ", ".join(map(repr, _KNOWN[model]))
+        raise SingularError(
+            f"forward_dynamics: the mass matrix of {model.name!r} is singular: joint {joints} moves no inertia. "
+            "Give what it carries a mass and inertia, or the joint a rotor inertia, or fix it."
+        )
+
+
+def _massless(model: Model) -> tuple[str, ...]:
+    tree = model.tree
+    q, _, _ = random_state(model, seed=1, batch=4)
+    samples = tuple(np.moveaxis(q, -1, 0))
+    M = [[x + np.zeros(4) for x in row] for row in crba(tree, samples)]
+    with np.errstate(all="ignore"):
+        _, inverse = factor(tree, M)  # type: ignore[arg-type]
+        largest = max((np.abs(M[k][k]).max() for k in range(model.nv)), default=0.0)
+        pivots = {k: np.abs(1.0 / inverse[k]) for k in inverse}
+    bad = []
+    for k, pivot in pivots.items():
+        floor = np.maximum(_NOTHING * np.abs(M[k][k]), 1e-16 * largest)
+        if not np.all(pivot > floor):
+            bad.append(k)
+            break  # pivots of the joints before it are of no use
+    return tuple(model.velocity_names[k] for k in bad)

@@ -1,0 +1,164 @@
+"""Positions as points of a manifold: neutral, random, moving along a velocity, and the velocity between two."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from freebody.arrays import Array
+from freebody.model.model import Model
+from freebody.numerics.calls import vector
+
+
+def neutral(model: Model) -> Array:
+    """q (nq,) with every coordinate 0 and every quaternion the identity."""
+    q = np.zeros(model.nq)
+    for _, iq, _ in _manifolds(model):
+        q[iq[-4]] = 1.0
+    return q
+
+
+def random_state(model: Model, seed: int | None = None, batch: int | tuple[int, ...] = ()) -> tuple[Array, Array, Array]:
+    """(q, qd, qdd) of shapes (*batch, nq), (*batch, nv), (*batch, nv), reproducible with a seed.
+
+    q lies within the limits, or within ±π (rad) and ±1 (m) where there are none; quaternions are uniform; rates and
+    accelerations are normal with deviation 1.
+    """
+    rng = np.random.default_rng(seed)
+    shape = (batch,) if isinstance(batch, int) else tuple(batch)
+    q = np.empty((*shape, model.nq))
+    for body, at in zip(model.bodies, model.coordinates, strict=True):
+        if body.joint.mimic is not None:
+            continue
+        if body.kind.name in ("spherical", "free"):
+            quaternion = rng.normal(size=(*shape, 4))
+            q[..., at.q[-4:]] = quaternion / np.linalg.norm(quaternion, axis=-1, keepdims=True)
+            q[..., at.q[:-4]] = rng.uniform(-1, 1, size=(*shape, len(at.q) - 4))
+        elif body.kind.name == "planar":
+            q[..., at.q] = rng.uniform(-1, 1, size=(*shape, 3)) * [1, 1, np.pi]
+        else:
+            reach = 1.0 if body.kind.name == "prismatic" else np.pi
+            limits = body.joint.limits
+            low, high = max(limits.lower, -1e3), min(limits.upper, 1e3)
+            low = low if np.isfinite(limits.lower) else min(-reach, high - 2 * reach)
+            high = high if np.isfinite(limits.upper) else max(reach, low + 2 * reach)
+            q[..., at.q[0]] = rng.uniform(low, high, size=shape)
+    return q, rng.normal(size=(*shape, model.nv)), rng.normal(size=(*shape, model.nv))
+
+
+def integrate(model: Model, q: ArrayLike, v: ArrayLike) -> Array:
+    """The position (..., nq) reached from q (..., nq) by the constant velocity v (..., nv) in unit time.
+
+    Free joints move along their screw (exponential of SE(3)), spherical ones turn by ω; the others add.
+    """
+    q0, rate = _batched(vector("integrate", model, "q", q), vector("integrate", model, "qd", v))
+    result = np.empty_like(q0)
+    for kind, iq, iv in _manifolds(model, all_kinds=True):
+        result[..., iq] = _INTEGRATE.get(kind, np.add)(q0[..., iq], rate[..., iv])
+    return result
+
+
+def difference(model: Model, q0: ArrayLike, q1: ArrayLike) -> Array:
+    """The velocity (..., nv) that leads from q0 to q1 (..., nq) in unit time: integrate(q0, difference(q0, q1)) = q1."""
+    a, b = _batched(vector("difference", model, "q", q0), vector("difference", model, "q", q1))
+    result = np.empty((*a.shape[:-1], model.nv))
+    for kind, iq, iv in _manifolds(model, all_kinds=True):
+        result[..., iv] = _DIFFERENCE.get(kind, lambda x, y: y - x)(a[..., iq], b[..., iq])
+    return result
+
+
+def _batched(a: Array, b: Array) -> tuple[Array, Array]:
+    batch = np.broadcast_shapes(a.shape[:-1], b.shape[:-1])
+    return np.broadcast_to(a, (*batch, a.shape[-1])), np.broadcast_to(b, (*batch, b.shape[-1]))
+
+
+def _manifolds(model: Model, all_kinds: bool = False) -> list[tuple[str, list[int], list[int]]]:
+    """(kind, entries of q, entries of v) of each independent joint; by default of those with quaternions."""
+    return [
+        (body.kind.name, list(at.q), list(at.v))
+        for body, at in zip(model.bodies, model.coordinates, strict=True)
+        if body.joint.mimic is None and (all_kinds or body.kind.nq in (4, 7))
+    ]
+
+
+# ---------------------------------------------------------------- quaternions w, x, y, z
+def quaternion_product(a: Array, b: Array) -> Array:
+    """a b, shapes (..., 4)."""
+    w, x, y, z = np.moveaxis(a, -1, 0)
+    W, X, Y, Z = np.moveaxis(b, -1, 0)
+    return np.stack(
+        [w * W - x * X - y * Y - z * Z, w * X + x * W + y * Z - z * Y, w * Y - x * Z + y * W + z * X, w * Z + x * Y - y * X + z * W],
+        axis=-1,
+    )
+
+
+def conjugate(q: Array) -> Array:
+    """Inverse of a unit quaternion."""
+    return q * np.array([1.0, -1.0, -1.0, -1.0])
+
+
+def turned(q: Array, v: Array) -> Array:
+    """R(q) v, shapes (..., 4), (..., 3)."""
+    w, u = q[..., :1], q[..., 1:]
+    t = 2.0 * np.cross(u, v)
+    return v + w * t + np.cross(u, t)
+
+
+def quaternion_of(w: Array) -> Array:
+    """Quaternion of a rotation vector (..., 3)."""
+    angle = np.linalg.norm(w, axis=-1, keepdims=True)
+    return np.concatenate([np.cos(angle / 2), 0.5 * np.sinc(angle / (2 * np.pi)) * w], axis=-1)
+
+
+def rotation_vector(q: Array) -> Array:
+    """Rotation vector (..., 3) of a quaternion, of length at most π."""
+    q = np.where(q[..., :1] < 0, -q, q)
+    size = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
+    half = np.arctan2(size, q[..., :1])
+    factor = np.where(size > 1e-12, 2 * half / np.where(size > 0, size, 1.0), 2.0)
+    return factor * q[..., 1:]
+
+
+def _screw_shift(w: Array, v: Array) -> Array:
+    """∫ exp(s ω×) v ds over s from 0 to 1."""
+    angle = np.linalg.norm(w, axis=-1, keepdims=True)
+    small = angle < 1e-4
+    a = np.where(small, 1.0, angle)
+    first = np.where(small, 0.5 - angle**2 / 24, (1 - np.cos(a)) / a**2)
+    second = np.where(small, 1 / 6 - angle**2 / 120, (a - np.sin(a)) / a**3)
+    return v + first * np.cross(w, v) + second * np.cross(w, np.cross(w, v))
+
+
+def _unshifted(w: Array, p: Array) -> Array:
+    """The v whose `_screw_shift` is p."""
+    angle = np.linalg.norm(w, axis=-1, keepdims=True)
+    small = angle < 1e-4
+    a = np.where(small, 1.0, angle)
+    rest = np.where(small, 1 / 12 + angle**2 / 720, (1 - a / 2 / np.tan(a / 2)) / a**2)
+    return p - 0.5 * np.cross(w, p) + rest * np.cross(w, np.cross(w, p))
+
+
+def _turn(q: Array, w: Array) -> Array:
+    moved = quaternion_product(q, quaternion_of(w))
+    return moved / np.linalg.norm(moved, axis=-1, keepdims=True)
+
+
+def _float(q: Array, v: Array) -> Array:
+    p = q[..., :3] + turned(q[..., 3:], _screw_shift(v[..., 3:], v[..., :3]))
+    return np.concatenate([p, _turn(q[..., 3:], v[..., 3:])], axis=-1)
+
+
+def _between(a: Array, b: Array) -> Array:
+    return rotation_vector(quaternion_product(conjugate(a), b))
+
+
+def _float_between(a: Array, b: Array) -> Array:
+    w = _between(a[..., 3:], b[..., 3:])
+    shift = turned(conjugate(a[..., 3:]), b[..., :3] - a[..., :3])
+    return np.concatenate([_unshifted(w, shift), w], axis=-1)
+
+
+_INTEGRATE: dict[str, Callable[[Array, Array], Array]] = {"spherical": _turn, "free": _float}
+_DIFFERENCE: dict[str, Callable[[Array, Array], Array]] = {"spherical": _between, "free": _float_between}
