@@ -12,9 +12,6 @@ from freebody.compiler.program import Program
 from freebody.compiler.segments import Segment, SinCos, segment
 from freebody.compiler.target import Target
 
-VERSION = 1
-"""Part of the key of cached objects: raise it whenever the same program gives other text."""
-
 INSTRUCTION = {
     "add": "{r} = fadd contract {v} {a}, {b}",
     "sub": "{r} = fsub contract {v} {a}, {b}",

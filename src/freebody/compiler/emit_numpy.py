@@ -103,6 +103,8 @@ class BlockedFunction:
         for array, argument in zip(results, self.outputs, strict=True):
             array[...] = y[row : row + argument.size].T.reshape(batch + argument.shape)
             row += argument.size
+        if out is None:
+            results = [array[()] for array in results]  # a number where there are no axes, as NumPy's ufuncs do
         return results[0] if len(results) == 1 else tuple(results)
 
     def _block(self, rows: Sequence[np.ndarray], y: np.ndarray, part: slice) -> None:

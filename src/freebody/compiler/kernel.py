@@ -2,26 +2,45 @@
 
 from __future__ import annotations
 
+import functools
+import hashlib
+import importlib.metadata
 import importlib.util
 import os
+import sys
+import threading
 from collections.abc import Callable
 from functools import cached_property
+from math import prod
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.compiler import emit_llvm, emit_numpy, target
+from freebody.compiler import cache, emit_llvm, emit_numpy, target
 from freebody.compiler.gufunc import make_gufunc, signature
 from freebody.compiler.passes import optimise
 from freebody.compiler.program import Argument, Program
+from freebody.compiler.threads import cpus, run_split
 from freebody.errors import FreebodyError, ShapeError
 
 BACKENDS = ("llvm", "numpy")
 
 
+_WORTH = 4e6
+"""Operations (per vector lane) that a thread is woken for: about 0.1 ms."""
+
+_COST = {"sin": 15.0, "cos": 15.0, "div": 8.0, "sqrt": 8.0}
+"""What is dearer than an addition."""
+
+
 class KernelError(FreebodyError, TypeError):
     """A kernel asked for or called in a way it does not know."""
+
+
+class BatchError(FreebodyError, ValueError):
+    """Leading dimensions that do not broadcast."""
 
 
 class Kernel:
@@ -45,23 +64,61 @@ class Kernel:
         self.width = width
         self.ufunc = ufunc
         self.signature = signature(program.inputs, program.outputs)
+        self._cost = sum(_COST.get(op, 1.0) * count for op, count in program.operations.items()) + 1.0
+        # entries that an array may have and surely be too small for threads
+        self._small = int(2 * _WORTH / self._cost) if backend == "llvm" else sys.maxsize
 
     def __call__(self, *arrays: ArrayLike, out: Any = None, threads: int | None = None) -> Any:
         """The output, or the tuple of outputs.
 
         Args:
             arrays: one for each input, shape (..., *core).
-            out: array or tuple of arrays to write to.
+            out: array or tuple of arrays to write to, of the whole shape.
             threads: how many share the batch; by default as many as the work is worth.
 
         Raises:
-            ShapeError: wrong core shape, or batch shapes that do not broadcast.
+            ShapeError: wrong core shape.
+            BatchError: batch shapes that do not broadcast.
             KernelError: wrong number or type of arguments.
         """
+        if threads is None and out is None:
+            try:
+                if arrays[0].size < self._small:  # type: ignore[union-attr]  # one look: a call takes less than 1 µs
+                    return self.ufunc(*arrays)
+            except (AttributeError, IndexError):
+                pass  # a list, which has no size; no arguments
+            except (TypeError, ValueError) as problem:
+                raise self._explained(arrays, problem) from None
         try:
-            return self.ufunc(*arrays, out=out)
+            return self._shared(arrays, out, threads)
         except (TypeError, ValueError) as problem:
             raise self._explained(arrays, problem) from None
+
+    def _shared(self, arrays: tuple[ArrayLike, ...], out: Any, threads: int | None) -> Any:
+        """Call with the batch shared among threads, if it is worth it and outputs overlap no input."""
+        inputs, outputs = self.program.inputs, self.program.outputs
+        values = [np.asarray(array) for array in arrays]
+        if threads is not None and (not isinstance(threads, int) or threads < 1):
+            raise KernelError(f"{self.program.name}: threads={threads!r}, expected a whole number from 1 up.")
+        cores = [len(argument.shape) for argument in inputs + outputs]
+        batch = np.broadcast_shapes(
+            *(value.shape[: value.ndim - core] for value, core in zip(values, cores, strict=False))
+        )
+        count = prod(batch)
+        if threads is None:
+            threads = min(cpus(), int(count * self._cost / _WORTH))
+        given = () if out is None else out if isinstance(out, tuple) else (out,)
+        overlapping = any(np.may_share_memory(x, y) for x in given for y in (*values, *given) if x is not y)
+        if threads < 2 or not batch or count == 0 or overlapping or self.backend == "numpy":
+            return self.ufunc(*values) if out is None else self.ufunc(*values, out=out)
+        for value, argument in zip(values, inputs, strict=True):
+            if value.shape[value.ndim - len(argument.shape) :] != argument.shape:
+                raise ValueError(argument.name)  # explained by the caller
+        outs = given or tuple(np.empty(batch + argument.shape) for argument in outputs)
+        if any(x.shape != batch + argument.shape for x, argument in zip(outs, outputs, strict=True)):
+            return self.ufunc(*values, out=out)  # NumPy says what is wrong
+        run_split(self.ufunc, values, outs, cores, batch, threads)
+        return outs[0] if len(outs) == 1 else outs
 
     def __repr__(self) -> str:
         return f"Kernel({self.program}; {self.backend}, width {self.width})"
@@ -97,7 +154,17 @@ class Kernel:
             if given.ndim < core or given.shape[given.ndim - core :] != argument.shape:
                 expected = f"({', '.join(['...', *map(str, argument.shape)])})"
                 return ShapeError(name, argument.name, given.shape, expected)
-        return problem
+        return _batch_error(name, inputs, arrays) or problem
+
+
+def _batch_error(name: str, inputs: tuple[Argument, ...], arrays: tuple[ArrayLike, ...]) -> BatchError | None:
+    shapes = [np.shape(x)[: np.ndim(x) - len(i.shape)] for x, i in zip(arrays, inputs, strict=True)]
+    try:
+        np.broadcast_shapes(*shapes)
+    except ValueError:
+        listed = ", ".join(f"{argument.name} {shape}" for argument, shape in zip(inputs, shapes, strict=True))
+        return BatchError(f"{name}: the batch shapes do not broadcast together: {listed}.")
+    return None
 
 
 def compile_program(program: Program, *, backend: str | None = None, width: int | None = None) -> Kernel:
@@ -113,15 +180,57 @@ def compile_program(program: Program, *, backend: str | None = None, width: int 
     """
     backend = backend or os.environ.get("FREEBODY_BACKEND") or _default_backend()
     if backend not in BACKENDS:
-        raise KernelError(f"no backend {backend!r}. Backends: {', '.join(BACKENDS)} (argument or FREEBODY_BACKEND).")
-    chosen = _width(width)
-    if backend == "numpy" or not _has_scalars(program):
-        return Kernel(program, "numpy", 1, emit_numpy.BlockedFunction(program, emit_numpy.emit(optimise(program))))
-    machine = target.host().target(chosen)
-    code = target.object_code(emit_llvm.emit(optimise(program), machine))
+        known = ", ".join(BACKENDS)
+        raise KernelError(f"no backend {backend!r}. Backends: {known} (argument or FREEBODY_BACKEND).")
+    width = _width(width)
+    if not _has_scalars(program):
+        backend = "numpy"
+    with _lock:
+        key = (program.digest, backend, width)
+        kernel = _kernels.get(key)
+        if kernel is None:
+            kernel = _kernels[key] = _COMPILE[backend](program, width)
+    return kernel
+
+
+_lock = threading.Lock()
+_kernels: dict[tuple[str, str, int | None], Kernel] = {}
+
+
+def _compile_numpy(program: Program, width: int | None) -> Kernel:
+    return Kernel(program, "numpy", 1, emit_numpy.BlockedFunction(program, emit_numpy.emit(optimise(program))))
+
+
+def _compile_llvm(program: Program, width: int | None) -> Kernel:
+    host = target.host()
+    machine = host.target(width)
+    key = cache.key(program.digest, host, machine, _compiler_version())
+    code = cache.load(key)
+    if code is None:
+        code = target.object_code(emit_llvm.emit(optimise(program), machine))
+        cache.store(key, code)
     address, keep = target.link(code)
     ufunc = make_gufunc(address, program.name, program.inputs, program.outputs, keep)
     return Kernel(program, "llvm", machine.width, ufunc)
+
+
+_COMPILE = {"llvm": _compile_llvm, "numpy": _compile_numpy}
+
+
+@functools.cache
+def _compiler_version() -> str:
+    """Of the compiler's own text: whatever is changed in it, cached objects of the former text are not used."""
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(path.read_bytes())
+    return f"{_installed_version()} {digest.hexdigest()}"
+
+
+def _installed_version() -> str:
+    try:
+        return importlib.metadata.version("freebody")
+    except importlib.metadata.PackageNotFoundError:
+        return "not installed"
 
 
 def _default_backend() -> str:

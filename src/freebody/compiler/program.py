@@ -127,8 +127,9 @@ def verify(program: Program) -> Program:
         if not truth:
             raise ProgramError(f"{program.name}: {rule}.")
 
-    names = [argument.name for argument in program.inputs + program.outputs]
-    demand(len(set(names)) == len(names), f"the names of inputs and outputs are used once: {', '.join(names)}")
+    for kind, arguments in (("inputs", program.inputs), ("outputs", program.outputs)):
+        names = [argument.name for argument in arguments]
+        demand(len(set(names)) == len(names), f"the names of {kind} are used once: {', '.join(names)}")
     demand(len(program.outputs) > 0, "a program has at least one output")
     for argument in program.inputs + program.outputs:
         demand(all(size >= 0 for size in argument.shape), f"{argument} has a negative size")
