@@ -22,6 +22,8 @@ _PLACES = {
     "freebody.model.model": ("Model",),
     "freebody.model.planar": ("planar",),
     "freebody.model.dh": ("dh",),
+    "freebody.formats.loading": ("load",),
+    "freebody.robots": ("models",),
     "freebody.numerics.kinematics": (
         "forward_kinematics",
         "velocity",

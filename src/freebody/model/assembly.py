@@ -245,14 +245,15 @@ class _Assembly:
             parent, placement = carrier[joint.parent] if joint.parent else (-1, Placement())
             mounted = replace(joint, placement=placement.then(joint.placement), mimic=followers.get(joint.name))
             bodies.append(Body(joint.child, mounted, parent, tuple(parts[index[joint.child]])))
-        frames = [Frame(link.name, *carrier[link.name]) for link in d.links]
+        fixed_to = {joint.child: joint.parent for joint in joints if joint.kind == "fixed"}
+        frames = [Frame(link.name, *carrier[link.name], fixed_to.get(link.name, "")) for link in d.links]
         for mount in d.mounts:
             if mount.link not in carrier:
                 self.refuse(str(UnknownNameError("link", mount.link, f"frame {mount.name!r}", self.links)))
             if mount.name in carrier or any(frame.name == mount.name for frame in frames[len(d.links) :]):
                 self.refuse(f"frame {mount.name!r}: the name is taken; rename it.")
             body, placement = carrier[mount.link]
-            frames.append(Frame(mount.name, body, placement.then(mount.placement)))
+            frames.append(Frame(mount.name, body, placement.then(mount.placement), mount.link, mounted=True))
         model = Model(
             d.name,
             d.dim,
@@ -265,6 +266,8 @@ class _Assembly:
         )
         leaves = self.leaves(model)
         model = dataclasses.replace(model, leaves=leaves)
+        for payload in d.payloads:
+            model = model.with_payload(payload.inertia, frame=payload.frame, name=payload.name)
         chosen = tip or d.tip or (leaves[0] if len(leaves) == 1 else None)
         return model if chosen is None else model.replace(tip=chosen)
 

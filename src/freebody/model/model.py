@@ -30,11 +30,17 @@ from freebody.model.tree import TURN_INTO_SPACE, Attached, Coordinates, Tree, lo
 
 @dataclass(frozen=True)
 class Frame:
-    """A named frame fixed to a body (index; -1 is the base), placed in the body's frame."""
+    """A named frame fixed to a body (index; -1 is the base), placed in the body's frame.
+
+    `parent` is the frame it is fixed to, empty for the frame of a body's first link or of the base. It belongs to a link
+    unless it is `mounted`.
+    """
 
     name: str
     body: int
     placement: Placement = Placement()
+    parent: str = ""
+    mounted: bool = False
 
 
 @dataclass(frozen=True)
@@ -318,7 +324,7 @@ class Model:
             placement = placement.then(shift(*(finite(x, "with_tool: position") for x in position)))
         if rotation is not None:
             placement = placement.then(rotate(rotation, "with_tool"))
-        model = dataclasses.replace(self, frames=(*self.frames, Frame(name, at.body, placement)), tip=name)
+        model = dataclasses.replace(self, frames=(*self.frames, Frame(name, at.body, placement, at.name, mounted=True)), tip=name)
         return model if inertia is None else model.with_payload(inertia, frame=name, name=name)
 
     def to_space(self) -> Model:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 from freebody.model.inertia import Inertia
 from freebody.model.parameters import Quantity
@@ -81,6 +82,15 @@ class Mount:
 
 
 @dataclass(frozen=True)
+class Payload:
+    """A rigid load fixed to a frame, its inertia in that frame's axes."""
+
+    name: str
+    frame: str
+    inertia: Inertia
+
+
+@dataclass(frozen=True)
 class Loop:
     """A closed chain: two frames held together by a joint kind. Described here, refused by assembly for now."""
 
@@ -114,6 +124,9 @@ class Description:
     gravity: tuple[Quantity, tuple[float, ...]]
     mounts: tuple[Mount, ...] = ()
     loops: tuple[Loop, ...] = ()
+    payloads: tuple[Payload, ...] = ()
+    base: Literal["fixed", "free"] = "fixed"
+    """Whether the root link is held or free, where the caller does not say."""
     tip: str | None = None
     source: str = ""
     notices: tuple[Notice, ...] = field(default=())

@@ -82,9 +82,9 @@ def about(axis: str, s: Scalar, c: Scalar) -> Matrix:
 
 
 def exact_sin_cos(angle: float, tolerance: float = _EXACT) -> tuple[float, float]:
-    """sin and cos, exactly 0 and ±1 within `tolerance` (rad) of a multiple of π/2."""
+    """sin and cos, exactly 0 and ±1 within `tolerance` (rad) of a multiple of π/2; with 0 as computed."""
     quarter = round(angle / (math.pi / 2))
-    if abs(angle - quarter * (math.pi / 2)) <= tolerance:
+    if tolerance > 0.0 and abs(angle - quarter * (math.pi / 2)) <= tolerance:
         return ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))[quarter % 4]
     return math.sin(angle), math.cos(angle)
 

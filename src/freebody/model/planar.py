@@ -42,6 +42,26 @@ def planar(
     frame before (rad); default 0 for R, 0 for P after an R or at the base, +π/2 for P after a P.
     limits: (lower, upper) or Limits a joint. drives: friction, rotors and springs a joint.
     """
+    description = describe(
+        word, l=l, lc=lc, m=m, I=I, g=g, angles=angles, limits=limits, drives=drives, name=name
+    )
+    return assemble(description, physical=physical)
+
+
+def describe(
+    word: str,
+    *,
+    l: Sequence[Given] | None = None,  # noqa: E741
+    lc: Sequence[Given] | None = None,
+    m: Sequence[Given] | None = None,
+    I: Sequence[Given] | None = None,  # noqa: E741
+    g: float | str | Parameter | Sequence[float] = 9.81,
+    angles: Sequence[float] | None = None,
+    limits: Sequence[tuple[float, float] | Limits | None] | None = None,
+    drives: Sequence[Drive | None] | None = None,
+    name: str | None = None,
+) -> Description:
+    """The links and joints of a planar word; arguments as in `planar`."""
     n = len(word)
     if not n or set(word) - set("RP"):
         raise ModelError(f"planar: the word {word!r} must be made of the letters R and P, such as 'RR' or 'RP'.")
@@ -70,8 +90,7 @@ def planar(
         reach = lengths[i]
     tip = Mount("tip", links[-1].name, shift(reach, 0.0))
     gravity = gravity_of(Parameter("g", float(g)) if isinstance(g, int | float) else g, 2)
-    description = Description(name or word, 2, tuple(links), tuple(joints), gravity, (tip,), tip="tip")
-    return assemble(description, physical=physical)
+    return Description(name or word, 2, tuple(links), tuple(joints), gravity, (tip,), tip="tip")
 
 
 def _entries(letter: str, given: Sequence[Given] | None, n: int, word: str = "") -> list[Quantity]:

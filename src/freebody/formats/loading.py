@@ -1,0 +1,81 @@
+"""`load`: a model from a file or from the data that comes with the package."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from freebody.errors import FileError, FreebodyError, UnknownNameError
+from freebody.formats import source as sources
+from freebody.formats import toml, urdf
+from freebody.model.assembly import BasePolicy, MimicPolicy, Policy, assemble
+from freebody.model.dh import Convention
+from freebody.model.model import Model
+from freebody.model.parts import Description
+
+_NOT_READ = {
+    ".xacro": "xacro is not read directly; expand it first with `xacro {name} > {stem}.urdf`, then load that.",
+    ".xml": "MJCF and other XML are not read; export the robot as URDF, or describe it in freebody's TOML.",
+    ".sdf": "SDF is not read; convert it to URDF, or describe the robot in freebody's TOML.",
+}
+SUFFIXES = (".urdf", ".toml", ".csv")
+
+
+def load(
+    source: str | os.PathLike[str],
+    *,
+    tip: str | None = None,
+    base: BasePolicy | None = None,
+    mimic: MimicPolicy = "follow",
+    physical: Policy = "warn",
+    snap_angles: float = 3e-9,
+    convention: Convention | None = None,
+) -> Model:
+    """A model from a .urdf, .toml or .csv (DH table) file, or a bundled model by its name (see `models()`).
+
+    tip: the frame that `frame=None` means; default: the file's, else the only leaf.
+    base: "fixed" or "free" (a free joint carries the root link); default: the file's, else fixed.
+    mimic: "follow", or "free" to make mimic joints independent.
+    physical: what to do about an inertia that no rigid body has: "warn", "refuse" or "ignore"; the numbers are never changed.
+    snap_angles: URDF angles (rad) this close to a multiple of π/2 are read as that multiple; 0 reads them as written.
+    convention: "standard" or "modified", for a DH table that does not say it.
+
+    What was snapped, ignored or doubtful stands in `model.notices`. Raises FileError with file and line, or FreebodyError.
+    """
+    description = read(source, snap_angles=snap_angles, convention=convention)
+    chosen = base or description.base
+    return assemble(description, physical=physical, mimic=mimic, base=chosen, tip=tip)
+
+
+def read(
+    source: str | os.PathLike[str], *, snap_angles: float = 3e-9, convention: Convention | None = None
+) -> Description:
+    """The description in a file or of a bundled model, before it is checked and lumped; see `load`."""
+    if not 0.0 <= snap_angles < 0.1:
+        raise FreebodyError(f"load: snap_angles is {snap_angles}, expected radians between 0 and 0.1.")
+    path, given = Path(source), os.fspath(source)
+    if not path.suffix and os.sep not in given and "/" not in given:
+        return _bundled(given)
+    suffix = path.suffix.lower()
+    if suffix in _NOT_READ:
+        raise FileError(path, None, _NOT_READ[suffix].format(name=path.name, stem=path.stem))
+    data = sources.read(path)
+    if suffix == ".urdf":
+        return urdf.describe(given, data, name=path.stem, snap_angles=snap_angles)
+    if suffix == ".toml":
+        return toml.describe(given, sources.decoded(given, data), name=path.stem)
+    raise FileError(path, None, f"freebody does not know {suffix or 'files without suffix'}; it reads {', '.join(SUFFIXES)}.")
+
+
+def _bundled(name: str) -> Description:
+    names = sources.bundled_names()
+    if name in names:
+        return toml.describe(f"{name}.toml", sources.bundled_text(name), name=name)
+    if Path(name).exists():
+        kind = "folder" if Path(name).is_dir() else "file"
+        raise FreebodyError(
+            f"load: {name!r} is no bundled model. The {kind} of that name needs a suffix that tells its format: "
+            f"{', '.join(SUFFIXES)}."
+        )
+    problem = UnknownNameError("model", name, "the bundled models", names)
+    raise FreebodyError(f"load: {problem} A file needs its suffix: {', '.join(SUFFIXES)}.")

@@ -1,0 +1,193 @@
+"""A checked view of a table in a TOML file: every value is asked for by kind, every refusal names file and line."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, NoReturn
+
+from freebody.errors import FileError, UnknownNameError
+from freebody.formats.lines import Path, line_of
+from freebody.model.parameters import Parameter, Quantity
+
+_TEXT_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-z/]*)\s*")
+UNITS: dict[str, dict[str, float]] = {
+    "number": {},
+    "angle": {"rad": 1.0, "deg": math.pi / 180},
+    "rate": {"rad/s": 1.0, "deg/s": math.pi / 180},
+}
+"""What a number may be measured in when it is written as text, in SI units."""
+_REQUIRED = object()
+
+
+def in_units(text: str, kind: str) -> float | None:
+    """The number in a text such as "30 deg", in SI units; None if it is none of that kind."""
+    match = _TEXT_NUMBER.fullmatch(text)
+    if not match or (match[2] and match[2] not in UNITS[kind]):
+        return None
+    if match[2].startswith("deg"):
+        return math.radians(float(match[1]))
+    return float(match[1])
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table, where it stands, and what to call it in errors."""
+
+    file: str
+    lines: Mapping[Path, int]
+    path: Path
+    data: Mapping[str, Any]
+    where: str = ""
+
+    @property
+    def line(self) -> int | None:
+        """Its line."""
+        return line_of(self.lines, self.path)
+
+    def called(self, where: str) -> Table:
+        """The same table with another name in errors."""
+        return Table(self.file, self.lines, self.path, self.data, where)
+
+    def refuse(self, problem: str, *at: str | int) -> NoReturn:
+        """Raise FileError at a key or entry of this table."""
+        prefix = f"{self.where}: " if self.where else ""
+        raise FileError(self.file, line_of(self.lines, (*self.path, *at)), prefix + problem)
+
+    def only(self, *known: str) -> Table:
+        """Refuse keys that nothing reads."""
+        for key in self.data:
+            if key not in known:
+                self.refuse(str(UnknownNameError("key", key, self.where or "the file", known)), key)
+        return self
+
+    def __contains__(self, key: str) -> bool:
+        return key in self.data
+
+    # ------------------------------------------------------------ values by kind
+    def text(self, key: str, default: Any = _REQUIRED) -> str:
+        """A text that is not empty."""
+        value = self.get(key, default)
+        if value is not default and (not isinstance(value, str) or not value.strip()):
+            self.refuse(f"{key} is {value!r}, expected text in quotes.", key)
+        return value
+
+    def choice(self, key: str, allowed: Iterable[str], default: Any = _REQUIRED) -> str:
+        """One of some words."""
+        value = self.text(key, default)
+        if value not in tuple(allowed):
+            self.refuse(str(UnknownNameError(key, value, self.where or "the file", allowed)), key)
+        return value
+
+    def number(self, key: str, kind: str = "number", default: Any = _REQUIRED, infinite: bool = False) -> float:
+        """A number in SI units, or text with a unit of `kind`."""
+        value = self.get(key, default)
+        return value if value is default else self.read_number(value, kind, (key,), infinite)
+
+    def quantity(self, key: str, kind: str = "number", default: Any = _REQUIRED) -> Quantity:
+        """A number, a name, or {name = ..., value = ...}."""
+        value = self.get(key, default)
+        return value if value is default else self.read_quantity(value, kind, (key,))
+
+    def vector(self, key: str, size: int, kind: str = "number", default: Any = _REQUIRED) -> tuple[float, ...]:
+        """So many numbers."""
+        value = self.get(key, default)
+        if value is default:
+            return value
+        return tuple(self.read_number(x, kind, (key, i)) for i, x in enumerate(self.listed(value, key, size)))
+
+    def quantities(
+        self, key: str, size: int | None, kind: str = "number", default: Any = _REQUIRED
+    ) -> tuple[Quantity, ...]:
+        """So many quantities (None: any number of them)."""
+        value = self.get(key, default)
+        if value is default:
+            return value
+        return tuple(self.read_quantity(x, kind, (key, i)) for i, x in enumerate(self.listed(value, key, size)))
+
+    def matrix(self, key: str, size: int) -> tuple[tuple[float, ...], ...]:
+        """size rows of size numbers."""
+        rows = self.listed(self.get(key, _REQUIRED), key, size)
+        return tuple(
+            tuple(self.read_number(x, "number", (key, i, j)) for j, x in enumerate(self.listed(row, key, size, i)))
+            for i, row in enumerate(rows)
+        )
+
+    def table(self, key: str) -> Table | None:
+        """The table of that key, or None."""
+        return self.inner(self.data[key], key) if key in self.data else None
+
+    def tables(self, key: str) -> list[Table]:
+        """The tables of an array of tables, perhaps none."""
+        items = self.data.get(key, [])
+        if not isinstance(items, list):
+            self.refuse(f"{key} is {_kind(items)}, expected tables: write [[{key}]] above each.", key)
+        return [self.inner(item, key, i) for i, item in enumerate(items)]
+
+    # ------------------------------------------------------------ helpers
+    def get(self, key: str, default: Any) -> Any:
+        if key in self.data:
+            return self.data[key]
+        if default is _REQUIRED:
+            self.refuse(f"{key} is missing; add {key} = ...")
+        return default
+
+    def inner(self, value: Any, *at: str | int) -> Table:
+        """A table inside this one."""
+        if not isinstance(value, dict):
+            self.refuse(f"{_label(at)} is {_kind(value)}, expected a table such as {{ key = value }}.", *at)
+        return Table(self.file, self.lines, (*self.path, *at), value, self.where)
+
+    def listed(self, value: Any, key: str, size: int | None, *at: int) -> list[Any]:
+        if not isinstance(value, list):
+            self.refuse(f"{_label((key, *at))} is {_kind(value)}, expected a list of numbers in brackets.", key, *at)
+        if size is not None and len(value) != size:
+            self.refuse(f"{_label((key, *at))} has {len(value)} entries, expected {size}.", key, *at)
+        return value
+
+    def read_number(self, value: Any, kind: str, at: Path, infinite: bool = False) -> float:
+        """The number that a TOML value stands for."""
+        units = " or ".join(f'"30 {unit}"' for unit in UNITS[kind] if unit.startswith("deg"))
+        expected = f"a number{f', or text such as {units}' if units else ''}"
+        if isinstance(value, str):
+            number = in_units(value, kind)
+            if number is None:
+                self.refuse(f"{_label(at)} is {value!r}, expected {expected}.", *at)
+        elif isinstance(value, int | float) and not isinstance(value, bool):
+            try:
+                number = float(value)
+            except OverflowError:
+                number = math.inf
+        else:
+            self.refuse(f"{_label(at)} is {_kind(value)}, expected {expected}.", *at)
+        if math.isnan(number) or (math.isinf(number) and not infinite):
+            self.refuse(f"{_label(at)} is {number}; every number must be finite.", *at)
+        return number
+
+    def read_quantity(self, value: Any, kind: str, at: Path) -> Quantity:
+        """The quantity that a TOML value stands for."""
+        if isinstance(value, dict):
+            inner = self.inner(value, *at).only("name", "value")
+            return inner.parameter(inner.text("name"), inner.number("value", kind, None), *at)
+        if isinstance(value, str) and in_units(value, kind) is None and value.isidentifier():
+            return Parameter(value)
+        if isinstance(value, str) and in_units(value, kind) is None:
+            self.refuse(f"{_label(at)} is {value!r}, expected a number, a name such as 'l1', or text such as '30 deg' for an angle.", *at)
+        return self.read_number(value, kind, at)
+
+    def parameter(self, name: str, value: float | None, *at: str | int) -> Parameter:
+        if not name.isidentifier():
+            self.refuse(f"{name!r} is no parameter name; use letters, digits and _, such as 'l1'.")
+        return Parameter(name, value)
+
+
+def _label(at: Path) -> str:
+    """inertia[2] for ("inertia", 2)."""
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in at).removeprefix(".")
+
+
+def _kind(value: object) -> str:
+    names = {dict: "a table", list: "a list", bool: "true or false", str: "text", int: "a number", float: "a number"}
+    return names.get(type(value), f"a {type(value).__name__}")

@@ -1,0 +1,150 @@
+"""freebody's own format in TOML: a robot as a person would write it down. docs/formats.md is its reference."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from freebody.errors import FileError, ModelError, UnknownNameError
+from freebody.formats import toml_parts as parts
+from freebody.formats.lines import lines
+from freebody.formats.table import Table
+from freebody.model import dh, planar
+from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
+from freebody.model.parts import Description, Link
+
+_GENERAL = ("name", "dim", "source", "gravity", "tip", "base", "parameters", "frame", "payload", "loop")
+_TREE = ("link", "joint")
+
+
+def describe(file: str, text: str, *, name: str) -> Description:
+    """The description in a TOML text. `name` stands in where the file gives none. Raises FileError with the line."""
+    top = _table(file, text)
+    top.only(*_GENERAL, *_TREE, "planar", "dh")
+    forms = [key for key in ("planar", "dh") if key in top]
+    if len(forms) > 1 or (forms and any(key in top for key in _TREE)):
+        top.refuse(f"[{forms[0]}] describes the whole arm; remove the other links and joints.", forms[0])
+    try:
+        described = _FORMS[forms[0] if forms else "tree"](top)
+        described = _with_values(top, described)
+    except ModelError as error:
+        at = forms[0] if forms else "name"
+        top.refuse(str(error), at)
+    links = {link.name for link in described.links}
+    frames = [*described.mounts, *(parts.mount(t, described.dim, links) for t in top.tables("frame"))]
+    names = [*links, *(mount.name for mount in frames)]
+    extra = replace(
+        described,
+        name=top.text("name", name),
+        mounts=tuple(frames),
+        loops=tuple(parts.loop(t) for t in top.tables("loop")),
+        payloads=tuple(parts.payload(t, described.dim, names) for t in top.tables("payload")),
+        base=top.choice("base", ("fixed", "free"), "fixed"),  # type: ignore[arg-type]
+        tip=top.choice("tip", names, described.tip) if "tip" in top else described.tip,
+        source=top.text("source", ""),
+        file=file,
+    )
+    return _with_values(top, extra)
+
+
+def _table(file: str, text: str) -> Table:
+    """The parsed text, with its lines."""
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        where = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)", str(error))
+        message = str(error)[: where.start()] if where else str(error)
+        line = int(where[1]) if where and where[1] else text.count("\n") + 1
+        raise FileError(file, line, f"this is not valid TOML: {message[0].lower()}{message[1:]}.") from None
+    except RecursionError:
+        raise FileError(file, None, "the tables are nested too deeply.") from None
+    return Table(file, lines(text), (), data)
+
+
+def _tree(top: Table) -> Description:
+    """Links and joints one by one."""
+    dim = int(top.number("dim", default=3.0))
+    if dim not in (2, 3):
+        top.refuse(f"dim is {top.data['dim']}, expected 2 (the plane) or 3 (space).", "dim")
+    links = tuple(parts.link(t, dim) for t in top.tables("link"))
+    if not links:
+        top.refuse("there are no links; write a [[link]] for each body, the base included.")
+    joints = tuple(parts.joint(t, dim) for t in top.tables("joint"))
+    return Description("", dim, links, joints, parts.gravity(top, dim))
+
+
+def _planar(top: Table) -> Description:
+    """An arm in the plane from a word over R and P."""
+    if "dim" in top and top.data["dim"] != 2:
+        top.refuse("a [planar] arm has dim = 2; remove dim.", "dim")
+    inner = top.inner(top.data["planar"], "planar").called("[planar]")
+    inner.only("word", "l", "lc", "m", "I", "angles", "limits", "drives")
+    word = inner.text("word")
+    given: dict[str, Any] = {key: inner.quantities(key, len(word), default=None) for key in ("l", "lc", "m", "I")}
+    limits = [parts.limits_of(t, word[i : i + 1]) for i, t in enumerate(inner.tables("limits"))]
+    drives = [parts.drive(t) for t in inner.tables("drives")]
+    described = planar.describe(
+        word,
+        **given,
+        angles=inner.vector("angles", len(word), "angle", None),
+        limits=limits or None,
+        drives=drives or None,
+    )
+    links = tuple(_on_line(link, inner.line) for link in described.links)
+    return replace(described, links=links, gravity=parts.gravity(top, 2))
+
+
+def _dh(top: Table) -> Description:
+    """A serial arm from a Denavit-Hartenberg table."""
+    if "dim" in top and top.data["dim"] != 3:
+        top.refuse("a [dh] arm has dim = 3; remove dim.", "dim")
+    inner = top.inner(top.data["dh"], "dh").called("[dh]").only("convention", "rows")
+    convention: Any = inner.choice("convention", ("standard", "modified"))
+    tables = inner.tables("rows")
+    rows = [parts.dh_row(t.called(f"dh row {i + 1}")) for i, t in enumerate(tables)]
+    described = dh.describe(
+        [{key: value for key, value in row.items() if key != "joint_name"} for row in rows],
+        convention=convention,
+        file=top.file,
+        lines=[t.line or 0 for t in tables],
+    )
+    joints = tuple(
+        replace(joint, name=row.get("joint_name", joint.name)) for joint, row in zip(described.joints, rows, strict=True)
+    )
+    return replace(described, joints=joints, gravity=parts.gravity(top, 3))
+
+
+_FORMS = {"tree": _tree, "planar": _planar, "dh": _dh}
+
+
+def _on_line(link: Link, line: int | None) -> Link:
+    return replace(link, line=line)
+
+
+def _with_values(top: Table, described: Description) -> Description:
+    """Values from [parameters] given to the names; every one must be used, and no name may have two values."""
+    table = top.table("parameters")
+    values: Mapping[str, float] = {}
+    if table is not None:
+        named = table.called("[parameters]")
+        values = {key: named.number(key, "angle") for key in named.data}
+    known: dict[str, float | None] = dict(values)
+    for parameter in each_parameter(described):
+        value = known.setdefault(parameter.name, parameter.value)
+        if value is None:
+            known[parameter.name] = parameter.value
+        elif parameter.value is not None and parameter.value != value:
+            at = ("parameters", parameter.name) if parameter.name in values else ()
+            top.refuse(f"{parameter.name!r} has two values, {value:g} and {parameter.value:g}; keep one.", *at)
+    used = {parameter.name for parameter in each_parameter(described)}
+    for name in values:
+        if name not in used:
+            top.refuse(str(UnknownNameError("parameter", name, "the model", sorted(used))), "parameters", name)
+
+    def valued(parameter: Parameter) -> Quantity:
+        return Parameter(parameter.name, known[parameter.name])
+
+    return with_parameters(described, valued)

@@ -1,0 +1,302 @@
+"""The tables of a robot in TOML: links, joints, frames, payloads, loops, gravity, and the rows of a DH table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from freebody.errors import ModelError
+from freebody.formats.table import Table
+from freebody.model.inertia import Inertia
+from freebody.model.joints import KINDS
+from freebody.model.model import gravity_of
+from freebody.model.parameters import Parameter, Quantity
+from freebody.model.parts import INFINITE, Drive, Joint, Limits, Link, Loop, Mimic, Mount, Payload
+from freebody.model.placement import Placement, Rotate, Shift, Turn, rotate, rpy, shift, turn
+
+TURNS = ("rpy", "axis_angle", "quat_wxyz", "matrix", "angle")
+PLACE = ("origin", *TURNS, "steps")
+MASS = ("mass", "com", "inertia", "shape")
+DRIVE = ("friction", "rotor", "spring")
+_SHAPES: dict[str, tuple[str, ...]] = {
+    "point": (),
+    "disc": ("radius",),
+    "ring": ("radius",),
+    "bar": ("length",),
+    "box": ("size",),
+    "cylinder": ("radius", "length"),
+    "sphere": ("radius",),
+}
+_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+
+def link(table: Table, dim: int) -> Link:
+    """[[link]]"""
+    table = table.called(f"link {table.text('name')!r}").only("name", *MASS, "inertia_frame")
+    inner = table.table("inertia_frame")
+    frame = placement(inner.called(f"{table.where}, inertia_frame").only(*PLACE), dim) if inner else Placement()
+    body = inertia(table, dim) if any(key in table for key in MASS) else None
+    return Link(table.text("name"), body, frame, table.line)
+
+
+def inertia(table: Table, dim: int) -> Inertia:
+    """mass, com, and inertia or shape."""
+    mass = table.quantity("mass")
+    com = table.quantities("com", dim, default=(0.0,) * dim)
+    if "shape" in table and "inertia" in table:
+        table.refuse("shape and inertia exclude each other; keep one.", "shape")
+    try:
+        if "shape" in table:
+            return _shape(table, dim, mass, com)
+        return Inertia(mass, com, _tensor(table, dim))
+    except ModelError as error:
+        table.refuse(str(error), "inertia" if "inertia" in table else "mass")
+
+
+def _tensor(table: Table, dim: int) -> tuple[Quantity, ...]:
+    """One number in the plane; six in space, or a symmetric 3×3 matrix of numbers."""
+    if dim == 2:
+        return (table.quantity("inertia", default=0.0),)
+    rows = table.data.get("inertia")
+    if isinstance(rows, list) and rows and all(isinstance(row, list) for row in rows):
+        full = np.array(table.matrix("inertia", 3))
+        return Inertia.of(0.0, (0.0,) * 3, full).tensor
+    return table.quantities("inertia", 6, default=(0.0,) * 6)
+
+
+def _shape(table: Table, dim: int, mass: Quantity, com: tuple[Quantity, ...]) -> Inertia:
+    """shape = { bar = { length = 0.4 } }"""
+    outer = table.inner(table.data["shape"], "shape").only(*_SHAPES)
+    if len(outer.data) != 1:
+        outer.refuse(f"shape names {len(outer.data)} shapes, expected one of {', '.join(_SHAPES)}.")
+    (kind,) = outer.data
+    sizes = outer.inner(outer.data[kind], kind).called(f"{table.where}, {kind}").only(*_SHAPES[kind])
+    if isinstance(mass, Parameter):
+        table.refuse("a shape needs a mass in numbers; give inertia = ... as a name instead.", "mass")
+    if kind == "box":
+        body = Inertia.box(mass, sizes.vector("size", dim))
+    elif kind == "point":
+        body = Inertia.point(mass, (0.0,) * dim)
+    elif kind in ("disc", "ring", "bar"):
+        body = getattr(Inertia, kind)(mass, *(sizes.number(key) for key in _SHAPES[kind]), dim)
+    elif dim == 2:
+        outer.refuse(f"a {kind} is no planar shape; use disc, ring, bar or box.")
+    else:
+        body = getattr(Inertia, kind)(mass, *(sizes.number(key) for key in _SHAPES[kind]))
+    return Inertia(mass, com, body.tensor)
+
+
+def joint(table: Table, dim: int) -> Joint:
+    """[[joint]]"""
+    table = table.called(f"joint {table.text('name')!r}")
+    table.only("name", "kind", "parent", "child", *PLACE, "axis", "limits", *DRIVE, "mimic")
+    kind = table.choice("kind", KINDS)
+    unused = [key for key in ("axis", "limits", *DRIVE, "mimic") if key in table and KINDS[kind].nv != 1]
+    if unused:
+        table.refuse(f"a {kind} joint has no {unused[0]}; remove it.", unused[0])
+    letter = "P" if kind == "prismatic" else "R"
+    return Joint(
+        table.text("name"),
+        kind,
+        table.text("parent"),
+        table.text("child"),
+        placement(table, dim),
+        _axis(table, kind, dim) if KINDS[kind].needs_axis else (),
+        limits(table, letter),
+        drive(table),
+        _mimic(table),
+        table.line,
+    )
+
+
+def _axis(table: Table, kind: str, dim: int) -> tuple[float, ...]:
+    """A vector, or "x", "-z"; in the plane a revolute joint's is 1 (counterclockwise) or -1."""
+    given = table.data.get("axis")
+    if dim == 2 and kind != "prismatic":
+        return (table.number("axis", default=1.0),)
+    if isinstance(given, str):
+        sign, letter = (-1.0, given[1:]) if given.startswith("-") else (1.0, given)
+        if letter not in _AXES or (dim == 2 and letter == "z"):
+            table.refuse(f"axis is {given!r}, expected x, y{'' if dim == 2 else ', z'}, one of them with a minus, or numbers.", "axis")
+        return tuple(sign * x for x in _AXES[letter][:dim])
+    return table.vector("axis", dim)
+
+
+def limits(table: Table, letter: str) -> Limits:
+    """limits = { lower, upper, velocity, effort }; letter: "R" for angles, "P" for lengths."""
+    inner = table.table("limits")
+    return limits_of(inner.called(f"{table.where}, limits"), letter) if inner else Limits()
+
+
+def limits_of(table: Table, letter: str) -> Limits:
+    """The same from its own table."""
+    table.only("lower", "upper", "velocity", "effort")
+    angle, rate = ("angle", "rate") if letter == "R" else ("number", "number")
+    return Limits(
+        table.number("lower", angle, -INFINITE, infinite=True),
+        table.number("upper", angle, INFINITE, infinite=True),
+        table.number("velocity", rate, INFINITE, infinite=True),
+        table.number("effort", "number", INFINITE, infinite=True),
+    )
+
+
+def drive(table: Table) -> Drive:
+    """friction, rotor and spring."""
+
+    def part(key: str, *known: str) -> Table | None:
+        inner = table.table(key)
+        return inner.called(f"{table.where}, {key}").only(*known) if inner else None
+
+    friction, rotor = part("friction", "viscous", "coulomb"), part("rotor", "inertia", "gear")
+    spring = part("spring", "stiffness", "rest")
+    return Drive(
+        viscous=friction.quantity("viscous", default=0.0) if friction else 0.0,
+        coulomb=friction.quantity("coulomb", default=0.0) if friction else 0.0,
+        rotor=rotor.quantity("inertia") if rotor else 0.0,
+        gear=rotor.quantity("gear", default=1.0) if rotor else 1.0,
+        stiffness=spring.quantity("stiffness") if spring else 0.0,
+        rest=spring.quantity("rest", "angle", 0.0) if spring else 0.0,
+    )
+
+
+def _mimic(table: Table) -> Mimic | None:
+    inner = table.table("mimic")
+    if inner is None:
+        return None
+    inner = inner.called(f"{table.where}, mimic").only("joint", "ratio", "offset")
+    return Mimic(inner.text("joint"), inner.number("ratio", default=1.0), inner.number("offset", "angle", 0.0))
+
+
+def placement(table: Table, dim: int) -> Placement:
+    """origin, then one rotation; or a list of steps."""
+    if "steps" in table:
+        if any(key in table for key in ("origin", *TURNS)):
+            table.refuse("steps hold the whole placement; remove origin and rotations.", "steps")
+        return Placement(tuple(_step(t.called(f"{table.where}, steps"), dim) for t in table.tables("steps")))
+    turns = [key for key in TURNS if key in table]
+    if len(turns) > 1:
+        table.refuse(f"{turns[0]} and {turns[1]} exclude each other; keep one rotation.", turns[1])
+    if turns and (turns[0] == "angle") != (dim == 2) and turns[0] != "matrix":
+        use = "angle" if dim == 2 else ", ".join(TURNS[:-1])
+        table.refuse(f"{turns[0]} does not fit a model with dim = {dim}; use {use}.", turns[0])
+    origin = shift(*table.quantities("origin", dim, default=(0.0,) * dim))
+    return origin.then(_rotation(table, turns[0], dim)) if turns else origin
+
+
+def _rotation(table: Table, key: str, dim: int) -> Placement:
+    if key == "angle":
+        return turn("z", table.quantity(key, "angle"))
+    if key == "rpy":
+        return rpy(*table.vector(key, 3, "angle"))
+    if key == "matrix":
+        return _matrix(table, dim)
+    if key == "quat_wxyz":
+        w, x, y, z = table.vector(key, 4)
+        if abs(math.sqrt(w * w + x * x + y * y + z * z) - 1.0) > 1e-6:
+            table.refuse(f"the quaternion has length {math.hypot(w, x, y, z):g}, expected 1.", key)
+        return rotate(_about((x, y, z), math.hypot(x, y, z), 2.0 * math.atan2(math.hypot(x, y, z), w)))
+    inner = table.inner(table.data[key], key).called(f"{table.where}, {key}").only("axis", "angle")
+    axis = inner.data.get("axis")
+    if isinstance(axis, str):
+        return turn(inner.choice("axis", _AXES), inner.quantity("angle", "angle"))
+    direction = inner.vector("axis", 3)
+    length = math.hypot(*direction)
+    if length == 0.0:
+        inner.refuse("the axis is zero; give a direction.", "axis")
+    return rotate(_about(direction, length, inner.number("angle", "angle")))
+
+
+def _about(axis: Iterable[float], length: float, angle: float) -> np.ndarray:
+    """Rotation matrix by an angle (rad) about an axis of that length (Rodrigues)."""
+    if length == 0.0:
+        return np.eye(3)
+    x, y, z = (a / length for a in axis)
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * (K @ K)
+
+
+def _matrix(table: Table, dim: int) -> Placement:
+    try:
+        return rotate(table.matrix("matrix", dim))
+    except ModelError as error:
+        table.refuse(str(error), "matrix")
+
+
+def _step(table: Table, dim: int) -> Shift | Turn | Rotate:
+    """{ shift = [...] }, { turn = "z", angle = ... } or { matrix = [...] }; kept as written."""
+    table.only("shift", "turn", "angle", "matrix")
+    if "shift" in table:
+        return Shift(table.quantities("shift", dim))
+    if "turn" in table:
+        return Turn(table.choice("turn", "z" if dim == 2 else "xyz"), table.quantity("angle", "angle"))
+    _matrix(table, dim)
+    return Rotate(table.matrix("matrix", dim))
+
+
+def mount(table: Table, dim: int, links: Iterable[str]) -> Mount:
+    """[[frame]]"""
+    table = table.called(f"frame {table.text('name')!r}").only("name", "link", *PLACE)
+    return Mount(table.text("name"), table.choice("link", sorted(links)), placement(table, dim))
+
+
+def payload(table: Table, dim: int, frames: Iterable[str]) -> Payload:
+    """[[payload]]"""
+    table = table.called(f"payload {table.text('name')!r}").only("name", "frame", *MASS)
+    return Payload(table.text("name"), table.choice("frame", frames), inertia(table, dim))
+
+
+def loop(table: Table) -> Loop:
+    """[[loop]]"""
+    table = table.called(f"loop {table.text('name')!r}").only("name", "kind", "frames")
+    ends = table.listed(table.get("frames", None), "frames", 2)
+    if not all(isinstance(end, str) for end in ends):
+        table.refuse("frames must be the names of two frames.", "frames")
+    return Loop(table.text("name"), table.choice("kind", KINDS), (ends[0], ends[1]))
+
+
+def gravity(top: Table, dim: int) -> tuple[Quantity, tuple[float, ...]]:
+    """A size, a name, a vector, or { size, direction }; 9.81 m/s² downwards, called g, where the file says nothing."""
+    down = (0.0,) * (dim - 1) + (-1.0,)
+    given: Any = top.data.get("gravity")
+    if isinstance(given, list):
+        return gravity_of(top.vector("gravity", dim), dim)
+    if isinstance(given, dict) and "direction" in given:
+        inner = top.inner(given, "gravity").called("gravity").only("size", "direction")
+        direction = inner.vector("direction", dim)
+        if abs(math.hypot(*direction) - 1.0) > 1e-9:
+            inner.refuse("direction must have length 1.", "direction")
+        return inner.quantity("size"), direction
+    if "gravity" not in top:
+        value = (top.table("parameters") or top.inner({}, "parameters")).number("g", default=9.81)
+        return Parameter("g", value), down
+    size = top.quantity("gravity")
+    return (size if isinstance(size, Parameter) else Parameter("g", size)), down
+
+
+DH_NUMBERS = {"theta": "angle", "d": "number", "a": "number", "alpha": "angle", "rotor": "number", "gear": "number", "m": "number"}
+DH_ROW = ("joint", "name", "joint_name", *DH_NUMBERS, "com", "I", "friction", "limits")
+
+
+def dh_row(table: Table) -> dict[str, Any]:
+    """One row of a DH table, as `fb.dh` takes it, and joint_name."""
+    table.only(*DH_ROW)
+    row: dict[str, Any] = {key: table.quantity(key, kind) for key, kind in DH_NUMBERS.items() if key in table}
+    row["joint"] = table.choice("joint", "RP", "R")
+    for key in ("name", "joint_name"):
+        if key in table:
+            row[key] = table.text(key)
+    if "com" in table:
+        row["com"] = table.quantities("com", 3)
+    if "I" in table:
+        full = isinstance(table.data["I"], list) and len(table.data["I"]) == 3
+        row["I"] = table.matrix("I", 3) if full else table.quantities("I", 6)
+    if "friction" in table:
+        friction = table.inner(table.data["friction"], "friction").only("viscous", "coulomb")
+        row["friction"] = (friction.quantity("viscous", default=0.0), friction.quantity("coulomb", default=0.0))
+    if "limits" in table:
+        row["limits"] = limits(table, row["joint"])
+    return row
+

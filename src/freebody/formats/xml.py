@@ -1,0 +1,69 @@
+"""XML as a tree of elements that know their line. Nothing outside the file is read, entities are refused."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NoReturn
+from xml.parsers import expat
+
+from freebody.errors import FileError
+
+
+@dataclass
+class Element:
+    """One element: tag with its prefix as written, attributes, line, elements and text inside."""
+
+    tag: str
+    attributes: dict[str, str]
+    line: int
+    children: list[Element] = field(default_factory=list)
+    content: str = ""
+    """Text directly inside, stripped."""
+
+    def all(self, tag: str) -> list[Element]:
+        """The elements of that tag directly inside."""
+        return [child for child in self.children if child.tag == tag]
+
+    def name(self) -> str:
+        """Its name attribute, empty where there is none."""
+        return self.attributes.get("name", "").strip()
+
+
+def parse(file: str, data: bytes) -> Element:
+    """The root element. Raises FileError with the line where the text is not XML, ends early or declares entities."""
+    parser = expat.ParserCreate()
+    opened: list[Element] = []
+    roots: list[Element] = []
+
+    def refuse(problem: str) -> NoReturn:
+        raise FileError(file, parser.CurrentLineNumber, problem)
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        element = Element(tag, attributes, parser.CurrentLineNumber)
+        (opened[-1].children if opened else roots).append(element)
+        opened.append(element)
+
+    def text(data: str) -> None:
+        if opened:
+            opened[-1].content += data.strip()
+
+    def doctype(*_: object) -> NoReturn:
+        # expanding entities can fill the memory (the "billion laughs") or read other files
+        refuse("the file has a <!DOCTYPE>, which can declare entities and is refused; remove it.")
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = lambda tag: opened.pop()
+    parser.CharacterDataHandler = text
+    parser.StartDoctypeDeclHandler = doctype
+    try:
+        parser.Parse(data, True)
+    except expat.ExpatError as error:
+        if error.code == expat.errors.codes[expat.errors.XML_ERROR_NO_ELEMENTS] and opened:
+            last = opened[-1]
+            problem = f"the file ends inside <{last.tag}>, opened on line {last.line}; it seems cut short."
+        else:
+            problem = f"this is not well-formed XML: {expat.ErrorString(error.code)} at column {error.offset + 1}."
+        raise FileError(file, error.lineno, problem) from None
+    except ValueError as error:  # an encoding that Python does not know
+        raise FileError(file, None, f"the XML cannot be decoded: {error}.") from None
+    return roots[0]
