@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from freebody.compiler.passes import drop_dead
 from freebody.compiler.program import Argument, Program, ProgramError, verify
-from freebody.scalars.expr import ARITY, Expr, Graph
+from freebody.scalars.expr import Expr, Graph
 
 
 def trace(
@@ -40,7 +41,8 @@ def trace(
     results: list[int] = []
     for argument, value in zip(outputs, returned, strict=True):
         _flatten(graph, name, argument, argument.shape, value, results)
-    return verify(_program(graph, name, tuple(inputs), tuple(outputs), results))
+    nodes = tuple(graph.op), tuple(graph.a), tuple(graph.b), tuple(graph.values)
+    return verify(drop_dead(Program(name, tuple(inputs), tuple(outputs), *nodes, tuple(results))))
 
 
 def _nested(graph: Graph, name: str, shape: tuple[int, ...], index: tuple[int, ...] = ()) -> Any:
@@ -72,36 +74,3 @@ def _kind(value: Any) -> str:
     if hasattr(value, "__len__"):
         return f"a {type(value).__name__} of {len(value)}"
     return f"{type(value).__name__} {value!r}"
-
-
-def _program(
-    graph: Graph, name: str, inputs: tuple[Argument, ...], outputs: tuple[Argument, ...], results: list[int]
-) -> Program:
-    """The live part of a graph, renumbered; constants in order of their nodes."""
-    live = bytearray(len(graph))
-    for index in results:
-        live[index] = 1
-    for index in range(len(graph) - 1, -1, -1):
-        if live[index]:
-            arity = ARITY[graph.op[index]]
-            if arity:
-                live[graph.a[index]] = 1
-            if arity == 2:
-                live[graph.b[index]] = 1
-    new, op, a, b, constants = [-1] * len(graph), [], [], [], []
-    for index, alive in enumerate(live):
-        if not alive:
-            continue
-        new[index] = len(op)
-        kind = graph.op[index]
-        arity = ARITY[kind]
-        op.append(kind)
-        if kind == "const":
-            a.append(len(constants))
-            constants.append(graph.constant_of[index])
-        else:
-            a.append(new[graph.a[index]] if arity else graph.a[index])
-        b.append(new[graph.b[index]] if arity == 2 else -1)
-    return Program(
-        name, inputs, outputs, tuple(op), tuple(a), tuple(b), tuple(constants), tuple(new[i] for i in results)
-    )
