@@ -25,6 +25,7 @@ from pathlib import Path
 import numpy as np
 
 import freebody as fb
+import limit
 
 ROBOTS = {  # name: (file below robots/, tip)
     "ur5": ("ur_description/urdf/ur5_robot.urdf", "ee_link"),
@@ -326,6 +327,19 @@ def table(robot: str, entries: list[Entry], times: list[np.ndarray], errors: lis
             )
 
 
+def print_limits(kernels, entries: list[Entry], times: list[np.ndarray]) -> None:
+    """How near each kernel comes to the time of its multiplications and additions alone."""
+    width = next(iter(kernels.values())).width
+    rate = limit.multiplications_per_ns(width)
+    print(
+        f"\n{rate:.1f} independent vector multiplications of {width} lanes a ns; were the kernels that quick:"
+    )
+    for entry, t in zip(entries, times, strict=True):
+        if entry.engine == "freebody" and entry.task in kernels:
+            best = limit.nanoseconds_a_sample(kernels[entry.task].program.operations, width, rate)
+            print(f"  {entry.task:<28}{best:8.1f} ns a sample, {best / np.median(t):4.0%} of that reached")
+
+
 def compare(robot: str, batch: int, repeats: int) -> None:
     file, tip = ROBOTS[robot]
     path = robots_folder() / file
@@ -359,7 +373,9 @@ def compare(robot: str, batch: int, repeats: int) -> None:
             entry.run()
             reference[entry.task] = entry.result().copy()
     errors = [disagreement(e, reference) for e in entries]
-    table(robot, entries, measure(entries, repeats), errors)
+    times = measure(entries, repeats)
+    table(robot, entries, times, errors)
+    print_limits(kernels, entries, times)
     wrong = [
         f"{e.engine} {e.how}" for e, error in zip(entries, errors, strict=True) if error and error > AGREE
     ]
