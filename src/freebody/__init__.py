@@ -23,6 +23,7 @@ _PLACES = {
     "freebody.model.planar": ("planar",),
     "freebody.model.dh": ("dh",),
     "freebody.formats.loading": ("load",),
+    "freebody.formats.saving": ("save",),
     "freebody.robots": ("models",),
     "freebody.numerics.kinematics": (
         "forward_kinematics",
@@ -35,6 +36,8 @@ _PLACES = {
     "freebody.numerics.dynamics": (
         "inverse_dynamics",
         "forward_dynamics",
+        "inverse_dynamics_derivatives",
+        "forward_dynamics_derivatives",
         "mass_matrix",
         "coriolis_matrix",
         "bias",

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from freebody.errors import FileError, FreebodyError, UnknownNameError
 from freebody.formats import source as sources
-from freebody.formats import toml, urdf
+from freebody.formats import dh_csv, toml, urdf
 from freebody.model.assembly import BasePolicy, MimicPolicy, Policy, assemble
 from freebody.model.dh import Convention
 from freebody.model.model import Model
@@ -64,6 +64,8 @@ def read(
         return urdf.describe(given, data, name=path.stem, snap_angles=snap_angles)
     if suffix == ".toml":
         return toml.describe(given, sources.decoded(given, data), name=path.stem)
+    if suffix == ".csv":
+        return dh_csv.describe(given, sources.decoded(given, data), name=path.stem, convention=convention)
     raise FileError(path, None, f"freebody does not know {suffix or 'files without suffix'}; it reads {', '.join(SUFFIXES)}.")
 
 

@@ -29,13 +29,16 @@ def describe(file: str, text: str, *, name: str) -> Description:
         top.refuse(f"[{forms[0]}] describes the whole arm; remove the other links and joints.", forms[0])
     try:
         described = _FORMS[forms[0] if forms else "tree"](top)
-        described = _with_values(top, described)
     except ModelError as error:
         at = forms[0] if forms else "name"
         top.refuse(str(error), at)
-    links = {link.name for link in described.links}
-    frames = [*described.mounts, *(parts.mount(t, described.dim, links) for t in top.tables("frame"))]
-    names = [*links, *(mount.name for mount in frames)]
+    frames = list(described.mounts)
+    names = [*(link.name for link in described.links), *(mount.name for mount in frames)]
+    for table in top.tables("frame"):
+        frames.append(parts.mount(table, described.dim, names))
+        if frames[-1].name in names:
+            table.refuse(f"frame {frames[-1].name!r}: the name is taken; rename it.", "name")
+        names.append(frames[-1].name)
     extra = replace(
         described,
         name=top.text("name", name),

@@ -236,10 +236,10 @@ def _step(table: Table, dim: int) -> Shift | Turn | Rotate:
     return Rotate(table.matrix("matrix", dim))
 
 
-def mount(table: Table, dim: int, links: Iterable[str]) -> Mount:
+def mount(table: Table, dim: int, parents: Iterable[str]) -> Mount:
     """[[frame]]"""
-    table = table.called(f"frame {table.text('name')!r}").only("name", "link", *PLACE)
-    return Mount(table.text("name"), table.choice("link", sorted(links)), placement(table, dim))
+    table = table.called(f"frame {table.text('name')!r}").only("name", "parent", *PLACE)
+    return Mount(table.text("name"), table.choice("parent", parents), placement(table, dim))
 
 
 def payload(table: Table, dim: int, frames: Iterable[str]) -> Payload:

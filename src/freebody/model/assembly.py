@@ -218,7 +218,8 @@ class _Assembly:
                 ratio *= leader.mimic.ratio
                 name = leader.mimic.joint
                 if name not in named:
-                    self.refuse(str(UnknownNameError("joint", name, f"the mimic of {joint.name!r}", named)), joint.line)
+                    problem = UnknownNameError("joint", name, f"the mimic of {joint.name!r}", named)
+                    self.refuse(f"{problem} Correct it, or load with mimic='free'.", joint.line)
                 if name in seen:
                     self.refuse(f"joint {joint.name!r}: its mimics go round in a circle; remove one.", joint.line)
                 seen.append(name)
@@ -249,11 +250,12 @@ class _Assembly:
         frames = [Frame(link.name, *carrier[link.name], fixed_to.get(link.name, "")) for link in d.links]
         for mount in d.mounts:
             if mount.link not in carrier:
-                self.refuse(str(UnknownNameError("link", mount.link, f"frame {mount.name!r}", self.links)))
-            if mount.name in carrier or any(frame.name == mount.name for frame in frames[len(d.links) :]):
+                self.refuse(str(UnknownNameError("link", mount.link, f"frame {mount.name!r}", carrier)))
+            if mount.name in carrier:
                 self.refuse(f"frame {mount.name!r}: the name is taken; rename it.")
             body, placement = carrier[mount.link]
-            frames.append(Frame(mount.name, body, placement.then(mount.placement), mount.link, mounted=True))
+            carrier[mount.name] = body, placement.then(mount.placement)
+            frames.append(Frame(mount.name, *carrier[mount.name], mount.link, mounted=True))
         model = Model(
             d.name,
             d.dim,

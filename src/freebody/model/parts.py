@@ -74,7 +74,7 @@ class Link:
 
 @dataclass(frozen=True)
 class Mount:
-    """A named frame fixed to a link, such as a tool's."""
+    """A named frame fixed to a link, or to a frame mounted before, such as a tool's."""
 
     name: str
     link: str

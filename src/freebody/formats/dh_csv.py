@@ -1,0 +1,151 @@
+"""A Denavit-Hartenberg table as CSV: a header of column names, one row a joint, SI units, angles also as "90 deg".
+
+Comment lines start with #; `# convention: standard` (or modified) says what the columns mean, unless the caller does.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from typing import Any, NoReturn
+
+from freebody.errors import FileError, UnknownNameError
+from freebody.formats.table import in_units
+from freebody.model import dh
+from freebody.model.parameters import Parameter, Quantity
+from freebody.model.parts import INFINITE, Description, Limits
+
+COLUMNS = (
+    *("joint", "name", "theta", "d", "a", "alpha", "m", "cx", "cy", "cz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"),
+    *("rotor", "gear", "viscous", "coulomb", "lower", "upper", "velocity", "effort"),
+)
+_COM, _TENSOR = ("cx", "cy", "cz"), ("Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz")
+_DIRECT = ("theta", "d", "a", "alpha", "m", "rotor", "gear")
+_REMARK = re.compile(r"#\s*(convention|name|source|gravity)\s*[:=]\s*(.*?)\s*")
+
+
+def describe(file: str, text: str, *, name: str, convention: dh.Convention | None) -> Description:
+    """The description in a DH table. Raises FileError with the line."""
+    remarks: dict[str, tuple[int, str]] = {}
+    lines: list[tuple[int, str]] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.lstrip().startswith("#"):
+            remark = _REMARK.fullmatch(line.strip())
+            if remark:
+                remarks[remark[1]] = number, remark[2]
+        elif line.strip(" ,;\t"):
+            lines.append((number, line))
+    if not lines:
+        raise FileError(file, None, f"there is no table; the first line names the columns, such as {', '.join(COLUMNS[:6])}.")
+    header = _Header(file, *lines[0])
+    chosen = _convention(file, lines[0][0], remarks.get("convention"), convention)
+    rows = [_Row(header, i, number, line).as_dh() for i, (number, line) in enumerate(lines[1:])]
+    if not rows:
+        raise FileError(file, lines[0][0], "the table has a header but no rows; add one a joint.")
+    number, given = remarks.get("gravity", (None, "9.81"))
+    gravity = in_units(given, "number")
+    if gravity is None:
+        raise FileError(file, number, f"gravity is {given!r}, expected a number in m/s².")
+    return dh.describe(
+        rows,
+        convention=chosen,
+        gravity=gravity,
+        name=remarks["name"][1] if "name" in remarks else name,
+        source=remarks["source"][1] if "source" in remarks else "",
+        file=file,
+        lines=[number for number, _ in lines[1:]],
+    )
+
+
+def _convention(
+    file: str, line: int, written: tuple[int, str] | None, given: dh.Convention | None
+) -> dh.Convention:
+    """What the file or the caller says; never guessed."""
+    known = ("standard", "modified")
+    if written and written[1] not in known:
+        raise FileError(file, written[0], str(UnknownNameError("convention", written[1], "the file", known)))
+    if given and written and given != written[1]:
+        raise FileError(file, written[0], f"the file says its convention is {written[1]}, the caller {given}.")
+    chosen: Any = given or (written and written[1])
+    if chosen is None:
+        raise FileError(
+            file,
+            line,
+            "the table does not say its convention; add a line '# convention: standard' or '# convention: modified', "
+            "or load it with convention=.",
+        )
+    return chosen
+
+
+class _Header:
+    """The columns of a file."""
+
+    def __init__(self, file: str, line: int, text: str):
+        self.file = file
+        self.delimiter = ";" if ";" in text and "," not in text else ","
+        self.columns = self.cells(text)
+        for i, column in enumerate(self.columns):
+            if column not in COLUMNS:
+                raise FileError(file, line, str(UnknownNameError("column", column, "a DH table", COLUMNS)))
+            if column in self.columns[:i]:
+                raise FileError(file, line, f"column {column!r} appears twice; keep one.")
+
+    def cells(self, text: str) -> list[str]:
+        return [cell.strip() for cell in next(csv.reader([text], delimiter=self.delimiter, skipinitialspace=True))]
+
+
+class _Row:
+    """One row: cells by column, empty ones left out."""
+
+    def __init__(self, header: _Header, i: int, line: int, text: str):
+        self.file, self.line, self.where = header.file, line, f"dh row {i + 1}"
+        cells = header.cells(text)
+        if len(cells) != len(header.columns):
+            self.refuse(f"it has {len(cells)} cells, the header {len(header.columns)}.")
+        self.cells = {column: cell for column, cell in zip(header.columns, cells, strict=True) if cell}
+        self.kind = self.cells.get("joint", "R")
+
+    def as_dh(self) -> dict[str, Any]:
+        """The row as `fb.dh` takes it."""
+        row: dict[str, Any] = {key: self.cells[key] for key in ("joint", "name") if key in self.cells}
+        row.update({key: self.quantity(key) for key in _DIRECT if key in self.cells})
+        for key, columns in (("com", _COM), ("I", _TENSOR)):
+            if any(column in self.cells for column in columns):
+                row[key] = tuple(self.quantity(column) for column in columns)
+        row["friction"] = (self.quantity("viscous"), self.quantity("coulomb"))
+        row["limits"] = Limits(
+            self.number("lower", -INFINITE),
+            self.number("upper", INFINITE),
+            self.number("velocity", INFINITE),
+            self.number("effort", INFINITE),
+        )
+        return row
+
+    def unit(self, column: str) -> str:
+        if column in ("theta", "alpha") or (column in ("lower", "upper") and self.kind == "R"):
+            return "angle"
+        return "rate" if column == "velocity" and self.kind == "R" else "number"
+
+    def number(self, column: str, default: float) -> float:
+        if column not in self.cells:
+            return default
+        value = in_units(self.cells[column], self.unit(column))
+        if value is None or not math.isfinite(value):
+            self.refuse(f"{column} is {self.cells[column]!r}, expected a number{self.hint(column)}.")
+        return value
+
+    def quantity(self, column: str) -> Quantity:
+        cell = self.cells.get(column, "0")
+        value = in_units(cell, self.unit(column))
+        if value is None and cell.isidentifier() and cell.lower() not in ("nan", "inf", "infinity"):
+            return Parameter(cell)
+        if value is None or not math.isfinite(value):
+            self.refuse(f"{column} is {cell!r}, expected a number or a name{self.hint(column)}.")
+        return value
+
+    def hint(self, column: str) -> str:
+        return {"angle": ", or an angle such as 30 deg", "rate": ", or a speed such as 90 deg/s"}.get(self.unit(column), "")
+
+    def refuse(self, problem: str) -> NoReturn:
+        raise FileError(self.file, self.line, f"{self.where}: {problem}")

@@ -1,0 +1,216 @@
+"""`save`: a model as freebody's TOML. Loading it again gives the same model, to the last bit."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from freebody.errors import FreebodyError
+from freebody.model.inertia import Inertia
+from freebody.model.joints import KINDS
+from freebody.model.model import Frame, Model
+from freebody.model.parameters import Parameter, Quantity
+from freebody.model.parts import Drive, Joint, Limits
+from freebody.model.placement import Placement, Rotate, Shift
+from freebody.model.tree import Attached
+
+
+def save(model: Model, path: str | os.PathLike[str]) -> None:
+    """Write the model to a .toml file (UTF-8). What was said about the file it came from, `model.notices`, stays behind."""
+    target = Path(path)
+    if target.suffix.lower() != ".toml":
+        raise FreebodyError(f"save: {os.fspath(path)!r} must end in .toml, the format that is written.")
+    target.write_text(as_toml(model), encoding="utf-8")
+
+
+def as_toml(model: Model) -> str:
+    """The model as TOML text."""
+    writer = _Writer(model)
+    return "\n\n".join(filter(None, (writer.head(), writer.parameters(), *writer.parts()))) + "\n"
+
+
+class _Writer:
+    def __init__(self, model: Model):
+        self.model = model
+        held = [body for body in model.bodies if body.joint.parent]
+        self.free = len(held) < len(model.bodies)  # a root joint that base="free" made
+        self.joints = [body.joint for body in held]
+        self.links = [frame for frame in model.frames if not frame.mounted]
+        named = {frame.name for frame in self.links}
+        attached = [a for body in model.bodies for a in body.inertias] + list(model.base_inertias)
+        self.inertia_of: dict[str, Attached] = {}
+        self.loads: list[Attached] = []
+        for part in attached:
+            if part.link in named and part.link not in self.inertia_of:
+                self.inertia_of[part.link] = part
+            else:
+                self.loads.append(part)
+        self.carrier = {id(a): i for i, body in enumerate(model.bodies) for a in body.inertias}
+
+    # ------------------------------------------------------------ the file, top to bottom
+    def head(self) -> str:
+        model = self.model
+        entries = {"name": _text(model.name)}
+        if model.source:
+            entries["source"] = _text(model.source)
+        entries["dim"] = str(model.dim)
+        entries["gravity"] = _inline(
+            {"size": _quantity(model.gravity_size), "direction": _vector(model.gravity_direction)}
+        )
+        if model.tip:
+            entries["tip"] = _text(model.tip)
+        if self.free:
+            entries["base"] = _text("free")
+        return _entries(entries)
+
+    def parameters(self) -> str:
+        values = {name: repr(value) for name, value in self.model.parameters.items() if value is not None}
+        return f"[parameters]\n{_entries(values)}" if values else ""
+
+    def parts(self) -> list[str]:
+        frames = {frame.name: frame for frame in self.model.frames}
+        fixed = [frame for frame in self.links if frame.parent]
+        taken = {joint.name for joint in self.joints}
+        return [
+            *(self.link(frame) for frame in self.links),
+            *(_joint(joint, frames[joint.parent].placement, self.model.dim) for joint in self.joints),
+            *(_fixed(frame, frames[frame.parent], taken, self.model.dim) for frame in fixed),
+            *(_mounted(frame, frames[frame.parent], self.model.dim) for frame in self.model.frames if frame.mounted),
+            *(self.payload(part) for part in self.loads),
+        ]
+
+    def link(self, frame: Frame) -> str:
+        entries = {"name": _text(frame.name)}
+        part = self.inertia_of.get(frame.name)
+        if part:
+            entries.update(_mass(part.inertia))
+            own = _behind(frame.placement, part.placement)
+            if own.steps:
+                entries["inertia_frame"] = _inline(_place(own, self.model.dim))
+        return _section("link", entries)
+
+    def payload(self, part: Attached) -> str:
+        """A load sits in some frame of its body."""
+        body = self.carrier.get(id(part), -1)
+        at = [f for f in self.model.frames if f.body == body and f.placement == part.placement]
+        frame = next((f for f in at if f.name == part.link), at[0])
+        return _section("payload", {"name": _text(part.link), "frame": _text(frame.name), **_mass(part.inertia)})
+
+
+def _joint(joint: Joint, parent: Placement, dim: int) -> str:
+    entries = {"name": _text(joint.name), "kind": _text(joint.kind), "parent": _text(joint.parent), "child": _text(joint.child)}
+    entries.update(_place(_behind(parent, joint.placement), dim))
+    if KINDS[joint.kind].needs_axis:
+        entries["axis"] = repr(joint.axis[0]) if len(joint.axis) == 1 else _vector(joint.axis)
+    if joint.limits != Limits():
+        limits = {key: getattr(joint.limits, key) for key in ("lower", "upper", "velocity", "effort")}
+        entries["limits"] = _inline({key: repr(x) for key, x in limits.items() if not math.isinf(x) or _told(key, x)})
+    entries.update(_drive(joint.drive))
+    if joint.mimic:
+        follow = joint.mimic
+        entries["mimic"] = _inline(
+            {"joint": _text(follow.joint), "ratio": repr(follow.ratio), "offset": repr(follow.offset)}
+        )
+    return _section("joint", entries)
+
+
+def _told(key: str, value: float) -> bool:
+    """Whether an infinite limit differs from the default."""
+    return value != getattr(Limits(), key)
+
+
+def _drive(drive: Drive) -> dict[str, str]:
+    groups = {
+        "friction": {"viscous": drive.viscous, "coulomb": drive.coulomb},
+        "rotor": {"inertia": drive.rotor, "gear": drive.gear},
+        "spring": {"stiffness": drive.stiffness, "rest": drive.rest},
+    }
+    return {
+        name: _inline({key: _quantity(x) for key, x in group.items()})
+        for name, group in groups.items()
+        if tuple(group.values()) != _DRIVE[name]
+    }
+
+
+_DRIVE = {"friction": (0.0, 0.0), "rotor": (0.0, 1.0), "spring": (0.0, 0.0)}
+
+
+def _fixed(frame: Frame, parent: Frame, taken: set[str], dim: int) -> str:
+    name = f"{frame.name}_joint"
+    while name in taken:
+        name += "_"
+    taken.add(name)
+    entries = {"name": name, "kind": "fixed", "parent": parent.name, "child": frame.name}
+    place = _place(_behind(parent.placement, frame.placement), dim)
+    return _section("joint", {key: _text(value) for key, value in entries.items()} | place)
+
+
+def _mounted(frame: Frame, parent: Frame, dim: int) -> str:
+    place = _place(_behind(parent.placement, frame.placement), dim)
+    return _section("frame", {"name": _text(frame.name), "parent": _text(parent.name), **place})
+
+
+def _mass(inertia: Inertia) -> dict[str, str]:
+    tensor = _quantity(inertia.tensor[0]) if inertia.dim == 2 else _vector(inertia.tensor)
+    return {"mass": _quantity(inertia.mass), "com": _vector(inertia.com), "inertia": tensor}
+
+
+# ---------------------------------------------------------------- placements
+def _behind(outer: Placement, whole: Placement) -> Placement:
+    """What follows `outer` in a placement that starts with it."""
+    return Placement(whole.steps[len(outer.steps) :])
+
+
+def _place(placement: Placement, dim: int) -> dict[str, str]:
+    """A shift and a rotation where that is all; else the list of steps."""
+    match placement.steps:
+        case ():
+            return {}
+        case (Shift(by),):
+            return {"origin": _vector(by)}
+        case (Rotate(matrix),):
+            return {"matrix": _matrix(matrix)}
+        case (Shift(by), Rotate(matrix)):
+            return {"origin": _vector(by), "matrix": _matrix(matrix)}
+    steps = [
+        {"shift": _vector(step.by)}
+        if isinstance(step, Shift)
+        else {"matrix": _matrix(step.matrix)}
+        if isinstance(step, Rotate)
+        else {"turn": _text(step.axis), "angle": _quantity(step.angle)}
+        for step in placement.steps
+    ]
+    return {"steps": f"[{', '.join(map(_inline, steps))}]"}
+
+
+# ---------------------------------------------------------------- TOML text
+def _quantity(value: Quantity) -> str:
+    return _text(value.name) if isinstance(value, Parameter) else repr(value)
+
+
+def _vector(values: Sequence[Quantity]) -> str:
+    return f"[{', '.join(map(_quantity, values))}]"
+
+
+def _matrix(rows: Sequence[Sequence[float]]) -> str:
+    return f"[{', '.join(map(_vector, rows))}]"
+
+
+def _text(value: str) -> str:
+    # JSON's escapes are TOML's, except that TOML wants the delete character escaped too
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")
+
+
+def _inline(entries: dict[str, str]) -> str:
+    return f"{{ {', '.join(f'{key} = {value}' for key, value in entries.items())} }}"
+
+
+def _entries(entries: dict[str, str]) -> str:
+    return "\n".join(f"{key} = {value}" for key, value in entries.items())
+
+
+def _section(name: str, entries: dict[str, str]) -> str:
+    return f"[[{name}]]\n{_entries(entries)}"
