@@ -149,6 +149,20 @@ class Space:
         """I ω̇ + ω × I ω: moment about the centre of mass (6.2), (6.29)."""
         return add(times(inertia, wd), self.cross(w, times(inertia, w)))
 
+    def coriolis(self, inertia: Matrix, h: Vector, w: Vector, v: Vector) -> Matrix:
+        """-ω×Σ - h×v× with Σ = ½ tr(I) 1 - I: how a body's angular momentum about the origin changes with turning axes.
+
+        It is the only full block of the body's Coriolis matrix ½ ((v×*) I - I (v×) + (I v)×̄*).
+        """
+        half = 0.5 * (inertia[0][0] + inertia[1][1] + inertia[2][2])
+        sigma = symmetric(3, lambda i, j: half - inertia[i][j] if i == j else -inertia[i][j])
+        across = dot(h, v)
+        # sigma is symmetric, so its rows are its columns
+        turning = transposed(tuple(self.cross(w, row) for row in sigma))
+        return tuple(
+            tuple((across if i == j else 0.0) - v[i] * h[j] - turning[i][j] for j in range(3)) for i in range(3)
+        )
+
     def turned_inertia(self, R: Matrix, inertia: Matrix) -> Matrix:
         """R I Rᵀ (6.3)."""
         return congruence(inertia, transposed(R))
@@ -219,6 +233,10 @@ class Plane:
     def euler(self, inertia: Scalar, w: Vector, wd: Vector) -> Vector:
         """I ω̇ (3.2)."""
         return (inertia * wd[0],)
+
+    def coriolis(self, inertia: Scalar, h: Vector, w: Vector, v: Vector) -> Matrix:
+        """h·v, as a 1×1 matrix."""
+        return ((dot(h, v),),)
 
     def turned_inertia(self, R: Matrix, inertia: Scalar) -> Scalar:
         """The same number in any axes."""

@@ -1,67 +1,43 @@
-"""The Coriolis matrix C with C q̇ = c and Ṁ - 2C skew-symmetric (Echeandia and Wensing 2021, algorithm 1)."""
+"""The Coriolis matrix C with C q̇ = c and Ṁ - 2C skew-symmetric (Echeandia and Wensing 2021)."""
 
 from __future__ import annotations
 
-from freebody.algorithms.crba import own_inertia
-from freebody.algorithms.kinematics import joint_poses
-from freebody.algorithms.plucker import (
-    columns,
-    cross_force,
-    cross_force_swapped,
-    cross_motion,
-    inertia_matrix,
-    minus,
-    transform,
+from freebody.algorithms.crba import momentum_of
+from freebody.algorithms.kinematics import ancestors
+from freebody.algorithms.world import (
+    coriolis_times,
+    coriolis_transposed_times,
+    dot_motion,
+    plus_motion,
+    world_tree,
 )
 from freebody.elementary import Scalar
 from freebody.model.tree import Tree
-from freebody.spatial import Matrix, Vector, add, combine, dot, plus, product, scale, times, transposed
+from freebody.spatial import Matrix, Vector, dot
 
 
 def coriolis_matrix(tree: Tree, q: Vector, qd: Vector) -> Matrix:
-    """C, nv × nv: of one-axis joints the one of Christoffel's symbols, of quasi-velocities its counterpart."""
+    """C, nv × nv: of one-axis joints the one of Christoffel's symbols, of quasi-velocities its counterpart.
+
+    With I and B summed over what hangs on body j, and i on the way from j to the base:
+    C_ij = S_i · (I Ṡ_j + B S_j),  C_ji = Ṡ_i · I S_j + S_i · Bᵀ S_j.
+    """
     space = tree.space
-    X = [transform(space, pose) for pose in joint_poses(tree, q)]
-    S = [columns(body) for body in tree.bodies]
-    v: list[Vector] = []
-    B: list[Matrix] = []
-    IC: list[Matrix] = []
-    for i, body in enumerate(tree.bodies):
-        joint = combine(S[i], body.rates(qd))
-        v.append(joint if body.parent < 0 else add(times(X[i], v[body.parent]), joint))
-        inertia = inertia_matrix(space, own_inertia(space, body))
-        IC.append(inertia)
-        B.append(_body_matrix(tree, inertia, v[i]))
-    Sd = [tuple(times(cross_motion(space, v[i]), s) for s in S[i]) for i in range(len(S))]
+    world = world_tree(tree, q, qd)
     C: list[list[Scalar]] = [[0.0] * tree.nv for _ in range(tree.nv)]
-    for j in reversed(range(len(tree.bodies))):
-        body = tree.bodies[j]
-        F1 = [add(times(IC[j], sd), times(B[j], s)) for s, sd in zip(S[j], Sd[j], strict=True)]
-        F2 = [times(IC[j], s) for s in S[j]]
-        F3 = [times(transposed(B[j]), s) for s in S[j]]
-        i = j
-        while i >= 0:
-            outer = tree.bodies[i].coordinates
-            for a, k in enumerate(outer.v):
-                for b, l in enumerate(body.coordinates.v):
-                    ratio = outer.ratio * body.coordinates.ratio
-                    C[k][l] = C[k][l] + ratio * dot(S[i][a], F1[b])
+    for j, body in enumerate(tree.bodies):
+        inner = body.coordinates
+        for s, s_rate, l in zip(world.S[j], world.S_rate[j], inner.v, strict=True):
+            force = plus_motion(
+                momentum_of(space, world.inertia[j], s_rate), coriolis_times(space, world.coriolis[j], s)
+            )
+            carried = momentum_of(space, world.inertia[j], s)
+            back = coriolis_transposed_times(space, world.coriolis[j], s)
+            for i in ancestors(tree, j):
+                outer = tree.bodies[i].coordinates
+                for r, r_rate, k in zip(world.S[i], world.S_rate[i], outer.v, strict=True):
+                    ratio = outer.ratio * inner.ratio
+                    C[k][l] = C[k][l] + ratio * dot_motion(r, force)
                     if i != j:
-                        C[l][k] = C[l][k] + ratio * (dot(Sd[i][a], F2[b]) + dot(S[i][a], F3[b]))
-            up = transposed(X[i])
-            F1, F2, F3 = ([times(up, f) for f in F] for F in (F1, F2, F3))
-            i = tree.bodies[i].parent
-        if body.parent >= 0:
-            down, up = X[j], transposed(X[j])
-            IC[body.parent] = plus(IC[body.parent], product(up, product(IC[j], down)))
-            B[body.parent] = plus(B[body.parent], product(up, product(B[j], down)))
+                        C[l][k] = C[l][k] + ratio * (dot_motion(r_rate, carried) + dot(r[0], back))
     return tuple(tuple(row) for row in C)
-
-
-def _body_matrix(tree: Tree, inertia: Matrix, v: Vector) -> Matrix:
-    """½ ((v×*) I - I (v×) + (I v)×̄*): the Coriolis matrix of one body."""
-    space = tree.space
-    first = product(cross_force(space, v), inertia)
-    second = product(inertia, cross_motion(space, v))
-    third = cross_force_swapped(space, times(inertia, v))
-    return tuple(scale(0.5, row) for row in plus(minus(first, second), third))

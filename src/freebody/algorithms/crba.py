@@ -103,8 +103,12 @@ def supports(tree: Tree) -> dict[int, tuple[int, ...]]:
     return above
 
 
-def factor(tree: Tree, M: Matrix) -> tuple[dict[tuple[int, int], Scalar], dict[int, Scalar]]:
-    """M = Lᵀ D L with unit triangular L: its entries (row, column) and 1/D, without fill-in."""
+Factors = tuple[dict[tuple[int, int], Scalar], dict[int, Scalar]]
+"""Entries (row, column) of L below its unit diagonal, and 1/D."""
+
+
+def factor(tree: Tree, M: Matrix) -> Factors:
+    """M = Lᵀ D L with unit triangular L, without fill-in."""
     above = supports(tree)
     H = {(k, j): M[k][j] for k in above for j in (*above[k], k)}
     inverse: dict[int, Scalar] = {}
@@ -122,8 +126,13 @@ def factor(tree: Tree, M: Matrix) -> tuple[dict[tuple[int, int], Scalar], dict[i
 
 def solve(tree: Tree, M: Matrix, right: Vector) -> Vector:
     """M⁻¹ right."""
+    return substitute(tree, factor(tree, M), right)
+
+
+def substitute(tree: Tree, factors: Factors, right: Vector) -> Vector:
+    """M⁻¹ right from the factors of M."""
+    L, inverse = factors
     above = supports(tree)
-    L, inverse = factor(tree, M)
     x = list(right)
     for k in reversed(above):
         for j in above[k]:

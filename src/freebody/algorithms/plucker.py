@@ -5,7 +5,7 @@ from __future__ import annotations
 from freebody.algorithms.crba import Composite
 from freebody.algorithms.kinematics import Pose
 from freebody.model.tree import TreeBody
-from freebody.spatial import AnySpace, Matrix, Vector, identity, neg, product, scale, sub, times, transposed
+from freebody.spatial import AnySpace, Matrix, Vector, identity, neg, product, scale, transposed
 
 
 def size_angular(space: AnySpace) -> int:
@@ -43,12 +43,6 @@ def cross_force(space: AnySpace, v: Vector) -> Matrix:
     return transposed(tuple(neg(row) for row in cross_motion(space, v)))
 
 
-def cross_force_swapped(space: AnySpace, f: Vector) -> Matrix:
-    """Matrix of v ↦ v ×* f."""
-    n = space.six
-    return transposed(tuple(times(cross_force(space, unit), f) for unit in identity(n)))
-
-
 def inertia_matrix(space: AnySpace, composite: Composite) -> Matrix:
     """The 6×6 (plane: 3×3) inertia about the origin."""
     m, h, inertia = composite
@@ -58,8 +52,3 @@ def inertia_matrix(space: AnySpace, composite: Composite) -> Matrix:
         row + scale(m, unit) for row, unit in zip(transposed(hx), identity(space.dim), strict=True)
     )
     return top + bottom
-
-
-def minus(A: Matrix, B: Matrix) -> Matrix:
-    """A - B."""
-    return tuple(sub(a, b) for a, b in zip(A, B, strict=True))

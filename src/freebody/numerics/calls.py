@@ -26,8 +26,8 @@ def evaluate(
     inputs: Mapping[str, Any],
     option: Option,
     wrenches: Wrenches = None,
-) -> Array:
-    """The kernel of `function` on checked inputs (in the formula's order), as an array or a float."""
+) -> Any:
+    """The kernel of `function` on checked inputs (in the formula's order): an array, or a tuple of its outputs."""
     arrays = [vector(function, model, name, value) for name, value in inputs.items()]
     loads = _loads(function, model, wrenches)
     if loads:
@@ -40,9 +40,8 @@ def evaluate(
     except ValueError:
         batches = ", ".join(f"{n} {a.shape[:-1]}" for n, a in zip([*inputs, *loads], arrays, strict=True))
         raise FreebodyError(f"{function}: the batch shapes do not broadcast together: {batches}.") from None
-    # a kernel gives NaN in all outputs of a sample with an input that is not finite: one entry a sample tells
-    first = result if not isinstance(result, np.ndarray) or result.ndim == 0 else result.reshape(-1)
-    if not np.isfinite(first).all():
+    # a kernel gives NaN in all outputs of a sample with an input that is not finite
+    if not np.isfinite(result[0] if isinstance(result, tuple) else result).all():
         for name, array in zip([*inputs, *loads], arrays, strict=True):
             refuse_not_finite(function, name, array, 1, labels(model, name))
     return result

@@ -36,12 +36,39 @@ def forward_dynamics(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches:
     """
     refuse_massless(model)
     result = evaluate("forward_dynamics", model, {"q": q, "qd": qd, "tau": tau}, _NO_OPTION, wrenches)
-    if not np.isfinite(result).all():
-        sample = np.argwhere(~np.isfinite(result))[0]
-        raise SingularError(
-            f"forward_dynamics: the mass matrix of {model.name!r} is singular at sample {tuple(map(int, sample[:-1]))}: "
-            f"joint coordinate {model.velocity_names[sample[-1]]!r} has no finite acceleration."
-        )
+    _refuse_singular("forward_dynamics", model, result)
+    return result
+
+
+def _refuse_singular(function: str, model: Model, accelerations: Array) -> None:
+    """Finite inputs and an acceleration (..., nv) that is not finite: M is singular there."""
+    if np.isfinite(accelerations).all():
+        return
+    *sample, k = map(int, np.argwhere(~np.isfinite(accelerations))[0])
+    where = f" at sample {tuple(sample)}" if sample else ""
+    raise SingularError(
+        f"{function}: the mass matrix of {model.name!r} is singular{where}: "
+        f"joint coordinate {model.velocity_names[k]!r} has no finite acceleration."
+    )
+
+
+def inverse_dynamics_derivatives(model: Model, q: Vector, qd: Vector, qdd: Vector) -> tuple[Array, Array, Array]:
+    """(∂tau/∂q, ∂tau/∂q̇, M), each (..., nv, nv), rows tau; friction (Coulomb's is constant), springs, rotors included.
+
+    q: (..., nq); qd, qdd: (..., nv). With free, spherical and quaternion coordinates ∂/∂q is on the tangent space: along
+    `fb.integrate(model, q, v)`. Source: Singh, Russell, Wensing 2022.
+    """
+    return evaluate("inverse_dynamics_derivatives", model, {"q": q, "qd": qd, "qdd": qdd}, _NO_OPTION)
+
+
+def forward_dynamics_derivatives(model: Model, q: Vector, qd: Vector, tau: Vector) -> tuple[Array, Array, Array]:
+    """(∂q̈/∂q, ∂q̈/∂q̇, ∂q̈/∂tau = M⁻¹), each (..., nv, nv), on the tangent space; arguments as for `forward_dynamics`.
+
+    Raises SingularError naming the joint that moves no inertia.
+    """
+    refuse_massless(model)
+    result = evaluate("forward_dynamics_derivatives", model, {"q": q, "qd": qd, "tau": tau}, _NO_OPTION)
+    _refuse_singular("forward_dynamics_derivatives", model, np.diagonal(result[2], axis1=-2, axis2=-1))
     return result
 
 

@@ -15,6 +15,11 @@ from freebody.algorithms import energy, kinematics
 from freebody.algorithms.aba import aba
 from freebody.algorithms.coriolis import coriolis_matrix
 from freebody.algorithms.crba import bias, crba, forward_dynamics, supports
+from freebody.algorithms.derivatives import (
+    Derivatives,
+    forward_dynamics_derivatives,
+    inverse_dynamics_derivatives,
+)
 from freebody.algorithms.rnea import External, external_on_frame, joint_wrenches, rnea
 from freebody.model.tree import Tree
 from freebody.spatial import Vector
@@ -113,6 +118,10 @@ def _centre(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
     return (tuple(h / total for h in moment),)
 
 
+def _matrices(derivatives: Derivatives) -> tuple[Any, ...]:
+    return derivatives.by_q, derivatives.by_qd, derivatives.by_last
+
+
 def _zeros(tree: Tree) -> Vector:
     return (0.0,) * tree.nv
 
@@ -143,6 +152,16 @@ FORMULAS: dict[str, Formula] = {
     "gravity_torque": Formula(("q",), {"g": ("nv",)}, _gravity),
     "static_torque": Formula(("q", "wrenches"), {"tau": ("nv",)}, _static),
     "joint_wrenches": Formula(("q", "qd", "qdd", "wrenches"), {"W": ("nj", "six")}, _wrenches),
+    "inverse_dynamics_derivatives": Formula(
+        ("q", "qd", "qdd"),
+        {"dtau_dq": ("nv", "nv"), "dtau_dqd": ("nv", "nv"), "M": ("nv", "nv")},
+        lambda t, o, q, qd, qdd: _matrices(inverse_dynamics_derivatives(t, q, qd, qdd)),
+    ),
+    "forward_dynamics_derivatives": Formula(
+        ("q", "qd", "tau"),
+        {"dqdd_dq": ("nv", "nv"), "dqdd_dqd": ("nv", "nv"), "Minv": ("nv", "nv")},
+        lambda t, o, q, qd, tau: _matrices(forward_dynamics_derivatives(t, q, qd, tau)),
+    ),
     "kinetic_energy": Formula(("q", "qd"), {"T": ()}, lambda t, o, q, qd: (energy.kinetic_energy(t, q, qd),)),
     "potential_energy": Formula(("q",), {"V": ()}, lambda t, o, q: (energy.potential_energy(t, q),)),
     "momentum": Formula(("q", "qd", "point"), {"h": ("six",)}, _momentum),

@@ -85,9 +85,8 @@ def program(model: Model, names: tuple[str, ...], option: Option) -> Program:
     return trace("+".join(names), evaluate, inputs, outputs)
 
 
-def reference(model: Model, name: str, option: Option, *arrays: Array) -> Array:
-    """The formula run on NumPy arrays instead of the compiled kernel; arrays as for the kernel."""
-    tree = model.tree
+def reference(model: Model, name: str, option: Option, *arrays: Array) -> Array | tuple[Array, ...]:
+    """The formula run on NumPy arrays instead of the compiled kernel; arguments and results as for the kernel."""
     inputs = arguments(model, (name,), option)
     batch = np.broadcast_shapes(
         *(a.shape[: a.ndim - len(argument.shape)] for a, argument in zip(arrays, inputs, strict=True))
@@ -96,9 +95,16 @@ def reference(model: Model, name: str, option: Option, *arrays: Array) -> Array:
         argument.name: _scalars(np.broadcast_to(a, batch + argument.shape), len(argument.shape))
         for argument, a in zip(inputs, arrays, strict=True)
     }
-    (value,) = FORMULAS[name].evaluate(tree, option, **_chosen(name, given, option))
-    (dims,) = FORMULAS[name].outputs.values()
-    shape = _shape(model, dims)
+    formula = FORMULAS[name]
+    values = formula.evaluate(model.tree, option, **_chosen(name, given, option))
+    results = tuple(
+        _array(value, batch, _shape(model, dims)) for value, dims in zip(values, formula.outputs.values(), strict=True)
+    )
+    return results if len(results) > 1 else results[0]
+
+
+def _array(value: Any, batch: tuple[int, ...], shape: tuple[int, ...]) -> Array:
+    """Nested scalars as one array (*batch, *shape)."""
     flat = [np.broadcast_to(np.asarray(x, dtype=float), batch) for x in _flat(value, len(shape))]
     return np.stack(flat, axis=-1).reshape(batch + shape) if flat else np.zeros(batch + shape)
 

@@ -1,0 +1,136 @@
+"""First derivatives of inverse and forward dynamics on the tangent space (Singh, Russell, Wensing 2022, IDSVA).
+
+For body j and a body i on the way from j to the base, with I, B, f summed over what hangs on j, and with
+Ψ̇ = v_parent × S, Ψ̈ = a_parent × S + v_parent × Ψ̇, Ṡ = v × S:
+
+    ∂tau_i/∂q_j  = S_i · (2 B Ψ̇_j + I Ψ̈_j + S_j ×* f)               (the last term where i ≠ j)
+    ∂tau_i/∂q̇_j = S_i · (2 B S_j + I (Ψ̇_j + Ṡ_j))
+    ∂tau_j/∂q_i  = 2 Ψ̇_i · Bᵀ S_j + Ψ̈_i · I S_j                       (i ≠ j)
+    ∂tau_j/∂q̇_i = 2 S_i · Bᵀ S_j + (Ψ̇_i + Ṡ_i) · I S_j               (i ≠ j)
+    ∂tau_i/∂q̈_j = S_i · I S_j = M_ij
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from freebody.algorithms.crba import factor, forward_dynamics, momentum_of, substitute
+from freebody.algorithms.kinematics import Column, ancestors
+from freebody.algorithms.world import (
+    Force,
+    WorldTree,
+    coriolis_times,
+    coriolis_transposed_times,
+    cross_force,
+    cross_motion,
+    dot_motion,
+    plus_motion,
+    weighted,
+    world_tree,
+)
+from freebody.elementary import Scalar
+from freebody.model.tree import Tree
+from freebody.spatial import Matrix, Vector, dot, identity, neg, scale, transposed
+
+
+@dataclass
+class Derivatives:
+    """Of tau by q, q̇ and q̈ (the last is M), or of q̈ by q, q̇ and tau (the last is M⁻¹): each nv × nv."""
+
+    by_q: Matrix
+    by_qd: Matrix
+    by_last: Matrix
+
+
+def inverse_dynamics_derivatives(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Derivatives:
+    """Derivatives of tau, friction (Coulomb's is constant), springs and rotors included."""
+    space = tree.space
+    world = world_tree(tree, q, qd)
+    psi_rate, forces = _accelerations(tree, world, qd, qdd)
+    n = tree.nv
+    by_q, by_qd, by_qdd = ([[0.0] * n for _ in range(n)] for _ in range(3))
+
+    def enter(table: list[list[Scalar]], k: int, l: int, value: Scalar) -> None:
+        table[k][l] = table[k][l] + value
+
+    for j, body in enumerate(tree.bodies):
+        I, B, inner = world.inertia[j], world.coriolis[j], body.coordinates
+        for b, l in enumerate(inner.v):
+            s, psi = world.S[j][b], world.psi[j][b]
+            carried = momentum_of(space, I, s)
+            back = scale(2.0, coriolis_transposed_times(space, B, s))
+            turning = plus_motion(_twice(coriolis_times(space, B, psi)), momentum_of(space, I, psi_rate[j][b]))
+            by_position = plus_motion(turning, cross_force(space, s, forces[j]))
+            both = plus_motion(psi, world.S_rate[j][b])
+            by_rate = plus_motion(_twice(coriolis_times(space, B, s)), momentum_of(space, I, both))
+            for i in ancestors(tree, j):
+                outer = tree.bodies[i].coordinates
+                for a, k in enumerate(outer.v):
+                    r, ratio = world.S[i][a], outer.ratio * inner.ratio
+                    mass = ratio * dot_motion(r, carried)
+                    enter(by_q, k, l, ratio * dot_motion(r, turning if i == j else by_position))
+                    enter(by_qd, k, l, ratio * dot_motion(r, by_rate))
+                    enter(by_qdd, k, l, mass)
+                    if i == j:
+                        continue
+                    enter(by_qdd, l, k, mass)
+                    rates = plus_motion(world.psi[i][a], world.S_rate[i][a])
+                    enter(by_qd, l, k, ratio * (dot(r[0], back) + dot_motion(rates, carried)))
+                    swing = dot(world.psi[i][a][0], back) + dot_motion(psi_rate[i][a], carried)
+                    enter(by_q, l, k, ratio * swing)
+        if body.drive is not None:
+            k, square = inner.v[0], inner.ratio * inner.ratio
+            enter(by_q, k, k, square * body.drive.stiffness)
+            enter(by_qd, k, k, square * body.drive.viscous)
+            enter(by_qdd, k, k, square * body.drive.rotor)
+    return Derivatives(*(tuple(tuple(row) for row in table) for table in (by_q, by_qd, by_qdd)))
+
+
+def forward_dynamics_derivatives(
+    tree: Tree, q: Vector, qd: Vector, tau: Vector
+) -> Derivatives:
+    """Derivatives of q̈: -M⁻¹ ∂tau/∂q, -M⁻¹ ∂tau/∂q̇ and M⁻¹, those of tau taken at the q̈ that tau causes."""
+    qdd = forward_dynamics(tree, q, qd, tau)
+    inverse = inverse_dynamics_derivatives(tree, q, qd, qdd)
+    factors = factor(tree, inverse.by_last)
+
+    def solved(right: Matrix) -> Matrix:
+        return transposed(tuple(substitute(tree, factors, column) for column in transposed(right)))
+
+    by_q, by_qd = (tuple(neg(row) for row in solved(right)) for right in (inverse.by_q, inverse.by_qd))
+    return Derivatives(by_q, by_qd, solved(identity(tree.nv)))
+
+
+def _twice(force: Force) -> Force:
+    return scale(2.0, force[0]), scale(2.0, force[1])
+
+
+def _accelerations(
+    tree: Tree, world: WorldTree, qd: Vector, qdd: Vector
+) -> tuple[list[tuple[Column, ...]], list[Force]]:
+    """Ψ̈ of each body, and the force on each subtree: I a + v ×* I v, gravity as base acceleration."""
+    space = tree.space
+    a: list[Column] = []
+    psi_rate: list[tuple[Column, ...]] = []
+    forces: list[Force] = []
+    base = (space.zero_angular, neg(tree.gravity))
+    still = (space.zero_angular, space.zero)
+    for i, body in enumerate(tree.bodies):
+        a_parent = base if body.parent < 0 else a[body.parent]
+        v_parent = still if body.parent < 0 else world.v[body.parent]
+        psi_rate.append(
+            tuple(
+                plus_motion(cross_motion(space, a_parent, s), cross_motion(space, v_parent, psi))
+                for s, psi in zip(world.S[i], world.psi[i], strict=True)
+            )
+        )
+        own = plus_motion(weighted(world.S[i], body.rates(qdd)), weighted(world.psi[i], body.rates(qd)))
+        a.append(plus_motion(a_parent, own))
+        momentum = momentum_of(space, world.own[i], world.v[i])
+        gyroscopic = cross_force(space, world.v[i], momentum)
+        forces.append(plus_motion(momentum_of(space, world.own[i], a[i]), gyroscopic))
+    for i in reversed(range(len(tree.bodies))):
+        parent = tree.bodies[i].parent
+        if parent >= 0:
+            forces[parent] = plus_motion(forces[parent], forces[i])
+    return psi_rate, forces

@@ -1,0 +1,130 @@
+"""Bodies in world axes about the world's origin, and what hangs on each: the common ground of C and the derivatives.
+
+Motions are pairs (ω, v) and forces pairs (n, f), both at the world's origin, so nothing needs to be transformed on the
+way along the tree. A body's Coriolis matrix B = ½ ((v×*) I - I (v×) + (I v)×̄*) (Echeandia and Wensing 2021) has only two
+blocks that are not zero: the angular one and, below it, -(linear momentum)×.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from freebody.algorithms.crba import Composite, momentum_of, own_inertia
+from freebody.algorithms.kinematics import Column, Pose, joint_poses, world_poses
+from freebody.elementary import Scalar
+from freebody.model.tree import Tree
+from freebody.spatial import (
+    AnySpace,
+    Matrix,
+    Vector,
+    add,
+    combine,
+    dot,
+    plus,
+    scale,
+    sub,
+    times,
+    transposed,
+)
+
+Force = tuple[Vector, Vector]
+"""(moment, force)."""
+
+
+@dataclass
+class WorldTree:
+    """Per body: motion columns and their rates, velocity, inertia, and sums over the body and all that hangs on it."""
+
+    S: list[tuple[Column, ...]] = field(default_factory=list)
+    S_rate: list[tuple[Column, ...]] = field(default_factory=list)
+    """Ṡ = v × S with the body's own velocity."""
+    psi: list[tuple[Column, ...]] = field(default_factory=list)
+    """Ψ̇ = v × S with the parent's velocity."""
+    v: list[Column] = field(default_factory=list)
+    own: list[Composite] = field(default_factory=list)
+    """Inertia of each body alone."""
+    inertia: list[Composite] = field(default_factory=list)
+    coriolis: list[tuple[Matrix, Vector]] = field(default_factory=list)
+    """(angular block of B, linear momentum), summed like `inertia` over the subtree."""
+
+
+def world_tree(tree: Tree, q: Vector, qd: Vector) -> WorldTree:
+    """Columns and velocities outward, inertias and Coriolis matrices inward."""
+    space = tree.space
+    poses = world_poses(tree, joint_poses(tree, q))
+    world = WorldTree()
+    for body, (R, p) in zip(tree.bodies, poses, strict=True):
+        columns = tuple(_at_origin(space, R, p, column) for column in body.columns)
+        joint = weighted(columns, body.rates(qd))
+        parent = world.v[body.parent] if body.parent >= 0 else None
+        velocity = joint if parent is None else plus_motion(parent, joint)
+        still = (space.zero_angular, space.zero)
+        world.S.append(columns)
+        world.v.append(velocity)
+        world.psi.append(tuple(still if parent is None else cross_motion(space, parent, s) for s in columns))
+        world.S_rate.append(tuple(cross_motion(space, velocity, s) for s in columns))
+        inertia = _moved(space, (R, p), own_inertia(space, body))
+        world.own.append(inertia)
+        _, linear = momentum_of(space, inertia, velocity)
+        world.coriolis.append((space.coriolis(inertia[2], inertia[1], *velocity), linear))
+    world.inertia = list(world.own)
+    for i in reversed(range(len(tree.bodies))):
+        k = tree.bodies[i].parent
+        if k >= 0:
+            (m, h, J), (M, H, I) = world.inertia[i], world.inertia[k]
+            world.inertia[k] = (M + m, add(H, h), space.plus_inertia(I, J))
+            (b, p), (B, P) = world.coriolis[i], world.coriolis[k]
+            world.coriolis[k] = (plus(B, b), add(P, p))
+    return world
+
+
+# ---------------------------------------------------------------- motions and forces at one point
+def cross_motion(space: AnySpace, a: Column, b: Column) -> Column:
+    """a × b of two motions."""
+    return space.cross_angular(a[0], b[0]), sub(space.cross(a[0], b[1]), space.cross(b[0], a[1]))
+
+
+def cross_force(space: AnySpace, a: Column, b: Force) -> Force:
+    """a ×* b of a motion and a force."""
+    return add(space.cross_angular(a[0], b[0]), space.moment(a[1], b[1])), space.cross(a[0], b[1])
+
+
+def plus_motion(a: Column, b: Column) -> Column:
+    """a + b."""
+    return add(a[0], b[0]), add(a[1], b[1])
+
+
+def weighted(columns: tuple[Column, ...], rates: Vector) -> Column:
+    """Σ rates[k] columns[k]."""
+    return combine(tuple(w for w, _ in columns), rates), combine(tuple(v for _, v in columns), rates)
+
+
+def dot_motion(a: Column, b: Force) -> Scalar:
+    """Power of a force on a motion."""
+    return dot(a[0], b[0]) + dot(a[1], b[1])
+
+
+def coriolis_times(space: AnySpace, B: tuple[Matrix, Vector], column: Column) -> Force:
+    """B s."""
+    block, momentum = B
+    return times(block, column[0]), space.cross(column[0], momentum)
+
+
+def coriolis_transposed_times(space: AnySpace, B: tuple[Matrix, Vector], column: Column) -> Vector:
+    """The angular part of Bᵀ s; its linear part is zero."""
+    block, momentum = B
+    return add(times(transposed(block), column[0]), space.moment(momentum, column[1]))
+
+
+def _at_origin(space: AnySpace, R: Matrix, p: Vector, column: Column) -> Column:
+    """A column of the body at pose (R, p), in world axes at the world's origin."""
+    w = space.turn(R, column[0])
+    return w, sub(times(R, column[1]), space.cross(w, p))
+
+
+def _moved(space: AnySpace, pose: Pose, inertia: Composite) -> Composite:
+    """A body's inertia in world axes about the world's origin."""
+    (R, p), (m, h, own) = pose, inertia
+    turned = times(R, h)
+    return m, add(turned, scale(m, p)), space.plus_inertia(space.turned_inertia(R, own), space.steiner(m, turned, p))
+

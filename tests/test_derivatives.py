@@ -1,0 +1,104 @@
+"""Derivatives of inverse and forward dynamics against differences of our own functions along the tangent space."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.model.assembly import assemble
+from freebody.model.inertia import Inertia
+from freebody.model.parts import Description, Drive, Joint, Link, Mimic
+from freebody.model.placement import rotate, shift
+from freebody.numerics.formulas import Option
+from freebody.numerics.kernels import reference
+
+
+def _branched(base: str) -> fb.Model:
+    """A tree with every joint kind that has a body of its own, friction, a spring, a rotor and a follower."""
+    rng = np.random.default_rng(7)
+
+    def lump() -> Inertia:
+        a = rng.normal(size=(3, 3))
+        sigma = a @ a.T * 0.05
+        return Inertia.of(float(rng.uniform(0.5, 2)), rng.normal(size=3) * 0.2, np.trace(sigma) * np.eye(3) - sigma)
+
+    def place():
+        turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+        return shift(*rng.normal(size=3) * 0.5).then(rotate(turn * np.sign(np.linalg.det(turn))))
+
+    drive = Drive(viscous=0.3, rotor=1e-3, gear=20.0, stiffness=4.0, rest=0.2)
+    joints = (
+        Joint("a", "revolute", "base", "A", place(), (0.0, 0.0, 1.0), drive=drive),
+        Joint("b", "spherical", "A", "B", place()),
+        Joint("c", "prismatic", "A", "C", place(), (0.6, 0.0, 0.8), drive=drive),
+        Joint("d", "planar", "B", "D", place()),
+        Joint("e", "revolute", "D", "E", place(), (1.0, 2.0, -1.0), mimic=Mimic("c", -1.5, 0.3)),
+    )
+    links = tuple(Link(name, lump()) for name in ("base", "A", "B", "C", "D", "E"))
+    return assemble(Description("branched", 3, links, joints, (9.81, (0.0, 0.0, -1.0))), base=base)
+
+
+MODELS = {
+    "planar": lambda: fb.planar("RPRR", l=[1, 0.2, 0.5, 0.3], lc=[0.5, 0.3, 0.2, 0.1], m=[1, 2, 3, 1], I=[1, 2, 3, 4]),
+    "fixed": lambda: _branched("fixed"),
+    "free": lambda: _branched("free"),
+}
+
+
+def _difference(model, function, q, *rest, h=1e-3):
+    """d function / d tangent of q by an eighth-order central difference, (..., n, nv)."""
+    weights = {1: 4 / 5, 2: -1 / 5, 3: 4 / 105, 4: -1 / 280}
+    columns = []
+    for k in range(model.nv):
+        step = np.eye(model.nv)[k] * h
+        columns.append(
+            sum(
+                w * (function(fb.integrate(model, q, s * step), *rest) - function(fb.integrate(model, q, -s * step), *rest))
+                for s, w in weights.items()
+            )
+            / h
+        )
+    return np.stack(columns, axis=-1)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_inverse_dynamics_derivatives_are_differences(name):
+    model = MODELS[name]()
+    q, qd, qdd = fb.random_state(model, seed=3, batch=3)
+    by_q, by_qd, M = fb.inverse_dynamics_derivatives(model, q, qd, qdd)
+    scale = np.abs(by_q).max()
+    np.testing.assert_allclose(
+        by_q, _difference(model, lambda x: fb.inverse_dynamics(model, x, qd, qdd), q), atol=1e-9 * scale
+    )
+    unit = np.eye(model.nv)[:, None]
+    ahead, behind = (fb.inverse_dynamics(model, q, qd + s * unit, qdd) for s in (1, -1))
+    # tau is quadratic in the rates, so this difference is exact
+    np.testing.assert_allclose(by_qd, np.moveaxis((ahead - behind) / 2, 0, -1), atol=1e-11 * scale)
+    np.testing.assert_allclose(M, fb.mass_matrix(model, q), atol=1e-12 * scale)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_forward_dynamics_derivatives_are_differences(name):
+    model = MODELS[name]()
+    q, qd, tau = fb.random_state(model, seed=4, batch=3)
+    by_q, by_qd, inverse = fb.forward_dynamics_derivatives(model, q, qd, tau)
+    scale = np.abs(by_q).max()
+    np.testing.assert_allclose(
+        by_q, _difference(model, lambda x: fb.forward_dynamics(model, x, qd, tau), q), atol=1e-8 * scale
+    )
+    unit = np.eye(model.nv)[:, None]
+    ahead, behind = (fb.forward_dynamics(model, q, qd + s * unit, tau) for s in (1, -1))
+    np.testing.assert_allclose(by_qd, np.moveaxis((ahead - behind) / 2, 0, -1), atol=1e-9 * scale)
+    np.testing.assert_allclose(inverse @ fb.mass_matrix(model, q), np.broadcast_to(np.eye(model.nv), inverse.shape), atol=1e-9)
+
+
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("formula", ["inverse_dynamics_derivatives", "forward_dynamics_derivatives", "coriolis_matrix"])
+def test_kernels_equal_the_reference(name, formula):
+    model = MODELS[name]()
+    state = fb.random_state(model, seed=5, batch=3)[: 2 if formula == "coriolis_matrix" else 3]
+    compiled = getattr(fb, formula)(model, *state)
+    plain = reference(model, formula, Option(), *state)
+    for a, b in zip(compiled, plain, strict=True):
+        np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-11 * np.abs(b).max())
