@@ -1,0 +1,133 @@
+"""How positions move with rates: q̇ = N(q) v for joints whose q is not simply the integral of v.
+
+Quaternions p = w, x, y, z with the angular velocity ω in body axes: ṗ = ½ p (0, ω) and p̈ = ½ p (0, ω̇) - ¼ |ω|² p;
+a free joint's position ẋ = R v, ẍ = R (v̇ + ω × v).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.model.model import Model
+from freebody.numerics.states import conjugate, quaternion_product, turned
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where a model's coordinates stand: plain ones (q̇ = v), quaternions, and positions of free joints.
+
+    plain: (iq, iv) index arrays. turns: slices (q of the quaternion, v of ω). shifts: (q of x, q of quaternion, v of the linear
+    velocity, v of ω) of free joints.
+    """
+
+    nq: int
+    nv: int
+    plain: tuple[Array, Array]
+    turns: tuple[tuple[slice, slice], ...]
+    shifts: tuple[tuple[slice, slice, slice, slice], ...]
+
+    @property
+    def flat(self) -> bool:
+        """Whether q̇ = v throughout."""
+        return not self.turns
+
+
+def layout(model: Model) -> Layout:
+    """The layout of a model's coordinates."""
+    iq: list[int] = []
+    iv: list[int] = []
+    turns, shifts = [], []
+    for body, at in zip(model.bodies, model.coordinates, strict=True):
+        if body.joint.mimic is not None:
+            continue
+        if body.kind.nq == body.kind.nv:
+            iq += at.q
+            iv += at.v
+            continue
+        turn = slice(at.q[-4], at.q[-1] + 1), slice(at.v[-3], at.v[-1] + 1)
+        turns.append(turn)
+        if body.kind.nq == 7:
+            shifts.append((slice(at.q[0], at.q[3]), turn[0], slice(at.v[0], at.v[3]), turn[1]))
+    plain = np.array(iq, dtype=int), np.array(iv, dtype=int)
+    return Layout(model.nq, model.nv, plain, tuple(turns), tuple(shifts))
+
+
+def position_rate(where: Layout, q: Array, v: Array) -> Array:
+    """q̇ (..., nq) of v (..., nv)."""
+    if where.flat:
+        return v
+    rate = np.empty_like(q)
+    rate[..., where.plain[0]] = v[..., where.plain[1]]
+    for iq, iv in where.turns:
+        rate[..., iq] = 0.5 * quaternion_product(q[..., iq], _pure(v[..., iv]))
+    for ix, iq, iv, _ in where.shifts:
+        rate[..., ix] = turned(q[..., iq], v[..., iv])
+    return rate
+
+
+def position_acceleration(where: Layout, q: Array, v: Array, a: Array) -> Array:
+    """q̈ of the position coordinates (..., nq) from rates v and their derivatives a (..., nv)."""
+    if where.flat:
+        return a
+    second = np.empty_like(q)
+    second[..., where.plain[0]] = a[..., where.plain[1]]
+    for iq, iv in where.turns:
+        p, w = q[..., iq], v[..., iv]
+        second[..., iq] = 0.5 * quaternion_product(p, _pure(a[..., iv])) - 0.25 * np.sum(
+            w * w, axis=-1, keepdims=True
+        ) * p
+    for ix, iq, iv, iw in where.shifts:
+        second[..., ix] = turned(q[..., iq], a[..., iv] + np.cross(v[..., iw], v[..., iv]))
+    return second
+
+
+def state_of(where: Layout, x: Array, xd: Array, xdd: Array) -> tuple[Array, Array, Array]:
+    """(q, v, v̇) of position coordinates x with their time derivatives; quaternions of any length are normalised."""
+    if where.flat:
+        return x, xd, xdd
+    q = x.copy()
+    v = np.empty((*x.shape[:-1], where.nv))
+    a = np.empty_like(v)
+    v[..., where.plain[1]], a[..., where.plain[1]] = xd[..., where.plain[0]], xdd[..., where.plain[0]]
+    for iq, iv in where.turns:
+        p, pd, pdd = x[..., iq], xd[..., iq], xdd[..., iq]
+        size = np.sum(p * p, axis=-1, keepdims=True)
+        w = 2.0 * quaternion_product(conjugate(p), pd)[..., 1:] / size
+        swell = 2.0 * np.sum(p * pd, axis=-1, keepdims=True) / size
+        q[..., iq] = p / np.sqrt(size)
+        v[..., iv] = w
+        a[..., iv] = 2.0 * quaternion_product(conjugate(p), pdd)[..., 1:] / size - swell * w
+    for ix, iq, iv, iw in where.shifts:
+        back = conjugate(q[..., iq])
+        v[..., iv] = turned(back, xd[..., ix])
+        a[..., iv] = turned(back, xdd[..., ix]) - np.cross(v[..., iw], v[..., iv])
+    return q, v, a
+
+
+def normalised(where: Layout, q: Array) -> Array:
+    """q with its quaternions of unit length."""
+    if where.flat:
+        return q
+    q = q.copy()
+    for iq, _ in where.turns:
+        q[..., iq] /= np.linalg.norm(q[..., iq], axis=-1, keepdims=True)
+    return q
+
+
+def continuous(where: Layout, q: Array) -> Array:
+    """Samples q (T, nq) with the signs of quaternions chosen so that neighbours are near."""
+    if where.flat:
+        return q
+    q = q.copy()
+    for iq, _ in where.turns:
+        together = np.sum(q[1:, iq] * q[:-1, iq], axis=-1) < 0
+        flips = np.concatenate([[False], np.cumsum(together) % 2 == 1])
+        q[flips, iq] *= -1.0
+    return q
+
+
+def _pure(w: Array) -> Array:
+    return np.concatenate([np.zeros((*w.shape[:-1], 1)), w], axis=-1)

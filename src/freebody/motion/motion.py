@@ -1,0 +1,133 @@
+"""`Motion`: positions, rates and accelerations over time, and the smooth curve through them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import PPoly, make_interp_spline
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError
+from freebody.model.model import Model
+from freebody.motion.coordinates import (
+    Layout,
+    continuous,
+    layout,
+    position_acceleration,
+    position_rate,
+    state_of,
+)
+from freebody.numerics.calls import vector
+
+FEWEST = 4
+"""Samples that a motion needs: fewer do not determine an acceleration."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Samples of a motion, and between them the quintic through position, rate and acceleration at both ends.
+
+    t: (T,) increasing, s. q: (T, nq). qd, qdd: (T, nv). rad and m. The curve has continuous accelerations.
+    """
+
+    t: Array
+    q: Array
+    qd: Array
+    qdd: Array
+    source: str
+    """Where the motion comes from, in words."""
+    layout: Layout
+    notices: tuple[str, ...] = ()
+
+    @property
+    def duration(self) -> float:
+        """s."""
+        return float(self.t[-1] - self.t[0])
+
+    def at(self, t: ArrayLike) -> tuple[Array, Array, Array]:
+        """(q, qd, qdd) at any times t (...) within the motion: (..., nq), (..., nv), (..., nv)."""
+        curve, rate, second = self._curve
+        return state_of(self.layout, curve(t), rate(t), second(t))
+
+    @cached_property
+    def _curve(self) -> tuple[PPoly, PPoly, PPoly]:
+        x = continuous(self.layout, self.q)
+        curve = _hermite(
+            self.t,
+            x,
+            position_rate(self.layout, x, self.qd),
+            position_acceleration(self.layout, x, self.qd, self.qdd),
+        )
+        return curve, curve.derivative(), curve.derivative(2)
+
+
+def motion_of(
+    model: Model,
+    t: ArrayLike,
+    q: ArrayLike,
+    qd: ArrayLike | None = None,
+    qdd: ArrayLike | None = None,
+    source: str = "given as arrays",
+    notices: tuple[str, ...] = (),
+) -> Motion:
+    """A motion from samples t (T,), q (T, nq); rates and accelerations that are not given are differentiated.
+
+    Missing rates are those of the quintic spline through q (cubic below 6 samples); missing accelerations are those of
+    the same spline, or where qd is given, of the spline through qd.
+    """
+    times = vector_of_times(t)
+    positions = vector("motion", model, "q", q)
+    where = layout(model)
+    if positions.shape[0] != len(times):
+        raise FreebodyError(f"motion: q has {positions.shape[0]} rows, t has {len(times)}; they must be as many.")
+    positions = continuous(where, positions)
+    first, second = derivatives(times, positions)
+    found = state_of(where, positions, first, second)
+    rates = found[1] if qd is None else vector("motion", model, "qd", qd)
+    if qdd is not None:
+        accelerations = vector("motion", model, "qdd", qdd)
+    else:
+        accelerations = found[2] if qd is None else derivatives(times, rates)[0]
+    return Motion(times, found[0], rates, accelerations, source, where, notices)
+
+
+def derivatives(t: Array, x: Array, at_rest: bool = False) -> tuple[Array, Array]:
+    """First and second derivative of samples x (T, n): of the quintic spline through them, cubic below 6 samples.
+
+    at_rest: with rate and acceleration zero at both ends; otherwise not-a-knot.
+    """
+    degree = 5 if len(t) >= 6 else 3
+    ends = [(k, np.zeros(x.shape[1])) for k in range(1, (degree + 1) // 2)]
+    spline = make_interp_spline(t, x, k=degree, bc_type=(ends, ends) if at_rest else None)  # type: ignore[arg-type]
+    return spline.derivative()(t), spline.derivative(2)(t)
+
+
+def vector_of_times(t: ArrayLike) -> Array:
+    """t as (T,) increasing finite floats, at least `FEWEST`."""
+    times = np.asarray(t, dtype=float)
+    if times.ndim != 1 or len(times) < FEWEST:
+        raise FreebodyError(f"motion: t has shape {times.shape}, expected at least {FEWEST} times.")
+    if not np.isfinite(times).all():
+        raise FreebodyError("motion: t holds a value that is not finite.")
+    late = np.flatnonzero(np.diff(times) <= 0)
+    if len(late):
+        k = int(late[0]) + 1
+        raise FreebodyError(f"motion: t must increase; t[{k}] = {times[k]:g} follows {times[k - 1]:g}.")
+    return times
+
+
+def _hermite(t: Array, x: Array, xd: Array, xdd: Array) -> PPoly:
+    """The quintic in each interval with value, rate and acceleration given at its ends."""
+    h = np.diff(t)[:, None]
+    x0, v0, a0 = x[:-1], xd[:-1] * h, xdd[:-1] * h**2 / 2
+    rest = x[1:] - x0 - v0 - a0
+    slope = xd[1:] * h - v0 - 2 * a0
+    bend = xdd[1:] * h**2 / 2 - a0
+    c3 = 10 * rest - 4 * slope + bend
+    c4 = -15 * rest + 7 * slope - 2 * bend
+    c5 = 6 * rest - 3 * slope + bend
+    powers = [c5 / h**5, c4 / h**4, c3 / h**3, a0 / h**2, v0 / h, x0]
+    return PPoly(np.stack(powers), t)

@@ -1,0 +1,1 @@
+"""The study of a robot: as data, as files, as a page."""
