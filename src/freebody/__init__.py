@@ -59,7 +59,8 @@ __all__ = [*_PLACE_OF, "__version__"]  # noqa: PLE0604  names are strings, taken
 def __getattr__(name: str) -> Any:
     if name not in _PLACE_OF:
         raise AttributeError(f"module 'freebody' has no attribute {name!r}")
-    return getattr(importlib.import_module(_PLACE_OF[name]), name)
+    value = globals()[name] = getattr(importlib.import_module(_PLACE_OF[name]), name)
+    return value
 
 
 def __dir__() -> list[str]:

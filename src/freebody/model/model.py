@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -196,6 +197,11 @@ class Model:
         """The model in numbers, as the algorithms take it."""
         self.require_values("the numbers")
         return lower(self, value_of)
+
+    @cached_property
+    def compiled(self) -> dict[Any, Any]:
+        """What has been compiled for this model; filled and read by the numeric functions."""
+        return {}
 
     @property
     def mass(self) -> float:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +14,7 @@ from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.model.model import Model
 from freebody.numerics import kernels
-from freebody.numerics.formulas import Option
+from freebody.numerics.formulas import FORMULAS, Option
 
 Vector = ArrayLike | Mapping[str, float]
 Wrenches = ArrayLike | Mapping[str, ArrayLike] | None
@@ -23,27 +25,62 @@ _UNIT = 1e-6  # how far a quaternion may be off unit length
 def evaluate(
     function: str,
     model: Model,
-    inputs: Mapping[str, Any],
-    option: Option,
+    inputs: tuple[Any, ...],
+    option: Option | None = None,
     wrenches: Wrenches = None,
 ) -> Any:
-    """The kernel of `function` on checked inputs (in the formula's order): an array, or a tuple of its outputs."""
-    arrays = [vector(function, model, name, value) for name, value in inputs.items()]
+    """The kernel of `function` on inputs in the formula's order: an array, or a tuple of its outputs.
+
+    A kernel that was called before is tried at once: it refuses wrong shapes and types by itself, and answers inputs that
+    are not finite with NaN. Only then, and on the first call, are the inputs looked at one by one.
+    """
+    if wrenches is None:
+        known = model.compiled.get((function, option))
+        if known is not None:
+            kernel, core = known
+            try:
+                result = kernel(*inputs)
+            except (TypeError, ValueError):
+                pass  # explained below
+            else:
+                if _finite(result, core):
+                    return result
+    return _carefully(function, model, inputs, option, wrenches)
+
+
+def _finite(result: Any, core: int) -> bool:
+    """Whether the first entry of each sample is finite; a kernel gives NaN in all of them or in none."""
+    first = result[0] if type(result) is tuple else result
+    if first.ndim == core:
+        return math.isfinite(first.item(0)) if first.size else True
+    return bool(np.isfinite(first[(..., *(0,) * core)]).all())
+
+
+def _carefully(
+    function: str, model: Model, inputs: tuple[Any, ...], option: Option | None, wrenches: Wrenches
+) -> Any:
+    """Check every input, call the kernel, and blame what is not finite."""
+    chosen = option or Option()
+    formula = FORMULAS[function]
+    names = [name for name in formula.inputs if name != "wrenches" and (name != "point" or chosen.point)]
+    arrays = [vector(function, model, name, value) for name, value in zip(names, inputs, strict=True)]
     loads = _loads(function, model, wrenches)
     if loads:
-        option = Option(option.frame, option.reference, tuple(loads), option.point)
-        arrays += loads.values()
+        chosen = replace(chosen, wrench_frames=tuple(loads))
+    kernel = kernels.fetch(model, (function,), chosen)
+    named = dict(zip([*names, *loads], [*arrays, *loads.values()], strict=True))
     try:
-        result = kernels.fetch(model, (function,), option)(*arrays)
+        result = kernel(*named.values())
     except ShapeError:
         raise
     except ValueError:
-        batches = ", ".join(f"{n} {a.shape[:-1]}" for n, a in zip([*inputs, *loads], arrays, strict=True))
+        batches = ", ".join(f"{name} {array.shape[:-1]}" for name, array in named.items())
         raise FreebodyError(f"{function}: the batch shapes do not broadcast together: {batches}.") from None
-    # a kernel gives NaN in all outputs of a sample with an input that is not finite
     if not np.isfinite(result[0] if isinstance(result, tuple) else result).all():
-        for name, array in zip([*inputs, *loads], arrays, strict=True):
+        for name, array in named.items():
             refuse_not_finite(function, name, array, 1, labels(model, name))
+    if not loads and model.nq == model.nv:  # quaternions need their length checked at every call
+        model.compiled[function, option] = kernel, len(next(iter(formula.outputs.values())))
     return result
 
 

@@ -15,8 +15,6 @@ from freebody.numerics.formulas import Option
 from freebody.numerics.kinematics import checked_reference, jacobian
 from freebody.numerics.massless import refuse_massless
 
-_NO_OPTION = Option()
-
 
 def inverse_dynamics(model: Model, q: Vector, qd: Vector, qdd: Vector, wrenches: Wrenches = None) -> Array:
     """tau (..., nv): M q̈ + c + g + friction + springs + rotors - Σ Jᵀ w (N m, N), by recursive Newton-Euler.
@@ -26,7 +24,7 @@ def inverse_dynamics(model: Model, q: Vector, qd: Vector, qdd: Vector, wrenches:
     Raises ShapeError, NotFiniteError, UnknownNameError, MissingValueError. Source: Luh, Walker, Paul 1980; notes 4.6-4.15,
     6.16-6.29.
     """
-    return evaluate("inverse_dynamics", model, {"q": q, "qd": qd, "qdd": qdd}, _NO_OPTION, wrenches)
+    return evaluate("inverse_dynamics", model, (q, qd, qdd), None, wrenches)
 
 
 def forward_dynamics(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches = None) -> Array:
@@ -35,7 +33,7 @@ def forward_dynamics(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches:
     Raises SingularError naming the joint that moves no inertia.
     """
     refuse_massless(model)
-    result = evaluate("forward_dynamics", model, {"q": q, "qd": qd, "tau": tau}, _NO_OPTION, wrenches)
+    result = evaluate("forward_dynamics", model, (q, qd, tau), None, wrenches)
     _refuse_singular("forward_dynamics", model, result)
     return result
 
@@ -58,7 +56,7 @@ def inverse_dynamics_derivatives(model: Model, q: Vector, qd: Vector, qdd: Vecto
     q: (..., nq); qd, qdd: (..., nv). With free, spherical and quaternion coordinates ∂/∂q is on the tangent space: along
     `fb.integrate(model, q, v)`. Source: Singh, Russell, Wensing 2022.
     """
-    return evaluate("inverse_dynamics_derivatives", model, {"q": q, "qd": qd, "qdd": qdd}, _NO_OPTION)
+    return evaluate("inverse_dynamics_derivatives", model, (q, qd, qdd))
 
 
 def forward_dynamics_derivatives(model: Model, q: Vector, qd: Vector, tau: Vector) -> tuple[Array, Array, Array]:
@@ -67,14 +65,14 @@ def forward_dynamics_derivatives(model: Model, q: Vector, qd: Vector, tau: Vecto
     Raises SingularError naming the joint that moves no inertia.
     """
     refuse_massless(model)
-    result = evaluate("forward_dynamics_derivatives", model, {"q": q, "qd": qd, "tau": tau}, _NO_OPTION)
+    result = evaluate("forward_dynamics_derivatives", model, (q, qd, tau))
     _refuse_singular("forward_dynamics_derivatives", model, np.diagonal(result[2], axis1=-2, axis2=-1))
     return result
 
 
 def mass_matrix(model: Model, q: Vector) -> Array:
     """M (..., nv, nv), rotors included, by composite bodies. q: (..., nq)."""
-    return evaluate("mass_matrix", model, {"q": q}, _NO_OPTION)
+    return evaluate("mass_matrix", model, (q,))
 
 
 def coriolis_matrix(model: Model, q: Vector, qd: Vector) -> Array:
@@ -82,17 +80,17 @@ def coriolis_matrix(model: Model, q: Vector, qd: Vector) -> Array:
 
     q: (..., nq); qd: (..., nv). With free or spherical joints the matrix of Echeandia and Wensing 2021.
     """
-    return evaluate("coriolis_matrix", model, {"q": q, "qd": qd}, _NO_OPTION)
+    return evaluate("coriolis_matrix", model, (q, qd))
 
 
 def bias(model: Model, q: Vector, qd: Vector) -> Array:
     """c + g, friction and springs (..., nv): the inverse dynamics at zero acceleration."""
-    return evaluate("bias", model, {"q": q, "qd": qd}, _NO_OPTION)
+    return evaluate("bias", model, (q, qd))
 
 
 def gravity_torque(model: Model, q: Vector) -> Array:
     """g (..., nv): the torque that holds the arm still against gravity, springs not counted."""
-    return evaluate("gravity_torque", model, {"q": q}, _NO_OPTION)
+    return evaluate("gravity_torque", model, (q,))
 
 
 def static_torque(model: Model, q: Vector, wrenches: Wrenches = None) -> Array:
@@ -100,7 +98,7 @@ def static_torque(model: Model, q: Vector, wrenches: Wrenches = None) -> Array:
 
     wrenches act on the arm, as for `inverse_dynamics`; the notes' (2.52) prints the torque that exerts f, its negative.
     """
-    return evaluate("static_torque", model, {"q": q}, _NO_OPTION, wrenches)
+    return evaluate("static_torque", model, (q,), None, wrenches)
 
 
 def tip_wrench(model: Model, q: Vector, tau: Vector, frame: str | None = None) -> Array:
@@ -142,17 +140,17 @@ def joint_wrenches(
     child's. Arguments as for `inverse_dynamics`.
     """
     option = Option(reference=checked_reference(reference, ("world", "child")))
-    return evaluate("joint_wrenches", model, {"q": q, "qd": qd, "qdd": qdd}, option, wrenches)
+    return evaluate("joint_wrenches", model, (q, qd, qdd), option, wrenches)
 
 
 def kinetic_energy(model: Model, q: Vector, qd: Vector) -> Array:
     """T (...) in J, rotors included (5.1-5.3)."""
-    return evaluate("kinetic_energy", model, {"q": q, "qd": qd}, _NO_OPTION)
+    return evaluate("kinetic_energy", model, (q, qd))
 
 
 def potential_energy(model: Model, q: Vector) -> Array:
     """V (...) in J: gravity, zero at the world's origin, and springs (5.4, 5.5)."""
-    return evaluate("potential_energy", model, {"q": q}, _NO_OPTION)
+    return evaluate("potential_energy", model, (q,))
 
 
 def momentum(model: Model, q: Vector, qd: Vector, about: ArrayLike | None = None) -> Array:
@@ -160,5 +158,5 @@ def momentum(model: Model, q: Vector, qd: Vector, about: ArrayLike | None = None
 
     (..., 3) in the plane. Momentum of the bodies; rotors are not counted.
     """
-    extra = {} if about is None else {"point": about}
-    return evaluate("momentum", model, {"q": q, "qd": qd, **extra}, Option(point=about is not None))
+    extra = () if about is None else (about,)
+    return evaluate("momentum", model, (q, qd, *extra), Option(point=about is not None))

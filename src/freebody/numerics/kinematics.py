@@ -21,7 +21,7 @@ def forward_kinematics(model: Model, q: Vector, frame: str | None = None) -> Arr
 
     q: (..., nq). frame: name, default the tip. Raises ShapeError, NotFiniteError, UnknownNameError.
     """
-    return evaluate("forward_kinematics", model, {"q": q}, Option(model.frame(frame).name))
+    return evaluate("forward_kinematics", model, (q,), Option(model.frame(frame).name))
 
 
 def velocity(model: Model, q: Vector, qd: Vector, frame: str | None = None, point: ArrayLike | None = None) -> Array:
@@ -31,8 +31,8 @@ def velocity(model: Model, q: Vector, qd: Vector, frame: str | None = None, poin
     Source: (2.16-2.18), (4.3), (6.16-6.19).
     """
     option = Option(model.frame(frame).name, point=point is not None)
-    extra = {} if point is None else {"point": point}
-    return evaluate("velocity", model, {"q": q, "qd": qd, **extra}, option)
+    extra = () if point is None else (point,)
+    return evaluate("velocity", model, (q, qd, *extra), option)
 
 
 def acceleration(
@@ -44,8 +44,8 @@ def acceleration(
     Source: (2.24), (4.5), (6.20-6.22).
     """
     option = Option(model.frame(frame).name, point=point is not None)
-    extra = {} if point is None else {"point": point}
-    return evaluate("acceleration", model, {"q": q, "qd": qd, "qdd": qdd, **extra}, option)
+    extra = () if point is None else (point,)
+    return evaluate("acceleration", model, (q, qd, qdd, *extra), option)
 
 
 def jacobian(model: Model, q: Vector, frame: str | None = None, reference: Reference = "world") -> Array:
@@ -53,7 +53,7 @@ def jacobian(model: Model, q: Vector, frame: str | None = None, reference: Refer
 
     q: (..., nq). reference: "world" axes, or those of the frame ("body"). The notes' planar J (2.19) is [..., :2, :].
     """
-    return evaluate("jacobian", model, {"q": q}, Option(model.frame(frame).name, checked_reference(reference)))
+    return evaluate("jacobian", model, (q,), Option(model.frame(frame).name, checked_reference(reference)))
 
 
 def jacobian_dot(
@@ -61,14 +61,14 @@ def jacobian_dot(
 ) -> Array:
     """Time derivative (..., 6, nv) of `jacobian` along qd (..., nv): acceleration = J qdd + J̇ qd (2.24)."""
     option = Option(model.frame(frame).name, checked_reference(reference))
-    return evaluate("jacobian_dot", model, {"q": q, "qd": qd}, option)
+    return evaluate("jacobian_dot", model, (q, qd), option)
 
 
 def center_of_mass(model: Model, q: Vector) -> Array:
     """Centre of mass (..., dim) of all links, the base's included, in the world (m) (1.15). q: (..., nq)."""
     if model.mass == 0.0:
         return np.full(np.shape(q)[:-1] + (model.dim,), np.nan)
-    return evaluate("center_of_mass", model, {"q": q}, Option())
+    return evaluate("center_of_mass", model, (q,))
 
 
 def checked_reference(reference: str, allowed: tuple[str, ...] = ("world", "body")) -> str:
