@@ -11,17 +11,15 @@ import re
 from typing import Any, NoReturn
 
 from freebody.errors import FileError, UnknownNameError
-from freebody.formats.table import in_units
+from freebody.formats.table import in_units, is_name
 from freebody.model import dh
 from freebody.model.parameters import Parameter, Quantity
 from freebody.model.parts import INFINITE, Description, Limits
 
-COLUMNS = (
-    *("joint", "name", "theta", "d", "a", "alpha", "m", "cx", "cy", "cz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"),
-    *("rotor", "gear", "viscous", "coulomb", "lower", "upper", "velocity", "effort"),
-)
 _COM, _TENSOR = ("cx", "cy", "cz"), ("Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz")
 _DIRECT = ("theta", "d", "a", "alpha", "m", "rotor", "gear")
+_DRIVE, _RANGE = ("viscous", "coulomb"), ("lower", "upper", "velocity", "effort")
+COLUMNS = ("joint", "name", *_DIRECT[:5], *_COM, *_TENSOR, *_DIRECT[5:], *_DRIVE, *_RANGE)
 _REMARK = re.compile(r"#\s*(convention|name|source|gravity)\s*[:=]\s*(.*?)\s*")
 
 
@@ -37,7 +35,10 @@ def describe(file: str, text: str, *, name: str, convention: dh.Convention | Non
         elif line.strip(" ,;\t"):
             lines.append((number, line))
     if not lines:
-        raise FileError(file, None, f"there is no table; the first line names the columns, such as {', '.join(COLUMNS[:6])}.")
+        example = ", ".join(COLUMNS[:6])
+        raise FileError(
+            file, None, f"there is no table; the first line names the columns, such as {example}."
+        )
     header = _Header(file, *lines[0])
     chosen = _convention(file, lines[0][0], remarks.get("convention"), convention)
     rows = [_Row(header, i, number, line).as_dh() for i, (number, line) in enumerate(lines[1:])]
@@ -66,7 +67,9 @@ def _convention(
     if written and written[1] not in known:
         raise FileError(file, written[0], str(UnknownNameError("convention", written[1], "the file", known)))
     if given and written and given != written[1]:
-        raise FileError(file, written[0], f"the file says its convention is {written[1]}, the caller {given}.")
+        raise FileError(
+            file, written[0], f"the file says its convention is {written[1]}, the caller {given}."
+        )
     chosen: Any = given or (written and written[1])
     if chosen is None:
         raise FileError(
@@ -92,7 +95,8 @@ class _Header:
                 raise FileError(file, line, f"column {column!r} appears twice; keep one.")
 
     def cells(self, text: str) -> list[str]:
-        return [cell.strip() for cell in next(csv.reader([text], delimiter=self.delimiter, skipinitialspace=True))]
+        cells = next(csv.reader([text], delimiter=self.delimiter, skipinitialspace=True))
+        return [cell.strip() for cell in cells]
 
 
 class _Row:
@@ -113,7 +117,7 @@ class _Row:
         for key, columns in (("com", _COM), ("I", _TENSOR)):
             if any(column in self.cells for column in columns):
                 row[key] = tuple(self.quantity(column) for column in columns)
-        row["friction"] = (self.quantity("viscous"), self.quantity("coulomb"))
+        row["friction"] = tuple(self.quantity(column) for column in _DRIVE)
         row["limits"] = Limits(
             self.number("lower", -INFINITE),
             self.number("upper", INFINITE),
@@ -138,14 +142,15 @@ class _Row:
     def quantity(self, column: str) -> Quantity:
         cell = self.cells.get(column, "0")
         value = in_units(cell, self.unit(column))
-        if value is None and cell.isidentifier() and cell.lower() not in ("nan", "inf", "infinity"):
+        if value is None and is_name(cell):
             return Parameter(cell)
         if value is None or not math.isfinite(value):
             self.refuse(f"{column} is {cell!r}, expected a number or a name{self.hint(column)}.")
         return value
 
     def hint(self, column: str) -> str:
-        return {"angle": ", or an angle such as 30 deg", "rate": ", or a speed such as 90 deg/s"}.get(self.unit(column), "")
+        hints = {"angle": ", or an angle such as 30 deg", "rate": ", or a speed such as 90 deg/s"}
+        return hints.get(self.unit(column), "")
 
     def refuse(self, problem: str) -> NoReturn:
         raise FileError(self.file, self.line, f"{self.where}: {problem}")

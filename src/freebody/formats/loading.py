@@ -6,8 +6,8 @@ import os
 from pathlib import Path
 
 from freebody.errors import FileError, FreebodyError, UnknownNameError
-from freebody.formats import source as sources
 from freebody.formats import dh_csv, toml, urdf
+from freebody.formats import source as sources
 from freebody.model.assembly import BasePolicy, MimicPolicy, Policy, assemble
 from freebody.model.dh import Convention
 from freebody.model.model import Model
@@ -36,11 +36,12 @@ def load(
     tip: the frame that `frame=None` means; default: the file's, else the only leaf.
     base: "fixed" or "free" (a free joint carries the root link); default: the file's, else fixed.
     mimic: "follow", or "free" to make mimic joints independent.
-    physical: what to do about an inertia that no rigid body has: "warn", "refuse" or "ignore"; the numbers are never changed.
+    physical: "warn" about, "refuse" or "ignore" an inertia that no rigid body has; the numbers are never changed.
     snap_angles: URDF angles (rad) this close to a multiple of π/2 are read as that multiple; 0 reads them as written.
     convention: "standard" or "modified", for a DH table that does not say it.
 
-    What was snapped, ignored or doubtful stands in `model.notices`. Raises FileError with file and line, or FreebodyError.
+    What was snapped, ignored or doubtful stands in `model.notices`.
+    Raises FileError with file and line, or FreebodyError.
     """
     description = read(source, snap_angles=snap_angles, convention=convention)
     chosen = base or description.base
@@ -66,7 +67,11 @@ def read(
         return toml.describe(given, sources.decoded(given, data), name=path.stem)
     if suffix == ".csv":
         return dh_csv.describe(given, sources.decoded(given, data), name=path.stem, convention=convention)
-    raise FileError(path, None, f"freebody does not know {suffix or 'files without suffix'}; it reads {', '.join(SUFFIXES)}.")
+    raise FileError(
+        path,
+        None,
+        f"freebody does not know {suffix or 'files without suffix'}; it reads {', '.join(SUFFIXES)}.",
+    )
 
 
 def _bundled(name: str) -> Description:

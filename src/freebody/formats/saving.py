@@ -19,7 +19,7 @@ from freebody.model.tree import Attached
 
 
 def save(model: Model, path: str | os.PathLike[str]) -> None:
-    """Write the model to a .toml file (UTF-8). What was said about the file it came from, `model.notices`, stays behind."""
+    """Write the model to a .toml file (UTF-8); `model.notices`, which speak of where it came from, stay behind."""
     target = Path(path)
     if target.suffix.lower() != ".toml":
         raise FreebodyError(f"save: {os.fspath(path)!r} must end in .toml, the format that is written.")
@@ -78,7 +78,11 @@ class _Writer:
             *(self.link(frame) for frame in self.links),
             *(_joint(joint, frames[joint.parent].placement, self.model.dim) for joint in self.joints),
             *(_fixed(frame, frames[frame.parent], taken, self.model.dim) for frame in fixed),
-            *(_mounted(frame, frames[frame.parent], self.model.dim) for frame in self.model.frames if frame.mounted),
+            *(
+                _mounted(frame, frames[frame.parent], self.model.dim)
+                for frame in self.model.frames
+                if frame.mounted
+            ),
             *(self.payload(part) for part in self.loads),
         ]
 
@@ -97,17 +101,26 @@ class _Writer:
         body = self.carrier.get(id(part), -1)
         at = [f for f in self.model.frames if f.body == body and f.placement == part.placement]
         frame = next((f for f in at if f.name == part.link), at[0])
-        return _section("payload", {"name": _text(part.link), "frame": _text(frame.name), **_mass(part.inertia)})
+        return _section(
+            "payload", {"name": _text(part.link), "frame": _text(frame.name), **_mass(part.inertia)}
+        )
 
 
 def _joint(joint: Joint, parent: Placement, dim: int) -> str:
-    entries = {"name": _text(joint.name), "kind": _text(joint.kind), "parent": _text(joint.parent), "child": _text(joint.child)}
+    entries = {
+        "name": _text(joint.name),
+        "kind": _text(joint.kind),
+        "parent": _text(joint.parent),
+        "child": _text(joint.child),
+    }
     entries.update(_place(_behind(parent, joint.placement), dim))
     if KINDS[joint.kind].needs_axis:
         entries["axis"] = repr(joint.axis[0]) if len(joint.axis) == 1 else _vector(joint.axis)
     if joint.limits != Limits():
         limits = {key: getattr(joint.limits, key) for key in ("lower", "upper", "velocity", "effort")}
-        entries["limits"] = _inline({key: repr(x) for key, x in limits.items() if not math.isinf(x) or _told(key, x)})
+        entries["limits"] = _inline(
+            {key: repr(x) for key, x in limits.items() if not math.isinf(x) or _told(key, x)}
+        )
     entries.update(_drive(joint.drive))
     if joint.mimic:
         follow = joint.mimic

@@ -21,7 +21,9 @@ def read(path: Path) -> bytes:
             raise FileError(path, None, _missing(path))
         size = path.stat().st_size
         if size > LARGEST:
-            raise FileError(path, None, f"the file has {size / 2**20:.0f} MB; a robot description has less than 64.")
+            raise FileError(
+                path, None, f"the file has {size / 2**20:.0f} MB; a robot description has less than 64."
+            )
         data = path.read_bytes()
     except OSError as error:
         raise FileError(path, None, f"the file cannot be read: {error.strerror}.") from None

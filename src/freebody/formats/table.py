@@ -32,6 +32,11 @@ def in_units(text: str, kind: str) -> float | None:
     return float(match[1])
 
 
+def is_name(text: str) -> bool:
+    """Whether a text can name a parameter."""
+    return text.isidentifier() and text.lower() not in ("nan", "inf", "infinity")
+
+
 @dataclass(frozen=True)
 class Table:
     """A table, where it stands, and what to call it in errors."""
@@ -81,7 +86,9 @@ class Table:
             self.refuse(str(UnknownNameError(key, value, self.where or "the file", allowed)), key)
         return value
 
-    def number(self, key: str, kind: str = "number", default: Any = _REQUIRED, infinite: bool = False) -> float:
+    def number(
+        self, key: str, kind: str = "number", default: Any = _REQUIRED, infinite: bool = False
+    ) -> float:
         """A number in SI units, or text with a unit of `kind`."""
         value = self.get(key, default)
         return value if value is default else self.read_number(value, kind, (key,), infinite)
@@ -91,7 +98,9 @@ class Table:
         value = self.get(key, default)
         return value if value is default else self.read_quantity(value, kind, (key,))
 
-    def vector(self, key: str, size: int, kind: str = "number", default: Any = _REQUIRED) -> tuple[float, ...]:
+    def vector(
+        self, key: str, size: int, kind: str = "number", default: Any = _REQUIRED
+    ) -> tuple[float, ...]:
         """So many numbers."""
         value = self.get(key, default)
         if value is default:
@@ -105,13 +114,18 @@ class Table:
         value = self.get(key, default)
         if value is default:
             return value
-        return tuple(self.read_quantity(x, kind, (key, i)) for i, x in enumerate(self.listed(value, key, size)))
+        return tuple(
+            self.read_quantity(x, kind, (key, i)) for i, x in enumerate(self.listed(value, key, size))
+        )
 
     def matrix(self, key: str, size: int) -> tuple[tuple[float, ...], ...]:
         """size rows of size numbers."""
         rows = self.listed(self.get(key, _REQUIRED), key, size)
         return tuple(
-            tuple(self.read_number(x, "number", (key, i, j)) for j, x in enumerate(self.listed(row, key, size, i)))
+            tuple(
+                self.read_number(x, "number", (key, i, j))
+                for j, x in enumerate(self.listed(row, key, size, i))
+            )
             for i, row in enumerate(rows)
         )
 
@@ -142,7 +156,9 @@ class Table:
 
     def listed(self, value: Any, key: str, size: int | None, *at: int) -> list[Any]:
         if not isinstance(value, list):
-            self.refuse(f"{_label((key, *at))} is {_kind(value)}, expected a list of numbers in brackets.", key, *at)
+            self.refuse(
+                f"{_label((key, *at))} is {_kind(value)}, expected a list of numbers in brackets.", key, *at
+            )
         if size is not None and len(value) != size:
             self.refuse(f"{_label((key, *at))} has {len(value)} entries, expected {size}.", key, *at)
         return value
@@ -170,15 +186,16 @@ class Table:
         """The quantity that a TOML value stands for."""
         if isinstance(value, dict):
             inner = self.inner(value, *at).only("name", "value")
-            return inner.parameter(inner.text("name"), inner.number("value", kind, None), *at)
-        if isinstance(value, str) and in_units(value, kind) is None and value.isidentifier():
-            return Parameter(value)
+            return inner.parameter(inner.text("name"), inner.number("value", kind, None))
         if isinstance(value, str) and in_units(value, kind) is None:
-            self.refuse(f"{_label(at)} is {value!r}, expected a number, a name such as 'l1', or text such as '30 deg' for an angle.", *at)
+            if is_name(value):
+                return Parameter(value)
+            hint = "; angles also as text such as '30 deg'" if kind == "angle" else ""
+            self.refuse(f"{_label(at)} is {value!r}, expected a number or a name such as 'l1'{hint}.", *at)
         return self.read_number(value, kind, at)
 
-    def parameter(self, name: str, value: float | None, *at: str | int) -> Parameter:
-        if not name.isidentifier():
+    def parameter(self, name: str, value: float | None) -> Parameter:
+        if not is_name(name):
             self.refuse(f"{name!r} is no parameter name; use letters, digits and _, such as 'l1'.")
         return Parameter(name, value)
 
@@ -189,5 +206,12 @@ def _label(at: Path) -> str:
 
 
 def _kind(value: object) -> str:
-    names = {dict: "a table", list: "a list", bool: "true or false", str: "text", int: "a number", float: "a number"}
+    names = {
+        dict: "a table",
+        list: "a list",
+        bool: "true or false",
+        str: "text",
+        int: "a number",
+        float: "a number",
+    }
     return names.get(type(value), f"a {type(value).__name__}")

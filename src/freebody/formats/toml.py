@@ -30,8 +30,7 @@ def describe(file: str, text: str, *, name: str) -> Description:
     try:
         described = _FORMS[forms[0] if forms else "tree"](top)
     except ModelError as error:
-        at = forms[0] if forms else "name"
-        top.refuse(str(error), at)
+        top.refuse(str(error), *forms)
     frames = list(described.mounts)
     names = [*(link.name for link in described.links), *(mount.name for mount in frames)]
     for table in top.tables("frame"):
@@ -69,8 +68,8 @@ def _table(file: str, text: str) -> Table:
 
 def _tree(top: Table) -> Description:
     """Links and joints one by one."""
-    dim = int(top.number("dim", default=3.0))
-    if dim not in (2, 3):
+    dim = int(given) if (given := top.number("dim", default=3.0)) in (2.0, 3.0) else 0
+    if not dim:
         top.refuse(f"dim is {top.data['dim']}, expected 2 (the plane) or 3 (space).", "dim")
     links = tuple(parts.link(t, dim) for t in top.tables("link"))
     if not links:
@@ -86,9 +85,11 @@ def _planar(top: Table) -> Description:
     inner = top.inner(top.data["planar"], "planar").called("[planar]")
     inner.only("word", "l", "lc", "m", "I", "angles", "limits", "drives")
     word = inner.text("word")
-    given: dict[str, Any] = {key: inner.quantities(key, len(word), default=None) for key in ("l", "lc", "m", "I")}
+    given: dict[str, Any] = {
+        key: inner.quantities(key, len(word), default=None) for key in ("l", "lc", "m", "I")
+    }
     limits = [parts.limits_of(t, word[i : i + 1]) for i, t in enumerate(inner.tables("limits"))]
-    drives = [parts.drive(t) for t in inner.tables("drives")]
+    drives = [parts.drive(t.only(*parts.DRIVE)) for t in inner.tables("drives")]
     described = planar.describe(
         word,
         **given,
@@ -115,7 +116,8 @@ def _dh(top: Table) -> Description:
         lines=[t.line or 0 for t in tables],
     )
     joints = tuple(
-        replace(joint, name=row.get("joint_name", joint.name)) for joint, row in zip(described.joints, rows, strict=True)
+        replace(joint, name=row.get("joint_name", joint.name))
+        for joint, row in zip(described.joints, rows, strict=True)
     )
     return replace(described, joints=joints, gravity=parts.gravity(top, 3))
 
@@ -141,11 +143,15 @@ def _with_values(top: Table, described: Description) -> Description:
             known[parameter.name] = parameter.value
         elif parameter.value is not None and parameter.value != value:
             at = ("parameters", parameter.name) if parameter.name in values else ()
-            top.refuse(f"{parameter.name!r} has two values, {value:g} and {parameter.value:g}; keep one.", *at)
+            top.refuse(
+                f"{parameter.name!r} has two values, {value:g} and {parameter.value:g}; keep one.", *at
+            )
     used = {parameter.name for parameter in each_parameter(described)}
     for name in values:
         if name not in used:
-            top.refuse(str(UnknownNameError("parameter", name, "the model", sorted(used))), "parameters", name)
+            top.refuse(
+                str(UnknownNameError("parameter", name, "the model", sorted(used))), "parameters", name
+            )
 
     def valued(parameter: Parameter) -> Quantity:
         return Parameter(parameter.name, known[parameter.name])

@@ -37,7 +37,9 @@ def link(table: Table, dim: int) -> Link:
     """[[link]]"""
     table = table.called(f"link {table.text('name')!r}").only("name", *MASS, "inertia_frame")
     inner = table.table("inertia_frame")
-    frame = placement(inner.called(f"{table.where}, inertia_frame").only(*PLACE), dim) if inner else Placement()
+    frame = (
+        placement(inner.called(f"{table.where}, inertia_frame").only(*PLACE), dim) if inner else Placement()
+    )
     body = inertia(table, dim) if any(key in table for key in MASS) else None
     return Link(table.text("name"), body, frame, table.line)
 
@@ -120,7 +122,10 @@ def _axis(table: Table, kind: str, dim: int) -> tuple[float, ...]:
     if isinstance(given, str):
         sign, letter = (-1.0, given[1:]) if given.startswith("-") else (1.0, given)
         if letter not in _AXES or (dim == 2 and letter == "z"):
-            table.refuse(f"axis is {given!r}, expected x, y{'' if dim == 2 else ', z'}, one of them with a minus, or numbers.", "axis")
+            table.refuse(
+                f"axis is {given!r}, expected x, y{'' if dim == 2 else ', z'}, one of them with a minus, or numbers.",
+                "axis",
+            )
         return tuple(sign * x for x in _AXES[letter][:dim])
     return table.vector("axis", dim)
 
@@ -167,7 +172,9 @@ def _mimic(table: Table) -> Mimic | None:
     if inner is None:
         return None
     inner = inner.called(f"{table.where}, mimic").only("joint", "ratio", "offset")
-    return Mimic(inner.text("joint"), inner.number("ratio", default=1.0), inner.number("offset", "angle", 0.0))
+    return Mimic(
+        inner.text("joint"), inner.number("ratio", default=1.0), inner.number("offset", "angle", 0.0)
+    )
 
 
 def placement(table: Table, dim: int) -> Placement:
@@ -276,7 +283,15 @@ def gravity(top: Table, dim: int) -> tuple[Quantity, tuple[float, ...]]:
     return (size if isinstance(size, Parameter) else Parameter("g", size)), down
 
 
-DH_NUMBERS = {"theta": "angle", "d": "number", "a": "number", "alpha": "angle", "rotor": "number", "gear": "number", "m": "number"}
+DH_NUMBERS = {
+    "theta": "angle",
+    "d": "number",
+    "a": "number",
+    "alpha": "angle",
+    "rotor": "number",
+    "gear": "number",
+    "m": "number",
+}
 DH_ROW = ("joint", "name", "joint_name", *DH_NUMBERS, "com", "I", "friction", "limits")
 
 
@@ -295,8 +310,10 @@ def dh_row(table: Table) -> dict[str, Any]:
         row["I"] = table.matrix("I", 3) if full else table.quantities("I", 6)
     if "friction" in table:
         friction = table.inner(table.data["friction"], "friction").only("viscous", "coulomb")
-        row["friction"] = (friction.quantity("viscous", default=0.0), friction.quantity("coulomb", default=0.0))
+        row["friction"] = (
+            friction.quantity("viscous", default=0.0),
+            friction.quantity("coulomb", default=0.0),
+        )
     if "limits" in table:
         row["limits"] = limits(table, row["joint"])
     return row
-

@@ -62,7 +62,9 @@ def parse(file: str, data: bytes) -> Element:
             last = opened[-1]
             problem = f"the file ends inside <{last.tag}>, opened on line {last.line}; it seems cut short."
         else:
-            problem = f"this is not well-formed XML: {expat.ErrorString(error.code)} at column {error.offset + 1}."
+            problem = (
+                f"this is not well-formed XML: {expat.ErrorString(error.code)} at column {error.offset + 1}."
+            )
         raise FileError(file, error.lineno, problem) from None
     except ValueError as error:  # an encoding that Python does not know
         raise FileError(file, None, f"the XML cannot be decoded: {error}.") from None

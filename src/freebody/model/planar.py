@@ -51,10 +51,10 @@ def planar(
 def describe(
     word: str,
     *,
-    l: Sequence[Given] | None = None,  # noqa: E741
+    l: Sequence[Given] | None = None,
     lc: Sequence[Given] | None = None,
     m: Sequence[Given] | None = None,
-    I: Sequence[Given] | None = None,  # noqa: E741
+    I: Sequence[Given] | None = None,
     g: float | str | Parameter | Sequence[float] = 9.81,
     angles: Sequence[float] | None = None,
     limits: Sequence[tuple[float, float] | Limits | None] | None = None,
