@@ -60,7 +60,7 @@ def emit(program: Program) -> str:
                 names[index], made = f"t{made}", made + 1
             lines.append(f"    {names[index]} = {text}")
     lines += [f"    y[{position}] = {names[index]}" for position, index in enumerate(program.results)]
-    return "\n".join([*lines, ""])
+    return "\n".join([*lines, "    return", ""])
 
 
 class BlockedFunction:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-import ctypes.util
 import itertools
-import platform
 import sys
 import threading
 from dataclasses import dataclass
@@ -127,10 +125,8 @@ def _jit() -> Any:
 
 @cache
 def _externals() -> dict[str, int]:
-    """Addresses of the C functions that kernels call."""
-    if sys.platform == "win32":
-        library = ctypes.CDLL("ucrtbase")
-    else:
-        library = ctypes.CDLL(ctypes.util.find_library("m") if platform.libc_ver()[0] == "glibc" else None)
-    names = ("sin", "cos") if host().x86 else ("sin", "cos", "feclearexcept")
-    return {name: ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0 for name in names}
+    """Addresses of the C functions that kernels call: none on x86."""
+    if host().x86:
+        return {}
+    library = ctypes.CDLL("ucrtbase" if sys.platform == "win32" else None)
+    return {"feclearexcept": ctypes.cast(library.feclearexcept, ctypes.c_void_p).value or 0}
