@@ -49,6 +49,15 @@ _PLACES = {
         "potential_energy",
         "momentum",
     ),
+    "freebody.numerics.operational": (
+        "mass_matrix_inverse",
+        "operational_space_inertia",
+        "operational_space_bias",
+        "centroidal_momentum_matrix",
+        "regressor",
+        "energy_regressor",
+        "inertial_parameters",
+    ),
     "freebody.numerics.states": ("neutral", "random_state", "integrate", "difference"),
     "freebody.numerics.kernels": ("kernel",),
 }

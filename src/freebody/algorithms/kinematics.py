@@ -179,13 +179,14 @@ def _assembled(tree: Tree, columns: dict[int, list[Column]], E: Matrix | None) -
     return transposed(tuple(full))
 
 
-def centre_of_mass(tree: Tree, q: Vector) -> tuple[Scalar, Vector]:
-    """Total mass and first moment Σ m r in the world (1.15), the base's mass included."""
+def centre_of_mass(tree: Tree, q: Vector, base: bool = True) -> tuple[Scalar, Vector]:
+    """Total mass and first moment Σ m r in the world (1.15), with or without the base's mass."""
     total: Scalar = 0.0
     moment = tree.space.zero
     resting = (identity(tree.space.dim), tree.space.zero)
     world = world_poses(tree, joint_poses(tree, q))
-    for masses, (R, p) in [(tree.base, resting)] + [(b.masses, w) for b, w in zip(tree.bodies, world, strict=True)]:
+    fixed = [(tree.base, resting)] if base else []
+    for masses, (R, p) in fixed + [(b.masses, w) for b, w in zip(tree.bodies, world, strict=True)]:
         for mass in masses:
             total = total + mass.m
             moment = add(moment, scale(mass.m, add(p, times(R, mass.c))))

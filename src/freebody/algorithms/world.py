@@ -48,22 +48,29 @@ class WorldTree:
     """(angular block of B, linear momentum), summed like `inertia` over the subtree."""
 
 
+def columns_at_origin(tree: Tree, poses: list[Pose]) -> list[tuple[Column, ...]]:
+    """Motion columns of each joint in world axes at the world's origin."""
+    return [
+        tuple(_at_origin(tree.space, R, p, column) for column in body.columns)
+        for body, (R, p) in zip(tree.bodies, poses, strict=True)
+    ]
+
+
 def world_tree(tree: Tree, q: Vector, qd: Vector) -> WorldTree:
     """Columns and velocities outward, inertias and Coriolis matrices inward."""
     space = tree.space
     poses = world_poses(tree, joint_poses(tree, q))
     world = WorldTree()
-    for body, (R, p) in zip(tree.bodies, poses, strict=True):
-        columns = tuple(_at_origin(space, R, p, column) for column in body.columns)
+    world.S = columns_at_origin(tree, poses)
+    for body, columns, pose in zip(tree.bodies, world.S, poses, strict=True):
         joint = weighted(columns, body.rates(qd))
         parent = world.v[body.parent] if body.parent >= 0 else None
         velocity = joint if parent is None else plus_motion(parent, joint)
         still = (space.zero_angular, space.zero)
-        world.S.append(columns)
         world.v.append(velocity)
         world.psi.append(tuple(still if parent is None else cross_motion(space, parent, s) for s in columns))
         world.S_rate.append(tuple(cross_motion(space, velocity, s) for s in columns))
-        inertia = _moved(space, (R, p), own_inertia(space, body))
+        inertia = _moved(space, pose, own_inertia(space, body))
         world.own.append(inertia)
         _, linear = momentum_of(space, inertia, velocity)
         world.coriolis.append((space.coriolis(inertia[2], inertia[1], *velocity), linear))

@@ -20,6 +20,8 @@ from freebody.algorithms.derivatives import (
     forward_dynamics_derivatives,
     inverse_dynamics_derivatives,
 )
+from freebody.algorithms.operational import centroidal_momentum_matrix, mass_matrix_inverse, operational_space
+from freebody.algorithms.regressor import energy_regressor, regressor
 from freebody.algorithms.rnea import External, external_on_frame, joint_wrenches, rnea
 from freebody.model.tree import Tree
 from freebody.spatial import Vector
@@ -33,19 +35,22 @@ class Option:
     reference: str = "world"
     wrench_frames: tuple[str, ...] = ()
     point: bool = False
+    rows: tuple[int, ...] = ()
+    """Rows of a frame's motion, for the quantities of operational space."""
 
 
 @dataclass(frozen=True)
 class Formula:
     """A computable quantity.
 
-    inputs: names among q, qd, qdd, tau, point, wrenches. outputs: name -> dimensions among nq, nv, nj, six, dim, pose.
+    inputs: names among q, qd, qdd, tau, point, wrenches. outputs: name -> dimensions: numbers, or names among
+    nv, nj, six, dim, pose (dim + 1), rows, parameters.
     evaluate(tree, option, **inputs): a tuple of nested sequences of scalars; wrenches is a tuple of vectors, one for
     each of option.wrench_frames.
     """
 
     inputs: tuple[str, ...]
-    outputs: dict[str, tuple[str, ...]]
+    outputs: dict[str, tuple[str | int, ...]]
     evaluate: Callable[..., tuple[Any, ...]]
 
 
@@ -161,6 +166,22 @@ FORMULAS: dict[str, Formula] = {
         ("q", "qd", "tau"),
         {"dqdd_dq": ("nv", "nv"), "dqdd_dqd": ("nv", "nv"), "Minv": ("nv", "nv")},
         lambda t, o, q, qd, tau: _matrices(forward_dynamics_derivatives(t, q, qd, tau)),
+    ),
+    "mass_matrix_inverse": Formula(("q",), {"Minv": ("nv", "nv")}, lambda t, o, q: (mass_matrix_inverse(t, q),)),
+    "operational_space_inertia": Formula(
+        ("q",), {"Lambda": ("rows", "rows")}, lambda t, o, q: operational_space(t, q, None, _frame(o), o.rows)[:1]
+    ),
+    "operational_space_bias": Formula(
+        ("q", "qd"), {"mu": ("rows",)}, lambda t, o, q, qd: operational_space(t, q, qd, _frame(o), o.rows)[1:]
+    ),
+    "centroidal_momentum_matrix": Formula(
+        ("q",), {"A": ("six", "nv")}, lambda t, o, q: (centroidal_momentum_matrix(t, q),)
+    ),
+    "regressor": Formula(
+        ("q", "qd", "qdd"), {"Y": ("nv", "parameters")}, lambda t, o, q, qd, qdd: (regressor(t, q, qd, qdd),)
+    ),
+    "energy_regressor": Formula(
+        ("q", "qd"), {"E": (2, "parameters")}, lambda t, o, q, qd: (energy_regressor(t, q, qd),)
     ),
     "kinetic_energy": Formula(("q", "qd"), {"T": ()}, lambda t, o, q, qd: (energy.kinetic_energy(t, q, qd),)),
     "potential_energy": Formula(("q",), {"V": ()}, lambda t, o, q: (energy.potential_energy(t, q),)),

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from freebody.algorithms.regressor import parameter_values
 from freebody.arrays import Array
 from freebody.compiler import Argument, Kernel, Program, compile_program, trace
 from freebody.errors import FreebodyError, UnknownNameError
@@ -24,6 +25,7 @@ def kernel(
     frame: str | None = None,
     reference: str = "world",
     wrench_frames: Sequence[str] = (),
+    rows: Sequence[str] | None = None,
     backend: str | None = None,
     width: int | None = None,
 ) -> Kernel:
@@ -31,6 +33,7 @@ def kernel(
 
     model: with all values. names: among "inverse_dynamics", "forward_dynamics", "mass_matrix", "jacobian", … or a list.
     frame: for kinematic quantities (default: the tip). reference: "world" or "body" axes (for joint wrenches "child").
+    rows: of operational space, among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy", "w"; default all).
     wrench_frames: frames that carry external wrenches; each becomes a further input (..., 6).
     Returns k(q, qd, …, out=None, threads=None), which broadcasts like a NumPy ufunc, lets NaN through and checks no
     names; its inputs are those of the quantities, in the order q, qd, qdd, tau, wrenches, and its outputs in the order
@@ -47,11 +50,29 @@ def kernel(
         model.frame(frame).name if needs_frame or frame is not None else None,
         reference,
         tuple(model.frame(f).name for f in wrench_frames),
+        rows=motion_rows(model, rows),
     )
     return fetch(model, listed, option, backend, width)
 
 
-_FRAMED = ("forward_kinematics", "velocity", "acceleration", "jacobian", "jacobian_dot")
+def motion_rows(model: Model, rows: Sequence[str] | None) -> tuple[int, ...]:
+    """Indices of rows of a frame's motion by name; None is all of them."""
+    names = ("vx", "vy", "vz", "wx", "wy", "wz") if model.dim == 3 else ("vx", "vy", "w")
+    for row in rows or ():
+        if row not in names:
+            raise UnknownNameError("row", row, "rows=", names)
+    return tuple(names.index(row) for row in (names if rows is None else rows))
+
+
+_FRAMED = (
+    "forward_kinematics",
+    "velocity",
+    "acceleration",
+    "jacobian",
+    "jacobian_dot",
+    "operational_space_inertia",
+    "operational_space_bias",
+)
 _ORDER = ("q", "qd", "qdd", "tau", "point")
 
 
@@ -73,7 +94,7 @@ def program(model: Model, names: tuple[str, ...], option: Option) -> Program:
     inputs = arguments(model, names, option)
     labels = [a.name for a in inputs]
     outputs = tuple(
-        Argument(f"{name}.{label}" if len(names) > 1 else label, _shape(model, dims))
+        Argument(f"{name}.{label}" if len(names) > 1 else label, _shape(model, dims, option))
         for name in names
         for label, dims in FORMULAS[name].outputs.items()
     )
@@ -98,7 +119,7 @@ def reference(model: Model, name: str, option: Option, *arrays: Array) -> Array 
     formula = FORMULAS[name]
     values = formula.evaluate(model.tree, option, **_chosen(name, given, option))
     results = tuple(
-        _array(value, batch, _shape(model, dims)) for value, dims in zip(values, formula.outputs.values(), strict=True)
+        _array(value, batch, _shape(model, dims, option)) for value, dims in zip(values, formula.outputs.values(), strict=True)
     )
     return results if len(results) > 1 else results[0]
 
@@ -115,7 +136,7 @@ def arguments(model: Model, names: tuple[str, ...], option: Option) -> tuple[Arg
     shapes = {"q": (model.nq,), "qd": (model.nv,), "qdd": (model.nv,), "tau": (model.nv,), "point": (model.dim,)}
     plain = [Argument(x, shapes[x]) for x in _ORDER if x in wanted and (x != "point" or option.point)]
     loads = option.wrench_frames if "wrenches" in wanted else ()
-    return (*plain, *(Argument(f"wrench {frame}", _shape(model, ("six",))) for frame in loads))
+    return (*plain, *(Argument(f"wrench {frame}", _shape(model, ("six",), option)) for frame in loads))
 
 
 def _chosen(name: str, given: dict[str, Any], option: Option) -> dict[str, Any]:
@@ -126,15 +147,17 @@ def _chosen(name: str, given: dict[str, Any], option: Option) -> dict[str, Any]:
     return taken
 
 
-def _shape(model: Model, dims: tuple[str, ...]) -> tuple[int, ...]:
+def _shape(model: Model, dims: tuple[str | int, ...], option: Option) -> tuple[int, ...]:
     sizes = {
-        "nv": model.nv,
-        "nj": len(model.bodies),
-        "six": 6 if model.dim == 3 else 3,
-        "dim": model.dim,
-        "pose": model.dim + 1,
+        "nv": lambda: model.nv,
+        "nj": lambda: len(model.bodies),
+        "six": lambda: 6 if model.dim == 3 else 3,
+        "dim": lambda: model.dim,
+        "pose": lambda: model.dim + 1,
+        "rows": lambda: len(option.rows),
+        "parameters": lambda: len(parameter_values(model.tree)),
     }
-    return tuple(sizes[d] for d in dims)
+    return tuple(d if isinstance(d, int) else sizes[d]() for d in dims)
 
 
 def _scalars(array: Array, core: int) -> Any:

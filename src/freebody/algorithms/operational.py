@@ -1,0 +1,91 @@
+"""Dynamics seen from a frame (Khatib 1987) and from the centre of mass (Orin, Goswami, Lee 2013)."""
+
+from __future__ import annotations
+
+import operator
+from functools import reduce
+
+from freebody.algorithms.crba import bias, composites, crba, factor, momentum_of, substitute
+from freebody.algorithms.kinematics import (
+    centre_of_mass,
+    frame_motion,
+    jacobian,
+    joint_poses,
+    outward,
+    world_poses,
+)
+from freebody.elementary import Scalar
+from freebody.model.tree import Tree
+from freebody.spatial import Matrix, Vector, add, dot, identity, scale, sub, symmetric, times, transposed
+
+
+def mass_matrix_inverse(tree: Tree, q: Vector) -> Matrix:
+    """M⁻¹, nv × nv."""
+    factors = factor(tree, crba(tree, q))
+    columns = [substitute(tree, factors, unit) for unit in identity(tree.nv)]
+    return symmetric(tree.nv, lambda i, j: columns[j][i])
+
+
+def operational_space(
+    tree: Tree, q: Vector, qd: Vector | None, frame: str, rows: tuple[int, ...]
+) -> tuple[Matrix, Vector]:
+    """(Λ, μ) of the chosen rows of a frame's motion: Λ ẍ + μ is the wrench that moves the arm, friction and gravity in μ.
+
+    Λ = (J M⁻¹ Jᵀ)⁻¹, μ = Λ (J M⁻¹ bias - J̇ q̇); μ is empty without q̇. The rows of J must be independent.
+    """
+    J = tuple(jacobian(tree, q, frame)[r] for r in rows)
+    factors = factor(tree, crba(tree, q))
+    solved = [substitute(tree, factors, row) for row in J]
+    mobility = symmetric(len(rows), lambda i, j: dot(J[i], solved[j]))
+    inertia = inverse_of_symmetric(mobility)
+    if qd is None:
+        return inertia, ()
+    torque = bias(tree, q, qd)
+    motion = outward(tree, q, qd, (0.0,) * tree.nv)
+    _, (wd, vd) = frame_motion(tree, motion, frame)
+    drift = vd + wd
+    rest = tuple(dot(solved[i], torque) - drift[r] for i, r in enumerate(rows))
+    return inertia, times(inertia, rest)
+
+
+def inverse_of_symmetric(A: Matrix) -> Matrix:
+    """A⁻¹ of a positive definite matrix, by LDLᵀ without pivoting."""
+    n = len(A)
+    L: list[list[Scalar]] = [[0.0] * n for _ in range(n)]
+    pivots: list[Scalar] = []
+    inverse: list[Scalar] = []
+    for j in range(n):
+        column = [A[i][j] for i in range(n)]
+        for k in range(j):
+            for i in range(j, n):
+                column[i] = column[i] - L[i][k] * (L[j][k] * pivots[k])
+        pivots.append(column[j])
+        inverse.append(1.0 / column[j])
+        for i in range(j, n):
+            L[i][j] = 1.0 if i == j else column[i] * inverse[j]
+    # L⁻¹ by columns, then A⁻¹ = L⁻ᵀ D⁻¹ L⁻¹
+    rows: list[list[Scalar]] = [[1.0 if i == j else 0.0 for j in range(n)] for i in range(n)]
+    for i in range(n):
+        for k in range(i):
+            for j in range(k + 1):
+                rows[i][j] = rows[i][j] - L[i][k] * rows[k][j]
+    return symmetric(n, lambda i, j: reduce(operator.add, (rows[k][i] * inverse[k] * rows[k][j] for k in range(j, n))))
+
+
+def centroidal_momentum_matrix(tree: Tree, q: Vector) -> Matrix:
+    """A with A q̇ = momentum about the centre of mass of what moves: rows linear, then angular, world axes."""
+    space = tree.space
+    joints = joint_poses(tree, q)
+    poses = world_poses(tree, joints)
+    gathered = composites(tree, joints)
+    total, moment = centre_of_mass(tree, q, base=False)
+    centre = scale(1.0 / total, moment)
+    columns: list[Vector] = [(0.0,) * space.six for _ in range(tree.nv)]
+    for body, composite, (R, p) in zip(tree.bodies, gathered, poses, strict=True):
+        at = body.coordinates
+        for column, k in zip(body.columns, at.v, strict=True):
+            angular, linear = momentum_of(space, composite, column)
+            force = times(R, linear)
+            about = add(space.turn(R, angular), space.moment(sub(p, centre), force))
+            columns[k] = add(columns[k], scale(at.ratio, force + about))
+    return transposed(tuple(columns))

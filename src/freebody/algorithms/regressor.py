@@ -1,0 +1,118 @@
+"""Inverse dynamics and energies as linear functions of what a robot's bodies and drives weigh.
+
+Parameters of a body: its mass m, first moment h = m c and inertia I about its own origin, in its axes: in space
+m, hx, hy, hz, Ixx, Ixy, Ixz, Iyy, Iyz, Izz, in the plane m, hx, hy, I. Of a drive: viscous and Coulomb friction, reflected
+rotor inertia J gear², stiffness, and stiffness times rest position.
+"""
+
+from __future__ import annotations
+
+from freebody.algorithms.crba import own_inertia
+from freebody.algorithms.kinematics import Motion, ancestors, outward, world_poses
+from freebody.algorithms.world import columns_at_origin, dot_motion
+from freebody.elementary import Scalar, sign
+from freebody.model.tree import Tree, TreeBody
+from freebody.spatial import AnySpace, Matrix, Vector, add, dot, identity, neg, times, transposed
+
+DRIVE = ("viscous", "coulomb", "rotor", "stiffness", "stiffness_rest")
+
+
+def body_parameters(space: AnySpace) -> tuple[str, ...]:
+    """Names of a body's parameters, in order."""
+    if space.dim == 2:
+        return ("m", "hx", "hy", "I")
+    return ("m", "hx", "hy", "hz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz")
+
+
+def regressor(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Matrix:
+    """Y with tau = Y π: nv rows; columns body by body, then drive by drive, in the model's order."""
+    space = tree.space
+    motion = outward(tree, q, qd, qdd, neg(tree.gravity))
+    poses = world_poses(tree, motion.joints)
+    S = columns_at_origin(tree, poses)
+    columns: list[list[Scalar]] = []
+    for i in tree.body_of:
+        R, p = poses[i]
+        for moment, force in _unit_wrenches(space, motion, i):
+            f = times(R, force)
+            wrench = (add(space.turn(R, moment), space.moment(p, f)), f)
+            column: list[Scalar] = [0.0] * tree.nv
+            for j in ancestors(tree, i):
+                at = tree.bodies[j].coordinates
+                for s, k in zip(S[j], at.v, strict=True):
+                    column[k] = column[k] + at.ratio * dot_motion(s, wrench)
+            columns.append(column)
+    for body in driven(tree):
+        k, ratio = body.coordinates.v[0], body.coordinates.ratio
+        for torque in _unit_torques(body, q, qd, qdd):
+            columns.append([ratio * torque if k == row else 0.0 for row in range(tree.nv)])
+    return transposed(tuple(tuple(column) for column in columns))
+
+
+def energy_regressor(tree: Tree, q: Vector, qd: Vector) -> Matrix:
+    """Two rows, kinetic and potential energy, as linear functions of the same parameters.
+
+    The potential of a spring lacks its constant ½ k rest².
+    """
+    space = tree.space
+    motion = outward(tree, q, qd, (0.0,) * tree.nv)
+    kinetic: list[Scalar] = []
+    potential: list[Scalar] = []
+    poses = world_poses(tree, motion.joints)
+    for i in tree.body_of:
+        (R, p), w, v = poses[i], motion.w[i], motion.v[i]
+        field = times(transposed(R), tree.gravity)
+        kinetic += [0.5 * dot(v, v), *(dot(v, space.cross(w, unit)) for unit in identity(space.dim))]
+        kinetic += [0.5 * dot(w, space.inertia_times(unit, w)) for unit in _unit_inertias(space)]
+        potential += [-dot(tree.gravity, p), *(-g for g in field), *(0.0 for _ in _unit_inertias(space))]
+    for body in driven(tree):
+        (position,), (rate,) = body.position(q), body.rates(qd)
+        kinetic += [0.0, 0.0, 0.5 * (rate * rate), 0.0, 0.0]
+        potential += [0.0, 0.0, 0.0, 0.5 * (position * position), -position]
+    return tuple(kinetic), tuple(potential)
+
+
+def parameter_values(tree: Tree) -> list[Scalar]:
+    """π of the tree, in the regressors' order."""
+    values: list[Scalar] = []
+    for i in tree.body_of:
+        m, h, inertia = own_inertia(tree.space, tree.bodies[i])
+        I = tree.space.inertia_matrix(inertia)
+        values += [m, *h, *(I[i][j] for i in range(len(I)) for j in range(i, len(I)))]
+    for body in driven(tree):
+        drive = body.drive
+        assert drive is not None
+        values += [drive.viscous, drive.coulomb, drive.rotor, drive.stiffness, drive.stiffness * drive.rest]
+    return values
+
+
+def driven(tree: Tree) -> list[TreeBody]:
+    """Bodies whose joint has a friction, rotor or spring."""
+    return [tree.bodies[i] for i in tree.body_of if tree.bodies[i].drive is not None]
+
+
+def _unit_inertias(space: AnySpace) -> list[Scalar]:
+    """Inertias with one entry (and its mirror) 1 and the others 0."""
+    if space.dim == 2:
+        return [1.0]
+    return [
+        tuple(tuple(1.0 if {r, c} == {i, j} else 0.0 for c in range(3)) for r in range(3))
+        for i in range(3)
+        for j in range(i, 3)
+    ]
+
+
+def _unit_wrenches(space: AnySpace, motion: Motion, i: int) -> list[tuple[Vector, Vector]]:
+    """(moment, force) that each parameter of body i, being 1, needs; body axes, at its origin."""
+    w, wd, vd, rates = motion.w[i], motion.wd[i], motion.vd[i], motion.rates[i]
+    result = [(space.zero_angular, vd)]
+    result += [(space.moment(unit, vd), times(rates, unit)) for unit in identity(space.dim)]
+    result += [(space.euler(unit, w, wd), space.zero) for unit in _unit_inertias(space)]
+    return result
+
+
+def _unit_torques(body: TreeBody, q: Vector, qd: Vector, qdd: Vector) -> Vector:
+    """Torque at the joint of each parameter of its drive, being 1."""
+    (position,), (rate,), (second,) = body.position(q), body.rates(qd), body.rates(qdd)
+    return rate, sign(rate), second, position, -1.0
+

@@ -1,0 +1,81 @@
+"""Operational space, centroidal quantities and regressors against their definitions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import freebody as fb
+
+from test_derivatives import MODELS
+
+
+@pytest.fixture(params=MODELS)
+def case(request):
+    model = MODELS[request.param]()
+    return model, *fb.random_state(model, seed=11, batch=4)
+
+
+def test_mass_matrix_inverse(case):
+    model, q, _, _ = case
+    product = fb.mass_matrix_inverse(model, q) @ fb.mass_matrix(model, q)
+    np.testing.assert_allclose(product, np.broadcast_to(np.eye(model.nv), product.shape), atol=1e-9)
+
+
+def test_regressor_times_parameters_is_inverse_dynamics(case):
+    model, q, qd, qdd = case
+    tau = fb.regressor(model, q, qd, qdd) @ np.array(list(fb.inertial_parameters(model).values()))
+    np.testing.assert_allclose(tau, fb.inverse_dynamics(model, q, qd, qdd), rtol=1e-11, atol=1e-11 * np.abs(tau).max())
+
+
+def test_energy_regressor_times_parameters_is_energy(case):
+    model, q, qd, _ = case
+    parameters = fb.inertial_parameters(model)
+    kinetic, potential = np.moveaxis(fb.energy_regressor(model, q, qd) @ np.array(list(parameters.values())), -1, 0)
+    np.testing.assert_allclose(kinetic, fb.kinetic_energy(model, q, qd), rtol=1e-11)
+    missing = fb.potential_energy(model, q) - potential
+    np.testing.assert_allclose(missing, np.broadcast_to(missing[:1], missing.shape), rtol=1e-9, atol=1e-9)
+
+
+def test_centroidal_momentum(case):
+    model, q, qd, _ = case
+    momentum = (fb.centroidal_momentum_matrix(model, q) @ qd[..., None])[..., 0]
+    moving = model.without("rotors")
+    mass = moving.mass - sum(part.inertia.numbers()[0] for part in moving.base_inertias)
+    free = fb.Model(**{**vars_of(moving), "base_inertias": ()})
+    centre = fb.center_of_mass(free, q)
+    np.testing.assert_allclose(momentum, fb.momentum(model, q, qd, about=centre), rtol=1e-9, atol=1e-10)
+    still = np.zeros_like(qd)
+    h = 1e-5
+    velocity = (fb.center_of_mass(free, fb.integrate(model, q, h * qd)) - fb.center_of_mass(free, fb.integrate(model, q, -h * qd))) / (2 * h)
+    np.testing.assert_allclose(momentum[..., : model.dim], mass * velocity, rtol=1e-6, atol=1e-7)
+    assert not fb.momentum(model, q, still).any()
+
+
+def vars_of(model):
+    """The fields that a model is made of."""
+    return {name: getattr(model, name) for name in model.__dataclass_fields__}
+
+
+def test_operational_space_moves_the_frame_as_it_says(case):
+    model, q, qd, _ = case
+    frame, rows = model.leaves[-1] if model.tip is None else model.tip, ("vx", "vy")
+    inertia = fb.operational_space_inertia(model, q, frame, rows)
+    rest = fb.operational_space_bias(model, q, qd, frame, rows)
+    wanted = np.array([0.3, -0.7])
+    force = (inertia @ wanted) + rest
+    J = fb.jacobian(model, q, frame)[..., :2, :]
+    tau = np.einsum("nij,ni->nj", J, force)
+    qdd = fb.forward_dynamics(model, q, qd, tau)
+    moved = fb.acceleration(model, q, qd, qdd, frame)[..., :2]
+    np.testing.assert_allclose(moved, np.broadcast_to(wanted, moved.shape), atol=1e-8)
+
+
+def test_rows_that_cannot_be_are_refused():
+    model = fb.planar("RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1])
+    with pytest.raises(fb.FreebodyError, match=r"has 2 joint coordinates and cannot move a frame along 3 rows"):
+        fb.operational_space_inertia(model, [0.1, 0.2])
+    with pytest.raises(fb.FreebodyError, match=r"no row 'vz' in rows=.*Rows: vx, vy, w"):
+        fb.operational_space_inertia(model, [0.1, 0.2], rows=["vz"])
+    with pytest.raises(fb.FreebodyError, match=r"frame 'tip' of 'RR' is at a singularity"):
+        fb.operational_space_inertia(model, [0.1, 0.0], rows=["vx", "vy"])
