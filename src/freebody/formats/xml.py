@@ -8,6 +8,11 @@ from xml.parsers import expat
 
 from freebody.errors import FileError
 
+_CUT_SHORT = [
+    expat.errors.codes[message]
+    for message in (expat.errors.XML_ERROR_NO_ELEMENTS, expat.errors.XML_ERROR_UNCLOSED_TOKEN)
+]
+
 
 @dataclass
 class Element:
@@ -58,14 +63,13 @@ def parse(file: str, data: bytes) -> Element:
     try:
         parser.Parse(data, True)
     except expat.ExpatError as error:
-        if error.code == expat.errors.codes[expat.errors.XML_ERROR_NO_ELEMENTS] and opened:
-            last = opened[-1]
-            problem = f"the file ends inside <{last.tag}>, opened on line {last.line}; it seems cut short."
-        else:
-            problem = (
-                f"this is not well-formed XML: {expat.ErrorString(error.code)} at column {error.offset + 1}."
-            )
+        cut = error.code in _CUT_SHORT and opened
+        problem = (
+            f"the file ends inside <{opened[-1].tag}>, opened on line {opened[-1].line}; it seems cut short."
+            if cut
+            else f"this is not well-formed XML: {expat.ErrorString(error.code)} at column {error.offset + 1}."
+        )
         raise FileError(file, error.lineno, problem) from None
-    except ValueError as error:  # an encoding that Python does not know
+    except (ValueError, LookupError) as error:  # an encoding that Python does not know
         raise FileError(file, None, f"the XML cannot be decoded: {error}.") from None
     return roots[0]
