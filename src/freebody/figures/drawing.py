@@ -1,0 +1,204 @@
+"""A drawing as data: named elements in world coordinates, to be found by tests and written as SVG by `svg.render`.
+
+Places are in metres of the world, plane or space; a `View` projects them on the page. Sizes of symbols are in pixels
+of the page. `role` says what a thing is and picks its colours; `name` says which one it is, in the notes' notation
+("f_{0,1}", "τ_1"), where `_` or `_{…}` is a subscript.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from freebody.arrays import Array
+
+Point = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Line:
+    """A polyline, or a polygon where closed."""
+
+    points: tuple[Point, ...]
+    name: str
+    role: str
+    closed: bool = False
+
+
+@dataclass(frozen=True)
+class Arrow:
+    """A vector `value` (in `unit`) drawn from `start` to `end`; a moment in space has two heads."""
+
+    start: Point
+    end: Point
+    name: str
+    role: str
+    label: str = ""
+    value: tuple[float, ...] = ()
+    unit: str = ""
+    heads: int = 1
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A moment in the plane, `value` positive counter-clockwise: an arc with a head around `at`."""
+
+    at: Point
+    value: float
+    name: str
+    role: str
+    label: str = ""
+    unit: str = "N m"
+    radius: float = 22.0
+
+
+@dataclass(frozen=True)
+class Arc:
+    """An angle in the plane: from direction `start` over `sweep` (rad), radius in metres."""
+
+    at: Point
+    radius: float
+    start: float
+    sweep: float
+    name: str
+    role: str = "angle"
+    label: str = ""
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A symbol of `size` pixels: joint, com, ground, slider, dot or sphere; `direction` turns it."""
+
+    at: Point
+    kind: str
+    name: str
+    role: str
+    direction: Point | None = None
+    size: float = 7.0
+
+
+@dataclass(frozen=True)
+class Prism:
+    """A short solid along `axis`, in metres: a cylinder, or a box with 4 sides."""
+
+    at: Point
+    axis: Point
+    radius: float
+    half: float
+    name: str
+    role: str
+    sides: int = 24
+
+
+@dataclass(frozen=True)
+class Label:
+    """Text near a place; the writer looks for room around it, in `direction` first."""
+
+    at: Point
+    text: str
+    name: str
+    role: str = "label"
+    direction: Point | None = None
+
+
+Element = Line | Arrow | Turn | Arc | Mark | Prism | Label
+
+
+@dataclass(frozen=True)
+class View:
+    """How the world is seen: rows to the right and up on the page, and towards the viewer."""
+
+    rows: tuple[Point, Point]
+    towards: Point = ()
+
+    def project(self, points: Iterable[Sequence[float]]) -> Array:
+        """Page coordinates (k, 2) in metres, y up."""
+        return np.asarray(list(points), dtype=float) @ np.asarray(self.rows).T
+
+    def depth(self, points: Iterable[Sequence[float]]) -> float:
+        """How near the viewer the middle of some points is, metres."""
+        return float(np.mean(np.asarray(list(points), dtype=float) @ np.asarray(self.towards))) if self.towards else 0.0
+
+
+FLAT = View(((1.0, 0.0), (0.0, 1.0)))
+
+
+def axonometric(azimuth: float, elevation: float = 24.0) -> View:
+    """Parallel projection of space with z up; azimuth of the viewer from x, elevation above the ground, degrees."""
+    a, e = math.radians(azimuth), math.radians(elevation)
+    towards = (math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e))
+    right = (-math.sin(a), math.cos(a), 0.0)
+    up = (-math.sin(e) * math.cos(a), -math.sin(e) * math.sin(a), math.cos(e))
+    return View((right, up), towards)
+
+
+def best_view(segments: Sequence[tuple[Array, Array]], azimuths: Sequence[float] = (-60, -30, 30, 60, 120, 150, -150, -120)) -> View:
+    """The axonometric view that shows the given segments least foreshortened."""
+    views = [axonometric(a) for a in azimuths]
+
+    def shown(view: View) -> float:
+        lengths = [np.linalg.norm(np.asarray(view.rows) @ (b - a)) for a, b in segments]
+        return float(sum(lengths) + 2.0 * min(lengths, default=0.0))
+
+    return max(views, key=shown)
+
+
+@dataclass
+class Drawing:
+    """Elements in the order of drawing, a view, and what it is for those who cannot see it."""
+
+    view: View
+    title: str
+    elements: list[Element] = field(default_factory=list)
+    heading: str = ""
+    """Text above the picture."""
+    compass: bool = False
+    """Whether small axes of the world stand in a corner."""
+    notes: list[str] = field(default_factory=list)
+    """Lines of text below the picture."""
+    rulers: list[tuple[float, str, str]] = field(default_factory=list)
+    """Scale bars: length in metres of the world, text, role."""
+    scale: float | None = None
+    """Pixels a metre; default: what fits."""
+
+    def add(self, *elements: Element) -> None:
+        """Draw more."""
+        self.elements.extend(elements)
+
+    def named(self, name: str) -> Element:
+        """The element of that name; KeyError lists the names."""
+        for element in self.elements:
+            if element.name == name:
+                return element
+        raise KeyError(f"no {name!r} in the drawing; it has {', '.join(sorted({e.name for e in self.elements}))}")
+
+    @property
+    def arrows(self) -> list[Arrow]:
+        """All arrows."""
+        return [element for element in self.elements if isinstance(element, Arrow)]
+
+
+def places(element: Element) -> tuple[Point, ...]:
+    """World points that an element spans."""
+    match element:
+        case Line():
+            return element.points
+        case Arrow():
+            return element.start, element.end
+        case Arc():
+            x, y = element.at
+            steps = [element.start + element.sweep * k / 4 for k in range(5)]
+            return (element.at, *((x + element.radius * math.cos(a), y + element.radius * math.sin(a)) for a in steps))
+        case Prism():
+            middle, axis = np.asarray(element.at), np.asarray(element.axis) * element.half
+            return tuple(middle + axis), tuple(middle - axis)
+        case _:
+            return (element.at,)
+
+
+def point(values: Iterable[float]) -> Point:
+    """A place as plain floats."""
+    return tuple(float(x) for x in values)

@@ -1,0 +1,212 @@
+"""A `Drawing` as SVG text: fits it on a page, draws each element, finds room for the labels."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from html import escape
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.figures import symbols, theme
+from freebody.figures import text as texts
+from freebody.figures.drawing import Arc, Arrow, Drawing, Element, Label, Line, Mark, Prism, Turn, View, places
+from freebody.figures.labels import Crowd, Placed, Wanted
+
+XMLNS = 'xmlns="http://www.w3.org/2000/svg"'
+_NOTE = 17.0  # height of a line of notes
+_MARGIN = 46.0  # pixels around everything, for labels
+_STRIP = 14.0  # below, for scale bars
+
+
+@dataclass
+class Page:
+    """From metres to pixels, and what has been written so far."""
+
+    drawing: Drawing
+    scale: float
+    shift: Array
+    crowd: Crowd
+    body: list[str]
+    wanted: list[Wanted]
+
+    def at(self, place: tuple[float, ...]) -> tuple[float, float]:
+        """Pixels of a place of the world; y down."""
+        x, y = self.drawing.view.project([place])[0]
+        return float(self.shift[0] + self.scale * x), float(self.shift[1] - self.scale * y)
+
+    def towards(self, direction: tuple[float, ...]) -> tuple[float, float]:
+        """A direction of the world on the page, unit length, y down; to the right where it points at the viewer."""
+        x, y = self.drawing.view.project([direction])[0]
+        size = math.hypot(x, y)
+        return (float(x / size), float(-y / size)) if size > 1e-9 else (1.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Picture:
+    """SVG elements and the size of the page they stand on."""
+
+    body: str
+    width: float
+    height: float
+    title: str
+
+    def text(self, css: bool = True, place: str = "") -> str:
+        """The SVG document. css: with its own style sheet, to stand alone. place: attributes x and y, inside another."""
+        style = f"<style>{theme.style()}</style>" if css else ""
+        size = f'width="{self.width:g}" height="{self.height:.0f}"'
+        title = escape(texts.plain(self.title), quote=True)
+        return (
+            f'<svg {place or XMLNS} class="fig" viewBox="0 0 {self.width:g} {self.height:.0f}" {size} '
+            f'role="img" aria-label="{title}">{style}{self.body}</svg>'
+        )
+
+
+def picture(drawing: Drawing, width: float = 560.0, tallest: float = 460.0) -> Picture:
+    """The drawing on a page `width` pixels wide and as tall as it needs."""
+    page, height = _fit(drawing, width, tallest)
+    for element in drawing.elements:
+        _DRAW[type(element)](page, element)
+    placed = [page.crowd.place(w) for w in page.wanted]
+    page.body += [_label(p) for p in placed]
+    page.body += _corners(drawing, page, height)
+    page.body += [
+        f'<text class="n" x="{width / 2:g}" y="{height + 4 + _NOTE * (k + 0.6):g}" text-anchor="middle">{texts.marked(note)}</text>'
+        for k, note in enumerate(drawing.notes)
+    ]
+    height += _NOTE * len(drawing.notes) + (8 if drawing.notes else 0)
+    return Picture("".join(page.body), width, height, drawing.title)
+
+
+def natural_scale(drawing: Drawing, width: float, tallest: float) -> float:
+    """Pixels a metre at which the drawing just fits."""
+    span = _bounds(drawing)[1] - _bounds(drawing)[0]
+    return float(min((width - 2 * _MARGIN) / span[0], (tallest - 2 * _MARGIN) / span[1]))
+
+
+def _bounds(drawing: Drawing) -> tuple[Array, Array]:
+    spanned = [p for element in drawing.elements for p in places(element)]
+    flat = drawing.view.project(spanned) if spanned else np.zeros((1, 2))
+    return flat.min(axis=0), np.maximum(flat.max(axis=0), flat.min(axis=0) + 1e-9)
+
+
+def _fit(drawing: Drawing, width: float, tallest: float) -> tuple[Page, float]:
+    low, high = _bounds(drawing)
+    scale = drawing.scale or natural_scale(drawing, width, tallest)
+    top = 18.0 if drawing.heading else 0.0
+    inner = max(float(high[1] - low[1]) * scale + 2 * _MARGIN, 120.0)
+    middle = (low + high) / 2
+    shift = np.array([width / 2 - scale * middle[0], top + inner / 2 + scale * middle[1]])
+    height = top + inner + (_STRIP if drawing.rulers else 0.0)
+    return Page(drawing, scale, shift, Crowd(width, height), [], []), height
+
+
+def _line(page: Page, e: Line) -> None:
+    points = [page.at(p) for p in e.points]
+    d = symbols.path(points, e.closed)
+    if e.role.startswith("link"):
+        wide = float(e.role.partition("@")[2] or 10)
+        far = ' class="far"' if "far" in e.role else ""
+        page.body.append(
+            f'<g{far}><path class="edge" stroke-width="{wide + 2.4:g}" d="{d}"/><path class="bar" stroke-width="{wide:g}" d="{d}"/></g>'
+        )
+    elif e.role == "shadow":
+        page.body.append(f'<path class="shadow" stroke-width="7" d="{d}"/>')
+    else:
+        page.body.append(f'<path class="{e.role}" d="{d}"/>')
+    if e.role not in ("grid", "shadow", "ghost"):
+        for a, b in zip(points, points[1:], strict=False):
+            page.crowd.keep_clear(a, b, 7.0 if e.role.startswith("link") else 0.0)
+
+
+def _arrow(page: Page, e: Arrow) -> None:
+    a, b = page.at(e.start), page.at(e.end)
+    page.body.append(symbols.arrow(a, b, e.role, e.heads, _tooltip(e.label or e.name)))
+    page.crowd.keep_clear(a, b)
+    if e.label:
+        dx, dy = (b[0] - a[0], b[1] - a[1])
+        middle = ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)
+        beyond = (b[0], b[1], dx, dy) if math.hypot(dx, dy) > 1 else (b[0], b[1], 1.0, -1.0)
+        anchors = [beyond, (*middle, -dy, dx), (*middle, dy, -dx)]
+        page.wanted.append(Wanted(e.label, f"{e.role}-text num", anchors))
+
+
+def _turn(page: Page, e: Turn) -> None:
+    x, y = page.at(e.at)
+    page.body.append(symbols.turn((x, y), e.radius, e.value, e.role, _tooltip(e.label or e.name)))
+    for k in range(12):
+        a = math.pi * k / 6
+        page.crowd.points.append((x + e.radius * math.cos(a), y + e.radius * math.sin(a)))
+    if e.label:
+        r = e.radius
+        anchors = [(x - r, y - r * 0.4, -1.0, -0.6), (x + r, y - r * 0.4, 1.0, -0.6), (x, y + r, 0.0, 1.0)]
+        page.wanted.append(Wanted(e.label, f"{e.role}-text num", anchors))
+
+
+def _arc(page: Page, e: Arc) -> None:
+    x, y = page.at(e.at)
+    r = e.radius * page.scale
+    page.body.append(symbols.arc((x, y), r, e.start, e.sweep))
+    middle = e.start + e.sweep / 2
+    if e.label:
+        dx, dy = math.cos(middle), -math.sin(middle)
+        page.wanted.append(Wanted(e.label, "num", [(x + r * dx, y + r * dy, dx, dy)]))
+
+
+def _mark(page: Page, e: Mark) -> None:
+    x, y = page.at(e.at)
+    heading = page.towards(e.direction) if e.direction else (1.0, 0.0)
+    page.body.append(symbols.MARKS[e.kind]((x, y), e.size, heading, e.role))
+    page.crowd.keep_clear((x - e.size * 0.7, y), (x + e.size * 0.7, y))
+
+
+def _prism(page: Page, e: Prism) -> None:
+    near, far = symbols.prism_rings(e, page.drawing.view)
+    page.body.append(symbols.prism([page.at(p) for p in near], [page.at(p) for p in far], "far" in e.role))
+    page.crowd.keep_clear(page.at(e.at), page.at(e.at))
+
+
+def _text(page: Page, e: Label) -> None:
+    x, y = page.at(e.at)
+    dx, dy = page.towards(e.direction) if e.direction else (0.8, -0.8)
+    page.wanted.append(Wanted(e.text, "name" if e.role == "name" else f"{e.role}-text num", [(x, y, dx, dy), (x, y, -dx, -dy)]))
+
+
+_DRAW = {Line: _line, Arrow: _arrow, Turn: _turn, Arc: _arc, Mark: _mark, Prism: _prism, Label: _text}
+assert set(_DRAW) == set(Element.__args__)
+
+
+def _tooltip(text: str) -> str:
+    return f"<title>{escape(texts.plain(text))}</title>"
+
+
+def _label(placed: Placed) -> str:
+    left, top, right, bottom = placed.box
+    return (
+        f'<text class="halo {placed.wanted.css}" x="{(left + right) / 2:.1f}" y="{bottom - (bottom - top) * 0.27:.1f}" '
+        f'text-anchor="middle">{texts.marked(placed.wanted.text)}</text>'
+    )
+
+
+def _corners(drawing: Drawing, page: Page, height: float) -> list[str]:
+    """Heading above; below, scale bars to the left and the world's axes to the right."""
+    width = page.crowd.width
+    out = [f'<text class="name" x="12" y="20">{texts.marked(drawing.heading)}</text>'] if drawing.heading else []
+    x = 14.0
+    for metres, label, role in drawing.rulers:
+        length = metres * page.scale
+        out.append(symbols.ruler((x, height - 10.0), length, label, role))
+        x += max(length, texts.width(label, 11)) + 26
+    return out + (_compass(drawing.view, (width - 34.0, height - 26.0)) if drawing.compass else [])
+
+
+def _compass(view: View, at: tuple[float, float]) -> list[str]:
+    """Small arrows along the world's axes."""
+    out = []
+    for k, name in enumerate("xyz"[: len(view.rows[0])]):
+        u, v = 20.0 * view.rows[0][k], -20.0 * view.rows[1][k]
+        out.append(symbols.arrow(at, (at[0] + u, at[1] + v), name))
+        far = 1.0 + 9.0 / max(math.hypot(u, v), 6.0)
+        out.append(f'<text class="tick" x="{at[0] + far * u:.1f}" y="{at[1] + far * v + 4:.1f}" text-anchor="middle">{name}</text>')
+    return out

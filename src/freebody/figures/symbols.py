@@ -1,0 +1,176 @@
+"""The symbols of textbooks as SVG text, in pixels, y down."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from freebody.figures.drawing import Point, Prism, View, point
+from freebody.figures.text import marked
+
+Pixel = tuple[float, float]
+
+
+def path(points: Sequence[Pixel], closed: bool = False) -> str:
+    """Path data of a polyline."""
+    return "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points) + ("Z" if closed else "")
+
+
+def head(tip: Pixel, heading: Pixel, role: str, size: float = 9.0) -> str:
+    """An arrow head whose point is at `tip`."""
+    (x, y), (u, v) = tip, heading
+    back, side = (x - size * u, y - size * v), 0.36 * size
+    points = [tip, (back[0] - side * v, back[1] + side * u), (back[0] + side * v, back[1] - side * u)]
+    return f'<path class="{role}-head" d="{path(points, True)}"/>'
+
+
+def arrow(a: Pixel, b: Pixel, role: str, heads: int = 1, title: str = "") -> str:
+    """An arrow from a to b; a ring with a dot where it points at the viewer."""
+    length = math.dist(a, b)
+    if length < 4.0:
+        x, y = b
+        ring = f'<circle class="{role}" cx="{x:.1f}" cy="{y:.1f}" r="5"/>'
+        return f'<g>{title}{ring}<circle class="{role}-head" cx="{x:.1f}" cy="{y:.1f}" r="2"/></g>'
+    u, v = (b[0] - a[0]) / length, (b[1] - a[1]) / length
+    size = min(10.0, max(5.0, 0.4 * length))
+    shaft = (b[0] - 0.7 * size * u, b[1] - 0.7 * size * v)
+    tips = [head((b[0] - k * 0.8 * size * u, b[1] - k * 0.8 * size * v), (u, v), role, size) for k in range(heads)]
+    return f'<g>{title}<path class="{role}" d="{path([a, shaft])}"/>{"".join(tips)}</g>'
+
+
+def turn(at: Pixel, radius: float, value: float, role: str, title: str = "") -> str:
+    """A moment: three quarters of a circle with a head; counter-clockwise where positive."""
+    way = 1.0 if value >= 0 else -1.0
+    start, end = math.radians(90 - 120 * way), math.radians(90 + 120 * way)
+    x, y = at
+    p0 = (x + radius * math.cos(start), y - radius * math.sin(start))
+    p1 = (x + radius * math.cos(end), y - radius * math.sin(end))
+    heading = (-math.sin(end + 0.18 * way) * way, -math.cos(end + 0.18 * way) * way)
+    sweep = 0 if way > 0 else 1
+    d = f"M{p0[0]:.1f} {p0[1]:.1f}A{radius:.1f} {radius:.1f} 0 1 {sweep} {p1[0]:.1f} {p1[1]:.1f}"
+    nose = (p1[0] + 5 * heading[0], p1[1] + 5 * heading[1])
+    return f'<g>{title}<path class="{role}" d="{d}"/>{head(nose, heading, role)}</g>'
+
+
+def arc(at: Pixel, radius: float, start: float, sweep: float) -> str:
+    """The arc of an angle, with a small head where it ends."""
+    x, y = at
+    end = start + sweep
+    p0 = (x + radius * math.cos(start), y - radius * math.sin(start))
+    p1 = (x + radius * math.cos(end), y - radius * math.sin(end))
+    way = 1.0 if sweep >= 0 else -1.0
+    large = int(abs(sweep) > math.pi)
+    d = f"M{p0[0]:.1f} {p0[1]:.1f}A{radius:.1f} {radius:.1f} 0 {large} {0 if way > 0 else 1} {p1[0]:.1f} {p1[1]:.1f}"
+    bend = end - way * min(3.0 / radius, abs(sweep) / 2)
+    heading = (-math.sin(bend) * way, -math.cos(bend) * way)
+    return f'<path class="angle" d="{d}"/>{head(p1, heading, "angle", 7)}'.replace("angle-head", "anglehead")
+
+
+def joint(at: Pixel, size: float, heading: Pixel, role: str) -> str:
+    """A pin seen along its axis."""
+    return f'<circle class="pin" cx="{at[0]:.1f}" cy="{at[1]:.1f}" r="{size:g}"/>'
+
+
+def sphere(at: Pixel, size: float, heading: Pixel, role: str) -> str:
+    """A ball joint."""
+    x, y = at
+    return (
+        f'<circle class="side" cx="{x:.1f}" cy="{y:.1f}" r="{size:g}"/>'
+        f'<circle class="cap" cx="{x - 0.3 * size:.1f}" cy="{y - 0.3 * size:.1f}" r="{0.3 * size:.1f}" stroke="none"/>'
+    )
+
+
+def com(at: Pixel, size: float, heading: Pixel, role: str) -> str:
+    """The quartered disc of a centre of mass."""
+    x, y = at
+    quarters = "".join(
+        f"M{x:.1f} {y:.1f}L{x + sx * size:.1f} {y:.1f}A{size:g} {size:g} 0 0 {int(sx * sy > 0)} {x:.1f} {y + sy * size:.1f}Z"
+        for sx, sy in ((1, -1), (-1, 1))
+    )
+    return f'<circle class="com" cx="{x:.1f}" cy="{y:.1f}" r="{size:g}"/><path class="comq" d="{quarters}"/>'
+
+
+def ground(at: Pixel, size: float, heading: Pixel, role: str) -> str:
+    """A support: a triangle on a hatched line; `heading` is the way up."""
+    (x, y), (u, v) = at, heading
+
+    def local(right: float, up: float) -> Pixel:
+        return x + size * (-v * right + u * up), y + size * (u * right + v * up)
+
+    strokes = [path([local(k, -1.7), local(k - 0.6, -2.3)]) for k in np.linspace(-1.5, 2.1, 7)]
+    line = path([local(-2.1, -1.7), local(2.1, -1.7)])
+    triangle = path([local(0, 0), local(-1.2, -1.7), local(1.2, -1.7)], True)
+    return f'<path class="hatch" d="{"".join(strokes)}"/><path class="rail" d="{line}"/><path class="pin" d="{triangle}"/>'
+
+
+def slider(at: Pixel, size: float, heading: Pixel, role: str) -> str:
+    """A block that slides along `heading`."""
+    (x, y), (u, v) = at, heading
+    corners = [
+        (x + size * (1.5 * a * u - b * v), y + size * (1.5 * a * v + b * u))
+        for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    ]
+    return f'<path class="pin" d="{path(corners, True)}"/>'
+
+
+def dot(at: Pixel, size: float, heading: Pixel, role: str) -> str:
+    """A point."""
+    return f'<circle class="{role}" cx="{at[0]:.1f}" cy="{at[1]:.1f}" r="{size:g}"/>'
+
+
+MARKS: dict[str, Callable[[Pixel, float, Pixel, str], str]] = {
+    "joint": joint, "sphere": sphere, "com": com, "ground": ground, "slider": slider, "dot": dot,
+}  # fmt: skip
+
+
+def prism_rings(prism: Prism, view: View) -> tuple[list[Point], list[Point]]:
+    """Corners of both ends, the nearer to the viewer first."""
+    axis = np.asarray(prism.axis) / np.linalg.norm(prism.axis)
+    other = np.eye(3)[int(np.argmin(abs(axis)))]
+    u = np.cross(axis, other)
+    u /= np.linalg.norm(u)
+    w = np.cross(axis, u)
+    angles = np.arange(prism.sides) * 2 * math.pi / prism.sides + (math.pi / 4 if prism.sides == 4 else 0)
+    ring = prism.radius * (np.outer(np.cos(angles), u) + np.outer(np.sin(angles), w))
+    if axis @ np.asarray(view.towards) < 0:
+        axis = -axis
+    middle = np.asarray(prism.at)
+    ends = (middle + prism.half * axis + ring, middle - prism.half * axis + ring)
+    return [point(p) for p in ends[0]], [point(p) for p in ends[1]]
+
+
+def prism(near: list[Pixel], far: list[Pixel], distant: bool) -> str:
+    """Its outline, and the end that is seen."""
+    group = '<g class="far">' if distant else "<g>"
+    return f'{group}<path class="side" d="{path(hull(near + far), True)}"/><path class="cap" d="{path(near, True)}"/></g>'
+
+
+def hull(points: list[Pixel]) -> list[Pixel]:
+    """Convex hull, by Andrew's monotone chain."""
+    ordered = sorted(set(points))
+
+    def half(sequence: list[Pixel]) -> list[Pixel]:
+        chain: list[Pixel] = []
+        for p in sequence:
+            while len(chain) > 1 and _left(chain[-2], chain[-1], p) <= 0:
+                chain.pop()
+            chain.append(p)
+        return chain[:-1]
+
+    return half(ordered) + half(ordered[::-1])
+
+
+def _left(a: Pixel, b: Pixel, c: Pixel) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def ruler(at: Pixel, length: float, label: str, role: str) -> str:
+    """A scale bar, its text above."""
+    x, y = at
+    text = f'<text class="tick" x="{x:g}" y="{y - 6:g}">{marked(label)}</text>'
+    if role == "length":
+        bar = f"M{x:g} {y - 3:g}V{y + 3:g}M{x:g} {y:g}H{x + length:.1f}M{x + length:.1f} {y - 3:g}V{y + 3:g}"
+        return f'<path class="axis" d="{bar}"/>{text}'
+    return arrow((x, y), (x + length, y), role) + text

@@ -1,0 +1,95 @@
+"""Colours of the figures, light and dark, as the style sheet that goes with them."""
+
+from __future__ import annotations
+
+SERIES = 8
+"""Number of distinct colours for curves."""
+
+_LIGHT = {
+    "paper": "#ffffff", "ink": "#1c2430", "soft": "#66707d", "faint": "#c9d0d8", "hair": "#e6eaee",
+    "link": "#dfe6ee", "link-edge": "#4a5a6e", "link-far": "#eff3f6", "link-far-edge": "#9aa7b5",
+    "joint": "#ffffff", "joint-side": "#9fb2c8", "ghost": "#c3cdd8", "shadow": "#e4e8ec", "path": "#c4570a",
+    "reaction": "#1459b8", "moment": "#b01e5c", "weight": "#2b7a3d", "external": "#c4570a", "inertia": "#7d8792",
+    "x": "#c22f2f", "y": "#2b7a3d", "z": "#1459b8", "limit": "#b3261e",
+    "s0": "#1459b8", "s1": "#d1600a", "s2": "#1b8a5a", "s3": "#b01e5c",
+    "s4": "#7048c6", "s5": "#0f8ea6", "s6": "#8a6a00", "s7": "#5b6672",
+}  # fmt: skip
+_DARK = {
+    "paper": "#14181e", "ink": "#e8ecf1", "soft": "#9aa5b1", "faint": "#48525e", "hair": "#2a313a",
+    "link": "#2d3947", "link-edge": "#9db0c6", "link-far": "#20272f", "link-far-edge": "#5d6b7a",
+    "joint": "#14181e", "joint-side": "#53677e", "ghost": "#3b4754", "shadow": "#20262d", "path": "#f2a15f",
+    "reaction": "#7db0ff", "moment": "#ff86b3", "weight": "#74cf8a", "external": "#f2a15f", "inertia": "#8b96a3",
+    "x": "#ff8a80", "y": "#74cf8a", "z": "#7db0ff", "limit": "#ff8a80",
+    "s0": "#7db0ff", "s1": "#f2a15f", "s2": "#5fd3a0", "s3": "#ff86b3",
+    "s4": "#b79cff", "s5": "#5ccfe6", "s6": "#d9bd55", "s7": "#a7b2be",
+}  # fmt: skip
+
+_RULES = """
+.fig{font-family:system-ui,-apple-system,"Segoe UI",Roboto,"Helvetica Neue",Arial,sans-serif}
+.fig text{fill:@ink;font-size:13px}
+.fig .halo{stroke:@paper;stroke-width:4px;stroke-linejoin:round;paint-order:stroke}
+.fig .v{font-style:italic}.fig .n{fill:@soft;font-size:12px}.fig .num{font-size:12px}
+.fig .guide{fill:none;stroke:@soft;stroke-width:1;stroke-dasharray:5 4}
+.fig .grid{fill:none;stroke:@hair;stroke-width:1}
+.fig .shadow{fill:none;stroke:@shadow;stroke-linecap:round;stroke-linejoin:round}
+.fig .ghost{fill:none;stroke:@ghost;stroke-width:2.5;stroke-linecap:round;stroke-linejoin:round}
+.fig .tippath{fill:none;stroke:@path;stroke-width:1.6}.fig .tipdot{fill:@path}
+.fig .edge{fill:none;stroke:@link-edge;stroke-linecap:round;stroke-linejoin:round}
+.fig .bar{fill:none;stroke:@link;stroke-linecap:round;stroke-linejoin:round}
+.fig .far .edge{stroke:@link-far-edge}.fig .far .bar{stroke:@link-far}
+.fig .side{fill:@joint-side;stroke:@link-edge;stroke-width:1.2;stroke-linejoin:round}
+.fig .cap{fill:@joint;stroke:@link-edge;stroke-width:1.2;stroke-linejoin:round}
+.fig .far .side{fill:@link;stroke:@link-far-edge}.fig .far .cap{stroke:@link-far-edge}
+.fig .pin{fill:@joint;stroke:@link-edge;stroke-width:2}
+.fig .rail{fill:none;stroke:@link-edge;stroke-width:2}
+.fig .hatch{fill:none;stroke:@soft;stroke-width:1.3}
+.fig .com{fill:@paper;stroke:@ink;stroke-width:1.2}.fig .comq{fill:@ink}
+.fig .angle{fill:none;stroke:@soft;stroke-width:1.3}.fig .anglehead{fill:@soft}
+.fig .frame{fill:none;stroke:@faint;stroke-width:1}.fig .axis{fill:none;stroke:@soft;stroke-width:1}
+.fig .tick{fill:@soft;font-size:11px}.fig .unit{fill:@soft;font-size:11px}
+.fig .curve{fill:none;stroke-width:1.7;stroke-linejoin:round}
+.fig .peak{stroke:@paper;stroke-width:1.2}
+.fig .limit{fill:none;stroke:@limit;stroke-width:1.2;stroke-dasharray:6 3}
+.fig .now{fill:none;stroke:@soft;stroke-width:1;stroke-dasharray:2 3}
+.fig .name{font-size:13px;font-weight:600}
+"""
+_ARROWS = ("reaction", "moment", "weight", "external", "inertia", "x", "y", "z", "soft")
+
+
+def style(dark: str = "@media (prefers-color-scheme:dark)") -> str:
+    """The style sheet: light colours, and dark ones under the given media rule."""
+    return _sheet(_LIGHT) + f"{dark}{{{_colours_only(_DARK)}}}\n"
+
+
+def page_colours(dark: bool) -> dict[str, str]:
+    """The palette, for the page around the figures."""
+    return dict(_DARK if dark else _LIGHT)
+
+
+def _sheet(colours: dict[str, str]) -> str:
+    text = _RULES.strip() + "\n"
+    for role in _ARROWS:
+        width = "1.6" if role in "xyz" else "2.2"
+        text += f".fig .{role}{{fill:none;stroke:@{role};stroke-width:{width}}}"
+        text += f".fig .{role}-head{{fill:@{role}}}.fig text.{role}-text{{fill:@{role}}}\n"
+    text += ".fig .inertia{stroke-dasharray:5 4}\n"
+    for k in range(SERIES):
+        text += f".fig .s{k}{{stroke:@s{k}}}.fig .f{k}{{fill:@s{k}}}"
+    return _filled(text, colours)
+
+
+def _colours_only(colours: dict[str, str]) -> str:
+    """The rules that hold colours, only their colours."""
+    rules = []
+    for rule in _sheet({name: f"@{name}" for name in colours}).replace("\n", "").split("}"):
+        selector, _, body = rule.partition("{")
+        kept = ";".join(item for item in body.split(";") if "@" in item)
+        if kept:
+            rules.append(f"{selector}{{{kept}}}")
+    return _filled("".join(rules), colours)
+
+
+def _filled(text: str, colours: dict[str, str]) -> str:
+    for name in sorted(colours, key=len, reverse=True):
+        text = text.replace(f"@{name}", colours[name])
+    return text
