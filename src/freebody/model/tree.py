@@ -177,14 +177,12 @@ def _parents_first(model: Model) -> list[int]:
 
 def _masses(space: AnySpace, parts: tuple[Attached, ...], read: Read) -> tuple[Mass, ...]:
     """Masses in the body's axes; those without parameters are made one."""
-    plain = [a for a in parts if not any(each_parameter(a))]
+    plain = [a for a in parts if not any(each_parameter(a)) and any((a.inertia.mass, *a.inertia.tensor))]
     named = [a for a in parts if any(each_parameter(a))]
-    masses = [_mass(space, a, read) for a in named]
-    if len(plain) == 1:
-        masses.append(_mass(space, plain[0], read))
-    elif plain:
+    if len(plain) > 1 and all(a.inertia.mass >= 0.0 for a in plain):  # negative ones may leave a moment without mass
         moved = [a.inertia.placed(*a.placement.lower(space, read)) for a in plain]
-        masses.append(_mass(space, Attached("", combined(moved)), read))
+        plain = [Attached("", combined(moved))]
+    masses = [_mass(space, a, read) for a in (*named, *plain)]
     return tuple(mass for mass in masses if not _is_nothing(mass))
 
 

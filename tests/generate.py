@@ -1,0 +1,317 @@
+"""Random mechanisms with every kind of joint, reproducible from a seed, as descriptions and as models."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from freebody.model.assembly import assemble
+from freebody.model.inertia import Inertia
+from freebody.model.model import Model, gravity_of
+from freebody.model.parts import Description, Drive, Joint, Limits, Link, Mimic, Mount, Payload
+from freebody.model.placement import Placement, rotate, shift, turn
+
+SPATIAL = ("revolute", "continuous", "prismatic", "planar", "spherical", "free")
+PLANAR = ("revolute", "continuous", "prismatic", "planar")
+ONE_AXIS = ("revolute", "continuous", "prismatic")
+_WEIGHTS = {"revolute": 5, "continuous": 3, "prismatic": 4, "planar": 1.5, "spherical": 2, "free": 1.5}
+
+
+@lru_cache(maxsize=64)
+def model(seed: int, dim: int = 3) -> Model:
+    """The random tree of a seed; one in five on a free base. Some of its masses may be zero, its M never singular."""
+    return assemble(tree(seed, dim), base=base(seed))
+
+
+def base(seed: int) -> str:
+    """Whether the tree of this seed stands on a fixed or on a free base."""
+    return "free" if seed % 5 == 4 else "fixed"
+
+
+def tree(seed: int, dim: int = 3) -> Description:
+    """Links and joints of a random tree with 1 to 12 movable joints."""
+    return _Tree(seed, dim).description()
+
+
+def random_rotation(rng: np.random.Generator) -> np.ndarray:
+    """A uniformly distributed rotation matrix."""
+    Q, R = np.linalg.qr(rng.normal(size=(3, 3)))
+    Q = Q * np.sign(np.diag(R))
+    return Q * np.sign(np.linalg.det(Q))
+
+
+def random_inertia(rng: np.random.Generator, dim: int = 3) -> Inertia:
+    """A physical one: its pseudo-inertia, the matrix of second moments about the com, is a random positive definite one."""
+    mass = float(rng.uniform(0.2, 3.0))
+    com = tuple(rng.normal(scale=0.15, size=dim))
+    if dim == 2:
+        return Inertia(mass, com, (float(mass * rng.uniform(0.002, 0.05)),))
+    A = rng.normal(scale=0.1, size=(3, 3))
+    second = mass * (A @ A.T + 1e-3 * np.eye(3))
+    return Inertia.of(mass, com, np.trace(second) * np.eye(3) - second)
+
+
+def random_placement(rng: np.random.Generator, dim: int = 3, general: bool = False) -> Placement:
+    """Any pose, an exact right-angled one, or none at all; `general` excludes the special ones."""
+    style = "any" if general else rng.choice(["any", "right", "shift", "none"], p=[0.4, 0.35, 0.15, 0.1])
+    if style == "none":
+        return Placement()
+    by = shift(*(float(x) for x in rng.normal(scale=0.4, size=dim)))
+    if style == "shift":
+        return by
+    if style == "right":
+        axis = "z" if dim == 2 else str(rng.choice(list("xyz")))
+        return by.then(turn(axis, int(rng.integers(-2, 4)) * math.pi / 2))
+    if dim == 2:
+        return by.then(turn("z", float(rng.uniform(-3, 3))))
+    if rng.random() < 0.5:
+        return by.then(rotate(random_rotation(rng)))
+    return by.then(turn("x", float(rng.uniform(-3, 3)))).then(turn("y", float(rng.uniform(-3, 3))))
+
+
+class _Tree:
+    """The making of one tree."""
+
+    def __init__(self, seed: int, dim: int):
+        self.seed, self.dim = seed, dim
+        self.rng = np.random.default_rng([seed, dim])
+        self.links = [Link("base")]
+        self.joints: list[Joint] = []
+        self.massless: set[str] = set()
+
+    def description(self) -> Description:
+        rng = self.rng
+        heavy_base = base(self.seed) == "free" or rng.random() < 0.5
+        self.links[0] = Link("base", random_inertia(rng, self.dim) if heavy_base else None)
+        self.fixed_links("base")
+        n = 1 + self.seed % 12
+        ends = ["base"]
+        for i in range(n):
+            parent = ends[-1] if rng.random() < 0.6 or ends[-1] in self.massless else str(rng.choice(ends))
+            self.movable(i, parent, last=i == n - 1)
+            ends.append(f"link{i + 1}")
+            self.fixed_links(f"link{i + 1}")
+        joints, links = list(self.joints), list(self.links)
+        if self.seed % 3 == 0:  # the order in a file is free
+            rng.shuffle(joints)
+            rng.shuffle(links)
+        direction = rng.normal(size=self.dim)
+        gravity = gravity_of(tuple(float(x) for x in 9.81 * direction / np.linalg.norm(direction)), self.dim)
+        mounts = (
+            Mount("tool", f"link{n}", random_placement(rng, self.dim)),
+            Mount("ground", "base", shift(*(0.5,) * self.dim)),
+        )
+        payloads = (Payload("parcel", "tool", random_inertia(rng, self.dim)),) if rng.random() < 0.3 else ()
+        return Description(
+            f"tree{self.seed}",
+            self.dim,
+            tuple(links),
+            tuple(joints),
+            gravity,
+            mounts,
+            payloads=payloads,
+            tip="tool",
+        )
+
+    def movable(self, i: int, parent: str, last: bool) -> None:
+        rng, name = self.rng, f"link{i + 1}"
+        after_massless = parent in self.massless
+        kind = self.kind(after_massless)
+        one_axis = kind in ONE_AXIS
+        # one joint may carry nothing but the next one; its axis and placements are then general, so that M is regular
+        massless = one_axis and not last and rng.random() < 0.1 and not after_massless
+        general = massless or after_massless
+        if massless:
+            self.massless.add(name)
+        leaders = [joint.name for joint in self.joints if joint.kind in ONE_AXIS]
+        mimic = None
+        if one_axis and leaders and not general and rng.random() < 0.2:
+            following = [joint.name for joint in self.joints if joint.mimic]
+            leader = rng.choice(following if following and rng.random() < 0.3 else leaders)
+            mimic = Mimic(str(leader), float(rng.uniform(-2, 2)), float(rng.normal(scale=0.3)))
+        axis: tuple[float, ...] = ()
+        if one_axis:
+            axis = self.axis(kind, general)
+        limits = (
+            Limits(-1.5, 2.0, 3.0, 50.0)
+            if kind in ("revolute", "prismatic") and rng.random() < 0.5
+            else Limits()
+        )
+        self.joints.append(
+            Joint(
+                f"joint{i + 1}",
+                kind,
+                parent,
+                name,
+                random_placement(rng, self.dim, general),
+                axis,
+                limits,
+                self.drive() if one_axis else Drive(),
+                mimic,
+            )
+        )
+        inertia = None if massless else random_inertia(rng, self.dim)
+        placed = random_placement(rng, self.dim) if rng.random() < 0.5 else Placement()
+        self.links.append(Link(name, inertia, placed))
+
+    def kind(self, after_massless: bool) -> str:
+        kinds = [k for k in (SPATIAL if self.dim == 3 else PLANAR)]
+        if after_massless:  # a body that is free already has no use for one more joint
+            kinds = list(ONE_AXIS)
+        weights = np.array([_WEIGHTS[k] for k in kinds])
+        return str(self.rng.choice(kinds, p=weights / weights.sum()))
+
+    def axis(self, kind: str, general: bool) -> tuple[float, ...]:
+        rng = self.rng
+        if self.dim == 2 and kind != "prismatic":
+            return (float(rng.choice([-1.0, 1.0])),)
+        if not general and rng.random() < 0.5:
+            along = np.zeros(self.dim)
+            along[rng.integers(self.dim)] = rng.choice([-1.0, 1.0, 2.5])
+            return tuple(float(x) for x in along)
+        return tuple(float(x) for x in rng.normal(size=self.dim))
+
+    def drive(self) -> Drive:
+        rng = self.rng
+        viscous, coulomb, rotor, stiffness = (float(x) for x in rng.uniform(size=4) * (rng.random(4) < 0.4))
+        return Drive(
+            viscous,
+            coulomb,
+            1e-3 * rotor,
+            float(rng.choice([1.0, -20.0, 50.0])),
+            5 * stiffness,
+            float(rng.normal(scale=0.5)),
+        )
+
+    def fixed_links(self, on: str) -> None:
+        """Up to three links fixed to one another or side by side; on a massless link none with a mass."""
+        fixed = [on]
+        for k in range(int(self.rng.choice([0, 1, 2, 3], p=[0.5, 0.25, 0.15, 0.1]))):
+            parent = str(self.rng.choice(fixed))
+            name = f"{on}_part{k + 1}"
+            inertia = None if on in self.massless else random_inertia(self.rng, self.dim)
+            self.links.append(Link(name, inertia, random_placement(self.rng, self.dim)))
+            placement = random_placement(self.rng, self.dim)
+            self.joints.append(Joint(f"{name}_weld", "fixed", parent, name, placement))
+            fixed.append(name)
+
+
+# ---------------------------------------------------------------- the same robot told otherwise
+def renamed(description: Description) -> Description:
+    """Other names for all links and joints."""
+
+    def new(name: str) -> str:
+        return f"x_{name[::-1]}"
+
+    return replace(
+        description,
+        links=tuple(replace(link, name=new(link.name)) for link in description.links),
+        joints=tuple(
+            replace(
+                joint,
+                name=new(joint.name),
+                parent=new(joint.parent),
+                child=new(joint.child),
+                mimic=joint.mimic and replace(joint.mimic, joint=new(joint.mimic.joint)),
+            )
+            for joint in description.joints
+        ),
+        mounts=tuple(replace(mount, link=new(mount.link)) for mount in description.mounts),
+    )
+
+
+def reordered_links(description: Description, seed: int) -> Description:
+    """Links in another order; the joints keep theirs."""
+    order = np.random.default_rng(seed).permutation(len(description.links))
+    return replace(description, links=tuple(description.links[i] for i in order))
+
+
+def split(description: Description, seed: int) -> Description:
+    """Every link with a mass in two pieces, the second fixed to the first at some odd place."""
+    rng = np.random.default_rng(seed)
+    dim = description.dim
+    links, joints = [], []
+    for link in description.links:
+        if link.inertia is None:
+            links.append(link)
+            continue
+        part = float(rng.uniform(0.2, 0.8))
+        links.append(replace(link, inertia=_scaled(link.inertia, part)))
+        weld = random_placement(rng, dim, general=True)
+        piece = f"{link.name}_piece"
+        links.append(Link(piece, _scaled(link.inertia, 1 - part), inverse(weld, dim).then(link.placement)))
+        joints.append(Joint(f"{piece}_weld", "fixed", link.name, piece, weld))
+    return replace(description, links=tuple(links), joints=(*description.joints, *joints))
+
+
+def moved_frames(description: Description, seed: int) -> tuple[Description, dict[str, np.ndarray]]:
+    """Link frames moved where the meaning of q allows it, with the pose of the new frame in the old for each link.
+
+    Behind a prismatic joint anywhere, behind a revolute one along and about its axis and turned at will, along z behind
+    a planar one, anywhere on a fixed link. A description in space, with no mimics lost.
+    """
+    rng = np.random.default_rng(seed)
+    moves: dict[str, Placement] = {link.name: Placement() for link in description.links}
+    for joint in description.joints:
+        along = np.zeros(3)
+        if joint.kind in ("revolute", "continuous"):
+            along = np.array(joint.axis) / np.linalg.norm(joint.axis) * rng.normal()
+        elif joint.kind in ("prismatic", "fixed"):
+            along = rng.normal(size=3)
+        elif joint.kind == "planar":
+            moves[joint.child] = shift(0.0, 0.0, float(rng.normal()))
+            continue
+        else:
+            continue
+        moves[joint.child] = shift(*(float(x) for x in along)).then(rotate(random_rotation(rng)))
+    joints = []
+    for joint in description.joints:
+        placement = inverse(moves[joint.parent]).then(joint.placement).then(moves[joint.child])
+        axis = tuple(matrix(moves[joint.child])[:3, :3].T @ np.array(joint.axis)) if joint.axis else ()
+        joints.append(replace(joint, placement=placement, axis=axis))
+    links = tuple(replace(l, placement=inverse(moves[l.name]).then(l.placement)) for l in description.links)
+    mounts = tuple(replace(m, placement=inverse(moves[m.link]).then(m.placement)) for m in description.mounts)
+    return (
+        replace(description, links=links, joints=tuple(joints), mounts=mounts),
+        {name: matrix(move) for name, move in moves.items()},
+    )
+
+
+def _scaled(inertia: Inertia, part: float) -> Inertia:
+    return Inertia(part * inertia.mass, inertia.com, tuple(part * x for x in inertia.tensor))
+
+
+def matrix(placement: Placement, dim: int = 3) -> np.ndarray:
+    """The pose of a placement without parameters, as a homogeneous matrix: by plain NumPy, one step at a time."""
+    T = np.eye(dim + 1)
+    for step in placement.steps:
+        S = np.eye(dim + 1)
+        if hasattr(step, "by"):
+            S[:dim, dim] = step.by
+        elif hasattr(step, "matrix"):
+            S[:dim, :dim] = step.matrix
+        else:
+            S[:dim, :dim] = _turned(step.axis, step.angle, dim)
+        T = T @ S
+    return T
+
+
+def inverse(placement: Placement, dim: int = 3) -> Placement:
+    """The way back."""
+    T = np.linalg.inv(matrix(placement, dim))
+    return shift(*(float(x) for x in T[:dim, dim])).then(rotate(T[:dim, :dim]))
+
+
+def _turned(axis: str, angle: float, dim: int) -> np.ndarray:
+    s, c = np.sin(angle), np.cos(angle)
+    if dim == 2:
+        return np.array([[c, -s], [s, c]])
+    i = "xyz".index(axis)
+    j, k = (i + 1) % 3, (i + 2) % 3
+    R = np.eye(3)
+    R[j, j] = R[k, k] = c
+    R[k, j], R[j, k] = s, -s
+    return R

@@ -1,0 +1,107 @@
+"""What the tests of laws share: formulas on arrays, paths through a state, differences, comparison."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+import freebody as fb
+from freebody.algorithms.kinematics import frame_pose, joint_poses, world_poses
+from freebody.model.model import Model
+from freebody.numerics.formulas import Option
+from freebody.numerics.kernels import reference as run
+
+# central differences of eighth order on -4 … 4
+FIRST = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
+SECOND = np.array([-1 / 560, 8 / 315, -1 / 5, 8 / 5, -205 / 72, 8 / 5, -1 / 5, 8 / 315, -1 / 560])
+STEPS = np.arange(-4, 5)
+
+
+def numbers(
+    model: Model,
+    name: str,
+    *arrays: Any,
+    frame: str | None = None,
+    reference: str = "world",
+    wrenches: dict[str, np.ndarray] | None = None,
+    point: bool = False,
+) -> np.ndarray:
+    """A quantity by the formulas on plain arrays, without the compiler."""
+    loads = wrenches or {}
+    at = model.frame(frame).name if frame is not None or model.tip is not None else None
+    option = Option(at, reference, tuple(loads), point)
+    return run(model, name, option, *(np.asarray(a, dtype=float) for a in (*arrays, *loads.values())))
+
+
+def poses(model: Model, q: np.ndarray) -> dict[str, np.ndarray]:
+    """The pose (..., 4, 4) of every frame; planar ones lie in the xy plane."""
+    tree = model.tree
+    batch = q.shape[:-1]
+    world = world_poses(tree, joint_poses(tree, scalars(q)))
+    result = {}
+    for name in model.frame_names:
+        R, p = frame_pose(tree, world, name)
+        T = np.broadcast_to(np.eye(4), (*batch, 4, 4)).copy()
+        for i in range(model.dim):
+            for j in range(model.dim):
+                T[..., i, j] = R[i][j]
+            T[..., i, 3] = p[i]
+        result[name] = T
+    return result
+
+
+def scalars(array: np.ndarray) -> tuple[np.ndarray, ...]:
+    """The entries of a vector, each an array over the batch: what algorithms take."""
+    return tuple(np.moveaxis(np.asarray(array, dtype=float), -1, 0))
+
+
+def path(
+    model: Model, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, h: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (9, ..., nq) and rates at times -4h … 4h of a motion with this q, q̇ and q̈ at time 0."""
+    t = h * STEPS.reshape(-1, *(1,) * np.ndim(q))
+    return fb.integrate(model, fb.integrate(model, q, t * qd), t**2 / 2 * qdd), qd + t * qdd
+
+
+def rate(values: np.ndarray, h: float) -> np.ndarray:
+    """Time derivative at 0 of values along a `path`."""
+    return np.tensordot(FIRST, values, axes=1) / h
+
+
+def second_rate(values: np.ndarray, h: float) -> np.ndarray:
+    """Second time derivative at 0 of values along a `path`."""
+    return np.tensordot(SECOND, values, axes=1) / h**2
+
+
+def close(found: Any, expected: Any, tolerance: float, scale: float = 0.0, what: str = "") -> None:
+    """Largest difference over the largest reference (or `scale`, where that is larger) is at most `tolerance`."""
+    found, expected = np.asarray(found), np.asarray(expected)
+    assert found.shape == expected.shape, f"{what}: shapes {found.shape} and {expected.shape}"
+    assert np.isfinite(found).all(), f"{what}: not finite"
+    if found.size:
+        size = max(scale, float(np.abs(expected).max()))
+        off = float(np.abs(found - expected).max())
+        assert off <= tolerance * size, f"{what}: off by {off:.3g} of {size:.3g}, allowed {tolerance:.3g}"
+
+
+def state(model: Model, seed: int, batch: int = 3) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Random q, q̇, q̈; rates moderate so that differences are sharp."""
+    return fb.random_state(model, seed, batch)
+
+
+def in_space(wrench: np.ndarray, dim: int) -> tuple[np.ndarray, np.ndarray]:
+    """Force and moment, both (..., 3), of a wrench or twist in the plane or in space."""
+    if dim == 3:
+        return wrench[..., :3], wrench[..., 3:]
+    zero = np.zeros_like(wrench[..., :1])
+    return np.concatenate([wrench[..., :2], zero], axis=-1), np.concatenate(
+        [zero, zero, wrench[..., 2:]], axis=-1
+    )
+
+
+def random_wrenches(model: Model, seed: int, batch: int, n: int = 3) -> dict[str, np.ndarray]:
+    """Wrenches on up to n frames."""
+    rng = np.random.default_rng(seed)
+    names = rng.permutation(np.array(model.frame_names))[:n]
+    return {str(name): 5 * rng.normal(size=(batch, 6 if model.dim == 3 else 3)) for name in names}
