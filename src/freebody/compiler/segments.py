@@ -7,13 +7,18 @@ writes slots, so they stand between segments too: first what leads to their argu
 
 from __future__ import annotations
 
+from bisect import bisect_left
+from collections import Counter
 from dataclasses import dataclass, field
+from itertools import accumulate, pairwise
 
 from freebody.compiler.program import Program
 from freebody.scalars.expr import ARITY
 
 LONGEST = 500
-"""Nodes in one segment."""
+"""Weight of one segment: a node counts 1, the store of an output `_STORE`."""
+
+_STORE = 4  # LLVM's time grows with the square of the stores in a function
 
 
 @dataclass
@@ -46,11 +51,12 @@ def segment(program: Program, longest: int = LONGEST) -> Layout:
     """Cut `program`, keeping its order within each stage."""
     stage = _stages(program)
     last = max(stage, default=0)
+    stores = Counter(program.results)
     steps: list[list[int]] = []  # nodes of each step; a step of sines and cosines holds those of one argument
     for k in range(last + 1):
         steps += _trigonometric(program, [i for i, s in enumerate(stage) if s == k and program.op[i] in _TRIG])
         plain = [i for i, s in enumerate(stage) if s == k and ARITY[program.op[i]] and program.op[i] not in _TRIG]
-        steps += [plain[i : i + longest] for i in range(0, len(plain), longest)]
+        steps += _cut(plain, stores, longest)
     if not steps or program.op[steps[-1][0]] in _TRIG:
         steps.append([])  # somewhere to store outputs that are inputs, constants or sines
     return _allocate(program, steps)
@@ -75,6 +81,15 @@ def _stages(program: Program) -> list[int]:
         for operand in program.operands(index):
             stage[operand] = min(stage[operand], needed)
     return stage
+
+
+def _cut(nodes: list[int], stores: Counter[int], longest: int) -> list[list[int]]:
+    """Pieces of about equal weight, none heavier than `longest` (or a single node)."""
+    ends = list(accumulate(1 + _STORE * stores[index] for index in nodes))
+    pieces = -(-ends[-1] // longest) if ends else 0
+    share = ends[-1] / pieces if pieces else 0.0
+    cuts = [bisect_left(ends, share * k) for k in range(1, pieces)]
+    return [piece for i, j in pairwise([0, *cuts, len(nodes)]) if (piece := nodes[i:j])]
 
 
 def _trigonometric(program: Program, nodes: list[int]) -> list[list[int]]:

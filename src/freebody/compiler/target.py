@@ -125,8 +125,7 @@ def _jit() -> Any:
 
 @cache
 def _externals() -> dict[str, int]:
-    """Addresses of the C functions that kernels call: none on x86."""
-    if host().x86:
-        return {}
+    """Addresses of the C functions that kernels call; on x86 they need no `feclearexcept`."""
     library = ctypes.CDLL("ucrtbase" if sys.platform == "win32" else None)
-    return {"feclearexcept": ctypes.cast(library.feclearexcept, ctypes.c_void_p).value or 0}
+    names = ("malloc", "free") if host().x86 else ("malloc", "free", "feclearexcept")
+    return {name: ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0 for name in names}
