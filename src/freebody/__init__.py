@@ -37,6 +37,7 @@ _PLACES = {
         "inverse_dynamics",
         "forward_dynamics",
         "inverse_dynamics_derivatives",
+        "inverse_dynamics_second_derivatives",
         "forward_dynamics_derivatives",
         "mass_matrix",
         "coriolis_matrix",
@@ -60,6 +61,9 @@ _PLACES = {
     ),
     "freebody.numerics.states": ("neutral", "random_state", "integrate", "difference"),
     "freebody.numerics.kernels": ("kernel",),
+    "freebody.motion.motion": ("Motion",),
+    "freebody.motion.default": ("default_motion",),
+    "freebody.report.study": ("Study", "study"),
 }
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 __all__ = [*_PLACE_OF, "__version__"]  # noqa: PLE0604  names are strings, taken from the table

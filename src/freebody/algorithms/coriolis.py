@@ -3,17 +3,45 @@
 from __future__ import annotations
 
 from freebody.algorithms.crba import momentum_of
-from freebody.algorithms.kinematics import ancestors
+from freebody.algorithms.kinematics import Column, ancestors
 from freebody.algorithms.world import (
+    Force,
     coriolis_times,
     coriolis_transposed_times,
     dot_motion,
     plus_motion,
+    weighted,
     world_tree,
 )
 from freebody.elementary import Scalar
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, dot
+
+
+def coriolis_product(tree: Tree, q: Vector, qd: Vector, x: Vector) -> Vector:
+    """C x without C: with C = Σ Jᵀ (I J̇ + B J) over the bodies, one sweep outward and one inward."""
+    space = tree.space
+    world = world_tree(tree, q, qd)
+    moved: list[Column] = []
+    drift: list[Column] = []
+    forces: list[Force] = []
+    for i, body in enumerate(tree.bodies):
+        rates = body.rates(x)
+        u, y = weighted(world.S[i], rates), weighted(world.S_rate[i], rates)
+        if body.parent >= 0:
+            u, y = plus_motion(moved[body.parent], u), plus_motion(drift[body.parent], y)
+        moved.append(u)
+        drift.append(y)
+        own = world.own_coriolis[i]
+        forces.append(plus_motion(momentum_of(space, world.own[i], y), coriolis_times(space, own, u)))
+    result: list[Scalar] = [0.0] * tree.nv
+    for i in reversed(range(len(tree.bodies))):
+        body = tree.bodies[i]
+        for s, k in zip(world.S[i], body.coordinates.v, strict=True):
+            result[k] = result[k] + body.coordinates.ratio * dot_motion(s, forces[i])
+        if body.parent >= 0:
+            forces[body.parent] = plus_motion(forces[body.parent], forces[i])
+    return tuple(result)
 
 
 def coriolis_matrix(tree: Tree, q: Vector, qd: Vector) -> Matrix:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from freebody.algorithms.kinematics import Column, Pose, ancestors, joint_poses
 from freebody.algorithms.rnea import External, rnea
@@ -83,6 +84,16 @@ def crba(tree: Tree, q: Vector) -> Matrix:
         if body.drive is not None:
             enter(at.v[0], at.v[0], at.ratio * at.ratio * body.drive.rotor)
     return tuple(tuple(row) for row in M)
+
+
+def mass_product(tree: Tree, q: Vector, x: Vector) -> Vector:
+    """M x without M: the inverse dynamics of a robot at rest, without gravity, springs and friction."""
+    bodies = tuple(
+        body if body.drive is None else replace(body, drive=replace(body.drive, viscous=0.0, coulomb=0.0, stiffness=0.0))
+        for body in tree.bodies
+    )
+    weightless = replace(tree, gravity=tree.space.zero, bodies=bodies)
+    return rnea(weightless, q, (0.0,) * tree.nv, x).tau
 
 
 def supports(tree: Tree) -> dict[int, tuple[int, ...]]:

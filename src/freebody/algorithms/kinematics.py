@@ -23,6 +23,17 @@ def joint_poses(tree: Tree, q: Vector) -> list[Pose]:
     ]
 
 
+def position_rates(tree: Tree, q: Vector, qd: Vector) -> Vector:
+    """The time derivative of q: q̇ itself, but for quaternions and positions of free joints."""
+    rates: list[Scalar] = [0.0] * tree.nq
+    for body in tree.bodies:
+        at = body.coordinates
+        own = body.primitive.position_rates(tree.space, tuple(q[k] for k in at.q), tuple(qd[k] for k in at.v))
+        for k, rate in zip(at.q, own, strict=True):
+            rates[k] = rate
+    return tuple(rates)
+
+
 def world_poses(tree: Tree, joints: list[Pose]) -> list[Pose]:
     """Pose of each body in the world."""
     world: list[Pose] = []

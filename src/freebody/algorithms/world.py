@@ -44,8 +44,9 @@ class WorldTree:
     own: list[Composite] = field(default_factory=list)
     """Inertia of each body alone."""
     inertia: list[Composite] = field(default_factory=list)
+    own_coriolis: list[tuple[Matrix, Vector]] = field(default_factory=list)
+    """(angular block of B, linear momentum) of each body alone."""
     coriolis: list[tuple[Matrix, Vector]] = field(default_factory=list)
-    """(angular block of B, linear momentum), summed like `inertia` over the subtree."""
 
 
 def columns_at_origin(tree: Tree, poses: list[Pose]) -> list[tuple[Column, ...]]:
@@ -73,8 +74,8 @@ def world_tree(tree: Tree, q: Vector, qd: Vector) -> WorldTree:
         inertia = _moved(space, pose, own_inertia(space, body))
         world.own.append(inertia)
         _, linear = momentum_of(space, inertia, velocity)
-        world.coriolis.append((space.coriolis(inertia[2], inertia[1], *velocity), linear))
-    world.inertia = list(world.own)
+        world.own_coriolis.append((space.coriolis(inertia[2], inertia[1], *velocity), linear))
+    world.inertia, world.coriolis = list(world.own), list(world.own_coriolis)
     for i in reversed(range(len(tree.bodies))):
         k = tree.bodies[i].parent
         if k >= 0:

@@ -89,9 +89,9 @@ def vector(function: str, model: Model, name: str, value: Any) -> Array:
     if isinstance(value, Mapping):
         value = _from_names(function, model, name, value)
     array = as_floats(function, name, value)
-    size = model.nq if name == "q" else model.dim if name in ("point", "about") else model.nv
+    size = model.nq if name == "q" else model.dim if name == "point" else model.nv
     if array.shape[-1:] != (size,):
-        symbol = "nq" if name == "q" else "dim" if name in ("point", "about") else "nv"
+        symbol = "nq" if name == "q" else "dim" if name == "point" else "nv"
         check_core(function, name, array, (size,), f"model {model.name!r} has {symbol} = {size}")
     if name == "q" and model.nq != model.nv:
         _check_quaternions(function, model, array)

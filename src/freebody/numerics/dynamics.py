@@ -59,6 +59,17 @@ def inverse_dynamics_derivatives(model: Model, q: Vector, qd: Vector, qdd: Vecto
     return evaluate("inverse_dynamics_derivatives", model, (q, qd, qdd))
 
 
+def inverse_dynamics_second_derivatives(
+    model: Model, q: Vector, qd: Vector, qdd: Vector
+) -> tuple[Array, Array, Array, Array]:
+    """Second derivatives of tau, each (..., nv, nv, nv), the last axis the last direction of differentiation.
+
+    (∂²tau/∂q∂q, ∂²tau/∂q̇∂q, ∂²tau/∂q̇∂q̇, ∂M/∂q); those with respect to q̈ and q̇, and to q̈ twice, are zero. On the tangent
+    space, the derivative along q of what `inverse_dynamics_derivatives` returns.
+    """
+    return evaluate("inverse_dynamics_second_derivatives", model, (q, qd, qdd))
+
+
 def forward_dynamics_derivatives(model: Model, q: Vector, qd: Vector, tau: Vector) -> tuple[Array, Array, Array]:
     """(∂q̈/∂q, ∂q̈/∂q̇, ∂q̈/∂tau = M⁻¹), each (..., nv, nv), on the tangent space; arguments as for `forward_dynamics`.
 

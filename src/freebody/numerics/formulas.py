@@ -13,8 +13,8 @@ from typing import Any
 
 from freebody.algorithms import energy, kinematics
 from freebody.algorithms.aba import aba
-from freebody.algorithms.coriolis import coriolis_matrix
-from freebody.algorithms.crba import bias, crba, forward_dynamics, supports
+from freebody.algorithms.coriolis import coriolis_matrix, coriolis_product
+from freebody.algorithms.crba import bias, crba, forward_dynamics, mass_product, supports
 from freebody.algorithms.derivatives import (
     Derivatives,
     forward_dynamics_derivatives,
@@ -24,6 +24,7 @@ from freebody.algorithms.operational import centroidal_momentum_matrix, mass_mat
 from freebody.algorithms.regressor import energy_regressor, regressor
 from freebody.algorithms.rnea import External, external_on_frame, joint_wrenches, rnea
 from freebody.model.tree import Tree
+from freebody.scalars.dual import Dual, slopes
 from freebody.spatial import Vector
 
 
@@ -43,7 +44,7 @@ class Option:
 class Formula:
     """A computable quantity.
 
-    inputs: names among q, qd, qdd, tau, point, wrenches. outputs: name -> dimensions: numbers, or names among
+    inputs: names among q, qd, qdd, tau, x, dq, dqd (nv each but q), point, wrenches. outputs: name -> dimensions: numbers, or names among
     nv, nj, six, dim, pose (dim + 1), rows, parameters.
     evaluate(tree, option, **inputs): a tuple of nested sequences of scalars; wrenches is a tuple of vectors, one for
     each of option.wrench_frames.
@@ -123,6 +124,33 @@ def _centre(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
     return (tuple(h / total for h in moment),)
 
 
+def _inverse_along(
+    tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, dq: Vector, dqd: Vector
+) -> tuple[Any, ...]:
+    """Change of tau along a direction (dq, dqd) of the tangent space."""
+    moved = _seeded(q, kinematics.position_rates(tree, q, dq))
+    return (tuple(slopes(t, 1)[0] for t in rnea(tree, moved, _seeded(qd, dqd), qdd).tau),)
+
+
+def _seeded(values: Vector, rates: Vector) -> Vector:
+    return tuple(Dual(x, {0: rate}) for x, rate in zip(values, rates, strict=True))
+
+
+def _second(tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector) -> tuple[Any, ...]:
+    """Second derivatives of tau: those of its first ones along every direction of q, and of q̇."""
+    n = tree.nv
+    units = [tuple(1.0 if i == k else 0.0 for i in range(n)) for k in range(n)]
+    along = [kinematics.position_rates(tree, q, unit) for unit in units]
+    moved = tuple(Dual(x, {k: rates[i] for k, rates in enumerate(along)}) for i, x in enumerate(q))
+    by_q = inverse_dynamics_derivatives(tree, moved, qd, qdd)
+    faster = tuple(Dual(x, {k: 1.0}) for k, x in enumerate(qd))
+    by_qd = inverse_dynamics_derivatives(tree, q, faster, qdd)
+    return tuple(
+        tuple(tuple(slopes(x, n) for x in row) for row in table)
+        for table in (by_q.by_q, by_q.by_qd, by_qd.by_qd, by_q.by_last)
+    )
+
+
 def _matrices(derivatives: Derivatives) -> tuple[Any, ...]:
     return derivatives.by_q, derivatives.by_qd, derivatives.by_last
 
@@ -167,6 +195,16 @@ FORMULAS: dict[str, Formula] = {
         {"dqdd_dq": ("nv", "nv"), "dqdd_dqd": ("nv", "nv"), "Minv": ("nv", "nv")},
         lambda t, o, q, qd, tau: _matrices(forward_dynamics_derivatives(t, q, qd, tau)),
     ),
+    "inverse_dynamics_second_derivatives": Formula(
+        ("q", "qd", "qdd"),
+        {name: ("nv", "nv", "nv") for name in ("d2tau_dq_dq", "d2tau_dqd_dq", "d2tau_dqd_dqd", "dM_dq")},
+        _second,
+    ),
+    "mass_product": Formula(("q", "x"), {"Mx": ("nv",)}, lambda t, o, q, x: (mass_product(t, q, x),)),
+    "coriolis_product": Formula(
+        ("q", "qd", "x"), {"Cx": ("nv",)}, lambda t, o, q, qd, x: (coriolis_product(t, q, qd, x),)
+    ),
+    "inverse_dynamics_along": Formula(("q", "qd", "qdd", "dq", "dqd"), {"dtau": ("nv",)}, _inverse_along),
     "mass_matrix_inverse": Formula(("q",), {"Minv": ("nv", "nv")}, lambda t, o, q: (mass_matrix_inverse(t, q),)),
     "operational_space_inertia": Formula(
         ("q",), {"Lambda": ("rows", "rows")}, lambda t, o, q: operational_space(t, q, None, _frame(o), o.rows)[:1]

@@ -13,9 +13,10 @@ from freebody.arrays import Array
 from freebody.compiler import Argument, Kernel, Program, compile_program, trace
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.model import Model
+from freebody.numerics.columns import BY_COLUMNS, LARGEST, ColumnKernel
 from freebody.numerics.formulas import FORMULAS, Option
 
-_KERNELS: weakref.WeakKeyDictionary[Model, dict[Any, Kernel]] = weakref.WeakKeyDictionary()
+_KERNELS: weakref.WeakKeyDictionary[Model, dict[Any, Kernel | ColumnKernel]] = weakref.WeakKeyDictionary()
 
 
 def kernel(
@@ -28,7 +29,7 @@ def kernel(
     rows: Sequence[str] | None = None,
     backend: str | None = None,
     width: int | None = None,
-) -> Kernel:
+) -> Kernel | ColumnKernel:
     """The compiled function for one quantity, or for several that share their work.
 
     model: with all values. names: among "inverse_dynamics", "forward_dynamics", "mass_matrix", "jacobian", … or a list.
@@ -73,18 +74,22 @@ _FRAMED = (
     "operational_space_inertia",
     "operational_space_bias",
 )
-_ORDER = ("q", "qd", "qdd", "tau", "point")
+_ORDER = ("q", "qd", "qdd", "tau", "x", "dq", "dqd", "point")
 
 
 def fetch(
     model: Model, names: tuple[str, ...], option: Option, backend: str | None = None, width: int | None = None
-) -> Kernel:
+) -> Kernel | ColumnKernel:
     """The kernel, compiled on first use and kept as long as the model."""
     kept = _KERNELS.setdefault(model, {})
     key = (names, option, backend, width)
     found = kept.get(key)
     if found is None:
-        found = kept[key] = compile_program(program(model, names, option), backend=backend, width=width)
+        if model.nv > LARGEST and len(names) == 1 and names[0] in BY_COLUMNS:
+            found = ColumnKernel(names[0], model.nv, lambda name: fetch(model, (name,), Option(), backend, width))
+        else:
+            found = compile_program(program(model, names, option), backend=backend, width=width)
+        kept[key] = found
     return found
 
 
@@ -133,8 +138,8 @@ def _array(value: Any, batch: tuple[int, ...], shape: tuple[int, ...]) -> Array:
 def arguments(model: Model, names: tuple[str, ...], option: Option) -> tuple[Argument, ...]:
     """Inputs that the formulas need, each once, in the fixed order."""
     wanted = {label for name in names for label in FORMULAS[name].inputs}
-    shapes = {"q": (model.nq,), "qd": (model.nv,), "qdd": (model.nv,), "tau": (model.nv,), "point": (model.dim,)}
-    plain = [Argument(x, shapes[x]) for x in _ORDER if x in wanted and (x != "point" or option.point)]
+    sizes = {"q": model.nq, "point": model.dim}
+    plain = [Argument(x, (sizes.get(x, model.nv),)) for x in _ORDER if x in wanted and (x != "point" or option.point)]
     loads = option.wrench_frames if "wrenches" in wanted else ()
     return (*plain, *(Argument(f"wrench {frame}", _shape(model, ("six",), option)) for frame in loads))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from freebody.model.joints.kind import Column, JointKind, Primitive
 from freebody.model.joints.spherical import PIVOTING
-from freebody.spatial import AnySpace, Matrix, Vector, identity
+from freebody.spatial import AnySpace, Matrix, Vector, identity, times
 
 
 class Floating(Primitive):
@@ -20,6 +20,10 @@ class Floating(Primitive):
     def columns(self, space: AnySpace, axis: Vector) -> tuple[Column, ...]:
         units = identity(3)
         return tuple((space.zero, unit) for unit in units) + tuple((unit, space.zero) for unit in units)
+
+    def position_rates(self, space: AnySpace, q: Vector, rates: Vector) -> Vector:
+        R, _ = self.pose(space, (), q)
+        return times(R, rates[:3]) + PIVOTING.position_rates(space, q[3:], rates[3:])
 
     def bias(self, space: AnySpace, rates: Vector) -> Column:
         # p̈ = d/dt (R v) = R (v̇ + ω × v)

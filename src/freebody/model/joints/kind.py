@@ -29,6 +29,10 @@ class Primitive(ABC):
     def columns(self, space: AnySpace, axis: Vector) -> tuple[Column, ...]:
         """nv motion columns."""
 
+    def position_rates(self, space: AnySpace, q: Vector, rates: Vector) -> Vector:
+        """q̇ of the joint (nq scalars) when it moves with `rates` (nv scalars)."""
+        return rates
+
     def bias(self, space: AnySpace, rates: Vector) -> Column:
         """The part of the child's acceleration relative to the joint's frame (the time derivative of its point's
         velocity, in the child's axes) that does not stem from the second rates."""

@@ -19,6 +19,12 @@ class Pivoting(Primitive):
     def columns(self, space: AnySpace, axis: Vector) -> tuple[Column, ...]:
         return tuple((unit, space.zero) for unit in identity(3))
 
+    def position_rates(self, space: AnySpace, q: Vector, rates: Vector) -> Vector:
+        (w, x, y, z), (a, b, c) = q, rates
+        # half the quaternion product q (0, ω)
+        twice = (-x * a - y * b - z * c, w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a)
+        return tuple(0.5 * rate for rate in twice)
+
 
 PIVOTING = Pivoting()
 

@@ -1,0 +1,80 @@
+"""Large square matrices column by column, by programs whose length grows with the robot and not with its square.
+
+Straight-line code for the n² entries of M, C or a derivative would take minutes to compile from some hundred joints on.
+Beyond `LARGEST` coordinates each column is one evaluation of the matrix times a unit vector, all columns in one batch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from freebody.arrays import Array
+from freebody.compiler import Kernel
+
+LARGEST = 64
+"""Coordinates up to which a matrix is one straight-line program."""
+
+Fetch = Callable[[str], Kernel]
+
+
+class ColumnKernel:
+    """Called like a `Kernel` of the same formula: (..., n) inputs, (..., n, n) outputs."""
+
+    def __init__(self, name: str, n: int, fetch: Fetch):
+        self.name, self.n, self.fetch = name, n, fetch
+
+    def __call__(self, *arrays: ArrayLike, out: Any = None, threads: int | None = None) -> Any:
+        """The matrix, or the tuple of them; `out` receives copies."""
+        given = [np.asarray(a, dtype=float)[..., None, :] for a in arrays]
+        results = BY_COLUMNS[self.name](given, self.n, self.fetch, threads)
+        results = tuple(np.swapaxes(columns, -1, -2) for columns in results)
+        if out is not None:
+            targets = out if isinstance(out, tuple) else (out,)
+            for target, result in zip(targets, results, strict=True):
+                target[...] = result
+            results = targets
+        return results if len(results) > 1 else results[0]
+
+
+def _mass(given: list[Array], n: int, fetch: Fetch, threads: int | None) -> tuple[Array, ...]:
+    (q,) = given
+    return (fetch("mass_product")(q, np.eye(n), threads=threads),)
+
+
+def _coriolis(given: list[Array], n: int, fetch: Fetch, threads: int | None) -> tuple[Array, ...]:
+    q, qd = given
+    return (fetch("coriolis_product")(q, qd, np.eye(n), threads=threads),)
+
+
+def _inverse_derivatives(given: list[Array], n: int, fetch: Fetch, threads: int | None) -> tuple[Array, ...]:
+    q, qd, qdd = given
+    along, still, units = fetch("inverse_dynamics_along"), np.zeros(n), np.eye(n)
+    by_q = along(q, qd, qdd, units, still, threads=threads)
+    by_qd = along(q, qd, qdd, still, units, threads=threads)
+    return by_q, by_qd, *_mass([q], n, fetch, threads)
+
+
+def _forward_derivatives(given: list[Array], n: int, fetch: Fetch, threads: int | None) -> tuple[Array, ...]:
+    q, qd, tau = given
+    qdd = fetch("forward_dynamics")(q, qd, tau, threads=threads)
+    by_q, by_qd, M = (np.swapaxes(x, -1, -2) for x in _inverse_derivatives([q, qd, qdd], n, fetch, threads))
+    inverse = np.linalg.inv(M)
+    return tuple(np.swapaxes(x, -1, -2) for x in (-inverse @ by_q, -inverse @ by_qd, inverse))
+
+
+def _inverse_mass(given: list[Array], n: int, fetch: Fetch, threads: int | None) -> tuple[Array, ...]:
+    return (np.linalg.inv(_mass(given, n, fetch, threads)[0]),)
+
+
+BY_COLUMNS: dict[str, Callable[[list[Array], int, Fetch, int | None], tuple[Array, ...]]] = {
+    "mass_matrix": _mass,
+    "mass_matrix_inverse": _inverse_mass,
+    "coriolis_matrix": _coriolis,
+    "inverse_dynamics_derivatives": _inverse_derivatives,
+    "forward_dynamics_derivatives": _forward_derivatives,
+}
+"""Matrices known by columns: each function returns arrays (..., column, row)."""

@@ -1,0 +1,103 @@
+"""Scalars with derivatives: a value and its slopes along numbered directions, over any other scalar.
+
+Fed to an algorithm, a `Dual` over floats gives numbers, over traced scalars a program, of the function's derivatives
+(forward mode). Slopes that are zero by structure are absent and cost nothing.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from freebody.elementary import Scalar, cos, sign, sin, sqrt
+
+Slopes = dict[int, Scalar]
+
+
+class Dual:
+    """value + Σ slopes[k] ε_k, with ε_j ε_k = 0."""
+
+    __slots__ = ("slopes", "value")
+    __array_ufunc__ = None  # array * dual is ours
+
+    def __init__(self, value: Scalar, slopes: Slopes):
+        self.value = value
+        self.slopes = slopes
+
+    def __add__(self, other: Any) -> Dual:
+        if isinstance(other, Dual):
+            return Dual(self.value + other.value, _sum(self.slopes, other.slopes))
+        return Dual(self.value + other, self.slopes)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Dual:
+        return self + (-other)
+
+    def __rsub__(self, other: Any) -> Dual:
+        return -self + other
+
+    def __neg__(self) -> Dual:
+        return Dual(-self.value, {k: -s for k, s in self.slopes.items()})
+
+    def __mul__(self, other: Any) -> Dual:
+        if isinstance(other, Dual):
+            return Dual(
+                self.value * other.value, _sum(_scaled(other.value, self.slopes), _scaled(self.value, other.slopes))
+            )
+        return Dual(self.value * other, _scaled(other, self.slopes))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Dual:
+        if isinstance(other, Dual):
+            ratio = self.value / other.value
+            inverse = 1.0 / other.value
+            return Dual(ratio, _sum(_scaled(inverse, self.slopes), _scaled(-(ratio * inverse), other.slopes)))
+        return Dual(self.value / other, _scaled(1.0 / other, self.slopes))
+
+    def __rtruediv__(self, other: Any) -> Dual:
+        ratio = other / self.value
+        return Dual(ratio, _scaled(-(ratio / self.value), self.slopes))
+
+    def sin(self) -> Dual:
+        """Sine."""
+        return Dual(sin(self.value), _scaled(cos(self.value), self.slopes))
+
+    def cos(self) -> Dual:
+        """Cosine."""
+        return Dual(cos(self.value), _scaled(-sin(self.value), self.slopes))
+
+    def sqrt(self) -> Dual:
+        """Square root."""
+        root = sqrt(self.value)
+        return Dual(root, _scaled(0.5 / root, self.slopes))
+
+    def sign(self) -> Scalar:
+        """Sign: constant where it has a derivative."""
+        return sign(self.value)
+
+
+def slopes(x: Scalar, directions: int) -> list[Scalar]:
+    """The slopes of a scalar along 0 … directions - 1."""
+    known = x.slopes if isinstance(x, Dual) else {}
+    return [known.get(k, 0.0) for k in range(directions)]
+
+
+def value(x: Scalar) -> Scalar:
+    """The scalar without its slopes."""
+    return x.value if isinstance(x, Dual) else x
+
+
+def _scaled(s: Scalar, by: Slopes) -> Slopes:
+    if isinstance(s, float) and s == 0.0:
+        return {}
+    return {k: s * slope for k, slope in by.items()}
+
+
+def _sum(a: Slopes, b: Slopes) -> Slopes:
+    if not a or not b:
+        return a or b
+    total = dict(a)
+    for k, slope in b.items():
+        total[k] = total[k] + slope if k in total else slope
+    return total
