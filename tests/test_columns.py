@@ -9,7 +9,6 @@ import freebody as fb
 from freebody.numerics.columns import BY_COLUMNS, ColumnKernel
 from freebody.numerics.formulas import FORMULAS, Option
 from freebody.numerics.kernels import fetch, reference
-
 from test_derivatives import MODELS, _difference
 
 INPUTS = {"q": 0, "qd": 1, "qdd": 2, "tau": 2}
@@ -31,7 +30,9 @@ def test_columns_equal_the_whole(model_name, name):
 def test_second_derivatives_are_differences_of_first_ones(model_name):
     model = MODELS[model_name]()
     q, qd, qdd = fb.random_state(model, seed=6)
-    by_q_q, by_qd_q, by_qd_qd, M_q = reference(model, "inverse_dynamics_second_derivatives", Option(), q, qd, qdd)
+    by_q_q, by_qd_q, by_qd_qd, M_q = reference(
+        model, "inverse_dynamics_second_derivatives", Option(), q, qd, qdd
+    )
 
     def first(part):
         return lambda x: fb.inverse_dynamics_derivatives(model, x, qd, qdd)[part]
@@ -41,7 +42,8 @@ def test_second_derivatives_are_differences_of_first_ones(model_name):
         np.testing.assert_allclose(tensor, _difference(model, first(part), q), atol=1e-8 * scale)
     step = np.eye(model.nv)
     ahead, behind = (
-        np.stack([fb.inverse_dynamics_derivatives(model, q, qd + s * e, qdd)[1] for e in step], axis=-1) for s in (1, -1)
+        np.stack([fb.inverse_dynamics_derivatives(model, q, qd + s * e, qdd)[1] for e in step], axis=-1)
+        for s in (1, -1)
     )
     np.testing.assert_allclose(by_qd_qd, (ahead - behind) / 2, atol=1e-10 * scale)
     np.testing.assert_allclose(by_qd_qd, np.swapaxes(by_qd_qd, -1, -2), atol=1e-10 * scale)

@@ -21,7 +21,9 @@ def _branched(base: str) -> fb.Model:
     def lump() -> Inertia:
         a = rng.normal(size=(3, 3))
         sigma = a @ a.T * 0.05
-        return Inertia.of(float(rng.uniform(0.5, 2)), rng.normal(size=3) * 0.2, np.trace(sigma) * np.eye(3) - sigma)
+        return Inertia.of(
+            float(rng.uniform(0.5, 2)), rng.normal(size=3) * 0.2, np.trace(sigma) * np.eye(3) - sigma
+        )
 
     def place():
         turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
@@ -40,7 +42,9 @@ def _branched(base: str) -> fb.Model:
 
 
 MODELS = {
-    "planar": lambda: fb.planar("RPRR", l=[1, 0.2, 0.5, 0.3], lc=[0.5, 0.3, 0.2, 0.1], m=[1, 2, 3, 1], I=[1, 2, 3, 4]),
+    "planar": lambda: fb.planar(
+        "RPRR", l=[1, 0.2, 0.5, 0.3], lc=[0.5, 0.3, 0.2, 0.1], m=[1, 2, 3, 1], I=[1, 2, 3, 4]
+    ),
     "fixed": lambda: _branched("fixed"),
     "free": lambda: _branched("free"),
 }
@@ -54,7 +58,11 @@ def _difference(model, function, q, *rest, h=1e-3):
         step = np.eye(model.nv)[k] * h
         columns.append(
             sum(
-                w * (function(fb.integrate(model, q, s * step), *rest) - function(fb.integrate(model, q, -s * step), *rest))
+                w
+                * (
+                    function(fb.integrate(model, q, s * step), *rest)
+                    - function(fb.integrate(model, q, -s * step), *rest)
+                )
                 for s, w in weights.items()
             )
             / h
@@ -90,11 +98,15 @@ def test_forward_dynamics_derivatives_are_differences(name):
     unit = np.eye(model.nv)[:, None]
     ahead, behind = (fb.forward_dynamics(model, q, qd + s * unit, tau) for s in (1, -1))
     np.testing.assert_allclose(by_qd, np.moveaxis((ahead - behind) / 2, 0, -1), atol=1e-9 * scale)
-    np.testing.assert_allclose(inverse @ fb.mass_matrix(model, q), np.broadcast_to(np.eye(model.nv), inverse.shape), atol=1e-9)
+    np.testing.assert_allclose(
+        inverse @ fb.mass_matrix(model, q), np.broadcast_to(np.eye(model.nv), inverse.shape), atol=1e-9
+    )
 
 
 @pytest.mark.parametrize("name", MODELS)
-@pytest.mark.parametrize("formula", ["inverse_dynamics_derivatives", "forward_dynamics_derivatives", "coriolis_matrix"])
+@pytest.mark.parametrize(
+    "formula", ["inverse_dynamics_derivatives", "forward_dynamics_derivatives", "coriolis_matrix"]
+)
 def test_kernels_equal_the_reference(name, formula):
     model = MODELS[name]()
     state = fb.random_state(model, seed=5, batch=3)[: 2 if formula == "coriolis_matrix" else 3]

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import freebody as fb
-
 from test_derivatives import MODELS
 
 
@@ -25,13 +24,17 @@ def test_mass_matrix_inverse(case):
 def test_regressor_times_parameters_is_inverse_dynamics(case):
     model, q, qd, qdd = case
     tau = fb.regressor(model, q, qd, qdd) @ np.array(list(fb.inertial_parameters(model).values()))
-    np.testing.assert_allclose(tau, fb.inverse_dynamics(model, q, qd, qdd), rtol=1e-11, atol=1e-11 * np.abs(tau).max())
+    np.testing.assert_allclose(
+        tau, fb.inverse_dynamics(model, q, qd, qdd), rtol=1e-11, atol=1e-11 * np.abs(tau).max()
+    )
 
 
 def test_energy_regressor_times_parameters_is_energy(case):
     model, q, qd, _ = case
     parameters = fb.inertial_parameters(model)
-    kinetic, potential = np.moveaxis(fb.energy_regressor(model, q, qd) @ np.array(list(parameters.values())), -1, 0)
+    kinetic, potential = np.moveaxis(
+        fb.energy_regressor(model, q, qd) @ np.array(list(parameters.values())), -1, 0
+    )
     np.testing.assert_allclose(kinetic, fb.kinetic_energy(model, q, qd), rtol=1e-11)
     missing = fb.potential_energy(model, q) - potential
     np.testing.assert_allclose(missing, np.broadcast_to(missing[:1], missing.shape), rtol=1e-9, atol=1e-9)
@@ -47,7 +50,10 @@ def test_centroidal_momentum(case):
     np.testing.assert_allclose(momentum, fb.momentum(model, q, qd, about=centre), rtol=1e-9, atol=1e-10)
     still = np.zeros_like(qd)
     h = 1e-5
-    velocity = (fb.center_of_mass(free, fb.integrate(model, q, h * qd)) - fb.center_of_mass(free, fb.integrate(model, q, -h * qd))) / (2 * h)
+    velocity = (
+        fb.center_of_mass(free, fb.integrate(model, q, h * qd))
+        - fb.center_of_mass(free, fb.integrate(model, q, -h * qd))
+    ) / (2 * h)
     np.testing.assert_allclose(momentum[..., : model.dim], mass * velocity, rtol=1e-6, atol=1e-7)
     assert not fb.momentum(model, q, still).any()
 
@@ -73,7 +79,9 @@ def test_operational_space_moves_the_frame_as_it_says(case):
 
 def test_rows_that_cannot_be_are_refused():
     model = fb.planar("RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1])
-    with pytest.raises(fb.FreebodyError, match=r"has 2 joint coordinates and cannot move a frame along 3 rows"):
+    with pytest.raises(
+        fb.FreebodyError, match=r"has 2 joint coordinates and cannot move a frame along 3 rows"
+    ):
         fb.operational_space_inertia(model, [0.1, 0.2])
     with pytest.raises(fb.FreebodyError, match=r"no row 'vz' in rows=.*Rows: vx, vy, w"):
         fb.operational_space_inertia(model, [0.1, 0.2], rows=["vz"])

@@ -66,7 +66,7 @@ _PLACES = {
     "freebody.report.study": ("Study", "study"),
 }
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
-__all__ = [*_PLACE_OF, "__version__"]  # noqa: PLE0604  names are strings, taken from the table
+__all__ = [*_PLACE_OF, "__version__"]
 
 
 def __getattr__(name: str) -> Any:

@@ -36,7 +36,9 @@ def check_core(function: str, argument: str, array: Array, core: tuple[int, ...]
         raise ShapeError(function, argument, array.shape, f"(..., {', '.join(map(str, core))})", because)
 
 
-def refuse_not_finite(function: str, argument: str, array: Array, core: int, labels: Sequence[str] = ()) -> None:
+def refuse_not_finite(
+    function: str, argument: str, array: Array, core: int, labels: Sequence[str] = ()
+) -> None:
     """Refuse NaN and infinity, naming the sample (leading index) and, with `labels`, the component."""
     bad = np.argwhere(~np.isfinite(array))
     if not len(bad):

@@ -22,8 +22,12 @@ class PhysicalWarning(FreebodyWarning):
 class ShapeError(FreebodyError, ValueError):
     """An array of the wrong shape."""
 
-    def __init__(self, function: str, argument: str, given: tuple[int, ...], expected: str, because: str = ""):
-        super().__init__(f"{function}: {argument} has shape {given}, expected {expected}{': ' + because if because else ''}.")
+    def __init__(
+        self, function: str, argument: str, given: tuple[int, ...], expected: str, because: str = ""
+    ):
+        super().__init__(
+            f"{function}: {argument} has shape {given}, expected {expected}{': ' + because if because else ''}."
+        )
 
 
 class NotFiniteError(FreebodyError, ValueError):
@@ -40,7 +44,7 @@ class UnknownNameError(FreebodyError, KeyError):
         known = list(names)
         near = difflib.get_close_matches(str(name), known, n=1)
         hint = f" Did you mean {near[0]!r}?" if near else ""
-        plural = f"{what[:-1]}ies" if what.endswith("y") else f"{what}s"
+        plural = f"{what[:-1]}ies" if what.endswith("y") and what[-2:-1] not in "aeou" else f"{what}s"
         listed = f" {plural[0].upper()}{plural[1:]}: {_listing(known)}." if known else f" It has no {plural}."
         super().__init__(f"no {what} {name!r} in {owner}.{hint}{listed}")
 

@@ -160,7 +160,8 @@ class Space:
         # sigma is symmetric, so its rows are its columns
         turning = transposed(tuple(self.cross(w, row) for row in sigma))
         return tuple(
-            tuple((across if i == j else 0.0) - v[i] * h[j] - turning[i][j] for j in range(3)) for i in range(3)
+            tuple((across if i == j else 0.0) - v[i] * h[j] - turning[i][j] for j in range(3))
+            for i in range(3)
         )
 
     def turned_inertia(self, R: Matrix, inertia: Matrix) -> Matrix:

@@ -89,7 +89,9 @@ def crba(tree: Tree, q: Vector) -> Matrix:
 def mass_product(tree: Tree, q: Vector, x: Vector) -> Vector:
     """M x without M: the inverse dynamics of a robot at rest, without gravity, springs and friction."""
     bodies = tuple(
-        body if body.drive is None else replace(body, drive=replace(body.drive, viscous=0.0, coulomb=0.0, stiffness=0.0))
+        body
+        if body.drive is None
+        else replace(body, drive=replace(body.drive, viscous=0.0, coulomb=0.0, stiffness=0.0))
         for body in tree.bodies
     )
     weightless = replace(tree, gravity=tree.space.zero, bodies=bodies)
@@ -160,8 +162,8 @@ def bias(tree: Tree, q: Vector, qd: Vector, external: Sequence[External] = ()) -
     return rnea(tree, q, qd, (0.0,) * tree.nv, external).tau
 
 
-def forward_dynamics(tree: Tree, q: Vector, qd: Vector, tau: Vector, external: Sequence[External] = ()) -> Vector:
+def forward_dynamics(
+    tree: Tree, q: Vector, qd: Vector, tau: Vector, external: Sequence[External] = ()
+) -> Vector:
     """q̈ from M q̈ = tau - bias (3.29)."""
     return solve(tree, crba(tree, q), sub(tau, bias(tree, q, qd, external)))
-
-

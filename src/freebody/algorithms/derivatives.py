@@ -59,7 +59,9 @@ def inverse_dynamics_derivatives(tree: Tree, q: Vector, qd: Vector, qdd: Vector)
             s, psi = world.S[j][b], world.psi[j][b]
             carried = momentum_of(space, I, s)
             back = scale(2.0, coriolis_transposed_times(space, B, s))
-            turning = plus_motion(_twice(coriolis_times(space, B, psi)), momentum_of(space, I, psi_rate[j][b]))
+            turning = plus_motion(
+                _twice(coriolis_times(space, B, psi)), momentum_of(space, I, psi_rate[j][b])
+            )
             by_position = plus_motion(turning, cross_force(space, s, forces[j]))
             both = plus_motion(psi, world.S_rate[j][b])
             by_rate = plus_motion(_twice(coriolis_times(space, B, s)), momentum_of(space, I, both))
@@ -86,9 +88,7 @@ def inverse_dynamics_derivatives(tree: Tree, q: Vector, qd: Vector, qdd: Vector)
     return Derivatives(*(tuple(tuple(row) for row in table) for table in (by_q, by_qd, by_qdd)))
 
 
-def forward_dynamics_derivatives(
-    tree: Tree, q: Vector, qd: Vector, tau: Vector
-) -> Derivatives:
+def forward_dynamics_derivatives(tree: Tree, q: Vector, qd: Vector, tau: Vector) -> Derivatives:
     """Derivatives of q̈: -M⁻¹ ∂tau/∂q, -M⁻¹ ∂tau/∂q̇ and M⁻¹, those of tau taken at the q̈ that tau causes."""
     qdd = forward_dynamics(tree, q, qd, tau)
     inverse = inverse_dynamics_derivatives(tree, q, qd, qdd)

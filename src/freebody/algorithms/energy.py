@@ -38,7 +38,8 @@ def potential_energy(tree: Tree, q: Vector) -> Scalar:
 
 
 def momentum(tree: Tree, q: Vector, qd: Vector, about: Vector | None = None) -> Vector:
-    """Linear, then angular momentum about a point of the world (default its origin), in world axes; rotors not counted."""
+    """Linear, then angular momentum about a point of the world (default its origin), in world axes; rotors
+    not counted."""
     space = tree.space
     motion = outward(tree, q, qd, (0.0,) * tree.nv)
     linear, angular = space.zero, space.zero_angular
@@ -50,5 +51,7 @@ def momentum(tree: Tree, q: Vector, qd: Vector, about: Vector | None = None) -> 
             if about is not None:
                 arm = sub(arm, about)
             linear = add(linear, m_v)
-            angular = add(angular, space.turn(R, space.inertia_times(mass.inertia, w)), space.moment(arm, m_v))
+            angular = add(
+                angular, space.turn(R, space.inertia_times(mass.inertia, w)), space.moment(arm, m_v)
+            )
     return linear + angular

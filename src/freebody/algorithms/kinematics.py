@@ -6,7 +6,19 @@ from dataclasses import dataclass
 
 from freebody.elementary import Scalar
 from freebody.model.tree import Tree, TreeBody
-from freebody.spatial import AnySpace, Matrix, Vector, add, combine, compose, identity, scale, sub, times, transposed
+from freebody.spatial import (
+    AnySpace,
+    Matrix,
+    Vector,
+    add,
+    combine,
+    compose,
+    identity,
+    scale,
+    sub,
+    times,
+    transposed,
+)
 
 Pose = tuple[Matrix, Vector]
 """(R, p): axes and origin of a frame."""
@@ -49,7 +61,8 @@ def frame_pose(tree: Tree, world: list[Pose], frame: str) -> Pose:
 
 
 def relative_motion(space: AnySpace, body: TreeBody, rates: Vector) -> Column:
-    """Angular and linear velocity (or, of second rates, acceleration without bias) of a body over its joint, body axes."""
+    """Angular and linear velocity (or, of second rates, acceleration without bias) of a body over its joint,
+    body axes."""
     return (
         combine(tuple(w for w, _ in body.columns), rates),
         combine(tuple(v for _, v in body.columns), rates),
@@ -69,10 +82,13 @@ class Motion:
     """[ω̇×] + [ω×][ω×] of each body."""
 
 
-def outward(tree: Tree, q: Vector, qd: Vector, qdd: Vector, base_acceleration: Vector | None = None) -> Motion:
+def outward(
+    tree: Tree, q: Vector, qd: Vector, qdd: Vector, base_acceleration: Vector | None = None
+) -> Motion:
     """Outward recursion (4.6-4.11; 6.16-6.22 revolute, 6.23-6.27 prismatic, in one form).
 
-    v̇ is the acceleration of the body's origin (time derivative of its velocity), in body axes. A base acceleration of -g
+    v̇ is the acceleration of the body's origin (time derivative of its velocity), in body axes. A base
+    acceleration of -g
     makes gravity part of it.
     """
     space = tree.space
@@ -106,7 +122,9 @@ def outward(tree: Tree, q: Vector, qd: Vector, qdd: Vector, base_acceleration: V
     return motion
 
 
-def frame_motion(tree: Tree, motion: Motion, frame: str, point: Vector | None = None) -> tuple[Column, Column]:
+def frame_motion(
+    tree: Tree, motion: Motion, frame: str, point: Vector | None = None
+) -> tuple[Column, Column]:
     """((ω, v), (ω̇, v̇)) of a point fixed to a frame (default its origin), in world axes."""
     space = tree.space
     body, R, p = tree.frames[frame]
@@ -155,7 +173,9 @@ def jacobian_dot(tree: Tree, q: Vector, qd: Vector, frame: str, reference: str =
         for angular, linear in of_body:
             slide = sub(linear, space.cross(angular, arm))  # R v_k: constant in the body
             angular_rate = space.cross_angular(w, angular)
-            linear_rate = add(space.cross(w, slide), space.cross(angular_rate, arm), space.cross(angular, arm_rate))
+            linear_rate = add(
+                space.cross(w, slide), space.cross(angular_rate, arm), space.cross(angular, arm_rate)
+            )
             if reference != "world":
                 # d/dt (Rᵀ J) = Rᵀ (J̇ - ω × J)
                 angular_rate = sub(angular_rate, space.cross_angular(w_frame, angular))
@@ -202,5 +222,3 @@ def centre_of_mass(tree: Tree, q: Vector, base: bool = True) -> tuple[Scalar, Ve
             total = total + mass.m
             moment = add(moment, scale(mass.m, add(p, times(R, mass.c))))
     return total, moment
-
-

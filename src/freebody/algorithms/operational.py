@@ -29,7 +29,8 @@ def mass_matrix_inverse(tree: Tree, q: Vector) -> Matrix:
 def operational_space(
     tree: Tree, q: Vector, qd: Vector | None, frame: str, rows: tuple[int, ...]
 ) -> tuple[Matrix, Vector]:
-    """(Λ, μ) of the chosen rows of a frame's motion: Λ ẍ + μ is the wrench that moves the arm, friction and gravity in μ.
+    """(Λ, μ) of the chosen rows of a frame's motion: Λ ẍ + μ is the wrench that moves the arm, friction and
+    gravity in μ.
 
     Λ = (J M⁻¹ Jᵀ)⁻¹, μ = Λ (J M⁻¹ bias - J̇ q̇); μ is empty without q̇. The rows of J must be independent.
     """
@@ -69,7 +70,9 @@ def inverse_of_symmetric(A: Matrix) -> Matrix:
         for k in range(i):
             for j in range(k + 1):
                 rows[i][j] = rows[i][j] - L[i][k] * rows[k][j]
-    return symmetric(n, lambda i, j: reduce(operator.add, (rows[k][i] * inverse[k] * rows[k][j] for k in range(j, n))))
+    return symmetric(
+        n, lambda i, j: reduce(operator.add, (rows[k][i] * inverse[k] * rows[k][j] for k in range(j, n)))
+    )
 
 
 def centroidal_momentum_matrix(tree: Tree, q: Vector) -> Matrix:

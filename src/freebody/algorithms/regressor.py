@@ -1,7 +1,8 @@
 """Inverse dynamics and energies as linear functions of what a robot's bodies and drives weigh.
 
 Parameters of a body: its mass m, first moment h = m c and inertia I about its own origin, in its axes: in space
-m, hx, hy, hz, Ixx, Ixy, Ixz, Iyy, Iyz, Izz, in the plane m, hx, hy, I. Of a drive: viscous and Coulomb friction, reflected
+m, hx, hy, hz, Ixx, Ixy, Ixz, Iyy, Iyz, Izz, in the plane m, hx, hy, I. Of a drive: viscous and Coulomb
+friction, reflected
 rotor inertia J gear², stiffness, and stiffness times rest position.
 """
 
@@ -115,4 +116,3 @@ def _unit_torques(body: TreeBody, q: Vector, qd: Vector, qdd: Vector) -> Vector:
     """Torque at the joint of each parameter of its drive, being 1."""
     (position,), (rate,), (second,) = body.position(q), body.rates(qd), body.rates(qdd)
     return rate, sign(rate), second, position, -1.0
-

@@ -123,7 +123,8 @@ def external_on_frame(tree: Tree, q: Vector, frame: str, wrench: Vector) -> Exte
 
 
 def joint_wrenches(tree: Tree, recursion: Recursion, reference: str = "world") -> list[Vector]:
-    """For each joint of the model (force, moment) on the child by the parent at the child's origin, world or child axes."""
+    """For each joint of the model (force, moment) on the child by the parent at the child's origin, world or
+    child axes."""
     world = world_poses(tree, recursion.motion.joints)
     rows = []
     for i in tree.body_of:

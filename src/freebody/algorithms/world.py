@@ -1,7 +1,8 @@
 """Bodies in world axes about the world's origin, and what hangs on each: the common ground of C and the derivatives.
 
 Motions are pairs (ω, v) and forces pairs (n, f), both at the world's origin, so nothing needs to be transformed on the
-way along the tree. A body's Coriolis matrix B = ½ ((v×*) I - I (v×) + (I v)×̄*) (Echeandia and Wensing 2021) has only two
+way along the tree. A body's Coriolis matrix B = ½ ((v×*) I - I (v×) + (I v)×̄*) (Echeandia and Wensing 2021)
+has only two
 blocks that are not zero: the angular one and, below it, -(linear momentum)×.
 """
 
@@ -134,5 +135,8 @@ def _moved(space: AnySpace, pose: Pose, inertia: Composite) -> Composite:
     """A body's inertia in world axes about the world's origin."""
     (R, p), (m, h, own) = pose, inertia
     turned = times(R, h)
-    return m, add(turned, scale(m, p)), space.plus_inertia(space.turned_inertia(R, own), space.steiner(m, turned, p))
-
+    return (
+        m,
+        add(turned, scale(m, p)),
+        space.plus_inertia(space.turned_inertia(R, own), space.steiner(m, turned, p)),
+    )

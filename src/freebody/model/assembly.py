@@ -5,7 +5,6 @@ Refusals name the link or joint, the file's line where there is one, and the rem
 
 from __future__ import annotations
 
-import dataclasses
 import warnings
 from dataclasses import replace
 from typing import Literal, NoReturn, TypeVar
@@ -104,12 +103,18 @@ class _Assembly:
         kind = KINDS[joint.kind]
         dim = self.description.dim
         if dim not in kind.dimensions:
-            self.refuse(f"{where}: a {kind.name} joint needs a model in space, this one is planar.", joint.line)
+            self.refuse(
+                f"{where}: a {kind.name} joint needs a model in space, this one is planar.", joint.line
+            )
         for role, name in (("parent", joint.parent), ("child", joint.child)):
             if name not in self.links:
-                self.refuse(f"{where}: {UnknownNameError(f'{role} link', name, 'the file', self.links)}", joint.line)
+                self.refuse(
+                    f"{where}: {UnknownNameError(f'{role} link', name, 'the file', self.links)}", joint.line
+                )
         if joint.parent == joint.child:
-            self.refuse(f"{where}: link {joint.child!r} cannot be its own parent; name another parent.", joint.line)
+            self.refuse(
+                f"{where}: link {joint.child!r} cannot be its own parent; name another parent.", joint.line
+            )
         if kind.nv != 1 and joint.drive != Drive():
             self.refuse(
                 f"{where}: friction, rotors and springs belong to one-axis joints, not a {kind.name} one; remove them.",
@@ -123,7 +128,9 @@ class _Assembly:
         expected = 1 if self.description.dim == 2 and joint.kind != "prismatic" else self.description.dim
         axis = np.array(joint.axis, dtype=float)
         if axis.shape != (expected,) or not np.isfinite(axis).all() or not axis.any():
-            self.refuse(f"{where}: axis {joint.axis} must be {expected} finite numbers, not all zero.", joint.line)
+            self.refuse(
+                f"{where}: axis {joint.axis} must be {expected} finite numbers, not all zero.", joint.line
+            )
         if np.count_nonzero(axis) == 1:
             return tuple(float(x) for x in np.sign(axis))
         length = float(np.linalg.norm(axis))
@@ -135,14 +142,20 @@ class _Assembly:
         if any(np.isnan(x) for x in values):
             self.refuse(f"{where}: a limit is not a number; correct it.", joint.line)
         if limits.lower > limits.upper:
-            self.refuse(f"{where}: lower limit {limits.lower:g} is above upper {limits.upper:g}; swap them.", joint.line)
+            self.refuse(
+                f"{where}: lower limit {limits.lower:g} is above upper {limits.upper:g}; swap them.",
+                joint.line,
+            )
 
     def check_inertia(self, link: Link) -> None:
         """The policy on inertias that no rigid body has: the numbers are used as given, or refused."""
         if link.inertia is None or self.physical == "ignore":
             return
         if link.inertia.dim != self.description.dim:
-            self.refuse(f"link {link.name!r}: its inertia is {link.inertia.dim}D, the model {self.description.dim}D.", link.line)
+            self.refuse(
+                f"link {link.name!r}: its inertia is {link.inertia.dim}D, the model {self.description.dim}D.",
+                link.line,
+            )
         fault = link.inertia.fault()
         if fault is None:
             return
@@ -191,7 +204,11 @@ class _Assembly:
 
     # ------------------------------------------------------------ lumping and mimics
     def carry(
-        self, link: str, above: dict[str, Joint], index: dict[str, int], carrier: dict[str, tuple[int, Placement]]
+        self,
+        link: str,
+        above: dict[str, Joint],
+        index: dict[str, int],
+        carrier: dict[str, tuple[int, Placement]],
     ) -> tuple[int, Placement]:
         """The body that a link is part of, and the link's frame in it: found by walking its parents."""
         if link not in carrier:
@@ -221,16 +238,24 @@ class _Assembly:
                     problem = UnknownNameError("joint", name, f"the mimic of {joint.name!r}", named)
                     self.refuse(f"{problem} Correct it, or load with mimic='free'.", joint.line)
                 if name in seen:
-                    self.refuse(f"joint {joint.name!r}: its mimics go round in a circle; remove one.", joint.line)
+                    self.refuse(
+                        f"joint {joint.name!r}: its mimics go round in a circle; remove one.", joint.line
+                    )
                 seen.append(name)
                 leader = named[name]
             if KINDS[leader.kind].nv != 1 or KINDS[joint.kind].nv != 1:
-                self.refuse(f"joint {joint.name!r}: only one-axis joints can mimic or be mimicked.", joint.line)
+                self.refuse(
+                    f"joint {joint.name!r}: only one-axis joints can mimic or be mimicked.", joint.line
+                )
             resolved[joint.name] = Mimic(leader.name, ratio, offset)
         return resolved
 
     def finished(
-        self, joints: list[Joint], index: dict[str, int], carrier: dict[str, tuple[int, Placement]], tip: str | None
+        self,
+        joints: list[Joint],
+        index: dict[str, int],
+        carrier: dict[str, tuple[int, Placement]],
+        tip: str | None,
     ) -> Model:
         d = self.description
         followers = self.leaders(joints) if self.mimic == "follow" else {}
@@ -244,7 +269,9 @@ class _Assembly:
             if joint.kind == "fixed":
                 continue
             parent, placement = carrier[joint.parent] if joint.parent else (-1, Placement())
-            mounted = replace(joint, placement=placement.then(joint.placement), mimic=followers.get(joint.name))
+            mounted = replace(
+                joint, placement=placement.then(joint.placement), mimic=followers.get(joint.name)
+            )
             bodies.append(Body(joint.child, mounted, parent, tuple(parts[index[joint.child]])))
         fixed_to = {joint.child: joint.parent for joint in joints if joint.kind == "fixed"}
         frames = [Frame(link.name, *carrier[link.name], fixed_to.get(link.name, "")) for link in d.links]
@@ -266,18 +293,7 @@ class _Assembly:
             source=d.source,
             notices=tuple(self.notices),
         )
-        leaves = self.leaves(model)
-        model = dataclasses.replace(model, leaves=leaves)
         for payload in d.payloads:
             model = model.with_payload(payload.inertia, frame=payload.frame, name=payload.name)
-        chosen = tip or d.tip or (leaves[0] if len(leaves) == 1 else None)
+        chosen = tip or d.tip or (model.leaves[0] if len(model.leaves) == 1 else None)
         return model if chosen is None else model.replace(tip=chosen)
-
-    def leaves(self, model: Model) -> tuple[str, ...]:
-        """The movable frames at the ends of the tree: links that carry nothing, or what is mounted on them."""
-        parents = {joint.parent for joint in self.description.joints}
-        ends: list[str] = []
-        for link in self.description.links:
-            if link.name not in parents and model.frame(link.name).body >= 0:
-                ends += [m.name for m in self.description.mounts if m.link == link.name] or [link.name]
-        return tuple(ends)

@@ -1,7 +1,9 @@
 """Serial arms from Denavit-Hartenberg tables, standard or modified: the caller says which.
 
-standard:  T_{i-1,i} = Rz(θ_i) Tz(d_i) Tx(a_i) Rx(α_i); joint i acts along z_{i-1}, frame i sits at the far end of link i.
-modified:  T_{i-1,i} = Rx(α_i) Tx(a_i) Rz(θ_i) Tz(d_i), α_i and a_i being those of the row; joint i acts along z_i (6.16-6.29).
+standard:  T_{i-1,i} = Rz(θ_i) Tz(d_i) Tx(a_i) Rx(α_i); joint i acts along z_{i-1}, frame i sits at the far
+end of link i.
+modified:  T_{i-1,i} = Rx(α_i) Tx(a_i) Rz(θ_i) Tz(d_i), α_i and a_i being those of the row; joint i acts
+along z_i (6.16-6.29).
 """
 
 from __future__ import annotations
@@ -33,7 +35,8 @@ def dh(
 
     Row keys: joint ("R" by default, or "P"), theta, d (constants; the joint variable's one is its offset), a, alpha
     (m, rad), m (kg), com (3) and I (6: ixx, ixy, ixz, iyy, iyz, izz, or 3×3; about the com), both in DH frame i of the
-    convention, rotor (kg m²) and gear, friction (viscous, or (viscous, coulomb)), limits (lower, upper) or Limits, name.
+    convention, rotor (kg m²) and gear, friction (viscous, or (viscous, coulomb)), limits (lower, upper) or
+    Limits, name.
     A name instead of a number is a parameter. Raises ModelError naming the row.
     """
     return assemble(describe(rows, convention=convention, gravity=gravity, name=name), physical=physical)
@@ -71,7 +74,15 @@ def describe(
     # a number keeps the letter g, so that equations can show it
     field = Parameter("g", float(gravity)) if isinstance(gravity, int | float) else gravity
     return Description(
-        name, 3, tuple(links), tuple(joints), gravity_of(field, 3), tuple(mounts), tip=mounts[-1].name, source=source, file=file
+        name,
+        3,
+        tuple(links),
+        tuple(joints),
+        gravity_of(field, 3),
+        tuple(mounts),
+        tip=mounts[-1].name,
+        source=source,
+        file=file,
     )
 
 
@@ -86,11 +97,16 @@ def _row(
     letter = row.get("joint", "R")
     if letter not in ("R", "P"):
         raise ModelError(f"{where}: joint is {letter!r}, expected 'R' or 'P'.")
-    theta, d, a, alpha = (quantity(row.get(key, 0.0), f"{where}: {key}") for key in ("theta", "d", "a", "alpha"))
+    theta, d, a, alpha = (
+        quantity(row.get(key, 0.0), f"{where}: {key}") for key in ("theta", "d", "a", "alpha")
+    )
     about_z, along_z = turn("z", theta), shift(0.0, 0.0, d)
     link_shape = shift(a, 0.0, 0.0).then(turn("x", alpha))
     if convention == "modified":
-        placement, frame = behind.then(turn("x", alpha)).then(shift(a, 0.0, 0.0)).then(about_z).then(along_z), Placement()
+        placement, frame = (
+            behind.then(turn("x", alpha)).then(shift(a, 0.0, 0.0)).then(about_z).then(along_z),
+            Placement(),
+        )
     elif letter == "R":
         placement, frame = behind.then(about_z), along_z.then(link_shape)
     else:

@@ -12,7 +12,9 @@ from freebody.errors import MissingValueError, ModelError
 from freebody.model.parameters import Parameter, Quantity, Read, each_parameter, finite, quantity, read_with
 from freebody.spatial import Vector
 
-_TOLERANCE = 1e-9  # of the largest eigenvalue: how negative a pseudo-inertia may be before it is called not physical
+_TOLERANCE = (
+    1e-9  # of the largest eigenvalue: how negative a pseudo-inertia may be before it is called not physical
+)
 
 
 @dataclass(frozen=True)

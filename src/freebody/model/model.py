@@ -25,7 +25,7 @@ from freebody.model.parameters import (
     with_parameters,
 )
 from freebody.model.parts import Joint, Notice
-from freebody.model.placement import Placement, Shift, rotate, shift
+from freebody.model.placement import Placement, Rotate, Shift, Turn, rotate, shift
 from freebody.model.tree import TURN_INTO_SPACE, Attached, Coordinates, Tree, lower
 
 
@@ -33,7 +33,8 @@ from freebody.model.tree import TURN_INTO_SPACE, Attached, Coordinates, Tree, lo
 class Frame:
     """A named frame fixed to a body (index; -1 is the base), placed in the body's frame.
 
-    `parent` is the frame it is fixed to, empty for the frame of a body's first link or of the base. It belongs to a link
+    `parent` is the frame it is fixed to, empty for the frame of a body's first link or of the base. It
+    belongs to a link
     unless it is `mounted`.
     """
 
@@ -85,8 +86,6 @@ class Model:
     gravity_direction: tuple[float, ...]
     base_inertias: tuple[Attached, ...] = ()
     tip: str | None = None
-    leaves: tuple[str, ...] = ()
-    """Movable frames at the ends of the tree."""
     source: str = ""
     notices: tuple[Notice, ...] = ()
 
@@ -156,6 +155,18 @@ class Model:
     def _frame_by_name(self) -> dict[str, Frame]:
         return {frame.name: frame for frame in self.frames}
 
+    @cached_property
+    def leaves(self) -> tuple[str, ...]:
+        """The movable frames at the ends of the tree: links that carry nothing, or what is mounted on them."""
+        carry = {body.joint.parent for body in self.bodies} | {f.parent for f in self.frames if not f.mounted}
+
+        def ends(frame: Frame) -> tuple[str, ...]:
+            mounted = [f for f in self.frames if f.mounted and f.parent == frame.name]
+            return tuple(end for f in mounted for end in ends(f)) or (frame.name,)
+
+        links = [f for f in self.frames if not f.mounted and f.body >= 0 and f.name not in carry]
+        return tuple(end for link in links for end in ends(link))
+
     def frame(self, name: str | None = None) -> Frame:
         """The frame of that name; None is the tip."""
         if name is None:
@@ -203,7 +214,7 @@ class Model:
         """What has been compiled for this model; filled and read by the numeric functions."""
         return {}
 
-    @property
+    @cached_property
     def mass(self) -> float:
         """Total mass (kg) of all links, those fixed to the base included."""
         parts = [*self.base_inertias, *(a for body in self.bodies for a in body.inertias)]
@@ -223,8 +234,10 @@ class Model:
             if body.joint.mimic is None:
                 limits = body.joint.limits
                 rows += [(limits.lower, limits.upper, limits.velocity, limits.effort)] * body.kind.nv
-        return JointLimits(*(np.array(column) for column in zip(*rows, strict=True))) if rows else JointLimits(
-            *(np.zeros(0) for _ in range(4))
+        return (
+            JointLimits(*(np.array(column) for column in zip(*rows, strict=True)))
+            if rows
+            else JointLimits(*(np.zeros(0) for _ in range(4)))
         )
 
     # ------------------------------------------------------------ changed copies
@@ -235,7 +248,8 @@ class Model:
             if name not in known:
                 raise UnknownNameError("parameter", name, f"{self.name!r}", known)
         bound = with_parameters(
-            self, lambda p: Parameter(p.name, values[p.name]) if p.name in values else p  # type: ignore[arg-type]
+            self,
+            lambda p: Parameter(p.name, values[p.name]) if p.name in values else p,  # type: ignore[arg-type]
         )
         for body in bound.bodies:
             for part in body.inertias:
@@ -245,7 +259,11 @@ class Model:
         return bound
 
     def replace(
-        self, *, name: str | None = None, gravity: float | Sequence[float] | str | None = None, tip: str | None = None
+        self,
+        *,
+        name: str | None = None,
+        gravity: float | Sequence[float] | str | None = None,
+        tip: str | None = None,
     ) -> Model:
         """The model with another name, tip or gravity: a size (0 for none), a name, or a vector in world axes."""
         changes: dict[str, object] = {}
@@ -288,7 +306,8 @@ class Model:
         frame: str | None = None,
         name: str = "payload",
     ) -> Model:
-        """The model carrying a rigid load: an Inertia in the axes of `frame` (default: the tip), or a point mass there."""
+        """The model carrying a rigid load: an Inertia in the axes of `frame` (default: the tip), or a point
+        mass there."""
         at = self.frame(frame)
         if isinstance(inertia, int | float):
             inertia, mass = None, float(inertia)
@@ -319,7 +338,8 @@ class Model:
         inertia: Inertia | None = None,
         frame: str | None = None,
     ) -> Model:
-        """The model with a new tip: frame `name` at `position`, `rotation` (matrix) in `frame` (default: the tip now)."""
+        """The model with a new tip: frame `name` at `position`, `rotation` (matrix) in `frame` (default: the
+        tip now)."""
         at = self.frame(frame)
         if name in self._frame_by_name:
             raise ModelError(f"with_tool: {self.name!r} already has a frame {name!r}; choose another name.")
@@ -330,7 +350,9 @@ class Model:
             placement = placement.then(shift(*(finite(x, "with_tool: position") for x in position)))
         if rotation is not None:
             placement = placement.then(rotate(rotation, "with_tool"))
-        model = dataclasses.replace(self, frames=(*self.frames, Frame(name, at.body, placement, at.name, mounted=True)), tip=name)
+        model = dataclasses.replace(
+            self, frames=(*self.frames, Frame(name, at.body, placement, at.name, mounted=True)), tip=name
+        )
         return model if inertia is None else model.with_payload(inertia, frame=name, name=name)
 
     def to_space(self) -> Model:
@@ -352,7 +374,9 @@ class Model:
                 )
                 for body in self.bodies
             ),
-            frames=tuple(replace(frame, placement=_placement_in_space(frame.placement)) for frame in self.frames),
+            frames=tuple(
+                replace(frame, placement=_placement_in_space(frame.placement)) for frame in self.frames
+            ),
             base_inertias=tuple(map(_attached_in_space, self.base_inertias)),
             gravity_direction=(*self.gravity_direction, 0.0),
         )
@@ -390,16 +414,15 @@ def gravity_of(
 
 
 def _placement_in_space(placement: Placement) -> Placement:
-    return Placement(
-        tuple(
-            Shift((*step.by, 0.0))
-            if isinstance(step, Shift)
-            else replace(step, matrix=tuple((*row, 0.0) for row in step.matrix) + ((0.0, 0.0, 1.0),))
-            if hasattr(step, "matrix")
-            else step
-            for step in placement.steps
-        )
-    )
+    return Placement(tuple(map(_step_in_space, placement.steps)))
+
+
+def _step_in_space(step: Shift | Turn | Rotate) -> Shift | Turn | Rotate:
+    if isinstance(step, Shift):
+        return Shift((*step.by, 0.0))
+    if isinstance(step, Rotate):
+        return Rotate((*((*row, 0.0) for row in step.matrix), (0.0, 0.0, 1.0)))
+    return step
 
 
 def _attached_in_space(part: Attached) -> Attached:

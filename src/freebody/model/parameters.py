@@ -21,7 +21,9 @@ class Parameter:
 
     def __post_init__(self) -> None:
         if not self.name.isidentifier():
-            raise ModelError(f"parameter name {self.name!r} must be a word of letters, digits and _, such as 'l1'.")
+            raise ModelError(
+                f"parameter name {self.name!r} must be a word of letters, digits and _, such as 'l1'."
+            )
         if self.value is not None:
             object.__setattr__(self, "value", finite(self.value, f"parameter {self.name!r}"))
 

@@ -26,7 +26,8 @@ class Limits:
 class Drive:
     """What acts along a one-axis joint besides the motor.
 
-    Friction: viscous d q̇ + coulomb sign(q̇). Rotor: inertia J seen through a gear as J gear². Spring: stiffness (q - rest).
+    Friction: viscous d q̇ + coulomb sign(q̇). Rotor: inertia J seen through a gear as J gear². Spring:
+    stiffness (q - rest).
     """
 
     viscous: Quantity = 0.0
@@ -48,7 +49,8 @@ class Mimic:
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint between two links; its frame is placed in the parent link's frame, and is the child link's frame at q = 0."""
+    """A joint between two links; its frame is placed in the parent link's frame, and is the child link's
+    frame at q = 0."""
 
     name: str
     kind: str
@@ -109,7 +111,9 @@ class Notice:
     line: int | None = None
 
     def __str__(self) -> str:
-        place = f"{self.file}:{self.line}: " if self.file and self.line else f"{self.file}: " if self.file else ""
+        place = (
+            f"{self.file}:{self.line}: " if self.file and self.line else f"{self.file}: " if self.file else ""
+        )
         return f"{place}{self.text}"
 
 

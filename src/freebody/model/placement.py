@@ -103,7 +103,11 @@ def rotate(matrix: Sequence[Sequence[float]] | np.ndarray, owner: str = "rotatio
     """A given rotation matrix; refuses what is not a rotation."""
     R = np.asarray(matrix, dtype=float)
     n = R.shape[0]
-    if R.shape not in ((2, 2), (3, 3)) or not np.allclose(R @ R.T, np.eye(n), atol=1e-9) or np.linalg.det(R) < 0:
+    if (
+        R.shape not in ((2, 2), (3, 3))
+        or not np.allclose(R @ R.T, np.eye(n), atol=1e-9)
+        or np.linalg.det(R) < 0
+    ):
         raise ModelError(f"{owner}: the matrix is not a rotation (R Rᵀ = 1, det R = 1).")
     if np.array_equal(R, np.eye(n)):
         return Placement()
@@ -115,4 +119,4 @@ def rpy(roll: float, pitch: float, yaw: float, snap: float = _EXACT) -> Placemen
     R: Matrix = identity(3)
     for axis, angle in (("z", yaw), ("y", pitch), ("x", roll)):
         R = product(R, about(axis, *exact_sin_cos(angle, snap)))
-    return Placement() if R == identity(3) else Placement((Rotate(R),))
+    return Placement() if identity(3) == R else Placement((Rotate(R),))

@@ -23,10 +23,10 @@ Given = float | str | Parameter | None
 def planar(
     word: str,
     *,
-    l: Sequence[Given] | None = None,  # noqa: E741  the notes' letter for a length
+    l: Sequence[Given] | None = None,
     lc: Sequence[Given] | None = None,
     m: Sequence[Given] | None = None,
-    I: Sequence[Given] | None = None,  # noqa: E741  the notes' letter for a moment of inertia
+    I: Sequence[Given] | None = None,
     g: float | str | Sequence[float] = 9.81,
     angles: Sequence[float] | None = None,
     limits: Sequence[tuple[float, float] | Limits | None] | None = None,
@@ -64,7 +64,9 @@ def describe(
     """The links and joints of a planar word; arguments as in `planar`."""
     n = len(word)
     if not n or set(word) - set("RP"):
-        raise ModelError(f"planar: the word {word!r} must be made of the letters R and P, such as 'RR' or 'RP'.")
+        raise ModelError(
+            f"planar: the word {word!r} must be made of the letters R and P, such as 'RR' or 'RP'."
+        )
     lengths = _entries("l", l, n, word)
     centres, masses, inertias = _entries("lc", lc, n), _entries("m", m, n), _entries("I", I, n)
     turns = _constant_turns(word, angles)
@@ -116,6 +118,6 @@ def _optional(name: str, given: Sequence | None, n: int) -> list:
 def _constant_turns(word: str, angles: Sequence[float] | None) -> list[float]:
     if angles is not None:
         return [float(a) for a in _optional("angles", angles, len(word))]
-    return [math.pi / 2 if letter == "P" and i and word[i - 1] == "P" else 0.0 for i, letter in enumerate(word)]
-
-
+    return [
+        math.pi / 2 if letter == "P" and i and word[i - 1] == "P" else 0.0 for i, letter in enumerate(word)
+    ]

@@ -179,7 +179,9 @@ def _masses(space: AnySpace, parts: tuple[Attached, ...], read: Read) -> tuple[M
     """Masses in the body's axes; those without parameters are made one."""
     plain = [a for a in parts if not any(each_parameter(a)) and any((a.inertia.mass, *a.inertia.tensor))]
     named = [a for a in parts if any(each_parameter(a))]
-    if len(plain) > 1 and all(a.inertia.mass >= 0.0 for a in plain):  # negative ones may leave a moment without mass
+    if len(plain) > 1 and all(
+        a.inertia.mass >= 0.0 for a in plain
+    ):  # negative ones may leave a moment without mass
         moved = [a.inertia.placed(*a.placement.lower(space, read)) for a in plain]
         plain = [Attached("", combined(moved))]
     masses = [_mass(space, a, read) for a in (*named, *plain)]

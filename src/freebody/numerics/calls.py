@@ -31,7 +31,8 @@ def evaluate(
 ) -> Any:
     """The kernel of `function` on inputs in the formula's order: an array, or a tuple of its outputs.
 
-    A kernel that was called before is tried at once: it refuses wrong shapes and types by itself, and answers inputs that
+    A kernel that was called before is tried at once: it refuses wrong shapes and types by itself, and
+    answers inputs that
     are not finite with NaN. Only then, and on the first call, are the inputs looked at one by one.
     """
     if wrenches is None:
@@ -113,7 +114,9 @@ def _from_names(function: str, model: Model, name: str, given: Mapping[str, Any]
             raise UnknownNameError("entry", key, f"{function}: {name}", names)
     missing = [n for n in names if n not in given]
     if missing:
-        raise FreebodyError(f"{function}: {name} lacks {', '.join(missing)}; give every entry, 0 where it rests.")
+        raise FreebodyError(
+            f"{function}: {name} lacks {', '.join(missing)}; give every entry, 0 where it rests."
+        )
     columns = [as_floats(function, f"{name}[{n!r}]", given[n]) for n in names]
     return np.stack(np.broadcast_arrays(*columns), axis=-1)
 

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array
-from freebody.compiler import Kernel
 
 LARGEST = 64
 """Coordinates up to which a matrix is one straight-line program."""
 
-Fetch = Callable[[str], Kernel]
+Fetch = Callable[[str], Any]
+"""Name of a formula -> its kernel."""
 
 
 class ColumnKernel:
@@ -33,11 +33,11 @@ class ColumnKernel:
         results = BY_COLUMNS[self.name](given, self.n, self.fetch, threads)
         results = tuple(np.swapaxes(columns, -1, -2) for columns in results)
         if out is not None:
-            targets = out if isinstance(out, tuple) else (out,)
+            targets: tuple[Array, ...] = out if isinstance(out, tuple) else (out,)
             for target, result in zip(targets, results, strict=True):
                 target[...] = result
             results = targets
-        return results if len(results) > 1 else results[0]
+        return results[0] if len(results) == 1 else results
 
 
 def _mass(given: list[Array], n: int, fetch: Fetch, threads: int | None) -> tuple[Array, ...]:
@@ -62,12 +62,14 @@ def _forward_derivatives(given: list[Array], n: int, fetch: Fetch, threads: int 
     q, qd, tau = given
     qdd = fetch("forward_dynamics")(q, qd, tau, threads=threads)
     by_q, by_qd, M = (np.swapaxes(x, -1, -2) for x in _inverse_derivatives([q, qd, qdd], n, fetch, threads))
-    inverse = np.linalg.inv(M)
-    return tuple(np.swapaxes(x, -1, -2) for x in (-inverse @ by_q, -inverse @ by_qd, inverse))
+    inverse: Array = np.asarray(np.linalg.inv(M), dtype=np.float64)
+    results: tuple[Array, ...] = (-inverse @ by_q, -inverse @ by_qd, inverse)
+    return tuple(np.swapaxes(x, -1, -2) for x in results)
 
 
 def _inverse_mass(given: list[Array], n: int, fetch: Fetch, threads: int | None) -> tuple[Array, ...]:
-    return (np.linalg.inv(_mass(given, n, fetch, threads)[0]),)
+    inverse: Array = np.asarray(np.linalg.inv(_mass(given, n, fetch, threads)[0]), dtype=np.float64)
+    return (inverse,)
 
 
 BY_COLUMNS: dict[str, Callable[[list[Array], int, Fetch, int | None], tuple[Array, ...]]] = {

@@ -44,8 +44,8 @@ class Option:
 class Formula:
     """A computable quantity.
 
-    inputs: names among q, qd, qdd, tau, x, dq, dqd (nv each but q), point, wrenches. outputs: name -> dimensions: numbers, or names among
-    nv, nj, six, dim, pose (dim + 1), rows, parameters.
+    inputs: names among q, qd, qdd, tau, x, dq, dqd (nv each but q), point, wrenches.
+    outputs: name -> dimensions: numbers, or names among nv, nj, six, dim, pose (dim + 1), rows, parameters.
     evaluate(tree, option, **inputs): a tuple of nested sequences of scalars; wrenches is a tuple of vectors, one for
     each of option.wrench_frames.
     """
@@ -61,7 +61,9 @@ def _external(tree: Tree, o: Option, q: Vector, wrenches: tuple[Vector, ...]) ->
 
 
 def _pose(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
-    R, p = kinematics.frame_pose(tree, kinematics.world_poses(tree, kinematics.joint_poses(tree, q)), _frame(o))
+    R, p = kinematics.frame_pose(
+        tree, kinematics.world_poses(tree, kinematics.joint_poses(tree, q)), _frame(o)
+    )
     last = (0.0,) * tree.space.dim + (1.0,)
     return ((*((*row, x) for row, x in zip(R, p, strict=True)), last),)
 
@@ -79,11 +81,15 @@ def _acceleration(
     return (vd + wd,)
 
 
-def _inverse(tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, wrenches: Any = ()) -> tuple[Any, ...]:
+def _inverse(
+    tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, wrenches: Any = ()
+) -> tuple[Any, ...]:
     return (rnea(tree, q, qd, qdd, _external(tree, o, q, wrenches)).tau,)
 
 
-def _forward(tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector, wrenches: Any = ()) -> tuple[Any, ...]:
+def _forward(
+    tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector, wrenches: Any = ()
+) -> tuple[Any, ...]:
     method = aba if prefers_articulated_bodies(tree) else forward_dynamics
     return (method(tree, q, qd, tau, _external(tree, o, q, wrenches)),)
 
@@ -102,7 +108,9 @@ def _gravity(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
     for body in tree.bodies:
         if body.drive is not None:
             k, (position,) = body.coordinates.v[0], body.position(q)
-            springs[k] = springs[k] + body.coordinates.ratio * (body.drive.stiffness * (position - body.drive.rest))
+            springs[k] = springs[k] + body.coordinates.ratio * (
+                body.drive.stiffness * (position - body.drive.rest)
+            )
     return (tuple(t - s for t, s in zip(tau, springs, strict=True)),)
 
 
@@ -111,7 +119,9 @@ def _static(tree: Tree, o: Option, q: Vector, wrenches: Any = ()) -> tuple[Any, 
     return (rnea(tree, q, still, still, _external(tree, o, q, wrenches)).tau,)
 
 
-def _wrenches(tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, wrenches: Any = ()) -> tuple[Any, ...]:
+def _wrenches(
+    tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, wrenches: Any = ()
+) -> tuple[Any, ...]:
     return (joint_wrenches(tree, rnea(tree, q, qd, qdd, _external(tree, o, q, wrenches)), o.reference),)
 
 
@@ -180,7 +190,9 @@ FORMULAS: dict[str, Formula] = {
     "inverse_dynamics": Formula(("q", "qd", "qdd", "wrenches"), {"tau": ("nv",)}, _inverse),
     "forward_dynamics": Formula(("q", "qd", "tau", "wrenches"), {"qdd": ("nv",)}, _forward),
     "mass_matrix": Formula(("q",), {"M": ("nv", "nv")}, lambda t, o, q: (crba(t, q),)),
-    "coriolis_matrix": Formula(("q", "qd"), {"C": ("nv", "nv")}, lambda t, o, q, qd: (coriolis_matrix(t, q, qd),)),
+    "coriolis_matrix": Formula(
+        ("q", "qd"), {"C": ("nv", "nv")}, lambda t, o, q, qd: (coriolis_matrix(t, q, qd),)
+    ),
     "bias": Formula(("q", "qd"), {"bias": ("nv",)}, lambda t, o, q, qd: (bias(t, q, qd),)),
     "gravity_torque": Formula(("q",), {"g": ("nv",)}, _gravity),
     "static_torque": Formula(("q", "wrenches"), {"tau": ("nv",)}, _static),
@@ -197,7 +209,7 @@ FORMULAS: dict[str, Formula] = {
     ),
     "inverse_dynamics_second_derivatives": Formula(
         ("q", "qd", "qdd"),
-        {name: ("nv", "nv", "nv") for name in ("d2tau_dq_dq", "d2tau_dqd_dq", "d2tau_dqd_dqd", "dM_dq")},
+        dict.fromkeys(("d2tau_dq_dq", "d2tau_dqd_dq", "d2tau_dqd_dqd", "dM_dq"), ("nv", "nv", "nv")),
         _second,
     ),
     "mass_product": Formula(("q", "x"), {"Mx": ("nv",)}, lambda t, o, q, x: (mass_product(t, q, x),)),
@@ -205,9 +217,13 @@ FORMULAS: dict[str, Formula] = {
         ("q", "qd", "x"), {"Cx": ("nv",)}, lambda t, o, q, qd, x: (coriolis_product(t, q, qd, x),)
     ),
     "inverse_dynamics_along": Formula(("q", "qd", "qdd", "dq", "dqd"), {"dtau": ("nv",)}, _inverse_along),
-    "mass_matrix_inverse": Formula(("q",), {"Minv": ("nv", "nv")}, lambda t, o, q: (mass_matrix_inverse(t, q),)),
+    "mass_matrix_inverse": Formula(
+        ("q",), {"Minv": ("nv", "nv")}, lambda t, o, q: (mass_matrix_inverse(t, q),)
+    ),
     "operational_space_inertia": Formula(
-        ("q",), {"Lambda": ("rows", "rows")}, lambda t, o, q: operational_space(t, q, None, _frame(o), o.rows)[:1]
+        ("q",),
+        {"Lambda": ("rows", "rows")},
+        lambda t, o, q: operational_space(t, q, None, _frame(o), o.rows)[:1],
     ),
     "operational_space_bias": Formula(
         ("q", "qd"), {"mu": ("rows",)}, lambda t, o, q, qd: operational_space(t, q, qd, _frame(o), o.rows)[1:]

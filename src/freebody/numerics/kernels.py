@@ -86,7 +86,9 @@ def fetch(
     found = kept.get(key)
     if found is None:
         if model.nv > LARGEST and len(names) == 1 and names[0] in BY_COLUMNS:
-            found = ColumnKernel(names[0], model.nv, lambda name: fetch(model, (name,), Option(), backend, width))
+            found = ColumnKernel(
+                names[0], model.nv, lambda name: fetch(model, (name,), Option(), backend, width)
+            )
         else:
             found = compile_program(program(model, names, option), backend=backend, width=width)
         kept[key] = found
@@ -106,7 +108,9 @@ def program(model: Model, names: tuple[str, ...], option: Option) -> Program:
 
     def evaluate(*values: Any) -> tuple[Any, ...]:
         given = dict(zip(labels, values, strict=True))
-        return tuple(x for name in names for x in FORMULAS[name].evaluate(tree, option, **_chosen(name, given, option)))
+        return tuple(
+            x for name in names for x in FORMULAS[name].evaluate(tree, option, **_chosen(name, given, option))
+        )
 
     return trace("+".join(names), evaluate, inputs, outputs)
 
@@ -124,9 +128,10 @@ def reference(model: Model, name: str, option: Option, *arrays: Array) -> Array 
     formula = FORMULAS[name]
     values = formula.evaluate(model.tree, option, **_chosen(name, given, option))
     results = tuple(
-        _array(value, batch, _shape(model, dims, option)) for value, dims in zip(values, formula.outputs.values(), strict=True)
+        _array(value, batch, _shape(model, dims, option))
+        for value, dims in zip(values, formula.outputs.values(), strict=True)
     )
-    return results if len(results) > 1 else results[0]
+    return results[0] if len(results) == 1 else results
 
 
 def _array(value: Any, batch: tuple[int, ...], shape: tuple[int, ...]) -> Array:
@@ -139,7 +144,11 @@ def arguments(model: Model, names: tuple[str, ...], option: Option) -> tuple[Arg
     """Inputs that the formulas need, each once, in the fixed order."""
     wanted = {label for name in names for label in FORMULAS[name].inputs}
     sizes = {"q": model.nq, "point": model.dim}
-    plain = [Argument(x, (sizes.get(x, model.nv),)) for x in _ORDER if x in wanted and (x != "point" or option.point)]
+    plain = [
+        Argument(x, (sizes.get(x, model.nv),))
+        for x in _ORDER
+        if x in wanted and (x != "point" or option.point)
+    ]
     loads = option.wrench_frames if "wrenches" in wanted else ()
     return (*plain, *(Argument(f"wrench {frame}", _shape(model, ("six",), option)) for frame in loads))
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import Literal
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array
-from freebody.errors import UnknownNameError
+from freebody.errors import SingularError, UnknownNameError
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector, evaluate
 from freebody.numerics.formulas import Option
@@ -24,7 +23,9 @@ def forward_kinematics(model: Model, q: Vector, frame: str | None = None) -> Arr
     return evaluate("forward_kinematics", model, (q,), Option(model.frame(frame).name))
 
 
-def velocity(model: Model, q: Vector, qd: Vector, frame: str | None = None, point: ArrayLike | None = None) -> Array:
+def velocity(
+    model: Model, q: Vector, qd: Vector, frame: str | None = None, point: ArrayLike | None = None
+) -> Array:
     """Velocity (..., 6) of a frame: linear (m/s) of its origin or of `point`, then angular (rad/s), world axes.
 
     In the plane (..., 3): ẋ, ẏ, ω. q: (..., nq); qd: (..., nv); point: (..., dim), fixed to the frame, in its axes (m).
@@ -40,7 +41,8 @@ def acceleration(
 ) -> Array:
     """Acceleration (..., 6): time derivative of `velocity`, linear (m/s²) then angular (rad/s²), world axes.
 
-    It is the acceleration of the point itself, not a spatial (Plücker) one. Arguments as for `velocity`; qdd: (..., nv).
+    It is the acceleration of the point itself, not a spatial (Plücker) one. Arguments as for `velocity`;
+    qdd: (..., nv).
     Source: (2.24), (4.5), (6.20-6.22).
     """
     option = Option(model.frame(frame).name, point=point is not None)
@@ -65,9 +67,12 @@ def jacobian_dot(
 
 
 def center_of_mass(model: Model, q: Vector) -> Array:
-    """Centre of mass (..., dim) of all links, the base's included, in the world (m) (1.15). q: (..., nq)."""
+    """Centre of mass (..., dim) of all links, the base's included, in the world (m) (1.15).
+
+    q: (..., nq). Raises SingularError without mass.
+    """
     if model.mass == 0.0:
-        return np.full(np.shape(q)[:-1] + (model.dim,), np.nan)
+        raise SingularError(f"center_of_mass: {model.name!r} has no mass; give its links an inertia.")
     return evaluate("center_of_mass", model, (q,))
 
 

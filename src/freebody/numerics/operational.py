@@ -28,7 +28,8 @@ def operational_space_inertia(
 ) -> Array:
     """Λ = (J M⁻¹ Jᵀ)⁻¹ (..., r, r) of a frame's motion, rows linear then angular, world axes (Khatib 1987).
 
-    rows: which of "vx", "vy", "vz", "wx", "wy", "wz" (plane: "vx", "vy", "w"); default all. Raises SingularError where the
+    rows: which of "vx", "vy", "vz", "wx", "wy", "wz" (plane: "vx", "vy", "w"); default all. Raises
+    SingularError where the
     arm cannot move the frame along all of them.
     """
     option = _operational(model, frame, rows, "operational_space_inertia")
@@ -48,8 +49,9 @@ def _operational(model: Model, frame: str | None, rows: Sequence[str] | None, fu
     option = Option(model.frame(frame).name, rows=motion_rows(model, rows))
     if len(option.rows) > model.nv:
         raise SingularError(
-            f"{function}: {model.name!r} has {model.nv} joint coordinates and cannot move a frame along {len(option.rows)} "
-            'rows; choose as many at most, such as rows=("vx", "vy").'
+            f"{function}: {model.name!r} has {model.nv} joint coordinates and cannot move a frame "
+            f"along {len(option.rows)} rows; "
+            'choose as many at most, such as rows=("vx", "vy").'
         )
     return option
 
@@ -58,7 +60,9 @@ def _invertible(model: Model, result: Array, q: Vector, option: Option) -> Array
     J = jacobian(model, q, option.frame)[..., option.rows, :]
     values = np.linalg.svd(J, compute_uv=False)
     if np.any(values[..., -1] <= 1e-10 * values[..., 0]):
-        raise SingularError(f"frame {option.frame!r} of {model.name!r} is at a singularity: the rows of its Jacobian depend.")
+        raise SingularError(
+            f"frame {option.frame!r} of {model.name!r} is at a singularity: the rows of its Jacobian depend."
+        )
     return result
 
 
@@ -81,10 +85,13 @@ def energy_regressor(model: Model, q: Vector, qd: Vector) -> Array:
 
 
 def inertial_parameters(model: Model) -> dict[str, float]:
-    """π by name: of each body m, hx, hy, hz (first moment), Ixx, Ixy, Ixz, Iyy, Iyz, Izz about its joint's origin, in its
+    """π by name: of each body m, hx, hy, hz (first moment), Ixx, Ixy, Ixz, Iyy, Iyz, Izz about its joint's
+    origin, in its
     axes (plane: m, hx, hy, I); then of each joint with a drive viscous, coulomb, rotor, stiffness, stiffness_rest."""
     tree = model.tree
     names = [f"{body.name}.{p}" for body in model.bodies for p in body_parameters(tree.space)]
-    joints = [model.bodies[i].joint.name for i, k in enumerate(tree.body_of) if tree.bodies[k].drive is not None]
+    joints = [
+        model.bodies[i].joint.name for i, k in enumerate(tree.body_of) if tree.bodies[k].drive is not None
+    ]
     names += [f"{joint}.{p}" for joint in joints for p in DRIVE]
     return dict(zip(names, map(float, parameter_values(tree)), strict=True))

@@ -20,7 +20,9 @@ def neutral(model: Model) -> Array:
     return q
 
 
-def random_state(model: Model, seed: int | None = None, batch: int | tuple[int, ...] = ()) -> tuple[Array, Array, Array]:
+def random_state(
+    model: Model, seed: int | None = None, batch: int | tuple[int, ...] = ()
+) -> tuple[Array, Array, Array]:
     """(q, qd, qdd) of shapes (*batch, nq), (*batch, nv), (*batch, nv), reproducible with a seed.
 
     q lies within the limits, or within ±π (rad) and ±1 (m) where there are none; quaternions are uniform; rates and
@@ -61,7 +63,8 @@ def integrate(model: Model, q: ArrayLike, v: ArrayLike) -> Array:
 
 
 def difference(model: Model, q0: ArrayLike, q1: ArrayLike) -> Array:
-    """The velocity (..., nv) that leads from q0 to q1 (..., nq) in unit time: integrate(q0, difference(q0, q1)) = q1."""
+    """The velocity (..., nv) that leads from q0 to q1 (..., nq) in unit time: integrate(q0, difference(q0,
+    q1)) = q1."""
     a, b = _batched(vector("difference", model, "q", q0), vector("difference", model, "q", q1))
     result = np.empty((*a.shape[:-1], model.nv))
     for kind, iq, iv in _manifolds(model, all_kinds=True):
@@ -89,7 +92,12 @@ def quaternion_product(a: Array, b: Array) -> Array:
     w, x, y, z = np.moveaxis(a, -1, 0)
     W, X, Y, Z = np.moveaxis(b, -1, 0)
     return np.stack(
-        [w * W - x * X - y * Y - z * Z, w * X + x * W + y * Z - z * Y, w * Y - x * Z + y * W + z * X, w * Z + x * Y - y * X + z * W],
+        [
+            w * W - x * X - y * Y - z * Z,
+            w * X + x * W + y * Z - z * Y,
+            w * Y - x * Z + y * W + z * X,
+            w * Z + x * Y - y * X + z * W,
+        ],
         axis=-1,
     )
 

@@ -42,7 +42,8 @@ class Dual:
     def __mul__(self, other: Any) -> Dual:
         if isinstance(other, Dual):
             return Dual(
-                self.value * other.value, _sum(_scaled(other.value, self.slopes), _scaled(self.value, other.slopes))
+                self.value * other.value,
+                _sum(_scaled(other.value, self.slopes), _scaled(self.value, other.slopes)),
             )
         return Dual(self.value * other, _scaled(other, self.slopes))
 

@@ -11,7 +11,8 @@ from freebody.model.joints.revolute import Continuous, Revolute
 from freebody.model.joints.spherical import Spherical
 
 KINDS: dict[str, JointKind] = {
-    kind.name: kind for kind in (Revolute(), Continuous(), Prismatic(), Fixed(), Planar(), Spherical(), Free())
+    kind.name: kind
+    for kind in (Revolute(), Continuous(), Prismatic(), Fixed(), Planar(), Spherical(), Free())
 }
 
 __all__ = ["KINDS", "JointKind", "Primitive"]
