@@ -1,7 +1,6 @@
-"""URDF: what is read, what is said about the rest, what is refused; and every file of example-robot-data beside Pinocchio."""
+"""URDF: what is read, what is said of the rest, what is refused; and every example robot beside Pinocchio."""
 
 import math
-import sysconfig
 from pathlib import Path
 
 import numpy as np
@@ -9,13 +8,7 @@ import pytest
 
 import freebody as fb
 from freebody.model.model import Model
-
-ROBOTS = Path(sysconfig.get_path("purelib"), "cmeel.prefix/share/example-robot-data/robots")
-FILES = sorted(str(path.relative_to(ROBOTS)) for path in ROBOTS.rglob("*.urdf"))
-REFUSED = {
-    "ur_description/urdf/ur3.urdf": "there are no links",
-    "alex_description/urdf/alex_psyonic_hands.urdf": "no joint 'index_q1' in the mimic of 'Left_index_q2'",
-}
+from real_files import FILES, REFUSED, ROBOTS
 
 
 def read(tmp_path: Path, body: str, *, robot: str = '<robot name="arm">', **options) -> Model:
@@ -64,12 +57,12 @@ def test_real_file_as_pinocchio_reads_it(name: str, base: str):
     )
     number = {"root_joint" if joint == "base" else joint: i for i, joint in enumerate(model.joint_names)}
     assert set(number) == set(theirs.names) - {"universe"}
-    for id in range(1, theirs.njoints):
+    for i in range(1, theirs.njoints):
         same_body(
             model,
-            model.tree.body_of[number[theirs.names[id]]],
-            theirs.jointPlacements[id],
-            theirs.inertias[id],
+            model.tree.body_of[number[theirs.names[i]]],
+            theirs.jointPlacements[i],
+            theirs.inertias[i],
         )
     on_base = sum(part.inertia.mass for part in model.base_inertias)
     assert model.mass - on_base == pytest.approx(pin.computeTotalMass(theirs), rel=1e-12, abs=1e-15)
@@ -193,7 +186,7 @@ def test_planar_joint_moves_normal_to_its_axis(tmp_path, axis):
     xyz = " ".join(map(str, axis))
     model = read(tmp_path, joint(f'<origin xyz="1 2 3"/><axis xyz="{xyz}"/>', "planar"))
     tree = model.tree
-    x, y, turn = tree.bodies
+    x, _, turn = tree.bodies
     R = np.array(x.R, dtype=float)
     np.testing.assert_allclose(R[:, 2], axis, atol=1e-15)
     np.testing.assert_allclose(R @ R.T, np.eye(3), atol=1e-15)
@@ -221,7 +214,8 @@ def test_free_base(tmp_path):
 
 def test_comments_namespaces_and_byte_order_mark(tmp_path):
     path = tmp_path / "arm.urdf"
-    text = '<?xml version="1.0"?><!-- x --><robot name="arm" xmlns:xacro="http://x"><link name="a"/><xacro:if value="1"/></robot>'
+    inside = '<link name="a"/><xacro:if value="1"/>'
+    text = f'<?xml version="1.0"?><!-- x --><robot name="arm" xmlns:xacro="http://x">{inside}</robot>'
     path.write_bytes(b"\xef\xbb\xbf" + text.encode())
     model = fb.load(path)
     assert (model.name, said(model, "ignored")) == ("arm", ["1: <xacro:if> in <robot> is ignored (once)."])
@@ -281,34 +275,48 @@ MASSLESS = (
     [
         ("", "arm.urdf:3: links 'base', 'hand' have no joint above them; only one link can be the base: connect the "
              "others to it by joints."),
-        (joint(kind="revolut"), "arm.urdf:4: no type 'revolut' in joint 'elbow'. Did you mean 'revolute'? Types: revolute, "
+        (joint(kind="revolut"), "arm.urdf:4: no type 'revolut' in joint 'elbow'. Did you mean 'revolute'? Types: "
+         "revolute, "
              "continuous, prismatic, fixed, floating, planar."),
         (joint(kind=""), "arm.urdf:4: joint 'elbow': <joint> has no type; add type=\"...\"."),
-        (joint(ends='<child link="hand"/>'), "arm.urdf:4: joint 'elbow': it has no <parent>; add <parent link=\"...\"/>."),
-        (joint(ends='<parent/><child link="hand"/>'), "arm.urdf:4: joint 'elbow': <parent> has no link; add link=\"...\"."),
-        (joint(ends='<parent link="base"/><child link="hnd"/>'), "arm.urdf:4: joint 'elbow': no child link 'hnd' in the "
+        (joint(ends='<child link="hand"/>'), "arm.urdf:4: joint 'elbow': it has no <parent>; add <parent "
+         "link=\"...\"/>."),
+        (joint(ends='<parent/><child link="hand"/>'), "arm.urdf:4: joint 'elbow': <parent> has no link; add "
+         "link=\"...\"."),
+        (joint(ends='<parent link="base"/><child link="hnd"/>'), "arm.urdf:4: joint 'elbow': no child link 'hnd' in "
+         "the "
              "file. Did you mean 'hand'? Child links: base, hand."),
-        (joint() + joint(name="two"), "arm.urdf:5: link 'hand' hangs on two joints, 'elbow' and 'two'; a tree allows one: "
+        (joint() + joint(name="two"), "arm.urdf:5: link 'hand' hangs on two joints, 'elbow' and 'two'; a tree "
+         "allows one: "
              "remove one of them."),
         (joint() + joint(name="two", ends='<parent link="hand"/><child link="base"/>'), "arm.urdf:5: the links form a "
              "cycle, base -> hand -> base (child -> parent); a tree has none: remove a joint."),
-        (joint(ends='<parent link="hand"/><child link="hand"/>'), "arm.urdf:4: joint 'elbow': link 'hand' cannot be its own "
+        (joint(ends='<parent link="hand"/><child link="hand"/>'), "arm.urdf:4: joint 'elbow': link 'hand' cannot be "
+         "its own "
              "parent; name another parent."),
-        (joint() + joint(ends='<parent link="hand"/><child link="base"/>'), "arm.urdf:5: two joints are called 'elbow'; "
+        (joint() + joint(ends='<parent link="hand"/><child link="base"/>'), "arm.urdf:5: two joints are called "
+         "'elbow'; "
              "rename one."),
         (joint() + '<link name="hand"/>', "arm.urdf:5: two links are called 'hand'; rename one."),
         (joint() + "<link/>", "arm.urdf:5: a link has no name; give it one."),
-        (joint('<axis xyz="0 0 0"/>'), "arm.urdf:5: joint 'elbow': the axis is zero; give a direction such as xyz=\"0 0 1\"."),
+        (joint('<axis xyz="0 0 0"/>'), "arm.urdf:5: joint 'elbow': the axis is zero; give a direction such as "
+         "xyz=\"0 0 1\"."),
         (joint('<axis xyz="0 1"/>'), "arm.urdf:5: joint 'elbow': xyz=\"0 1\" has 2 entries, expected 3 numbers."),
-        (joint('<axis xyz="0 nan 1"/>'), "arm.urdf:5: joint 'elbow': xyz of <axis> is 'nan', expected a finite number."),
-        (joint('<origin xyz="0 0 inf"/>'), "arm.urdf:5: joint 'elbow': xyz of <origin> is 'inf', expected a finite number."),
-        (joint('<origin rpy="0 0 1_0"/>'), "arm.urdf:5: joint 'elbow': rpy of <origin> is '1_0', expected a finite number."),
-        (joint('<origin xyz="${a} 0 0"/>'), "arm.urdf:5: joint 'elbow': xyz of <origin> is '${a}', expected a finite number; "
+        (joint('<axis xyz="0 nan 1"/>'), "arm.urdf:5: joint 'elbow': xyz of <axis> is 'nan', expected a finite "
+         "number."),
+        (joint('<origin xyz="0 0 inf"/>'), "arm.urdf:5: joint 'elbow': xyz of <origin> is 'inf', expected a finite "
+         "number."),
+        (joint('<origin rpy="0 0 1_0"/>'), "arm.urdf:5: joint 'elbow': rpy of <origin> is '1_0', expected a finite "
+         "number."),
+        (joint('<origin xyz="${a} 0 0"/>'), "arm.urdf:5: joint 'elbow': xyz of <origin> is '${a}', expected a "
+         "finite number; "
              "it is a xacro expression: expand the file first with `xacro FILE > out.urdf`."),
         (joint('<axis xyz="1 0 0"/><axis xyz="0 1 0"/>'), "arm.urdf:5: joint 'elbow': there are 2 <axis>; keep one."),
-        (joint('<limit lower="1" upper="-1"/>'), "arm.urdf:4: joint 'elbow': lower limit 1 is above upper -1; swap them."),
+        (joint('<limit lower="1" upper="-1"/>'), "arm.urdf:4: joint 'elbow': lower limit 1 is above upper -1; swap "
+         "them."),
         (joint('<limit lower="nan"/>'), "arm.urdf:5: joint 'elbow': lower of <limit> is 'nan', expected a number."),
-        (joint('<dynamics damping="much"/>'), "arm.urdf:5: joint 'elbow': damping of <dynamics> is 'much', expected a finite number."),
+        (joint('<dynamics damping="much"/>'), "arm.urdf:5: joint 'elbow': damping of <dynamics> is 'much', expected "
+         "a finite number."),
         (joint('<mimic joint="elbw"/>'), "arm.urdf:4: no joint 'elbw' in the mimic of 'elbow'. Did you mean 'elbow'? "
              "Joints: elbow. Correct it, or load with mimic='free'."),
         (joint('<mimic joint="elbow"/>'), "arm.urdf:4: joint 'elbow': its mimics go round in a circle; remove one."),
@@ -325,15 +333,19 @@ def test_refused(tmp_path, body: str, text: str):
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ("<robot name='a'>\n<link name='b'>\n", "arm.urdf:3: the file ends inside <link>, opened on line 2; it seems cut short."),
-        ("<robot name='a'>\n<link name='b'\n", "arm.urdf:2: the file ends inside <robot>, opened on line 1; it seems cut short."),
+        ("<robot name='a'>\n<link name='b'>\n", "arm.urdf:3: the file ends inside <link>, opened on line 2; it "
+         "seems cut short."),
+        ("<robot name='a'>\n<link name='b'\n", "arm.urdf:2: the file ends inside <robot>, opened on line 1; it "
+         "seems cut short."),
         ("<robot>\n<link></robot>", "arm.urdf:2: this is not well-formed XML: mismatched tag at column 9."),
         ("hello", "arm.urdf:1: this is not well-formed XML: syntax error at column 1."),
         ("<robot>&lol;</robot>", "arm.urdf:1: this is not well-formed XML: undefined entity at column 8."),
-        ("<?xml version='1.0' encoding='klingon'?><robot/>", "arm.urdf: the XML cannot be decoded: unknown encoding: klingon."),
+        ("<?xml version='1.0' encoding='klingon'?><robot/>", "arm.urdf: the XML cannot be decoded: unknown "
+         "encoding: klingon."),
         ("<sdf/>", "arm.urdf:1: the root element is <sdf>, expected <robot> (this is SDF)."),
         ("<robot name='a'/>", "arm.urdf:1: there are no links; a robot needs at least one."),
-        ("<robot xmlns:xacro='x'><xacro:arm/></robot>", "arm.urdf:1: there are no links; a robot needs at least one; it looks "
+        ("<robot xmlns:xacro='x'><xacro:arm/></robot>", "arm.urdf:1: there are no links; a robot needs at least "
+         "one; it looks "
              "like xacro: expand it first with `xacro FILE > out.urdf`."),
     ],
 )  # fmt: skip

@@ -61,11 +61,16 @@ class Table:
         prefix = f"{self.where}: " if self.where else ""
         raise FileError(self.file, line_of(self.lines, (*self.path, *at)), prefix + problem)
 
+    def unknown(self, what: str, name: str, known: Iterable[str], *at: str | int) -> NoReturn:
+        """Refuse a name that does not exist."""
+        problem = str(UnknownNameError(what, name, self.where or "the file", known))
+        raise FileError(self.file, line_of(self.lines, (*self.path, *at)), problem)
+
     def only(self, *known: str) -> Table:
         """Refuse keys that nothing reads."""
         for key in self.data:
             if key not in known:
-                self.refuse(str(UnknownNameError("key", key, self.where or "the file", known)), key)
+                self.unknown("key", key, known, key)
         return self
 
     def __contains__(self, key: str) -> bool:
@@ -83,7 +88,7 @@ class Table:
         """One of some words."""
         value = self.text(key, default)
         if value not in tuple(allowed):
-            self.refuse(str(UnknownNameError(key, value, self.where or "the file", allowed)), key)
+            self.unknown(key, value, allowed, key)
         return value
 
     def number(

@@ -8,6 +8,8 @@ from xml.parsers import expat
 
 from freebody.errors import FileError
 
+_ELEMENTS = 500_000
+_TEXT = 80  # characters kept of an element's text
 _CUT_SHORT = [
     expat.errors.codes[message]
     for message in (expat.errors.XML_ERROR_NO_ELEMENTS, expat.errors.XML_ERROR_UNCLOSED_TOKEN)
@@ -23,7 +25,7 @@ class Element:
     line: int
     children: list[Element] = field(default_factory=list)
     content: str = ""
-    """Text directly inside, stripped."""
+    """The beginning of the text directly inside, stripped."""
 
     def all(self, tag: str) -> list[Element]:
         """The elements of that tag directly inside."""
@@ -39,18 +41,23 @@ def parse(file: str, data: bytes) -> Element:
     parser = expat.ParserCreate()
     opened: list[Element] = []
     roots: list[Element] = []
+    left = _ELEMENTS
 
     def refuse(problem: str) -> NoReturn:
         raise FileError(file, parser.CurrentLineNumber, problem)
 
     def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal left
+        left -= 1
+        if not left:
+            refuse(f"the file has more than {_ELEMENTS} elements; a robot description has a few thousand.")
         element = Element(tag, attributes, parser.CurrentLineNumber)
         (opened[-1].children if opened else roots).append(element)
         opened.append(element)
 
     def text(data: str) -> None:
-        if opened:
-            opened[-1].content += data.strip()
+        if opened and len(opened[-1].content) < _TEXT:
+            opened[-1].content += data.strip()[:_TEXT]
 
     def doctype(*_: object) -> NoReturn:
         # expanding entities can fill the memory (the "billion laughs") or read other files
