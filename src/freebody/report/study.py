@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from freebody.errors import FreebodyError, SingularError
 from freebody.model.model import Model
+from freebody.motion.default import default_motion
 from freebody.motion.motion import Motion
+from freebody.report.checks import checks
+from freebody.report.jacobians import singularity
 from freebody.report.results import Check, Replay, Singularity, StaticPose, Worst
+from freebody.report.series import series
+from freebody.report.static import worst_poses
+from freebody.report.summary import limit_notices, summary, worst
+from freebody.report.tip import chosen_tip
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,3 +87,65 @@ class Study:
         from freebody.report.html import write
 
         return write(self, Path(path))
+
+
+def study(
+    model: Model, motion: Motion | None = None, tip: str | None = None, *, progress: Progress | None = None
+) -> Study:
+    """The dynamic study of a robot along a motion.
+
+    model: with all values. motion: default a smooth one within the joint limits. tip: frame; default the model's own,
+    else the leaf behind the most movable joints. progress: called with a text and the fraction done.
+    Raises FreebodyError for a robot without movable joints, MissingValueError for one with open parameters.
+    """
+    if model.nv == 0:
+        raise FreebodyError(f"study: {model.name!r} has no movable joint; there is no motion to study.")
+    model.require_values("the study")
+    clock = _Clock(progress)
+    frame, reason = chosen_tip(model, tip)
+    with clock.part("motion", 0.0):
+        followed = motion or default_motion(model)
+    with clock.part("torques, reactions, energies", 0.05):
+        data = series(model, frame, followed)
+        found = summary(model, followed, data)
+    with clock.part("worst poses", 0.4):
+        poses = worst_poses(model)
+    replay, skipped = None, "not yet"
+    with clock.part("checks", 0.9):
+        checked = checks(model, followed, data, replay)
+    clock.say("done", 1.0)
+    return Study(
+        model=model,
+        tip=frame,
+        tip_reason=reason,
+        motion=followed,
+        data=data,
+        summary=found,
+        worst=worst(model, data),
+        static=poses,
+        singularity=singularity(model, frame, data),
+        checks=checked,
+        replay=replay,
+        replay_skipped=skipped,
+        notices=(*map(str, model.notices), *followed.notices, *limit_notices(model, found)),
+        seconds=clock.seconds,
+    )
+
+
+class _Clock:
+    """Tells progress, and how long each part took."""
+
+    def __init__(self, progress: Progress | None):
+        self.progress = progress
+        self.seconds: dict[str, float] = {}
+
+    def say(self, text: str, fraction: float) -> None:
+        if self.progress is not None:
+            self.progress(text, fraction)
+
+    @contextmanager
+    def part(self, text: str, fraction: float) -> Iterator[None]:
+        self.say(text, fraction)
+        start = time.perf_counter()
+        yield
+        self.seconds[text] = time.perf_counter() - start

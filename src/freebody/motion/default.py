@@ -1,0 +1,77 @@
+"""A motion for a robot of which nothing else is known: smooth, modest, within the limits, every joint at once."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError
+from freebody.model.model import Model
+from freebody.motion.coordinates import layout, state_of
+from freebody.motion.motion import Motion, derivatives
+from freebody.motion.ranges import Ranges, ranges
+from freebody.numerics.states import integrate, neutral
+
+DURATION = 5.0
+"""s."""
+SAMPLES = 401
+
+_MARGIN = 0.08  # of the range, kept free at each limit
+_SPEED = 0.6  # of the speed limit that is used
+_MODEST = 0.7, 0.15  # amplitude (rad, m) where the limits allow more
+_OFF = 0.8, 0.3  # how far the middle of the motion stays away from zero, where many arms are stretched (rad, m)
+_GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
+
+
+def default_motion(model: Model, duration: float = DURATION, samples: int = SAMPLES) -> Motion:
+    """A motion of every coordinate, from rest to rest, the same every time.
+
+    duration: s. samples: number of them. Each coordinate swings about a middle with its own phase and one to two
+    periods, under a window that brings rate and acceleration to zero at both ends; at most 0.7 rad or 0.15 m,
+    8 % clear of the limits and at 60 % of the speed limit. Free and spherical joints move likewise about their neutral pose.
+    """
+    if duration <= 0:
+        raise FreebodyError(f"default_motion: duration is {duration}, expected seconds above 0.")
+    if samples < 8:
+        raise FreebodyError(f"default_motion: samples is {samples}, expected at least 8.")
+    if model.nv == 0:
+        raise FreebodyError(f"default_motion: {model.name!r} has no movable joint.")
+    t = np.linspace(0.0, duration, samples)
+    allowed = ranges(model)
+    waves, speeds = _waves(model.nv, samples)
+    middle, amplitude = _swing(allowed, speeds / duration)
+    q = integrate(model, neutral(model), middle + amplitude * waves)
+    where = layout(model)
+    x = state_of(where, q, np.zeros_like(q), np.zeros_like(q))[0]
+    q, qd, qdd = state_of(where, x, *derivatives(t, x, at_rest=True))
+    text = f"default motion: every joint swings within its limits, from rest to rest in {duration:g} s"
+    return Motion(t, q, qd, qdd, text, where, allowed.notices)
+
+
+def _waves(n: int, samples: int) -> tuple[Array, Array]:
+    """Shapes (samples, n) within ±1, and the largest slope of each (n,) over s from 0 to 1."""
+    s = np.linspace(0.0, 1.0, samples)[:, None]
+    k = np.arange(n)
+    periods = 1.0 + (k * _GOLDEN) % 1.0
+    phase = 2 * np.pi * ((0.25 + k * _GOLDEN**2) % 1.0)
+    window = (4 * s * (1 - s)) ** 3
+    shape = window * np.sin(2 * np.pi * periods * (s - 0.5) + phase)
+    shape /= np.abs(shape).max(axis=0)
+    return shape, np.abs(np.gradient(shape, s[:, 0], axis=0)).max(axis=0)
+
+
+def _swing(allowed: Ranges, speeds: Array) -> tuple[Array, Array]:
+    """Middle and amplitude (n,) of the coordinates; `speeds` are the largest of waves of amplitude 1 (1/s)."""
+    lower, upper = allowed.lower, allowed.upper
+    span = upper - lower
+    modest = np.where(allowed.turns, *_MODEST)
+    amplitude = np.minimum(modest, np.where(np.isfinite(span), (0.5 - _MARGIN) * span, np.inf))
+    amplitude = np.minimum(amplitude, _SPEED * allowed.velocity / speeds)
+    clear = np.where(np.isfinite(span), _MARGIN * span, np.where(allowed.turns, 0.1, 0.02)) + amplitude
+    low, high = lower + clear, upper - clear
+    n = len(lower)
+    off = np.where(allowed.turns, *_OFF) * np.where(np.arange(n) % 2 == 0, 1.0, -1.0)
+    centre = np.where(np.isfinite(span), 0.5 * (lower + upper), np.clip(0.0, low, high))
+    # a middle at a distance from zero, on the side that the range leaves
+    wanted = np.where(np.abs(centre) < np.abs(off), off, centre)
+    return np.clip(wanted, low, high), amplitude

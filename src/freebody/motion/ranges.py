@@ -1,0 +1,101 @@
+"""The ranges of coordinates as a motion can use them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.model.model import Model
+
+
+@dataclass(frozen=True)
+class Ranges:
+    """Per velocity coordinate, arrays (nv,): limits that allow motion, infinite where there are none.
+
+    What a limit of zero means: files write 0 for "not given", so a speed or effort limit of 0 and a position range of
+    no width count as absent, and `notices` say so. The range of a joint that others follow is narrowed to theirs.
+    """
+
+    lower: Array
+    upper: Array
+    velocity: Array
+    effort: Array
+    turns: Array
+    """Whether the coordinate is an angle."""
+    notices: tuple[str, ...]
+
+    @property
+    def width(self) -> Array:
+        """(nv,) range of each coordinate as a yardstick: upper - lower, or where that is infinite 2π rad, 1 m."""
+        width = self.upper - self.lower
+        return np.where(np.isfinite(width), width, np.where(self.turns, 2 * np.pi, 1.0))
+
+
+def ranges(model: Model) -> Ranges:
+    """The usable ranges of a model's coordinates."""
+    limits = model.limits
+    lower, upper = limits.lower.copy(), limits.upper.copy()
+    empty = lower == upper
+    lower[empty], upper[empty] = -np.inf, np.inf
+    velocity = np.where(limits.velocity > 0, limits.velocity, np.inf)
+    effort = np.where(limits.effort > 0, limits.effort, np.inf)
+    _narrow(model, lower, upper, velocity)
+    names = model.velocity_names
+    notices = [
+        f"{what} of {_listed(names, bad)} is zero in the model and is taken as not given."
+        for what, bad in (
+            ("the position range", empty),
+            ("the speed limit", limits.velocity <= 0),
+            ("the effort limit", limits.effort <= 0),
+        )
+        if bad.any()
+    ]
+    return Ranges(lower, upper, velocity, effort, angular(model), tuple(notices))
+
+
+def angular(model: Model) -> Array:
+    """(nv,) bool: whether a coordinate is an angle (rad, N m) or a length (m, N)."""
+    flags: list[bool] = []
+    for body in model.bodies:
+        if body.joint.mimic is None:
+            flags += _ANGULAR.get(body.kind.name, (True,) * body.kind.nv)
+    return np.array(flags, dtype=bool)
+
+
+def position_columns(model: Model) -> tuple[Array, Array]:
+    """(iq, iv): entries of q and of q̇ that belong together, for coordinates that are not part of a quaternion."""
+    iq: list[int] = []
+    iv: list[int] = []
+    for body, at in zip(model.bodies, model.coordinates, strict=True):
+        if body.joint.mimic is None and body.kind.nq == body.kind.nv:
+            iq += at.q
+            iv += at.v
+    return np.array(iq, dtype=int), np.array(iv, dtype=int)
+
+
+_ANGULAR = {
+    "prismatic": (False,),
+    "planar": (False, False, True),
+    "free": (False, False, False, True, True, True),
+}
+
+
+def _narrow(model: Model, lower: Array, upper: Array, velocity: Array) -> None:
+    """Bring the limits of followers to their leaders, where the ranges meet."""
+    for body, at in zip(model.bodies, model.coordinates, strict=True):
+        limits, k = body.joint.limits, at.v[0] if at.v else -1
+        if body.joint.mimic is None or at.ratio == 0.0 or limits.lower == limits.upper:
+            continue
+        low, high = sorted(((limits.lower - at.offset) / at.ratio, (limits.upper - at.offset) / at.ratio))
+        low, high = max(low, lower[k]), min(high, upper[k])
+        if low < high:
+            lower[k], upper[k] = low, high
+        if limits.velocity > 0:
+            velocity[k] = min(velocity[k], limits.velocity / abs(at.ratio))
+
+
+def _listed(names: tuple[str, ...], flags: Array) -> str:
+    chosen = [name for name, flag in zip(names, flags, strict=True) if flag]
+    return ", ".join(chosen) if len(chosen) <= 6 else f"{', '.join(chosen[:5])} and {len(chosen) - 5} more"

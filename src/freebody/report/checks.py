@@ -1,0 +1,131 @@
+"""Checks of a study: quantities computed in two ways that must agree."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import SingularError
+from freebody.model.model import Model
+from freebody.motion.motion import Motion
+from freebody.numerics import dynamics
+from freebody.report.balance import balance
+from freebody.report.results import Check, Replay
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_PARTS = ("inertial", "coriolis", "gravity", "friction", "springs", "rotors")
+
+
+def checks(model: Model, motion: Motion, data: xr.Dataset, replay: Replay | None) -> tuple[Check, ...]:
+    """All checks of a study."""
+    found = [_parts(data), _energy(data), *_bodies(model, motion, data), *_along_axes(model, data)]
+    forward = _forward(model, motion, data)
+    if forward is not None:
+        found.append(forward)
+    if replay is not None:
+        found.append(_replayed(replay))
+    return tuple(found)
+
+
+def check(name: str, value: float, bar: float, text: str) -> Check:
+    """A check; NaN does not pass."""
+    return Check(name, float(value), float(bar), bool(value <= bar), text)
+
+
+def relative(difference: Array, reference: Array) -> float:
+    """Largest difference over largest reference; 0 where both vanish."""
+    size = float(np.abs(reference).max(initial=0.0))
+    off = float(np.abs(difference).max(initial=0.0))
+    return off / size if size else off
+
+
+def _parts(data: xr.Dataset) -> Check:
+    parts = sum(data[f"tau_{part}"].values for part in _PARTS)
+    tau = data["tau"].values
+    size = np.max([np.abs(data[f"tau_{part}"].values).max() for part in _PARTS])
+    return check(
+        "equation of motion",
+        relative(parts - tau, np.array([size])),
+        1e-10,
+        "M q̈ + C q̇ + g + friction + springs + rotors against the recursive Newton-Euler torque, over the largest part.",
+    )
+
+
+def _energy(data: xr.Dataset) -> Check:
+    total = data["kinetic_energy"].values + data["potential_energy"].values
+    turned_over = max(np.ptp(total), np.ptp(data["kinetic_energy"].values), np.ptp(data["potential_energy"].values))
+    return check(
+        "energy balance",
+        relative(data["energy_residual"].values, np.array([turned_over])),
+        1e-8,
+        "Work of the drives less friction against the gain in kinetic and potential energy, over the energy turned over.",
+    )
+
+
+def _bodies(model: Model, motion: Motion, data: xr.Dataset) -> list[Check]:
+    force, moment, largest_force, largest_moment = balance(model, motion, data)
+    how = "accelerations from the poses differentiated twice, not from the recursion"
+    return [
+        check(
+            "forces on each body",
+            relative(force, np.array([largest_force])),
+            1e-10,
+            f"Joint reactions and weight against mass times acceleration of every body; {how}; over the largest force.",
+        ),
+        check(
+            "moments on each body",
+            relative(moment, np.array([largest_moment])),
+            1e-10,
+            f"The same for moments and the rate of angular momentum; {how}; over the largest moment.",
+        ),
+    ]
+
+
+def _along_axes(model: Model, data: xr.Dataset) -> list[Check]:
+    """S·w of one-axis joints with rotor, friction and spring, against tau."""
+    tau = data["tau"].values
+    along = data["tau_friction"].values + data["tau_springs"].values + data["tau_rotors"].values
+    counted = np.ones(model.nv, dtype=bool)
+    force, moment = data["reaction_force_child"].values, data["reaction_moment_child"].values
+    for k, (body, at, i) in enumerate(zip(model.bodies, model.coordinates, model.tree.body_of, strict=True)):
+        columns = model.tree.bodies[i].columns
+        if len(columns) != body.kind.nv:  # a chain of several primitives: its first ones have reactions of their own
+            counted[list(at.v)] = False
+            continue
+        for (w, v), coordinate in zip(columns, at.v, strict=True):
+            share = moment[:, k] @ np.array(w) + force[:, k] @ np.array(v)
+            along[:, coordinate] = along[:, coordinate] + at.ratio * share
+    if not counted.any():
+        return []
+    text = "Reactions along the joint axes with friction, springs and rotors against the torques, over the largest torque."
+    return [check("reactions along the axes", relative((along - tau)[:, counted], tau[:, counted]), 1e-10, text)]
+
+
+def _forward(model: Model, motion: Motion, data: xr.Dataset) -> Check | None:
+    """Forward dynamics of the torques against the accelerations; None where the mass matrix is singular."""
+    try:
+        back = dynamics.forward_dynamics(model, motion.q, motion.qd, data["tau"].values)
+    except SingularError:
+        return None
+    M = dynamics.mass_matrix(model, motion.q)
+    condition = float(np.linalg.cond(M).max())
+    scale = np.abs(np.linalg.solve(M, np.abs(data["tau"].values)[..., None])).max()
+    return check(
+        "forward dynamics",
+        relative(back - motion.qdd, np.array([max(scale, np.abs(motion.qdd).max())])),
+        max(1e-10, 1e3 * np.finfo(float).eps * condition),
+        f"Accelerations from the torques against those of the motion; the bar follows cond M = {condition:.3g}.",
+    )
+
+
+def _replayed(replay: Replay) -> Check:
+    return check(
+        "replay",
+        replay.misses.max(),
+        1e-6,
+        f"Where the torques drive the model in {len(replay.misses)} pieces, from the reference, over the joint range.",
+    )

@@ -1,0 +1,52 @@
+"""Energies, powers and their balance along a motion."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.model.model import Model
+from freebody.motion.motion import Motion
+from freebody.numerics import dynamics
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
+
+
+def energies(model: Model, motion: Motion) -> dict[str, Any]:
+    """Kinetic and potential energy, and what is left of the energy balance.
+
+    The residual is ∫ (τ - τ_friction) · q̇ dt - (E(t) - E(0)), the integral by Gauss's rule with 6 points in each interval of
+    the motion's curve.
+    """
+    kinetic = dynamics.kinetic_energy(model, motion.q, motion.qd)
+    potential = dynamics.potential_energy(model, motion.q)
+    total = kinetic + potential
+    work = supplied_work(model, motion)
+    return {
+        "kinetic_energy": (("time",), kinetic, "J", "kinetic energy, rotors included"),
+        "potential_energy": (("time",), potential, "J", "potential energy of gravity and springs"),
+        "supplied_work": (("time",), work, "J", "work of the drives less what friction takes"),
+        "energy_residual": (("time",), work - (total - total[0]), "J", "supplied work less the gain in energy"),
+    }
+
+
+def supplied_work(model: Model, motion: Motion) -> Array:
+    """∫ (τ - τ_friction) · q̇ dt up to each sample (T,)."""
+    h = np.diff(motion.t)
+    times = motion.t[:-1, None] + 0.5 * h[:, None] * (1.0 + _NODES)
+    q, qd, qdd = motion.at(times)
+    power = np.sum(dynamics.inverse_dynamics(model.without("friction"), q, qd, qdd) * qd, axis=-1)
+    return np.concatenate([[0.0], np.cumsum(0.5 * h * (power @ _WEIGHTS))])
+
+
+def powers(variables: dict[str, Any], motion: Motion) -> dict[str, Any]:
+    """Mechanical power of each drive and their sum, and what friction takes."""
+    power = variables["tau"][1] * motion.qd
+    friction = np.sum(variables["tau_friction"][1] * motion.qd, axis=-1)
+    return {
+        "power": (("time", "coordinate"), power, "W", "mechanical power of the drive"),
+        "motor_power": (("time",), power.sum(axis=-1), "W", "mechanical power of all drives"),
+        "friction_power": (("time",), friction, "W", "power taken by friction"),
+    }

@@ -1,0 +1,88 @@
+"""The study as one HTML file: no script or font is fetched, figures are inline SVG, every number knows its source."""
+
+from __future__ import annotations
+
+import platform
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import numpy as np
+from markupsafe import Markup
+
+import freebody
+from freebody.figures import theme
+from freebody.report import page_figures as figures
+from freebody.report import page_tables as tables
+from freebody.report.study import Study
+from freebody.report.tables import significant
+
+
+def write(study: Study, path: Path) -> Path:
+    """Write the page; the path."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(page(study), encoding="utf-8")
+    return path
+
+
+def page(study: Study) -> str:
+    """The whole page."""
+    diagrams, loads = figures.free_bodies(study)
+    return _templates().get_template("page.html").render(
+        study=study,
+        model=study.model,
+        facts=_facts(study),
+        robot=figures.robot(study),
+        drives=tables.drives(study),
+        ranges=tables.ranges(study),
+        bodies=tables.bodies(study),
+        gravity=tables.gravity(study),
+        reactions=tables.reactions(study),
+        checks=tables.checks(study),
+        plots={
+            name: list(getattr(figures, name)(study))
+            for name in ("kinematics", "gravity", "motion", "torques", "powers", "energies", "reactions", "drift")
+        },
+        free_bodies=list(zip(diagrams, (tables.loads(study, body) for body in loads), strict=True)),
+        versions=_versions(),
+        colours=(theme.page_colours(dark=False), theme.page_colours(dark=True)),
+        figure_style=Markup(theme.style("@media screen and (prefers-color-scheme:dark)")),
+    )
+
+
+@cache
+def _templates() -> jinja2.Environment:
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("freebody.report"),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    environment.filters["significant"] = significant
+    environment.filters["svg"] = Markup
+    return environment
+
+
+def _facts(study: Study) -> dict[str, Any]:
+    """Single words and numbers of the text."""
+    model, motion = study.model, study.motion
+    failed = [check for check in study.checks if not check.passed]
+    loops = study.replay
+    return {
+        "failed": failed,
+        "gravity": ", ".join(significant(float(x)) for x in model.gravity),
+        "samples": len(motion.t),
+        "rates": bool(np.isfinite(model.limits.effort).any()),
+        "mimic": [body.joint for body in model.bodies if body.joint.mimic is not None],
+        "worst_miss": float(loops.misses.max()) if loops is not None else 0.0,
+        "worst_factor": float(loops.factors.max()) if loops is not None else 0.0,
+        "seconds": sum(study.seconds.values()),
+    }
+
+
+def _versions() -> dict[str, str]:
+    packages = ("numpy", "scipy", "xarray", "llvmlite")
+    return {"freebody": freebody.__version__, "Python": platform.python_version()} | {p: version(p) for p in packages}

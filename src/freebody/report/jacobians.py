@@ -1,0 +1,99 @@
+"""How near the tip's Jacobian comes to losing rank."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.model.model import Model
+from freebody.motion.ranges import angular
+from freebody.numerics import kinematics
+from freebody.report.results import Singularity
+from freebody.report.tip import coordinates_before
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SINGULAR = 1e-3
+"""A ratio of smallest to largest singular value below which the pose is called singular."""
+
+
+def task(model: Model, tip: str, q: Array) -> tuple[int, str]:
+    """How many rows of the Jacobian are counted along q (T, nq), and their name.
+
+    All of them if the tip has that many coordinates to move it; else the rows of position alone, unless the tip's
+    position leaves some coordinate unseen all the time (a tip on the last axis).
+    """
+    six, d = (6, 3) if model.dim == 3 else (3, 2)
+    columns = coordinates_before(model, tip)
+    everything = six, "position and orientation"
+    if len(columns) >= six or not columns:
+        return everything
+    ranks = np.linalg.matrix_rank(kinematics.jacobian(model, q, tip)[..., :d, columns], rtol=1e-9)
+    return (d, "position") if int(ranks.max()) == min(d, len(columns)) else everything
+
+
+def characteristic_length(model: Model, tip: str, q: Array) -> float:
+    """Root mean square of the tip's distance from the first joint's origin over the motion (m); 1 where that is zero."""
+    d = model.dim
+    T = kinematics.forward_kinematics(model, q, tip)[..., :d, d]
+    first = model.bodies[coordinates_first(model, tip)].name if coordinates_before(model, tip) else tip
+    base = kinematics.forward_kinematics(model, q[:1], first)[..., :d, d]
+    length = float(np.sqrt(np.mean(np.sum((T - base) ** 2, axis=-1))))
+    return length if length > 1e-9 else 1.0
+
+
+def coordinates_first(model: Model, tip: str) -> int:
+    """Index of the first body on the way from the base to the tip."""
+    body = model.frame(tip).body
+    while model.bodies[body].parent >= 0:
+        body = model.bodies[body].parent
+    return body
+
+
+def scaled(model: Model, tip: str, q: Array) -> Array:
+    """The counted rows of J (..., rows, n), without units: lengths over the characteristic length.
+
+    Columns are those that move the tip; sliding ones are multiplied by the length, so that all are per radian.
+    """
+    rows, _ = task(model, tip, q)
+    length = characteristic_length(model, tip, q)
+    columns = coordinates_before(model, tip)
+    J = kinematics.jacobian(model, q, tip)[..., :rows, columns].copy()
+    J[..., : model.dim, :] /= length
+    J[..., :, ~angular(model)[columns]] *= length
+    return J
+
+
+def measures(model: Model, tip: str, q: Array) -> dict[str, Any]:
+    """Singular values of the scaled Jacobian along q (T, nq), and their product (Yoshikawa's manipulability)."""
+    if not coordinates_before(model, tip):
+        values = np.zeros((len(q), 1))
+    else:
+        values = np.linalg.svd(scaled(model, tip, q), compute_uv=False)
+    what = "singular value of the tip's Jacobian, lengths over the characteristic length"
+    return {
+        "smallest_singular_value": (("time",), values[:, -1], "1", f"smallest {what}"),
+        "largest_singular_value": (("time",), values[:, 0], "1", f"largest {what}"),
+        "manipulability": (("time",), values.prod(axis=-1), "1", "product of the singular values"),
+    }
+
+
+def singularity(model: Model, tip: str, data: xr.Dataset) -> Singularity:
+    """Where along the motion the smallest singular value is least."""
+    smallest = data["smallest_singular_value"].values
+    k = int(np.argmin(smallest))
+    low, high = float(smallest[k]), float(data["largest_singular_value"].values[k])
+    q = data["q"].values
+    _, rows = task(model, tip, q)
+    time = float(data["time"].values[k])
+    length = characteristic_length(model, tip, q)
+    if (smallest <= SINGULAR * data["largest_singular_value"].values).all():
+        text = "The tip's Jacobian is short of full rank all along: some joint never moves it."
+    elif low <= SINGULAR * high:
+        text = f"At t = {time:.3g} s the tip cannot move in some direction: the arm is singular or all but singular."
+    else:
+        text = f"The motion stays clear of singularities; it is nearest to one at t = {time:.3g} s."
+    return Singularity(k, time, low, high, rows, length, text)

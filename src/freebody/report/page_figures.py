@@ -1,0 +1,168 @@
+"""The figures of the report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from freebody.figures.fbd import PANEL, TALLEST, diagrams
+from freebody.figures.loads import BodyLoads, body_loads
+from freebody.figures.plots import Plot, plot
+from freebody.figures.robot import robot_drawing
+from freebody.figures.svg import picture
+from freebody.report.study import Study
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_TOGETHER = 8  # curves that one picture holds
+_PARTS = {
+    "tau": "total",
+    "tau_inertial": "inertia",
+    "tau_coriolis": "Coriolis",
+    "tau_gravity": "gravity",
+    "tau_friction": "friction",
+    "tau_springs": "springs",
+    "tau_rotors": "rotors",
+}
+
+
+@dataclass(frozen=True)
+class Figure:
+    """SVG text and the words under it."""
+
+    svg: str
+    caption: str = ""
+
+
+def robot(study: Study) -> Figure:
+    """The robot at the worst instant, with poses before and after."""
+    model = study.model.replace(tip=study.tip)
+    q = study.motion.q
+    count = len(study.motion.t)
+    ghosts = [q[k] for k in sorted({0, count // 4, count // 2, 3 * count // 4, count - 1} - {study.worst.index})]
+    path = study.data["tip_position"].values
+    step = max(1, count // 240)
+    svg = picture(robot_drawing(model, q[study.worst.index], ghosts, path[::step]), 640, 540).text(css=False)
+    return Figure(svg, f"At the worst instant, t = {study.worst.time:.3g} s; fainter: other poses of the motion. Orange: the path of {study.tip}.")
+
+
+def free_bodies(study: Study) -> tuple[list[Figure], tuple[BodyLoads, ...]]:
+    """The diagram of each body at the worst instant, and the loads they show."""
+    k, m = study.worst.index, study.motion
+    found = body_loads(study.model, m.q[k], m.qd[k], m.qdd[k])
+    return [Figure(picture(d, PANEL, TALLEST).text(css=False)) for d in diagrams(found, study.model.dim)], found
+
+
+def motion(study: Study) -> Iterator[Figure]:
+    """Positions, rates, accelerations."""
+    for variable, what, suffix in (("q", "Position", ""), ("qd", "Speed", "/s"), ("qdd", "Acceleration", "/s²")):
+        yield from _overlays(study, variable, what, suffix)
+
+
+def torques(study: Study) -> Iterator[Figure]:
+    """Each coordinate's torque with its parts and limits."""
+    data, limits = study.data, study.model.limits.effort
+    shown = {name: words for name, words in _PARTS.items() if name == "tau" or np.abs(data[name].values).max() > 0}
+    units = data["effort_unit"].values
+    for k, name in enumerate(study.model.velocity_names):
+        curves = {words: data[variable].values[:, k] for variable, words in shown.items()}
+        bounds = (-float(limits[k]), float(limits[k])) if np.isfinite(limits[k]) else ()
+        yield _plot(study, name, curves, str(units[k]), limits=bounds, peaks=True)
+
+
+def powers(study: Study) -> Iterator[Figure]:
+    """Mechanical power of the drives, and of all together."""
+    data = study.data
+    for names in _chunks(study.model.velocity_names):
+        curves = {n: data["power"].sel(coordinate=n).values for n in names}
+        yield _plot(study, "Power of each drive", curves, "W")
+    yield _plot(study, "Power of all drives", {"all": data["motor_power"].values}, "W", legend=False, peaks=True)
+
+
+def energies(study: Study) -> Iterator[Figure]:
+    """Energies, and how far their balance is off."""
+    data = study.data
+    kinetic, potential = data["kinetic_energy"].values, data["potential_energy"].values
+    start = float(potential[0])
+    total = kinetic + potential - start
+    yield _plot(study, "Energy since the start", {"kinetic": kinetic, "potential": potential - start, "total": total}, "J")
+    yield _plot(study, "Residual of the balance", {"residual": data["energy_residual"].values}, "J", legend=False, peaks=True)
+
+
+def kinematics(study: Study) -> Iterator[Figure]:
+    """The tip's path and speed, and how near the arm is to a singular pose."""
+    data = study.data
+    position = data["tip_position"]
+    yield _plot(study, f"Position of {study.tip}", {str(a): position.sel(axis=a).values for a in position["axis"].values}, "m")
+    speed = np.linalg.norm(data["tip_velocity"].values, axis=-1)
+    yield _plot(study, f"Speed of {study.tip}", {"speed": speed}, "m/s", legend=False, peaks=True)
+    smallest = data["smallest_singular_value"]
+    curve = {"smallest singular value": smallest.values}
+    yield _plot(study, "Smallest singular value", curve, "1/rad", legend=False, now=study.singularity.time)
+
+
+def gravity(study: Study) -> Iterator[Figure]:
+    """The gravity part of the torques."""
+    yield from _overlays(study, "tau_gravity", "Gravity load", "", "effort_unit")
+
+
+def reactions(study: Study) -> Iterator[Figure]:
+    """Magnitude of each joint's reaction."""
+    for variable, what, unit in (("reaction_force", "Reaction force", "N"), ("reaction_moment", "Reaction moment", "N m")):
+        size = np.linalg.norm(study.data[variable].values, axis=-1)
+        names = study.model.joint_names
+        for chunk in _chunks(names):
+            yield _plot(study, what, {n: size[:, names.index(n)] for n in chunk}, unit)
+
+
+def drift(study: Study) -> Iterator[Figure]:
+    """How far the open-loop run is from the reference."""
+    replay = study.replay
+    if replay is None or len(replay.drift_time) < 2:
+        return
+    off = np.abs(replay.drift).max(axis=1)
+    floor = max(float(off[off > 0].min(initial=1e-16)), 1e-16)
+    curve = {"largest of all coordinates": np.maximum(off, floor)}
+    what = Plot("Open loop: distance from the motion", replay.drift_time, curve, "rad, m", legend=False, log=True)
+    yield Figure(plot(what).text(css=False))
+
+
+def _overlays(study: Study, variable: str, what: str, suffix: str, unit_name: str = "unit") -> Iterator[Figure]:
+    """Coordinates of one unit together, at most eight a picture."""
+    array = study.data[variable]
+    dim = "position" if "position" in array.dims else "coordinate"
+    groups: dict[str, list[str]] = {}
+    for name, unit in _units(study, array, dim, unit_name):
+        groups.setdefault(unit, []).append(name)
+    for unit, names in groups.items():
+        for chunk in _chunks(names):
+            curves = {n: array.sel({dim: n}).values for n in chunk}
+            yield _plot(study, what, curves, unit + suffix)
+
+
+def _units(study: Study, array: xr.DataArray, dim: str, unit_name: str) -> Iterator[tuple[str, str]]:
+    """(name, unit) along a dimension; entries of quaternions have none."""
+    known = dict(zip(study.model.velocity_names, (str(u) for u in study.data[unit_name].values), strict=True))
+    for name in (str(n) for n in array[dim].values):
+        yield name, known.get(name, "1" if ".quat_" in name else "m")
+
+
+def _chunks(names: Sequence[str]) -> Iterator[Sequence[str]]:
+    """Equal groups of at most eight."""
+    count = -(-len(names) // _TOGETHER)
+    size = -(-len(names) // count) if count else 1
+    for k in range(0, len(names), size):
+        yield names[k : k + size]
+
+
+def _plot(
+    study: Study, title: str, curves: dict[str, np.ndarray], unit: str, *, limits: tuple[float, ...] = (),
+    legend: bool = True, peaks: bool = False, now: float | None = None,
+) -> Figure:  # fmt: skip
+    at = study.worst.time if now is None else now
+    what = Plot(title, study.motion.t, curves, unit, limits, at, peaks, legend)
+    return Figure(plot(what).text(css=False))

@@ -1,0 +1,147 @@
+"""Peaks, means and the use of limits: what motors, gears and bearings are chosen by."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.model.model import Model
+from freebody.motion.motion import Motion
+from freebody.motion.ranges import Ranges, position_columns, ranges
+from freebody.report.results import Worst
+from freebody.report.series import coordinates
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def summary(model: Model, motion: Motion, data: xr.Dataset) -> xr.Dataset:
+    """The dataset that `Study.summary` describes."""
+    import xarray as xr
+
+    t = motion.t
+    found = _drives(data, t) | _use(model, motion, data) | _reactions(data, t)
+    variables = {
+        name: (dim, value, {"units": units, "long_name": text}) for name, (dim, value, units, text) in found.items()
+    }
+    named = {k: v for k, v in coordinates(model).items() if k in ("coordinate", "joint", "unit", "effort_unit")}
+    return xr.Dataset(variables, named, {"robot": model.name, "motion": motion.source})
+
+
+def mean(t: Array, x: Array) -> Array:
+    """Time average of samples x (T, n): trapezia."""
+    return np.trapezoid(x, t, axis=0) / (t[-1] - t[0])
+
+
+def _drives(data: xr.Dataset, t: Array) -> dict[str, Any]:
+    tau, qd, power = (data[name].values for name in ("tau", "qd", "power"))
+    peak, peak_time = _peak(t, tau)
+    most, most_time = _peak(t, power)
+    dim = "coordinate"
+    return {
+        "peak_torque": (dim, peak, "N m|N", "largest torque or force, with its sign"),
+        "peak_torque_time": (dim, peak_time, "s", "when the torque is largest"),
+        "rms_torque": (dim, np.sqrt(mean(t, tau**2)), "N m|N", "root mean square of the torque"),
+        "peak_speed": (dim, np.abs(qd).max(axis=0), "rad/s|m/s", "largest speed"),
+        "peak_power": (dim, most, "W", "largest mechanical power, with its sign"),
+        "peak_power_time": (dim, most_time, "s", "when the power is largest"),
+        "mean_power": (dim, mean(t, power), "W", "mean mechanical power"),
+        "gravity_torque_peak": (dim, _peak(t, data["tau_gravity"].values)[0], "N m|N", "largest gravity load"),
+    }
+
+
+def _peak(t: Array, x: Array) -> tuple[Array, Array]:
+    """The entry of largest magnitude of each column of x (T, n), and its time."""
+    k = np.argmax(np.abs(x), axis=0)
+    return np.take_along_axis(x, k[None], axis=0)[0], t[k]
+
+
+def _use(model: Model, motion: Motion, data: xr.Dataset) -> dict[str, Any]:
+    allowed = ranges(model)
+    lowest, highest, position = _excursion(model, motion, allowed)
+    tau, qd = np.abs(data["tau"].values), np.abs(motion.qd)
+    rms = np.sqrt(mean(motion.t, tau**2))
+    dim = "coordinate"
+    return {
+        "lowest": (dim, lowest, "rad|m", "least position"),
+        "highest": (dim, highest, "rad|m", "greatest position"),
+        "position_fraction": (dim, position, "1", "distance from the middle of the range, 1 at a limit"),
+        "velocity_fraction": (dim, _fraction(qd.max(axis=0), allowed.velocity), "1", "peak speed over its limit"),
+        "effort_fraction": (dim, _fraction(tau.max(axis=0), allowed.effort), "1", "peak torque over its limit"),
+        "rms_fraction": (dim, _fraction(rms, allowed.effort), "1", "RMS torque over the effort limit"),
+    }
+
+
+def _fraction(value: Array, limit: Array) -> Array:
+    return np.where(np.isfinite(limit), value / limit, np.nan)
+
+
+def _excursion(model: Model, motion: Motion, allowed: Ranges) -> tuple[Array, Array, Array]:
+    """Least and greatest position and the used part of the range (nv,); NaN where a coordinate has no position."""
+    lowest, highest = np.full(model.nv, np.nan), np.full(model.nv, np.nan)
+    iq, iv = position_columns(model)
+    lowest[iv], highest[iv] = motion.q[:, iq].min(axis=0), motion.q[:, iq].max(axis=0)
+    half = 0.5 * (allowed.upper - allowed.lower)
+    bounded = np.isfinite(half)
+    middle = np.where(bounded, 0.5 * (np.where(bounded, allowed.upper + allowed.lower, 0.0)), 0.0)
+    used = np.maximum(highest - middle, middle - lowest) / np.where(bounded, half, 1.0)
+    return lowest, highest, np.where(bounded, used, np.nan)
+
+
+def _reactions(data: xr.Dataset, t: Array) -> dict[str, Any]:
+    force, force_time = _peak(t, np.linalg.norm(data["reaction_force"].values, axis=-1))
+    moment, moment_time = _peak(t, np.linalg.norm(data["reaction_moment"].values, axis=-1))
+    return {
+        "peak_force": ("joint", force, "N", "largest reaction force"),
+        "peak_force_time": ("joint", force_time, "s", "when the reaction force is largest"),
+        "peak_moment": ("joint", moment, "N m", "largest reaction moment at the joint's origin"),
+        "peak_moment_time": ("joint", moment_time, "s", "when the reaction moment is largest"),
+    }
+
+
+def worst(model: Model, data: xr.Dataset) -> Worst:
+    """The instant of the largest torque relative to the effort limits; without limits, of the largest torque."""
+    allowed = ranges(model)
+    tau, t = data["tau"].values, data["time"].values
+    units = np.asarray(data["effort_unit"].values)
+    limited = np.isfinite(allowed.effort)
+    if limited.any():
+        load = np.where(limited, np.abs(tau) / allowed.effort, 0.0)
+    else:
+        alike = units == ("N m" if (units == "N m").any() else "N")
+        load = np.where(alike, np.abs(tau), 0.0)
+    k, j = (int(i) for i in np.unravel_index(np.argmax(load), load.shape))
+    name, value, unit = model.velocity_names[j], float(tau[k, j]), str(units[j])
+    share = abs(value) / float(allowed.effort[j]) if limited[j] else float("nan")
+    if limited[j]:
+        why = f"{share:.0%} of its effort limit, the largest share of any drive during the motion"
+    else:
+        why = "the largest of the motion; the model gives no effort limits"
+    text = f"At t = {t[k]:.3g} s {name} needs {value:.4g} {unit}: {why}."
+    return Worst(k, float(t[k]), name, value, share, unit, text)
+
+
+def limit_notices(model: Model, found: xr.Dataset) -> list[str]:
+    """One sentence for each limit that the motion leaves."""
+    allowed = ranges(model)
+    sentences = []
+    unit, effort_unit = found["unit"].values, found["effort_unit"].values
+    for k, name in enumerate(model.velocity_names):
+        value = {key: float(found[key].values[k]) for key in found.data_vars if "coordinate" in found[key].dims}
+        if value["lowest"] < allowed.lower[k] or value["highest"] > allowed.upper[k]:
+            sentences.append(
+                f"{name} leaves its range: the motion spans {value['lowest']:.4g} to {value['highest']:.4g} {unit[k]}, "
+                f"the limits are {allowed.lower[k]:.4g} and {allowed.upper[k]:.4g}."
+            )
+        if value["velocity_fraction"] > 1:
+            sentences.append(
+                f"{name} is too fast: {value['peak_speed']:.4g} {unit[k]}/s, the limit is {allowed.velocity[k]:.4g}."
+            )
+        if value["effort_fraction"] > 1:
+            sentences.append(
+                f"{name} needs {abs(value['peak_torque']):.4g} {effort_unit[k]} at "
+                f"t = {value['peak_torque_time']:.3g} s, the effort limit is {allowed.effort[k]:.4g}."
+            )
+    return sentences

@@ -1,0 +1,126 @@
+"""Tables of a report as data: every number knows its full value and where in the data it comes from."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from freebody.figures.text import superscript
+
+
+@dataclass(frozen=True)
+class Number:
+    """A printed number. `variable` names an array of the data file, `at` picks its entry; or `fact` a field of the study.
+
+    Printed is `sign · scale · value`; NaN is printed as a dash.
+    """
+
+    value: float
+    variable: str = ""
+    at: Mapping[str, str | int] = field(default_factory=dict)
+    fact: str = ""
+    unit: str = ""
+    """Printed behind the number, where the column has no single unit."""
+    scale: float = 1.0
+    text: str = ""
+    bar: float | None = None
+    """Share of a limit, drawn as a bar behind the number."""
+
+    @property
+    def selector(self) -> str:
+        """`at` as JSON."""
+        return json.dumps(dict(self.at), ensure_ascii=False)
+
+    @property
+    def exact(self) -> str:
+        """The value to the last bit."""
+        return repr(float(self.value))
+
+
+@dataclass(frozen=True)
+class Text:
+    """A cell of words; `strong` for what a row is about."""
+
+    text: str
+    strong: bool = False
+    css: str = ""
+
+
+Cell = Number | Text
+
+
+@dataclass(frozen=True)
+class Head:
+    """A column: its title, unit, and what the title means."""
+
+    text: str
+    unit: str = ""
+    tip: str = ""
+    number: bool = True
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows under heads; `caption` says what it shows."""
+
+    caption: str
+    heads: tuple[Head, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+
+
+def table(caption: str, heads: Sequence[Head], columns: Sequence[Sequence[Cell]]) -> Table:
+    """A table from its columns, the numbers of each printed with the same decimals."""
+    printed = [aligned(column) for column in columns]
+    return Table(caption, tuple(heads), tuple(zip(*printed, strict=True)))
+
+
+def aligned(column: Sequence[Cell]) -> list[Cell]:
+    """Cells with text: as many decimals as show three digits of a typical number, and no more than five of any."""
+    sizes = sorted(
+        abs(cell.value * cell.scale)
+        for cell in column
+        if isinstance(cell, Number) and math.isfinite(cell.value) and cell.value != 0
+    )
+    if not sizes:
+        return [_printed(cell, 0) for cell in column]
+    decimals = 2 - _decade(sizes[len(sizes) // 2])
+    decimals = max(0, min(decimals, 4 - _decade(sizes[-1])))
+    return [_printed(cell, decimals) for cell in column]
+
+
+def significant(value: float, digits: int = 3) -> str:
+    """A number on its own, with an exponent where it is very small or large."""
+    if not math.isfinite(value):
+        return "–" if math.isnan(value) else "∞" if value > 0 else "−∞"
+    if value == 0:
+        return "0"
+    size = _decade(value)
+    if -3 <= size < 5:
+        return f"{value:.{max(digits - 1 - size, 0)}f}".replace("-", "−")
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    return f"{mantissa}·10{superscript(int(exponent))}".replace("-", "−")
+
+
+def alone(number: Number, digits: int = 3) -> Number:
+    """A number with its own digits, for columns of unlike sizes."""
+    return replace(number, text=significant(number.value * number.scale, digits))
+
+
+def _printed(cell: Cell, decimals: int) -> Cell:
+    if isinstance(cell, Text) or cell.text:
+        return cell
+    if not math.isfinite(cell.value):
+        return replace(cell, text=significant(cell.value))
+    size = cell.value * cell.scale
+    if decimals > 5:
+        return alone(cell)
+    text = f"{size:.{decimals}f}"
+    if float(text) == 0.0:
+        text = text.lstrip("-")
+    return replace(cell, text=text.replace("-", "−"))
+
+
+def _decade(value: float) -> int:
+    return math.floor(math.log10(abs(value)))
