@@ -9,7 +9,8 @@ import numpy as np
 
 from freebody.elementary import Scalar
 from freebody.errors import MissingValueError, ModelError
-from freebody.model.parameters import Parameter, Quantity, Read, each_parameter, finite, quantity, read_with
+from freebody.model.parameters import Parameter, Quantity, each_parameter, finite, quantity
+from freebody.model.reading import VALUES, Reader
 from freebody.spatial import Vector
 
 _TOLERANCE = (
@@ -114,14 +115,14 @@ class Inertia:
         missing = [p.name for p in each_parameter(self) if p.value is None]
         if missing:
             raise MissingValueError("Inertia", missing)
-        m, c, t = self.lower(lambda p: p.value)
+        m, c, t = self.lower(VALUES)
         return float(m), np.array(c, dtype=float), np.array(t if self.dim == 3 else [[t]], dtype=float)
 
-    def lower(self, read: Read) -> tuple[Scalar, Vector, Scalar]:
+    def lower(self, reader: Reader) -> tuple[Scalar, Vector, Scalar]:
         """(mass, com, tensor) in scalars: a 3×3 matrix in space, a number in the plane."""
-        m = read_with(read, self.mass)
-        c = tuple(read_with(read, x) for x in self.com)
-        t = tuple(read_with(read, x) for x in self.tensor)
+        m = reader.quantity(self.mass)
+        c = tuple(reader.quantity(x) for x in self.com)
+        t = tuple(reader.quantity(x) for x in self.tensor)
         if self.dim == 2:
             return m, c, t[0]
         xx, xy, xz, yy, yz, zz = t

@@ -20,12 +20,11 @@ from freebody.model.parameters import (
     each_parameter,
     finite,
     quantity,
-    read_with,
-    value_of,
     with_parameters,
 )
 from freebody.model.parts import Joint, Notice
 from freebody.model.placement import Placement, Rotate, Shift, Turn, rotate, shift
+from freebody.model.reading import VALUES
 from freebody.model.tree import TURN_INTO_SPACE, Attached, Coordinates, Tree, lower
 
 
@@ -207,7 +206,7 @@ class Model:
     def tree(self) -> Tree:
         """The model in numbers, as the algorithms take it."""
         self.require_values("the numbers")
-        return lower(self, value_of)
+        return lower(self, VALUES)
 
     @cached_property
     def compiled(self) -> dict[Any, Any]:
@@ -223,7 +222,7 @@ class Model:
     @property
     def gravity(self) -> Array:
         """The gravity field (dim,) in world axes, m/s²."""
-        size = read_with(value_of, self.gravity_size)
+        size = VALUES.quantity(self.gravity_size)
         return size * np.array(self.gravity_direction)
 
     @property

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from freebody.elementary import Scalar
 from freebody.errors import ModelError
 
 
@@ -29,8 +28,6 @@ class Parameter:
 
 
 Quantity = float | Parameter
-Read = Callable[[Parameter], Scalar]
-"""How a parameter becomes a scalar."""
 
 
 def finite(value: object, owner: str) -> float:
@@ -88,15 +85,3 @@ def with_parameters(thing: Any, change: Callable[[Parameter], Any]) -> Any:
         items = tuple(with_parameters(item, change) for item in thing)
         return thing if all(a is b for a, b in zip(items, thing, strict=True)) else items
     return thing
-
-
-def value_of(parameter: Parameter) -> float:
-    """The `Read` that gives values; missing ones must have been refused before."""
-    if parameter.value is None:
-        raise ModelError(f"parameter {parameter.name!r} has no value.")
-    return parameter.value
-
-
-def read_with(read: Read, q: Quantity) -> Scalar:
-    """The scalar of a quantity."""
-    return read(q) if isinstance(q, Parameter) else q

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from freebody.elementary import Scalar, cos, sin
+from freebody.elementary import Scalar
 from freebody.errors import ModelError
-from freebody.model.parameters import Parameter, Quantity, Read, read_with
+from freebody.model.parameters import Quantity
+from freebody.model.reading import EXACT, Reader, exact_sin_cos
 from freebody.spatial import AnySpace, Matrix, Vector, add, identity, product, times
-
-_EXACT = 1e-12  # angles this close to a multiple of a right angle are that multiple
 
 
 @dataclass(frozen=True)
@@ -48,28 +46,19 @@ class Placement:
         """T_AB T_BC."""
         return Placement(self.steps + other.steps)
 
-    def lower(self, space: AnySpace, read: Read) -> tuple[Matrix, Vector]:
+    def lower(self, space: AnySpace, reader: Reader) -> tuple[Matrix, Vector]:
         """(R_AB, p_AB) in scalars."""
         R: Matrix = identity(space.dim)
         p: Vector = space.zero
         for step in self.steps:
             if isinstance(step, Shift):
-                p = add(p, times(R, tuple(read_with(read, x) for x in step.by)))
+                p = add(p, times(R, tuple(reader.quantity(x) for x in step.by)))
             elif isinstance(step, Rotate):
-                R = product(R, step.matrix)
+                R = product(R, reader.rotation(step.matrix))
             else:
-                R = product(R, _rotation(space, step, read))
+                s, c = reader.sin_cos(step.angle)
+                R = product(R, ((c, -s), (s, c)) if space.dim == 2 else about(step.axis, s, c))
         return R, p
-
-
-def _rotation(space: AnySpace, turn: Turn, read: Read) -> Matrix:
-    """Rotation matrix of one turn; numbers near right angles are exact."""
-    if isinstance(turn.angle, Parameter) and not isinstance(read(turn.angle), float):
-        angle = read(turn.angle)
-        s, c = sin(angle), cos(angle)
-    else:
-        s, c = exact_sin_cos(float(read_with(read, turn.angle)))
-    return ((c, -s), (s, c)) if space.dim == 2 else about(turn.axis, s, c)
 
 
 def about(axis: str, s: Scalar, c: Scalar) -> Matrix:
@@ -79,14 +68,6 @@ def about(axis: str, s: Scalar, c: Scalar) -> Matrix:
         "y": ((c, 0.0, s), (0.0, 1.0, 0.0), (-s, 0.0, c)),
         "z": ((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0)),
     }[axis]
-
-
-def exact_sin_cos(angle: float, tolerance: float = _EXACT) -> tuple[float, float]:
-    """sin and cos, exactly 0 and ±1 within `tolerance` (rad) of a multiple of π/2; with 0 as computed."""
-    quarter = round(angle / (math.pi / 2))
-    if tolerance > 0.0 and abs(angle - quarter * (math.pi / 2)) <= tolerance:
-        return ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))[quarter % 4]
-    return math.sin(angle), math.cos(angle)
 
 
 def shift(*by: Quantity) -> Placement:
@@ -114,7 +95,7 @@ def rotate(matrix: Sequence[Sequence[float]] | np.ndarray, owner: str = "rotatio
     return Placement((Rotate(tuple(tuple(float(x) for x in row) for row in R)),))
 
 
-def rpy(roll: float, pitch: float, yaw: float, snap: float = _EXACT) -> Placement:
+def rpy(roll: float, pitch: float, yaw: float, snap: float = EXACT) -> Placement:
     """URDF's fixed-axis roll, pitch, yaw: R = Rz(yaw) Ry(pitch) Rx(roll); right angles within `snap` are exact."""
     R: Matrix = identity(3)
     for axis, angle in (("z", yaw), ("y", pitch), ("x", roll)):

@@ -1,6 +1,6 @@
 """The model in scalars: what the algorithms run on.
 
-`lower` turns names and placements into numbers, or into whatever `read` makes of a parameter. Joints become chains of
+`lower` turns names and placements into numbers, or into whatever a reader makes of them. Joints become chains of
 primitives, in an order where parents come first.
 """
 
@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 from freebody.elementary import Scalar
 from freebody.model.inertia import Inertia, combined
 from freebody.model.joints.kind import Column, Primitive
-from freebody.model.parameters import Read, each_parameter, read_with
+from freebody.model.parameters import each_parameter
 from freebody.model.placement import Placement
+from freebody.model.reading import Reader
 from freebody.spatial import AnySpace, Matrix, Vector, add, identity, of_dimension, scale, times
 
 if TYPE_CHECKING:
@@ -115,18 +116,18 @@ class Tree:
         return tuple(k for k, body in enumerate(self.bodies) if body.parent == i)
 
 
-def lower(model: Model, read: Read) -> Tree:
-    """The model's tree, its parameters read by `read`."""
+def lower(model: Model, reader: Reader) -> Tree:
+    """The model's tree, its numbers and parameters read by `reader`."""
     space = of_dimension(model.dim)
     bodies: list[TreeBody] = []
     body_of: dict[int, int] = {-1: -1}
     for i in _parents_first(model):
         body = model.bodies[i]
         at = model.coordinates[i]
-        R, p = body.joint.placement.lower(space, read)
+        R, p = body.joint.placement.lower(space, reader)
         parent = body_of[body.parent]
         iq = iv = 0
-        chain = body.kind.primitives(space, body.joint.axis)
+        chain = body.kind.primitives(space, reader.axis(body.joint.axis))
         for k, (primitive, axis) in enumerate(chain):
             last = k == len(chain) - 1
             bodies.append(
@@ -141,15 +142,15 @@ def lower(model: Model, read: Read) -> Tree:
                     Coordinates(
                         at.q[iq : iq + primitive.nq], at.v[iv : iv + primitive.nv], at.ratio, at.offset
                     ),
-                    _masses(space, body.inertias, read) if last else (),
-                    _drive(body, read) if len(chain) == 1 else None,
+                    _masses(space, body.inertias, reader) if last else (),
+                    _drive(body, reader) if len(chain) == 1 else None,
                 )
             )
             iq, iv = iq + primitive.nq, iv + primitive.nv
             parent = len(bodies) - 1
             R, p = identity(space.dim), space.zero
         body_of[i] = parent
-    size = read_with(read, model.gravity_size)
+    size = reader.quantity(model.gravity_size)
     return Tree(
         space,
         tuple(bodies),
@@ -157,8 +158,8 @@ def lower(model: Model, read: Read) -> Tree:
         model.nq,
         model.nv,
         tuple(body_of[i] for i in range(len(model.bodies))),
-        {f.name: (body_of[f.body], *f.placement.lower(space, read)) for f in model.frames},
-        _masses(space, model.base_inertias, read),
+        {f.name: (body_of[f.body], *f.placement.lower(space, reader)) for f in model.frames},
+        _masses(space, model.base_inertias, reader),
     )
 
 
@@ -175,22 +176,22 @@ def _parents_first(model: Model) -> list[int]:
     return order
 
 
-def _masses(space: AnySpace, parts: tuple[Attached, ...], read: Read) -> tuple[Mass, ...]:
+def _masses(space: AnySpace, parts: tuple[Attached, ...], reader: Reader) -> tuple[Mass, ...]:
     """Masses in the body's axes; those without parameters are made one."""
     plain = [a for a in parts if not any(each_parameter(a)) and any((a.inertia.mass, *a.inertia.tensor))]
     named = [a for a in parts if any(each_parameter(a))]
-    if len(plain) > 1 and all(
-        a.inertia.mass >= 0.0 for a in plain
-    ):  # negative ones may leave a moment without mass
-        moved = [a.inertia.placed(*a.placement.lower(space, read)) for a in plain]
+    # negative masses may add up to a first moment without mass, which has no centre
+    positive = all(a.inertia.numbers()[0] >= 0.0 for a in plain)
+    if reader.combines and len(plain) > 1 and positive:
+        moved = [a.inertia.placed(*a.placement.lower(space, reader)) for a in plain]
         plain = [Attached("", combined(moved))]
-    masses = [_mass(space, a, read) for a in (*named, *plain)]
+    masses = [_mass(space, a, reader) for a in (*named, *plain)]
     return tuple(mass for mass in masses if not _is_nothing(mass))
 
 
-def _mass(space: AnySpace, part: Attached, read: Read) -> Mass:
-    m, c, inertia = part.inertia.lower(read)
-    R, p = part.placement.lower(space, read)
+def _mass(space: AnySpace, part: Attached, reader: Reader) -> Mass:
+    m, c, inertia = part.inertia.lower(reader)
+    R, p = part.placement.lower(space, reader)
     return Mass(m, add(p, times(R, c)), space.turned_inertia(R, inertia))
 
 
@@ -199,10 +200,10 @@ def _is_nothing(mass: Mass) -> bool:
     return all(isinstance(x, float) and x == 0.0 for row in ((mass.m,), *rows) for x in row)
 
 
-def _drive(body: Body, read: Read) -> DriveScalars | None:
+def _drive(body: Body, reader: Reader) -> DriveScalars | None:
     drive = body.joint.drive
     viscous, coulomb, rotor, gear, stiffness, rest = (
-        read_with(read, x)
+        reader.quantity(x)
         for x in (drive.viscous, drive.coulomb, drive.rotor, drive.gear, drive.stiffness, drive.rest)
     )
     if all(isinstance(x, float) and x == 0.0 for x in (viscous, coulomb, rotor, stiffness)):
