@@ -99,7 +99,7 @@ def _guides(drawing: Drawing, model: Model, pose: Skeleton, body: BodyPlace, siz
             Line((point(body.origin), point(end)), f"reference {n}", "guide"),
             Arc(point(body.origin), reach, before, turned, f"θ_{n}", label=f"θ_{n} = {number(math.degrees(turned))}°"),
         )
-    for a, b in body.outline if body.ends else ():
+    for a, b in [(body.origin, end.place) for end in body.ends]:
         length = float(np.linalg.norm(b - a))
         if length > 0.05 * size:
             along = (a + b) / 2 + 0.12 * (b - a)

@@ -56,7 +56,7 @@ class Picture:
         """The SVG document. css: with its own style sheet, to stand alone. place: attributes x and y, inside another."""
         style = f"<style>{theme.style()}</style>" if css else ""
         size = f'width="{self.width:g}" height="{self.height:.0f}"'
-        title = escape(texts.plain(self.title), quote=True)
+        title = escape(self.title, quote=True)
         return (
             f'<svg {place or XMLNS} class="fig" viewBox="0 0 {self.width:g} {self.height:.0f}" {size} '
             f'role="img" aria-label="{title}">{style}{self.body}</svg>'
@@ -99,7 +99,10 @@ def _fit(drawing: Drawing, width: float, tallest: float) -> tuple[Page, float]:
     middle = (low + high) / 2
     shift = np.array([width / 2 - scale * middle[0], top + inner / 2 + scale * middle[1]])
     height = top + inner + (_STRIP if drawing.rulers else 0.0)
-    return Page(drawing, scale, shift, Crowd(width, height), [], []), height
+    crowd = Crowd(width, height - (_STRIP + 14.0 if drawing.rulers else 0.0))
+    if drawing.compass:
+        crowd.boxes.append((width - 70.0, height - 62.0, width, height))
+    return Page(drawing, scale, shift, crowd, [], []), height
 
 
 def _line(page: Page, e: Line) -> None:
@@ -192,7 +195,7 @@ def _label(placed: Placed) -> str:
 def _corners(drawing: Drawing, page: Page, height: float) -> list[str]:
     """Heading above; below, scale bars to the left and the world's axes to the right."""
     width = page.crowd.width
-    out = [f'<text class="name" x="12" y="20">{texts.marked(drawing.heading)}</text>'] if drawing.heading else []
+    out = [f'<text class="name" x="12" y="20">{escape(drawing.heading)}</text>'] if drawing.heading else []
     x = 14.0
     for metres, label, role in drawing.rulers:
         length = metres * page.scale

@@ -1,0 +1,228 @@
+"""Curves over time as small SVG pictures: axes with units, one curve a quantity, its peak marked, limits dashed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from html import escape
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from freebody.arrays import Array
+from freebody.figures.svg import Picture
+from freebody.figures.text import number, width
+
+_LEFT, _RIGHT, _TOP, _BOTTOM = 52.0, 12.0, 28.0, 30.0
+_SEEN = 0.15  # pixels: a curve may leave its samples by no more than this
+
+
+@dataclass(frozen=True)
+class Plot:
+    """What to draw: curves (k,) over t (k,) by name, each of them in `unit`."""
+
+    title: str
+    t: Array
+    curves: Mapping[str, Array]
+    unit: str
+    limits: tuple[float, ...] = ()
+    """Levels drawn dashed, where they are near the curves."""
+    now: float | None = None
+    """An instant marked by a vertical line."""
+    peaks: bool = True
+    """Whether the point of the first curve farthest from zero is marked."""
+    legend: bool = True
+    colours: Sequence[int] = field(default_factory=tuple)
+    size: tuple[float, float] = (400.0, 208.0)
+    log: bool = False
+
+
+def plot(what: Plot) -> Picture:
+    """The picture of a plot."""
+    w, h = what.size
+    rows = _legend_rows(what)
+    top = _TOP + 16.0 * len(rows)
+    low, high = _range(what)
+    box = (_LEFT, top, w - _RIGHT, h + 16.0 * len(rows) - _BOTTOM)
+    ruled = _Axes(box, (float(what.t[0]), float(what.t[-1])), (low, high), what.log)
+    body = [f'<text class="name" x="6" y="16">{escape(what.title)}</text>', *_grid(ruled, what.unit)]
+    if what.now is not None:
+        x = ruled.x(what.now)
+        body.append(f'<path class="now" d="M{x:.1f} {box[1]:.1f}V{box[3]:.1f}"><title>t = {what.now:.4g} s</title></path>')
+    body += [_limit(ruled, level) for level in what.limits if low <= level <= high]
+    colours = what.colours or range(len(what.curves))
+    drawn = [(name, _scaled(curve, what.log), colour % 8) for (name, curve), colour in zip(what.curves.items(), colours, strict=False)]
+    body += [_curve(ruled, what, name, curve, colour) for name, curve, colour in drawn]
+    if what.peaks:
+        body += [_peak(ruled, what, curve, colour) for _, curve, colour in drawn[:1]]
+    body += [_entry(name, x, 32.0 + 16 * k, colours) for k, row in enumerate(rows) for name, x, colours in row]
+    return Picture("".join(body), w, h + 16.0 * len(rows), f"{what.title}, {what.unit} over time")
+
+
+def thin(x: Array, y: Array, tolerance: float = _SEEN) -> Array:
+    """Indices of the samples that a polyline needs to stay within `tolerance` of all (Ramer, Douglas, Peucker)."""
+    keep = np.zeros(len(x), dtype=bool)
+    keep[[0, -1]] = True
+    waiting = [(0, len(x) - 1)]
+    while waiting:
+        a, b = waiting.pop()
+        if b - a < 2:
+            continue
+        inner = slice(a + 1, b)
+        across = np.abs((x[b] - x[a]) * (y[inner] - y[a]) - (y[b] - y[a]) * (x[inner] - x[a]))
+        off = across / max(math.hypot(x[b] - x[a], y[b] - y[a]), 1e-12)
+        worst = int(np.argmax(off))
+        if off[worst] > tolerance:
+            middle = a + 1 + worst
+            keep[middle] = True
+            waiting += [(a, middle), (middle, b)]
+    return np.flatnonzero(keep)
+
+
+def ticks(low: float, high: float, most: int = 5) -> list[float]:
+    """Round values between low and high."""
+    step = (high - low) / most
+    power = 10.0 ** math.floor(math.log10(step))
+    step = next(k * power for k in (1, 2, 2.5, 5, 10) if k * power >= step * (1 - 1e-9))
+    first = math.ceil(low / step - 1e-9)
+    return [k * step for k in range(first, math.floor(high / step + 1e-9) + 1)]
+
+
+@dataclass(frozen=True)
+class _Axes:
+    box: tuple[float, float, float, float]
+    time: tuple[float, float]
+    range: tuple[float, float]
+    log: bool
+
+    def x(self, t: ArrayLike) -> Array:
+        left, _, right, _ = self.box
+        a, b = self.time
+        return left + (np.asarray(t) - a) / (b - a or 1.0) * (right - left)
+
+    def y(self, value: ArrayLike) -> Array:
+        _, top, _, bottom = self.box
+        low, high = self.range
+        return bottom - (np.asarray(value) - low) / (high - low) * (bottom - top)
+
+
+def _scaled(curve: Array, log: bool) -> Array:
+    return np.log10(np.maximum(np.abs(curve), 1e-300)) if log else np.asarray(curve, dtype=float)
+
+
+def _range(what: Plot) -> tuple[float, float]:
+    """Lowest and highest of the axis: all curves, zero where it is near, a limit where a curve comes near it."""
+    values = np.concatenate([_scaled(c, what.log) for c in what.curves.values()])
+    values = values[np.isfinite(values)]
+    low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
+    if what.log:
+        return math.floor(low), max(math.ceil(high), math.floor(low) + 1)
+    size = max(abs(low), abs(high))
+    near = [level for level in what.limits if math.isfinite(level) and abs(level) < 1.6 * size]
+    low, high = min([low, *near]), max([high, *near])
+    span = high - low
+    if span <= 1e-9 * max(size, 1e-12):
+        half = 0.5 * size if size > 1e-12 else 1.0
+        return low - half, high + half
+    if 0 < low < 0.5 * span:
+        low = 0.0
+    if -0.5 * span < high < 0:
+        high = 0.0
+    return low - 0.06 * span, high + 0.08 * span
+
+
+def _grid(axes: _Axes, unit: str) -> list[str]:
+    left, top, right, bottom = axes.box
+    out = []
+    levels = ticks(*axes.range, most=4) if not axes.log else _decades(*axes.range)
+    for level in levels:
+        y = float(axes.y(level))
+        text = f"10{_raised(level)}" if axes.log else _tick(level, levels)
+        out.append(f'<path class="grid" d="M{left:.1f} {y:.1f}H{right:.1f}"/><text class="tick" x="{left - 6:.1f}" y="{y + 4:.1f}" text-anchor="end">{text}</text>')
+    instants = ticks(*axes.time)
+    for t in instants:
+        x = float(axes.x(t))
+        out.append(f'<path class="axis" d="M{x:.1f} {bottom:.1f}v4"/><text class="tick" x="{x:.1f}" y="{bottom + 16:.1f}" text-anchor="middle">{_tick(t, instants)}</text>')
+    if not axes.log and axes.range[0] < 0 < axes.range[1]:
+        y = float(axes.y(0.0))
+        out.append(f'<path class="axis" d="M{left:.1f} {y:.1f}H{right:.1f}"/>')
+    out.append(f'<path class="frame" d="M{left:.1f} {top:.1f}V{bottom:.1f}H{right:.1f}"/>')
+    out.append(f'<text class="unit" x="{right:.1f}" y="{bottom + 28:.1f}" text-anchor="end">t in s</text>')
+    out.append(f'<text class="unit" x="{right:.1f}" y="16" text-anchor="end">{escape(unit)}</text>')
+    return out
+
+
+def _decades(low: float, high: float) -> list[float]:
+    step = max(1, math.ceil((high - low) / 4))
+    return [float(k) for k in range(int(low), int(high) + 1, step)]
+
+
+def _raised(level: float) -> str:
+    return f'<tspan dy="-4" font-size="75%">{f"{level:.0f}".replace("-", "−")}</tspan>'
+
+
+def _tick(value: float, all_values: Sequence[float]) -> str:
+    """As many decimals as the step needs."""
+    step = all_values[1] - all_values[0] if len(all_values) > 1 else 1.0
+    size = max(abs(v) for v in all_values) if all_values else 1.0
+    if abs(value) < 1e-9 * max(size, step):
+        return "0"
+    if size >= 1e5 or step < 1e-4:
+        return number(value, 3)
+    decimals = max(0, -math.floor(math.log10(step) + 1e-9))
+    if abs(step * 10**decimals - round(step * 10**decimals)) > 1e-6:
+        decimals += 1
+    return f"{value:.{decimals}f}".replace("-", "−")
+
+
+def _limit(axes: _Axes, level: float) -> str:
+    left, _, right, _ = axes.box
+    y = float(axes.y(level))
+    return f'<path class="limit" d="M{left:.1f} {y:.1f}H{right:.1f}"><title>limit {number(level)}</title></path>'
+
+
+def _curve(axes: _Axes, what: Plot, name: str, curve: Array, colour: int) -> str:
+    x, y = axes.x(what.t), axes.y(curve)
+    kept = thin(x, y)
+    d = "M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(x[kept], y[kept], strict=True))
+    return f'<path class="curve s{colour}" d="{d}"><title>{escape(name)}</title></path>'
+
+
+def _peak(axes: _Axes, what: Plot, curve: Array, colour: int) -> str:
+    """The value farthest from zero."""
+    k = int(np.argmax(np.abs(curve)))
+    x, y = float(axes.x(what.t[k])), float(axes.y(curve[k]))
+    if what.log or abs(curve[k]) < 1e-12:
+        return ""
+    text = number(float(curve[k]))
+    half = width(text, 11) / 2
+    at = min(max(x, axes.box[0] + half + 4), axes.box[2] - half)
+    above = y - 7 if y - 16 > axes.box[1] - 6 else y + 17
+    return (
+        f'<circle class="peak f{colour}" cx="{x:.1f}" cy="{y:.1f}" r="3.4"><title>{text} {escape(what.unit)} at {what.t[k]:.4g} s</title></circle>'
+        f'<text class="tick halo" x="{at:.1f}" y="{above:.1f}" text-anchor="middle">{text}</text>'
+    )
+
+
+def _legend_rows(what: Plot) -> list[list[tuple[str, float, int]]]:
+    """(name, x, colour) of the legend's entries, in rows that fit."""
+    if not what.legend:
+        return []
+    rows: list[list[tuple[str, float, int]]] = [[]]
+    x, colours = 8.0, what.colours or range(len(what.curves))
+    for name, colour in zip(what.curves, colours, strict=False):
+        needed = width(name, 12) + 34
+        if rows[-1] and x + needed > what.size[0]:
+            rows.append([])
+            x = 8.0
+        rows[-1].append((name, x, colour % 8))
+        x += needed
+    return rows
+
+
+def _entry(name: str, x: float, y: float, colour: int) -> str:
+    return (
+        f'<path class="curve s{colour}" d="M{x:.1f} {y - 4:.1f}h14"/>'
+        f'<text class="num" x="{x + 19:.1f}" y="{y:.1f}">{escape(name)}</text>'
+    )
