@@ -19,6 +19,7 @@ _NOT_READ = {
     ".sdf": "SDF is not read; convert it to URDF, or describe the robot in freebody's TOML.",
 }
 SUFFIXES = (".urdf", ".toml", ".csv")
+_BARE = "files without suffix"
 
 
 def load(
@@ -59,19 +60,20 @@ def read(
         return _bundled(given)
     suffix = path.suffix.lower()
     if suffix in _NOT_READ:
-        raise FileError(path, None, _NOT_READ[suffix].format(name=path.name, stem=path.stem))
+        raise FileError(
+            path, None, _NOT_READ[suffix].format(name=path.name, stem=path.stem.removesuffix(".urdf"))
+        )
+    if suffix not in SUFFIXES and not path.is_dir():
+        raise FileError(
+            path, None, f"freebody does not know {suffix or _BARE}; it reads {', '.join(SUFFIXES)}."
+        )
     data = sources.read(path)
     if suffix == ".urdf":
         return urdf.describe(given, data, name=path.stem, snap_angles=snap_angles)
-    if suffix == ".toml":
-        return toml.describe(given, sources.decoded(given, data), name=path.stem)
+    text = sources.decoded(given, data)
     if suffix == ".csv":
-        return dh_csv.describe(given, sources.decoded(given, data), name=path.stem, convention=convention)
-    raise FileError(
-        path,
-        None,
-        f"freebody does not know {suffix or 'files without suffix'}; it reads {', '.join(SUFFIXES)}.",
-    )
+        return dh_csv.describe(given, text, name=path.stem, convention=convention)
+    return toml.describe(given, text, name=path.stem)
 
 
 def _bundled(name: str) -> Description:
