@@ -92,7 +92,9 @@ def direct(seed, arrays, length=60):
     y, B, t = random_function(seed, length)(*columns)
 
     def stacked(value, shape):
-        flat = [np.broadcast_to(v, batch) for v in np.asarray(value, dtype=object).ravel()] if shape else [value]
+        flat = (
+            [np.broadcast_to(v, batch) for v in np.asarray(value, dtype=object).ravel()] if shape else [value]
+        )
         return np.stack(flat, axis=-1).reshape(batch + shape)
 
     y = np.stack([np.broadcast_to(v, batch) for v in y], axis=-1)
@@ -121,7 +123,10 @@ def swap_program():
 # ---------------------------------------------------------------- traces and programs
 def test_a_program_prints_and_counts():
     program = trace(
-        "f", lambda q, m: ([sin(q[0]) * m, -3.0],), [Argument("q", (2,)), Argument("m", ())], [Argument("r", (2,))]
+        "f",
+        lambda q, m: ([sin(q[0]) * m, -3.0],),
+        [Argument("q", (2,)), Argument("m", ())],
+        [Argument("r", (2,))],
     )
     assert program.listing().splitlines() == [
         "f: q(2), m() -> r(2)",
@@ -204,7 +209,9 @@ def test_a_pass_keeps_the_meaning(name):
 
 
 def test_quotients_by_one_denominator_share_its_reciprocal():
-    program = trace("f", lambda x: ([x[0] / x[2], x[1] / x[2]],), [Argument("x", (3,))], [Argument("y", (2,))])
+    program = trace(
+        "f", lambda x: ([x[0] / x[2], x[1] / x[2]],), [Argument("x", (3,))], [Argument("y", (2,))]
+    )
     assert passes.share_reciprocals(program).operations == {"div": 1, "mul": 2}
     single = trace("f", lambda x: ([x[0] / x[2], x[1] / x[0]],), [Argument("x", (3,))], [Argument("y", (2,))])
     assert passes.share_reciprocals(single) is single
@@ -226,7 +233,9 @@ def most_alive(program):
     last = {i: k for k in range(len(program)) for i in program.operands(k)}
     alive, most = 0, 0
     for k, op in enumerate(program.op):
-        ended = sum(last[i] == k and program.op[i] not in ("input", "const") for i in set(program.operands(k)))
+        ended = sum(
+            last[i] == k and program.op[i] not in ("input", "const") for i in set(program.operands(k))
+        )
         alive += (op not in ("input", "const")) - ended
         most = max(most, alive)
     return most
@@ -277,7 +286,9 @@ LAYOUTS = {
     "strided core": lambda a: np.repeat(a, 3, axis=-1)[..., ::3] if a.ndim > 1 else a,
     "reversed core": lambda a: a[..., ::-1].copy()[..., ::-1] if a.ndim > 1 else a,
     "fortran core": lambda a: np.swapaxes(np.swapaxes(a, -1, -2).copy(), -1, -2) if a.ndim > 2 else a,
-    "misaligned": lambda a: np.frombuffer(b"?" + a.tobytes(), dtype=np.uint8)[1:].view(np.float64).reshape(a.shape),
+    "misaligned": lambda a: (
+        np.frombuffer(b"?" + a.tobytes(), dtype=np.uint8)[1:].view(np.float64).reshape(a.shape)
+    ),
     "read-only": lambda a: np.frombuffer(a.tobytes()).reshape(a.shape),
     "big-endian": lambda a: a.astype(">f8"),
 }
@@ -293,7 +304,11 @@ def test_any_strides(backend, width, layout):
         changed = [LAYOUTS[layout](a) for a in arrays]
         assert all(np.array_equal(a, b) for a, b in zip(arrays, changed, strict=True))
         assert same_bits(compiled(*changed), expected)
-        outs = tuple(LAYOUTS[layout](np.zeros_like(e)) for e in expected) if layout not in ("read-only",) else None
+        outs = (
+            tuple(LAYOUTS[layout](np.zeros_like(e)) for e in expected)
+            if layout not in ("read-only",)
+            else None
+        )
         if layout not in ("misaligned", "read-only"):
             returned = compiled(*changed, out=outs)
             assert all(r is o for r, o in zip(returned, outs, strict=True))
@@ -470,7 +485,11 @@ def test_wrong_arguments_are_named(backend, width):
         ((x + 0j, A, s), KernelError, r"random0: x holds complex128 values, expected real numbers\."),
         ((x.astype(object), A, s), KernelError, r"random0: x holds object values, expected real numbers\."),
         ((x.astype(str), A, s), KernelError, r"x holds <U\d+ values"),
-        ((x, A[:3], s), kernel.BatchError, r"batch shapes do not broadcast together: x \(4,\), A \(3,\), s \(4,\)"),
+        (
+            (x, A[:3], s),
+            kernel.BatchError,
+            r"batch shapes do not broadcast together: x \(4,\), A \(3,\), s \(4,\)",
+        ),
     ]
     for arrays, error, message in cases:
         for threads in (None, 2):
@@ -498,7 +517,9 @@ def test_out_of_the_wrong_shape_is_refused(backend, width):
 
 def test_options_are_checked(monkeypatch):
     program = swap_program()
-    with pytest.raises(KernelError, match=r"no backend 'fortran'\. Backends: llvm, numpy \(argument or FREEBODY_BACK"):
+    with pytest.raises(
+        KernelError, match=r"no backend 'fortran'\. Backends: llvm, numpy \(argument or FREEBODY_BACK"
+    ):
         compile_program(program, backend="fortran")
     with pytest.raises(KernelError, match=r"no width 3\. Widths: 2, 4, 8 \(argument or FREEBODY_WIDTH\)"):
         compile_program(program, width=3)
@@ -530,7 +551,12 @@ def test_a_kernel_is_a_gufunc_that_can_be_read():
 @pytest.mark.parametrize("backend", ["llvm", "numpy"])
 def test_empty_arguments(backend):
     nothing = Argument("q", (0,))
-    program = trace("f", lambda q, x: ((), x[0] * 2.0), [nothing, Argument("x", (1,))], [Argument("r", (0,)), Argument("y", ())])
+    program = trace(
+        "f",
+        lambda q, x: ((), x[0] * 2.0),
+        [nothing, Argument("x", (1,))],
+        [Argument("r", (0,)), Argument("y", ())],
+    )
     r, y = compile_program(program, backend=backend)(np.empty((3, 1, 0)), np.ones((4, 1)))
     assert r.shape == (3, 4, 0)
     np.testing.assert_array_equal(y, np.full((3, 4), 2.0))
@@ -551,7 +577,9 @@ def test_outputs_that_are_inputs_and_constants(backend, width):
     q = np.random.default_rng(0).normal(size=(19, 2))
     s, c, one = np.sin(q[:, 0]), np.cos(q[:, 0]), np.ones(19)
     expected = np.stack([q[:, 1], 0 * one, s, -s, q[:, 1], -2.5 * one, c], axis=1)
-    np.testing.assert_allclose(compile_program(program, backend=backend, width=width)(q), expected, rtol=1e-14)
+    np.testing.assert_allclose(
+        compile_program(program, backend=backend, width=width)(q), expected, rtol=1e-14
+    )
 
 
 # ---------------------------------------------------------------- NaN and infinity
@@ -580,7 +608,9 @@ def test_a_sample_that_is_not_finite_is_nan_and_no_other(backend, width):
 
 @every_backend
 def test_no_warnings_from_floating_point_flags(backend, width):
-    program = trace("f", lambda x: (1.0 / x, sqrt(x), x * 1e300), [Argument("x", ())], [Argument(n, ()) for n in "abc"])
+    program = trace(
+        "f", lambda x: (1.0 / x, sqrt(x), x * 1e300), [Argument("x", ())], [Argument(n, ()) for n in "abc"]
+    )
     compiled = compile_program(program, backend=backend, width=width)
     a, b, c = compiled(np.array([0.0, -1.0, 1e300, np.nan]))
     np.testing.assert_array_equal(a[:2], [np.inf, -1.0])
@@ -626,7 +656,9 @@ def ulps(value, exact):
 
 
 def both(width):
-    program = trace("both", lambda x: (sin(x), cos(x)), [Argument("x", ())], [Argument("s", ()), Argument("c", ())])
+    program = trace(
+        "both", lambda x: (sin(x), cos(x)), [Argument("x", ())], [Argument("s", ()), Argument("c", ())]
+    )
     return compile_program(program, backend="llvm", width=width)
 
 
@@ -656,7 +688,16 @@ def test_sine_and_cosine_of_large_arguments(width):
     rng = np.random.default_rng(2)
     x = np.concatenate(
         [
-            [1e5 * (1 + 1e-15), 1e15, -1e15, 1e16, 1e100, 1e300, -sys.float_info.max, 6381956970095103 * 2.0**797],
+            [
+                1e5 * (1 + 1e-15),
+                1e15,
+                -1e15,
+                1e16,
+                1e100,
+                1e300,
+                -sys.float_info.max,
+                6381956970095103 * 2.0**797,
+            ],
             10.0 ** rng.uniform(5, 308, 200),
         ]
     )
@@ -675,7 +716,9 @@ def test_sine_keeps_the_sign_of_zero():
 
 @pytest.mark.parametrize("width", [2, 4, 8])
 def test_overflow_before_a_sine_is_nan(width):
-    program = trace("f", lambda x: (sin(x * x), cos(x * x)), [Argument("x", ())], [Argument("s", ()), Argument("c", ())])
+    program = trace(
+        "f", lambda x: (sin(x * x), cos(x * x)), [Argument("x", ())], [Argument("s", ()), Argument("c", ())]
+    )
     s, c = compile_program(program, backend="llvm", width=width)(np.array([1e200, 1.0]))
     assert np.isnan([s[0], c[0]]).all()
     assert np.isfinite([s[1], c[1]]).all()
@@ -683,7 +726,9 @@ def test_overflow_before_a_sine_is_nan(width):
 
 def test_without_fused_multiply_add(monkeypatch):
     monkeypatch.setattr(kernel.target.Host, "target", lambda self, width=None: Target(4, False, self.x86))
-    program = trace("bare", lambda x: (sin(x), cos(x)), [Argument("x", ())], [Argument("s", ()), Argument("c", ())])
+    program = trace(
+        "bare", lambda x: (sin(x), cos(x)), [Argument("x", ())], [Argument("s", ()), Argument("c", ())]
+    )
     compiled = compile_program(program, backend="llvm", width=4)
     assert "@llvm.fma.v4f64(<4 x double> %" not in compiled.ir
     rng = np.random.default_rng(3)

@@ -1,11 +1,13 @@
 """Compiled objects on disk, by content.
 
-An entry is code that will run, so it is believed only if its folder and it belong to this user and nobody else can
-write them (asked of the open descriptor; links are not followed), and if its checksum, which covers the key, is right.
-Entries are written under a temporary name and renamed, so that other processes see whole entries only. Whatever goes
-wrong here costs a compilation, never an error: the reasons are logged under "freebody.compiler.cache".
+An entry is code that will run, so it is believed only if its folder and it belong to this user and nobody
+else can write them (asked of the open descriptor; links are not followed), and if its checksum, which covers
+the key, is right. Entries are written under a temporary name and renamed, so that other processes see whole
+entries only. Whatever goes wrong here costs a compilation, never an error: the reasons are logged under
+"freebody.compiler.cache".
 
-The environment's FREEBODY_CACHE is a folder, or `off`. The default is the platform's cache folder of the user.
+The environment's FREEBODY_CACHE is a folder, or `off`. The default is the platform's cache folder of the
+user.
 """
 
 from __future__ import annotations
@@ -100,7 +102,9 @@ def _trusted(descriptor: int, kind: Callable[[int], bool]) -> None:
     if not kind(status.st_mode):
         raise _Refused("not a plain file or folder")
     if _POSIX and (status.st_uid != os.geteuid() or status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)):
-        raise _Refused(f"owner {status.st_uid}, mode {stat.filemode(status.st_mode)}: not ours alone to write")
+        raise _Refused(
+            f"owner {status.st_uid}, mode {stat.filemode(status.st_mode)}: not ours alone to write"
+        )
 
 
 @contextlib.contextmanager

@@ -1,7 +1,8 @@
 """Program to LLVM text: a table from each operation to its instruction over one vector of lanes.
 
-The text is built by hand: making it through llvmlite.ir takes longer than compiling it. A module holds one function
-for each segment of the program, `@compute` that runs them on a tile of slots, and the gufunc loop around it.
+The text is built by hand: making it through llvmlite.ir takes longer than compiling it. A module holds one
+function for each segment of the program, `@compute` that runs them on a tile of slots, and the gufunc loop
+around it.
 """
 
 from __future__ import annotations
@@ -30,7 +31,8 @@ INSTRUCTION = {
 
 
 def emit(program: Program, target: Target) -> str:
-    """LLVM text of the kernel of `program`: `void @kernel(ptr args, ptr dims, ptr steps, ptr data)`, a gufunc loop.
+    """LLVM text of the kernel of `program`: `void @kernel(ptr args, ptr dims, ptr steps, ptr data)`, a gufunc
+    loop.
 
     Args:
         program: a verified program with at least one input and one output scalar.
@@ -110,7 +112,7 @@ def _compute(program: Program, width: int, steps: list[str]) -> str:
     0 * x is NaN for NaN and infinite x, so the sum of these products tells. It runs in four strands.
     """
     v, align = f"<{width} x double>", 8 * width
-    lines = [f"define internal void @compute(ptr noalias %tile) #0 {{", *steps]
+    lines = ["define internal void @compute(ptr noalias %tile) #0 {", *steps]
     strands = ["zeroinitializer"] * 4
     for slot in range(program.input_size):
         lines.append(f"  %in{slot} = getelementptr {v}, ptr %tile, i64 {slot}")

@@ -1,7 +1,7 @@
 """Program to NumPy text: the fallback where llvmlite is missing, and a second opinion in tests.
 
-The text is one function over a block of samples; each node is one line over vectors, and names are reused as soon as
-their value is no longer read, so that a block stays in the cache.
+The text is one function over a block of samples; each node is one line over vectors, and names are reused as
+soon as their value is no longer read, so that a block stays in the cache.
 """
 
 from __future__ import annotations
@@ -66,8 +66,8 @@ def emit(program: Program) -> str:
 class BlockedFunction:
     """Behaves as the generalized ufunc of a program would, block by block in NumPy.
 
-    Called with one array for each input: core shape last, any leading shapes that broadcast. Returns the output, or
-    the tuple of outputs.
+    Called with one array for each input: core shape last, any leading shapes that broadcast. Returns the
+    output, or the tuple of outputs.
     """
 
     def __init__(self, program: Program, source: str):
@@ -89,7 +89,9 @@ class BlockedFunction:
         ]
         for array, argument in zip(results, self.outputs, strict=True):
             if array.shape != batch + argument.shape:
-                raise ValueError(f"out for {argument} has shape {array.shape}, expected {batch + argument.shape}")
+                raise ValueError(
+                    f"out for {argument} has shape {array.shape}, expected {batch + argument.shape}"
+                )
         count = int(np.prod(batch))
         rows = [
             np.broadcast_to(value, batch + argument.shape).reshape(count, argument.size)
@@ -104,11 +106,17 @@ class BlockedFunction:
             array[...] = y[row : row + argument.size].T.reshape(batch + argument.shape)
             row += argument.size
         if out is None:
-            results = [array[()] for array in results]  # a number where there are no axes, as NumPy's ufuncs do
+            results = [
+                array[()] for array in results
+            ]  # a number where there are no axes, as NumPy's ufuncs do
         return results[0] if len(results) == 1 else tuple(results)
 
     def _block(self, rows: Sequence[np.ndarray], y: np.ndarray, part: slice) -> None:
-        x = np.concatenate([array[part].T for array in rows]) if rows else np.empty((0, part.stop - part.start))
+        x = (
+            np.concatenate([array[part].T for array in rows])
+            if rows
+            else np.empty((0, part.stop - part.start))
+        )
         self._evaluate(x, y[:, part])
         bad = ~np.isfinite(x).all(axis=0)
         if bad.any():

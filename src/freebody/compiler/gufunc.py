@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import importlib
 from collections.abc import Sequence
 from typing import Any
 
@@ -58,10 +59,8 @@ def make_gufunc(
 
 
 def _api(position: int, result: Any, *arguments: Any) -> Any:
-    from numpy._core import _multiarray_umath
-
     pointer = ctypes.pythonapi.PyCapsule_GetPointer
     pointer.restype, pointer.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
-    table = pointer(_multiarray_umath._UFUNC_API, None)
+    table = pointer(importlib.import_module("numpy._core._multiarray_umath")._UFUNC_API, None)
     address = ctypes.cast(table, ctypes.POINTER(ctypes.c_void_p))[position]
     return ctypes.PYFUNCTYPE(result, *arguments)(address)

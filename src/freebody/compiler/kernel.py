@@ -46,9 +46,9 @@ class BatchError(FreebodyError, ValueError):
 class Kernel:
     """A program ready to run on arrays.
 
-    Each argument has its core shape last; leading batch shapes broadcast; any strides. Integers and float32 are
-    converted, complex numbers and objects refused. A sample with an input that is not finite has NaN in all outputs;
-    no other sample is touched. The GIL is released.
+    Each argument has its core shape last; leading batch shapes broadcast; any strides. Integers and float32
+    are converted, complex numbers and objects refused. A sample with an input that is not finite has NaN in
+    all outputs; no other sample is touched. The GIL is released.
 
     Attributes:
         program: what was traced.
@@ -83,7 +83,8 @@ class Kernel:
         """
         if threads is None and out is None:
             try:
-                if arrays[0].size < self._small:  # type: ignore[union-attr]  # one look: a call takes less than 1 µs
+                # one look at one argument: a whole call takes less than a microsecond
+                if arrays[0].size < self._small:  # type: ignore[union-attr]
                     return self.ufunc(*arrays)
             except (AttributeError, IndexError):
                 pass  # a list, which has no size; no arguments
@@ -149,7 +150,9 @@ class Kernel:
         for array, argument in zip(arrays, inputs, strict=True):
             given = np.asarray(array)
             if not np.can_cast(given.dtype, np.float64, "safe"):
-                return KernelError(f"{name}: {argument.name} holds {given.dtype} values, expected real numbers.")
+                return KernelError(
+                    f"{name}: {argument.name} holds {given.dtype} values, expected real numbers."
+                )
             core = len(argument.shape)
             if given.ndim < core or given.shape[given.ndim - core :] != argument.shape:
                 expected = f"({', '.join(['...', *map(str, argument.shape)])})"
@@ -172,8 +175,8 @@ def compile_program(program: Program, *, backend: str | None = None, width: int 
 
     Args:
         program: from `trace`.
-        backend: "llvm" or "numpy"; by default the environment's FREEBODY_BACKEND, else LLVM where it is installed.
-        width: samples in a vector (2, 4, 8); by default FREEBODY_WIDTH, else what suits the CPU.
+        backend: "llvm" or "numpy"; by default the environment's FREEBODY_BACKEND, else LLVM where it is
+        installed. width: samples in a vector (2, 4, 8); by default FREEBODY_WIDTH, else what suits the CPU.
 
     Raises:
         KernelError: an unknown backend or width.
@@ -198,7 +201,9 @@ _kernels: dict[tuple[str, str, int | None], Kernel] = {}
 
 
 def _compile_numpy(program: Program, width: int | None) -> Kernel:
-    return Kernel(program, "numpy", 1, emit_numpy.BlockedFunction(program, emit_numpy.emit(optimise(program))))
+    return Kernel(
+        program, "numpy", 1, emit_numpy.BlockedFunction(program, emit_numpy.emit(optimise(program)))
+    )
 
 
 def _compile_llvm(program: Program, width: int | None) -> Kernel:

@@ -1,10 +1,11 @@
 """LLVM text of the gufunc loop: groups of samples in, `@compute` on a tile of slots, groups out.
 
-A tile holds one vector of lanes for each slot: lane l of slot j is scalar j of sample l. How an argument gets there
-and back is chosen when the loop begins, see `llvm_tile`.
+A tile holds one vector of lanes for each slot: lane l of slot j is scalar j of sample l. How an argument gets
+there and back is chosen when the loop begins, see `llvm_tile`.
 
-The last group may be short. Its surplus lanes take the addresses of its last sample, on the way in and on the way
-out: the same code runs, the same bits come out, and the last row is written more than once with the same values.
+The last group may be short. Its surplus lanes take the addresses of its last sample, on the way in and on the
+way out: the same code runs, the same bits come out, and the last row is written more than once with the same
+values.
 """
 
 from __future__ import annotations
@@ -27,7 +28,8 @@ def gufunc_loop(program: Program, target: Target, slots: int) -> str:
 
 _LARGEST_ON_STACK = 2**16
 
-# NumPy turns floating-point flags into warnings; NaN in, NaN out is no reason to warn, and surplus lanes set them too
+# NumPy turns floating-point flags into warnings; NaN in, NaN out is no reason to warn, and surplus lanes set
+# them too
 _FLAGS = {
     True: {
         "save": "  %flags = alloca i32, align 4\n  call void @llvm.x86.sse.stmxcsr(ptr %flags)",
@@ -46,10 +48,12 @@ def _loop(program: Program, target: Target, slots: int) -> str:
     width = target.width
     arguments = program.inputs + program.outputs
     total = sum(argument.size for argument in arguments)
-    lines = [f"""\
-define void @kernel(ptr %args, ptr %dims, ptr %steps, ptr %data) #0 {{
+    lines = [
+        """\
+define void @kernel(ptr %args, ptr %dims, ptr %steps, ptr %data) #0 {
 entry:
-  %n = load i64, ptr %dims, align 8"""]
+  %n = load i64, ptr %dims, align 8"""
+    ]
     lines.append(_FLAGS[target.x86]["save"])
     get, give_back = _workspace((8 * width * slots, 8 * width * len(arguments), 8 * total))
     lines += get
@@ -73,7 +77,9 @@ short:""")
     lines += [line for k in range(len(arguments)) for line in _lanes(k, width, short=True)]
     lines.append("  br label %begin\nbegin:")
     for k in range(len(arguments)):
-        lines.append(f"  %move{k} = mul i64 %i, %step{k}\n  %at{k} = getelementptr i8, ptr %base{k}, i64 %move{k}")
+        lines.append(
+            f"  %move{k} = mul i64 %i, %step{k}\n  %at{k} = getelementptr i8, ptr %base{k}, i64 %move{k}"
+        )
     slot = 0
     for k, argument in enumerate(arguments):
         if k == len(program.inputs):
@@ -90,9 +96,10 @@ def _workspace(sizes: tuple[int, int, int]) -> tuple[list[str], list[str]]:
 
     It is on the stack unless it is large: threads may have little of it.
     """
-    places = [f"  %{name} = getelementptr i8, ptr %room, i64 {start}" for name, start in (
-        ("tile", 0), ("lanes", sizes[0]), ("offsets", sizes[0] + sizes[1])
-    )]
+    places = [
+        f"  %{name} = getelementptr i8, ptr %room, i64 {start}"
+        for name, start in (("tile", 0), ("lanes", sizes[0]), ("offsets", sizes[0] + sizes[1]))
+    ]
     if sum(sizes) <= _LARGEST_ON_STACK:
         return [f"  %room = alloca [{sum(sizes)} x i8], align 64", *places], []
     get = f"""\

@@ -2,10 +2,11 @@
 
 Cody-Waite reduction to |r| <= pi/4 by multiples of pi/2, then the minimax polynomials of fdlibm's __kernel_sin and
 __kernel_cos: within 2 ulp for |x| <= 1e5. Where the CPU has no fused multiply-add, the reduction subtracts four terms
-of 33 bits whose products with the quadrant are exact. Larger arguments are reduced after Payne and Hanek (product
-with the bits of 2/pi that matter), lane by lane, behind a branch that is rarely taken: within 4 ulp for every finite
-argument, where libm is not. Infinity and NaN give NaN. The sine is computed of |x| and signed at the end, so that
-sin(-0.0) is -0.0. Nothing outside the text is called, so the bits are the same on every system.
+of 33 bits whose products with the quadrant are exact. Larger arguments are reduced after Payne and Hanek
+(product with the bits of 2/pi that matter), lane by lane, behind a branch that is rarely taken: within 4 ulp
+for every finite argument, where libm is not. Infinity and NaN give NaN. The sine is computed of |x| and
+signed at the end, so that sin(-0.0) is -0.0. Nothing outside the text is called, so the bits are the same on
+every system.
 """
 
 from __future__ import annotations
@@ -40,11 +41,25 @@ _PIO2_SPLIT = (
     8.47842766036889956997e-32,
 )
 _TWO_OVER_PI = (  # 1216 bits of its fraction, 64 a word
-    0xA2F9836E4E441529, 0xFC2757D1F534DDC0, 0xDB6295993C439041, 0xFE5163ABDEBBC561,
-    0xB7246E3A424DD2E0, 0x06492EEA09D1921C, 0xFE1DEB1CB129A73E, 0xE88235F52EBB4484,
-    0xE99C7026B45F7E41, 0x3991D639835339F4, 0x9C845F8BBDF9283B, 0x1FF897FFDE05980F,
-    0xEF2F118B5A0A6D1F, 0x6D367ECF27CB09B7, 0x4F463F669E5FEA2D, 0x7527BAC7EBE5F17B,
-    0x3D0739F78A5292EA, 0x6BFB5FB11F8D5D08, 0x56033046FC7B6BAB,
+    0xA2F9836E4E441529,
+    0xFC2757D1F534DDC0,
+    0xDB6295993C439041,
+    0xFE5163ABDEBBC561,
+    0xB7246E3A424DD2E0,
+    0x06492EEA09D1921C,
+    0xFE1DEB1CB129A73E,
+    0xE88235F52EBB4484,
+    0xE99C7026B45F7E41,
+    0x3991D639835339F4,
+    0x9C845F8BBDF9283B,
+    0x1FF897FFDE05980F,
+    0xEF2F118B5A0A6D1F,
+    0x6D367ECF27CB09B7,
+    0x4F463F669E5FEA2D,
+    0x7527BAC7EBE5F17B,
+    0x3D0739F78A5292EA,
+    0x6BFB5FB11F8D5D08,
+    0x56033046FC7B6BAB,
 )
 _TO_INTEGER = 6755399441055744.0  # 1.5 * 2**52: after adding it, the low bits are the nearest integer
 
@@ -174,8 +189,9 @@ def _large_lanes(width: int, r: str) -> str:
     return "\n".join(lines)
 
 
-# a = m 2^e. Of 2/pi the bits above 2^(2-e) give multiples of 4 quadrants; 192 bits from there times m are a 2/pi
-# modulo 4, with 2 bits of quadrant and 190 of fraction. At least 60 of the upper 126 are left in the worst case.
+# a = m 2^e. Of 2/pi the bits above 2^(2-e) give multiples of 4 quadrants; 192 bits from there times m are a
+# 2/pi modulo 4, with 2 bits of quadrant and 190 of fraction. At least 60 of the upper 126 are left in the
+# worst case.
 _REDUCE = f"""\
 @two_over_pi = internal constant [{len(_TWO_OVER_PI) + 1} x i64] [i64 0, {", ".join(f"i64 {w}" for w in _TWO_OVER_PI)}]
 define internal {{ double, i64 }} @reduce(double %a) #0 {{

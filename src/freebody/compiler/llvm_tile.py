@@ -2,8 +2,8 @@
 
 There are three ways:
 
-- rows: the scalars of a sample are contiguous. Vectors are loaded along the rows and transposed in registers; a mask
-  keeps the last block of columns inside the row, so that nothing outside the array is touched.
+- rows: the scalars of a sample are contiguous. Vectors are loaded along the rows and transposed in registers;
+  a mask keeps the last block of columns inside the row, so that nothing outside the array is touched.
 - columns: samples are contiguous, so each scalar is one vector load.
 - strided: anything else, one double at a time.
 
@@ -94,9 +94,11 @@ def _mask(columns: int, width: int) -> str:
 
 
 def _transpose(lines: list[str], tag: str, rows: list[str], width: int) -> list[str]:
-    """Transpose a square of registers with log2(width) rounds of two-operand shuffles that x86 has as one instruction.
+    """Transpose a square of registers with log2(width) rounds of two-operand shuffles that x86 has as one
+    instruction.
 
-    First neighbours are interleaved; then 128-bit lanes are gathered, the even ones of a pair and the odd ones.
+    First neighbours are interleaved; then 128-bit lanes are gathered, the even ones of a pair and the odd
+    ones.
     """
     v, count = f"<{width} x double>", 0
 

@@ -1,7 +1,7 @@
 """Passes over a program: each takes a program and returns one that computes the same, up to rounding.
 
-Measured and not kept: flattening sums into chains of fused multiply-adds (longer waits, 10-25 % slower at 32 joints)
-and depth-first order (no gain).
+Measured and not kept: flattening sums into chains of fused multiply-adds (longer waits, 10-25 % slower at 32
+joints) and depth-first order (no gain).
 """
 
 from __future__ import annotations
@@ -28,8 +28,12 @@ def drop_dead(program: Program) -> Program:
 
 
 def share_reciprocals(program: Program) -> Program:
-    """Quotients by the same denominator become products with its reciprocal: a division costs as much as ten products."""
-    shared = {d for d, count in Counter(b for op, b in zip(program.op, program.b) if op == "div").items() if count > 1}
+    """Quotients by one denominator become products with its reciprocal.
+
+    A division costs as much as ten products.
+    """
+    denominators = Counter(program.b[index] for index, op in enumerate(program.op) if op == "div")
+    shared = {index for index, count in denominators.items() if count > 1}
     if not shared:
         return program
     nodes = _Nodes()
@@ -50,8 +54,9 @@ def share_reciprocals(program: Program) -> Program:
 def schedule(program: Program) -> Program:
     """An order in which few values are alive at a time, so that they fit the registers.
 
-    Of the nodes whose operands are there, the next is the one that is the last reader of most operands; among equals
-    the one with the youngest operand. Inputs and constants do not count: they can be read again from where they are.
+    Of the nodes whose operands are there, the next is the one that is the last reader of most operands; among
+    equals the one with the youngest operand. Inputs and constants do not count: they can be read again from
+    where they are.
     """
     count = len(program)
     leaf = [ARITY[op] == 0 for op in program.op]

@@ -37,9 +37,9 @@ class Argument:
 class Program:
     """Nodes (op, a, b) in an order in which operands precede, and the nodes that are the results.
 
-    `a` and `b` index nodes, -1 where there is no operand; an "input" has in `a` its position among the scalars of all
-    inputs (C order), a "const" its position in `constants`. `results` lists the node of each scalar of all outputs,
-    in C order.
+    `a` and `b` index nodes, -1 where there is no operand; an "input" has in `a` its position among the
+    scalars of all inputs (C order), a "const" its position in `constants`. `results` lists the node of each
+    scalar of all outputs, in C order.
     """
 
     name: str
@@ -96,7 +96,9 @@ class Program:
             else:
                 text = " ".join([op, *(f"%{i}" for i in self.operands(index))])
             lines.append(f"  %{index} = {text}")
-        lines += [f"  {name} = %{i}" for name, i in zip(scalar_names(self.outputs), self.results, strict=True)]
+        lines += [
+            f"  {name} = %{i}" for name, i in zip(scalar_names(self.outputs), self.results, strict=True)
+        ]
         return "\n".join(lines)
 
     def __str__(self) -> str:
@@ -119,7 +121,8 @@ def verify(program: Program) -> Program:
     """The program itself, if it is a valid one.
 
     Raises:
-        ProgramError: naming the first broken rule: known operations, operands that precede, positions in range,
+        ProgramError: naming the first broken rule: known operations, operands that precede, positions in
+        range,
             finite constants, one result for each output scalar, sizes of at least 0, names used once.
     """
 
@@ -144,9 +147,15 @@ def verify(program: Program) -> Program:
             demand(0 <= a < len(program.constants) and b == -1, f"%{index}: constant {a}")
         else:
             demand(0 <= a < index, f"%{index} = {op} %{a}: an operand precedes its use")
-            demand(0 <= b < index if ARITY[op] == 2 else b == -1, f"%{index} = {op} %{a} %{b}: wrong second operand")
+            demand(
+                0 <= b < index if ARITY[op] == 2 else b == -1,
+                f"%{index} = {op} %{a} %{b}: wrong second operand",
+            )
     demand(all(isfinite(value) for value in program.constants), "constants are finite")
-    demand(len(program.results) == program.output_size, f"{program.output_size} output scalars need as many results")
+    demand(
+        len(program.results) == program.output_size,
+        f"{program.output_size} output scalars need as many results",
+    )
     demand(all(0 <= index < count for index in program.results), "a result is a node")
     return program
 

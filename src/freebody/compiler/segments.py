@@ -1,8 +1,9 @@
 """Cut a program into segments: pieces of straight-line code, with the sines and cosines between them.
 
-Code generation grows faster than linearly with the length of a function, so long programs are cut; values that cross
-a cut live in slots of a tile, one vector of lanes each. Sines and cosines are computed by a routine that reads and
-writes slots, so they stand between segments too: first what leads to their arguments, then they, then the rest.
+Code generation grows faster than linearly with the length of a function, so long programs are cut; values
+that cross a cut live in slots of a tile, one vector of lanes each. Sines and cosines are computed by a
+routine that reads and writes slots, so they stand between segments too: first what leads to their arguments,
+then they, then the rest.
 """
 
 from __future__ import annotations
@@ -54,8 +55,12 @@ def segment(program: Program, longest: int = LONGEST) -> Layout:
     stores = Counter(program.results)
     steps: list[list[int]] = []  # nodes of each step; a step of sines and cosines holds those of one argument
     for k in range(last + 1):
-        steps += _trigonometric(program, [i for i, s in enumerate(stage) if s == k and program.op[i] in _TRIG])
-        plain = [i for i, s in enumerate(stage) if s == k and ARITY[program.op[i]] and program.op[i] not in _TRIG]
+        steps += _trigonometric(
+            program, [i for i, s in enumerate(stage) if s == k and program.op[i] in _TRIG]
+        )
+        plain = [
+            i for i, s in enumerate(stage) if s == k and ARITY[program.op[i]] and program.op[i] not in _TRIG
+        ]
         steps += _cut(plain, stores, longest)
     if not steps or program.op[steps[-1][0]] in _TRIG:
         steps.append([])  # somewhere to store outputs that are inputs, constants or sines
@@ -68,7 +73,8 @@ _TRIG = ("sin", "cos")
 def _stages(program: Program) -> list[int]:
     """Stage of each node. Stage k is the k-th round of sines and cosines, then arithmetic.
 
-    Sines and cosines come as early as they can, arithmetic as late: before the round that needs it, else at the end.
+    Sines and cosines come as early as they can, arithmetic as late: before the round that needs it, else at
+    the end.
     """
     depth = [0] * len(program)  # rounds of sines and cosines behind a node
     for index, op in enumerate(program.op):

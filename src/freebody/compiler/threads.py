@@ -1,7 +1,7 @@
 """Share a batch among threads: one pool a process, made when first needed, forgotten in a forked child.
 
-The batch is cut along its longest axis. Every sample is computed by the same code whatever its place in the batch, so
-the result does not depend on the cut.
+The batch is cut along its longest axis. Every sample is computed by the same code whatever its place in the
+batch, so the result does not depend on the cut.
 """
 
 from __future__ import annotations

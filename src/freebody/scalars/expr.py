@@ -1,12 +1,13 @@
 """Scalars that record what is done to them: interned nodes of a graph, folded as they are made.
 
-A node is a row (op, a, b) of its graph. Equal rows are one node, so common subexpressions are found by construction.
-An `Expr` is only a handle on a row. Each operation has a function that holds its folding rules, one a line, in the
-table `FOLD`; the last line makes the node.
+A node is a row (op, a, b) of its graph. Equal rows are one node, so common subexpressions are found by
+construction. An `Expr` is only a handle on a row. Each operation has a function that holds its folding rules,
+one a line, in the table `FOLD`; the last line makes the node.
 
 The normal form that the rules keep:
-- a negation is pulled out of products, quotients and odd functions, and vanishes into the next sum, so that common
-  subexpressions are found across signs; constant factors are positive, `x - y` has the older node first;
+- a negation is pulled out of products, quotients and odd functions, and vanishes into the next sum, so that
+  common subexpressions are found across signs; constant factors are positive, `x - y` has the older node
+  first;
 - the operands of `+` and `*` are ordered, a constant first;
 - `-0.0` is `0.0`, and constants are finite.
 
@@ -104,8 +105,8 @@ class Graph:
 class Expr:
     """Handle on one node of a graph; behaves as a number under `+ - * / **`, `sin cos sqrt sign`.
 
-    Two handles are equal if they stand for the same node. Comparing values is refused: what a trace does may depend
-    on the structure of the robot, never on the value of a scalar.
+    Two handles are equal if they stand for the same node. Comparing values is refused: what a trace does may
+    depend on the structure of the robot, never on the value of a scalar.
     """
 
     __slots__ = ("graph", "index")
@@ -158,7 +159,9 @@ class Expr:
 
     def __pow__(self, exponent: Any) -> Expr:
         if not isinstance(exponent, (int, float)) or exponent != int(exponent) or abs(exponent) > 64:
-            raise GraphError(f"x ** {exponent!r}: the exponent of a traced scalar is a whole number from -64 to 64.")
+            raise GraphError(
+                f"x ** {exponent!r}: the exponent of a traced scalar is a whole number from -64 to 64."
+            )
         if exponent < 0:
             return 1.0 / self**-exponent
         power, square, rest = self.graph.constant(1.0), self, int(exponent)
@@ -296,7 +299,9 @@ def _mul(g: Graph, i: int, j: int) -> int:
             return _constant(g, c * value[j])
         if c < 0.0:
             return _neg(g, _mul(g, _constant(g, -c), j))
-        if op[j] == "mul" and g.a[j] in value:  # c1 (c2 x) = (c1 c2) x, unless the product over- or underflows
+        if (
+            op[j] == "mul" and g.a[j] in value
+        ):  # c1 (c2 x) = (c1 c2) x, unless the product over- or underflows
             both = c * value[g.a[j]]
             if 1e-290 < both < 1e290:
                 return _mul(g, _constant(g, both), g.b[j])
@@ -305,7 +310,7 @@ def _mul(g: Graph, i: int, j: int) -> int:
 
 def _div(g: Graph, i: int, j: int) -> int:
     op, value = g.op, g.constant_of
-    if j == ONE or i == ZERO and j != ZERO:
+    if j == ONE or (i == ZERO and j != ZERO):
         return i
     if op[i] == "neg":
         return _neg(g, _div(g, g.a[i], j))
