@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import replace
 
-import generate
 import numpy as np
 import pytest
-from helpers import close, in_space, numbers, path, poses, random_wrenches, rate, scalars, second_rate, state
 
 import freebody as fb
+import generate
 from freebody.algorithms.aba import aba
 from freebody.algorithms.crba import forward_dynamics
 from freebody.algorithms.rnea import External, external_on_frame, rnea
@@ -20,6 +19,7 @@ from freebody.model.inertia import Inertia, combined
 from freebody.model.model import Model
 from freebody.model.parts import Description, Joint, Link
 from freebody.model.placement import rotate, shift
+from helpers import close, in_space, numbers, path, poses, random_wrenches, rate, scalars, second_rate, state
 
 TREES = range(200)
 FLAT_TREES = range(60)

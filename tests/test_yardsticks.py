@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from helpers import close, numbers
 from scipy.integrate import solve_ivp
 
 import freebody as fb
@@ -15,6 +14,7 @@ from freebody.model.inertia import Inertia
 from freebody.model.model import Model, gravity_of
 from freebody.model.parts import Description, Joint, Link
 from freebody.model.placement import shift
+from helpers import close, numbers
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -114,7 +114,7 @@ def puma(**options) -> Model:
             "rotor": J,
             "gear": G,
         }
-        for (a, alpha, d), m, c, I, J, G in zip(geometry, mass, com, moments, rotor, gear, strict=True)  # noqa: E741
+        for (a, alpha, d), m, c, I, J, G in zip(geometry, mass, com, moments, rotor, gear, strict=True)
     ]
     return fb.dh(rows, convention="standard", name="puma560", **options)
 

@@ -19,7 +19,7 @@ SAMPLES = 401
 _MARGIN = 0.08  # of the range, kept free at each limit
 _SPEED = 0.6  # of the speed limit that is used
 _MODEST = 0.7, 0.15  # amplitude (rad, m) where the limits allow more
-_OFF = 0.8, 0.3  # how far the middle of the motion stays away from zero, where many arms are stretched (rad, m)
+_OFF = 0.8, 0.3  # from the middle of the range, where many arms are stretched (rad, m)
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
 
@@ -72,6 +72,4 @@ def _swing(allowed: Ranges, speeds: Array) -> tuple[Array, Array]:
     n = len(lower)
     off = np.where(allowed.turns, *_OFF) * np.where(np.arange(n) % 2 == 0, 1.0, -1.0)
     centre = np.where(np.isfinite(span), 0.5 * (lower + upper), np.clip(0.0, low, high))
-    # a middle at a distance from zero, on the side that the range leaves
-    wanted = np.where(np.abs(centre) < np.abs(off), off, centre)
-    return np.clip(wanted, low, high), amplitude
+    return np.clip(centre + off, low, high), amplitude

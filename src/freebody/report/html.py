@@ -17,7 +17,7 @@ from freebody.figures import theme
 from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
 from freebody.report.study import Study
-from freebody.report.tables import significant
+from freebody.report.tables import significant, typeset
 
 
 def write(study: Study, path: Path) -> Path:
@@ -63,6 +63,7 @@ def _templates() -> jinja2.Environment:
     )
     environment.filters["significant"] = significant
     environment.filters["svg"] = Markup
+    environment.filters["typeset"] = typeset
     return environment
 
 
@@ -75,7 +76,8 @@ def _facts(study: Study) -> dict[str, Any]:
         "failed": failed,
         "gravity": ", ".join(significant(float(x)) for x in model.gravity),
         "samples": len(motion.t),
-        "rates": bool(np.isfinite(model.limits.effort).any()),
+        "parts": [words for words in figures.parts(study).values() if words != "total"],
+        "limited": bool(np.isfinite(model.limits.effort).any()),
         "mimic": [body.joint for body in model.bodies if body.joint.mimic is not None],
         "worst_miss": float(loops.misses.max()) if loops is not None else 0.0,
         "worst_factor": float(loops.factors.max()) if loops is not None else 0.0,

@@ -66,7 +66,7 @@ def motion(study: Study) -> Iterator[Figure]:
 def torques(study: Study) -> Iterator[Figure]:
     """Each coordinate's torque with its parts and limits."""
     data, limits = study.data, study.model.limits.effort
-    shown = {name: words for name, words in _PARTS.items() if name == "tau" or np.abs(data[name].values).max() > 0}
+    shown = parts(study)
     units = data["effort_unit"].values
     for k, name in enumerate(study.model.velocity_names):
         curves = {words: data[variable].values[:, k] for variable, words in shown.items()}
@@ -74,11 +74,16 @@ def torques(study: Study) -> Iterator[Figure]:
         yield _plot(study, name, curves, str(units[k]), limits=bounds, peaks=True)
 
 
+def parts(study: Study) -> dict[str, str]:
+    """Variables of the torque and its parts that are there at all, and what they are called."""
+    return {name: words for name, words in _PARTS.items() if name == "tau" or np.abs(study.data[name].values).max() > 0}
+
+
 def powers(study: Study) -> Iterator[Figure]:
     """Mechanical power of the drives, and of all together."""
     data = study.data
     for names in _chunks(study.model.velocity_names):
-        curves = {n: data["power"].sel(coordinate=n).values for n in names}
+        curves = {s: data["power"].sel(coordinate=n).values for n, s in zip(names, shortened(names), strict=True)}
         yield _plot(study, "Power of each drive", curves, "W")
     yield _plot(study, "Power of all drives", {"all": data["motor_power"].values}, "W", legend=False, peaks=True)
 
@@ -116,7 +121,8 @@ def reactions(study: Study) -> Iterator[Figure]:
         size = np.linalg.norm(study.data[variable].values, axis=-1)
         names = study.model.joint_names
         for chunk in _chunks(names):
-            yield _plot(study, what, {n: size[:, names.index(n)] for n in chunk}, unit)
+            curves = {s: size[:, names.index(n)] for n, s in zip(chunk, shortened(chunk), strict=True)}
+            yield _plot(study, what, curves, unit)
 
 
 def drift(study: Study) -> Iterator[Figure]:
@@ -140,7 +146,7 @@ def _overlays(study: Study, variable: str, what: str, suffix: str, unit_name: st
         groups.setdefault(unit, []).append(name)
     for unit, names in groups.items():
         for chunk in _chunks(names):
-            curves = {n: array.sel({dim: n}).values for n in chunk}
+            curves = {s: array.sel({dim: n}).values for n, s in zip(chunk, shortened(chunk), strict=True)}
             yield _plot(study, what, curves, unit + suffix)
 
 
@@ -149,6 +155,20 @@ def _units(study: Study, array: xr.DataArray, dim: str, unit_name: str) -> Itera
     known = dict(zip(study.model.velocity_names, (str(u) for u in study.data[unit_name].values), strict=True))
     for name in (str(n) for n in array[dim].values):
         yield name, known.get(name, "1" if ".quat_" in name else "m")
+
+
+def shortened(names: Sequence[str]) -> list[str]:
+    """Names for a legend: without the words that all of them begin and end with."""
+    if len(names) < 2:
+        return list(names)
+    words = [name.split("_") for name in names]
+    shortest = min(map(len, words))
+    before = after = 0
+    while before < shortest - 1 and len({w[before] for w in words}) == 1:
+        before += 1
+    while after < shortest - 1 - before and len({w[-1 - after] for w in words}) == 1:
+        after += 1
+    return ["_".join(w[before : len(w) - after]) for w in words]
 
 
 def _chunks(names: Sequence[str]) -> Iterator[Sequence[str]]:

@@ -11,7 +11,7 @@ from markupsafe import Markup
 from freebody.figures.loads import BodyLoads
 from freebody.figures.text import html
 from freebody.report.study import Study
-from freebody.report.tables import Cell, Head, Number, Table, Text, alone, table
+from freebody.report.tables import Cell, Head, Number, Table, Text, alone, table, typeset
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -125,7 +125,7 @@ def checks(study: Study) -> Table:
         (Head("Result", number=False), [Text("passed" if c.passed else "failed", css="ok" if c.passed else "bad") for c in rows]),
         (Head("Value"), [alone(Number(c.value, fact=f"checks[{k}].value"), 2) for k, c in enumerate(rows)]),
         (Head("Bar", tip="the largest value that passes"), [alone(Number(c.bar, fact=f"checks[{k}].bar"), 2) for k, c in enumerate(rows)]),
-        (Head("What is compared", number=False), [Text(c.text, css="wide") for c in rows]),
+        (Head("What is compared", number=False), [Text(typeset(c.text), css="wide") for c in rows]),
     ]
     return _named_table("Two ways to the same quantity", "Check", [c.name for c in rows], columns)
 

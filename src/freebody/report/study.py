@@ -16,6 +16,7 @@ from freebody.motion.default import default_motion
 from freebody.motion.motion import Motion
 from freebody.report.checks import checks
 from freebody.report.jacobians import singularity
+from freebody.report.replay import replayed
 from freebody.report.results import Check, Replay, Singularity, StaticPose, Worst
 from freebody.report.series import series
 from freebody.report.static import worst_poses
@@ -110,7 +111,8 @@ def study(
         found = summary(model, followed, data)
     with clock.part("worst poses", 0.4):
         poses = worst_poses(model)
-    replay, skipped = None, "not yet"
+    with clock.part("replay", 0.5):
+        replay, skipped = _replay(model, followed)
     with clock.part("checks", 0.9):
         checked = checks(model, followed, data, replay)
     clock.say("done", 1.0)
@@ -130,6 +132,14 @@ def study(
         notices=(*map(str, model.notices), *followed.notices, *limit_notices(model, found)),
         seconds=clock.seconds,
     )
+
+
+def _replay(model: Model, motion: Motion) -> tuple[Replay | None, str]:
+    """(the replay, empty), or (None, why there is none)."""
+    try:
+        return replayed(model, motion), ""
+    except SingularError as problem:
+        return None, f"There is no replay. {problem}"
 
 
 class _Clock:

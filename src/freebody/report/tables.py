@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from freebody.figures.text import superscript
+
+
+_NOISE = 1e-9  # of the largest in a column: rounding, printed as 0
 
 
 @dataclass(frozen=True)
@@ -84,10 +88,10 @@ def aligned(column: Sequence[Cell]) -> list[Cell]:
         if isinstance(cell, Number) and math.isfinite(cell.value) and cell.value != 0
     )
     if not sizes:
-        return [_printed(cell, 0) for cell in column]
+        return [_printed(cell, 0, 0.0) for cell in column]
     decimals = 2 - _decade(sizes[len(sizes) // 2])
     decimals = max(0, min(decimals, 4 - _decade(sizes[-1])))
-    return [_printed(cell, decimals) for cell in column]
+    return [_printed(cell, decimals, _NOISE * sizes[-1]) for cell in column]
 
 
 def significant(value: float, digits: int = 3) -> str:
@@ -103,22 +107,29 @@ def significant(value: float, digits: int = 3) -> str:
     return f"{mantissa}·10{superscript(int(exponent))}".replace("-", "−")
 
 
+def typeset(text: str) -> str:
+    """Sentences with real minus signs and powers of ten."""
+    text = re.sub(r"(?<=\d)e([+-]\d+)", lambda m: f"·10{superscript(int(m.group(1)))}", text)
+    return re.sub(r"(?<![\w.])-(?=\d)", "−", text)
+
+
 def alone(number: Number, digits: int = 3) -> Number:
     """A number with its own digits, for columns of unlike sizes."""
     return replace(number, text=significant(number.value * number.scale, digits))
 
 
-def _printed(cell: Cell, decimals: int) -> Cell:
+def _printed(cell: Cell, decimals: int, noise: float) -> Cell:
+    """With so many decimals; with digits of its own where that would print 0, unless it is lost in `noise`."""
     if isinstance(cell, Text) or cell.text:
         return cell
-    if not math.isfinite(cell.value):
-        return replace(cell, text=significant(cell.value))
     size = cell.value * cell.scale
-    if decimals > 5:
-        return alone(cell)
+    if not math.isfinite(size):
+        return replace(cell, text=significant(size))
+    if abs(size) <= noise:
+        return replace(cell, text="0")
     text = f"{size:.{decimals}f}"
-    if float(text) == 0.0:
-        text = text.lstrip("-")
+    if decimals > 5 or float(text) == 0.0:
+        return alone(cell, 2)
     return replace(cell, text=text.replace("-", "−"))
 
 

@@ -1,0 +1,58 @@
+"""Coulomb friction that an integrator can follow: sign(q̇) made smooth over a stated width."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.model.model import Model
+
+WIDTH = 1e-3
+"""rad/s or m/s: sticking creeps at rates below this."""
+
+
+@dataclass(frozen=True)
+class SmoothFriction:
+    """c tanh(q̇ / width) of each joint that has Coulomb friction, in place of c sign(q̇)."""
+
+    coordinate: Array
+    ratio: Array
+    coulomb: Array
+    nv: int
+    width: float
+
+    @property
+    def acts(self) -> bool:
+        """Whether there is any Coulomb friction."""
+        return len(self.coordinate) > 0
+
+    def torque(self, qd: Array) -> Array:
+        """What the drives must give to overcome it (..., nv), at rates qd (..., nv)."""
+        tau = np.zeros(qd.shape)
+        for k, ratio, c in zip(self.coordinate, self.ratio, self.coulomb, strict=True):
+            tau[..., k] += ratio * c * np.tanh(ratio * qd[..., k] / self.width)
+        return tau
+
+    def steepest(self) -> Array:
+        """Largest slope d tau / d q̇ of each coordinate (nv,)."""
+        slope = np.zeros(self.nv)
+        np.add.at(slope, self.coordinate, self.ratio**2 * self.coulomb / self.width)
+        return slope
+
+
+def smooth_friction(model: Model, width: float = WIDTH) -> tuple[Model, SmoothFriction]:
+    """(the model without its Coulomb friction, that friction made smooth)."""
+    rows = [
+        (at.v[0], at.ratio, body.drive.coulomb)
+        for body, at in ((b, b.coordinates) for b in model.tree.bodies)
+        if body.drive is not None and body.drive.coulomb
+    ]
+    columns = [np.array(column) for column in zip(*rows, strict=True)] or [np.zeros(0, dtype=int)] * 3
+    if not rows:
+        return model, SmoothFriction(*columns, model.nv, width)
+    bodies = tuple(
+        replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, coulomb=0.0))) for body in model.bodies
+    )
+    return replace(model, bodies=bodies), SmoothFriction(*columns, model.nv, width)

@@ -1,0 +1,120 @@
+"""A model as a system of first-order differential equations, ẏ = f(t, y) with y = (q, q̇), on compiled kernels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.compiler import Kernel
+from freebody.model.model import Model
+from freebody.motion.coordinates import Layout, layout, normalised, position_rate
+from freebody.motion.friction import WIDTH, SmoothFriction, smooth_friction
+from freebody.numerics.dynamics import mass_matrix
+from freebody.numerics.kernels import kernel
+from freebody.numerics.massless import refuse_massless
+
+Loads = Callable[[Array], tuple[Array, ...]]
+"""External wrenches, one array (..., six) a frame, at times t (...)."""
+
+_STEP = 1e-6  # of central differences, relative to 1 + |y|
+_IMPLICIT_FROM = 5e3
+"""Decay rate times duration from which an explicit method wastes its steps on stability."""
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """The right-hand side and its derivative; batches of states are welcome everywhere."""
+
+    model: Model
+    layout: Layout
+    friction: SmoothFriction
+    forward: Kernel
+    inverse: Kernel
+    loads: Loads
+
+    @property
+    def size(self) -> int:
+        """nq + nv."""
+        return self.layout.nq + self.layout.nv
+
+    def split(self, y: Array) -> tuple[Array, Array]:
+        """(q, q̇) of states y (..., nq + nv)."""
+        return y[..., : self.layout.nq], y[..., self.layout.nq :]
+
+    def rate(self, t: Array, y: Array, tau: Array) -> Array:
+        """ẏ (..., nq + nv) under drive torques tau (..., nv).
+
+        A quaternion's rate is linear in it, so its length, which the integrator does not keep exactly, never affects the
+        rotation; kernels normalise.
+        """
+        q, qd = self.split(y)
+        return np.concatenate([position_rate(self.layout, q, qd), self.acceleration(t, q, qd, tau)], axis=-1)
+
+    def acceleration(self, t: Array, q: Array, qd: Array, tau: Array) -> Array:
+        """q̈ (..., nv)."""
+        if self.friction.acts:
+            tau = tau - self.friction.torque(qd)
+        return self.forward(q, qd, tau, *self.loads(t))
+
+    def torque(self, t: Array, q: Array, qd: Array, qdd: Array) -> Array:
+        """Inverse dynamics (..., nv), with the same smooth friction."""
+        return self.inverse(q, qd, qdd, *self.loads(t)) + self.friction.torque(qd)
+
+    def jacobian(self, t: Array, y: Array, tau: Array) -> Array:
+        """∂ẏ/∂y (..., n, n) at constant torque, by central differences of the kernel."""
+        n = self.size
+        h = _STEP * (1.0 + np.abs(y))
+        shifts = np.eye(n) * h[..., None, :]
+        plus, minus = y[..., None, :] + shifts, y[..., None, :] - shifts
+        times, torques = np.asarray(t)[..., None], tau[..., None, :]
+        rows = self.rate(times, plus, torques) - self.rate(times, minus, torques)
+        return np.swapaxes(rows / (2.0 * h[..., None]), -1, -2)
+
+    def normalised(self, y: Array) -> Array:
+        """States with unit quaternions."""
+        q, qd = self.split(y)
+        return np.concatenate([normalised(self.layout, q), qd], axis=-1)
+
+
+def system(
+    model: Model, width: float = WIDTH, wrench_frames: tuple[str, ...] = (), loads: Loads | None = None
+) -> System:
+    """The system of a model; Coulomb friction is smoothed over `width`. Raises SingularError if M is singular."""
+    refuse_massless(model)
+    smooth, friction = smooth_friction(model, width)
+    return System(
+        model,
+        layout(model),
+        friction,
+        kernel(smooth, "forward_dynamics", wrench_frames=wrench_frames),
+        kernel(smooth, "inverse_dynamics", wrench_frames=wrench_frames),
+        loads or (lambda t: ()),
+    )
+
+
+def decay_rate(model: Model, friction: SmoothFriction, q: Array) -> float:
+    """The fastest rate (1/s) at which friction damps a motion at q (..., nq): largest eigenvalue of M⁻¹ D."""
+    damping = friction.steepest()
+    for body in model.tree.bodies:
+        if body.drive is not None:
+            damping[body.coordinates.v[0]] += body.coordinates.ratio**2 * body.drive.viscous
+    if not damping.any():
+        return 0.0
+    root = np.sqrt(np.abs(damping))
+    M = mass_matrix(model, normalised(layout(model), q))
+    similar = root[:, None] * np.linalg.inv(M) * root  # the same eigenvalues, symmetric
+    return float(np.abs(np.linalg.eigvalsh(similar)).max())
+
+
+def suited_method(model: Model, friction: SmoothFriction, q: Array, duration: float) -> str:
+    """ "Radau" (implicit) where friction makes the system stiff over the duration, else "DOP853" (explicit)."""
+    return "Radau" if decay_rate(model, friction, q) * duration > _IMPLICIT_FROM else "DOP853"
+
+
+def constant_loads(wrenches: Mapping[str, Array]) -> tuple[tuple[str, ...], Loads]:
+    """(frames, loads) of wrenches that do not change."""
+    arrays = tuple(wrenches.values())
+    return tuple(wrenches), lambda t: arrays
