@@ -2,20 +2,22 @@
 
 import dataclasses
 import math
+import re
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.formats import toml
+from freebody.formats import dh_csv, toml
 from freebody.formats.lines import line_of, lines
 from freebody.formats.saving import as_toml
 from freebody.model.assembly import assemble
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter
 from freebody.model.parts import Limits, Mimic
-from freebody.spatial import space
+from freebody.model.placement import Rotate, Shift
 from real_files import FILES, REFUSED, ROBOTS
 
 LINKS = '[[link]]\nname = "base"\n[[link]]\nname = "arm"\n'
@@ -39,7 +41,7 @@ def message(text: str) -> str:
 def rotation(entry: str) -> np.ndarray:
     """The rotation matrix of a frame."""
     model = read(f'{LINKS}{JOINT}axis = "z"\n[[frame]]\nname = "f"\nparent = "arm"\n{entry}\n')
-    return np.array(model.frame("f").placement.lower(space, float)[0], dtype=float)
+    return np.array(model.tree.frames["f"][1], dtype=float)
 
 
 # ---------------------------------------------------------------- what is read
@@ -124,9 +126,8 @@ def test_a_whole_robot():
     lower, box = model.bodies[1].inertias
     np.testing.assert_allclose(np.diag(lower.inertia.numbers()[2]), [0.07, 0.07, 0.015])
     assert lower.inertia.com == (0.1, 0.0, 0.0)
-    np.testing.assert_allclose(
-        lower.placement.lower(space, float)[0], [[1, 0, 0], [0, 0, -1], [0, 1, 0]], atol=1e-15
-    )
+    turned = ((1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0))
+    assert lower.placement.steps == (Shift((0.0, 0.0, 1.0)), Rotate(turned))
     np.testing.assert_allclose(np.diag(box.inertia.numbers()[2]), np.array([13, 10, 5]) / 12)
 
 
@@ -409,3 +410,12 @@ def test_save(tmp_path):
 
 def test_an_origin_may_have_names():
     assert read(f'{LINKS}{JOINT}axis = "z"\norigin = ["a", 0, 0]\n').missing == ("a",)
+
+
+def test_examples_of_the_reference():
+    page = (Path(__file__).parents[1] / "docs/formats.md").read_text(encoding="utf-8")
+    examples = re.findall(r"^```toml\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    models = [read(example) for example in examples]
+    assert [(model.name, model.nv) for model in models] == [("crane", 2), ("2R", 2), ("arm", 2)]
+    (table,) = re.findall(r"^```text\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    assert len(dh_csv.describe("arm.csv", table, name="arm", convention=None).joints) == 3

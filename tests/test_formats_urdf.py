@@ -152,22 +152,16 @@ def test_limits_of_zero_are_unknown(tmp_path):
 def test_right_angles_snap_and_say_so(tmp_path):
     near = joint('<origin rpy="1.570796325 0 -3.14159265359"/>', "fixed")
     model = read(tmp_path, near)
-    R, _ = model.frame("hand").placement.lower(fb_space(), float)
+    _, R, _ = model.tree.frames["hand"]
     assert R == ((-1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, 1.0, 0.0))
     assert said(model, "snapped") == [
         "2 angles within 3e-09 rad of a multiple of a right angle are read as that multiple; "
         "largest change 1.8e-09 rad. snap_angles=0 reads them as written."
     ]
     written = read(tmp_path, near, snap_angles=0)
-    R, _ = written.frame("hand").placement.lower(fb_space(), float)
+    _, R, _ = written.tree.frames["hand"]
     assert R[1][1] == math.cos(1.570796325) * math.cos(-3.14159265359)
     assert said(written, "snapped") == []
-
-
-def fb_space():
-    from freebody.spatial import space
-
-    return space
 
 
 def test_axis_is_normalised_and_said(tmp_path):
