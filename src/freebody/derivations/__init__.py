@@ -1,0 +1,1 @@
+"""Closed forms: a model's equations as exact polynomials."""

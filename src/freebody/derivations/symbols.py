@@ -1,0 +1,153 @@
+"""A model in symbols: its ring, its coordinates and its tree over exact polynomials."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+from freebody.elementary import Scalar
+from freebody.errors import FreebodyError
+from freebody.model.model import Model
+from freebody.model.parameters import Parameter, Quantity, each_parameter
+from freebody.model.placement import Turn
+from freebody.model.reading import Reader
+from freebody.model.tree import Tree, lower
+from freebody.scalars.trig import Trig, TrigRing, rational_axis, rational_rotation, rational_sin_cos
+from freebody.spatial import Matrix, Vector
+
+RATE, SECOND = "_d", "_dd"
+"""What the names of rates and second rates end with."""
+
+
+class TrigReader(Reader):
+    """Reads parameters as generators of a ring, and numbers exactly."""
+
+    combines = False
+
+    def __init__(self, ring: TrigRing, numbers: bool):
+        self.ring = ring
+        self.numbers = numbers
+
+    def quantity(self, q: Quantity) -> Scalar:
+        if isinstance(q, Parameter):
+            if not self.numbers:
+                return self.ring[q.name]
+            q = super().quantity(q)
+        return 0.0 if q == 0.0 else Trig(self.ring, self.ring.constant(q), 0)
+
+    def sin_cos(self, angle: Quantity) -> tuple[Scalar, Scalar]:
+        if isinstance(angle, Parameter) and not self.numbers:
+            return self.ring.sin(angle.name), self.ring.cos(angle.name)
+        value = angle.value if isinstance(angle, Parameter) else angle
+        s, c = rational_sin_cos(float(value))  # type: ignore[arg-type]
+        return self._plain(s), self._plain(c)
+
+    def rotation(self, matrix: Matrix) -> Matrix:
+        if len(matrix) == 2:
+            return matrix
+        return tuple(tuple(self._plain(x) for x in row) for row in rational_rotation(matrix))
+
+    def axis(self, axis: Vector) -> Vector:
+        return tuple(self._plain(x) for x in rational_axis(axis)) if len(axis) == 3 else axis
+
+    def _plain(self, x: Fraction | float) -> Scalar:
+        """0 and ±1 as floats, which fold; anything else in the ring."""
+        return float(x) if x in (0, 1, -1) else Trig(self.ring, self.ring.constant(x), 0)
+
+
+@dataclass(frozen=True)
+class Symbols:
+    """Coordinates θ_i (turning) and d_i (sliding), numbered by joint from 1, their rates, and the tree over the ring."""
+
+    model: Model
+    ring: TrigRing
+    coordinates: tuple[str, ...]
+    reader: TrigReader
+
+    @cached_property
+    def tree(self) -> Tree:
+        """The model over the ring."""
+        return lower(self.model, self.reader)
+
+    @property
+    def q(self) -> tuple[Trig, ...]:
+        """Coordinates."""
+        return tuple(self.ring[x] for x in self.coordinates)
+
+    @property
+    def qd(self) -> tuple[Trig, ...]:
+        """Rates."""
+        return tuple(self.ring[x + RATE] for x in self.coordinates)
+
+    @property
+    def qdd(self) -> tuple[Trig, ...]:
+        """Second rates."""
+        return tuple(self.ring[x + SECOND] for x in self.coordinates)
+
+    @property
+    def rates(self) -> dict[str, Trig]:
+        """The time derivative of each variable that moves."""
+        moving = {x: self.ring[x + RATE] for x in self.coordinates}
+        return moving | {x + RATE: self.ring[x + SECOND] for x in self.coordinates}
+
+    def zero(self) -> Trig:
+        """0 in the ring."""
+        return Trig(self.ring, self.ring.constant(0), 0)
+
+    def element(self, x: Scalar) -> Trig:
+        """A scalar of the algorithms, which may be a float, as an element of the ring."""
+        return x if isinstance(x, Trig) else Trig(self.ring, self.ring.constant(x), 0)
+
+    def values(self, q: Any, qd: Any = None, qdd: Any = None) -> dict[str, Any]:
+        """Numbers by name, for `Trig.evaluate`: arrays (..., n) and the model's parameter values."""
+        values: dict[str, Any] = {k: v for k, v in self.model.parameters.items() if v is not None}
+        for ending, array in (("", q), (RATE, qd), (SECOND, qdd)):
+            if array is not None:
+                values |= {x + ending: array[..., i] for i, x in enumerate(self.coordinates)}
+        return values
+
+
+def symbols(model: Model, numbers: bool = False) -> Symbols:
+    """The model in symbols; `numbers` puts in the values of parameters that have one."""
+    coordinates = coordinate_names(model)
+    turning = [x for x in coordinates if x.startswith("theta")]
+    names = list(dict.fromkeys(p.name for p in each_parameter(model))) if not numbers else []
+    angles = [x for x in names if x in _angle_parameters(model)]
+    others = [
+        *(x for x in coordinates if x not in turning),
+        *(x + RATE for x in coordinates),
+        *(x + SECOND for x in coordinates),
+        *(f"sgn_{x}{RATE}" for x in coordinates),
+        *(x for x in names if x not in angles),
+    ]
+    ring = TrigRing([*turning, *angles], others)
+    return Symbols(model, ring, coordinates, TrigReader(ring, numbers))
+
+
+def coordinate_names(model: Model) -> tuple[str, ...]:
+    """theta_i and d_i by joint; x_i, y_i, theta_i of a planar joint."""
+    names: list[str] = []
+    for i, body in enumerate((b for b in model.bodies if b.joint.mimic is None), 1):
+        kind = body.kind.name
+        if kind in ("spherical", "free"):
+            raise FreebodyError(
+                f"joint {body.joint.name!r} of {model.name!r} is {kind}: closed forms need coordinates that are numbers; "
+                "put three revolute joints (Euler angles) and three prismatic ones in its place."
+            )
+        names += {"prismatic": [f"d{i}"], "planar": [f"x{i}", f"y{i}", f"theta{i}"]}.get(kind, [f"theta{i}"])
+    return tuple(names)
+
+
+def _angle_parameters(model: Model) -> set[str]:
+    """Names of parameters that are angles of constant turns."""
+    placements = [body.joint.placement for body in model.bodies]
+    placements += [part.placement for body in model.bodies for part in body.inertias]
+    placements += [frame.placement for frame in model.frames]
+    return {
+        step.angle.name
+        for placement in placements
+        for step in placement.steps
+        if isinstance(step, Turn) and isinstance(step.angle, Parameter)
+    }

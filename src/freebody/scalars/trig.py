@@ -1,0 +1,319 @@
+"""Exact polynomials in sines, cosines, coordinates, rates and parameters, in a normal form: equal means identical.
+
+For each angle x the ring has generators sin x, cos x and x itself; s² is always written 1 - c². Coefficients are rational;
+a float is read as its shortest decimal. The arithmetic is FLINT's.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from fractions import Fraction
+from numbers import Rational
+from typing import Any
+
+import flint
+import numpy as np
+
+from freebody.errors import FreebodyError, UnknownNameError
+from freebody.model.reading import EXACT
+
+_HALF_TURN_PARTS = 10**9  # denominators of rational points on the circle: angles are met within 1e-18
+
+
+class TrigRing:
+    """The ring of one derivation: `angles` have sines and cosines, `others` (lengths, rates, parameters) do not."""
+
+    def __init__(self, angles: Sequence[str], others: Sequence[str]):
+        names = [*angles, *others]
+        twice = {name for name in names if names.count(name) > 1}
+        if twice:
+            raise FreebodyError(f"the name {min(twice)!r} stands for two quantities; rename one parameter.")
+        self.angles = tuple(angles)
+        self.names = tuple(names)
+        generators = [f"{f}_{x}" for x in angles for f in ("sin", "cos")] + names
+        self.context = flint.fmpq_mpoly_ctx.get(generators, "lex")
+        self.generators = self.context.gens()
+        self.index = {name: i for i, name in enumerate(generators)}
+        self.relations = [
+            self.generators[2 * k] ** 2 + self.generators[2 * k + 1] ** 2 - 1 for k in range(len(angles))
+        ]
+        self._constants: dict[Any, Any] = {}
+
+    def __getitem__(self, name: str) -> Trig:
+        """The generator of a coordinate, rate or parameter."""
+        if name not in self.index:
+            raise UnknownNameError("symbol", name, "the derivation", self.names)
+        return Trig(self, self.generators[self.index[name]], 0)
+
+    def sin(self, name: str) -> Trig:
+        """The generator sin(name)."""
+        k = self.angles.index(name)
+        return Trig(self, self.generators[2 * k], 1 << k)
+
+    def cos(self, name: str) -> Trig:
+        """The generator cos(name)."""
+        return Trig(self, self.generators[2 * self.angles.index(name) + 1], 0)
+
+    def constant(self, number: float | Rational) -> Any:
+        """A number as polynomial."""
+        found = self._constants.get(number)
+        if found is None:
+            exact = exactly(number)
+            found = self.context.constant(flint.fmpq(exact.numerator, exact.denominator))
+            self._constants[number] = found
+        return found
+
+    def reduced(self, poly: Any, mask: int) -> Any:
+        """The normal form of a polynomial whose sines of the angles in `mask` may stand squared."""
+        k = 0
+        while mask:
+            if mask & 1:
+                poly = poly % self.relations[k]
+            mask >>= 1
+            k += 1
+        return poly
+
+
+def exactly(number: float | Rational) -> Fraction:
+    """A float as the shortest decimal that reads back as it; rationals as they are."""
+    return Fraction(number) if isinstance(number, Rational) else Fraction(repr(float(number)))
+
+
+class Trig:
+    """An element of a `TrigRing`; a scalar for the algorithms. `mask` marks the angles whose sine may occur."""
+
+    __slots__ = ("mask", "poly", "ring")
+    __array_ufunc__ = None
+
+    def __init__(self, ring: TrigRing, poly: Any, mask: int):
+        self.ring = ring
+        self.poly = poly
+        self.mask = mask
+
+    # ------------------------------------------------------------ arithmetic
+    def __add__(self, other: Any) -> Trig:
+        if isinstance(other, Trig):
+            return Trig(self.ring, self.poly + other.poly, self.mask | other.mask)
+        return self if other == 0 else Trig(self.ring, self.poly + self.ring.constant(other), self.mask)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Trig:
+        if isinstance(other, Trig):
+            return Trig(self.ring, self.poly - other.poly, self.mask | other.mask)
+        return self if other == 0 else Trig(self.ring, self.poly - self.ring.constant(other), self.mask)
+
+    def __rsub__(self, other: Any) -> Trig:
+        return -self + other
+
+    def __neg__(self) -> Trig:
+        return Trig(self.ring, -self.poly, self.mask)
+
+    def __mul__(self, other: Any) -> Any:
+        if isinstance(other, Trig):
+            both = self.mask & other.mask
+            poly = self.poly * other.poly
+            return Trig(self.ring, self.ring.reduced(poly, both) if both else poly, self.mask | other.mask)
+        if other == 0:
+            return 0.0
+        return self if other == 1 else Trig(self.ring, self.poly * self.ring.constant(other), self.mask)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Trig:
+        if not isinstance(other, Trig):
+            return self * (1 / exactly(other))
+        if other.is_constant:
+            return self * (1 / other.fraction)
+        quotient, rest = divmod(self.poly, other.poly)
+        if rest != 0 or self.ring.reduced(quotient * other.poly, (1 << len(self.ring.angles)) - 1) != self.poly:
+            raise FreebodyError("a quotient of polynomials is no polynomial: this quantity has no such closed form.")
+        return Trig(self.ring, quotient, self.mask)
+
+    def __pow__(self, exponent: int) -> Any:
+        power: Any = 1.0
+        for _ in range(exponent):
+            power = self * power
+        return power
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, Trig):
+            return self.ring is other.ring and self.poly == other.poly
+        return isinstance(other, int | float | Fraction) and self.poly == self.ring.constant(other)
+
+    def __hash__(self) -> int:
+        return hash(str(self.poly))
+
+    # ------------------------------------------------------------ angles
+    def sin(self) -> Trig:
+        """Sine of a sum of angles and a constant."""
+        return self._sin_cos[0]
+
+    def cos(self) -> Trig:
+        """Cosine of a sum of angles and a constant."""
+        return self._sin_cos[1]
+
+    @property
+    def _sin_cos(self) -> tuple[Any, Any]:
+        s: Any = 0.0
+        c: Any = 1.0
+        for monomial, coefficient in self.poly.terms():
+            exact = Fraction(int(coefficient.p), int(coefficient.q))
+            if not any(monomial):
+                a, b = rational_sin_cos(float(exact))
+                s, c = s * b + c * a, c * b - s * a
+                continue
+            name = self._angle(monomial)
+            if name is None or exact.denominator != 1:
+                raise FreebodyError(f"sin and cos need a sum of angles with whole factors, not {self}.")
+            a, b = self.ring.sin(name), self.ring.cos(name)
+            for _ in range(abs(exact.numerator)):
+                s, c = (s * b + c * a, c * b - s * a) if exact > 0 else (s * b - c * a, c * b + s * a)
+        return s, c
+
+    def _angle(self, monomial: tuple[int, ...]) -> str | None:
+        """The angle whose first power a monomial is."""
+        if sum(monomial) != 1:
+            return None
+        name = self.ring.names[monomial.index(1) - 2 * len(self.ring.angles)]
+        return name if name in self.ring.angles else None
+
+    def sign(self) -> Trig:
+        """Sign of a single rate: an opaque generator sgn_…"""
+        name = str(self.poly)
+        if f"sgn_{name}" not in self.ring.index:
+            raise FreebodyError(f"the sign of {name} has no symbol: friction acts on single rates.")
+        return self.ring[f"sgn_{name}"]
+
+    # ------------------------------------------------------------ analysis
+    @property
+    def is_zero(self) -> bool:
+        """Whether it is 0."""
+        return self.poly == 0
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether it is a number."""
+        return self.poly.is_constant()
+
+    @property
+    def fraction(self) -> Fraction:
+        """The number that a constant is."""
+        if self.is_zero:
+            return Fraction(0)
+        ((_, coefficient),) = self.poly.terms()
+        return Fraction(int(coefficient.p), int(coefficient.q))
+
+    def terms(self) -> Iterable[tuple[dict[str, int], Fraction]]:
+        """Monomials as {generator: exponent} with their coefficients."""
+        names = list(self.ring.index)
+        for monomial, coefficient in self.poly.terms():
+            powers = {names[i]: e for i, e in enumerate(monomial) if e}
+            yield powers, Fraction(int(coefficient.p), int(coefficient.q))
+
+    def __len__(self) -> int:
+        """Number of terms."""
+        return len(self.poly)
+
+    def derivative(self, name: str) -> Trig:
+        """∂/∂name; of an angle the chain rule through its sine and cosine."""
+        index = self.ring.index[name]
+        result = Trig(self.ring, self.poly.derivative(index), self.mask)
+        if name not in self.ring.angles:
+            return result
+        k = self.ring.angles.index(name)
+        s, c = self.ring.sin(name), self.ring.cos(name)
+        by_s = Trig(self.ring, self.poly.derivative(2 * k), self.mask)
+        by_c = Trig(self.ring, self.poly.derivative(2 * k + 1), self.mask)
+        return result + (c * by_s - s * by_c)
+
+    def along(self, rates: Mapping[str, Trig]) -> Trig:
+        """Σ ∂/∂name · rate: the time derivative, where `rates` gives each variable's."""
+        total = Trig(self.ring, self.ring.constant(0), 0)
+        for name, rate in rates.items():
+            slope = self.derivative(name)
+            if not slope.is_zero:
+                total = total + slope * rate
+        return total
+
+    def evaluate(self, values: Mapping[str, Any]) -> Any:
+        """The value at numbers or arrays for coordinates, rates and parameters."""
+        n = 2 * len(self.ring.angles)
+        used = [i for i, degree in enumerate(self.poly.degrees()) if degree > 0] if len(self.poly) else []
+        point = {}
+        for i in used:
+            name = self.ring.angles[i // 2] if i < n else self.ring.names[i - n]
+            if name not in values:
+                raise UnknownNameError("value", name, "the values given", values)
+            x = np.asarray(values[name], dtype=float)
+            point[i] = x if i >= n else (np.cos(x) if i % 2 else np.sin(x))
+        total: Any = 0.0
+        for monomial, coefficient in self.poly.terms():
+            term: Any = int(coefficient.p) / int(coefficient.q)
+            for i in used:
+                for _ in range(monomial[i]):
+                    term = term * point[i]
+            total = total + term
+        return total
+
+    def __str__(self) -> str:
+        return str(self.poly)
+
+    __repr__ = __str__
+
+
+def rational_sin_cos(angle: float) -> tuple[Any, Any]:
+    """(s, c) with s² + c² = 1 exactly: 0 and ±1 at right angles, else the nearest rational point by the half angle."""
+    quarter = round(angle / (math.pi / 2))
+    rest = angle - quarter * (math.pi / 2)
+    if abs(rest) <= EXACT:
+        s, c = Fraction(0), Fraction(1)
+    else:
+        t = Fraction(math.tan(rest / 2)).limit_denominator(_HALF_TURN_PARTS)
+        s, c = 2 * t / (1 + t * t), (1 - t * t) / (1 + t * t)
+    for _ in range(quarter % 4):
+        s, c = c, -s
+    return s, c
+
+
+def rational_rotation(matrix: Sequence[Sequence[float]]) -> tuple[tuple[Any, ...], ...]:
+    """An exactly orthogonal rational matrix next to a rotation: its quaternion rounded to rationals."""
+    if all(x in (0.0, 1.0, -1.0) for row in matrix for x in row):
+        return tuple(tuple(row) for row in matrix)
+    w, x, y, z = (Fraction(v).limit_denominator(_HALF_TURN_PARTS) for v in _quaternion(np.asarray(matrix, dtype=float)))
+    n = w * w + x * x + y * y + z * z
+    return (
+        (1 - 2 * (y * y + z * z) / n, 2 * (x * y - w * z) / n, 2 * (x * z + w * y) / n),
+        (2 * (x * y + w * z) / n, 1 - 2 * (x * x + z * z) / n, 2 * (y * z - w * x) / n),
+        (2 * (x * z - w * y) / n, 2 * (y * z + w * x) / n, 1 - 2 * (x * x + y * y) / n),
+    )
+
+
+def rational_axis(axis: Sequence[float]) -> tuple[Any, ...]:
+    """A rational vector of length exactly 1 next to a unit vector (stereographic projection)."""
+    if sum(x != 0.0 for x in axis) == 1:
+        return tuple(axis)
+    k = max(range(3), key=lambda i: abs(axis[i]))
+    pole = 1 if axis[k] > 0 else -1
+    u, v = (Fraction(axis[i] / (1 + abs(axis[k]))).limit_denominator(_HALF_TURN_PARTS) for i in range(3) if i != k)
+    square = u * u + v * v
+    plane = iter((2 * u / (1 + square), 2 * v / (1 + square)))
+    return tuple(pole * (1 - square) / (1 + square) if i == k else next(plane) for i in range(3))
+
+
+def _quaternion(R: np.ndarray) -> tuple[float, float, float, float]:
+    """Quaternion w, x, y, z of a rotation, scaled so that its largest entry is 1 (simple fractions stay simple)."""
+    xx, yy, zz = R[0, 0], R[1, 1], R[2, 2]
+    squares = np.array([1 + xx + yy + zz, 1 + xx - yy - zz, 1 - xx + yy - zz, 1 - xx - yy + zz])
+    outer = np.array(
+        [
+            [squares[0], R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]],
+            [R[2, 1] - R[1, 2], squares[1], R[0, 1] + R[1, 0], R[0, 2] + R[2, 0]],
+            [R[0, 2] - R[2, 0], R[0, 1] + R[1, 0], squares[2], R[1, 2] + R[2, 1]],
+            [R[1, 0] - R[0, 1], R[0, 2] + R[2, 0], R[1, 2] + R[2, 1], squares[3]],
+        ]
+    )
+    k = int(np.argmax(squares))
+    w, x, y, z = outer[k] / squares[k]
+    return float(w), float(x), float(y), float(z)
