@@ -44,7 +44,7 @@ def random_rotation(rng: np.random.Generator) -> np.ndarray:
 
 
 def random_inertia(rng: np.random.Generator, dim: int = 3) -> Inertia:
-    """A physical one: its pseudo-inertia, the matrix of second moments about the com, is a random positive definite one."""
+    """A physical one: the matrix of second moments about the com is a random positive definite one."""
     mass = float(rng.uniform(0.2, 3.0))
     com = tuple(rng.normal(scale=0.15, size=dim))
     if dim == 2:
@@ -158,9 +158,9 @@ class _Tree:
         self.links.append(Link(name, inertia, placed))
 
     def kind(self, after_massless: bool) -> str:
-        kinds = [k for k in (SPATIAL if self.dim == 3 else PLANAR)]
+        kinds = SPATIAL if self.dim == 3 else PLANAR
         if after_massless:  # a body that is free already has no use for one more joint
-            kinds = list(ONE_AXIS)
+            kinds = ONE_AXIS
         weights = np.array([_WEIGHTS[k] for k in kinds])
         return str(self.rng.choice(kinds, p=weights / weights.sum()))
 

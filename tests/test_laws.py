@@ -1,4 +1,4 @@
-"""Laws that hold for every mechanism, on random trees: by the formulas on plain arrays, and some again by compiled kernels."""
+"""Laws that hold for every mechanism, on random trees: by formulas on plain arrays, and some by compiled kernels."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """Every URDF file of example-robot-data beside Pinocchio, on a fixed and on a free base.
 
-By the formulas on plain arrays; a dozen robots by compiled kernels too, and all of them in the long run. Joints are paired
-by name: Pinocchio sorts children, and keeps a continuous joint as (cos, sin) and quaternions as xyzw. What it leaves out
-of a file (friction) is read here with the standard library's parser.
+By the formulas on plain arrays; a dozen robots by compiled kernels too, and all of them in the long run. Joints are
+paired by name: Pinocchio sorts children, and keeps a continuous joint as (cos, sin) and quaternions as xyzw. What it
+leaves out of a file (friction) is read here with the standard library's parser.
 """
 
 from __future__ import annotations
@@ -200,9 +200,6 @@ def test_some_files_have_friction():
     assert sum(any(d or f for d, f in dynamics_of(name).values()) for name in LOADED) > 20
 
 
-AXES = {"world": "LOCAL_WORLD_ALIGNED", "body": "LOCAL"}
-
-
 @every_robot
 def test_frames(name: str, base: str):
     frames(name, base, most=8)
@@ -223,16 +220,13 @@ def frames(name: str, base: str, most: int) -> None:
     assert set(ids) == set(model.frame_names)
     found = poses(model, q)
     for k in range(len(q)):
-        pin.forwardKinematics(
-            theirs.model, theirs.data, theirs.q(q[k]), theirs.rates(qd[k]), theirs.rates(qdd[k])
-        )
-        pin.updateFramePlacements(theirs.model, theirs.data)
+        pin.framesForwardKinematics(theirs.model, theirs.data, theirs.q(q[k]))
         for frame, i in ids.items():
             close(found[frame][k], theirs.data.oMf[i].homogeneous, 1e-10, what=frame)
+    if model.nv == 0:  # Pinocchio's Jacobians crash
+        return
     rng = np.random.default_rng(len(ids))
     some = list(rng.permutation(np.array(sorted(ids))))[:most]
-    ends = [model.body_index(leaf) for leaf in model.leaves]
-    assert model.nv == 0 or ends
     for frame in {*some, *model.leaves[:2]}:
         i = ids[str(frame)]
         v, a, J, Jb = [], [], [], []
@@ -293,7 +287,10 @@ def test_forward_dynamics(name: str, base: str):
     cond = max(np.linalg.cond(m) for m in M)
     if name in SINGULAR:
         assert not cond < 1e14
-        idle = [model.velocity_names[k] for k in np.flatnonzero(~theirs.of(pin.crba, q)[0].diagonal().astype(bool))]
+        idle = [
+            model.velocity_names[k]
+            for k in np.flatnonzero(~theirs.of(pin.crba, q)[0].diagonal().astype(bool))
+        ]
         assert set(SINGULAR[name]) <= set(idle)
         with pytest.raises(fb.FreebodyError) as refusal:
             fb.forward_dynamics(model, q, qd, tau)
@@ -326,9 +323,7 @@ def test_default_snapping_moves_things_by_the_angles_changed(name: str):
     changed = 0.0
     if told:
         (text,) = told
-        count, largest = re.search(
-            r": (\d+) angles? .* largest change ([0-9.e+-]+) rad", text
-        ).groups()
+        count, largest = re.search(r": (\d+) angles? .* largest change ([0-9.e+-]+) rad", text).groups()
         assert 0 < float(largest) <= 3.05e-9
         changed = int(count) * float(largest)
     # each changed angle turns what is behind it, and a torque by at most that angle times the moments there

@@ -227,7 +227,7 @@ def test_heavy_top():
 
 @pytest.mark.parametrize("kind", ["free", "spherical"])
 def test_free_axisymmetric_body(kind: str):
-    """Drake, multibody/benchmarks/free_body: I = 0.04 across, J = 0.02 along z; also in closed form, (J - I)/I = -1/2."""
+    """Drake, multibody/benchmarks/free_body: I = 0.04 across, J = 0.02 along z; and in closed form."""
     body = Inertia.of(1.0, (0, 0, 0), np.diag([0.04, 0.04, 0.02]))
     model = pivoted(body, kind, 9.81)
     _, w = spin(model, (2.0, 4.0, 6.0), 1.0)

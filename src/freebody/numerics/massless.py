@@ -32,6 +32,9 @@ def _massless(model: Model) -> tuple[str, ...]:
     q, _, _ = random_state(model, seed=1, batch=4)
     samples = tuple(np.moveaxis(q, -1, 0))
     M = [[x + np.zeros(4) for x in row] for row in crba(tree, samples)]
+    idle = [k for k in range(model.nv) if not np.any(M[k][k])]
+    if idle:
+        return tuple(model.velocity_names[k] for k in idle)
     with np.errstate(all="ignore"):
         _, inverse = factor(tree, M)  # type: ignore[arg-type]
         largest = max((np.abs(M[k][k]).max() for k in range(model.nv)), default=0.0)
