@@ -55,7 +55,7 @@ def describe(file: str, text: str, *, name: str) -> Description:
 def _table(file: str, text: str) -> Table:
     """The parsed text, with its lines."""
     try:
-        data = tomllib.loads(text)
+        data, found = tomllib.loads(text), lines(text)
     except tomllib.TOMLDecodeError as error:
         where = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)", str(error))
         message = str(error)[: where.start()] if where else str(error)
@@ -63,7 +63,7 @@ def _table(file: str, text: str) -> Table:
         raise FileError(file, line, f"this is not valid TOML: {message[0].lower()}{message[1:]}.") from None
     except RecursionError:
         raise FileError(file, None, "the tables are nested too deeply.") from None
-    return Table(file, lines(text), (), data)
+    return Table(file, found, (), data)
 
 
 def _tree(top: Table) -> Description:
