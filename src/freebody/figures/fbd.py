@@ -90,10 +90,9 @@ def diagrams(bodies: Sequence[BodyLoads], dim: int) -> tuple[Drawing, ...]:
     view = FLAT if dim == 2 else _common_view(bodies)
     sizes, forces = [_size(b) for b in bodies], [_longest(b) for b in bodies]
     together = max(sizes) <= _ALIKE * min(sizes) and max(forces) <= _ALIKE * min(forces)
-    scales = [0.75 * size / force if force else 0.0 for size, force in zip(sizes, forces, strict=True)]
     if together:
-        scales = [min(scales, default=0.0)] * len(bodies)
-    drawings = tuple(_diagram(b, view, s, k) for b, s, k in zip(bodies, sizes, scales, strict=True))
+        sizes, forces = [max(sizes)] * len(bodies), [max(forces)] * len(bodies)
+    drawings = tuple(_diagram(b, view, s, f) for b, s, f in zip(bodies, sizes, forces, strict=True))
     if together:
         common = min((natural_scale(drawing, PANEL, TALLEST) for drawing in drawings), default=1.0)
         for drawing in drawings:
@@ -101,7 +100,8 @@ def diagrams(bodies: Sequence[BodyLoads], dim: int) -> tuple[Drawing, ...]:
     return drawings
 
 
-def _diagram(loads: BodyLoads, view: View, size: float, scale: float) -> Drawing:
+def _diagram(loads: BodyLoads, view: View, size: float, longest: float) -> Drawing:
+    """A body of about `size` metres, its forces drawn so that `longest` N take three quarters of that."""
     body = loads.body
     drawing = Drawing(view, f"Free-body diagram of body {body.number}, {body.name}")
     drawing.heading, drawing.compass = f"Body {body.number} · {body.name}", True
@@ -111,7 +111,7 @@ def _diagram(loads: BodyLoads, view: View, size: float, scale: float) -> Drawing
         parts = space.solids_of(body, 0.05 * size)
         drawing.add(*sorted(parts, key=lambda e: space.depth(e, view)))
     _joints(drawing, loads)
-    longest, peak = _longest(loads), _peak(loads)
+    scale, peak = 0.75 * size / longest if longest else 0.0, _peak(loads)
     for load in loads.loads:
         _reach(drawing, loads, load)
         _force(drawing, load, scale, longest)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from html import escape
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from freebody.arrays import Array
 from freebody.figures.svg import Picture
-from freebody.figures.text import number, width
+from freebody.figures.text import number, superscript, width
 
 _LEFT, _RIGHT, _TOP, _BOTTOM = 52.0, 12.0, 28.0, 30.0
 _SEEN = 0.15  # pixels: a curve may leave its samples by no more than this
@@ -34,7 +34,7 @@ class Plot:
     """Whether the point of the first curve farthest from zero is marked."""
     legend: bool = True
     colours: Sequence[int] = field(default_factory=tuple)
-    size: tuple[float, float] = (400.0, 208.0)
+    size: tuple[float, float] = (340.0, 210.0)
     log: bool = False
 
 
@@ -42,9 +42,15 @@ def plot(what: Plot) -> Picture:
     """The picture of a plot."""
     w, h = what.size
     rows = _legend_rows(what)
-    top = _TOP + 16.0 * len(rows)
+    power = _power(what)
+    what = replace(
+        what,
+        curves={name: np.asarray(curve) / 10.0**power for name, curve in what.curves.items()},
+        limits=tuple(level / 10.0**power for level in what.limits),
+        unit=f"10{superscript(power)} {what.unit}" if power else what.unit,
+    )
     low, high = _range(what)
-    box = (_LEFT, top, w - _RIGHT, h + 16.0 * len(rows) - _BOTTOM)
+    box = (_LEFT, _TOP + 15.0 * max(len(rows), 1), w - _RIGHT, h + 15.0 * max(len(rows) - 2, 0) - _BOTTOM)
     ruled = _Axes(box, (float(what.t[0]), float(what.t[-1])), (low, high), what.log)
     body = [f'<text class="name" x="6" y="16">{escape(what.title)}</text>', *_grid(ruled, what.unit)]
     if what.now is not None:
@@ -56,8 +62,16 @@ def plot(what: Plot) -> Picture:
     body += [_curve(ruled, what, name, curve, colour) for name, curve, colour in drawn]
     if what.peaks:
         body += [_peak(ruled, what, curve, colour) for _, curve, colour in drawn[:1]]
-    body += [_entry(name, x, 32.0 + 16 * k, colours) for k, row in enumerate(rows) for name, x, colours in row]
-    return Picture("".join(body), w, h + 16.0 * len(rows), f"{what.title}, {what.unit} over time")
+    body += [_entry(name, x, 32.0 + 15 * k, colours) for k, row in enumerate(rows) for name, x, colours in row]
+    return Picture("".join(body), w, h + 15.0 * max(len(rows) - 2, 0), f"{what.title}, {what.unit} over time")
+
+
+def _power(what: Plot) -> int:
+    """The power of ten that is taken out of values too small or large to be printed at an axis."""
+    size = max((float(np.abs(curve[np.isfinite(curve)]).max(initial=0.0)) for curve in what.curves.values()), default=0.0)
+    if what.log or size == 0 or 1e-2 <= size < 1e5:
+        return 0
+    return math.floor(math.log10(size))
 
 
 def thin(x: Array, y: Array, tolerance: float = _SEEN) -> Array:
@@ -129,7 +143,8 @@ def _range(what: Plot) -> tuple[float, float]:
         low = 0.0
     if -0.5 * span < high < 0:
         high = 0.0
-    return low - 0.06 * span, high + 0.08 * span
+    below, above = (0.14 if abs(edge) >= 0.98 * size else 0.06 for edge in (low, high))
+    return low - below * span, high + above * span
 
 
 def _grid(axes: _Axes, unit: str) -> list[str]:
@@ -198,10 +213,10 @@ def _peak(axes: _Axes, what: Plot, curve: Array, colour: int) -> str:
     text = number(float(curve[k]))
     half = width(text, 11) / 2
     at = min(max(x, axes.box[0] + half + 4), axes.box[2] - half)
-    above = y - 7 if y - 16 > axes.box[1] - 6 else y + 17
+    beside = y - 7 if curve[k] > 0 else y + 15
     return (
         f'<circle class="peak f{colour}" cx="{x:.1f}" cy="{y:.1f}" r="3.4"><title>{text} {escape(what.unit)} at {what.t[k]:.4g} s</title></circle>'
-        f'<text class="tick halo" x="{at:.1f}" y="{above:.1f}" text-anchor="middle">{text}</text>'
+        f'<text class="tick halo" x="{at:.1f}" y="{beside:.1f}" text-anchor="middle">{text}</text>'
     )
 
 

@@ -32,8 +32,8 @@ def draw(model: Model, pose: Skeleton, ghosts: Sequence[Skeleton], path: Array |
     if path is not None:
         drawing.add(Line(tuple(map(point, path)), "tip path", "tippath"))
         drawing.add(Mark(point(path[0]), "dot", "path start", "tipdot", size=3.0))
-    triad(drawing, np.zeros(3), np.eye(3), 0.13 * size, "base")
     drawing.add(*by_depth(solids(pose, size), view))
+    triad(drawing, np.zeros(3), np.eye(3), 0.13 * size, "base")
     if pose.tip is not None and pose.tip_rotation is not None:
         triad(drawing, pose.tip, pose.tip_rotation, 0.1 * size, "tip")
     crowded = len(pose.bodies) > 12

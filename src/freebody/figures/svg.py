@@ -167,7 +167,9 @@ def _mark(page: Page, e: Mark) -> None:
 def _prism(page: Page, e: Prism) -> None:
     near, far = symbols.prism_rings(e, page.drawing.view)
     page.body.append(symbols.prism([page.at(p) for p in near], [page.at(p) for p in far], "far" in e.role))
-    page.crowd.keep_clear(page.at(e.at), page.at(e.at))
+    outline = symbols.hull([page.at(p) for p in near + far])
+    for a, b in zip(outline, outline[1:] + outline[:1], strict=True):
+        page.crowd.keep_clear(a, b)
 
 
 def _text(page: Page, e: Label) -> None:

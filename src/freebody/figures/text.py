@@ -78,4 +78,4 @@ def width(text: str, size: float = 13.0) -> float:
 
 
 def _plain_width(text: str) -> float:
-    return sum(0.3 if c in _NARROW else 0.85 if c in _WIDE else 0.57 for c in text)
+    return sum(0.36 if c in _NARROW else 0.9 if c in _WIDE else 0.62 for c in text)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+from dataclasses import replace
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -14,6 +15,7 @@ from markupsafe import Markup
 
 import freebody
 from freebody.figures import theme
+from freebody.formats.loading import SUFFIXES
 from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
 from freebody.report.study import Study
@@ -34,6 +36,7 @@ def page(study: Study) -> str:
         study=study,
         model=study.model,
         facts=_facts(study),
+        notices=_notices(study),
         robot=figures.robot(study),
         drives=tables.drives(study),
         ranges=tables.ranges(study),
@@ -70,10 +73,13 @@ def _templates() -> jinja2.Environment:
 def _facts(study: Study) -> dict[str, Any]:
     """Single words and numbers of the text."""
     model, motion = study.model, study.motion
+    source, path = _source(study)
     failed = [check for check in study.checks if not check.passed]
     loops = study.replay
     return {
         "failed": failed,
+        "source": source,
+        "path": path,
         "gravity": ", ".join(significant(float(x)) for x in model.gravity),
         "samples": len(motion.t),
         "parts": [words for words in figures.parts(study).values() if words != "total"],
@@ -83,6 +89,25 @@ def _facts(study: Study) -> dict[str, Any]:
         "worst_factor": float(loops.factors.max()) if loops is not None else 0.0,
         "seconds": sum(study.seconds.values()),
     }
+
+
+def _notices(study: Study) -> dict[str, list[str]]:
+    """Findings about the motion, inertias that no body has, and how the file was read, without the file's folder."""
+    read = study.model.notices
+    short = {str(n): str(replace(n, file=Path(n.file).name if n.file else None)) for n in read}
+    doubtful = [str(n) for n in read if n.kind == "physical"]
+    return {
+        "findings": [text for text in study.notices if text not in short],
+        "doubtful": [short[text] for text in study.notices if text in doubtful],
+        "reading": [short[text] for text in study.notices if text in short and text not in doubtful],
+    }
+
+
+def _source(study: Study) -> tuple[str, str]:
+    """Where the robot comes from, and the whole path of its file."""
+    source = study.model.source
+    name = Path(source).name
+    return (name, source) if Path(source).suffix in SUFFIXES and name != source else (source or "built in code", "")
 
 
 def _versions() -> dict[str, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
@@ -54,7 +55,12 @@ def ranges(study: Study) -> Table:
         (Head("Speed limit", _one([f"{u}/s" for u in units])), _facts(limits.velocity, "model.limits.velocity", [f"{u}/s" for u in units])),
         (Head("Effort limit", _one(_units(study, "effort_unit"))), _facts(limits.effort, "model.limits.effort", _units(study, "effort_unit"))),
     ]  # fmt: skip
-    return _named_table("How far the motion goes", "Coordinate", study.model.velocity_names, columns)
+    shown = [
+        (head, cells)
+        for head, cells in columns
+        if any(isinstance(cell, Number) and math.isfinite(cell.value) for cell in cells)
+    ]
+    return _named_table("How far the motion goes", "Coordinate", study.model.velocity_names, shown)
 
 
 def bodies(study: Study) -> Table:
@@ -101,7 +107,7 @@ def gravity(study: Study) -> Table | None:
     ]
     if any(np.isfinite(p.fraction) for p in study.static):
         columns.append((Head("Worst / limit", "%", _USE), [Number(p.fraction, fact=f"static[{k}].fraction", scale=100.0, bar=p.fraction) for k, p in enumerate(study.static)]))
-    poses = [Text(", ".join(f"{x:.2f}".replace("-", "−") for x in p.q), css="pose") for p in study.static]
+    poses = [Text(", ".join(f"{x:z.2f}".replace("-", "−") for x in p.q), css="pose") for p in study.static]
     if study.model.nq <= 8:
         columns.append((Head(f"q of the worst pose: {', '.join(study.model.position_names)}" if study.model.nq < 4 else "q of the worst pose, rad and m", number=False), poses))
     return _named_table("What gravity alone asks", "Coordinate", names, columns)
