@@ -15,11 +15,14 @@ from freebody.compiler.program import Argument, Program
 from freebody.compiler.target import Target
 
 
-def gufunc_loop(program: Program, target: Target, slots: int) -> str:
-    """`void @kernel(ptr args, ptr dims, ptr steps, ptr data)` and what it calls, for a program and its tile."""
+def gufunc_loop(program: Program, target: Target, slots: int, tiles: int) -> str:
+    """`void @kernel(ptr args, ptr dims, ptr steps, ptr data)` and what it calls.
+
+    A round takes `tiles` groups, each on a tile of `slots` slots.
+    """
     parts = [
         transfers(program, target.width),
-        _loop(program, target, slots),
+        _loop(program, target, slots, tiles),
         _FLAGS[target.x86]["declare"],
         "declare ptr @malloc(i64)\ndeclare void @free(ptr)\n",
     ]
@@ -44,66 +47,98 @@ _FLAGS = {
 }
 
 
-def _loop(program: Program, target: Target, slots: int) -> str:
+def _loop(program: Program, target: Target, slots: int, tiles: int) -> str:
+    """Rounds of `tiles` groups: all in, `@compute`, all out."""
     width = target.width
     arguments = program.inputs + program.outputs
-    total = sum(argument.size for argument in arguments)
+    lanes = 8 * width * len(arguments)
+    sizes = {
+        "tile": 8 * width * slots * tiles,
+        "lanes": lanes,
+        "lanes.short": lanes,
+        "offsets": 8 * sum(argument.size for argument in arguments),
+    }
+    get, give_back = _workspace(sizes)
     lines = [
-        """\
-define void @kernel(ptr %args, ptr %dims, ptr %steps, ptr %data) #0 {
-entry:
-  %n = load i64, ptr %dims, align 8"""
+        "define void @kernel(ptr %args, ptr %dims, ptr %steps, ptr %data) #0 {",
+        "entry:",
+        "  %n = load i64, ptr %dims, align 8",
+        _FLAGS[target.x86]["save"],
+        *get,
     ]
-    lines.append(_FLAGS[target.x86]["save"])
-    get, give_back = _workspace((8 * width * slots, 8 * width * len(arguments), 8 * total))
-    lines += get
     core, first = len(arguments), 0
     for k, argument in enumerate(arguments):
         lines += _prepare(k, argument, core, first, width)
         core += len(argument.shape)
         first += argument.size
-    lines.append(f"""\
+    lines.append("""\
   br label %head
 head:
   %i = phi i64 [ 0, %entry ], [ %i.next, %tail ]
   %more = icmp slt i64 %i, %n
-  br i1 %more, label %group, label %end
-group:
-  %rest = sub i64 %n, %i
-  %full = icmp sge i64 %rest, {width}
-  %last = sub i64 %rest, 1
-  br i1 %full, label %begin, label %short
-short:""")
-    lines += [line for k in range(len(arguments)) for line in _lanes(k, width, short=True)]
-    lines.append("  br label %begin\nbegin:")
-    for k in range(len(arguments)):
-        lines.append(
-            f"  %move{k} = mul i64 %i, %step{k}\n  %at{k} = getelementptr i8, ptr %base{k}, i64 %move{k}"
-        )
-    slot = 0
-    for k, argument in enumerate(arguments):
-        if k == len(program.inputs):
-            lines.append("  call void @compute(ptr %tile)")
-        lines += _transfer(k, argument, slot, width, "in" if k < len(program.inputs) else "out")
-        slot += argument.size
-    lines.append(f"  br label %tail\ntail:\n  %i.next = add i64 %i, {width}\n  br label %head\nend:")
+  br i1 %more, label %in, label %end""")
+    inputs = list(enumerate(program.inputs))
+    outputs = list(enumerate(program.outputs, len(inputs)))
+    lines += _phase("in", inputs, 0, width, slots, tiles, after="run")
+    lines.append("run:\n  call void @compute(ptr %tile, i64 %in.g)\n  br label %out")
+    lines += _phase("out", outputs, program.input_size, width, slots, tiles, after="tail")
+    lines.append(f"tail:\n  %i.next = add i64 %i, {width * tiles}\n  br label %head\nend:")
     shapes = [f"@shape{k} = internal constant {_integers(x.shape)}" for k, x in enumerate(arguments)]
     return "\n".join([*lines, *give_back, _FLAGS[target.x86]["restore"], "  ret void", "}", *shapes, ""])
 
 
-def _workspace(sizes: tuple[int, int, int]) -> tuple[list[str], list[str]]:
-    """Room for the tile, the lanes and the offsets, of `sizes` bytes, and what gives it back.
+def _phase(
+    way: str, arguments: list[tuple[int, Argument]], slot: int, width: int, slots: int, tiles: int, after: str
+) -> list[str]:
+    """Move the groups of one round in or out; afterwards `%in.g` or `%out.g` is their number."""
+    before = {"in": "head", "out": "run"}[way]
+    lines = [
+        f"{way}:",
+        f"  %{way}.g = phi i64 [ 0, %{before} ], [ %{way}.next, %{way}.end ]",
+        f"  %{way}.skip = mul i64 %{way}.g, {width}",
+        f"  %{way}.at = add i64 %i, %{way}.skip",
+        f"  %{way}.rest = sub i64 %n, %{way}.at",
+        f"  %{way}.some = icmp sgt i64 %{way}.rest, 0",
+        f"  %{way}.room = icmp ult i64 %{way}.g, {tiles}",
+        f"  %{way}.more = and i1 %{way}.some, %{way}.room",
+        f"  br i1 %{way}.more, label %{way}.group, label %{after}",
+        f"{way}.group:",
+        f"  %{way}.full = icmp sge i64 %{way}.rest, {width}",
+        f"  %{way}.last = sub i64 %{way}.rest, 1",
+        f"  %{way}.lanes = select i1 %{way}.full, ptr %lanes, ptr %lanes.short",
+        f"  %{way}.skipped = mul i64 %{way}.g, {8 * width * slots}",
+        f"  %{way}.tile = getelementptr i8, ptr %tile, i64 %{way}.skipped",
+        f"  br i1 %{way}.full, label %{way}.begin, label %{way}.short",
+        f"{way}.short:",
+    ]
+    for k, _ in arguments:
+        lines += _lanes(k, width, f"%{way}.last")
+    lines.append(f"  br label %{way}.begin\n{way}.begin:")
+    for k, argument in arguments:
+        lines += _transfer(k, argument, slot, width, way)
+        slot += argument.size
+    return [
+        *lines,
+        f"  br label %{way}.end",
+        f"{way}.end:",
+        f"  %{way}.next = add i64 %{way}.g, 1",
+        f"  br label %{way}",
+    ]
+
+
+def _workspace(sizes: dict[str, int]) -> tuple[list[str], list[str]]:
+    """Named places of `sizes` bytes, and what gives the room back.
 
     It is on the stack unless it is large: threads may have little of it.
     """
-    places = [
-        f"  %{name} = getelementptr i8, ptr %room, i64 {start}"
-        for name, start in (("tile", 0), ("lanes", sizes[0]), ("offsets", sizes[0] + sizes[1]))
-    ]
-    if sum(sizes) <= _LARGEST_ON_STACK:
-        return [f"  %room = alloca [{sum(sizes)} x i8], align 64", *places], []
+    total, places = 0, []
+    for name, size in sizes.items():
+        places.append(f"  %{name} = getelementptr i8, ptr %room, i64 {total}")
+        total += size
+    if total <= _LARGEST_ON_STACK:
+        return [f"  %room = alloca [{total} x i8], align 64", *places], []
     get = f"""\
-  %raw = call ptr @malloc(i64 {sum(sizes) + 64})
+  %raw = call ptr @malloc(i64 {total + 64})
   %raw.number = ptrtoint ptr %raw to i64
   %odd = and i64 %raw.number, 63
   %up = sub i64 64, %odd
@@ -132,7 +167,7 @@ def _prepare(k: int, argument: Argument, core: int, first: int, width: int) -> l
             rows = f"%rows{k}.{d}"
         natural *= argument.shape[d]
     lines.append(f"  %rows{k} = and i1 {rows}, true")
-    lines += _lanes(k, width, short=False)
+    lines += _lanes(k, width, None)
     return [
         *lines,
         f"  %blocks{k} = xor i1 %rows{k}, true",
@@ -149,17 +184,17 @@ def _integers(numbers: tuple[int, ...]) -> str:
     return f"[{len(numbers)} x i64] [{', '.join(f'i64 {n}' for n in numbers)}]"
 
 
-def _lanes(k: int, width: int, short: bool) -> list[str]:
-    """Fill the table of lane addresses of argument k; in a short group lanes beyond the last sample repeat it."""
-    lines, tag = [], f"{k}.{'s' if short else 'f'}"
+def _lanes(k: int, width: int, last: str | None) -> list[str]:
+    """Fill the table of lane addresses of argument k; of a short group, lanes beyond the `last` sample repeat it."""
+    lines, tag, table = [], f"{k}.{'s' if last else 'f'}", "%lanes.short" if last else "%lanes"
     for lane in range(width):
         number = str(lane)
-        if short:
+        if last:
             number = f"%n{tag}{lane}"
-            lines.append(f"  %b{tag}{lane} = icmp slt i64 {lane}, %last")
-            lines.append(f"  {number} = select i1 %b{tag}{lane}, i64 {lane}, i64 %last")
+            lines.append(f"  %b{tag}{lane} = icmp slt i64 {lane}, {last}")
+            lines.append(f"  {number} = select i1 %b{tag}{lane}, i64 {lane}, i64 {last}")
         lines.append(f"  %l{tag}{lane} = mul i64 %step{k}, {number}")
-        lines.append(f"  %pl{tag}{lane} = getelementptr i64, ptr %lanes, i64 {k * width + lane}")
+        lines.append(f"  %pl{tag}{lane} = getelementptr i64, ptr {table}, i64 {k * width + lane}")
         lines.append(f"  store i64 %l{tag}{lane}, ptr %pl{tag}{lane}, align 8")
     return lines
 
@@ -167,10 +202,12 @@ def _lanes(k: int, width: int, short: bool) -> list[str]:
 def _transfer(k: int, argument: Argument, slot: int, width: int, way: str) -> list[str]:
     """Move one group of argument k between array and tile."""
     lines = [
-        f"  %slot{k} = getelementptr <{width} x double>, ptr %tile, i64 {slot}",
-        f"  %lane{k} = getelementptr i64, ptr %lanes, i64 {k * width}",
+        f"  %move{k} = mul i64 %{way}.at, %step{k}",
+        f"  %at{k} = getelementptr i8, ptr %base{k}, i64 %move{k}",
+        f"  %slot{k} = getelementptr <{width} x double>, ptr %{way}.tile, i64 {slot}",
+        f"  %lane{k} = getelementptr i64, ptr %{way}.lanes, i64 {k * width}",
     ]
-    if way == "in":  # a broadcast input stays in the tile after the first group
+    if way == "in":  # a broadcast input stays in the tile after the first round
         lines += [
             f"  %moves{k} = icmp ne i64 %step{k}, 0",
             f"  %first{k} = icmp eq i64 %i, 0",
@@ -181,7 +218,7 @@ def _transfer(k: int, argument: Argument, slot: int, width: int, way: str) -> li
     call = f"ptr %at{k}, ptr %lane{k}, ptr %offset{k}, i64 {argument.size}, ptr %slot{k}"
     return [
         *lines,
-        f"  %streams{k} = and i1 %full, %columns{k}",
+        f"  %streams{k} = and i1 %{way}.full, %columns{k}",
         f"  br i1 %streams{k}, label %columns.{k}, label %other{k}",
         f"columns.{k}:",
         f"  call void @columns_{way}({call})",
