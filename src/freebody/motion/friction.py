@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -13,7 +14,7 @@ WIDTH = 1e-3
 """rad/s or m/s: sticking creeps at rates below this."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SmoothFriction:
     """c tanh(q̇ / width) of each joint that has Coulomb friction, in place of c sign(q̇)."""
 
@@ -30,10 +31,15 @@ class SmoothFriction:
 
     def torque(self, qd: Array) -> Array:
         """What the drives must give to overcome it (..., nv), at rates qd (..., nv)."""
-        tau = np.zeros(qd.shape)
-        for k, ratio, c in zip(self.coordinate, self.ratio, self.coulomb, strict=True):
-            tau[..., k] += ratio * c * np.tanh(ratio * qd[..., k] / self.width)
-        return tau
+        if not self.acts:
+            return np.zeros(qd.shape)
+        each = self.ratio * self.coulomb * np.tanh(qd[..., self.coordinate] * (self.ratio / self.width))
+        return each @ self._sum
+
+    @cached_property
+    def _sum(self) -> Array:
+        """1 where a joint (row) acts on a coordinate (column)."""
+        return (self.coordinate[:, None] == np.arange(self.nv)).astype(float)
 
     def steepest(self) -> Array:
         """Largest slope d tau / d q̇ of each coordinate (nv,)."""
