@@ -7,8 +7,6 @@ around it.
 
 from __future__ import annotations
 
-from itertools import groupby
-
 from freebody.compiler.llvm_loop import gufunc_loop
 from freebody.compiler.llvm_sincos import double, sincos, splat
 from freebody.compiler.program import Program
@@ -47,14 +45,18 @@ def emit(program: Program, target: Target) -> str:
     tiles = 1 if len(program) < LONG else 2
     v = f"<{width} x double>"
     parts = [f"; {program}", sincos(width, target.fma), _finite(program, width)]
-    pieces = []
-    for number, (trigonometric, steps) in enumerate(
-        groupby(layout.steps, lambda step: isinstance(step, SinCos))
-    ):
-        for inner, step in enumerate([tuple(steps)] if trigonometric else steps):
-            pieces.append(f"@segment{number}.{inner}")
-            write = _trigonometric if trigonometric else _arithmetic
-            parts.append(write(pieces[-1], program, step, width))
+    pieces: list[str] = []
+    waiting: list[SinCos] = []
+    for number, step in enumerate(layout.steps):  # the last is a segment
+        if isinstance(step, SinCos):
+            waiting.append(step)
+            continue
+        if waiting:
+            pieces.append(f"@sines{number}")
+            parts.append(_trigonometric(pieces[-1], waiting, width))
+            waiting = []
+        pieces.append(f"@segment{number}")
+        parts.append(_arithmetic(pieces[-1], program, step, width))
     parts.append(_compute([*pieces, "@finite"], 8 * width * layout.slots, tiles))
     parts.append(gufunc_loop(program, target, layout.slots, tiles))
     parts.append(
@@ -66,7 +68,7 @@ def emit(program: Program, target: Target) -> str:
     return "\n".join(parts)
 
 
-def _trigonometric(name: str, program: Program, steps: tuple[SinCos, ...], width: int) -> str:
+def _trigonometric(name: str, steps: list[SinCos], width: int) -> str:
     """Calls of `@sincos` on slots of the tile."""
     lines = [f"define internal void {name}(ptr noalias %tile) #0 {{"]
     for k, step in enumerate(steps):
@@ -76,10 +78,10 @@ def _trigonometric(name: str, program: Program, steps: tuple[SinCos, ...], width
     return "\n".join([*lines, "  ret void", "}", ""])
 
 
-def _arithmetic(segment_name: str, program: Program, step: Segment, width: int) -> str:
+def _arithmetic(title: str, program: Program, step: Segment, width: int) -> str:
     """Loads, instructions and stores of a segment, the loads at first use."""
     v, align = f"<{width} x double>", 8 * width
-    lines = [f"define internal void {segment_name}(ptr noalias %tile) #0 {{"]
+    lines = [f"define internal void {title}(ptr noalias %tile) #0 {{"]
     names: dict[int, str] = {}
 
     def name(index: int) -> str:
