@@ -63,6 +63,9 @@ _PLACES = {
     "freebody.numerics.kernels": ("kernel",),
     "freebody.motion.motion": ("Motion",),
     "freebody.motion.default": ("default_motion",),
+    "freebody.motion.table": ("read_motion",),
+    "freebody.motion.simulate": ("simulate",),
+    "freebody.figures.fbd": ("free_body_diagram",),
     "freebody.report.study": ("Study", "study"),
 }
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}

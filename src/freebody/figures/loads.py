@@ -89,7 +89,7 @@ def _on_body(
     before = "0" if body.parent < 0 else str(body.parent + 1)
     wrench = reactions[body.index]
     names = _moment_names(model, body, before)
-    by = "the ground" if body.parent < 0 else pose.bodies[body.parent].name
+    by = pose.bodies[body.parent].name if body.parent >= 0 else "its drives" if body.kind == "free" else "the ground"
     loads = [Load(f"f_{{{before},{n}}}", names[0], "reaction", by, body.origin, wrench[:dim], wrench[dim:])]
     for child in pose.bodies:
         if child.parent == body.index:

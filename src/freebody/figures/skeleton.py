@@ -74,7 +74,7 @@ class Skeleton:
         """Every joint, end and the base, (k, dim)."""
         found = [np.zeros(self.dim)]
         for body in self.bodies:
-            found += [body.carrier, body.origin, *(end.place for end in body.ends)]
+            found += [body.carrier, body.origin, *(end.place for end in body.ends), *(b for _, b in body.outline)]
         return np.array(found)
 
     @property

@@ -16,6 +16,7 @@ from markupsafe import Markup
 import freebody
 from freebody.figures import theme
 from freebody.formats.loading import SUFFIXES
+from freebody.motion.ranges import ranges
 from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
 from freebody.report.study import Study
@@ -83,7 +84,7 @@ def _facts(study: Study) -> dict[str, Any]:
         "gravity": ", ".join(significant(float(x)) for x in model.gravity),
         "samples": len(motion.t),
         "parts": [words for words in figures.parts(study).values() if words != "total"],
-        "limited": bool(np.isfinite(model.limits.effort).any()),
+        "limited": bool(np.isfinite(ranges(model).effort).any()),
         "mimic": [body.joint for body in model.bodies if body.joint.mimic is not None],
         "worst_miss": float(loops.misses.max()) if loops is not None else 0.0,
         "worst_factor": float(loops.factors.max()) if loops is not None else 0.0,

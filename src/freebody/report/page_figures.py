@@ -13,6 +13,7 @@ from freebody.figures.loads import BodyLoads, body_loads
 from freebody.figures.plots import Plot, plot
 from freebody.figures.robot import robot_drawing
 from freebody.figures.svg import picture
+from freebody.motion.ranges import ranges as allowed
 from freebody.report.study import Study
 
 if TYPE_CHECKING:
@@ -43,7 +44,8 @@ def robot(study: Study) -> Figure:
     model = study.model.replace(tip=study.tip)
     q = study.motion.q
     count = len(study.motion.t)
-    ghosts = [q[k] for k in sorted({0, count // 4, count // 2, 3 * count // 4, count - 1} - {study.worst.index})]
+    others = {0, count // 4, count // 2, 3 * count // 4} if len(model.bodies) <= 12 else {count // 4, 3 * count // 4}
+    ghosts = [q[k] for k in sorted(others - {study.worst.index})]
     path = study.data["tip_position"].values
     step = max(1, count // 240)
     svg = picture(robot_drawing(model, q[study.worst.index], ghosts, path[::step]), 640, 540).text(css=False)
@@ -65,7 +67,7 @@ def motion(study: Study) -> Iterator[Figure]:
 
 def torques(study: Study) -> Iterator[Figure]:
     """Each coordinate's torque with its parts and limits."""
-    data, limits = study.data, study.model.limits.effort
+    data, limits = study.data, allowed(study.model).effort
     shown = parts(study)
     units = data["effort_unit"].values
     for k, name in enumerate(study.model.velocity_names):

@@ -11,12 +11,14 @@ from markupsafe import Markup
 
 from freebody.figures.loads import BodyLoads
 from freebody.figures.text import html
+from freebody.motion.ranges import ranges as allowed
 from freebody.report.study import Study
 from freebody.report.tables import Cell, Head, Number, Table, Text, alone, table, typeset
 
 if TYPE_CHECKING:
     import xarray as xr
 
+_EFFORTS = {"N m": "Peak torque", "N": "Peak force"}
 _USE = "share of the limit that is used; above 100 % the limit is exceeded"
 
 
@@ -25,7 +27,7 @@ def drives(study: Study) -> Table:
     efforts, rates = _units(study, "effort_unit"), [f"{u}/s" for u in _units(study, "unit")]
     limited = [bool(np.isfinite(study.summary[k].values).any()) for k in ("effort_fraction", "velocity_fraction")]
     columns = [
-        (Head("Peak torque", _one(efforts), "largest in magnitude, with its sign"), _cells(study, "peak_torque", efforts)),
+        (Head(_EFFORTS.get(_one(efforts), "Peak torque, force"), _one(efforts), "largest in magnitude, with its sign"), _cells(study, "peak_torque", efforts)),
         (Head("at", "s", "when it occurs"), _cells(study, "peak_torque_time")),
         (Head("RMS", _one(efforts), "root mean square over the motion: what heats a motor"), _cells(study, "rms_torque", efforts)),
     ]
@@ -42,24 +44,26 @@ def drives(study: Study) -> Table:
     return _named_table("What each drive must give", "Coordinate", study.model.velocity_names, columns)
 
 
-def ranges(study: Study) -> Table:
-    """How far each coordinate goes, and its limits."""
+def ranges(study: Study) -> Table | None:
+    """How far each coordinate goes, and its limits; None where no coordinate has a range."""
     units = _units(study, "unit")
-    limits = study.model.limits
+    limits = allowed(study.model)
     columns = [
         (Head("Lowest", _one(units)), _cells(study, "lowest", units)),
         (Head("Highest", _one(units)), _cells(study, "highest", units)),
-        (Head("Lower limit", _one(units)), _facts(limits.lower, "model.limits.lower", units)),
-        (Head("Upper limit", _one(units)), _facts(limits.upper, "model.limits.upper", units)),
+        (Head("Lower limit", _one(units)), _facts(limits.lower, "limits.lower", units)),
+        (Head("Upper limit", _one(units)), _facts(limits.upper, "limits.upper", units)),
         (Head("Range used", "%", "distance from the middle of the range; 100 % at a limit"), _shares(study, "position_fraction")),
-        (Head("Speed limit", _one([f"{u}/s" for u in units])), _facts(limits.velocity, "model.limits.velocity", [f"{u}/s" for u in units])),
-        (Head("Effort limit", _one(_units(study, "effort_unit"))), _facts(limits.effort, "model.limits.effort", _units(study, "effort_unit"))),
+        (Head("Speed limit", _one([f"{u}/s" for u in units])), _facts(limits.velocity, "limits.velocity", [f"{u}/s" for u in units])),
+        (Head("Effort limit", _one(_units(study, "effort_unit"))), _facts(limits.effort, "limits.effort", _units(study, "effort_unit"))),
     ]  # fmt: skip
     shown = [
         (head, cells)
         for head, cells in columns
         if any(isinstance(cell, Number) and math.isfinite(cell.value) for cell in cells)
     ]
+    if not shown:
+        return None
     return _named_table("How far the motion goes", "Coordinate", study.model.velocity_names, shown)
 
 

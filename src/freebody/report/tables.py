@@ -8,6 +8,8 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from markupsafe import Markup, escape
+
 from freebody.figures.text import superscript
 
 
@@ -107,10 +109,11 @@ def significant(value: float, digits: int = 3) -> str:
     return f"{mantissa}·10{superscript(int(exponent))}".replace("-", "−")
 
 
-def typeset(text: str) -> str:
-    """Sentences with real minus signs and powers of ten."""
+def typeset(text: str) -> Markup:
+    """Sentences with real minus signs and powers of ten, as HTML."""
+    text = re.sub(r"\b10\^([\d.]+)", r"10<sup>\1</sup>", str(escape(text)))
     text = re.sub(r"(?<=\d)e([+-]\d+)", lambda m: f"·10{superscript(int(m.group(1)))}", text)
-    return re.sub(r"(?<![\w.])-(?=\d)", "−", text)
+    return Markup(re.sub(r"(?<![\w.])-(?=\d)", "−", text))
 
 
 def alone(number: Number, digits: int = 3) -> Number:

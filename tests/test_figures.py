@@ -1,0 +1,259 @@
+"""Drawings as data: where things stand, which way forces point, what they add up to, and that the SVG is sound."""
+
+import math
+import re
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.errors import FreebodyError, ShapeError, UnknownNameError
+from freebody.figures.drawing import Arc, Arrow, Line, Mark, Turn
+from freebody.figures.labels import Crowd, Wanted, _overlap
+from freebody.figures.plots import Plot, plot, thin, ticks
+from freebody.figures.robot import robot_drawing, robot_svg
+from freebody.figures.svg import picture
+from freebody.figures.text import number, plain
+
+Q2, QD2, QDD2 = [0.6, 0.9], [1.0, -0.5], [2.0, 3.0]
+ROBOTS = ("2R", "3R", "RP", "pendulum", "ur5e", "panda", "scara", "gyro", "quadrotor")
+
+
+@pytest.fixture(scope="module")
+def arm():
+    return fb.planar("RR", l=[0.4, 0.3], lc=[0.2, 0.15], m=[2.0, 1.0], I=[0.03, 0.01])
+
+
+@pytest.fixture(scope="module")
+def diagram(arm):
+    return fb.free_body_diagram(arm, Q2, qd=QD2, qdd=QDD2)
+
+
+def rooted(svg: str) -> ET.Element:
+    """The parsed SVG; nothing in it may point outside."""
+    assert not re.search(r'(?:href|src)="(?!#)|url\(|<script|@import', svg)
+    return ET.fromstring(svg)
+
+
+# ---------------------------------------------------------------- the stick drawing
+def test_planar_arm_stands_where_forward_kinematics_puts_it(arm):
+    drawing = robot_drawing(arm, Q2)
+    elbow = (0.4 * math.cos(0.6), 0.4 * math.sin(0.6))
+    tip = (elbow[0] + 0.3 * math.cos(1.5), elbow[1] + 0.3 * math.sin(1.5))
+    first, second = drawing.named("link 1"), drawing.named("link 2")
+    assert isinstance(first, Line)
+    assert isinstance(second, Line)
+    np.testing.assert_allclose(first.points, [(0, 0), elbow], atol=1e-12)
+    np.testing.assert_allclose(second.points, [elbow, tip], atol=1e-12)
+    com = drawing.named("C_2")
+    assert isinstance(com, Mark)
+    np.testing.assert_allclose(com.at, np.mean([elbow, tip], axis=0), atol=1e-12)
+
+
+def test_angles_are_measured_as_in_the_notes(arm):
+    drawing = robot_drawing(arm, Q2)
+    one, two = drawing.named("θ_1"), drawing.named("θ_2")
+    assert isinstance(one, Arc)
+    assert isinstance(two, Arc)
+    assert one.start == pytest.approx(0.0)
+    assert one.sweep == pytest.approx(0.6)
+    assert two.start == pytest.approx(0.6), "θ2 is measured from the extended link 1"
+    assert two.sweep == pytest.approx(0.9)
+
+
+def test_slider_stands_at_the_end_of_its_rail():
+    arm = fb.planar("RP", l=[0.3, 0.2], lc=[0.1, 0.1], m=[1.0, 1.0], I=[0.1, 0.1])
+    drawing = robot_drawing(arm, [0.5, 0.25])
+    slider, rail = drawing.named("joint 2"), drawing.named("rail 2")
+    assert isinstance(slider, Mark)
+    assert isinstance(rail, Line)
+    assert slider.kind == "slider"
+    u = np.array([math.cos(0.5), math.sin(0.5)])
+    np.testing.assert_allclose(slider.at, 0.55 * u, atol=1e-12)
+    np.testing.assert_allclose(rail.points, [0.3 * u, 0.55 * u], atol=1e-12)
+
+
+def test_tip_triad_in_space_is_the_tip_frame():
+    arm = fb.load("ur5e")
+    q = np.linspace(-1, 1, 6)
+    T = fb.forward_kinematics(arm, q)
+    drawing = robot_drawing(arm, q)
+    for k, name in enumerate("xyz"):
+        axis = drawing.named(f"tip {name}")
+        assert isinstance(axis, Arrow)
+        np.testing.assert_allclose(axis.start, T[:3, 3], atol=1e-12)
+        direction = np.subtract(axis.end, axis.start)
+        np.testing.assert_allclose(direction / np.linalg.norm(direction), T[:3, k], atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_every_kind_of_robot_draws(name):
+    model = fb.load(name)
+    q, qd, qdd = fb.random_state(model, 4)
+    root = rooted(robot_svg(model, q, ghosts=[fb.neutral(model)]))
+    assert len(root.findall(".//{*}path")) > 5
+    rooted(fb.free_body_diagram(model, q, qd=qd, qdd=qdd).svg)
+
+
+# ---------------------------------------------------------------- free-body diagrams
+def test_names_and_places_of_the_forces_on_link_1(diagram):
+    first = diagram.drawings[0]
+    elbow = (0.4 * math.cos(0.6), 0.4 * math.sin(0.6))
+    com = (0.2 * math.cos(0.6), 0.2 * math.sin(0.6))
+    for name, place in (("f_{0,1}", (0, 0)), ("−f_{1,2}", elbow), ("m_1 g", com), ("m_1 a_1", com)):
+        np.testing.assert_allclose(first.named(name).start, place, atol=1e-12, err_msg=name)
+    assert {a.name for a in diagram.drawings[1].arrows} == {"f_{1,2}", "m_2 g", "m_2 a_2"}
+
+
+def test_arrows_point_along_the_forces_and_to_one_scale(arm, diagram):
+    w = fb.joint_wrenches(arm, Q2, QD2, QDD2)
+    values = {"f_{0,1}": w[0, :2], "f_{1,2}": w[1, :2], "−f_{1,2}": -w[1, :2]}
+    scales = []
+    for drawing in diagram.drawings:
+        for arrow in drawing.arrows:
+            shown = np.subtract(arrow.end, arrow.start)
+            if arrow.name in values:
+                np.testing.assert_allclose(arrow.value, values[arrow.name], atol=1e-9)
+                scales.append(drawing.scale * np.linalg.norm(shown) / np.linalg.norm(arrow.value))
+            assert np.cross([*shown, 0], [*arrow.value, 0])[2] == pytest.approx(0, abs=1e-9)
+            assert np.dot(shown, arrow.value) > 0
+    np.testing.assert_allclose(scales, scales[0], rtol=1e-9)
+
+
+def test_third_law_is_seen(diagram):
+    on_first, on_second = diagram.drawings[0].named("−f_{1,2}"), diagram.drawings[1].named("f_{1,2}")
+    assert on_first.start == pytest.approx(on_second.start)
+    np.testing.assert_allclose(np.subtract(on_first.end, on_first.start), -np.subtract(on_second.end, on_second.start), atol=1e-12)
+    turn, counter = diagram.drawings[1].named("τ_2"), diagram.drawings[0].named("−τ_2")
+    assert isinstance(turn, Turn)
+    assert isinstance(counter, Turn)
+    assert turn.value == pytest.approx(-counter.value)
+    assert turn.at == pytest.approx(counter.at)
+
+
+def test_torque_of_a_planar_turn_is_the_inverse_dynamics(arm, diagram):
+    tau = fb.inverse_dynamics(arm, Q2, QD2, QDD2)
+    for k, drawing in enumerate(diagram.drawings):
+        assert drawing.named(f"τ_{k + 1}").value == pytest.approx(tau[k])
+
+
+def test_friction_makes_the_moment_something_else_than_the_torque():
+    arm = fb.planar("R", l=[0.4], lc=[0.2], m=[2.0], I=[0.03], drives=[fb.Drive(viscous=0.5)])
+    drawing = fb.free_body_diagram(arm, [0.3], qd=[1.0]).drawing
+    moment = drawing.named("M_1")
+    assert isinstance(moment, Turn)
+    assert moment.value == pytest.approx(float(fb.inverse_dynamics(arm, [0.3], [1.0], [0.0])[0]) - 0.5)
+
+
+def test_external_wrench_stands_at_its_frame(arm):
+    drawing = fb.free_body_diagram(arm, Q2, body="link2", wrenches=[3.0, -4.0, 0.5]).drawing
+    force = drawing.named("f_e")
+    assert isinstance(force, Arrow)
+    assert force.value == (3.0, -4.0)
+    np.testing.assert_allclose(force.start, fb.forward_kinematics(arm, Q2)[:2, 2], atol=1e-12)
+    assert drawing.named("n_e").value == 0.5
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_bodies_balance(name):
+    model = fb.load(name)
+    q, qd, qdd = fb.random_state(model, 11)
+    for body in fb.free_body_diagram(model, q, qd=qd, qdd=qdd).bodies:
+        size = max(np.linalg.norm(load.force) for load in body.loads)
+        turning = max(1.0, *(np.linalg.norm(load.moment) for load in body.loads))
+        assert body.force_residual < 1e-11 * max(size, 1.0)
+        assert body.moment_residual < 1e-11 * max(turning, size)
+
+
+def test_plane_and_its_twin_in_space_show_the_same_forces(arm, diagram):
+    twin = fb.free_body_diagram(arm.to_space(), Q2, qd=QD2, qdd=QDD2)
+    for flat, spatial in zip(diagram.drawings, twin.drawings, strict=True):
+        for arrow in flat.arrows:
+            other = spatial.named(arrow.name)
+            assert isinstance(other, Arrow)
+            assert len(arrow.value) == len(arrow.start) == 2, "nothing planar is padded"
+            np.testing.assert_allclose(other.value, [*arrow.value, 0.0], atol=1e-9)
+
+
+def test_what_vanishes_is_said_to(arm):
+    weightless = arm.replace(gravity=0.0)
+    drawing = fb.free_body_diagram(weightless, Q2, body=1, wrenches=[5.0, 0.0, 0.0]).drawing
+    assert any("≈ 0" in note and "m_2 g" in note for note in drawing.notes)
+    nothing = fb.free_body_diagram(weightless, Q2, body=1)
+    rooted(nothing.svg)
+    assert nothing.drawing.arrows == []
+
+
+def test_figure_shows_and_saves_itself(diagram, tmp_path):
+    assert diagram._repr_svg_() == diagram.svg
+    path = diagram.save(tmp_path / "fbd.svg")
+    assert rooted(path.read_text(encoding="utf-8")).tag.endswith("svg")
+    with pytest.raises(FreebodyError, match=r"'fbd.png' is not an .svg file"):
+        diagram.save(tmp_path / "fbd.png")
+    with pytest.raises(FreebodyError, match=r"it has 2 drawings; take one of .drawings, or name a body"):
+        diagram.drawing  # noqa: B018
+
+
+def test_bad_input_is_refused_by_name(arm):
+    with pytest.raises(UnknownNameError, match=r"no body 'link3' in 'RR'. Did you mean 'link[12]'"):
+        fb.free_body_diagram(arm, Q2, body="link3")
+    with pytest.raises(FreebodyError, match=r"body 2 of 'RR' is not there; it has bodies 0 to 1"):
+        fb.free_body_diagram(arm, Q2, body=2)
+    with pytest.raises(ShapeError, match=r"free_body_diagram: q has shape \(3,\)"):
+        fb.free_body_diagram(arm, [0, 0, 0])
+
+
+# ---------------------------------------------------------------- labels, numbers, curves
+def test_labels_keep_apart():
+    crowd = Crowd(300, 300)
+    placed = [crowd.place(Wanted(f"label {k}", "", [(150, 150, 1, 0)])) for k in range(6)]
+    boxes = [p.box for p in placed]
+    overlap = sum(_overlap(a, b) for i, a in enumerate(boxes) for b in boxes[i + 1 :])
+    assert overlap < 60
+    assert all(b[0] >= 0 and b[1] >= 0 and b[2] <= 300 and b[3] <= 300 for b in boxes)
+
+
+def test_labels_of_a_diagram_stay_on_the_page(diagram):
+    for drawing in diagram.drawings:
+        page = picture(drawing, 430, 400)
+        for text in ET.fromstring(page.text()).iter("{http://www.w3.org/2000/svg}text"):
+            assert 0 <= float(text.get("x", 0)) <= page.width
+            assert 0 <= float(text.get("y", 0)) <= page.height
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.0, "0"), (9.81, "9.81"), (-0.05, "−0.0500"), (12345.6, "12346"), (1.6e-15, "1.60·10⁻¹⁵"), (math.inf, "∞")],
+)
+def test_numbers_in_figures(value, text):
+    assert number(value) == text
+
+
+def test_plain_text_has_no_marks():
+    assert plain("−f_{1,2} = τ_2") == "−f1,2 = τ2"
+
+
+def test_thinned_curve_stays_near_all_samples():
+    x = np.linspace(0, 300, 5001)
+    y = 80 * np.sin(x / 20) * np.exp(-x / 200)
+    kept = thin(x, y, 0.1)
+    assert len(kept) < 400
+    slope = np.abs(np.gradient(y, x)).max()
+    assert np.abs(np.interp(x, x[kept], y[kept]) - y).max() < 0.1 * math.hypot(1, slope)
+
+
+def test_ticks_are_round():
+    assert ticks(0, 5) == [0, 1, 2, 3, 4, 5]
+    assert ticks(-0.31, 0.52, 4) == pytest.approx([-0.25, 0, 0.25, 0.5])
+
+
+def test_plot_marks_peak_and_limit():
+    t = np.linspace(0, 1, 200)
+    svg = plot(Plot("joint_1", t, {"total": 30 * np.sin(6 * t)}, "N m", limits=(-35, 35), now=0.5)).text()
+    root = rooted(svg)
+    assert len(root.findall(".//{*}path[@class='limit']")) == 2
+    assert len(root.findall(".//{*}circle")) == 1
+    assert "joint_1" in svg
+    rooted(plot(Plot("nothing", t, {"zero": 0 * t}, "J")).text())
+    rooted(plot(Plot("tiny", t, {"noise": 1e-15 * t}, "J", log=True)).text())
