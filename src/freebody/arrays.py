@@ -21,8 +21,10 @@ def as_floats(function: str, argument: str, value: ArrayLike) -> Array:
     """`value` as float64 array without a copy where possible; refuses text, objects and complex numbers."""
     try:
         array = np.asarray(value)
-    except ValueError as ragged:
-        raise ShapeError(function, argument, (len(value),), "rows of equal length", str(ragged)) from None  # type: ignore[arg-type]
+    except ValueError:
+        raise FreebodyError(
+            f"{function}: {argument} has rows of different lengths; make them equal."
+        ) from None
     if array.dtype == np.float64:
         return array
     if array.dtype.kind not in "iufb":

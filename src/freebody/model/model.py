@@ -216,8 +216,10 @@ class Model:
     @cached_property
     def mass(self) -> float:
         """Total mass (kg) of all links, those fixed to the base included."""
-        parts = [*self.base_inertias, *(a for body in self.bodies for a in body.inertias)]
-        return float(sum(a.inertia.numbers()[0] for a in parts))
+        missing = [p.name for a in self._attached for p in each_parameter(a.inertia.mass) if p.value is None]
+        if missing:
+            raise MissingValueError(f"the mass of {self.name!r}", missing)
+        return float(sum(VALUES.quantity(a.inertia.mass) for a in self._attached))
 
     @property
     def gravity(self) -> Array:
@@ -239,6 +241,11 @@ class Model:
             else JointLimits(*(np.zeros(0) for _ in range(4)))
         )
 
+    @property
+    def _attached(self) -> tuple[Attached, ...]:
+        """The inertias of all links, the base's first."""
+        return (*self.base_inertias, *(part for body in self.bodies for part in body.inertias))
+
     # ------------------------------------------------------------ changed copies
     def bind(self, **values: float) -> Model:
         """The model with values for parameters: model.bind(l1=0.4, m1=2)."""
@@ -250,11 +257,11 @@ class Model:
             self,
             lambda p: Parameter(p.name, values[p.name]) if p.name in values else p,  # type: ignore[arg-type]
         )
-        for body in bound.bodies:
-            for part in body.inertias:
-                fault = part.inertia.fault()
+        for old, new in zip(self._attached, bound._attached, strict=True):
+            if new is not old:  # what was accepted before stays so
+                fault = new.inertia.fault()
                 if fault:
-                    raise ModelError(f"{self.name!r}: link {part.link!r}: {fault}. Bind a physical value.")
+                    raise ModelError(f"{self.name!r}: link {new.link!r}: {fault}. Bind a physical value.")
         return bound
 
     def replace(

@@ -13,7 +13,7 @@ from freebody.errors import ModelError
 from freebody.model.assembly import Policy, assemble
 from freebody.model.inertia import Inertia
 from freebody.model.model import Model, gravity_of
-from freebody.model.parameters import Parameter, Quantity, quantity
+from freebody.model.parameters import Parameter, Quantity, finite, quantity
 from freebody.model.parts import Description, Drive, Joint, Limits, Link, Mount
 from freebody.model.placement import shift, turn
 
@@ -62,11 +62,11 @@ def describe(
     name: str | None = None,
 ) -> Description:
     """The links and joints of a planar word; arguments as in `planar`."""
-    n = len(word)
-    if not n or set(word) - set("RP"):
+    if not isinstance(word, str) or not word or set(word) - set("RP"):
         raise ModelError(
             f"planar: the word {word!r} must be made of the letters R and P, such as 'RR' or 'RP'."
         )
+    n = len(word)
     lengths = _entries("l", l, n, word)
     centres, masses, inertias = _entries("lc", lc, n), _entries("m", m, n), _entries("I", I, n)
     turns = _constant_turns(word, angles)
@@ -117,7 +117,9 @@ def _optional(name: str, given: Sequence | None, n: int) -> list:
 
 def _constant_turns(word: str, angles: Sequence[float] | None) -> list[float]:
     if angles is not None:
-        return [float(a) for a in _optional("angles", angles, len(word))]
+        return [
+            finite(a, f"planar: angles[{i}]") for i, a in enumerate(_optional("angles", angles, len(word)))
+        ]
     return [
         math.pi / 2 if letter == "P" and i and word[i - 1] == "P" else 0.0 for i, letter in enumerate(word)
     ]

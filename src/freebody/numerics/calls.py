@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
-from freebody.errors import FreebodyError, ShapeError, UnknownNameError
+from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.model import Model
 from freebody.numerics import kernels
 from freebody.numerics.formulas import FORMULAS, Option
@@ -19,6 +19,8 @@ from freebody.numerics.formulas import FORMULAS, Option
 Vector = ArrayLike | Mapping[str, float]
 Wrenches = ArrayLike | Mapping[str, ArrayLike] | None
 
+_POSITIONS = ("q", "q0", "q1")
+_POINTS = ("point", "about")
 _UNIT = 1e-6  # how far a quaternion may be off unit length
 
 
@@ -69,14 +71,10 @@ def _carefully(
     if loads:
         chosen = replace(chosen, wrench_frames=tuple(loads))
     kernel = kernels.fetch(model, (function,), chosen)
-    named = dict(zip([*names, *loads], [*arrays, *loads.values()], strict=True))
-    try:
-        result = kernel(*named.values())
-    except ShapeError:
-        raise
-    except ValueError:
-        batches = ", ".join(f"{name} {array.shape[:-1]}" for name, array in named.items())
-        raise FreebodyError(f"{function}: the batch shapes do not broadcast together: {batches}.") from None
+    wrenched = [f"wrenches[{frame!r}]" for frame in loads]
+    named = dict(zip([*names, *wrenched], [*arrays, *loads.values()], strict=True))
+    common_batch(function, named)
+    result = kernel(*named.values())
     if not np.isfinite(result[0] if isinstance(result, tuple) else result).all():
         for name, array in named.items():
             refuse_not_finite(function, name, array, 1, labels(model, name))
@@ -90,20 +88,40 @@ def vector(function: str, model: Model, name: str, value: Any) -> Array:
     if isinstance(value, Mapping):
         value = _from_names(function, model, name, value)
     array = as_floats(function, name, value)
-    size = model.nq if name == "q" else model.dim if name == "point" else model.nv
+    symbol = "nq" if name in _POSITIONS else "dim" if name in _POINTS else "nv"
+    size = getattr(model, symbol)
     if array.shape[-1:] != (size,):
-        symbol = "nq" if name == "q" else "dim" if name == "point" else "nv"
         check_core(function, name, array, (size,), f"model {model.name!r} has {symbol} = {size}")
-    if name == "q" and model.nq != model.nv:
+    if name in _POSITIONS and model.nq != model.nv:
         _check_quaternions(function, model, array)
     return array
 
 
+def finite_vector(function: str, model: Model, name: str, value: Any) -> Array:
+    """A `vector` that no kernel looks at: NaN and infinity are refused here."""
+    array = vector(function, model, name, value)
+    refuse_not_finite(function, name, array, 1, labels(model, name))
+    return array
+
+
+def common_batch(function: str, named: Mapping[str, Array]) -> tuple[int, ...]:
+    """The batch shape of vectors taken together; refuses those that do not broadcast."""
+    try:
+        return np.broadcast_shapes(*(array.shape[:-1] for array in named.values()))
+    except ValueError:
+        batches = ", ".join(f"{name} {array.shape[:-1]}" for name, array in named.items())
+        raise FreebodyError(f"{function}: the batch shapes do not broadcast together: {batches}.") from None
+
+
 def labels(model: Model, name: str) -> tuple[str, ...]:
     """Names of the entries of an input."""
-    if name == "q":
+    if name in _POSITIONS:
         return model.position_names
-    return model.velocity_names if name in ("qd", "qdd", "tau") else ()
+    if name in _POINTS:
+        return ("x", "y", "z")[: model.dim]
+    if name.startswith("wrenches"):
+        return ("fx", "fy", "fz", "mx", "my", "mz") if model.dim == 3 else ("fx", "fy", "m")
+    return model.velocity_names
 
 
 def _from_names(function: str, model: Model, name: str, given: Mapping[str, Any]) -> Array:
@@ -117,8 +135,9 @@ def _from_names(function: str, model: Model, name: str, given: Mapping[str, Any]
         raise FreebodyError(
             f"{function}: {name} lacks {', '.join(missing)}; give every entry, 0 where it rests."
         )
-    columns = [as_floats(function, f"{name}[{n!r}]", given[n]) for n in names]
-    return np.stack(np.broadcast_arrays(*columns), axis=-1)
+    columns = {f"{name}[{n!r}]": as_floats(function, f"{name}[{n!r}]", given[n])[..., None] for n in names}
+    batch = common_batch(function, columns)
+    return np.concatenate([np.broadcast_to(x, (*batch, 1)) for x in columns.values()], axis=-1)
 
 
 def _check_quaternions(function: str, model: Model, q: Array) -> None:
@@ -142,6 +161,8 @@ def _loads(function: str, model: Model, wrenches: Wrenches) -> dict[str, Array]:
     loads = {}
     for frame, value in given.items():
         name = model.frame(frame).name
+        if name in loads:
+            raise FreebodyError(f"{function}: wrenches holds frame {name!r} twice; add the two wrenches up.")
         loads[name] = as_floats(function, f"wrenches[{name!r}]", value)
         order = "force, then moment, world axes"
         check_core(function, f"wrenches[{name!r}]", loads[name], (six,), order)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from freebody.arrays import Array
 from freebody.errors import SingularError
 from freebody.model.model import Model
-from freebody.numerics.calls import Vector, Wrenches, evaluate
+from freebody.numerics.calls import Vector, Wrenches, common_batch, evaluate, finite_vector
 from freebody.numerics.formulas import Option
 from freebody.numerics.kinematics import checked_reference, jacobian
 from freebody.numerics.massless import refuse_massless
@@ -139,8 +139,9 @@ def tip_wrench(model: Model, q: Vector, tau: Vector, frame: str | None = None) -
     if np.any(singular):
         where = tuple(int(i) for i in np.argwhere(singular)[0]) if np.ndim(singular) else ()
         raise SingularError(f"tip_wrench: the Jacobian is singular{f' at sample {where}' if where else ''}.")
-    torque = np.asarray(tau, dtype=float)
-    wrench = np.zeros(np.broadcast_shapes(J.shape[:-2], torque.shape[:-1]) + (J.shape[-2],))
+    torque = finite_vector("tip_wrench", model, "tau", tau)
+    batch = common_batch("tip_wrench", {"q": J[..., 0], "tau": torque})
+    wrench = np.zeros((*batch, J.shape[-2]))
     wrench[..., :rows] = np.linalg.solve(np.swapaxes(square, -1, -2), torque[..., None])[..., 0]
     return wrench
 
@@ -178,5 +179,5 @@ def momentum(model: Model, q: Vector, qd: Vector, about: ArrayLike | None = None
 
     (..., 3) in the plane. Momentum of the bodies; rotors are not counted.
     """
-    extra = () if about is None else (about,)
+    extra = () if about is None else (finite_vector("momentum", model, "about", about),)
     return evaluate("momentum", model, (q, qd, *extra), Option(point=about is not None))

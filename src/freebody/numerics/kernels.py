@@ -46,6 +46,9 @@ def kernel(
             raise UnknownNameError("quantity", name, "fb.kernel", FORMULAS)
     if not listed:
         raise FreebodyError("fb.kernel: give at least one quantity.")
+    references = ("world", "body", "child") if "joint_wrenches" in listed else ("world", "body")
+    if reference not in references:
+        raise UnknownNameError("reference", reference, "reference=", references)
     needs_frame = any(name in _FRAMED for name in listed)
     option = Option(
         model.frame(frame).name if needs_frame or frame is not None else None,

@@ -9,7 +9,9 @@ from numpy.typing import ArrayLike
 
 from freebody.arrays import Array
 from freebody.model.model import Model
-from freebody.numerics.calls import vector
+from freebody.numerics.calls import common_batch, finite_vector
+
+_FAR = 1e3  # limits beyond this many rad or m are some file's way to say that there are none
 
 
 def neutral(model: Model) -> Array:
@@ -42,10 +44,11 @@ def random_state(
             q[..., at.q] = rng.uniform(-1, 1, size=(*shape, 3)) * [1, 1, np.pi]
         else:
             reach = 1.0 if body.kind.name == "prismatic" else np.pi
-            limits = body.joint.limits
-            low, high = max(limits.lower, -1e3), min(limits.upper, 1e3)
-            low = low if np.isfinite(limits.lower) else min(-reach, high - 2 * reach)
-            high = high if np.isfinite(limits.upper) else max(reach, low + 2 * reach)
+            low, high = body.joint.limits.lower, body.joint.limits.upper
+            if low < -_FAR:
+                low = max(low, -reach if high > _FAR else min(-reach, high - 2 * reach))
+            if high > _FAR:
+                high = min(high, max(reach, low + 2 * reach))
             q[..., at.q[0]] = rng.uniform(low, high, size=shape)
     return q, rng.normal(size=(*shape, model.nv)), rng.normal(size=(*shape, model.nv))
 
@@ -55,7 +58,7 @@ def integrate(model: Model, q: ArrayLike, v: ArrayLike) -> Array:
 
     Free joints move along their screw (exponential of SE(3)), spherical ones turn by ω; the others add.
     """
-    q0, rate = _batched(vector("integrate", model, "q", q), vector("integrate", model, "qd", v))
+    q0, rate = _batched("integrate", model, q=q, v=v)
     result = np.empty_like(q0)
     for kind, iq, iv in _manifolds(model, all_kinds=True):
         result[..., iq] = _INTEGRATE.get(kind, np.add)(q0[..., iq], rate[..., iv])
@@ -65,16 +68,18 @@ def integrate(model: Model, q: ArrayLike, v: ArrayLike) -> Array:
 def difference(model: Model, q0: ArrayLike, q1: ArrayLike) -> Array:
     """The velocity (..., nv) that leads from q0 to q1 (..., nq) in unit time: integrate(q0, difference(q0,
     q1)) = q1."""
-    a, b = _batched(vector("difference", model, "q", q0), vector("difference", model, "q", q1))
+    a, b = _batched("difference", model, q0=q0, q1=q1)
     result = np.empty((*a.shape[:-1], model.nv))
     for kind, iq, iv in _manifolds(model, all_kinds=True):
         result[..., iv] = _DIFFERENCE.get(kind, lambda x, y: y - x)(a[..., iq], b[..., iq])
     return result
 
 
-def _batched(a: Array, b: Array) -> tuple[Array, Array]:
-    batch = np.broadcast_shapes(a.shape[:-1], b.shape[:-1])
-    return np.broadcast_to(a, (*batch, a.shape[-1])), np.broadcast_to(b, (*batch, b.shape[-1]))
+def _batched(function: str, model: Model, **given: ArrayLike) -> list[Array]:
+    """Checked vectors, broadcast to their common batch."""
+    named = {name: finite_vector(function, model, name, value) for name, value in given.items()}
+    batch = common_batch(function, named)
+    return [np.broadcast_to(array, (*batch, array.shape[-1])) for array in named.values()]
 
 
 def _manifolds(model: Model, all_kinds: bool = False) -> list[tuple[str, list[int], list[int]]]:
