@@ -144,10 +144,12 @@ def _check_quaternions(function: str, model: Model, q: Array) -> None:
     for body, at in zip(model.bodies, model.coordinates, strict=True):
         if body.kind.nq in (4, 7):
             length = np.sqrt(np.sum(q[..., at.q[-4:]] ** 2, axis=-1))
-            off = np.abs(length - 1.0)
-            if np.any(off > _UNIT):
+            off = np.argwhere(np.abs(length - 1.0) > _UNIT)
+            if len(off):
+                sample = tuple(map(int, off[0]))
+                where = f" at sample {sample[0] if len(sample) == 1 else sample}" if sample else ""
                 raise FreebodyError(
-                    f"{function}: the quaternion of joint {body.joint.name!r} has length {float(np.max(length)):.6g}; "
+                    f"{function}: the quaternion of joint {body.joint.name!r}{where} has length {length[sample]:.6g}; "
                     "it must be 1 within 1e-6: divide it by its length."
                 )
 
