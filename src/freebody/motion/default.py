@@ -71,5 +71,5 @@ def _swing(allowed: Ranges, speeds: Array) -> tuple[Array, Array]:
     low, high = lower + clear, upper - clear
     n = len(lower)
     off = np.where(allowed.turns, *_OFF) * np.where(np.arange(n) % 2 == 0, 1.0, -1.0)
-    centre = np.where(np.isfinite(span), 0.5 * (lower + upper), np.clip(0.0, low, high))
+    centre = np.where(np.isfinite(span), allowed.middle, np.clip(0.0, low, high))
     return np.clip(centre + off, low, high), amplitude

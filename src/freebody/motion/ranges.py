@@ -27,6 +27,12 @@ class Ranges:
     notices: tuple[str, ...]
 
     @property
+    def middle(self) -> Array:
+        """(nv,) middle of each range, 0 where it is infinite."""
+        bounded = np.isfinite(self.upper) & np.isfinite(self.lower)
+        return 0.5 * (np.where(bounded, self.lower, 0.0) + np.where(bounded, self.upper, 0.0))
+
+    @property
     def width(self) -> Array:
         """(nv,) range of each coordinate as a yardstick: upper - lower, or where that is infinite 2π rad, 1 m."""
         width = self.upper - self.lower

@@ -14,6 +14,7 @@ from freebody.errors import FreebodyError, SingularError
 from freebody.model.model import Model
 from freebody.motion.default import default_motion
 from freebody.motion.motion import Motion
+from freebody.motion.table import motion_from_dataset, read_motion
 from freebody.report.checks import checks
 from freebody.report.jacobians import singularity
 from freebody.report.replay import replayed
@@ -91,12 +92,17 @@ class Study:
 
 
 def study(
-    model: Model, motion: Motion | None = None, tip: str | None = None, *, progress: Progress | None = None
+    model: Model,
+    motion: Motion | xr.Dataset | str | os.PathLike[str] | None = None,
+    tip: str | None = None,
+    *,
+    progress: Progress | None = None,
 ) -> Study:
     """The dynamic study of a robot along a motion.
 
-    model: with all values. motion: default a smooth one within the joint limits. tip: frame; default the model's own,
-    else the leaf behind the most movable joints. progress: called with a text and the fraction done.
+    model: with all values. motion: a Motion, a CSV file or a dataset (see `read_motion`); default a smooth one within
+    the joint limits. tip: frame; default the model's own, else the leaf behind the most movable joints. progress: called
+    with a text and the fraction done.
     Raises FreebodyError for a robot without movable joints, MissingValueError for one with open parameters.
     """
     if model.nv == 0:
@@ -105,7 +111,7 @@ def study(
     clock = _Clock(progress)
     frame, reason = chosen_tip(model, tip)
     with clock.part("motion", 0.0):
-        followed = motion or default_motion(model)
+        followed = _motion(model, motion)
     with clock.part("torques, reactions, energies", 0.05):
         data = series(model, frame, followed)
         found = summary(model, followed, data)
@@ -132,6 +138,21 @@ def study(
         notices=(*map(str, model.notices), *followed.notices, *limit_notices(model, found)),
         seconds=clock.seconds,
     )
+
+
+def _motion(model: Model, motion: Motion | xr.Dataset | str | os.PathLike[str] | None) -> Motion:
+    if motion is None:
+        return default_motion(model)
+    if isinstance(motion, Motion):
+        if motion.q.shape[-1] != model.nq or motion.qd.shape[-1] != model.nv:
+            raise FreebodyError(
+                f"study: the motion has {motion.q.shape[-1]} positions and {motion.qd.shape[-1]} rates, "
+                f"{model.name!r} has nq = {model.nq} and nv = {model.nv}."
+            )
+        return motion
+    if isinstance(motion, str | os.PathLike):
+        return read_motion(model, motion)
+    return motion_from_dataset(model, motion)
 
 
 def _replay(model: Model, motion: Motion) -> tuple[Replay | None, str]:

@@ -85,8 +85,7 @@ def _excursion(model: Model, motion: Motion, allowed: Ranges) -> tuple[Array, Ar
     lowest[iv], highest[iv] = motion.q[:, iq].min(axis=0), motion.q[:, iq].max(axis=0)
     half = 0.5 * (allowed.upper - allowed.lower)
     bounded = np.isfinite(half)
-    middle = np.where(bounded, 0.5 * (np.where(bounded, allowed.upper + allowed.lower, 0.0)), 0.0)
-    used = np.maximum(highest - middle, middle - lowest) / np.where(bounded, half, 1.0)
+    used = np.maximum(highest - allowed.middle, allowed.middle - lowest) / np.where(bounded, half, 1.0)
     return lowest, highest, np.where(bounded, used, np.nan)
 
 

@@ -1,0 +1,183 @@
+"""Motions from CSV files and xarray datasets.
+
+A header names the columns: `t` (s) and the coordinates of the positions as the model names them (rad, m); `name.v` and
+`name.a` give rates and accelerations of a coordinate, which are otherwise differentiated (see `motion_of`).
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import FileError, FreebodyError, UnknownNameError
+from freebody.model.model import Model
+from freebody.motion.coordinates import layout, state_of
+from freebody.motion.motion import FEWEST, Motion, derivatives, motion_of
+from freebody.motion.ranges import position_columns
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_UNIT = 1e-3  # how far a quaternion of a file, printed with few digits, may be off unit length
+_DISAGREE = 0.05  # given rates this far from the differentiated ones, over the largest, are worth a word
+
+
+def read_motion(model: Model, path: str | os.PathLike[str]) -> Motion:
+    """The motion in a CSV file: a header with `t` and the model's position names, then a row a time.
+
+    SI units, radians; separated by commas; lines that start with # are comments. Raises FileError with the line.
+    """
+    file = Path(path)
+    header, lines, table = _table(file)
+    columns = {name: table[:, k] for k, name in enumerate(header) if name != "t"}
+
+    def problem(text: str, row: int | None = None) -> FileError:
+        return FileError(path, lines[0] if row is None else lines[row + 1], text)
+
+    _check_names(model, header, problem)
+    t = table[:, header.index("t")]
+    late = np.flatnonzero(np.diff(t) <= 0)
+    if len(late):
+        k = int(late[0]) + 1
+        raise problem(f"t = {t[k]:g} does not come after {t[k - 1]:g}; times must increase.", k)
+    return _motion(model, t, columns, f"{file.name}, {len(t)} rows", problem)
+
+
+def motion_from_dataset(model: Model, data: xr.Dataset) -> Motion:
+    """The motion in a dataset with a coordinate `time` (or `t`) and a variable for each position name."""
+    named = {str(name): data[name] for name in data.variables}
+    times = named.pop("time", None)
+    times = named.pop("t", times) if times is None else times
+    if times is None or times.ndim != 1:
+        raise FreebodyError("motion: the dataset needs a one-dimensional coordinate 'time' (s).")
+    header = ["t", *(name for name, value in named.items() if value.dims == times.dims)]
+
+    def problem(text: str, row: int | None = None) -> FreebodyError:
+        return FreebodyError(f"motion: the dataset: {text}" + ("" if row is None else f" (sample {row})"))
+
+    _check_names(model, header, problem)
+    columns = {name: np.asarray(named[name].values, dtype=float) for name in header[1:]}
+    for name, column in columns.items():
+        if not np.isfinite(column).all():
+            raise problem(f"{name!r} holds a value that is not finite.", int(np.argmax(~np.isfinite(column))))
+    return _motion(model, np.asarray(times.values, dtype=float), columns, "a dataset", problem)
+
+
+# ---------------------------------------------------------------- the file
+def _table(path: Path) -> tuple[list[str], list[int], Array]:
+    """(header, line numbers of header and rows, numbers (T, columns))."""
+    rows = [(line, cells) for line, cells in _rows(path) if any(cells) and not cells[0].startswith("#")]
+    if not rows:
+        raise FileError(path, None, "the file is empty; a motion has a header, t and joint names, and a row a time.")
+    line, header = rows[0]
+    if "t" not in header:
+        raise FileError(path, line, f"the header has no column 't' (time in s); it has {_listed(header)}.")
+    for k, name in enumerate(header):
+        if name in header[:k]:
+            raise FileError(path, line, f"column {name!r} stands twice in the header; remove one.")
+    numbers = [_numbers(path, at, header, cells) for at, cells in rows[1:]]
+    if len(numbers) < FEWEST:
+        raise FileError(path, line, f"{len(numbers)} rows of numbers; a motion needs at least {FEWEST}.")
+    return header, [at for at, _ in rows], np.array(numbers)
+
+
+def _rows(path: Path) -> list[tuple[int, list[str]]]:
+    if path.is_dir():
+        raise FileError(path, None, "is a folder; give a CSV file.")
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+    except FileNotFoundError:
+        raise FileError(path, None, "there is no such file.") from None
+    except UnicodeDecodeError:
+        raise FileError(path, None, "is not text; a motion is a CSV file in UTF-8.") from None
+    except OSError as failure:
+        raise FileError(path, None, f"cannot be read: {failure.strerror}.") from None
+    if "\0" in text:
+        raise FileError(path, None, "is not text; a motion is a CSV file in UTF-8.")
+    reader = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True)
+    try:
+        return [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
+    except csv.Error as failure:
+        raise FileError(path, reader.line_num, f"is not CSV: {failure}.") from None
+
+
+def _numbers(path: Path, line: int, header: list[str], cells: list[str]) -> list[float]:
+    if len(cells) != len(header):
+        raise FileError(path, line, f"{len(cells)} values, the header names {len(header)} columns.")
+    values = []
+    for name, cell in zip(header, cells, strict=True):
+        try:
+            values.append(float(cell))
+        except ValueError:
+            what = f"{cell!r} is not a number" if cell else "there is no number"
+            raise FileError(path, line, f"column {name!r}: {what}.") from None
+        if not np.isfinite(values[-1]):
+            raise FileError(path, line, f"column {name!r}: {cell} is not a finite number.")
+    return values
+
+
+# ---------------------------------------------------------------- columns
+def _check_names(model: Model, header: list[str], problem: Any) -> None:
+    """Every column known, every position there."""
+    simple = {model.position_names[k] for k in position_columns(model)[0]}
+    known = ["t", *model.position_names, *(f"{n}.{x}" for n in model.position_names if n in simple for x in "va")]
+    for name in header:
+        if name in known:
+            continue
+        if name[-2:] in (".v", ".a") and name[:-2] in (*model.position_names, *model.velocity_names):
+            raise problem(f"column {name!r}: rates of a joint with a quaternion are differentiated; remove the column.")
+        raise problem(str(UnknownNameError("column", name, f"a motion of {model.name!r}", known)))
+    missing = [name for name in model.position_names if name not in header]
+    if missing:
+        raise problem(f"there is no column for {_listed(missing)}; a motion gives every position of {model.name!r}.")
+
+
+def _motion(model: Model, t: Array, columns: dict[str, Array], source: str, problem: Any) -> Motion:
+    if len(t) < FEWEST:
+        raise problem(f"{len(t)} samples; a motion needs at least {FEWEST}.")
+    q = _unit(model, np.stack([columns[name] for name in model.position_names], axis=-1), problem)
+    plain = motion_of(model, t, q, source=source)
+    iq, iv = position_columns(model)
+    qd, qdd = plain.qd.copy(), plain.qdd.copy()
+    given, off = [], []
+    for kq, kv in zip(iq, iv, strict=True):
+        name = model.position_names[kq]
+        if f"{name}.v" in columns:
+            given.append(name)
+            rate = columns[f"{name}.v"]
+            if np.abs(rate - qd[:, kv]).max() > _DISAGREE * max(np.abs(rate).max(), np.abs(qd[:, kv]).max()):
+                off.append(name)
+            qd[:, kv] = rate
+            qdd[:, kv] = derivatives(t, rate[:, None])[0][:, 0]
+        if f"{name}.a" in columns:
+            qdd[:, kv] = columns[f"{name}.a"]
+    how = "rates as given" if len(given) == model.nq else f"rates of {_listed(given)} as given" if given else ""
+    rest = "" if len(given) == model.nq else "differentiated by a spline through the positions"
+    text = f"{source}; {'; '.join(part for part in (how, rest) if part)}"
+    notices = ()
+    if off:
+        notices = (f"The rates given for {_listed(off)} differ from the slope of the positions by more than 5 %.",)
+    return motion_of(model, t, q, qd, qdd, text, notices)
+
+
+def _unit(model: Model, q: Array, problem: Any) -> Array:
+    """q with quaternions of exactly unit length; refuses those that are far off."""
+    where = layout(model)
+    for iq, _ in where.turns:
+        off = np.abs(np.linalg.norm(q[:, iq], axis=-1) - 1.0)
+        if (off > _UNIT).any():
+            row = int(np.argmax(off > _UNIT))
+            size = float(np.linalg.norm(q[row, iq]))
+            raise problem(f"the quaternion {_listed(model.position_names[iq])} has length {size:.4g}, expected 1.", row)
+    return state_of(where, q, np.zeros_like(q), np.zeros_like(q))[0]
+
+
+def _listed(names: Any) -> str:
+    shown = [repr(str(name)) for name in names]
+    return ", ".join(shown) if len(shown) <= 8 else f"{', '.join(shown[:7])} and {len(shown) - 7} more"
