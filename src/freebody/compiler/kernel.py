@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.compiler import cache, emit_llvm, emit_numpy, target
+from freebody.compiler import cache, emit_llvm, emit_numpy, fastcall, target
 from freebody.compiler.gufunc import make_gufunc, signature
 from freebody.compiler.passes import optimise
 from freebody.compiler.program import Argument, Program
@@ -209,14 +209,27 @@ def _compile_numpy(program: Program, width: int | None) -> Kernel:
 def _compile_llvm(program: Program, width: int | None) -> Kernel:
     host = target.host()
     machine = host.target(width)
-    key = cache.key(program.digest, host, machine, _compiler_version())
+    key = cache.key(program.digest, host, machine, _compiler_version(), fastcall.available(program))
+    fast = fastcall.available(program)
     code = cache.load(key)
     if code is None:
-        code = target.object_code(emit_llvm.emit(optimise(program), machine))
+        text = emit_llvm.emit(optimise(program), machine)
+        code = target.object_code(text + fastcall.text(program) if fast else text)
         cache.store(key, code)
-    address, keep = target.link(code)
-    ufunc = make_gufunc(address, program.name, program.inputs, program.outputs, keep)
-    return Kernel(program, "llvm", machine.width, ufunc)
+    symbols = ("kernel", "fastcall", "general") if fast else ("kernel",)
+    linked = target.link(code, symbols, fastcall.symbols() if fast else {})
+    ufunc = make_gufunc(linked["kernel"], program.name, program.inputs, program.outputs, linked)
+    kernel = Kernel(program, "llvm", machine.width, ufunc)
+    return _with_fastcall(kernel, linked) if fast else kernel
+
+
+def _with_fastcall(kernel: Kernel, linked: Any) -> Kernel:
+    """The kernel, called through its C function, which hands what is not plain to the kernel's own `__call__`."""
+    name = kernel.program.name
+    function = fastcall.make(linked["fastcall"], linked["general"], name, kernel.__call__)
+    # calling an object looks `__call__` up in its class: a class for each kernel costs nothing at the call
+    quick = type("Kernel", (Kernel,), {"__call__": function, "__doc__": Kernel.__doc__})
+    return quick(kernel.program, kernel.backend, kernel.width, kernel.ufunc)
 
 
 _COMPILE = {"llvm": _compile_llvm, "numpy": _compile_numpy}

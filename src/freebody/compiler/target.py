@@ -6,6 +6,7 @@ import ctypes
 import itertools
 import sys
 import threading
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -100,16 +101,20 @@ def _emit(text: str, opt: int, kind: str) -> Any:
         return machine.emit_object(module) if kind == "object" else machine.emit_assembly(module)
 
 
-def link(code: bytes, symbol: str = "kernel") -> tuple[int, Any]:
-    """Load an object into this process: the address of `symbol`, and what must live as long as it is called."""
+def link(code: bytes, exports: Sequence[str], imports: Mapping[str, int]) -> Any:
+    """Load an object into this process: a mapping from its exports to addresses, to be kept while they are used.
+
+    imports: addresses of the symbols that it refers to, besides the C functions that every kernel may call.
+    """
     import llvmlite.binding as llvm
 
-    library = llvm.JITLibraryBuilder().add_object_img(code).export_symbol(symbol)
-    for name, address in _externals().items():
+    library = llvm.JITLibraryBuilder().add_object_img(code)
+    for symbol in exports:
+        library.export_symbol(symbol)
+    for name, address in {**_externals(), **imports}.items():
         library.import_symbol(name, address)
     with _lock:
-        tracker = library.link(_jit(), f"freebody{next(_numbers)}")
-    return tracker[symbol], tracker
+        return library.link(_jit(), f"freebody{next(_numbers)}")
 
 
 @cache

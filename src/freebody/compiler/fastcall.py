@@ -1,0 +1,219 @@
+"""One sample, called from Python: a C function for the interpreter in front of the gufunc loop.
+
+NumPy's ufunc machinery takes longer than the arithmetic of one robot. So each kernel also has a function of CPython's
+fast calling convention that looks at its arguments itself: exact float64 arrays of the core shapes, contiguous and
+aligned. It makes the outputs, runs the loop once and returns; anything else goes to the general way, unchanged.
+
+It knows where CPython and NumPy keep the fields of an object and an array: both layouts are part of their stable binary
+interfaces on 64-bit builds with the GIL, and `available` is false elsewhere.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import importlib
+import struct
+import sys
+import sysconfig
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from freebody.compiler.program import Argument, Program
+
+_NEW = 93  # position of PyArray_New in the table of __multiarray_api.h
+_FASTCALL_KEYWORDS = 0x0080 | 0x0002
+_CONTIGUOUS_ALIGNED = 0x0001 | 0x0100
+_DOUBLE = 12  # NPY_DOUBLE
+_TYPE, _DATA, _ND, _DIMS, _DESCR, _FLAGS = 8, 16, 24, 32, 56, 64  # offsets in PyObject and PyArrayObject
+
+_alive: list[Any] = []
+"""What functions point to. A function may outlive whatever made it, so it is kept for the process."""
+
+
+class _MethodDef(ctypes.Structure):
+    _fields_ = (
+        ("name", ctypes.c_char_p),
+        ("function", ctypes.c_void_p),
+        ("flags", ctypes.c_int),
+        ("doc", ctypes.c_char_p),
+    )
+
+
+def available(program: Program) -> bool:
+    """Whether this interpreter has the known layouts, and the program's outputs are arrays."""
+    known = (
+        sys.implementation.name == "cpython"
+        and struct.calcsize("P") == 8
+        and not sysconfig.get_config_var("Py_GIL_DISABLED")
+        and not hasattr(sys, "getobjects")  # builds with traced references have longer objects
+    )
+    return known and all(argument.shape for argument in program.outputs)
+
+
+def text(program: Program) -> str:
+    """LLVM text of `ptr @fastcall(ptr self, ptr args, i64 nargs, ptr kwnames)`, in front of `@kernel`."""
+    inputs, outputs = program.inputs, program.outputs
+    arguments = (*inputs, *outputs)
+    lines = [
+        "@PyArray_Type = external global i8",
+        "@double_descr = external global i8",
+        "@general = global ptr null, align 8  ; the Python callable for everything else, set after linking",
+        "declare ptr @PyObject_Vectorcall(ptr, ptr, i64, ptr)",
+        "declare ptr @PyArray_New(ptr, i32, ptr, i32, ptr, ptr, i32, i32, ptr)",
+        "declare ptr @PyTuple_New(i64)",
+        "declare i32 @PyTuple_SetItem(ptr, i64, ptr)",
+        _numbers("fast.dims", [1, *(n for a in arguments for n in a.shape)]),
+        _numbers("fast.steps", [8 * a.size for a in arguments] + [s for a in arguments for s in _strides(a)]),
+        *(_numbers(f"fast.shape{k}", list(a.shape)) for k, a in enumerate(outputs)),
+        "define ptr @fastcall(ptr %self, ptr %args, i64 %nargs, ptr %kwnames) {",
+        "entry:",
+        f"  %data = alloca [{len(arguments)} x ptr], align 16",
+        f"  %right.count = icmp eq i64 %nargs, {len(inputs)}",
+        "  %no.names = icmp eq ptr %kwnames, null",
+        "  %plain = and i1 %right.count, %no.names",
+        "  br i1 %plain, label %look0, label %general",
+    ]
+    for k, argument in enumerate(inputs):
+        lines += _look(k, argument)
+    lines.append(f"look{len(inputs)}:")
+    for k, argument in enumerate(outputs):
+        lines += _make(k, len(inputs) + k, argument, len(outputs))
+    lines.append("  call void @kernel(ptr %data, ptr @fast.dims, ptr @fast.steps, ptr null)")
+    lines += ["  ret ptr %out0"] if len(outputs) == 1 else _tuple(len(outputs))
+    lines += [
+        "general:",
+        "  %callable = load ptr, ptr @general, align 8",
+        "  %result = call ptr @PyObject_Vectorcall(ptr %callable, ptr %args, i64 %nargs, ptr %kwnames)",
+        "  ret ptr %result",
+        "failed:",
+        "  ret ptr null",
+        "}",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+@cache
+def symbols() -> dict[str, int]:
+    """Addresses of what the text refers to."""
+    python = ctypes.pythonapi
+    named = {
+        name: ctypes.cast(getattr(python, name), ctypes.c_void_p).value or 0
+        for name in ("PyObject_Vectorcall", "PyTuple_New", "PyTuple_SetItem")
+    }
+    return named | {
+        "PyArray_Type": id(np.ndarray),
+        "double_descr": id(np.dtype(np.float64)),
+        "PyArray_New": _array_api(_NEW),
+    }
+
+
+def make(address: int, slot: int, name: str, general: Callable[..., Any]) -> Callable[..., Any]:
+    """The Python function of a compiled `@fastcall`; `slot` is the address of its `@general`."""
+    ctypes.c_void_p.from_address(slot).value = id(general)
+    definition = _MethodDef(name.encode(), address, _FASTCALL_KEYWORDS, None)
+    _alive.append((definition, general))
+    new = ctypes.pythonapi.PyCFunction_NewEx
+    new.restype = ctypes.py_object
+    new.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]
+    return new(ctypes.addressof(definition), None, None)
+
+
+@cache
+def _array_api(position: int) -> int:
+    pointer = ctypes.pythonapi.PyCapsule_GetPointer
+    pointer.restype, pointer.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
+    table = pointer(importlib.import_module("numpy._core._multiarray_umath")._ARRAY_API, None)
+    return ctypes.cast(table, ctypes.POINTER(ctypes.c_void_p))[position] or 0
+
+
+def _numbers(name: str, values: list[int]) -> str:
+    entries = ", ".join(f"i64 {value}" for value in values)
+    return f"@{name} = private constant [{len(values)} x i64] [{entries}], align 8"
+
+
+def _strides(argument: Argument) -> list[int]:
+    """Bytes between neighbours along each core axis, C order."""
+    strides, step = [], 8
+    for size in reversed(argument.shape):
+        strides.append(step)
+        step *= size
+    return strides[::-1]
+
+
+def _look(k: int, argument: Argument) -> list[str]:
+    """Input k: on to the next if it is a plain array of its core shape, else the general way."""
+    nd = len(argument.shape)
+    lines = [
+        f"look{k}:",
+        f"  %slot{k} = getelementptr ptr, ptr %args, i64 {k}",
+        f"  %object{k} = load ptr, ptr %slot{k}, align 8",
+        *_field(k, "type", _TYPE, "ptr"),
+        f"  %is{k} = icmp eq ptr %type{k}, @PyArray_Type",
+        f"  br i1 %is{k}, label %array{k}, label %general",
+        f"array{k}:",
+        *_field(k, "nd", _ND, "i32"),
+        *_field(k, "descr", _DESCR, "ptr"),
+        *_field(k, "flags", _FLAGS, "i32"),
+        f"  %masked{k} = and i32 %flags{k}, {_CONTIGUOUS_ALIGNED}",
+        f"  %a{k} = icmp eq i32 %nd{k}, {nd}",
+        f"  %b{k} = icmp eq ptr %descr{k}, @double_descr",
+        f"  %c{k} = icmp eq i32 %masked{k}, {_CONTIGUOUS_ALIGNED}",
+        f"  %ab{k} = and i1 %a{k}, %b{k}",
+        f"  %abc{k} = and i1 %ab{k}, %c{k}",
+        f"  br i1 %abc{k}, label %shape{k}, label %general",
+        f"shape{k}:",
+        *_field(k, "dims", _DIMS, "ptr"),
+    ]
+    fits = "true"
+    for axis, size in enumerate(argument.shape):
+        lines += [
+            f"  %at{k}.{axis} = getelementptr i64, ptr %dims{k}, i64 {axis}",
+            f"  %size{k}.{axis} = load i64, ptr %at{k}.{axis}, align 8",
+            f"  %same{k}.{axis} = icmp eq i64 %size{k}.{axis}, {size}",
+            f"  %fits{k}.{axis} = and i1 {fits}, %same{k}.{axis}",
+        ]
+        fits = f"%fits{k}.{axis}"
+    return [
+        *lines,
+        *_field(k, "buffer", _DATA, "ptr"),
+        f"  %entry{k} = getelementptr ptr, ptr %data, i64 {k}",
+        f"  store ptr %buffer{k}, ptr %entry{k}, align 8",
+        f"  br i1 {fits}, label %look{k + 1}, label %general",
+    ]
+
+
+def _field(k: int, name: str, offset: int, kind: str) -> list[str]:
+    return [
+        f"  %{name}.at{k} = getelementptr i8, ptr %object{k}, i64 {offset}",
+        f"  %{name}{k} = load {kind}, ptr %{name}.at{k}, align {8 if kind == 'ptr' else 4}",
+    ]
+
+
+def _make(k: int, position: int, argument: Argument, count: int) -> list[str]:
+    """Output k: a new array; `position` among all arguments."""
+    return [
+        f"  %out{k} = call ptr @PyArray_New(ptr @PyArray_Type, i32 {len(argument.shape)}, ptr @fast.shape{k}, "
+        f"i32 {_DOUBLE}, ptr null, ptr null, i32 0, i32 0, ptr null)",
+        f"  %made{k} = icmp ne ptr %out{k}, null",
+        f"  br i1 %made{k}, label %made.{k}, label %failed",
+        f"made.{k}:",
+        f"  %out.at{k} = getelementptr i8, ptr %out{k}, i64 {_DATA}",
+        f"  %out.data{k} = load ptr, ptr %out.at{k}, align 8",
+        f"  %out.entry{k} = getelementptr ptr, ptr %data, i64 {position}",
+        f"  store ptr %out.data{k}, ptr %out.entry{k}, align 8",
+    ]
+
+
+def _tuple(count: int) -> list[str]:
+    """Return the outputs as a tuple, which takes over their references."""
+    return [
+        f"  %tuple = call ptr @PyTuple_New(i64 {count})",
+        "  %tupled = icmp ne ptr %tuple, null",
+        "  br i1 %tupled, label %fill, label %failed",
+        "fill:",
+        *(f"  %set{k} = call i32 @PyTuple_SetItem(ptr %tuple, i64 {k}, ptr %out{k})" for k in range(count)),
+        "  ret ptr %tuple",
+    ]

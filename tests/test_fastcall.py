@@ -1,0 +1,116 @@
+"""The interpreter's own way into a kernel: plain single samples take it, everything else comes out the same."""
+
+from __future__ import annotations
+
+import gc
+import sys
+
+import numpy as np
+import pytest
+
+from freebody.compiler import Argument, KernelError, compile_program, fastcall, trace
+from freebody.errors import ShapeError
+
+
+@pytest.fixture(scope="module")
+def kernel():
+    program = trace(
+        "both",
+        lambda q, A: ([q[0] * A[0][1], q[1].sin()], [[x * q[0] for x in row] for row in A]),
+        [Argument("q", (2,)), Argument("A", (2, 3))],
+        [Argument("y", (2,)), Argument("B", (2, 3))],
+    )
+    if not fastcall.available(program):
+        pytest.skip("this interpreter's objects are not laid out as the fast call expects")
+    return compile_program(program, backend="llvm")
+
+
+Q = np.array([0.5, -1.25])
+A = np.arange(6.0).reshape(2, 3)
+
+
+def test_the_fast_way_gives_the_bits_of_the_ufunc(kernel):
+    for fast, slow in zip(kernel(Q, A), kernel.ufunc(Q, A), strict=True):
+        assert type(fast) is np.ndarray
+        assert fast.flags.owndata
+        assert fast.flags.writeable
+        assert fast.shape == slow.shape
+        assert fast.tobytes() == slow.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("q", "a"),
+    [
+        (list(Q), A),
+        (tuple(Q), A.tolist()),
+        (Q.astype(np.float32), A),
+        (np.array([1, 2]), A),
+        (Q.astype(">f8"), A),
+        (np.stack([Q, Q])[:, ::1][0][::-1][::-1], A),
+        (np.repeat(Q, 2)[::2], A),
+        (Q, np.asfortranarray(A)),
+        (np.frombuffer(b"\0" + Q.tobytes(), dtype=np.uint8)[1:].view(np.float64), A),
+        (Q.view(np.recarray), A),
+        (np.stack([Q, 2 * Q]), A),
+        (Q, np.stack([A, A, A])),
+    ],
+)
+def test_anything_else_goes_the_general_way(kernel, q, a):
+    for given, expected in zip(
+        kernel(q, a), kernel.ufunc(np.array(q, float), np.array(a, float)), strict=True
+    ):
+        np.testing.assert_array_equal(given, expected)
+
+
+def test_keywords_go_the_general_way(kernel):
+    out = (np.empty(2), np.empty((2, 3)))
+    returned = kernel(Q, A, out=out)
+    assert returned[0] is out[0]
+    np.testing.assert_array_equal(out[1], kernel(Q, A)[1])
+    np.testing.assert_array_equal(kernel(Q, A, threads=1)[0], out[0])
+
+
+def test_a_sample_that_is_not_finite_is_nan_throughout(kernel):
+    for bad in (np.nan, np.inf, -np.inf):
+        y, B = kernel(np.array([0.5, bad]), A)
+        assert np.isnan(y).all()
+        assert np.isnan(B).all()
+
+
+def test_errors_are_those_of_the_kernel(kernel):
+    with pytest.raises(ShapeError, match=r"both: q has shape \(3,\), expected \(..., 2\)"):
+        kernel(np.zeros(3), A)
+    with pytest.raises(ShapeError, match=r"both: A has shape \(3, 2\), expected \(..., 2, 3\)"):
+        kernel(Q, A.T.copy())
+    with pytest.raises(KernelError, match=r"both: 1 arguments given, expected 2: q\(2\), A\(2, 3\)"):
+        kernel(Q)
+    with pytest.raises(KernelError, match="holds complex128 values"):
+        kernel(Q.astype(complex), A)
+
+
+def test_nothing_leaks(kernel):
+    q, a = Q.copy(), A.copy()
+    before = sys.getrefcount(q), sys.getrefcount(a), sys.getrefcount(q.dtype)
+    for _ in range(1000):
+        y, B = kernel(q, a)
+    assert (sys.getrefcount(q), sys.getrefcount(a)) == before[:2]
+    assert abs(sys.getrefcount(q.dtype) - before[2]) < 50
+    assert sys.getrefcount(y) == 2  # the variable and the argument
+    del y, B
+    gc.collect()
+    import tracemalloc
+
+    tracemalloc.start()
+    kernel(q, a)
+    start = tracemalloc.get_traced_memory()[0]
+    for _ in range(1000):
+        kernel(q, a)
+    assert tracemalloc.get_traced_memory()[0] - start < 10_000
+    tracemalloc.stop()
+
+
+def test_a_kernel_is_still_a_kernel(kernel):
+    from freebody.compiler import Kernel
+
+    assert isinstance(kernel, Kernel)
+    assert "both" in repr(kernel)
