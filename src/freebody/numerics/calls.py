@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -69,7 +68,7 @@ def _carefully(
     arrays = [vector(function, model, name, value) for name, value in zip(names, inputs, strict=True)]
     loads = _loads(function, model, wrenches)
     if loads:
-        chosen = replace(chosen, wrench_frames=tuple(loads))
+        chosen = chosen._replace(wrench_frames=tuple(loads))
     kernel = kernels.fetch(model, (function,), chosen)
     wrenched = [f"wrenches[{frame!r}]" for frame in loads]
     named = dict(zip([*names, *wrenched], [*arrays, *loads.values()], strict=True))

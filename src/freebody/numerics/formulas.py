@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from freebody.algorithms import energy, kinematics
 from freebody.algorithms.aba import aba
@@ -28,9 +28,8 @@ from freebody.scalars.dual import Dual, slopes
 from freebody.spatial import Vector
 
 
-@dataclass(frozen=True)
-class Option:
-    """Structure that a formula depends on, besides the model."""
+class Option(NamedTuple):
+    """Structure that a formula depends on, besides the model; part of the key of every call, so quick to hash."""
 
     frame: str | None = None
     reference: str = "world"
