@@ -139,7 +139,7 @@ def _screw_shift(w: Array, v: Array) -> Array:
     angle = np.linalg.norm(w, axis=-1, keepdims=True)
     small = angle < 1e-4
     a = np.where(small, 1.0, angle)
-    first = np.where(small, 0.5 - angle**2 / 24, (1 - np.cos(a)) / a**2)
+    first = 0.5 * np.sinc(angle / (2 * np.pi)) ** 2  # (1 - cos) / angle², without the difference
     second = np.where(small, 1 / 6 - angle**2 / 120, (a - np.sin(a)) / a**3)
     return v + first * np.cross(w, v) + second * np.cross(w, np.cross(w, v))
 
