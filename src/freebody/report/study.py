@@ -69,7 +69,9 @@ class Study:
     replay_skipped: str
     """Why there is no replay; empty if there is one."""
     notices: tuple[str, ...]
-    """What a reader must know: how the file was read, doubtful inertias, limits that the motion leaves."""
+    """What a reader must know: how the file was read, doubtful inertias, and all `warnings`."""
+    warnings: tuple[str, ...] = ()
+    """About the motion: limits that it leaves, limits that the model does not give, a base that nothing drives."""
     seconds: dict[str, float] = field(default_factory=dict)
     """How long each part took (s)."""
 
@@ -121,6 +123,7 @@ def study(
         replay, skipped = _replay(model, followed)
     with clock.part("checks", 0.9):
         checked = checks(model, followed, data, replay)
+    warned = (*followed.notices, *_driven(model), *limit_notices(model, found))
     clock.say("done", 1.0)
     return Study(
         model=model,
@@ -135,8 +138,20 @@ def study(
         checks=checked,
         replay=replay,
         replay_skipped=skipped,
-        notices=(*map(str, model.notices), *followed.notices, *limit_notices(model, found)),
+        notices=(*map(str, model.notices), *warned),
+        warnings=warned,
         seconds=clock.seconds,
+    )
+
+
+def _driven(model: Model) -> tuple[str, ...]:
+    """A sentence on joints that have no motor in life."""
+    free = [body.joint.name for body in model.bodies if body.joint.kind in ("free", "planar", "spherical")]
+    if not free:
+        return ()
+    return (
+        f"Joint {', '.join(map(repr, free))} has no motor of its own: its torques and forces here are what something else "
+        "must exert to make the motion happen.",
     )
 
 

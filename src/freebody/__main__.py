@@ -1,0 +1,6 @@
+"""`python -m freebody`."""
+
+from freebody.cli import main
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,69 @@
+"""The program: its commands, and what becomes of errors.
+
+Exit code 0: done. 1: a finding, such as a failed check. 2: bad input.
+"""
+
+from __future__ import annotations
+
+import os
+from typing import Annotated
+
+import typer
+
+from freebody import __version__
+from freebody.cli import models, show, study, terminal
+from freebody.errors import FreebodyError
+
+app = typer.Typer(
+    name="freebody",
+    help="The dynamics of robotic manipulators, from a robot description to the numbers and the pictures.",
+    epilog="Example: freebody study ur5e",
+    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+app.command(epilog=study.EXAMPLE)(study.study)
+app.command(epilog=show.EXAMPLE)(show.show)
+app.command(epilog=models.EXAMPLE)(models.models)
+
+
+@app.callback(invoke_without_command=True)
+def freebody(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Print the version and stop.", is_eager=True)] = False,
+) -> None:
+    """The dynamics of robotic manipulators, from a robot description to the numbers and the pictures."""
+    if version:
+        terminal.out().print(f"freebody {__version__}", highlight=False)
+    elif context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+    else:
+        return
+    raise typer.Exit(0)
+
+
+def run(arguments: list[str]) -> int:
+    """Run the program on its arguments; the exit code. Every error is one line on stderr."""
+    try:
+        code = typer.main.get_command(app).main(arguments, prog_name="freebody", standalone_mode=False)
+    except FreebodyError as problem:
+        return terminal.error(str(problem))
+    except (KeyboardInterrupt, typer.Abort):
+        terminal.error("interrupted.")
+        return 130
+    except BrokenPipeError:
+        return terminal.pipe_closed()
+    except Exception as problem:
+        return _unforeseen(problem)
+    return code if isinstance(code, int) else 0
+
+
+def _unforeseen(problem: Exception) -> int:
+    """A wrong option, which the parser words; else a fault of freebody's own."""
+    wording = getattr(problem, "format_message", None)
+    if wording is not None:
+        return terminal.error(f"{wording()} See freebody --help.")
+    if os.environ.get("FREEBODY_TRACEBACK"):
+        raise problem
+    return terminal.error(
+        f"{type(problem).__name__}: {problem} (a fault of freebody, please report it; FREEBODY_TRACEBACK=1 shows where)"
+    )

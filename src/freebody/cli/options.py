@@ -1,0 +1,77 @@
+"""Arguments that commands share: the robot, and how its file is read."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from freebody.cli import terminal
+
+if TYPE_CHECKING:
+    from freebody.model.model import Model
+
+
+class BaseChoice(StrEnum):
+    """Whether the root link is held."""
+
+    fixed = "fixed"
+    free = "free"
+
+
+class MimicChoice(StrEnum):
+    """What mimic joints do."""
+
+    follow = "follow"
+    free = "free"
+
+
+class PhysicalChoice(StrEnum):
+    """What becomes of inertias that no body has."""
+
+    warn = "warn"
+    refuse = "refuse"
+    ignore = "ignore"
+
+
+class ConventionChoice(StrEnum):
+    """Of a Denavit-Hartenberg table."""
+
+    standard = "standard"
+    modified = "modified"
+
+
+Robot = Annotated[str, typer.Argument(help="A .urdf, .toml or .csv (DH table) file, or a bundled model's name.")]
+Tip = Annotated[str | None, typer.Option(help="Frame to study as the tip; default: the end behind the most joints.")]
+Base = Annotated[BaseChoice | None, typer.Option(help="Hold the root link, or let it float. Default: the file's.")]
+Mimic = Annotated[MimicChoice, typer.Option(help="Mimic joints follow their leader, or move freely.")]
+Physical = Annotated[PhysicalChoice, typer.Option(help="What to do about an inertia that no rigid body can have.")]
+Snap = Annotated[
+    float, typer.Option(metavar="RAD", help="Angles of a URDF this near to a right angle are read as one.")
+]
+Convention = Annotated[ConventionChoice | None, typer.Option(help="Of a DH table that does not say it.")]
+
+
+def load(
+    robot: str,
+    tip: str | None,
+    base: BaseChoice | None,
+    mimic: MimicChoice,
+    physical: PhysicalChoice,
+    snap_angles: float,
+    convention: ConventionChoice | None,
+) -> Model:
+    """The model; warnings become yellow lines."""
+    from freebody.formats.loading import load as load_model
+
+    with terminal.warnings_as_lines():
+        return load_model(
+            robot,
+            tip=tip,
+            base=base.value if base else None,
+            mimic=mimic.value,
+            physical=physical.value,
+            snap_angles=snap_angles,
+            convention=convention.value if convention else None,
+        )

@@ -1,0 +1,114 @@
+"""`freebody show`."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from freebody.cli import options, terminal
+from freebody.cli.options import BaseChoice, ConventionChoice, MimicChoice, PhysicalChoice
+
+if TYPE_CHECKING:
+    from rich.table import Table
+    from rich.tree import Tree
+
+    from freebody.model.model import Body, Model
+
+EXAMPLE = "Example: freebody show ur5e"
+
+
+def show(
+    robot: options.Robot,
+    tip: options.Tip = None,
+    base: options.Base = None,
+    mimic: options.Mimic = MimicChoice.follow,
+    physical: options.Physical = PhysicalChoice.warn,
+    snap_angles: options.Snap = 3e-9,
+    convention: options.Convention = None,
+) -> None:
+    """Show what a robot is made of: bodies, joints, limits, masses, frames, and how its file was read."""
+    from rich.text import Text
+
+    model = options.load(robot, tip, base, mimic, physical, snap_angles, convention)
+    out = terminal.out()
+    out.print(Text(_heading(model)))
+    if model.source:
+        out.print(Text(f"source: {model.source}"))
+    out.print()
+    out.print(_tree(model))
+    out.print()
+    out.print(_joints(model))
+    out.print()
+    out.print(Text(f"frames: {', '.join(model.frame_names)}"))
+    for notice in model.notices:
+        if notice.kind != "physical":  # those have been printed in yellow
+            out.print(Text(f"note: {notice}"), soft_wrap=True)
+
+
+def _heading(model: Model) -> str:
+    space = "in the plane" if model.dim == 2 else "in space"
+    if model.missing:
+        mass = f"parameters without value: {', '.join(model.missing)}"
+    else:
+        gravity = ", ".join(f"{x:g}" for x in model.gravity)
+        mass = f"{model.mass:.6g} kg; gravity [{gravity}] m/s²"
+    end = f"tip {model.tip}" if model.tip else f"ends {', '.join(model.leaves)}"
+    return f"{model.name}: {len(model.bodies)} bodies {space}, nq = {model.nq}, nv = {model.nv}, {mass}, {end}"
+
+
+def _tree(model: Model) -> Tree:
+    from rich.text import Text
+    from rich.tree import Tree
+
+    root = Tree(Text("base"))
+    branches = {-1: root}
+    waiting = list(enumerate(model.bodies))
+    while waiting:
+        later = []
+        for k, body in waiting:
+            if body.parent in branches:
+                branches[k] = branches[body.parent].add(Text(f"{body.name}  ({body.joint.name}, {body.joint.kind})"))
+            else:
+                later.append((k, body))
+        waiting = later
+    return root
+
+
+def _joints(model: Model) -> Table:
+    from rich.table import Table
+    from rich.text import Text
+
+    titles = ("joint", "kind", "axis", "range", "speed", "effort", "moves", "mass", "follows")
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for title in titles:
+        table.add_column(title, justify="right" if title in ("speed", "effort", "mass") else "left")
+    for body in model.bodies:
+        table.add_row(*(Text(cell) for cell in _row(body)))
+    return table
+
+
+def _row(body: Body) -> tuple[str, ...]:
+    joint, limits = body.joint, body.joint.limits
+    length = joint.kind == "prismatic"
+    unit, force = ("m", "N") if length else ("rad", "N m")
+    one = body.kind.nv == 1
+    bounded = one and (math.isfinite(limits.lower) or math.isfinite(limits.upper))
+    mimic = joint.mimic
+    return (
+        joint.name,
+        joint.kind,
+        " ".join(f"{x:.4g}" for x in joint.axis),
+        f"{limits.lower:.4g} … {limits.upper:.4g} {unit}" if bounded else "",
+        f"{limits.velocity:.4g} {unit}/s" if one and math.isfinite(limits.velocity) else "",
+        f"{limits.effort:.4g} {force}" if one and math.isfinite(limits.effort) else "",
+        body.name,
+        _mass(body),
+        f"{mimic.ratio:g} × {mimic.joint} + {mimic.offset:g}" if mimic else "",
+    )
+
+
+def _mass(body: Body) -> str:
+    try:
+        return f"{sum(part.inertia.numbers()[0] for part in body.inertias):.4g} kg"
+    except (TypeError, ValueError):  # a parameter without value
+        return "symbolic"

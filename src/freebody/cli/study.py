@@ -1,0 +1,109 @@
+"""`freebody study`."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from freebody.cli import options, terminal
+from freebody.cli.options import BaseChoice, ConventionChoice, MimicChoice, PhysicalChoice
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from freebody.report.study import Study
+
+EXAMPLE = "Example: freebody study ur5e --out study-ur5e"
+
+REPORT = "report.html"
+
+
+def study(
+    robot: options.Robot,
+    motion: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="CSV with a header: t and the joints' names. Default: a motion within the limits."
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Where the report and the data go. Default: study-ROBOT.")
+    ] = None,
+    tip: options.Tip = None,
+    base: options.Base = None,
+    mimic: options.Mimic = MimicChoice.follow,
+    physical: options.Physical = PhysicalChoice.warn,
+    snap_angles: options.Snap = 3e-9,
+    convention: options.Convention = None,
+) -> None:
+    """Study a robot along a motion: torques, powers, reactions, energies and checks, as a report and as data."""
+    directory = out or Path(f"study-{Path(robot).stem}")
+    with terminal.progress("reading") as progress:
+        from freebody.report.study import study as study_of
+
+        model = options.load(robot, None, base, mimic, physical, snap_angles, convention)
+        found = study_of(model, motion, tip, progress=lambda text, done: progress(text, 0.7 * done))
+        progress("data files", 0.7)
+        found.save(directory)
+        progress("report", 0.75)
+        report = found.to_html(directory / REPORT)
+    _print(found, report, directory)
+    if not found.passed:
+        raise typer.Exit(1)
+
+
+def _print(found: Study, report: Path, directory: Path) -> None:
+    out = terminal.out()
+    for sentence in found.warnings:
+        terminal.warn(sentence)
+    say = lambda *text, style=None: out.print(*text, style=style, markup=False)  # noqa: E731
+    say(f"{found.model.name}: {found.model.nv} coordinates. {found.motion.source[:1].upper()}{found.motion.source[1:]}.")
+    say(found.tip_reason)
+    out.print(_table(found))
+    say(found.worst.text)
+    say(found.singularity.text)
+    say(found.replay.text if found.replay else found.replay_skipped)
+    _print_checks(found)
+    say(f"report: {report}")
+    say(f"data:   {directory / 'study.nc'} and CSV tables beside it")
+
+
+def _print_checks(found: Study) -> None:
+    failed = [check for check in found.checks if not check.passed]
+    out = terminal.out()
+    if not failed:
+        out.print(f"All {len(found.checks)} checks passed.", style="green")
+    for check in failed:
+        text = f"check failed: {check.name}: {check.value:.3g}, allowed {check.bar:.3g}. {check.text}"
+        out.print(text, style="bold red", markup=False)
+
+
+def _table(found: Study) -> Table:
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("")
+    for title in ("peak torque", "at", "RMS torque", "peak speed", "peak power", "of effort limit"):
+        table.add_column(title, justify="right", no_wrap=True)
+    values = found.summary
+    for k, name in enumerate(found.model.velocity_names):
+        unit, effort = str(values["unit"].values[k]), str(values["effort_unit"].values[k])
+        entry = {key: float(values[key].values[k]) for key in _SHOWN}
+        share = entry["effort_fraction"]
+        table.add_row(
+            name,
+            f"{entry['peak_torque']:.4g} {effort}",
+            f"{entry['peak_torque_time']:.3g} s",
+            f"{entry['rms_torque']:.4g} {effort}",
+            f"{entry['peak_speed']:.4g} {unit}/s",
+            f"{entry['peak_power']:.4g} W",
+            "" if math.isnan(share) else f"{share:.0%}",
+            style="red" if share > 1 else None,
+        )
+    return table
+
+
+_SHOWN = ("peak_torque", "peak_torque_time", "rms_torque", "peak_speed", "peak_power", "effort_fraction")
