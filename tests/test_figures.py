@@ -124,7 +124,9 @@ def test_arrows_point_along_the_forces_and_to_one_scale(arm, diagram):
 def test_third_law_is_seen(diagram):
     on_first, on_second = diagram.drawings[0].named("−f_{1,2}"), diagram.drawings[1].named("f_{1,2}")
     assert on_first.start == pytest.approx(on_second.start)
-    np.testing.assert_allclose(np.subtract(on_first.end, on_first.start), -np.subtract(on_second.end, on_second.start), atol=1e-12)
+    np.testing.assert_allclose(
+        np.subtract(on_first.end, on_first.start), -np.subtract(on_second.end, on_second.start), atol=1e-12
+    )
     turn, counter = diagram.drawings[1].named("τ_2"), diagram.drawings[0].named("−τ_2")
     assert isinstance(turn, Turn)
     assert isinstance(counter, Turn)
@@ -192,7 +194,7 @@ def test_figure_shows_and_saves_itself(diagram, tmp_path):
     with pytest.raises(FreebodyError, match=r"'fbd.png' is not an .svg file"):
         diagram.save(tmp_path / "fbd.png")
     with pytest.raises(FreebodyError, match=r"it has 2 drawings; take one of .drawings, or name a body"):
-        diagram.drawing  # noqa: B018
+        diagram.drawing
 
 
 def test_bad_input_is_refused_by_name(arm):
@@ -224,7 +226,14 @@ def test_labels_of_a_diagram_stay_on_the_page(diagram):
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [(0.0, "0"), (9.81, "9.81"), (-0.05, "−0.0500"), (12345.6, "12346"), (1.6e-15, "1.60·10⁻¹⁵"), (math.inf, "∞")],
+    [
+        (0.0, "0"),
+        (9.81, "9.81"),
+        (-0.05, "−0.0500"),
+        (12345.6, "12346"),
+        (1.6e-15, "1.60·10⁻¹⁵"),
+        (math.inf, "∞"),
+    ],
 )
 def test_numbers_in_figures(value, text):
     assert number(value) == text

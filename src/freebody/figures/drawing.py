@@ -26,6 +26,10 @@ class Line:
     name: str
     role: str
     closed: bool = False
+    width: float = 0.0
+    """Pixels, of a link; 0 for thin lines."""
+    far: bool = False
+    """Drawn paler: far from the viewer."""
 
 
 @dataclass(frozen=True)
@@ -91,6 +95,7 @@ class Prism:
     name: str
     role: str
     sides: int = 24
+    far: bool = False
 
 
 @dataclass(frozen=True)
@@ -120,7 +125,11 @@ class View:
 
     def depth(self, points: Iterable[Sequence[float]]) -> float:
         """How near the viewer the middle of some points is, metres."""
-        return float(np.mean(np.asarray(list(points), dtype=float) @ np.asarray(self.towards))) if self.towards else 0.0
+        return (
+            float(np.mean(np.asarray(list(points), dtype=float) @ np.asarray(self.towards)))
+            if self.towards
+            else 0.0
+        )
 
 
 FLAT = View(((1.0, 0.0), (0.0, 1.0)))
@@ -135,7 +144,10 @@ def axonometric(azimuth: float, elevation: float = 24.0) -> View:
     return View((right, up), towards)
 
 
-def best_view(segments: Sequence[tuple[Array, Array]], azimuths: Sequence[float] = (-60, -30, 30, 60, 120, 150, -150, -120)) -> View:
+def best_view(
+    segments: Sequence[tuple[Array, Array]],
+    azimuths: Sequence[float] = (-60, -30, 30, 60, 120, 150, -150, -120),
+) -> View:
     """The axonometric view that shows the given segments least foreshortened."""
     views = [axonometric(a) for a in azimuths]
 
@@ -173,7 +185,9 @@ class Drawing:
         for element in self.elements:
             if element.name == name:
                 return element
-        raise KeyError(f"no {name!r} in the drawing; it has {', '.join(sorted({e.name for e in self.elements}))}")
+        raise KeyError(
+            f"no {name!r} in the drawing; it has {', '.join(sorted({e.name for e in self.elements}))}"
+        )
 
     @property
     def arrows(self) -> list[Arrow]:
@@ -191,7 +205,10 @@ def places(element: Element) -> tuple[Point, ...]:
         case Arc():
             x, y = element.at
             steps = [element.start + element.sweep * k / 4 for k in range(5)]
-            return (element.at, *((x + element.radius * math.cos(a), y + element.radius * math.sin(a)) for a in steps))
+            return (
+                element.at,
+                *((x + element.radius * math.cos(a), y + element.radius * math.sin(a)) for a in steps),
+            )
         case Prism():
             middle, axis = np.asarray(element.at), np.asarray(element.axis) * element.half
             return tuple(middle + axis), tuple(middle - axis)

@@ -8,23 +8,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import ArrayLike
-
-from freebody.arrays import Array
 from freebody.errors import FreebodyError, UnknownNameError
-from freebody.figures import plane, space
-from freebody.figures.drawing import FLAT, Arrow, Drawing, Line, Mark, Turn, View, best_view, point
-from freebody.figures.loads import BodyLoads, Load, body_loads
-from freebody.figures.svg import Picture, natural_scale, picture
-from freebody.figures.text import number
+from freebody.figures.body import PANEL, TALLEST, diagrams
+from freebody.figures.drawing import Drawing
+from freebody.figures.loads import BodyLoads, body_loads
+from freebody.figures.svg import Picture, picture
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector, Wrenches
-
-_NOTHING = 1e-6  # of the largest in the figure: not drawn, said to be 0
-_SHORTEST = 0.07  # of the longest arrow
-_ALIKE = 6.0  # bodies and forces that differ by less than this factor are drawn to one scale
-_ROLES = {"reaction": "reaction", "counter": "reaction", "weight": "weight", "external": "external"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +30,9 @@ class FreeBodyDiagram:
     def drawing(self) -> Drawing:
         """The only drawing; with several bodies take one of `drawings`."""
         if len(self.drawings) != 1:
-            raise FreebodyError(f"{self.title}: it has {len(self.drawings)} drawings; take one of .drawings, or name a body.")
+            raise FreebodyError(
+                f"{self.title}: it has {len(self.drawings)} drawings; take one of .drawings, or name a body."
+            )
         return self.drawings[0]
 
     @cached_property
@@ -56,13 +48,11 @@ class FreeBodyDiagram:
         """Write the SVG; the path."""
         target = Path(path)
         if target.suffix.lower() != ".svg":
-            raise FreebodyError(f"free_body_diagram: {target.name!r} is not an .svg file; name one, such as 'fbd.svg'.")
+            raise FreebodyError(
+                f"free_body_diagram: {target.name!r} is not an .svg file; name one, such as 'fbd.svg'."
+            )
         target.write_text(self.svg, encoding="utf-8")
         return target
-
-
-PANEL, TALLEST = 430.0, 400.0
-"""Size of one diagram, pixels."""
 
 
 def free_body_diagram(
@@ -73,159 +63,25 @@ def free_body_diagram(
     qdd: Vector | None = None,
     wrenches: Wrenches = None,
 ) -> FreeBodyDiagram:
-    """Free-body diagram of a body (name of it, of its joint or a link; or index from 0), or of all: forces to scale, world axes.
+    """Free-body diagram of a body (its name, its joint's or a link's; or its index from 0), or of all: forces to scale.
 
     q: (nq,) rad or m; qd, qdd: (nv,), default at rest; wrenches as for `inverse_dynamics`, acting on the arm.
     Returns a figure with `.svg`, `.save("fbd.svg")`, `.drawing` (the arrows as data) and `.bodies` (the loads and
     how well they balance). Raises ShapeError, NotFiniteError, UnknownNameError. Source: figures 1.4, 2.3, 3.2, 4.2, 6.4.
     """
-    loads = body_loads(model, q, qd, qdd, wrenches)  # type: ignore[arg-type]
+    loads = body_loads(model, q, qd, qdd, wrenches)
     chosen = loads if body is None else (loads[_index(model, body)],)
     title = f"Free-body diagram of {model.name}" + ("" if body is None else f": {chosen[0].body.name}")
     return FreeBodyDiagram(title, chosen, diagrams(chosen, model.dim))
 
 
-def diagrams(bodies: Sequence[BodyLoads], dim: int) -> tuple[Drawing, ...]:
-    """Drawings of bodies, all seen from one side; lengths and forces to one scale where their sizes allow it."""
-    view = FLAT if dim == 2 else _common_view(bodies)
-    sizes, forces = [_size(b) for b in bodies], [_longest(b) for b in bodies]
-    together = max(sizes) <= _ALIKE * min(sizes) and max(forces) <= _ALIKE * min(forces)
-    if together:
-        sizes, forces = [max(sizes)] * len(bodies), [max(forces)] * len(bodies)
-    drawings = tuple(_diagram(b, view, s, f) for b, s, f in zip(bodies, sizes, forces, strict=True))
-    if together:
-        common = min((natural_scale(drawing, PANEL, TALLEST) for drawing in drawings), default=1.0)
-        for drawing in drawings:
-            drawing.scale = common
-    return drawings
-
-
-def _diagram(loads: BodyLoads, view: View, size: float, longest: float) -> Drawing:
-    """A body of about `size` metres, its forces drawn so that `longest` N take three quarters of that."""
-    body = loads.body
-    drawing = Drawing(view, f"Free-body diagram of body {body.number}, {body.name}")
-    drawing.heading, drawing.compass = f"Body {body.number} · {body.name}", True
-    if len(view.rows[0]) == 2:
-        plane.add_body(drawing, body)
-    else:
-        parts = space.solids_of(body, 0.05 * size)
-        drawing.add(*sorted(parts, key=lambda e: space.depth(e, view)))
-    _joints(drawing, loads)
-    scale, peak = 0.75 * size / longest if longest else 0.0, _peak(loads)
-    for load in loads.loads:
-        _reach(drawing, loads, load)
-        _force(drawing, load, scale, longest)
-    _inertia(drawing, loads, scale, longest)
-    for k, load in enumerate(loads.loads):
-        _moment(drawing, load, peak, size, k)
-    if longest:
-        force = plane.round_down(longest / 2.5)
-        drawing.rulers.append((force * scale, f"{number(force, 1)} N", "reaction"))
-    drawing.rulers.append(plane.ruler(size))
-    drawing.notes = _notes(loads)
-    return drawing
-
-
-def _joints(drawing: Drawing, loads: BodyLoads) -> None:
-    body = loads.body
-    if len(drawing.view.rows[0]) == 2:
-        drawing.add(Mark(point(body.origin), "slider" if body.kind == "prismatic" else "joint", f"joint {body.number}", "joint",
-                         point(body.axis) if body.axis is not None else None, 6.0))  # fmt: skip
-        for end in body.ends:
-            if end.child is not None:
-                drawing.add(Mark(point(end.place), "joint", f"joint {end.child + 1}", "joint", size=5.0))
-    else:
-        for end in body.ends:
-            if end.child is not None:
-                drawing.add(Mark(point(end.place), "joint", f"joint {end.child + 1}", "joint", size=4.0))
-    if body.mass:
-        drawing.add(Mark(point(body.com), "com", f"C_{body.number}", "com", size=6.0))
-
-
-def _reach(drawing: Drawing, loads: BodyLoads, load: Load) -> None:
-    """A guide to where a force acts off the stick: on a slider along its rail, on a frame beside it."""
-    ends = [load.place, loads.body.origin, loads.body.com, *(end.place for end in loads.body.ends)]
-    nearest = min(ends[1:], key=lambda place: float(np.linalg.norm(place - load.place)))
-    if np.linalg.norm(nearest - load.place) > 1e-6:
-        drawing.add(Line((point(nearest), point(load.place)), f"reach {load.name}", "guide"))
-
-
-def _force(drawing: Drawing, load: Load, scale: float, longest: float) -> None:
-    size = float(np.linalg.norm(load.force))
-    if size <= _NOTHING * longest:
-        return
-    length = max(size * scale, _SHORTEST * longest * scale)
-    end = load.place + load.force / size * length
-    label = f"{load.name}\u2002{number(size)} N"
-    drawing.add(Arrow(point(load.place), point(end), load.name, _ROLES[load.role], label, point(load.force), "N"))
-
-
-def _inertia(drawing: Drawing, loads: BodyLoads, scale: float, longest: float) -> None:
-    """m a_c, dashed: what the forces add up to."""
-    size = float(np.linalg.norm(loads.inertial_force))
-    if size <= 0.01 * longest:
-        return
-    n, com = loads.body.number, loads.body.com
-    end = com + loads.inertial_force / size * max(size * scale, _SHORTEST * longest * scale)
-    drawing.add(
-        Arrow(point(com), point(end), f"m_{n} a_{n}", "inertia", f"m_{n} a_{n}\u2002{number(size)} N", point(loads.inertial_force), "N")
-    )
-
-
-def _moment(drawing: Drawing, load: Load, peak: float, size: float, k: int) -> None:
-    value = float(np.linalg.norm(load.moment))
-    if not load.moment_name or value <= _NOTHING * peak:
-        return
-    if len(load.moment) == 1:
-        label = f"{load.moment_name} = {number(float(load.moment[0]))} N m"
-        drawing.add(Turn(point(load.place), float(load.moment[0]), load.moment_name, "moment", label, radius=22.0 + 5 * (k % 2)))
-        return
-    label = f"{load.moment_name}\u2002{number(value)} N m"
-    length = size * max(0.45 * value / peak, 0.1)
-    end = load.place + load.moment / value * length
-    drawing.add(Arrow(point(load.place), point(end), load.moment_name, "moment", label, point(load.moment), "N m", heads=2))
-
-
-def _notes(loads: BodyLoads) -> list[str]:
-    """What is too small to draw, and the balance."""
-    longest, peak = _longest(loads), _peak(loads)
-    small = [x.name for x in loads.loads if np.linalg.norm(x.force) <= _NOTHING * longest]
-    small += [x.moment_name for x in loads.loads if x.moment_name and np.linalg.norm(x.moment) <= _NOTHING * peak]
-    n = loads.body.number
-    balance = f"|ΣF − m_{n} a_{n}| = {number(loads.force_residual, 2)} N,\u2003|ΣM − Ḣ_{n}| = {number(loads.moment_residual, 2)} N m"
-    return [*([f"≈ 0: {', '.join(small)}"] if small else []), balance]
-
-
-def _longest(loads: BodyLoads) -> float:
-    """The largest force (N)."""
-    return max((float(np.linalg.norm(load.force)) for load in loads.loads), default=0.0)
-
-
-def _peak(loads: BodyLoads) -> float:
-    """The largest moment (N m)."""
-    return max((float(np.linalg.norm(load.moment)) for load in loads.loads), default=0.0)
-
-
-def _size(loads: BodyLoads) -> float:
-    """Extent of a body and of where forces act on it, metres."""
-    places = np.array([load.place for load in loads.loads] + [p for segment in loads.body.outline for p in segment])
-    size = float(np.linalg.norm(places.max(axis=0) - places.min(axis=0)))
-    return size if size > 1e-3 else 0.1
-
-
-def _common_view(bodies: Sequence[BodyLoads]) -> View:
-    """From where sticks and forces are seen best."""
-    segments = [s for b in bodies for s in b.body.outline]
-    for b in bodies:
-        size, longest = _size(b), _longest(b)
-        segments += [(np.zeros(3), x.force / longest * size) for x in b.loads if longest]
-    return best_view(segments or [(np.zeros(3), np.ones(3))])
-
-
 def _index(model: Model, body: str | int) -> int:
     if isinstance(body, int):
         if not 0 <= body < len(model.bodies):
-            raise FreebodyError(f"free_body_diagram: body {body} of {model.name!r} is not there; it has bodies 0 to {len(model.bodies) - 1}.")
+            raise FreebodyError(
+                f"free_body_diagram: body {body} of {model.name!r} is not there; it has bodies 0 to "
+                f"{len(model.bodies) - 1}."
+            )
         return body
     if body in model.joint_names:
         return model.joint_names.index(body)

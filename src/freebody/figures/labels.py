@@ -51,7 +51,8 @@ class Crowd:
         for side in (-half_width, half_width) if half_width else (0.0,):
             shift = (-v * side, u * side)
             self.points += [
-                (a[0] + (b[0] - a[0]) * k / n + shift[0], a[1] + (b[1] - a[1]) * k / n + shift[1]) for k in range(n + 1)
+                (a[0] + (b[0] - a[0]) * k / n + shift[0], a[1] + (b[1] - a[1]) * k / n + shift[1])
+                for k in range(n + 1)
             ]
 
     def place(self, wanted: Wanted) -> Placed:
@@ -75,7 +76,12 @@ class Crowd:
 
     def _price(self, box: Box) -> float:
         left, top, right, bottom = box
-        outside = max(0, 3 - left) + max(0, 3 - top) + max(0, right - self.width + 3) + max(0, bottom - self.height + 3)
+        outside = (
+            max(0, 3 - left)
+            + max(0, 3 - top)
+            + max(0, right - self.width + 3)
+            + max(0, bottom - self.height + 3)
+        )
         hits = sum(left - 2 < x < right + 2 and top - 1 < y < bottom + 1 for x, y in self.points)
         return 30 * outside + 7 * hits + 0.6 * sum(_overlap(box, other) for other in self.boxes)
 

@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from freebody.algorithms.rnea import Recursion, rnea
 from freebody.arrays import Array
@@ -36,6 +35,8 @@ class Load:
     place: Array
     force: Array
     moment: Array
+    joint: int | None = None
+    """Index of the joint whose reaction it is; None for weights and external wrenches."""
 
 
 @dataclass(frozen=True)
@@ -68,48 +69,64 @@ def moment(arm: Array, force: Array) -> Array:
     return np.cross(arm, force)
 
 
-def body_loads(model: Model, q: Vector, qd: Vector = None, qdd: Vector = None, wrenches: Wrenches = None) -> tuple[BodyLoads, ...]:  # type: ignore[assignment]
+def body_loads(
+    model: Model, q: Vector, qd: Vector | None = None, qdd: Vector | None = None, wrenches: Wrenches = None
+) -> tuple[BodyLoads, ...]:
     """The loads on every body; q (nq,); qd, qdd (nv,), default rest; wrenches as for `inverse_dynamics`."""
-    position = vector("free_body_diagram", model, "q", q)
     still = np.zeros(model.nv)
-    first = still if qd is None else vector("free_body_diagram", model, "qd", qd)
-    second = still if qdd is None else vector("free_body_diagram", model, "qdd", qdd)
-    pose = skeleton(model, position)
-    reactions = np.asarray(joint_wrenches(model, position, first, second, wrenches))
-    tree = model.tree
-    recursion = rnea(tree, *(tuple(map(float, x)) for x in (position, first, second)), gravity="explicit")
-    external = _external(model, position, wrenches)
-    return tuple(_on_body(model, pose, body, reactions, recursion, external) for body in pose.bodies)
+    given = {"q": q, "qd": still if qd is None else qd, "qdd": still if qdd is None else qdd}
+    state = [vector("free_body_diagram", model, name, value) for name, value in given.items()]
+    pose = skeleton(model, state[0])
+    reactions = np.asarray(joint_wrenches(model, *state, wrenches=wrenches))
+    first, second, third = (tuple(map(float, x)) for x in state)
+    recursion = rnea(model.tree, first, second, third, gravity="explicit")
+    external = _external(model, state[0], wrenches)
+    return tuple(
+        BodyLoads(
+            body,
+            (
+                *_reactions(model, pose, body, reactions),
+                *_weight(model, body),
+                *(load for on, load in external if on == body.index),
+            ),
+            *_rates(model, body, recursion),
+        )
+        for body in pose.bodies
+    )
 
 
-def _on_body(
-    model: Model, pose: Skeleton, body: BodyPlace, reactions: Array, recursion: Recursion, external: list[tuple[int, Load]]
-) -> BodyLoads:
-    dim, n = model.dim, body.number
-    before = "0" if body.parent < 0 else str(body.parent + 1)
-    wrench = reactions[body.index]
-    names = _moment_names(model, body, before)
-    by = pose.bodies[body.parent].name if body.parent >= 0 else "its drives" if body.kind == "free" else "the ground"
-    loads = [Load(f"f_{{{before},{n}}}", names[0], "reaction", by, body.origin, wrench[:dim], wrench[dim:])]
+def _reactions(model: Model, pose: Skeleton, body: BodyPlace, wrenches: Array) -> list[Load]:
+    """By the parent, and by each child the opposite of what it receives."""
+    d, n = model.dim, body.number
+    before = body.parent + 1
+    by = pose.bodies[body.parent].name if before else "its drives" if body.kind == "free" else "the ground"
+    w = wrenches[body.index]
+    moment_name = _moment_name(model, body, before)
+    loads = [Load(f"f_{{{before},{n}}}", moment_name, "reaction", by, body.origin, w[:d], w[d:], body.index)]
     for child in pose.bodies:
         if child.parent == body.index:
-            w, (name, _) = reactions[child.index], _moment_names(model, child, str(n))
-            loads.append(Load(f"−f_{{{n},{child.number}}}", f"−{name}", "counter", child.name, child.origin, -w[:dim], -w[dim:]))
-    no_moment = np.zeros(len(wrench) - dim)
-    if body.mass:
-        loads.append(Load(f"m_{n} g", "", "weight", "gravity", body.com, body.mass * model.gravity, no_moment))
-    loads += [load for on, load in external if on == body.index]
-    force, turning = _rates(model, body, recursion)
-    return BodyLoads(body, tuple(loads), force, turning)
+            w, name = -wrenches[child.index], f"−f_{{{n},{child.number}}}"
+            moment_name = f"−{_moment_name(model, child, n)}"
+            loads.append(
+                Load(name, moment_name, "counter", child.name, child.origin, w[:d], w[d:], child.index)
+            )
+    return loads
 
 
-def _moment_names(model: Model, body: BodyPlace, before: str) -> tuple[str, bool]:
-    """Name of the moment by the parent, and whether it is the motor's torque alone."""
+def _weight(model: Model, body: BodyPlace) -> list[Load]:
+    if not body.mass:
+        return []
+    nothing = np.zeros(1 if model.dim == 2 else 3)
+    return [Load(f"m_{body.number} g", "", "weight", "gravity", body.com, body.mass * model.gravity, nothing)]
+
+
+def _moment_name(model: Model, body: BodyPlace, before: int) -> str:
+    """τ where the moment by the parent is the motor's torque alone, M in the plane and n in space where it is more."""
+    if model.dim == 3:
+        return f"n_{{{before},{body.number}}}"
     drive = model.tree.bodies[model.tree.body_of[body.index]].drive
-    alone = model.dim == 2 and body.kind in ("revolute", "continuous") and drive is None
-    if alone and model.bodies[body.index].joint.mimic is None:
-        return f"τ_{body.number}", True
-    return (f"M_{body.number}" if model.dim == 2 else f"n_{{{before},{body.number}}}"), False
+    turns = body.kind in ("revolute", "continuous") and model.bodies[body.index].joint.mimic is None
+    return f"{'τ' if turns and drive is None else 'M'}_{body.number}"
 
 
 def _rates(model: Model, body: BodyPlace, recursion: Recursion) -> tuple[Array, Array]:

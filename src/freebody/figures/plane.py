@@ -35,7 +35,9 @@ def draw(model: Model, pose: Skeleton, ghosts: Sequence[Skeleton], path: Array |
         add_joint(drawing, body)
         if body.mass > 0:
             drawing.add(Mark(point(body.com), "com", f"C_{body.number}", "com", size=6.0))
-            drawing.add(Label(point(body.com), f"C_{body.number}", f"label C_{body.number}", direction=_aside(body)))
+            drawing.add(
+                Label(point(body.com), f"C_{body.number}", f"label C_{body.number}", direction=_aside(body))
+            )
     if pose.tip is not None:
         drawing.add(Mark(point(pose.tip), "dot", "tip", "soft-head", size=3.0))
         drawing.add(Label(point(pose.tip), "P", "label tip", direction=(1.0, 0.6)))
@@ -52,7 +54,14 @@ def sticks(body: BodyPlace) -> list[tuple[Array, Array]]:
 def add_body(drawing: Drawing, body: BodyPlace) -> None:
     """The bar of a link."""
     for k, (a, b) in enumerate(body.outline):
-        drawing.add(Line((point(a), point(b)), f"link {body.number}" + ("" if k == 0 else f".{k + 1}"), "link@11"))
+        drawing.add(
+            Line(
+                (point(a), point(b)),
+                f"link {body.number}" + ("" if k == 0 else f".{k + 1}"),
+                "link",
+                width=11.0,
+            )
+        )
 
 
 def add_joint(drawing: Drawing, body: BodyPlace) -> None:
@@ -79,7 +88,9 @@ def round_down(value: float) -> float:
 
 def _axes(drawing: Drawing, size: float) -> None:
     for name, end in (("x", (0.2 * size, 0.0)), ("y", (0.0, 0.2 * size))):
-        drawing.add(Arrow((0.0, 0.0), end, f"axis {name}", "soft"), Label(end, name, f"label {name}", direction=end))
+        drawing.add(
+            Arrow((0.0, 0.0), end, f"axis {name}", "soft"), Label(end, name, f"label {name}", direction=end)
+        )
 
 
 def _guides(drawing: Drawing, model: Model, pose: Skeleton, body: BodyPlace, size: float) -> None:
@@ -88,7 +99,14 @@ def _guides(drawing: Drawing, model: Model, pose: Skeleton, body: BodyPlace, siz
     if body.kind == "prismatic" and body.axis is not None:
         middle = (body.carrier + body.origin) / 2
         slide = float((body.origin - body.carrier) @ body.axis)
-        drawing.add(Label(point(middle), f"d_{n} = {slide:.3f} m".replace("-", "−"), f"d_{n}", direction=_normal(body.axis)))
+        drawing.add(
+            Label(
+                point(middle),
+                f"d_{n} = {slide:.3f} m".replace("-", "−"),
+                f"d_{n}",
+                direction=_normal(body.axis),
+            )
+        )
     elif body.kind in ("revolute", "continuous"):
         before = math.atan2(body.carrier_rotation[1, 0], body.carrier_rotation[0, 0])
         now = math.atan2(body.rotation[1, 0], body.rotation[0, 0])
@@ -97,7 +115,14 @@ def _guides(drawing: Drawing, model: Model, pose: Skeleton, body: BodyPlace, siz
         end = body.origin + reach * 1.25 * np.array([math.cos(before), math.sin(before)])
         drawing.add(
             Line((point(body.origin), point(end)), f"reference {n}", "guide"),
-            Arc(point(body.origin), reach, before, turned, f"θ_{n}", label=f"θ_{n} = {number(math.degrees(turned))}°"),
+            Arc(
+                point(body.origin),
+                reach,
+                before,
+                turned,
+                f"θ_{n}",
+                label=f"θ_{n} = {number(math.degrees(turned))}°",
+            ),
         )
     for a, b in [(body.origin, end.place) for end in body.ends]:
         length = float(np.linalg.norm(b - a))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from html import escape
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from freebody.arrays import Array
 from freebody.figures.svg import Picture
@@ -55,26 +55,36 @@ def plot(what: Plot) -> Picture:
     body = [f'<text class="name" x="6" y="16">{escape(what.title)}</text>', *_grid(ruled, what.unit)]
     if what.now is not None:
         x = ruled.x(what.now)
-        body.append(f'<path class="now" d="M{x:.1f} {box[1]:.1f}V{box[3]:.1f}"><title>t = {what.now:.4g} s</title></path>')
+        body.append(
+            f'<path class="now" d="M{x:.1f} {box[1]:.1f}V{box[3]:.1f}"><title>t = {what.now:.4g} s</title></path>'
+        )
     body += [_limit(ruled, level) for level in what.limits if low <= level <= high]
     colours = what.colours or range(len(what.curves))
-    drawn = [(name, _scaled(curve, what.log), colour % 8) for (name, curve), colour in zip(what.curves.items(), colours, strict=False)]
+    drawn = [
+        (name, _scaled(curve, what.log), colour % 8)
+        for (name, curve), colour in zip(what.curves.items(), colours, strict=False)
+    ]
     body += [_curve(ruled, what, name, curve, colour) for name, curve, colour in drawn]
     if what.peaks:
         body += [_peak(ruled, what, curve, colour) for _, curve, colour in drawn[:1]]
-    body += [_entry(name, x, 32.0 + 15 * k, colours) for k, row in enumerate(rows) for name, x, colours in row]
+    body += [
+        _entry(name, x, 32.0 + 15 * k, colours) for k, row in enumerate(rows) for name, x, colours in row
+    ]
     return Picture("".join(body), w, h + 15.0 * max(len(rows) - 2, 0), f"{what.title}, {what.unit} over time")
 
 
 def _power(what: Plot) -> int:
     """The power of ten that is taken out of values too small or large to be printed at an axis."""
-    size = max((float(np.abs(curve[np.isfinite(curve)]).max(initial=0.0)) for curve in what.curves.values()), default=0.0)
+    size = max(
+        (float(np.abs(curve[np.isfinite(curve)]).max(initial=0.0)) for curve in what.curves.values()),
+        default=0.0,
+    )
     if what.log or size == 0 or 1e-2 <= size < 1e5:
         return 0
     return math.floor(math.log10(size))
 
 
-def thin(x: Array, y: Array, tolerance: float = _SEEN) -> Array:
+def thin(x: Array, y: Array, tolerance: float = _SEEN) -> NDArray[np.intp]:
     """Indices of the samples that a polyline needs to stay within `tolerance` of all (Ramer, Douglas, Peucker)."""
     keep = np.zeros(len(x), dtype=bool)
     keep[[0, -1]] = True
@@ -154,11 +164,13 @@ def _grid(axes: _Axes, unit: str) -> list[str]:
     for level in levels:
         y = float(axes.y(level))
         text = f"10{_raised(level)}" if axes.log else _tick(level, levels)
-        out.append(f'<path class="grid" d="M{left:.1f} {y:.1f}H{right:.1f}"/><text class="tick" x="{left - 6:.1f}" y="{y + 4:.1f}" text-anchor="end">{text}</text>')
+        out.append(f'<path class="grid" d="M{left:.1f} {y:.1f}H{right:.1f}"/>')
+        out.append(f'<text class="tick" x="{left - 6:.1f}" y="{y + 4:.1f}" text-anchor="end">{text}</text>')
     instants = ticks(*axes.time)
     for t in instants:
-        x = float(axes.x(t))
-        out.append(f'<path class="axis" d="M{x:.1f} {bottom:.1f}v4"/><text class="tick" x="{x:.1f}" y="{bottom + 16:.1f}" text-anchor="middle">{_tick(t, instants)}</text>')
+        x, text = float(axes.x(t)), _tick(t, instants)
+        out.append(f'<path class="axis" d="M{x:.1f} {bottom:.1f}v4"/>')
+        out.append(f'<text class="tick" x="{x:.1f}" y="{bottom + 16:.1f}" text-anchor="middle">{text}</text>')
     if not axes.log and axes.range[0] < 0 < axes.range[1]:
         y = float(axes.y(0.0))
         out.append(f'<path class="axis" d="M{left:.1f} {y:.1f}H{right:.1f}"/>')
@@ -194,7 +206,9 @@ def _tick(value: float, all_values: Sequence[float]) -> str:
 def _limit(axes: _Axes, level: float) -> str:
     left, _, right, _ = axes.box
     y = float(axes.y(level))
-    return f'<path class="limit" d="M{left:.1f} {y:.1f}H{right:.1f}"><title>limit {number(level)}</title></path>'
+    return (
+        f'<path class="limit" d="M{left:.1f} {y:.1f}H{right:.1f}"><title>limit {number(level)}</title></path>'
+    )
 
 
 def _curve(axes: _Axes, what: Plot, name: str, curve: Array, colour: int) -> str:
@@ -214,8 +228,9 @@ def _peak(axes: _Axes, what: Plot, curve: Array, colour: int) -> str:
     half = width(text, 11) / 2
     at = min(max(x, axes.box[0] + half + 4), axes.box[2] - half)
     beside = y - 7 if curve[k] > 0 else y + 15
+    title = f"<title>{text} {escape(what.unit)} at {what.t[k]:.4g} s</title>"
     return (
-        f'<circle class="peak f{colour}" cx="{x:.1f}" cy="{y:.1f}" r="3.4"><title>{text} {escape(what.unit)} at {what.t[k]:.4g} s</title></circle>'
+        f'<circle class="peak f{colour}" cx="{x:.1f}" cy="{y:.1f}" r="3.4">{title}</circle>'
         f'<text class="tick halo" x="{at:.1f}" y="{beside:.1f}" text-anchor="middle">{text}</text>'
     )
 

@@ -26,7 +26,11 @@ def robot_drawing(
 
 
 def robot_svg(
-    model: Model, q: ArrayLike, ghosts: Sequence[ArrayLike] = (), path: ArrayLike | None = None, css: bool = True
+    model: Model,
+    q: ArrayLike,
+    ghosts: Sequence[ArrayLike] = (),
+    path: ArrayLike | None = None,
+    css: bool = True,
 ) -> str:
     """The same as SVG text."""
     return picture(robot_drawing(model, q, ghosts, path), 640, 520).text(css)

@@ -74,7 +74,12 @@ class Skeleton:
         """Every joint, end and the base, (k, dim)."""
         found = [np.zeros(self.dim)]
         for body in self.bodies:
-            found += [body.carrier, body.origin, *(end.place for end in body.ends), *(b for _, b in body.outline)]
+            found += [
+                body.carrier,
+                body.origin,
+                *(end.place for end in body.ends),
+                *(b for _, b in body.outline),
+            ]
         return np.array(found)
 
     @property
@@ -87,8 +92,14 @@ def skeleton(model: Model, q: ArrayLike) -> Skeleton:
     """The robot's places at q (nq,)."""
     q_checked = vector("skeleton", model, "q", q)
     tree = model.tree
-    world = [(np.asarray(R), np.asarray(p)) for R, p in world_poses(tree, joint_poses(tree, tuple(map(float, q_checked))))]
-    frames = {name: (body, np.asarray(R, dtype=float), np.asarray(p, dtype=float)) for name, (body, R, p) in tree.frames.items()}
+    world = [
+        (np.asarray(R), np.asarray(p))
+        for R, p in world_poses(tree, joint_poses(tree, tuple(map(float, q_checked))))
+    ]
+    frames = {
+        name: (body, np.asarray(R, dtype=float), np.asarray(p, dtype=float))
+        for name, (body, R, p) in tree.frames.items()
+    }
     rest = (np.eye(model.dim), np.zeros(model.dim))
     bodies = []
     for i in range(len(model.bodies)):
@@ -108,13 +119,18 @@ def extent(poses: Sequence[Skeleton], path: Array | None = None) -> float:
     return size if size > 1e-6 else 1.0
 
 
-def _body(model: Model, tree: Tree, world: list, frames: dict, i: int, rest: tuple[Array, Array]) -> BodyPlace:
+def _body(
+    model: Model, tree: Tree, world: list, frames: dict, i: int, rest: tuple[Array, Array]
+) -> BodyPlace:
     body, at = model.bodies[i], tree.body_of[i]
     node = tree.bodies[at]
     R, p = world[at]
     first = tree.bodies[_first(tree, model, i)]
     above_R, above_p = world[first.parent] if first.parent >= 0 else rest
-    carrier, carrier_R = above_p + above_R @ np.asarray(first.p, dtype=float), above_R @ np.asarray(first.R, dtype=float)
+    carrier, carrier_R = (
+        above_p + above_R @ np.asarray(first.p, dtype=float),
+        above_R @ np.asarray(first.R, dtype=float),
+    )
     one_axis = body.kind.nv == 1 and len(node.axis) == model.dim and model.dim > 1
     mass, centre = _centre(node.masses, model.dim)
     ends = [
@@ -155,4 +171,5 @@ def _centre(masses: tuple[Mass, ...], dim: int) -> tuple[float, Array]:
     total = float(sum(mass.m for mass in masses))
     if not total:
         return total, np.zeros(dim)
-    return total, sum(mass.m * np.asarray(mass.c, dtype=float) for mass in masses) / total
+    moments = np.array([np.multiply(mass.m, mass.c) for mass in masses], dtype=float)
+    return total, moments.sum(axis=0) / total

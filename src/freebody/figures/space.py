@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,7 +21,9 @@ def draw(model: Model, pose: Skeleton, ghosts: Sequence[Skeleton], path: Array |
     """The drawing of one pose, with fainter ones behind it."""
     every = [pose, *ghosts]
     size = extent(every, path)
-    view = best_view([stick for p in every for body in p.bodies for stick in sticks(body)] or [(np.zeros(3), np.ones(3))])
+    view = best_view(
+        [stick for p in every for body in p.bodies for stick in sticks(body)] or [(np.zeros(3), np.ones(3))]
+    )
     drawing = Drawing(view, f"{model.name}: stick drawing with joint axes")
     floor = min(0.0, min(float(p.places[:, 2].min()) for p in every))
     _ground(drawing, every, floor, size)
@@ -39,7 +42,9 @@ def draw(model: Model, pose: Skeleton, ghosts: Sequence[Skeleton], path: Array |
     crowded = len(pose.bodies) > 12
     for body in pose.bodies:
         if not crowded:
-            drawing.add(Label(point(body.origin), str(body.number), f"label {body.number}", "name", (0.0, 0.0, -1.0)))
+            drawing.add(
+                Label(point(body.origin), str(body.number), f"label {body.number}", "name", (0.0, 0.0, -1.0))
+            )
     drawing.rulers.append(ruler(size))
     return drawing
 
@@ -48,7 +53,7 @@ def solids(pose: Skeleton, size: float) -> list[Element]:
     """Links and joints of all bodies and the base."""
     wide, radius = (9.0, 0.022 * size) if len(pose.bodies) <= 12 else (6.0, 0.014 * size)
     elements: list[Element] = [
-        Line(((0.0, 0.0, 0.0), point(root.carrier)), "link 0", f"link@{wide:g}")
+        Line(((0.0, 0.0, 0.0), point(root.carrier)), "link 0", "link", width=wide)
         for root in pose.roots
         if root.kind not in ("free", "planar") and np.linalg.norm(root.carrier) > 1e-6
     ]
@@ -58,7 +63,9 @@ def solids(pose: Skeleton, size: float) -> list[Element]:
 def solids_of(body: BodyPlace, radius: float, wide: float = 9.0) -> list[Element]:
     """One body's links and the joint that carries it."""
     bars = [
-        Line((point(a), point(b)), f"link {body.number}" + ("" if k == 0 else f".{k + 1}"), f"link@{wide:g}")
+        Line(
+            (point(a), point(b)), f"link {body.number}" + ("" if k == 0 else f".{k + 1}"), "link", width=wide
+        )
         for k, (a, b) in enumerate(sticks(body))
     ]
     return [*bars, *joint_symbol(body, radius)]
@@ -72,7 +79,9 @@ def joint_symbol(body: BodyPlace, radius: float) -> list[Element]:
     if body.axis is None:
         return []
     if body.kind == "prismatic":
-        return [Prism(point(body.carrier), point(body.axis), radius * 1.15, radius * 1.5, name, "joint", sides=4)]
+        return [
+            Prism(point(body.carrier), point(body.axis), radius * 1.15, radius * 1.5, name, "joint", sides=4)
+        ]
     return [Prism(at, point(body.axis), radius, radius * 1.35, name, "joint")]
 
 
@@ -104,11 +113,7 @@ def depth(element: Element, view: View) -> float:
 
 
 def _paler(element: Element) -> Element:
-    if isinstance(element, Line):
-        return Line(element.points, element.name, element.role.replace("link", "link far", 1), element.closed)
-    if isinstance(element, Prism):
-        return Prism(element.at, element.axis, element.radius, element.half, element.name, "far", element.sides)
-    return element
+    return replace(element, far=True) if isinstance(element, Line | Prism) else element
 
 
 def _segments(pose: Skeleton) -> list[tuple[Array, Array]]:

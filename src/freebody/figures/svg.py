@@ -5,13 +5,26 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from html import escape
+from itertools import pairwise
 
 import numpy as np
 
 from freebody.arrays import Array
 from freebody.figures import symbols, theme
 from freebody.figures import text as texts
-from freebody.figures.drawing import Arc, Arrow, Drawing, Element, Label, Line, Mark, Prism, Turn, View, places
+from freebody.figures.drawing import (
+    Arc,
+    Arrow,
+    Drawing,
+    Element,
+    Label,
+    Line,
+    Mark,
+    Prism,
+    Turn,
+    View,
+    places,
+)
 from freebody.figures.labels import Crowd, Placed, Wanted
 
 XMLNS = 'xmlns="http://www.w3.org/2000/svg"'
@@ -53,7 +66,7 @@ class Picture:
     title: str
 
     def text(self, css: bool = True, place: str = "") -> str:
-        """The SVG document. css: with its own style sheet, to stand alone. place: attributes x and y, inside another."""
+        """The SVG document. css: with a style sheet, to stand alone. place: attributes x and y, inside another."""
         style = f"<style>{theme.style()}</style>" if css else ""
         size = f'width="{self.width:g}" height="{self.height:.0f}"'
         title = escape(self.title, quote=True)
@@ -72,8 +85,7 @@ def picture(drawing: Drawing, width: float = 560.0, tallest: float = 460.0) -> P
     page.body += [_label(p) for p in placed]
     page.body += _corners(drawing, page, height)
     page.body += [
-        f'<text class="n" x="{width / 2:g}" y="{height + 4 + _NOTE * (k + 0.6):g}" text-anchor="middle">{texts.marked(note)}</text>'
-        for k, note in enumerate(drawing.notes)
+        _centred("n", width / 2, height + 4 + _NOTE * (k + 0.6), note) for k, note in enumerate(drawing.notes)
     ]
     height += _NOTE * len(drawing.notes) + (8 if drawing.notes else 0)
     return Picture("".join(page.body), width, height, drawing.title)
@@ -108,19 +120,17 @@ def _fit(drawing: Drawing, width: float, tallest: float) -> tuple[Page, float]:
 def _line(page: Page, e: Line) -> None:
     points = [page.at(p) for p in e.points]
     d = symbols.path(points, e.closed)
-    if e.role.startswith("link"):
-        wide = float(e.role.partition("@")[2] or 10)
-        far = ' class="far"' if "far" in e.role else ""
-        page.body.append(
-            f'<g{far}><path class="edge" stroke-width="{wide + 2.4:g}" d="{d}"/><path class="bar" stroke-width="{wide:g}" d="{d}"/></g>'
-        )
+    if e.width:
+        edge = f'<path class="edge" stroke-width="{e.width + 2.4:g}" d="{d}"/>'
+        bar = f'<path class="bar" stroke-width="{e.width:g}" d="{d}"/>'
+        page.body.append(f'<g class="far">{edge}{bar}</g>' if e.far else edge + bar)
     elif e.role == "shadow":
         page.body.append(f'<path class="shadow" stroke-width="7" d="{d}"/>')
     else:
         page.body.append(f'<path class="{e.role}" d="{d}"/>')
     if e.role not in ("grid", "shadow", "ghost"):
-        for a, b in zip(points, points[1:], strict=False):
-            page.crowd.keep_clear(a, b, 7.0 if e.role.startswith("link") else 0.0)
+        for a, b in pairwise(points):
+            page.crowd.keep_clear(a, b, e.width / 2 + 2 if e.width else 0.0)
 
 
 def _arrow(page: Page, e: Arrow) -> None:
@@ -166,7 +176,7 @@ def _mark(page: Page, e: Mark) -> None:
 
 def _prism(page: Page, e: Prism) -> None:
     near, far = symbols.prism_rings(e, page.drawing.view)
-    page.body.append(symbols.prism([page.at(p) for p in near], [page.at(p) for p in far], "far" in e.role))
+    page.body.append(symbols.prism([page.at(p) for p in near], [page.at(p) for p in far], e.far))
     outline = symbols.hull([page.at(p) for p in near + far])
     for a, b in zip(outline, outline[1:] + outline[:1], strict=True):
         page.crowd.keep_clear(a, b)
@@ -175,7 +185,11 @@ def _prism(page: Page, e: Prism) -> None:
 def _text(page: Page, e: Label) -> None:
     x, y = page.at(e.at)
     dx, dy = page.towards(e.direction) if e.direction else (0.8, -0.8)
-    page.wanted.append(Wanted(e.text, "name" if e.role == "name" else f"{e.role}-text num", [(x, y, dx, dy), (x, y, -dx, -dy)]))
+    page.wanted.append(
+        Wanted(
+            e.text, "name" if e.role == "name" else f"{e.role}-text num", [(x, y, dx, dy), (x, y, -dx, -dy)]
+        )
+    )
 
 
 _DRAW = {Line: _line, Arrow: _arrow, Turn: _turn, Arc: _arc, Mark: _mark, Prism: _prism, Label: _text}
@@ -186,11 +200,14 @@ def _tooltip(text: str) -> str:
     return f"<title>{escape(texts.plain(text))}</title>"
 
 
+def _centred(css: str, x: float, y: float, text: str) -> str:
+    return f'<text class="{css}" x="{x:.1f}" y="{y:.1f}" text-anchor="middle">{texts.marked(text)}</text>'
+
+
 def _label(placed: Placed) -> str:
     left, top, right, bottom = placed.box
-    return (
-        f'<text class="halo {placed.wanted.css}" x="{(left + right) / 2:.1f}" y="{bottom - (bottom - top) * 0.27:.1f}" '
-        f'text-anchor="middle">{texts.marked(placed.wanted.text)}</text>'
+    return _centred(
+        f"halo {placed.wanted.css}", (left + right) / 2, bottom - (bottom - top) * 0.27, placed.wanted.text
     )
 
 
@@ -213,5 +230,5 @@ def _compass(view: View, at: tuple[float, float]) -> list[str]:
         u, v = 20.0 * view.rows[0][k], -20.0 * view.rows[1][k]
         out.append(symbols.arrow(at, (at[0] + u, at[1] + v), name))
         far = 1.0 + 9.0 / max(math.hypot(u, v), 6.0)
-        out.append(f'<text class="tick" x="{at[0] + far * u:.1f}" y="{at[1] + far * v + 4:.1f}" text-anchor="middle">{name}</text>')
+        out.append(_centred("tick", at[0] + far * u, at[1] + far * v + 4, name))
     return out

@@ -36,7 +36,9 @@ def arrow(a: Pixel, b: Pixel, role: str, heads: int = 1, title: str = "") -> str
     u, v = (b[0] - a[0]) / length, (b[1] - a[1]) / length
     size = min(10.0, max(5.0, 0.4 * length))
     shaft = (b[0] - 0.7 * size * u, b[1] - 0.7 * size * v)
-    tips = [head((b[0] - k * 0.8 * size * u, b[1] - k * 0.8 * size * v), (u, v), role, size) for k in range(heads)]
+    tips = [
+        head((b[0] - k * 0.8 * size * u, b[1] - k * 0.8 * size * v), (u, v), role, size) for k in range(heads)
+    ]
     return f'<g>{title}<path class="{role}" d="{path([a, shaft])}"/>{"".join(tips)}</g>'
 
 
@@ -85,10 +87,8 @@ def sphere(at: Pixel, size: float, heading: Pixel, role: str) -> str:
 def com(at: Pixel, size: float, heading: Pixel, role: str) -> str:
     """The quartered disc of a centre of mass."""
     x, y = at
-    quarters = "".join(
-        f"M{x:.1f} {y:.1f}L{x + sx * size:.1f} {y:.1f}A{size:g} {size:g} 0 0 {int(sx * sy > 0)} {x:.1f} {y + sy * size:.1f}Z"
-        for sx, sy in ((1, -1), (-1, 1))
-    )
+    arc = f"A{size:g} {size:g} 0 0"
+    quarters = f"M{x:.1f} {y:.1f}h{size:g}{arc} 0 {x:.1f} {y - size:.1f}ZM{x:.1f} {y:.1f}h{-size:g}{arc} 0 {x:.1f} {y + size:.1f}Z"
     return f'<circle class="com" cx="{x:.1f}" cy="{y:.1f}" r="{size:g}"/><path class="comq" d="{quarters}"/>'
 
 
@@ -102,7 +102,8 @@ def ground(at: Pixel, size: float, heading: Pixel, role: str) -> str:
     strokes = [path([local(k, -1.7), local(k - 0.6, -2.3)]) for k in np.linspace(-1.5, 2.1, 7)]
     line = path([local(-2.1, -1.7), local(2.1, -1.7)])
     triangle = path([local(0, 0), local(-1.2, -1.7), local(1.2, -1.7)], True)
-    return f'<path class="hatch" d="{"".join(strokes)}"/><path class="rail" d="{line}"/><path class="pin" d="{triangle}"/>'
+    parts = {"hatch": "".join(strokes), "rail": line, "pin": triangle}
+    return "".join(f'<path class="{css}" d="{d}"/>' for css, d in parts.items())
 
 
 def slider(at: Pixel, size: float, heading: Pixel, role: str) -> str:
@@ -144,7 +145,8 @@ def prism_rings(prism: Prism, view: View) -> tuple[list[Point], list[Point]]:
 def prism(near: list[Pixel], far: list[Pixel], distant: bool) -> str:
     """Its outline, and the end that is seen."""
     group = '<g class="far">' if distant else "<g>"
-    return f'{group}<path class="side" d="{path(hull(near + far), True)}"/><path class="cap" d="{path(near, True)}"/></g>'
+    side = f'<path class="side" d="{path(hull(near + far), True)}"/>'
+    return f'{group}{side}<path class="cap" d="{path(near, True)}"/></g>'
 
 
 def hull(points: list[Pixel]) -> list[Pixel]:

@@ -33,26 +33,39 @@ def write(study: Study, path: Path) -> Path:
 def page(study: Study) -> str:
     """The whole page."""
     diagrams, loads = figures.free_bodies(study)
-    return _templates().get_template("page.html").render(
-        study=study,
-        model=study.model,
-        facts=_facts(study),
-        notices=_notices(study),
-        robot=figures.robot(study),
-        drives=tables.drives(study),
-        ranges=tables.ranges(study),
-        bodies=tables.bodies(study),
-        gravity=tables.gravity(study),
-        reactions=tables.reactions(study),
-        checks=tables.checks(study),
-        plots={
-            name: list(getattr(figures, name)(study))
-            for name in ("kinematics", "gravity", "motion", "torques", "powers", "energies", "reactions", "drift")
-        },
-        free_bodies=list(zip(diagrams, (tables.loads(study, body) for body in loads), strict=True)),
-        versions=_versions(),
-        colours=(theme.page_colours(dark=False), theme.page_colours(dark=True)),
-        figure_style=Markup(theme.style("@media screen and (prefers-color-scheme:dark)")),
+    return (
+        _templates()
+        .get_template("page.html")
+        .render(
+            study=study,
+            model=study.model,
+            facts=_facts(study),
+            notices=_notices(study),
+            robot=figures.robot(study),
+            drives=tables.drives(study),
+            ranges=tables.ranges(study),
+            bodies=tables.bodies(study),
+            gravity=tables.gravity(study),
+            reactions=tables.reactions(study),
+            checks=tables.checks(study),
+            plots={
+                name: list(getattr(figures, name)(study))
+                for name in (
+                    "kinematics",
+                    "gravity",
+                    "motion",
+                    "torques",
+                    "powers",
+                    "energies",
+                    "reactions",
+                    "drift",
+                )
+            },
+            free_bodies=list(zip(diagrams, (tables.loads(study, body) for body in loads), strict=True)),
+            versions=_versions(),
+            colours=(theme.page_colours(dark=False), theme.page_colours(dark=True)),
+            figure_style=Markup(theme.style("@media screen and (prefers-color-scheme:dark)")),
+        )
     )
 
 
@@ -108,9 +121,15 @@ def _source(study: Study) -> tuple[str, str]:
     """Where the robot comes from, and the whole path of its file."""
     source = study.model.source
     name = Path(source).name
-    return (name, source) if Path(source).suffix in SUFFIXES and name != source else (source or "built in code", "")
+    return (
+        (name, source)
+        if Path(source).suffix in SUFFIXES and name != source
+        else (source or "built in code", "")
+    )
 
 
 def _versions() -> dict[str, str]:
     packages = ("numpy", "scipy", "xarray", "llvmlite")
-    return {"freebody": freebody.__version__, "Python": platform.python_version()} | {p: version(p) for p in packages}
+    return {"freebody": freebody.__version__, "Python": platform.python_version()} | {
+        p: version(p) for p in packages
+    }

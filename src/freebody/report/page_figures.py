@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from freebody.figures.fbd import PANEL, TALLEST, diagrams
+from freebody.figures.body import PANEL, TALLEST, diagrams
 from freebody.figures.loads import BodyLoads, body_loads
 from freebody.figures.plots import Plot, plot
 from freebody.figures.robot import robot_drawing
 from freebody.figures.svg import picture
 from freebody.motion.ranges import ranges as allowed
 from freebody.report.study import Study
+from freebody.report.tables import shortened
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,24 +45,38 @@ def robot(study: Study) -> Figure:
     model = study.model.replace(tip=study.tip)
     q = study.motion.q
     count = len(study.motion.t)
-    others = {0, count // 4, count // 2, 3 * count // 4} if len(model.bodies) <= 12 else {count // 4, 3 * count // 4}
+    others = (
+        {0, count // 4, count // 2, 3 * count // 4}
+        if len(model.bodies) <= 12
+        else {count // 4, 3 * count // 4}
+    )
     ghosts = [q[k] for k in sorted(others - {study.worst.index})]
     path = study.data["tip_position"].values
     step = max(1, count // 240)
     svg = picture(robot_drawing(model, q[study.worst.index], ghosts, path[::step]), 640, 540).text(css=False)
-    return Figure(svg, f"At the worst instant, t = {study.worst.time:.3g} s; fainter: other poses of the motion. Orange: the path of {study.tip}.")
+    return Figure(
+        svg,
+        f"At the worst instant, t = {study.worst.time:.3g} s; fainter: other poses of the motion. "
+        f"Orange: the path of {study.tip}.",
+    )
 
 
 def free_bodies(study: Study) -> tuple[list[Figure], tuple[BodyLoads, ...]]:
     """The diagram of each body at the worst instant, and the loads they show."""
     k, m = study.worst.index, study.motion
     found = body_loads(study.model, m.q[k], m.qd[k], m.qdd[k])
-    return [Figure(picture(d, PANEL, TALLEST).text(css=False)) for d in diagrams(found, study.model.dim)], found
+    return [
+        Figure(picture(d, PANEL, TALLEST).text(css=False)) for d in diagrams(found, study.model.dim)
+    ], found
 
 
 def motion(study: Study) -> Iterator[Figure]:
     """Positions, rates, accelerations."""
-    for variable, what, suffix in (("q", "Position", ""), ("qd", "Speed", "/s"), ("qdd", "Acceleration", "/s²")):
+    for variable, what, suffix in (
+        ("q", "Position", ""),
+        ("qd", "Speed", "/s"),
+        ("qdd", "Acceleration", "/s²"),
+    ):
         yield from _overlays(study, variable, what, suffix)
 
 
@@ -78,16 +93,24 @@ def torques(study: Study) -> Iterator[Figure]:
 
 def parts(study: Study) -> dict[str, str]:
     """Variables of the torque and its parts that are there at all, and what they are called."""
-    return {name: words for name, words in _PARTS.items() if name == "tau" or np.abs(study.data[name].values).max() > 0}
+    return {
+        name: words
+        for name, words in _PARTS.items()
+        if name == "tau" or np.abs(study.data[name].values).max() > 0
+    }
 
 
 def powers(study: Study) -> Iterator[Figure]:
     """Mechanical power of the drives, and of all together."""
     data = study.data
     for names in _chunks(study.model.velocity_names):
-        curves = {s: data["power"].sel(coordinate=n).values for n, s in zip(names, shortened(names), strict=True)}
+        curves = {
+            s: data["power"].sel(coordinate=n).values for n, s in zip(names, shortened(names), strict=True)
+        }
         yield _plot(study, "Power of each drive", curves, "W")
-    yield _plot(study, "Power of all drives", {"all": data["motor_power"].values}, "W", legend=False, peaks=True)
+    yield _plot(
+        study, "Power of all drives", {"all": data["motor_power"].values}, "W", legend=False, peaks=True
+    )
 
 
 def energies(study: Study) -> Iterator[Figure]:
@@ -96,15 +119,32 @@ def energies(study: Study) -> Iterator[Figure]:
     kinetic, potential = data["kinetic_energy"].values, data["potential_energy"].values
     start = float(potential[0])
     total = kinetic + potential - start
-    yield _plot(study, "Energy since the start", {"kinetic": kinetic, "potential": potential - start, "total": total}, "J")
-    yield _plot(study, "Residual of the balance", {"residual": data["energy_residual"].values}, "J", legend=False, peaks=True)
+    yield _plot(
+        study,
+        "Energy since the start",
+        {"kinetic": kinetic, "potential": potential - start, "total": total},
+        "J",
+    )
+    yield _plot(
+        study,
+        "Residual of the balance",
+        {"residual": data["energy_residual"].values},
+        "J",
+        legend=False,
+        peaks=True,
+    )
 
 
 def kinematics(study: Study) -> Iterator[Figure]:
     """The tip's path and speed, and how near the arm is to a singular pose."""
     data = study.data
     position = data["tip_position"]
-    yield _plot(study, f"Position of {study.tip}", {str(a): position.sel(axis=a).values for a in position["axis"].values}, "m")
+    yield _plot(
+        study,
+        f"Position of {study.tip}",
+        {str(a): position.sel(axis=a).values for a in position["axis"].values},
+        "m",
+    )
     speed = np.linalg.norm(data["tip_velocity"].values, axis=-1)
     yield _plot(study, f"Speed of {study.tip}", {"speed": speed}, "m/s", legend=False, peaks=True)
     smallest = data["smallest_singular_value"]
@@ -119,7 +159,10 @@ def gravity(study: Study) -> Iterator[Figure]:
 
 def reactions(study: Study) -> Iterator[Figure]:
     """Magnitude of each joint's reaction."""
-    for variable, what, unit in (("reaction_force", "Reaction force", "N"), ("reaction_moment", "Reaction moment", "N m")):
+    for variable, what, unit in (
+        ("reaction_force", "Reaction force", "N"),
+        ("reaction_moment", "Reaction moment", "N m"),
+    ):
         size = np.linalg.norm(study.data[variable].values, axis=-1)
         names = study.model.joint_names
         for chunk in _chunks(names):
@@ -135,11 +178,15 @@ def drift(study: Study) -> Iterator[Figure]:
     off = np.abs(replay.drift).max(axis=1)
     floor = max(float(off[off > 0].min(initial=1e-16)), 1e-16)
     curve = {"largest of all coordinates": np.maximum(off, floor)}
-    what = Plot("Open loop: distance from the motion", replay.drift_time, curve, "rad, m", legend=False, log=True)
+    what = Plot(
+        "Open loop: distance from the motion", replay.drift_time, curve, "rad, m", legend=False, log=True
+    )
     yield Figure(plot(what).text(css=False))
 
 
-def _overlays(study: Study, variable: str, what: str, suffix: str, unit_name: str = "unit") -> Iterator[Figure]:
+def _overlays(
+    study: Study, variable: str, what: str, suffix: str, unit_name: str = "unit"
+) -> Iterator[Figure]:
     """Coordinates of one unit together, at most eight a picture."""
     array = study.data[variable]
     dim = "position" if "position" in array.dims else "coordinate"
@@ -157,20 +204,6 @@ def _units(study: Study, array: xr.DataArray, dim: str, unit_name: str) -> Itera
     known = dict(zip(study.model.velocity_names, (str(u) for u in study.data[unit_name].values), strict=True))
     for name in (str(n) for n in array[dim].values):
         yield name, known.get(name, "1" if ".quat_" in name else "m")
-
-
-def shortened(names: Sequence[str]) -> list[str]:
-    """Names for a legend: without the words that all of them begin and end with."""
-    if len(names) < 2:
-        return list(names)
-    words = [name.split("_") for name in names]
-    shortest = min(map(len, words))
-    before = after = 0
-    while before < shortest - 1 and len({w[before] for w in words}) == 1:
-        before += 1
-    while after < shortest - 1 - before and len({w[-1 - after] for w in words}) == 1:
-        after += 1
-    return ["_".join(w[before : len(w) - after]) for w in words]
 
 
 def _chunks(names: Sequence[str]) -> Iterator[Sequence[str]]:

@@ -1,221 +1,244 @@
-"""The tables of the report."""
+"""The tables of the report: which variables of the data stand in which column."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import numpy as np
+import xarray as xr
 from markupsafe import Markup
 
-from freebody.figures.loads import BodyLoads
+from freebody.figures.loads import BodyLoads, Load
 from freebody.figures.text import html
-from freebody.motion.ranges import ranges as allowed
+from freebody.model.parts import Joint
+from freebody.report.facts import facts
 from freebody.report.study import Study
-from freebody.report.tables import Cell, Head, Number, Table, Text, alone, table, typeset
-
-if TYPE_CHECKING:
-    import xarray as xr
+from freebody.report.tables import Cell, Head, Number, Table, Text, alone, shortened, table, typeset
 
 _EFFORTS = {"N m": "Peak torque", "N": "Peak force"}
 _USE = "share of the limit that is used; above 100 % the limit is exceeded"
+_POSE = 8  # coordinates of a pose that a table has room for
+
+Column = tuple[Head, Sequence[Cell]]
+
+
+@dataclass(frozen=True)
+class Printed:
+    """A column of numbers: a variable of the data along one dimension, `at` fixed labels of its others.
+
+    unit: of all, or one a row. A share is printed in percent with a bar.
+    """
+
+    title: str
+    variable: str
+    unit: str | Sequence[str] = ""
+    tip: str = ""
+    scale: float = 1.0
+    share: bool = False
+    at: tuple[tuple[str, str], ...] = ()
+
+    def column(self, book: xr.Dataset, dim: str, names: Sequence[str]) -> Column:
+        """Head and cells for the rows `names`."""
+        values = book[self.variable].sel(dict(self.at)).sel({dim: list(names)}).values
+        units = [self.unit] * len(names) if isinstance(self.unit, str) else list(self.unit)
+        same = len(set(units)) == 1
+        cells = [
+            Number(
+                float(x),
+                self.variable,
+                {dim: name, **dict(self.at)},
+                "" if same else unit,
+                100.0 if self.share else self.scale,
+                bar=float(x) if self.share else None,
+            )
+            for x, name, unit in zip(values, names, units, strict=True)
+        ]
+        return Head(self.title, "%" if self.share else units[0] if same else "", self.tip), cells
 
 
 def drives(study: Study) -> Table:
     """What motors and gears are chosen by."""
-    efforts, rates = _units(study, "effort_unit"), [f"{u}/s" for u in _units(study, "unit")]
-    limited = [bool(np.isfinite(study.summary[k].values).any()) for k in ("effort_fraction", "velocity_fraction")]
+    efforts, rates = _units(study, "effort_unit"), _rates(study)
+    title = _EFFORTS.get(efforts[0], "") if len(set(efforts)) == 1 else "Peak torque, force"
     columns = [
-        (Head(_EFFORTS.get(_one(efforts), "Peak torque, force"), _one(efforts), "largest in magnitude, with its sign"), _cells(study, "peak_torque", efforts)),
-        (Head("at", "s", "when it occurs"), _cells(study, "peak_torque_time")),
-        (Head("RMS", _one(efforts), "root mean square over the motion: what heats a motor"), _cells(study, "rms_torque", efforts)),
+        Printed(title, "peak_torque", efforts, "largest in magnitude, with its sign"),
+        Printed("at", "peak_torque_time", "s", "when it occurs"),
+        Printed("RMS", "rms_torque", efforts, "root mean square over the motion: what heats a motor"),
+        Printed("Peak / limit", "effort_fraction", "", _USE, share=True),
+        Printed("RMS / limit", "rms_fraction", "", _USE, share=True),
+        Printed("Peak speed", "peak_speed", rates, "largest in magnitude"),
+        Printed("Speed / limit", "velocity_fraction", "", _USE, share=True),
+        Printed("Peak power", "peak_power", "W", "torque times speed; negative where the drive brakes"),
+        Printed("Mean power", "mean_power", "W", "over the motion"),
     ]
-    if limited[0]:
-        columns += [(Head("Peak / limit", "%", _USE), _shares(study, "effort_fraction")),
-                    (Head("RMS / limit", "%", _USE), _shares(study, "rms_fraction"))]  # fmt: skip
-    columns.append((Head("Peak speed", _one(rates), "largest in magnitude"), _cells(study, "peak_speed", rates)))
-    if limited[1]:
-        columns.append((Head("Speed / limit", "%", _USE), _shares(study, "velocity_fraction")))
-    columns += [
-        (Head("Peak power", "W", "torque times speed; negative where the drive brakes"), _cells(study, "peak_power")),
-        (Head("Mean power", "W", "over the motion"), _cells(study, "mean_power")),
-    ]
-    return _named_table("What each drive must give", "Coordinate", study.model.velocity_names, columns)
+    return _by_coordinate("What each drive must give", study, study.model.velocity_names, columns)
 
 
 def ranges(study: Study) -> Table | None:
     """How far each coordinate goes, and its limits; None where no coordinate has a range."""
     units = _units(study, "unit")
-    limits = allowed(study.model)
-    columns = [
-        (Head("Lowest", _one(units)), _cells(study, "lowest", units)),
-        (Head("Highest", _one(units)), _cells(study, "highest", units)),
-        (Head("Lower limit", _one(units)), _facts(limits.lower, "limits.lower", units)),
-        (Head("Upper limit", _one(units)), _facts(limits.upper, "limits.upper", units)),
-        (Head("Range used", "%", "distance from the middle of the range; 100 % at a limit"), _shares(study, "position_fraction")),
-        (Head("Speed limit", _one([f"{u}/s" for u in units])), _facts(limits.velocity, "limits.velocity", [f"{u}/s" for u in units])),
-        (Head("Effort limit", _one(_units(study, "effort_unit"))), _facts(limits.effort, "limits.effort", _units(study, "effort_unit"))),
-    ]  # fmt: skip
-    shown = [
-        (head, cells)
-        for head, cells in columns
-        if any(isinstance(cell, Number) and math.isfinite(cell.value) for cell in cells)
-    ]
-    if not shown:
+    if not np.isfinite(study.summary["lowest"].values).any():
         return None
-    return _named_table("How far the motion goes", "Coordinate", study.model.velocity_names, shown)
+    columns = [
+        Printed("Lowest", "lowest", units),
+        Printed("Highest", "highest", units),
+        Printed("Lower limit", "lower_limit", units),
+        Printed("Upper limit", "upper_limit", units),
+        Printed(
+            "Range used", "position_fraction", "", "distance from the middle; 100 % at a limit", share=True
+        ),
+        Printed("Speed limit", "velocity_limit", _rates(study)),
+        Printed("Effort limit", "effort_limit", _units(study, "effort_unit")),
+    ]
+    return _by_coordinate("How far the motion goes", study, study.model.velocity_names, columns)
 
 
 def bodies(study: Study) -> Table:
     """Masses and centres of mass, and what carries each body."""
     model = study.model
-    parts = [inertia(study, k) for k in range(len(model.bodies))]
-    axes = "xyz"[: model.dim]
-    columns: list[tuple[Head, Sequence[Cell]]] = [
-        (Head("Joint", number=False), [Text(b.joint.name) for b in model.bodies]),
-        (Head("Kind", number=False), [Text(_kind(b.joint)) for b in model.bodies]),
-        (Head("Hangs on", number=False), [Text(model.bodies[b.parent].name if b.parent >= 0 else "ground") for b in model.bodies]),
-        (Head("Mass", "kg"), [Number(p[0], fact=f"body_mass[{k}]") for k, p in enumerate(parts)]),
-    ]  # fmt: skip
-    for j, axis in enumerate(axes):
-        tip = "centre of mass from the joint's origin, in the body's axes at its joint"
-        columns.append((Head(f"c{axis}", "mm", tip), [Number(p[1][j], fact=f"body_com[{k}][{j}]", scale=1e3) for k, p in enumerate(parts)]))
-    return _named_table("Bodies: what moves as one piece", "Body", [b.name for b in model.bodies], columns)
-
-
-def inertia(study: Study, k: int) -> tuple[float, tuple[float, ...]]:
-    """Mass and centre of mass of body k, in its axes."""
-    tree = study.model.tree
-    masses = tree.bodies[tree.body_of[k]].masses
-    total = float(sum(m.m for m in masses))
-    if not total:
-        return 0.0, (0.0,) * study.model.dim
-    return total, tuple(float(sum(m.m * m.c[j] for m in masses)) / total for j in range(study.model.dim))
+    names = [body.name for body in model.bodies]
+    parents = ["ground" if body.parent < 0 else names[body.parent] for body in model.bodies]
+    tip = "centre of mass from the joint's origin, in the body's axes at its joint"
+    columns: list[Column] = [
+        (Head("Joint", number=False), [Text(body.joint.name) for body in model.bodies]),
+        (Head("Kind", number=False), [Text(_kind(body.joint)) for body in model.bodies]),
+        (Head("Hangs on", number=False), [Text(parent) for parent in parents]),
+    ]
+    book = facts(study)
+    printed = [Printed("Mass", "body_mass", "kg")] + [
+        Printed(f"c{axis}", "body_com_local", "mm", tip, scale=1e3, at=(("axis", axis),))
+        for axis in _axes(study, "axis")
+    ]
+    columns += [p.column(book, "body", names) for p in printed]
+    return _listed("Bodies: what moves as one piece", "Body", names, columns)
 
 
 def gravity(study: Study) -> Table | None:
-    """The worst poses at rest, and the largest gravity load along the motion."""
-    if not study.static:
-        return None
+    """The worst poses at rest, and the largest gravity load along the motion; None where gravity loads nothing."""
     names = [pose.coordinate for pose in study.static]
+    if not names:
+        return None
     units = [pose.unit for pose in study.static]
-    along = [
-        Number(float(study.summary["gravity_torque_peak"].sel(coordinate=n)), "gravity_torque_peak", {"coordinate": n}, unit=u)
-        for n, u in zip(names, _suffixes(units), strict=True)
+    columns = [
+        Printed("During the motion", "gravity_torque_peak", units, "largest gravity part of the torque"),
+        Printed("Worst pose", "worst_gravity_torque", units, "largest found in any pose within the limits"),
+        Printed("Worst / limit", "worst_gravity_fraction", "", _USE, share=True),
     ]
-    worst = [Number(p.torque, fact=f"static[{k}].torque", unit=u) for k, (p, u) in enumerate(zip(study.static, _suffixes(units), strict=True))]
-    columns: list[tuple[Head, Sequence[Cell]]] = [
-        (Head("During the motion", _one(units), "largest gravity part of the torque along the motion"), along),
-        (Head("Worst pose", _one(units), "largest found in any pose within the limits"), worst),
-    ]
-    if any(np.isfinite(p.fraction) for p in study.static):
-        columns.append((Head("Worst / limit", "%", _USE), [Number(p.fraction, fact=f"static[{k}].fraction", scale=100.0, bar=p.fraction) for k, p in enumerate(study.static)]))
-    poses = [Text(", ".join(f"{x:z.2f}".replace("-", "−") for x in p.q), css="pose") for p in study.static]
-    if study.model.nq <= 8:
-        columns.append((Head(f"q of the worst pose: {', '.join(study.model.position_names)}" if study.model.nq < 4 else "q of the worst pose, rad and m", number=False), poses))
-    return _named_table("What gravity alone asks", "Coordinate", names, columns)
+    positions = study.model.position_names
+    if len(positions) <= _POSE:
+        columns += [
+            Printed(
+                f"q: {short}",
+                "worst_gravity_pose",
+                "",
+                f"{name} in the worst pose, rad or m",
+                at=(("position", name),),
+            )
+            for name, short in zip(positions, shortened(positions), strict=True)
+        ]
+    return _by_coordinate("What gravity alone asks", study, names, columns)
 
 
 def reactions(study: Study) -> Table:
     """What bearings are chosen by."""
     columns = [
-        (Head("Peak force", "N", "magnitude of all that the parent exerts on the child"), _cells(study, "peak_force", dim="joint")),
-        (Head("at", "s"), _cells(study, "peak_force_time", dim="joint")),
-        (Head("Peak moment", "N m", "about the joint's origin, the drive's torque included"), _cells(study, "peak_moment", dim="joint")),
-        (Head("at", "s"), _cells(study, "peak_moment_time", dim="joint")),
+        Printed("Peak force", "peak_force", "N", "magnitude of all that the parent exerts on the child"),
+        Printed("at", "peak_force_time", "s"),
+        Printed("Peak moment", "peak_moment", "N m", "about the joint's origin, the drive's torque included"),
+        Printed("at", "peak_moment_time", "s"),
     ]
-    return _named_table("What each joint transmits", "Joint", study.model.joint_names, columns)
+    names = study.model.joint_names
+    listed = [p.column(study.summary, "joint", names) for p in columns]
+    return _listed("What each joint transmits", "Joint", names, listed)
 
 
 def checks(study: Study) -> Table:
     """Each check with its value and bar."""
-    rows = study.checks
-    columns: list[tuple[Head, Sequence[Cell]]] = [
-        (Head("Result", number=False), [Text("passed" if c.passed else "failed", css="ok" if c.passed else "bad") for c in rows]),
-        (Head("Value"), [alone(Number(c.value, fact=f"checks[{k}].value"), 2) for k, c in enumerate(rows)]),
-        (Head("Bar", tip="the largest value that passes"), [alone(Number(c.bar, fact=f"checks[{k}].bar"), 2) for k, c in enumerate(rows)]),
-        (Head("What is compared", number=False), [Text(typeset(c.text), css="wide") for c in rows]),
+    names, book = [c.name for c in study.checks], facts(study)
+    results = [
+        Text("passed" if c.passed else "failed", css="ok" if c.passed else "bad") for c in study.checks
     ]
-    return _named_table("Two ways to the same quantity", "Check", [c.name for c in rows], columns)
+    columns: list[Column] = [(Head("Result", number=False), results)]
+    for printed in (
+        Printed("Value", "check_value"),
+        Printed("Bar", "check_bar", tip="the largest value that passes"),
+    ):
+        head, cells = printed.column(book, "check", names)
+        columns.append((head, [alone(cell, 2) for cell in cells if isinstance(cell, Number)]))
+    columns.append(
+        (Head("What is compared", number=False), [Text(typeset(c.text), css="wide") for c in study.checks])
+    )
+    return _listed("Two ways to the same quantity", "Check", names, columns)
 
 
 def loads(study: Study, body: BodyLoads) -> Table:
     """Components of all that acts on a body at the worst instant, world axes."""
-    axes, moments = [str(a) for a in study.data["axis"].values], [str(a) for a in study.data["moment_axis"].values]
-    names, by, rows = [], [], []
-    for k, load in enumerate(body.loads):
-        joint, sign = _joint_of(study, body, load.role, load.name)
-        names.append(Markup(html(load.name) + (f", {html(load.moment_name)}" if load.moment_name else "")))
-        by.append(Text(load.other))
-        rows.append(
-            _components(study, ("reaction_force", "axis", axes), joint, sign, load.force, f"loads[{body.body.index}][{k}].force")
-            + _components(study, ("reaction_moment", "moment_axis", moments), joint, sign, load.moment, f"loads[{body.body.index}][{k}].moment")
-        )
-    heads = [*(Head(f"F{a}", "N") for a in axes), *(Head(f"M{a}", "N m", "about the place where the force acts") for a in moments)]
-    columns = [(head, [row[k] for row in rows]) for k, head in enumerate(heads)]
-    return _named_table("", "Load", names, [(Head("exerted by", number=False), by), *columns])
+    forces, moments = _axes(study, "axis"), _axes(study, "moment_axis")
+    symbols = [
+        Markup(html(load.name) + (f", {html(load.moment_name)}" if load.moment_name else ""))
+        for load in body.loads
+    ]
+    columns: list[Column] = [(Head("exerted by", number=False), [Text(load.other) for load in body.loads])]
+    for j, axis in enumerate(forces):
+        columns.append((Head(f"F{axis}", "N"), [_force(study, body, load, axis, j) for load in body.loads]))
+    for j, axis in enumerate(moments):
+        head = Head(f"M{axis}", "N m", "about the place where the force acts")
+        columns.append((head, [_moment(study, load, axis, j) for load in body.loads]))
+    return _listed("", "Load", symbols, columns)
 
 
-def _components(
-    study: Study, source: tuple[str, str, list[str]], joint: str, sign: float, values: np.ndarray, fact: str
-) -> list[Cell]:
-    """Numbers of a reaction, which stands in the data file, or of a load that does not."""
-    variable, dim, axes = source
-    if not joint:
-        return [Number(float(x), fact=f"{fact}[{j}]", text="" if x else "0") for j, x in enumerate(values)]
-    picked: list[dict[str, str | int]] = [{"time": study.worst.index, "joint": joint, dim: a} for a in axes]
-    return [Number(sign * float(x), variable, at, scale=sign) for x, at in zip(values, picked, strict=True)]
+def _force(study: Study, body: BodyLoads, load: Load, axis: str, j: int) -> Cell:
+    """A component of a reaction or a weight."""
+    if load.joint is None:
+        return Number(float(load.force[j]), "body_weight", {"body": body.body.name, "axis": axis})
+    return _reaction(study, "reaction_force", load, {"axis": axis}, float(load.force[j]))
 
 
-def _joint_of(study: Study, body: BodyLoads, role: str, name: str) -> tuple[str, float]:
-    """The joint whose reaction a load is, and its sign; empty for weights."""
-    if role == "reaction":
-        return study.model.joint_names[body.body.index], 1.0
-    if role == "counter":
-        return study.model.joint_names[int(name.rstrip("}").split(",")[-1]) - 1], -1.0
-    return "", 1.0
+def _moment(study: Study, load: Load, axis: str, j: int) -> Cell:
+    if load.joint is None:
+        return Text("", css="n")
+    return _reaction(study, "reaction_moment", load, {"moment_axis": axis}, float(load.moment[j]))
 
 
-def _kind(joint: object) -> str:
-    mimic = getattr(joint, "mimic", None)
-    kind = str(getattr(joint, "kind", ""))
-    return kind if mimic is None else f"{kind}, follows {mimic.joint}"
+def _reaction(study: Study, variable: str, load: Load, axis: dict[str, str | int], value: float) -> Number:
+    """On the child as in the data; on the parent its opposite."""
+    sign = -1.0 if load.role == "counter" else 1.0
+    assert load.joint is not None
+    at: dict[str, str | int] = {
+        "time": study.worst.index,
+        "joint": study.model.joint_names[load.joint],
+        **axis,
+    }
+    return Number(sign * value, variable, at, scale=sign)
 
 
-def _named_table(caption: str, title: str, names: Iterable[str], columns: Sequence[tuple[Head, Sequence[Cell]]]) -> Table:
-    listed = list(names)
-    numbers: list[Cell] = [Text(str(k + 1), css="count") for k in range(len(listed))]
-    first: list[Cell] = [Text(n, strong=True) for n in listed]
-    heads = [Head("", number=True), Head(title, number=False), *(head for head, _ in columns)]
+def _kind(joint: Joint) -> str:
+    return joint.kind if joint.mimic is None else f"{joint.kind}, follows {joint.mimic.joint}"
+
+
+def _by_coordinate(caption: str, study: Study, names: Sequence[str], columns: Sequence[Printed]) -> Table:
+    """Rows are coordinates; columns without any finite number are left out."""
+    book = xr.merge([study.summary, facts(study)], compat="no_conflicts", combine_attrs="drop")
+    shown = [p for p in columns if np.isfinite(book[p.variable].sel(coordinate=list(names)).values).any()]
+    return _listed(caption, "Coordinate", names, [p.column(book, "coordinate", names) for p in shown])
+
+
+def _listed(caption: str, title: str, names: Iterable[str], columns: Sequence[Column]) -> Table:
+    """Numbered and named rows."""
+    first: list[Cell] = [Text(name, strong=True) for name in names]
+    numbers: list[Cell] = [Text(str(k + 1), css="count") for k in range(len(first))]
+    heads = [Head(""), Head(title, number=False), *(head for head, _ in columns)]
     return table(caption, heads, [numbers, first, *(cells for _, cells in columns)])
 
 
-def _cells(study: Study, variable: str, units: Sequence[str] = (), dim: str = "coordinate") -> list[Cell]:
-    array: xr.DataArray = study.summary[variable]
-    suffixes = _suffixes(units) if units else [""] * array.size
-    names = [str(n) for n in array[dim].values]
-    return [Number(float(x), variable, {dim: n}, unit=u) for x, n, u in zip(array.values, names, suffixes, strict=True)]
-
-
-def _shares(study: Study, variable: str) -> list[Cell]:
-    array = study.summary[variable]
-    names = [str(n) for n in array["coordinate"].values]
-    return [Number(float(x), variable, {"coordinate": n}, scale=100.0, bar=float(x)) for x, n in zip(array.values, names, strict=True)]
-
-
-def _facts(values: Sequence[float] | np.ndarray, fact: str, units: Sequence[str]) -> list[Cell]:
-    return [Number(float(x), fact=f"{fact}[{k}]", unit=u) for k, (x, u) in enumerate(zip(values, _suffixes(units), strict=True))]
-
-
 def _units(study: Study, name: str) -> list[str]:
-    return [str(u) for u in study.summary[name].values]
+    return [str(unit) for unit in study.summary[name].values]
 
 
-def _one(units: Sequence[str]) -> str:
-    """The unit of all, or nothing where they differ."""
-    return units[0] if len(set(units)) == 1 else ""
+def _rates(study: Study) -> list[str]:
+    return [f"{unit}/s" for unit in _units(study, "unit")]
 
 
-def _suffixes(units: Sequence[str]) -> list[str]:
-    return [""] * len(units) if len(set(units)) == 1 else list(units)
+def _axes(study: Study, name: str) -> list[str]:
+    return [str(axis) for axis in study.data[name].values]

@@ -6,27 +6,25 @@ import json
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from markupsafe import Markup, escape
 
 from freebody.figures.text import superscript
-
 
 _NOISE = 1e-9  # of the largest in a column: rounding, printed as 0
 
 
 @dataclass(frozen=True)
 class Number:
-    """A printed number. `variable` names an array of the data file, `at` picks its entry; or `fact` a field of the study.
+    """A printed number: the entry `at` (labels; for time the sample's index) of an array `variable` of the data file.
 
     Printed is `sign · scale · value`; NaN is printed as a dash.
     """
 
     value: float
-    variable: str = ""
-    at: Mapping[str, str | int] = field(default_factory=dict)
-    fact: str = ""
+    variable: str
+    at: Mapping[str, str | int]
     unit: str = ""
     """Printed behind the number, where the column has no single unit."""
     scale: float = 1.0
@@ -138,3 +136,17 @@ def _printed(cell: Cell, decimals: int, noise: float) -> Cell:
 
 def _decade(value: float) -> int:
     return math.floor(math.log10(abs(value)))
+
+
+def shortened(names: Sequence[str]) -> list[str]:
+    """Names without the words that all of them begin and end with."""
+    if len(names) < 2:
+        return list(names)
+    words = [name.split("_") for name in names]
+    shortest = min(map(len, words))
+    before = after = 0
+    while before < shortest - 1 and len({w[before] for w in words}) == 1:
+        before += 1
+    while after < shortest - 1 - before and len({w[-1 - after] for w in words}) == 1:
+        after += 1
+    return ["_".join(w[before : len(w) - after]) for w in words]
