@@ -87,3 +87,52 @@ def test_rows_that_cannot_be_are_refused():
         fb.operational_space_inertia(model, [0.1, 0.2], rows=["vz"])
     with pytest.raises(fb.FreebodyError, match=r"frame 'tip' of 'RR' is at a singularity"):
         fb.operational_space_inertia(model, [0.1, 0.0], rows=["vx", "vy"])
+
+
+def test_forward_dynamics_by_parameters(case):
+    model, q, qd, tau = case
+    slope = fb.forward_dynamics_parameter_derivatives(model, q, qd, tau)
+    qdd = fb.forward_dynamics(model, q, qd, tau)
+    # M q̈ + … = Y π: with more of each parameter the same torque gives -M⁻¹ Y more acceleration
+    expected = -np.linalg.solve(fb.mass_matrix(model, q), fb.regressor(model, q, qd, qdd))
+    np.testing.assert_allclose(slope, expected, atol=1e-9 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("reference", ["world", "body"])
+def test_jacobian_derivatives(case, reference):
+    model, q, qd, _ = case
+    frame = model.leaves[-1]
+    slope = fb.jacobian_derivatives(model, q, frame, reference)
+    moving = np.einsum("nijk,nk->nij", slope, qd)
+    np.testing.assert_allclose(moving, fb.jacobian_dot(model, q, qd, frame, reference), atol=1e-11)
+
+
+@pytest.mark.parametrize("language", ["numpy", "jax"])
+def test_source_computes_what_the_kernel_does(case, language):
+    model, q, qd, qdd = case
+    names = ("inverse_dynamics", "mass_matrix", "kinetic_energy")
+    if language == "jax":
+        jax = pytest.importorskip("jax", reason="JAX is an extra: pip install 'freebody[jax]'")
+        with jax.enable_x64(True):
+            results = [np.asarray(x) for x in fb.to_jax(model, names)(q, qd, qdd)]
+    else:
+        scope: dict = {}
+        exec(fb.source(model, names), scope)
+        results = scope["_".join(names)](q, qd, qdd)
+    for result, expected in zip(results, fb.kernel(model, names)(q, qd, qdd), strict=True):
+        np.testing.assert_allclose(result, expected, rtol=1e-11, atol=1e-11 * np.abs(expected).max())
+
+
+def test_jax_differentiates_and_maps():
+    jax = pytest.importorskip("jax", reason="JAX is an extra: pip install 'freebody[jax]'")
+    model = MODELS["planar"]()
+    q, qd, qdd = fb.random_state(model, seed=1, batch=5)
+    with jax.enable_x64(True):
+        inverse = fb.to_jax(model, "inverse_dynamics")
+        slope = jax.vmap(jax.jacfwd(inverse))(q, qd, qdd)
+    np.testing.assert_allclose(slope, fb.inverse_dynamics_derivatives(model, q, qd, qdd)[0], atol=1e-9)
+
+
+def test_unknown_languages_are_refused():
+    with pytest.raises(fb.FreebodyError, match=r"no language 'julia' in fb.source. Languages: numpy, jax"):
+        fb.source(MODELS["planar"](), "mass_matrix", "julia")

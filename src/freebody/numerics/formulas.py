@@ -14,7 +14,15 @@ from typing import Any, NamedTuple
 from freebody.algorithms import energy, kinematics
 from freebody.algorithms.aba import aba
 from freebody.algorithms.coriolis import coriolis_matrix, coriolis_product
-from freebody.algorithms.crba import bias, crba, forward_dynamics, mass_product, supports
+from freebody.algorithms.crba import (
+    bias,
+    crba,
+    factor,
+    forward_dynamics,
+    mass_product,
+    substitute,
+    supports,
+)
 from freebody.algorithms.derivatives import (
     Derivatives,
     forward_dynamics_derivatives,
@@ -25,7 +33,7 @@ from freebody.algorithms.regressor import energy_regressor, regressor
 from freebody.algorithms.rnea import External, external_on_frame, joint_wrenches, rnea
 from freebody.model.tree import Tree
 from freebody.scalars.dual import Dual, slopes
-from freebody.spatial import Vector
+from freebody.spatial import Vector, identity, neg, transposed
 
 
 class Option(NamedTuple):
@@ -145,13 +153,31 @@ def _seeded(values: Vector, rates: Vector) -> Vector:
     return tuple(Dual(x, {0: rate}) for x, rate in zip(values, rates, strict=True))
 
 
+def _jacobian_by_position(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
+    """Derivatives of every entry of the Jacobian along every direction of q."""
+    J = kinematics.jacobian(tree, _along_every_direction(tree, q), _frame(o), o.reference)
+    return (tuple(tuple(slopes(x, tree.nv) for x in row) for row in J),)
+
+
+def _along_every_direction(tree: Tree, q: Vector) -> Vector:
+    """q with slopes along each of the nv directions of the tangent space."""
+    units = identity(tree.nv)
+    along = [kinematics.position_rates(tree, q, unit) for unit in units]
+    return tuple(Dual(x, {k: rates[i] for k, rates in enumerate(along)}) for i, x in enumerate(q))
+
+
+def _forward_by_parameters(tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector) -> tuple[Any, ...]:
+    """∂q̈/∂π = -M⁻¹ Y."""
+    qdd = forward_dynamics(tree, q, qd, tau)
+    factors = factor(tree, crba(tree, q))
+    columns = transposed(regressor(tree, q, qd, qdd))
+    return (transposed(tuple(neg(substitute(tree, factors, column)) for column in columns)),)
+
+
 def _second(tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector) -> tuple[Any, ...]:
     """Second derivatives of tau: those of its first ones along every direction of q, and of q̇."""
     n = tree.nv
-    units = [tuple(1.0 if i == k else 0.0 for i in range(n)) for k in range(n)]
-    along = [kinematics.position_rates(tree, q, unit) for unit in units]
-    moved = tuple(Dual(x, {k: rates[i] for k, rates in enumerate(along)}) for i, x in enumerate(q))
-    by_q = inverse_dynamics_derivatives(tree, moved, qd, qdd)
+    by_q = inverse_dynamics_derivatives(tree, _along_every_direction(tree, q), qd, qdd)
     faster = tuple(Dual(x, {k: 1.0}) for k, x in enumerate(qd))
     by_qd = inverse_dynamics_derivatives(tree, q, faster, qdd)
     return tuple(
@@ -210,6 +236,10 @@ FORMULAS: dict[str, Formula] = {
         ("q", "qd", "qdd"),
         dict.fromkeys(("d2tau_dq_dq", "d2tau_dqd_dq", "d2tau_dqd_dqd", "dM_dq"), ("nv", "nv", "nv")),
         _second,
+    ),
+    "jacobian_derivatives": Formula(("q",), {"dJ_dq": ("six", "nv", "nv")}, _jacobian_by_position),
+    "forward_dynamics_parameter_derivatives": Formula(
+        ("q", "qd", "tau"), {"dqdd_dpi": ("nv", "parameters")}, _forward_by_parameters
     ),
     "mass_product": Formula(("q", "x"), {"Mx": ("nv",)}, lambda t, o, q, x: (mass_product(t, q, x),)),
     "coriolis_product": Formula(

@@ -40,15 +40,28 @@ def kernel(
     names; its inputs are those of the quantities, in the order q, qd, qdd, tau, wrenches, and its outputs in the order
     of `names`. Raises UnknownNameError.
     """
+    listed, option = chosen_option(
+        model, names, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows
+    )
+    return fetch(model, listed, option, backend, width)
+
+
+def chosen_option(
+    model: Model,
+    names: str | Sequence[str],
+    *,
+    frame: str | None = None,
+    reference: str = "world",
+    wrench_frames: Sequence[str] = (),
+    rows: Sequence[str] | None = None,
+) -> tuple[tuple[str, ...], Option]:
+    """The names as a tuple and the structure that is meant, checked; arguments as for `kernel`."""
     listed = (names,) if isinstance(names, str) else tuple(names)
     for name in listed:
         if name not in FORMULAS:
             raise UnknownNameError("quantity", name, "fb.kernel", FORMULAS)
     if not listed:
         raise FreebodyError("fb.kernel: give at least one quantity.")
-    references = ("world", "body", "child") if "joint_wrenches" in listed else ("world", "body")
-    if reference not in references:
-        raise UnknownNameError("reference", reference, "reference=", references)
     needs_frame = any(name in _FRAMED for name in listed)
     option = Option(
         model.frame(frame).name if needs_frame or frame is not None else None,
@@ -56,7 +69,7 @@ def kernel(
         tuple(model.frame(f).name for f in wrench_frames),
         rows=motion_rows(model, rows),
     )
-    return fetch(model, listed, option, backend, width)
+    return listed, option
 
 
 def motion_rows(model: Model, rows: Sequence[str] | None) -> tuple[int, ...]:
@@ -74,6 +87,7 @@ _FRAMED = (
     "acceleration",
     "jacobian",
     "jacobian_dot",
+    "jacobian_derivatives",
     "operational_space_inertia",
     "operational_space_bias",
 )

@@ -66,6 +66,17 @@ def jacobian_dot(
     return evaluate("jacobian_dot", model, (q, qd), option)
 
 
+def jacobian_derivatives(
+    model: Model, q: Vector, frame: str | None = None, reference: Reference = "world"
+) -> Array:
+    """∂J/∂q (..., 6, nv, nv), (..., 3, nv, nv) in the plane, the last axis the direction, on the tangent space.
+
+    Arguments as for `jacobian`; `jacobian_dot` is its product with qd.
+    """
+    option = Option(model.frame(frame).name, checked_reference(reference))
+    return evaluate("jacobian_derivatives", model, (q,), option)
+
+
 def center_of_mass(model: Model, q: Vector) -> Array:
     """Centre of mass (..., dim) of all links, the base's included, in the world (m) (1.15).
 

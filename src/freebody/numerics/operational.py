@@ -95,3 +95,9 @@ def inertial_parameters(model: Model) -> dict[str, float]:
     ]
     names += [f"{joint}.{p}" for joint in joints for p in DRIVE]
     return dict(zip(names, map(float, parameter_values(tree)), strict=True))
+
+
+def forward_dynamics_parameter_derivatives(model: Model, q: Vector, qd: Vector, tau: Vector) -> Array:
+    """∂q̈/∂π (..., nv, p) = -M⁻¹ Y, π in the order of `fb.inertial_parameters`; the regressor Y is ∂tau/∂π."""
+    refuse_massless(model)
+    return evaluate("forward_dynamics_parameter_derivatives", model, (q, qd, tau))

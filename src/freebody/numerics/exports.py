@@ -1,0 +1,39 @@
+"""The traced computations as source text, and as functions of other array libraries."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from freebody.compiler.emit_function import MODULES, emit
+from freebody.errors import FreebodyError, UnknownNameError
+from freebody.model.model import Model
+from freebody.numerics.kernels import chosen_option, program
+
+
+def source(model: Model, names: str | Sequence[str], language: str = "numpy", **options: Any) -> str:
+    """Python text of a pure function that computes one quantity, or several that share their work.
+
+    names, options: as for `fb.kernel` (frame, reference, wrench_frames, rows). language: "numpy" or "jax".
+    The function is called like the kernel, with arrays whose leading shapes broadcast.
+    """
+    if language not in MODULES:
+        raise UnknownNameError("language", language, "fb.source", MODULES)
+    listed, option = chosen_option(model, names, **options)
+    return emit(program(model, listed, option), language, "_".join(listed))
+
+
+def to_jax(model: Model, names: str | Sequence[str], **options: Any) -> Callable[..., Any]:
+    """The same as a pure JAX function, which may be jitted, differentiated and mapped. Needs JAX.
+
+    64-bit floats are the caller's choice: jax.config.update("jax_enable_x64", True).
+    """
+    try:
+        importlib.import_module("jax")
+    except ImportError:
+        raise FreebodyError("to_jax: JAX is not installed; pip install 'freebody[jax]'.") from None
+    listed, _ = chosen_option(model, names, **options)
+    scope: dict[str, Any] = {}
+    exec(compile(source(model, names, "jax", **options), f"<freebody {model.name}>", "exec"), scope)
+    return scope["_".join(listed)]
