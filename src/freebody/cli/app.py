@@ -29,7 +29,9 @@ app.command(epilog=models.EXAMPLE)(models.models)
 @app.callback(invoke_without_command=True)
 def freebody(
     context: typer.Context,
-    version: Annotated[bool, typer.Option("--version", help="Print the version and stop.", is_eager=True)] = False,
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version and stop.", is_eager=True)
+    ] = False,
 ) -> None:
     """The dynamics of robotic manipulators, from a robot description to the numbers and the pictures."""
     if version:
@@ -61,7 +63,8 @@ def _unforeseen(problem: Exception) -> int:
     """A wrong option, which the parser words; else a fault of freebody's own."""
     wording = getattr(problem, "format_message", None)
     if wording is not None:
-        return terminal.error(f"{wording()} See freebody --help.")
+        text = wording().replace("Value error, ", "").rstrip(".")
+        return terminal.error(f"{text}. See freebody --help.")
     if os.environ.get("FREEBODY_TRACEBACK"):
         raise problem
     return terminal.error(

@@ -42,11 +42,19 @@ class ConventionChoice(StrEnum):
     modified = "modified"
 
 
-Robot = Annotated[str, typer.Argument(help="A .urdf, .toml or .csv (DH table) file, or a bundled model's name.")]
-Tip = Annotated[str | None, typer.Option(help="Frame to study as the tip; default: the end behind the most joints.")]
-Base = Annotated[BaseChoice | None, typer.Option(help="Hold the root link, or let it float. Default: the file's.")]
+Robot = Annotated[
+    str, typer.Argument(help="A .urdf, .toml or .csv (DH table) file, or a bundled model's name.")
+]
+Tip = Annotated[
+    str | None, typer.Option(help="Frame to study as the tip; default: the end behind the most joints.")
+]
+Base = Annotated[
+    BaseChoice | None, typer.Option(help="Hold the root link, or let it float. Default: the file's.")
+]
 Mimic = Annotated[MimicChoice, typer.Option(help="Mimic joints follow their leader, or move freely.")]
-Physical = Annotated[PhysicalChoice, typer.Option(help="What to do about an inertia that no rigid body can have.")]
+Physical = Annotated[
+    PhysicalChoice, typer.Option(help="What to do about an inertia that no rigid body can have.")
+]
 Snap = Annotated[
     float, typer.Option(metavar="RAD", help="Angles of a URDF this near to a right angle are read as one.")
 ]

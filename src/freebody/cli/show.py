@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from freebody.cli import options, terminal
-from freebody.cli.options import BaseChoice, ConventionChoice, MimicChoice, PhysicalChoice
+from freebody.cli.options import MimicChoice, PhysicalChoice
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -53,7 +53,9 @@ def _heading(model: Model) -> str:
         gravity = ", ".join(f"{x:g}" for x in model.gravity)
         mass = f"{model.mass:.6g} kg; gravity [{gravity}] m/s²"
     end = f"tip {model.tip}" if model.tip else f"ends {', '.join(model.leaves)}"
-    return f"{model.name}: {len(model.bodies)} bodies {space}, nq = {model.nq}, nv = {model.nv}, {mass}, {end}"
+    return (
+        f"{model.name}: {len(model.bodies)} bodies {space}, nq = {model.nq}, nv = {model.nv}, {mass}, {end}"
+    )
 
 
 def _tree(model: Model) -> Tree:
@@ -67,7 +69,9 @@ def _tree(model: Model) -> Tree:
         later = []
         for k, body in waiting:
             if body.parent in branches:
-                branches[k] = branches[body.parent].add(Text(f"{body.name}  ({body.joint.name}, {body.joint.kind})"))
+                branches[k] = branches[body.parent].add(
+                    Text(f"{body.name}  ({body.joint.name}, {body.joint.kind})")
+                )
             else:
                 later.append((k, body))
         waiting = later

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from freebody.cli import options, terminal
-from freebody.cli.options import BaseChoice, ConventionChoice, MimicChoice, PhysicalChoice
+from freebody.cli.options import MimicChoice, PhysicalChoice
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -26,11 +26,13 @@ def study(
     motion: Annotated[
         Path | None,
         typer.Option(
-            metavar="FILE", help="CSV with a header: t and the joints' names. Default: a motion within the limits."
+            metavar="FILE",
+            help="CSV with a header: t and the joints' names. Default: a motion within the limits.",
         ),
     ] = None,
     out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Where the report and the data go. Default: study-ROBOT.")
+        Path | None,
+        typer.Option(metavar="DIR", help="Where the report and the data go. Default: study-ROBOT."),
     ] = None,
     tip: options.Tip = None,
     base: options.Base = None,
@@ -59,16 +61,18 @@ def _print(found: Study, report: Path, directory: Path) -> None:
     out = terminal.out()
     for sentence in found.warnings:
         terminal.warn(sentence)
-    say = lambda *text, style=None: out.print(*text, style=style, markup=False)  # noqa: E731
-    say(f"{found.model.name}: {found.model.nv} coordinates. {found.motion.source[:1].upper()}{found.motion.source[1:]}.")
-    say(found.tip_reason)
+    motion = found.motion.source
+    replay = found.replay.text if found.replay else found.replay_skipped
+    above = (
+        f"{found.model.name}: {found.model.nv} coordinates. {motion[:1].upper()}{motion[1:]}.",
+        found.tip_reason,
+    )
+    out.print(*above, sep="\n", markup=False)
     out.print(_table(found))
-    say(found.worst.text)
-    say(found.singularity.text)
-    say(found.replay.text if found.replay else found.replay_skipped)
+    out.print(found.worst.text, found.singularity.text, replay, sep="\n", markup=False)
     _print_checks(found)
-    say(f"report: {report}")
-    say(f"data:   {directory / 'study.nc'} and CSV tables beside it")
+    below = f"report: {report}", f"data:   {directory / 'study.nc'} and CSV tables beside it"
+    out.print(*below, sep="\n", markup=False, soft_wrap=True)
 
 
 def _print_checks(found: Study) -> None:

@@ -9,23 +9,27 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.model.model import Model
 from freebody.numerics.states import conjugate, quaternion_product, turned
+
+Index = NDArray[np.intp]
+"""Array of indices."""
 
 
 @dataclass(frozen=True)
 class Layout:
     """Where a model's coordinates stand: plain ones (q̇ = v), quaternions, and positions of free joints.
 
-    plain: (iq, iv) index arrays. turns: slices (q of the quaternion, v of ω). shifts: (q of x, q of quaternion, v of the linear
-    velocity, v of ω) of free joints.
+    plain: (iq, iv) index arrays. turns: slices (q of the quaternion, v of ω). shifts: slices (q of x, q of the
+    quaternion, v of the linear velocity, v of ω) of free joints.
     """
 
     nq: int
     nv: int
-    plain: tuple[Array, Array]
+    plain: tuple[Index, Index]
     turns: tuple[tuple[slice, slice], ...]
     shifts: tuple[tuple[slice, slice, slice, slice], ...]
 
@@ -76,9 +80,9 @@ def position_acceleration(where: Layout, q: Array, v: Array, a: Array) -> Array:
     second[..., where.plain[0]] = a[..., where.plain[1]]
     for iq, iv in where.turns:
         p, w = q[..., iq], v[..., iv]
-        second[..., iq] = 0.5 * quaternion_product(p, _pure(a[..., iv])) - 0.25 * np.sum(
-            w * w, axis=-1, keepdims=True
-        ) * p
+        second[..., iq] = (
+            0.5 * quaternion_product(p, _pure(a[..., iv])) - 0.25 * np.sum(w * w, axis=-1, keepdims=True) * p
+        )
     for ix, iq, iv, iw in where.shifts:
         second[..., ix] = turned(q[..., iq], a[..., iv] + np.cross(v[..., iw], v[..., iv]))
     return second

@@ -28,7 +28,7 @@ def default_motion(model: Model, duration: float = DURATION, samples: int = SAMP
 
     duration: s. samples: number of them. Each coordinate swings about a middle with its own phase and one to two
     periods, under a window that brings rate and acceleration to zero at both ends; at most 0.7 rad or 0.15 m,
-    8 % clear of the limits and at 60 % of the speed limit. Free and spherical joints move likewise about their neutral pose.
+    8 % clear of the limits and at 60 % of the speed limit. Free and spherical joints do likewise.
     """
     if duration <= 0:
         raise FreebodyError(f"default_motion: duration is {duration}, expected seconds above 0.")

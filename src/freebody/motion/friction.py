@@ -9,6 +9,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.model.model import Model
+from freebody.motion.coordinates import Index
 
 WIDTH = 1e-3
 """rad/s or m/s: sticking creeps at rates below this."""
@@ -18,7 +19,7 @@ WIDTH = 1e-3
 class SmoothFriction:
     """c tanh(q̇ / width) of each joint that has Coulomb friction, in place of c sign(q̇)."""
 
-    coordinate: Array
+    coordinate: Index
     ratio: Array
     coulomb: Array
     nv: int
@@ -55,10 +56,17 @@ def smooth_friction(model: Model, width: float = WIDTH) -> tuple[Model, SmoothFr
         for body, at in ((b, b.coordinates) for b in model.tree.bodies)
         if body.drive is not None and body.drive.coulomb
     ]
-    columns = [np.array(column) for column in zip(*rows, strict=True)] or [np.zeros(0, dtype=int)] * 3
-    if not rows:
-        return model, SmoothFriction(*columns, model.nv, width)
-    bodies = tuple(
-        replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, coulomb=0.0))) for body in model.bodies
+    friction = SmoothFriction(
+        np.array([row[0] for row in rows], dtype=int),
+        np.array([row[1] for row in rows]),
+        np.array([row[2] for row in rows]),
+        model.nv,
+        width,
     )
-    return replace(model, bodies=bodies), SmoothFriction(*columns, model.nv, width)
+    if not rows:
+        return model, friction
+    bodies = tuple(
+        replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, coulomb=0.0)))
+        for body in model.bodies
+    )
+    return replace(model, bodies=bodies), friction

@@ -82,7 +82,9 @@ def motion_of(
     positions = vector("motion", model, "q", q)
     where = layout(model)
     if positions.shape[0] != len(times):
-        raise FreebodyError(f"motion: q has {positions.shape[0]} rows, t has {len(times)}; they must be as many.")
+        raise FreebodyError(
+            f"motion: q has {positions.shape[0]} rows, t has {len(times)}; they must be as many."
+        )
     positions = continuous(where, positions)
     first, second = derivatives(times, positions)
     found = state_of(where, positions, first, second)

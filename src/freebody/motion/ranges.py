@@ -5,9 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.model.model import Model
+from freebody.motion.coordinates import Index
+
+Flags = NDArray[np.bool_]
+"""Array of truths."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +27,7 @@ class Ranges:
     upper: Array
     velocity: Array
     effort: Array
-    turns: Array
+    turns: Flags
     """Whether the coordinate is an angle."""
     notices: tuple[str, ...]
 
@@ -61,7 +66,7 @@ def ranges(model: Model) -> Ranges:
     return Ranges(lower, upper, velocity, effort, angular(model), tuple(notices))
 
 
-def angular(model: Model) -> Array:
+def angular(model: Model) -> Flags:
     """(nv,) bool: whether a coordinate is an angle (rad, N m) or a length (m, N)."""
     flags: list[bool] = []
     for body in model.bodies:
@@ -70,7 +75,7 @@ def angular(model: Model) -> Array:
     return np.array(flags, dtype=bool)
 
 
-def position_columns(model: Model) -> tuple[Array, Array]:
+def position_columns(model: Model) -> tuple[Index, Index]:
     """(iq, iv): entries of q and of q̇ that belong together, for coordinates that are not part of a quaternion."""
     iq: list[int] = []
     iv: list[int] = []
@@ -102,6 +107,6 @@ def _narrow(model: Model, lower: Array, upper: Array, velocity: Array) -> None:
             velocity[k] = min(velocity[k], limits.velocity / abs(at.ratio))
 
 
-def _listed(names: tuple[str, ...], flags: Array) -> str:
+def _listed(names: tuple[str, ...], flags: Flags) -> str:
     chosen = [name for name, flag in zip(names, flags, strict=True) if flag]
     return ", ".join(chosen) if len(chosen) <= 6 else f"{', '.join(chosen[:5])} and {len(chosen) - 5} more"

@@ -39,20 +39,26 @@ def simulate(
 ) -> xr.Dataset:
     """The motion over the times t (T,) from the state q (nq,), qd (nv,) at t[0].
 
-    torque: of the drives (N m, N): None for none; (nv,) constant; (T, nv) at the times t, straight lines between them; or
-    a function f(t, q, qd) -> (nv,). wrenches: constant, as for `inverse_dynamics`. method: one of scipy's integrators;
-    "auto" takes DOP853, or Radau (implicit) where friction makes the system stiff: where M⁻¹ times the slope of the friction
-    has an eigenvalue above 5000 over the duration. tolerance: relative error per step; absolute a hundredth of it.
-    friction_width: Coulomb friction acts as c tanh(q̇ / width), rad/s or m/s, so that a joint at rest creeps instead of
-    sticking.
+    torque: of the drives (N m, N): None for none; (nv,) constant; (T, nv) at the times t, straight lines between them;
+    or a function f(t, q, qd) -> (nv,). wrenches: constant, as for `inverse_dynamics`. method: one of scipy's
+    integrators; "auto" takes DOP853, or Radau (implicit) where friction makes the system stiff: where M⁻¹ times the
+    slope of the friction has an eigenvalue above 5000 over the duration. tolerance: relative error per step; absolute a
+    hundredth of it. friction_width: Coulomb friction acts as c tanh(q̇ / width), rad/s or m/s, so that a joint at rest
+    creeps instead of sticking.
 
-    Returns a dataset over `time` with q, qd, qdd, tau, energies and powers, units as attributes; what was used stands in its
-    attributes. Raises SingularError for joints without inertia, FreebodyError when the integration cannot go on.
+    Returns a dataset over `time` with q, qd, qdd, tau, energies and powers, units as attributes; what was used stands
+    in its attributes. Raises SingularError for joints without inertia, FreebodyError when the integration cannot go on.
     """
     times = _times(t)
     start = vector("simulate", model, "q", q), vector("simulate", model, "qd", qd)
     for name, value, size in (("q", start[0], model.nq), ("qd", start[1], model.nv)):
-        check_core("simulate", name, value.reshape(-1) if value.ndim != 1 else value, (size,), "one state is simulated")
+        check_core(
+            "simulate",
+            name,
+            value.reshape(-1) if value.ndim != 1 else value,
+            (size,),
+            "one state is simulated",
+        )
         refuse_not_finite("simulate", name, value, 1)
     if method not in METHODS:
         raise UnknownNameError("method", method, "simulate", METHODS)
@@ -78,7 +84,7 @@ def integrated(system: System, drive: Drive, t: Array, y0: Array, method: str, t
     def slope(now: float, y: Array) -> Array:
         return system.jacobian(np.asarray(now), y, drive(np.asarray(now), *system.split(y)))
 
-    implicit = {"jac": slope} if method in ("Radau", "BDF", "LSODA") else {}
+    implicit: dict[str, Any] = {"jac": slope} if method in ("Radau", "BDF", "LSODA") else {}
     found = solve_ivp(
         rate, (t[0], t[-1]), y0, method=method, t_eval=t, rtol=tolerance, atol=tolerance / 100, **implicit
     )
@@ -110,7 +116,9 @@ def _wrenches(model: Model, wrenches: Wrenches) -> dict[str, Array]:
     for frame, value in given.items():
         name = model.frame(frame).name
         found[name] = as_floats("simulate", f"wrenches[{name!r}]", value)
-        check_core("simulate", f"wrenches[{name!r}]", found[name], (six,), "force, then moment, constant, world axes")
+        check_core(
+            "simulate", f"wrenches[{name!r}]", found[name], (six,), "force, then moment, constant, world axes"
+        )
         refuse_not_finite("simulate", f"wrenches[{name!r}]", found[name], 1)
     return found
 
@@ -162,7 +170,12 @@ def _dataset(system: System, t: Array, y: Array, drive: Drive, method: str, tole
         "qd": (at, qd, "rad/s|m/s", "rate"),
         "qdd": (at, qdd, "rad/s²|m/s²", "acceleration"),
         "tau": (at, tau, "N m|N", "torque or force of the drive"),
-        "kinetic_energy": (("time",), dynamics.kinetic_energy(model, q, qd), "J", "kinetic energy, rotors included"),
+        "kinetic_energy": (
+            ("time",),
+            dynamics.kinetic_energy(model, q, qd),
+            "J",
+            "kinetic energy, rotors included",
+        ),
         "potential_energy": (("time",), dynamics.potential_energy(model, q), "J", "of gravity and springs"),
         "power": (at, tau * qd, "W", "mechanical power of the drive"),
     }

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.compiler import Kernel
 from freebody.model.model import Model
 from freebody.motion.coordinates import Layout, layout, normalised, position_rate
 from freebody.motion.friction import WIDTH, SmoothFriction, smooth_friction
@@ -31,8 +30,8 @@ class System:
     model: Model
     layout: Layout
     friction: SmoothFriction
-    forward: Kernel
-    inverse: Kernel
+    forward: Callable[..., Array]
+    inverse: Callable[..., Array]
     loads: Loads
 
     @property
@@ -47,8 +46,8 @@ class System:
     def rate(self, t: Array, y: Array, tau: Array) -> Array:
         """ẏ (..., nq + nv) under drive torques tau (..., nv).
 
-        A quaternion's rate is linear in it, so its length, which the integrator does not keep exactly, never affects the
-        rotation; kernels normalise.
+        A quaternion's rate is linear in it, so its length, which the integrator does not keep exactly, never affects
+        the rotation; kernels normalise.
         """
         q, qd = self.split(y)
         return np.concatenate([position_rate(self.layout, q, qd), self.acceleration(t, q, qd, tau)], axis=-1)

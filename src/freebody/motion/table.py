@@ -34,13 +34,16 @@ def read_motion(model: Model, path: str | os.PathLike[str]) -> Motion:
     SI units, radians; separated by commas; lines that start with # are comments. Raises FileError with the line.
     """
     file = Path(path)
-    header, lines, table = _table(file)
-    columns = {name: table[:, k] for k, name in enumerate(header) if name != "t"}
+    header, rows = _table(file)
 
     def problem(text: str, row: int | None = None) -> FileError:
-        return FileError(path, lines[0] if row is None else lines[row + 1], text)
+        return FileError(file, rows[0 if row is None else row + 1][0], text)
 
     _check_names(model, header, problem)
+    if len(rows) <= FEWEST:
+        raise problem(f"{_count(len(rows) - 1)} of numbers; a motion needs at least {FEWEST}.")
+    table = np.array([_numbers(file, line, header, cells) for line, cells in rows[1:]])
+    columns = {name: table[:, k] for k, name in enumerate(header) if name != "t"}
     t = table[:, header.index("t")]
     late = np.flatnonzero(np.diff(t) <= 0)
     if len(late):
@@ -70,36 +73,35 @@ def motion_from_dataset(model: Model, data: xr.Dataset) -> Motion:
 
 
 # ---------------------------------------------------------------- the file
-def _table(path: Path) -> tuple[list[str], list[int], Array]:
-    """(header, line numbers of header and rows, numbers (T, columns))."""
+def _table(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    """(header, [(line, cells), …] of header and rows)."""
     rows = [(line, cells) for line, cells in _rows(path) if any(cells) and not cells[0].startswith("#")]
     if not rows:
-        raise FileError(path, None, "the file is empty; a motion has a header, t and joint names, and a row a time.")
+        raise FileError(
+            path, None, "the file is empty; a motion has a header, t and joint names, and a row a time."
+        )
     line, header = rows[0]
     if "t" not in header:
         raise FileError(path, line, f"the header has no column 't' (time in s); it has {_listed(header)}.")
     for k, name in enumerate(header):
         if name in header[:k]:
             raise FileError(path, line, f"column {name!r} stands twice in the header; remove one.")
-    numbers = [_numbers(path, at, header, cells) for at, cells in rows[1:]]
-    if len(numbers) < FEWEST:
-        raise FileError(path, line, f"{len(numbers)} rows of numbers; a motion needs at least {FEWEST}.")
-    return header, [at for at, _ in rows], np.array(numbers)
+    return header, rows
 
 
 def _rows(path: Path) -> list[tuple[int, list[str]]]:
     if path.is_dir():
-        raise FileError(path, None, "is a folder; give a CSV file.")
+        raise FileError(path, None, "this is a folder; give a CSV file.")
     try:
         text = path.read_bytes().decode("utf-8-sig")
     except FileNotFoundError:
         raise FileError(path, None, "there is no such file.") from None
     except UnicodeDecodeError:
-        raise FileError(path, None, "is not text; a motion is a CSV file in UTF-8.") from None
+        raise FileError(path, None, "the file is not text; a motion is a CSV file in UTF-8.") from None
     except OSError as failure:
         raise FileError(path, None, f"cannot be read: {failure.strerror}.") from None
     if "\0" in text:
-        raise FileError(path, None, "is not text; a motion is a CSV file in UTF-8.")
+        raise FileError(path, None, "the file is not text; a motion is a CSV file in UTF-8.")
     reader = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True)
     try:
         return [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
@@ -126,16 +128,24 @@ def _numbers(path: Path, line: int, header: list[str], cells: list[str]) -> list
 def _check_names(model: Model, header: list[str], problem: Any) -> None:
     """Every column known, every position there."""
     simple = {model.position_names[k] for k in position_columns(model)[0]}
-    known = ["t", *model.position_names, *(f"{n}.{x}" for n in model.position_names if n in simple for x in "va")]
+    known = [
+        "t",
+        *model.position_names,
+        *(f"{n}.{x}" for n in model.position_names if n in simple for x in "va"),
+    ]
     for name in header:
         if name in known:
             continue
         if name[-2:] in (".v", ".a") and name[:-2] in (*model.position_names, *model.velocity_names):
-            raise problem(f"column {name!r}: rates of a joint with a quaternion are differentiated; remove the column.")
+            raise problem(
+                f"column {name!r}: rates of a joint with a quaternion are differentiated; remove the column."
+            )
         raise problem(str(UnknownNameError("column", name, f"a motion of {model.name!r}", known)))
     missing = [name for name in model.position_names if name not in header]
     if missing:
-        raise problem(f"there is no column for {_listed(missing)}; a motion gives every position of {model.name!r}.")
+        raise problem(
+            f"there is no column for {_listed(missing)}; a motion gives every position of {model.name!r}."
+        )
 
 
 def _motion(model: Model, t: Array, columns: dict[str, Array], source: str, problem: Any) -> Motion:
@@ -157,12 +167,16 @@ def _motion(model: Model, t: Array, columns: dict[str, Array], source: str, prob
             qdd[:, kv] = derivatives(t, rate[:, None])[0][:, 0]
         if f"{name}.a" in columns:
             qdd[:, kv] = columns[f"{name}.a"]
-    how = "rates as given" if len(given) == model.nq else f"rates of {_listed(given)} as given" if given else ""
+    how = (
+        "rates as given" if len(given) == model.nq else f"rates of {_listed(given)} as given" if given else ""
+    )
     rest = "" if len(given) == model.nq else "differentiated by a spline through the positions"
     text = f"{source}; {'; '.join(part for part in (how, rest) if part)}"
     notices = ()
     if off:
-        notices = (f"The rates given for {_listed(off)} differ from the slope of the positions by more than 5 %.",)
+        notices = (
+            f"The rates given for {_listed(off)} differ from the slope of the positions by more than 5 %.",
+        )
     return motion_of(model, t, q, qd, qdd, text, notices)
 
 
@@ -174,8 +188,14 @@ def _unit(model: Model, q: Array, problem: Any) -> Array:
         if (off > _UNIT).any():
             row = int(np.argmax(off > _UNIT))
             size = float(np.linalg.norm(q[row, iq]))
-            raise problem(f"the quaternion {_listed(model.position_names[iq])} has length {size:.4g}, expected 1.", row)
+            raise problem(
+                f"the quaternion {_listed(model.position_names[iq])} has length {size:.4g}, expected 1.", row
+            )
     return state_of(where, q, np.zeros_like(q), np.zeros_like(q))[0]
+
+
+def _count(n: int) -> str:
+    return f"{n} row" if n == 1 else f"{n} rows"
 
 
 def _listed(names: Any) -> str:

@@ -1,8 +1,8 @@
 """Free-body balance: do the joint reactions, with weight, give each body the motion that it has?
 
-ΣF = m a and ΣM = Ḣ about each body's joint origin (notes 3.1, 3.2, 6.1, 6.2). Accelerations come from the poses as second-order
-jets in time, and the rate of angular momentum from R̈ P Rᵀ, with P = ½ tr(I) 1 - I the second moments: its antisymmetric part
-is Σ r × r̈ dm. Nothing of the Newton-Euler recursion enters.
+ΣF = m a and ΣM = Ḣ about each body's joint origin (notes 3.1, 3.2, 6.1, 6.2). Accelerations come from the poses as
+second-order jets in time, and the rate of angular momentum from R̈ P Rᵀ, with P = ½ tr(I) 1 - I the second moments: its
+antisymmetric part is Σ r × r̈ dm. Nothing of the Newton-Euler recursion enters.
 """
 
 from __future__ import annotations
@@ -62,7 +62,9 @@ def inertia_forces(model: Model, motion: Motion) -> tuple[Array, Array]:
     return np.stack(forces, axis=1), np.stack(moments, axis=1)
 
 
-def _needed(body: TreeBody, R: tuple[Array, ...], p: tuple[Array, ...], gravity: Array) -> tuple[Array, Array]:
+def _needed(
+    body: TreeBody, R: tuple[Array, ...], p: tuple[Array, ...], gravity: Array
+) -> tuple[Array, Array]:
     dim = len(gravity)
     force = np.zeros((len(p[0]), dim))
     moment = np.zeros((len(p[0]), 3 if dim == 3 else 1))

@@ -57,12 +57,14 @@ def _parts(data: xr.Dataset) -> Check:
 
 def _energy(data: xr.Dataset) -> Check:
     total = data["kinetic_energy"].values + data["potential_energy"].values
-    turned_over = max(np.ptp(total), np.ptp(data["kinetic_energy"].values), np.ptp(data["potential_energy"].values))
+    turned_over = max(
+        np.ptp(total), np.ptp(data["kinetic_energy"].values), np.ptp(data["potential_energy"].values)
+    )
     return check(
         "energy balance",
         relative(data["energy_residual"].values, np.array([turned_over])),
         1e-8,
-        "Work of the drives less friction against the gain in kinetic and potential energy, over the energy turned over.",
+        "Work of the drives less friction against the gain in energy, over the energy turned over.",
     )
 
 
@@ -93,7 +95,9 @@ def _along_axes(model: Model, data: xr.Dataset) -> list[Check]:
     force, moment = data["reaction_force_child"].values, data["reaction_moment_child"].values
     for k, (body, at, i) in enumerate(zip(model.bodies, model.coordinates, model.tree.body_of, strict=True)):
         columns = model.tree.bodies[i].columns
-        if len(columns) != body.kind.nv:  # a chain of several primitives: its first ones have reactions of their own
+        if (
+            len(columns) != body.kind.nv
+        ):  # a chain of several primitives: its first ones have reactions of their own
             counted[list(at.v)] = False
             continue
         for (w, v), coordinate in zip(columns, at.v, strict=True):
@@ -101,8 +105,10 @@ def _along_axes(model: Model, data: xr.Dataset) -> list[Check]:
             along[:, coordinate] = along[:, coordinate] + at.ratio * share
     if not counted.any():
         return []
-    text = "Reactions along the joint axes with friction, springs and rotors against the torques, over the largest torque."
-    return [check("reactions along the axes", relative((along - tau)[:, counted], tau[:, counted]), 1e-10, text)]
+    text = "Reactions along the axes with friction, springs and rotors against the torques, over the largest torque."
+    return [
+        check("reactions along the axes", relative((along - tau)[:, counted], tau[:, counted]), 1e-10, text)
+    ]
 
 
 def _forward(model: Model, motion: Motion, data: xr.Dataset) -> Check | None:

@@ -12,13 +12,14 @@ from freebody.motion.motion import Motion
 from freebody.numerics import dynamics
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
+_MOST_PARTS = 64
 
 
 def energies(model: Model, motion: Motion) -> dict[str, Any]:
     """Kinetic and potential energy, and what is left of the energy balance.
 
-    The residual is ∫ (τ - τ_friction) · q̇ dt - (E(t) - E(0)), the integral by Gauss's rule with 6 points in each interval of
-    the motion's curve.
+    The residual is ∫ (τ - τ_friction) · q̇ dt - (E(t) - E(0)), the integral by Gauss's rule with 6 points in each
+    interval of the motion's curve, or in parts of it.
     """
     kinetic = dynamics.kinetic_energy(model, motion.q, motion.qd)
     potential = dynamics.potential_energy(model, motion.q)
@@ -28,17 +29,36 @@ def energies(model: Model, motion: Motion) -> dict[str, Any]:
         "kinetic_energy": (("time",), kinetic, "J", "kinetic energy, rotors included"),
         "potential_energy": (("time",), potential, "J", "potential energy of gravity and springs"),
         "supplied_work": (("time",), work, "J", "work of the drives less what friction takes"),
-        "energy_residual": (("time",), work - (total - total[0]), "J", "supplied work less the gain in energy"),
+        "energy_residual": (
+            ("time",),
+            work - (total - total[0]),
+            "J",
+            "supplied work less the gain in energy",
+        ),
     }
 
 
 def supplied_work(model: Model, motion: Motion) -> Array:
-    """∫ (τ - τ_friction) · q̇ dt up to each sample (T,)."""
-    h = np.diff(motion.t)
-    times = motion.t[:-1, None] + 0.5 * h[:, None] * (1.0 + _NODES)
-    q, qd, qdd = motion.at(times)
-    power = np.sum(dynamics.inverse_dynamics(model.without("friction"), q, qd, qdd) * qd, axis=-1)
-    return np.concatenate([[0.0], np.cumsum(0.5 * h * (power @ _WEIGHTS))])
+    """∫ (τ - τ_friction) · q̇ dt up to each sample (T,); intervals are halved until the integral no longer changes."""
+    smooth = model.without("friction")  # τ - τ_friction, free of the jumps of sign(q̇)
+    parts, coarse = 1, _integral(smooth, motion, 1)
+    while parts < _MOST_PARTS:
+        parts *= 2
+        fine = _integral(smooth, motion, parts)
+        change, size = np.abs(fine - coarse).max(), np.abs(fine).max()
+        coarse = fine
+        if change <= 1e-12 * size:
+            break
+    return coarse
+
+
+def _integral(model: Model, motion: Motion, parts: int) -> Array:
+    """The work up to each sample, by Gauss's rule in `parts` equal parts of each interval."""
+    h = np.diff(motion.t)[:, None] / parts
+    starts = motion.t[:-1, None] + h * np.arange(parts)
+    q, qd, qdd = motion.at(starts[..., None] + 0.5 * h[..., None] * (1.0 + _NODES))
+    power = np.sum(dynamics.inverse_dynamics(model, q, qd, qdd) * qd, axis=-1)
+    return np.concatenate([[0.0], np.cumsum(np.sum(0.5 * h * (power @ _WEIGHTS), axis=-1))])
 
 
 def powers(variables: dict[str, Any], motion: Motion) -> dict[str, Any]:

@@ -17,13 +17,24 @@ if TYPE_CHECKING:
 
     from freebody.report.study import Study
 
-_DRIVES = ("tau", "tau_inertial", "tau_coriolis", "tau_gravity", "tau_friction", "tau_springs", "tau_rotors", "power")
+_DRIVES = (
+    "tau",
+    "tau_inertial",
+    "tau_coriolis",
+    "tau_gravity",
+    "tau_friction",
+    "tau_springs",
+    "tau_rotors",
+    "power",
+)
 
 
 def save(study: Study, directory: Path) -> list[Path]:
     """Write study.nc, motion.csv, torques.csv, reactions.csv, summary.csv, reactions_summary.csv and checks.csv."""
     try:
         directory.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise FileError(directory, None, "there is a file of that name; name a folder with --out.") from None
     except OSError as failure:
         raise FileError(directory, None, f"cannot be made: {failure.strerror}.") from None
     writers = {
@@ -54,12 +65,27 @@ def dataset(study: Study) -> xr.Dataset:
     whole.attrs.update(study.data.attrs)
     whole.attrs["notices"] = "\n".join(study.notices)
     for check in study.checks:
-        whole.attrs[f"check_{check.name}".replace(" ", "_")] = f"{check.value:.3g} <= {check.bar:.3g}: {'passed' if check.passed else 'FAILED'}"
+        verdict = "passed" if check.passed else "FAILED"
+        whole.attrs[f"check_{check.name}".replace(" ", "_")] = (
+            f"{check.value:.3g} <= {check.bar:.3g}: {verdict}"
+        )
     replay = study.replay
     if replay is not None:
-        whole["replay_edge"] = ("edge", replay.edges, {"units": "s", "long_name": "where pieces of the replay meet"})
-        whole["replay_factor"] = ("piece", replay.factors, {"units": "1", "long_name": "amplification in the piece"})
-        whole["replay_miss"] = ("piece", replay.misses, {"units": "1", "long_name": "miss over the joint range"})
+        whole["replay_edge"] = (
+            "edge",
+            replay.edges,
+            {"units": "s", "long_name": "where pieces of the replay meet"},
+        )
+        whole["replay_factor"] = (
+            "piece",
+            replay.factors,
+            {"units": "1", "long_name": "amplification in the piece"},
+        )
+        whole["replay_miss"] = (
+            "piece",
+            replay.misses,
+            {"units": "1", "long_name": "miss over the joint range"},
+        )
         whole["drift"] = (
             ("drift_time", "coordinate"),
             replay.drift,
@@ -131,7 +157,11 @@ def _table(summary: xr.Dataset, dim: str) -> tuple[list[str], list[list[Any]]]:
     header = [dim, *extra, *(f"{name} ({summary[name].attrs['units']})" for name in names)]
     labels = summary[dim].values
     return header, [
-        [str(label), *(str(summary[e].values[k]) for e in extra), *(summary[name].values[k] for name in names)]
+        [
+            str(label),
+            *(str(summary[e].values[k]) for e in extra),
+            *(summary[name].values[k] for name in names),
+        ]
         for k, label in enumerate(labels)
     ]
 

@@ -36,7 +36,7 @@ def task(model: Model, tip: str, q: Array) -> tuple[int, str]:
 
 
 def characteristic_length(model: Model, tip: str, q: Array) -> float:
-    """Root mean square of the tip's distance from the first joint's origin over the motion (m); 1 where that is zero."""
+    """Root mean square of the tip's distance from the first joint's origin over q (T, nq) (m); 1 where that is zero."""
     d = model.dim
     T = kinematics.forward_kinematics(model, q, tip)[..., :d, d]
     first = model.bodies[coordinates_first(model, tip)].name if coordinates_before(model, tip) else tip

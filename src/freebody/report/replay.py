@@ -1,13 +1,14 @@
 """The replay: the torques of a motion drive the model back along it.
 
 Open loop, errors grow as the linearised dynamics let them, often a factor e every 0.1 s for an arm held upright, so a
-whole motion cannot be followed to the last digit by any integrator. In pieces that amplify an error by at most 1e4 it can,
-and a wrong term in torques or dynamics would show in the first of them.
+whole motion cannot be followed to the last digit by any integrator. In pieces that amplify an error by at most 1e4 it
+can, and a wrong term in torques or dynamics would show in the first of them.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -70,7 +71,7 @@ class _Reference:
 
 
 def scaling(model: Model, allowed: Ranges) -> Array:
-    """What each entry of (q, q̇) is measured in (nq + nv,): the joint's range, and the range per second; quaternions 1."""
+    """What each entry of (q, q̇) is measured in (nq + nv,): the range, and the range per second; quaternions 1."""
     position = np.ones(model.nq)
     iq, iv = position_columns(model)
     position[iq] = allowed.width[iv]
@@ -146,7 +147,7 @@ def amplification(steps: Array) -> float:
 
 # ---------------------------------------------------------------- driving the model
 def _land(whole: System, motion: Motion, edges: Array, allowed: Ranges, method: str) -> Array:
-    """(pieces,) the distance from the reference at each piece's end over the joint range; all pieces run side by side."""
+    """(pieces,) distance from the reference at each piece's end over the joint range; all run side by side."""
     reference = _Reference(whole, motion)
     start, length = edges[:-1], np.diff(edges)
     count, n = len(length), whole.size
@@ -156,12 +157,12 @@ def _land(whole: System, motion: Motion, edges: Array, allowed: Ranges, method: 
         states = y.reshape(count, n)
         return (whole.rate(t, states, reference.torque(t)) * length[:, None]).ravel()
 
-    def slope(s: float, y: Array):
+    def slope(s: float, y: Array) -> Any:
         t = start + s * length
         A = whole.jacobian(t, y.reshape(count, n), reference.torque(t)) * length[:, None, None]
         return block_diag(A, format="csc") if count > 1 else A[0]
 
-    implicit = {"jac": slope} if method == "Radau" else {}
+    implicit: dict[str, Any] = {"jac": slope} if method == "Radau" else {}
     found = solve_ivp(
         rate, (0.0, 1.0), reference.state(start).ravel(), method=method, **_tolerances(method), **implicit
     )
@@ -202,7 +203,7 @@ def _open_loop(whole: System, motion: Motion, allowed: Ranges, method: str) -> t
         return 1.0 - float(np.abs(off / allowed.width).max())
 
     astray.terminal = True  # type: ignore[attr-defined]
-    stepper = {"jac": slope} if method == "Radau" else {}
+    stepper: dict[str, Any] = {"jac": slope} if method == "Radau" else {}
     times, states = [motion.t[0]], [reference.state(motion.t[0])]
     # in stretches, so that what was reached before evaluations ran out is kept
     for part in np.array_split(np.arange(1, len(motion.t)), max(1, len(motion.t) // 20)):
@@ -253,9 +254,9 @@ def _text(
 ) -> str:
     count = len(misses)
     landed = (
-        f"Driven by its torques in {count} piece{'' if count == 1 else 's'} of at most {np.diff(edges).max():.3g} s, each "
-        f"restarted on the motion and amplifying an error at most {factors.max():.3g}-fold, the model lands within "
-        f"{misses.max():.1g} of the joint range."
+        f"Driven by its torques in {count} piece{'' if count == 1 else 's'} of at most {np.diff(edges).max():.3g} s, "
+        f"each restarted on the motion and amplifying an error at most {factors.max():.3g}-fold, the model lands "
+        f"within {misses.max():.1g} of the joint range."
     )
     k, j = np.unravel_index(int(np.argmax(drift / allowed.width)), drift.shape)
     unit = "rad" if allowed.turns[j] else "m"

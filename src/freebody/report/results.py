@@ -91,7 +91,7 @@ class Replay:
     amplification: float
     """Decimal logarithm of the factor by which the linearised dynamics amplify an error over the whole motion."""
     friction_width: float
-    """Rate (rad/s, m/s) over which Coulomb friction is smoothed, c tanh(q̇ / width), in the torque and in the model alike."""
+    """Rate (rad/s, m/s) over which Coulomb friction is smoothed, c tanh(q̇ / width), in torque and model; 0: none."""
     text: str
     """What happened, and what the drift comes from."""
 

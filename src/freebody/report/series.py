@@ -78,14 +78,17 @@ def _motion(model: Model, motion: Motion) -> dict[str, Any]:
 def torques(model: Model, motion: Motion) -> dict[str, Any]:
     """The drives' torque, and the parts that sum to it, each computed by a formula of its own."""
     q, qd, qdd = motion.q, motion.qd, motion.qdd
-    viscous, coulomb, rotor = drive_arrays(model)
+    viscous, _, rotor = drive_arrays(model)
     M = dynamics.mass_matrix(model, q)
     C = dynamics.coriolis_matrix(model, q, qd)
     gravity = dynamics.gravity_torque(model, q)
     rotors = rotor * qdd
     parts = {
         "tau": (dynamics.inverse_dynamics(model, q, qd, qdd), "torque or force of the drive"),
-        "tau_inertial": (np.einsum("tij,tj->ti", M, qdd) - rotors, "inertia of the bodies, M q̈ without rotors"),
+        "tau_inertial": (
+            np.einsum("tij,tj->ti", M, qdd) - rotors,
+            "inertia of the bodies, M q̈ without rotors",
+        ),
         "tau_coriolis": (np.einsum("tij,tj->ti", C, qd), "Coriolis and centrifugal part, C q̇"),
         "tau_gravity": (gravity, "gravity part, g"),
         "tau_friction": (viscous * qd + _coulomb(model, qd), "friction, viscous and Coulomb"),
@@ -143,7 +146,12 @@ def _bodies(model: Model, motion: Motion) -> dict[str, Any]:
     at = ("time", "body", "axis")
     return {
         "body_origin": (at, np.stack(origins, axis=1), "m", "origin of the body's joint"),
-        "body_com": (at, np.stack(centres, axis=1), "m", "centre of mass of the body (its origin if massless)"),
+        "body_com": (
+            at,
+            np.stack(centres, axis=1),
+            "m",
+            "centre of mass of the body (its origin if massless)",
+        ),
     }
 
 

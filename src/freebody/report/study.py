@@ -36,10 +36,10 @@ class Study:
     """A robot's dynamic study: everything a report shows, as data.
 
     Names of dimensions: `time` (T samples), `coordinate` (nv; model.velocity_names), `position` (nq; position_names),
-    `joint` (model.joint_names; joint i carries body i), `body` (names of the bodies), `axis` (x, y, z; x, y in the plane),
-    `moment_axis` (x, y, z; z in the plane). Every variable has the attributes `units` and `long_name`; where units
-    differ by coordinate they are "rad|m" and the like, and the coordinate arrays `unit` (rad or m) and `effort_unit`
-    (N m or N) along `coordinate` say which.
+    `joint` (model.joint_names; joint i carries body i), `body` (names of the bodies), `axis` (x, y, z; x, y in the
+    plane), `moment_axis` (x, y, z; z in the plane). Every variable has the attributes `units` and `long_name`; where
+    units differ by coordinate they are "rad|m" and the like, and the coordinate arrays `unit` (rad or m) and
+    `effort_unit` (N m or N) along `coordinate` say which.
     """
 
     model: Model
@@ -49,17 +49,23 @@ class Study:
     """One sentence: which frame is the tip and why."""
     motion: Motion
     data: xr.Dataset
-    """Time series. (time, position): q. (time, coordinate): qd, qdd, tau and its parts tau_inertial (M q̈ of the bodies),
-    tau_coriolis, tau_gravity, tau_friction, tau_springs, tau_rotors, which sum to tau; power. (time, joint, axis | moment_axis):
+    """Time series.
+
+    (time, position): q. (time, coordinate): qd, qdd, tau and its parts tau_inertial (M q̈ of the bodies), tau_coriolis,
+    tau_gravity, tau_friction, tau_springs, tau_rotors, which sum to tau; power. (time, joint, axis | moment_axis):
     reaction_force, reaction_moment (world axes, on the child, by the parent, at the child's joint origin), and with
-    suffix _child in the child's axes. (time, body, axis): body_origin, body_com. (time, axis): tip_position, tip_velocity.
-    (time,): kinetic_energy, potential_energy, motor_power, friction_power, energy_residual, smallest_singular_value,
-    manipulability."""
+    suffix _child in the child's axes. (time, body, axis): body_origin, body_com. (time, axis | moment_axis):
+    tip_position, tip_velocity, tip_angular_velocity. (time,): kinetic_energy, potential_energy, motor_power,
+    friction_power, supplied_work, energy_residual, smallest_singular_value, largest_singular_value, manipulability.
+    """
     summary: xr.Dataset
-    """(coordinate,): peak_torque, peak_torque_time, rms_torque, peak_speed, peak_power, peak_power_time, mean_power,
+    """Peaks and means.
+
+    (coordinate,): peak_torque, peak_torque_time, rms_torque, peak_speed, peak_power, peak_power_time, mean_power,
     lowest, highest, gravity_torque_peak, and with NaN where there is no limit: effort_fraction, velocity_fraction,
-    position_fraction (how far from the middle of the range, 1 at a limit), rms_fraction. (joint,): peak_force, peak_force_time,
-    peak_moment, peak_moment_time, the magnitudes of the reaction."""
+    position_fraction (how far from the middle of the range, 1 at a limit), rms_fraction. (joint,): peak_force,
+    peak_force_time, peak_moment, peak_moment_time, the magnitudes of the reaction.
+    """
     worst: Worst
     static: tuple[StaticPose, ...]
     """For each coordinate that gravity loads."""
@@ -103,8 +109,8 @@ def study(
     """The dynamic study of a robot along a motion.
 
     model: with all values. motion: a Motion, a CSV file or a dataset (see `read_motion`); default a smooth one within
-    the joint limits. tip: frame; default the model's own, else the leaf behind the most movable joints. progress: called
-    with a text and the fraction done.
+    the joint limits. tip: frame; default the model's own, else the leaf behind the most movable joints. progress:
+    called with a text and the fraction done.
     Raises FreebodyError for a robot without movable joints, MissingValueError for one with open parameters.
     """
     if model.nv == 0:
@@ -150,8 +156,8 @@ def _driven(model: Model) -> tuple[str, ...]:
     if not free:
         return ()
     return (
-        f"Joint {', '.join(map(repr, free))} has no motor of its own: its torques and forces here are what something else "
-        "must exert to make the motion happen.",
+        f"Joint {', '.join(map(repr, free))} has no motor of its own: its torques and forces here are what something "
+        "else must exert to make the motion happen.",
     )
 
 

@@ -24,9 +24,12 @@ def summary(model: Model, motion: Motion, data: xr.Dataset) -> xr.Dataset:
     t = motion.t
     found = _drives(data, t) | _use(model, motion, data) | _reactions(data, t)
     variables = {
-        name: (dim, value, {"units": units, "long_name": text}) for name, (dim, value, units, text) in found.items()
+        name: (dim, value, {"units": units, "long_name": text})
+        for name, (dim, value, units, text) in found.items()
     }
-    named = {k: v for k, v in coordinates(model).items() if k in ("coordinate", "joint", "unit", "effort_unit")}
+    named = {
+        k: v for k, v in coordinates(model).items() if k in ("coordinate", "joint", "unit", "effort_unit")
+    }
     return xr.Dataset(variables, named, {"robot": model.name, "motion": motion.source})
 
 
@@ -48,7 +51,12 @@ def _drives(data: xr.Dataset, t: Array) -> dict[str, Any]:
         "peak_power": (dim, most, "W", "largest mechanical power, with its sign"),
         "peak_power_time": (dim, most_time, "s", "when the power is largest"),
         "mean_power": (dim, mean(t, power), "W", "mean mechanical power"),
-        "gravity_torque_peak": (dim, _peak(t, data["tau_gravity"].values)[0], "N m|N", "largest gravity load"),
+        "gravity_torque_peak": (
+            dim,
+            _peak(t, data["tau_gravity"].values)[0],
+            "N m|N",
+            "largest gravity load",
+        ),
     }
 
 
@@ -68,8 +76,18 @@ def _use(model: Model, motion: Motion, data: xr.Dataset) -> dict[str, Any]:
         "lowest": (dim, lowest, "rad|m", "least position"),
         "highest": (dim, highest, "rad|m", "greatest position"),
         "position_fraction": (dim, position, "1", "distance from the middle of the range, 1 at a limit"),
-        "velocity_fraction": (dim, _fraction(qd.max(axis=0), allowed.velocity), "1", "peak speed over its limit"),
-        "effort_fraction": (dim, _fraction(tau.max(axis=0), allowed.effort), "1", "peak torque over its limit"),
+        "velocity_fraction": (
+            dim,
+            _fraction(qd.max(axis=0), allowed.velocity),
+            "1",
+            "peak speed over its limit",
+        ),
+        "effort_fraction": (
+            dim,
+            _fraction(tau.max(axis=0), allowed.effort),
+            "1",
+            "peak torque over its limit",
+        ),
         "rms_fraction": (dim, _fraction(rms, allowed.effort), "1", "RMS torque over the effort limit"),
     }
 
@@ -128,7 +146,9 @@ def limit_notices(model: Model, found: xr.Dataset) -> list[str]:
     sentences = []
     unit, effort_unit = found["unit"].values, found["effort_unit"].values
     for k, name in enumerate(model.velocity_names):
-        value = {key: float(found[key].values[k]) for key in found.data_vars if "coordinate" in found[key].dims}
+        value = {
+            key: float(found[key].values[k]) for key in found.data_vars if "coordinate" in found[key].dims
+        }
         if value["lowest"] < allowed.lower[k] or value["highest"] > allowed.upper[k]:
             sentences.append(
                 f"{name} leaves its range: the motion spans {value['lowest']:.4g} to {value['highest']:.4g} {unit[k]}, "
