@@ -33,7 +33,10 @@ class Equations:
     def christoffel(self) -> list[list[list[Trig]]]:
         """[i][j][k] = ½ (∂M_ij/∂q_k + ∂M_ik/∂q_j - ∂M_jk/∂q_i)."""
         n, names = len(self.symbols.coordinates), self.symbols.coordinates
-        slope = [[[self.M[i][j].derivative(x) for x in names] if j >= i else [] for j in range(n)] for i in range(n)]
+        slope = [
+            [[self.M[i][j].derivative(x) for x in names] if j >= i else [] for j in range(n)]
+            for i in range(n)
+        ]
 
         def dM(i: int, j: int, k: int) -> Trig:
             return slope[min(i, j)][max(i, j)][k]

@@ -209,7 +209,7 @@ class Trig:
         """Monomials as {generator: exponent} with their coefficients."""
         names = list(self.ring.index)
         for monomial, coefficient in self.poly.terms():
-            powers = {names[i]: e for i, e in enumerate(monomial) if e}
+            powers = {names[i]: int(e) for i, e in enumerate(monomial) if e}
             yield powers, Fraction(int(coefficient.p), int(coefficient.q))
 
     def __len__(self) -> int:

@@ -1,0 +1,322 @@
+"""Expressions as they are printed: a small immutable tree, and plain functions that build it.
+
+Nothing here simplifies; the exact mathematics is in `scalars.trig`. What the functions do is what a printed line needs:
+sums and products are flat, a sign stands in front, a number first, zeros and ones vanish.
+
+Wherever an expression is expected, a number or the name of a symbol will do: `eq("tau1", add(mul("I1", "omega1_d"), "tau2"))`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+from numbers import Rational
+from typing import Any
+
+
+class Expression:
+    """A node; `str` gives its text for a terminal."""
+
+    def __str__(self) -> str:
+        from freebody.derivations.render.text import text
+
+        return text(self)
+
+    def latex(self) -> str:
+        """LaTeX, without dollar signs."""
+        from freebody.derivations.render.latex import latex
+
+        return latex(self)
+
+    def mathml(self) -> str:
+        """A `<math>` element."""
+        from freebody.derivations.render.mathml import mathml
+
+        return mathml(self)
+
+    def _repr_latex_(self) -> str:
+        return f"$\\displaystyle {self.latex()}$"
+
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        printer.text(str(self))
+
+
+Like = Expression | Rational | int | str
+"""An expression, a number, or the name of a symbol."""
+
+
+@dataclass(frozen=True)
+class Number(Expression):
+    """An exact number; `decimal` prints 1/2 as 0.5."""
+
+    value: Fraction
+    decimal: bool = False
+
+
+@dataclass(frozen=True)
+class Symbol(Expression):
+    """A letter with subscripts, dots and a superscript; `name` is what it is called in code. Bold for vectors."""
+
+    name: str
+    letter: str
+    low: tuple[str, ...] = ()
+    dots: int = 0
+    bold: bool = False
+    high: str = ""
+
+
+@dataclass(frozen=True)
+class Sum(Expression):
+    """Terms added up; a `Negative` term prints with its minus."""
+
+    terms: tuple[Expression, ...]
+
+
+@dataclass(frozen=True)
+class Negative(Expression):
+    """- operand."""
+
+    operand: Expression
+
+
+@dataclass(frozen=True)
+class Product(Expression):
+    """Factors side by side."""
+
+    factors: tuple[Expression, ...]
+
+
+@dataclass(frozen=True)
+class Quotient(Expression):
+    """above / below."""
+
+    above: Expression
+    below: Expression
+
+
+@dataclass(frozen=True)
+class Power(Expression):
+    """base to a whole exponent; -1 of a matrix is its inverse."""
+
+    base: Expression
+    exponent: int
+
+
+@dataclass(frozen=True)
+class Transposed(Expression):
+    """Transpose of a vector or matrix."""
+
+    operand: Expression
+
+
+@dataclass(frozen=True)
+class Function(Expression):
+    """sin, cos, sgn, … of one argument."""
+
+    name: str
+    argument: Expression
+
+
+@dataclass(frozen=True)
+class Derivative(Expression):
+    """∂ of / ∂ by, or d of / d by; by the time where `by` is the symbol t."""
+
+    of: Expression
+    by: Expression
+    partial: bool = False
+
+
+@dataclass(frozen=True)
+class Cross(Expression):
+    """left × right: in space a vector, in the plane the scalar a₁b₂ - a₂b₁."""
+
+    left: Expression
+    right: Expression
+
+
+@dataclass(frozen=True)
+class Dot(Expression):
+    """left · right."""
+
+    left: Expression
+    right: Expression
+
+
+@dataclass(frozen=True)
+class Vector(Expression):
+    """A column of components."""
+
+    entries: tuple[Expression, ...]
+
+
+@dataclass(frozen=True)
+class Matrix(Expression):
+    """Rows of entries."""
+
+    rows: tuple[tuple[Expression, ...], ...]
+
+
+@dataclass(frozen=True)
+class Equation(Expression):
+    """Sides that are equal: two, or more in a chain."""
+
+    sides: tuple[Expression, ...]
+
+    @property
+    def lhs(self) -> Expression:
+        """The first side."""
+        return self.sides[0]
+
+    @property
+    def rhs(self) -> Expression:
+        """The last side."""
+        return self.sides[-1]
+
+
+@dataclass(frozen=True)
+class Words(Expression):
+    """Upright words inside a formula."""
+
+    text: str
+
+
+ZERO, ONE = Number(Fraction(0)), Number(Fraction(1))
+
+
+# ---------------------------------------------------------------- building
+def expr(x: Like) -> Expression:
+    """Numbers and names as expressions."""
+    if isinstance(x, Expression):
+        return x
+    if isinstance(x, str):
+        from freebody.derivations.names import sym
+
+        return sym(x)
+    return Number(Fraction(x))
+
+
+def num(value: Rational | int, decimal: bool = False) -> Expression:
+    """A number, its sign in front."""
+    exact = Fraction(value)
+    return Number(exact, decimal) if exact >= 0 else Negative(Number(-exact, decimal))
+
+
+def neg(x: Like) -> Expression:
+    """-x; of a negative its operand."""
+    x = expr(x)
+    if isinstance(x, Negative):
+        return x.operand
+    return num(-x.value, x.decimal) if isinstance(x, Number) else Negative(x)
+
+
+def add(*terms: Like) -> Expression:
+    """Sum, in the order given."""
+    flat: list[Expression] = []
+    for term in map(expr, terms):
+        flat += term.terms if isinstance(term, Sum) else (term,) if term != ZERO else ()
+    return ZERO if not flat else flat[0] if len(flat) == 1 else Sum(tuple(flat))
+
+
+def sub(a: Like, b: Like) -> Expression:
+    """a - b; a sum b keeps its brackets."""
+    return add(a, neg(b)) if expr(b) != ZERO else expr(a)
+
+
+def mul(*factors: Like) -> Expression:
+    """Product: sign and number in front, then the factors in the order given."""
+    value, decimal = Fraction(1), False
+    rest: list[Expression] = []
+    for factor in _factors(map(expr, factors)):
+        if isinstance(factor, Number):
+            value, decimal = value * factor.value, decimal or factor.decimal
+        else:
+            rest.append(factor)
+    if value == 0:
+        return ZERO
+    number = Number(abs(value), decimal)
+    if rest and number.value == 1:
+        product = rest[0] if len(rest) == 1 else Product(tuple(rest))
+    else:
+        product = Product((number, *rest)) if rest else number
+    return product if value > 0 else Negative(product)
+
+
+def _factors(factors: Iterable[Expression]) -> Iterable[Expression]:
+    """Factors of products and signs, one by one."""
+    for factor in factors:
+        if isinstance(factor, Negative):
+            yield Number(Fraction(-1))
+            yield from _factors((factor.operand,))
+        elif isinstance(factor, Product):
+            yield from factor.factors
+        else:
+            yield factor
+
+
+def div(a: Like, b: Like) -> Expression:
+    """a / b as a fraction, the sign of a in front."""
+    a, b = expr(a), expr(b)
+    if isinstance(a, Negative):
+        return Negative(div(a.operand, b))
+    return a if b == ONE else Quotient(a, b)
+
+
+def power(base: Like, exponent: int) -> Expression:
+    """base ** exponent."""
+    return expr(base) if exponent == 1 else ONE if exponent == 0 else Power(expr(base), exponent)
+
+
+def sin(x: Like) -> Expression:
+    """Sine."""
+    return Function("sin", expr(x))
+
+
+def cos(x: Like) -> Expression:
+    """Cosine."""
+    return Function("cos", expr(x))
+
+
+def sgn(x: Like) -> Expression:
+    """Sign."""
+    return Function("sgn", expr(x))
+
+
+def d_dt(x: Like) -> Expression:
+    """Time derivative, written d/dt."""
+    return Derivative(expr(x), Symbol("t", "t"))
+
+
+def partial(of: Like, by: Like) -> Expression:
+    """Partial derivative ∂of/∂by."""
+    return Derivative(expr(of), expr(by), partial=True)
+
+
+def cross(a: Like, b: Like) -> Expression:
+    """a × b."""
+    return Cross(expr(a), expr(b))
+
+
+def dot(a: Like, b: Like) -> Expression:
+    """a · b."""
+    return Dot(expr(a), expr(b))
+
+
+def transposed(x: Like) -> Expression:
+    """xᵀ."""
+    return Transposed(expr(x))
+
+
+def vector(*entries: Like) -> Expression:
+    """A column."""
+    return Vector(tuple(map(expr, entries)))
+
+
+def matrix(rows: Iterable[Iterable[Like]]) -> Expression:
+    """A matrix from its rows."""
+    return Matrix(tuple(tuple(map(expr, row)) for row in rows))
+
+
+def eq(*sides: Like) -> Equation:
+    """side = side (= side …)."""
+    return Equation(tuple(map(expr, sides)))

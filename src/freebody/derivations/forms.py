@@ -1,0 +1,269 @@
+"""Polynomials as a textbook prints them: m₁ lc₁² + I₁ + m₂ (l₁² + lc₂² + 2 l₁ lc₂ cos θ₂) + I₂.
+
+Terms are grouped by products of rates, then by mass and moment of inertia in the order of the bodies; inside a group what
+is constant stands first, then cosines and sines by their angles. A group's numbers and common symbols stand in front of it.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+from freebody.derivations import expression as ex
+from freebody.derivations.expression import Expression
+from freebody.derivations.names import sym
+from freebody.derivations.symbols import RATE, SECOND, Symbols
+from freebody.derivations.waves import Monomial, Raw, Terms, Wave, raw, shortest
+from freebody.model.parameters import Parameter, each_parameter
+from freebody.scalars.trig import Trig
+
+Poly = dict[Monomial, Fraction]
+"""A polynomial in symbols without sines and cosines."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What the symbols of a model are, so that terms can be grouped and factors ordered."""
+
+    symbols: Symbols
+
+    @cached_property
+    def angles(self) -> tuple[str, ...]:
+        """Names with sines and cosines, by joint."""
+        return self.symbols.ring.angles
+
+    @cached_property
+    def inertial(self) -> dict[str, tuple[int, int]]:
+        """(body, 0 of a mass or 1 of a moment of inertia) of each inertial parameter."""
+        rank: dict[str, tuple[int, int]] = {}
+        for i, body in enumerate(self.symbols.model.bodies):
+            for part in body.inertias:
+                for kind, quantity in enumerate((part.inertia.mass, part.inertia.tensor)):
+                    for parameter in each_parameter(quantity):
+                        rank.setdefault(parameter.name, (i, kind))
+        return rank
+
+    @cached_property
+    def gravity(self) -> str:
+        """The name of gravity's magnitude, if it has one."""
+        size = self.symbols.model.gravity_size
+        return size.name if isinstance(size, Parameter) else ""
+
+    @cached_property
+    def moving(self) -> frozenset[str]:
+        """Names of rates, second rates and signs of rates."""
+        names = self.symbols.coordinates
+        return frozenset(
+            [*(f"sgn_{x}{RATE}" for x in names), *(x + e for x in names for e in (RATE, SECOND))]
+        )
+
+    @property
+    def decimal(self) -> bool:
+        """Whether numbers are measured ones, printed as decimals."""
+        return self.symbols.reader.numbers
+
+    def rank(self, name: str) -> tuple[int, int, int, str]:
+        """Order of the symbols in a product: inertia, gravity, lengths and coordinates by joint, rates."""
+        kind = 0 if name in self.inertial else 1 if name == self.gravity else 3 if name in self.moving else 2
+        digits = re.search(r"\d+", name)
+        return kind, int(digits[0]) if digits else 0, name not in self.symbols.coordinates, name
+
+    def number(self, value: Fraction) -> Expression:
+        """A coefficient."""
+        return ex.num(
+            value,
+            self.decimal or value.denominator > 64 or bool(value.denominator % 2 and value.denominator > 9),
+        )
+
+    def symbol(self, name: str) -> Expression:
+        """A generator."""
+        return sym(name)
+
+    # ------------------------------------------------------------ forms
+    def form(self, x: Trig) -> Expression:
+        """A polynomial in the layout described above."""
+        return ex.add(*(term for _, term in self.by_rates(x)))
+
+    def by_rates(self, x: Trig) -> list[tuple[Monomial, Expression]]:
+        """The parts of a polynomial by their product of rates, each with those rates behind it."""
+        parts: defaultdict[Monomial, Raw] = defaultdict(list)
+        for powers, coefficient in raw(x):
+            rates = self._sorted((n, e) for n, e in powers.items() if n in self.moving)
+            parts[rates].append(({n: e for n, e in powers.items() if n not in self.moving}, coefficient))
+        rows = []
+        for rates in sorted(parts, key=self._rate_rank):
+            terms = shortest(parts[rates], self.angles)
+            rows.append((rates, self._times_rates(terms, rates) if rates else self.by_inertia(terms)))
+        return rows
+
+    def _times_rates(self, terms: Terms, rates: Monomial) -> Expression:
+        """number · (terms) · rates."""
+        content = self._content(terms)
+        coefficient = self.by_inertia({key: c / content for key, c in terms.items()})
+        if isinstance(coefficient, ex.Sum) and isinstance(coefficient.terms[0], ex.Negative):
+            content, coefficient = -content, ex.add(*map(ex.neg, coefficient.terms))
+        return ex.mul(self.number(content), coefficient, *self._monomial(rates))
+
+    def _rate_rank(self, rates: Monomial) -> tuple:
+        """Second rates, squares, products, no rate, single rates, signs."""
+        names = [n for n, e in rates for _ in range(e)]
+        order = [self.symbols.coordinates.index(re.sub(r"^sgn_|_dd?$", "", n)) for n in names]
+        if not names:
+            kind = 3
+        elif names[0].startswith("sgn_"):
+            kind = 5
+        elif any(n.endswith(SECOND) for n in names):
+            kind = 0
+        else:
+            kind = 4 if len(names) == 1 else 1 if len(rates) == 1 else 2
+        return kind, order
+
+    def by_inertia(self, terms: Terms) -> Expression:
+        """Terms grouped by the mass or moment of inertia that they contain."""
+        groups: defaultdict[str, Terms] = defaultdict(dict)
+        for (monomial, wave), coefficient in terms.items():
+            name = next((n for n, _ in monomial if n in self.inertial), "")
+            groups[name][tuple((n, e) for n, e in monomial if n != name), wave] = coefficient
+        last = (len(self.symbols.model.bodies), 0)
+        order = sorted(groups, key=lambda n: (self.inertial.get(n, last), self.rank(n)))
+        return ex.add(*(self._group(name, groups[name]) for name in order))
+
+    def _group(self, name: str, terms: Terms) -> Expression:
+        """inertia · number · common symbols · (the rest)."""
+        common = self._common(terms)
+        content = self._content(terms)
+        inside = {(_without(m, common), w): c / content for (m, w), c in terms.items()}
+        front = [*([self.symbol(name)] if name else []), *self._monomial(common)]
+        rest = self._by_waves(inside)
+        if isinstance(rest, ex.Sum) and not front:
+            if content == 1:
+                return rest
+            if self.decimal:
+                return self._by_waves(terms)
+        return ex.mul(self.number(content), *front, rest)
+
+    def _common(self, terms: Terms) -> Monomial:
+        """Symbols that all terms share; none where a term without angles would keep others (lc² + l lc cos θ stays)."""
+        exponents = [dict(monomial) for monomial, _ in terms]
+        shared = {n: min(e.get(n, 0) for e in exponents) for n in exponents[0]}
+        common = self._sorted((n, e) for n, e in shared.items() if e)
+        constant = [_without(m, common) for m, wave in terms if not wave]
+        if len(terms) > 1 and any(constant) and any(wave for _, wave in terms):
+            return tuple((n, e) for n, e in common if n == self.gravity)
+        return common
+
+    def _content(self, terms: Terms) -> Fraction:
+        """The greatest number that divides all coefficients, with the sign of the first term."""
+        first = terms[
+            min(terms, key=lambda key: (_wave_rank(key[1], self.angles), self._monomial_rank(key[0])))
+        ]
+        if self.decimal:
+            size = abs(first) if len(terms) == 1 else Fraction(1)
+            all_negative = all(c < 0 for c in terms.values())
+            return -size if (first < 0 if len(terms) == 1 else all_negative) else size
+        top = math.gcd(*(c.numerator for c in terms.values()))
+        return Fraction(top if first > 0 else -top, math.lcm(*(c.denominator for c in terms.values())))
+
+    def _by_waves(self, terms: Terms) -> Expression:
+        """Σ polynomial · wave, what has no angle first."""
+        groups: defaultdict[Wave, Poly] = defaultdict(dict)
+        for (monomial, wave), coefficient in terms.items():
+            groups[wave][monomial] = coefficient
+        rows = []
+        for wave in sorted(groups, key=lambda w: _wave_rank(w, self.angles)):
+            functions = [_function(*f) for f in wave]
+            rows.append(self.poly(groups[wave]) if not wave else self._scaled(groups[wave], functions))
+        return ex.add(*rows)
+
+    def _scaled(self, poly: Poly, functions: list[Expression]) -> Expression:
+        """number · common symbols · (the rest) · functions."""
+        flat: Terms = {(m, ()): c for m, c in poly.items()}
+        common, content = self._common(flat), self._content(flat)
+        rest = self.poly({_without(m, common): c / content for m, c in poly.items()})
+        return ex.mul(self.number(content), *self._monomial(common), rest, *functions)
+
+    # ------------------------------------------------------------ polynomials without angles
+    def poly(self, poly: Poly) -> Expression:
+        """A polynomial by falling degree, squares completed where that is shorter."""
+        square = self._square(poly)
+        if square is not None:
+            front, base, rest = square
+            completed = ex.mul(self.number(front[1]), *self._monomial(front[0]), ex.power(self.poly(base), 2))
+            return ex.add(completed, *([self.poly(rest)] if rest else []))
+        order = sorted(poly, key=self._monomial_rank)
+        return ex.add(*(ex.mul(self.number(poly[m]), *self._monomial(m)) for m in order))
+
+    def _square(self, poly: Poly) -> tuple[tuple[Monomial, Fraction], Poly, Poly] | None:
+        """A (x + b)² + rest, where that has fewer terms."""
+        names = sorted(
+            {n for m in poly for n, _ in m}, key=lambda n: (n not in self.symbols.coordinates, self.rank(n))
+        )
+        for x in names:
+            squares = [(m, c) for m, c in poly.items() if dict(m).get(x) == 2]
+            if len(squares) != 1 or any(dict(m).get(x, 0) > 2 for m in poly):
+                continue
+            (top, a) = squares[0]
+            front = _without(top, ((x, 2),))
+            linear = {m: c for m, c in poly.items() if dict(m).get(x) == 1}
+            divisor = self._sorted((*front, (x, 1)))
+            if not linear or not all(_divides(divisor, m) for m in linear):
+                continue
+            base: Poly = {((x, 1),): Fraction(1)} | {
+                _without(m, divisor): c / (2 * a) for m, c in linear.items()
+            }
+            rest = defaultdict(Fraction, poly)
+            for m, c in base.items():
+                for n, d in base.items():
+                    rest[self._product(front, m, n)] -= a * c * d
+            left = {m: c for m, c in rest.items() if c}
+            if len(left) + 1 < len(poly):
+                return (front, a), base, left
+        return None
+
+    def _product(self, *monomials: Monomial) -> Monomial:
+        total: defaultdict[str, int] = defaultdict(int)
+        for monomial in monomials:
+            for name, exponent in monomial:
+                total[name] += exponent
+        ring = self.symbols.ring.index
+        return tuple(sorted(total.items(), key=lambda item: ring[item[0]]))
+
+    def _monomial(self, monomial: Monomial) -> list[Expression]:
+        return [ex.power(self.symbol(n), e) for n, e in self._sorted(monomial)]
+
+    def _monomial_rank(self, monomial: Monomial) -> tuple:
+        """Falling degree, then as in a dictionary."""
+        ranked = [(self.rank(n), -e) for n, e in self._sorted(monomial)]
+        return -sum(e for _, e in monomial), ranked
+
+    def _sorted(self, monomial: Iterable[tuple[str, int]]) -> Monomial:
+        return tuple(sorted(monomial, key=lambda item: self.rank(item[0])))
+
+
+def _without(monomial: Monomial, divisor: Monomial) -> Monomial:
+    """monomial / divisor."""
+    below = dict(divisor)
+    return tuple((n, e - below.get(n, 0)) for n, e in monomial if e > below.get(n, 0))
+
+
+def _divides(divisor: Monomial, monomial: Monomial) -> bool:
+    above = dict(monomial)
+    return all(above.get(n, 0) >= e for n, e in divisor)
+
+
+def _wave_rank(wave: Wave, angles: tuple[str, ...]) -> tuple:
+    """Few functions first, then few angles, small multiples, inner joints, cosines before sines."""
+    total = sum(abs(k) * e for _, argument, e in wave for _, k in argument)
+    used = sorted(angles.index(x) for _, argument, _ in wave for x, _ in argument)
+    signs = [(-k, e, f) for f, argument, e in wave for _, k in argument]
+    return len(set(used)), total, used, [f for f, _, _ in wave], signs
+
+
+def _function(name: str, argument: Monomial, exponent: int) -> Expression:
+    angle = ex.add(*(ex.mul(k, sym(x)) for x, k in argument))
+    return ex.power(ex.Function(name, angle), exponent)

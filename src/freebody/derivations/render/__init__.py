@@ -1,0 +1,1 @@
+"""Renderers of expressions: one small file each, a table from node to template."""

@@ -1,0 +1,151 @@
+"""Expressions as LaTeX (amsmath)."""
+
+from __future__ import annotations
+
+from freebody.derivations.expression import (
+    Cross,
+    Derivative,
+    Dot,
+    Equation,
+    Expression,
+    Function,
+    Matrix,
+    Negative,
+    Number,
+    Power,
+    Product,
+    Quotient,
+    Sum,
+    Symbol,
+    Transposed,
+    Vector,
+    Words,
+)
+from freebody.derivations.names import GREEK
+from freebody.derivations.render.rules import ATOM, CALL, PRODUCT, SUM, Renderer, digits, precedence, summed
+
+_GREEK = {letter: "\\lambda" if name == "lam" else f"\\{name}" for name, letter in GREEK.items()}
+_DOTS = ("{}", "\\dot{{{}}}", "\\ddot{{{}}}")
+_NAMES = {"sin": "\\sin", "cos": "\\cos", "tan": "\\tan", "sgn": "\\operatorname{sgn}"}
+
+
+def latex(node: Expression) -> str:
+    """LaTeX of an expression, without dollar signs."""
+    return _RENDER(node)
+
+
+def _number(node: Number, _: Renderer) -> str:
+    value = node.value
+    if value.denominator == 1 and not (node.decimal and abs(value) >= 10**6):
+        return str(value)
+    if not node.decimal:
+        sign = "-" if value < 0 else ""
+        return f"{sign}\\tfrac{{{abs(value.numerator)}}}{{{value.denominator}}}"
+    mantissa, exponent = digits(value)
+    return mantissa + (f"\\cdot 10^{{{exponent}}}" if exponent else "")
+
+
+def _symbol(node: Symbol, _: Renderer) -> str:
+    letter = _letter(node.letter, node.bold)
+    if node.dots:
+        letter = _DOTS[node.dots].format(letter)
+    low = ",".join(
+        f"\\mathrm{{{_escaped(x)}}}" if x.isalpha() and len(x) > 2 else _escaped(x) for x in node.low
+    )
+    return letter + _script("_", low) + _script("^", node.high)
+
+
+def _script(mark: str, text: str) -> str:
+    """A sub- or superscript, in braces where it is longer than a character."""
+    return f"{mark}{text}" if len(text) == 1 else f"{mark}{{{text}}}" if text else ""
+
+
+def _letter(letter: str, bold: bool) -> str:
+    if letter in _GREEK:
+        return f"\\boldsymbol{{{_GREEK[letter]}}}" if bold else _GREEK[letter]
+    if bold:
+        return f"\\mathbf{{{letter}}}"
+    return letter if len(letter) == 1 else f"\\mathrm{{{_escaped(letter)}}}"
+
+
+def _escaped(text: str) -> str:
+    return text.replace("_", "\\_")
+
+
+def _product(node: Product, render: Renderer) -> str:
+    pieces = ""
+    for k, factor in enumerate(node.factors):
+        before = node.factors[k - 1] if k else None
+        gap = "\\," if before is not None and (_is_call(before) or _is_decimal(before)) else " "
+        pieces += (gap if k else "") + _factor(factor, render)
+    return pieces
+
+
+def _factor(factor: Expression, render: Renderer) -> str:
+    level = (
+        SUM if isinstance(factor, Number) else CALL if isinstance(factor, Cross | Dot | Product) else PRODUCT
+    )
+    return render(factor, level)
+
+
+def _is_decimal(node: Expression) -> bool:
+    return isinstance(node, Number) and node.value.denominator != 1
+
+
+def _is_call(node: Expression) -> bool:
+    return isinstance(node, Function) or (isinstance(node, Power) and isinstance(node.base, Function))
+
+
+def _call(node: Function, exponent: str, render: Renderer) -> str:
+    argument = render(node.argument).replace(" + ", "+").replace(" - ", "-").replace("\\,", " ")
+    name = _NAMES.get(node.name, f"\\operatorname{{{node.name}}}") + exponent
+    if precedence(node.argument) < PRODUCT or node.name == "sgn":
+        return f"{name}({argument})"
+    return f"{name} {argument}"
+
+
+def _power(node: Power, render: Renderer) -> str:
+    if isinstance(node.base, Function):
+        return _call(node.base, _script("^", str(node.exponent)), render)
+    return render(node.base, ATOM) + _script("^", str(node.exponent))
+
+
+def _derivative(node: Derivative, render: Renderer) -> str:
+    d = "\\partial " if node.partial else "\\mathrm{d}"
+    below = d + render(node.by, ATOM)
+    if isinstance(node.of, Symbol):
+        return f"\\frac{{{d}{render(node.of)}}}{{{below}}}"
+    return f"\\frac{{{d.strip()}}}{{{below}}}\\left({render(node.of)}\\right)"
+
+
+def _pair(node: Cross | Dot, sign: str, render: Renderer) -> str:
+    def side(x: Expression) -> str:
+        return render(x, CALL if isinstance(x, Cross | Dot) else PRODUCT)
+
+    return f"{side(node.left)} {sign} {side(node.right)}"
+
+
+def _array(rows: list[str]) -> str:
+    return "\\begin{bmatrix} " + " \\\\ ".join(rows) + " \\end{bmatrix}"
+
+
+_RENDER = Renderer(
+    {
+        Number: _number,
+        Symbol: _symbol,
+        Sum: lambda node, render: summed(node, render, " + ", " - ", "-"),
+        Negative: lambda node, render: "-" + render(node.operand, PRODUCT),
+        Product: _product,
+        Quotient: lambda node, render: f"\\frac{{{render(node.above)}}}{{{render(node.below)}}}",
+        Power: _power,
+        Transposed: lambda node, render: render(node.operand, ATOM) + "^{\\mathsf{T}}",
+        Function: lambda node, render: _call(node, "", render),
+        Derivative: _derivative,
+        Cross: lambda node, render: _pair(node, "\\times", render),
+        Dot: lambda node, render: _pair(node, "\\cdot", render),
+        Vector: lambda node, render: _array([render(x) for x in node.entries]),
+        Matrix: lambda node, render: _array([" & ".join(map(render, row)) for row in node.rows]),
+        Equation: lambda node, render: " = ".join(render(side, SUM) for side in node.sides),
+        Words: lambda node, render: f"\\text{{{node.text}}}",
+    }
+)
