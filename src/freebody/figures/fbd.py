@@ -67,7 +67,7 @@ def free_body_diagram(
 
     q: (nq,) rad or m; qd, qdd: (nv,), default at rest; wrenches as for `inverse_dynamics`, acting on the arm.
     Returns a figure with `.svg`, `.save("fbd.svg")`, `.drawing` (the arrows as data) and `.bodies` (the loads and
-    how well they balance). Raises ShapeError, NotFiniteError, UnknownNameError. Source: figures 1.4, 2.3, 3.2, 4.2, 6.4.
+    how well they balance). Raises ShapeError, NotFiniteError, UnknownNameError. Source: figures 1.4, 2.3, 3.2, 6.4.
     """
     loads = body_loads(model, q, qd, qdd, wrenches)
     chosen = loads if body is None else (loads[_index(model, body)],)

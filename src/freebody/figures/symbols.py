@@ -88,7 +88,8 @@ def com(at: Pixel, size: float, heading: Pixel, role: str) -> str:
     """The quartered disc of a centre of mass."""
     x, y = at
     arc = f"A{size:g} {size:g} 0 0"
-    quarters = f"M{x:.1f} {y:.1f}h{size:g}{arc} 0 {x:.1f} {y - size:.1f}ZM{x:.1f} {y:.1f}h{-size:g}{arc} 0 {x:.1f} {y + size:.1f}Z"
+    upper = f"M{x:.1f} {y:.1f}h{size:g}{arc} 0 {x:.1f} {y - size:.1f}Z"
+    quarters = f"{upper}M{x:.1f} {y:.1f}h{-size:g}{arc} 0 {x:.1f} {y + size:.1f}Z"
     return f'<circle class="com" cx="{x:.1f}" cy="{y:.1f}" r="{size:g}"/><path class="comq" d="{quarters}"/>'
 
 
