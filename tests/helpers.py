@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import pytest
 
 import freebody as fb
 from freebody.algorithms.kinematics import frame_pose, joint_poses, world_poses
@@ -105,3 +108,9 @@ def random_wrenches(model: Model, seed: int, batch: int, n: int = 3) -> dict[str
     rng = np.random.default_rng(seed)
     names = rng.permutation(np.array(model.frame_names))[:n]
     return {str(name): 5 * rng.normal(size=(batch, 6 if model.dim == 3 else 3)) for name in names}
+
+
+def refused(text: str, call: Callable[[], Any], kind: type[Exception] = fb.FreebodyError) -> None:
+    """The call is refused in exactly these words."""
+    with pytest.raises(kind, match=f"^{re.escape(text)}$"):
+        call()
