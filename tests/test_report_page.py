@@ -96,7 +96,7 @@ def numbers(*values: float) -> list[str]:
 
 def test_column_has_one_number_of_decimals():
     assert numbers(-67.27, 2.72, 1.82, 5.62) == ["−67.27", "2.72", "1.82", "5.62"]
-    assert numbers(1234.5, 12.25) == ["1234.5", "12.2"]
+    assert numbers(1234.5, 12.25, 0.5) == ["1234.5", "12.2", "0.5"]
 
 
 def test_small_and_missing_numbers_are_not_printed_as_zero():

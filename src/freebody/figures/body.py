@@ -70,7 +70,7 @@ def _joints(drawing: Drawing, loads: BodyLoads) -> None:
         direction = None if axis is None else point(axis)
         drawing.add(Mark(point(body.origin), kind, f"joint {body.number}", "joint", direction, 6.0))
     for end in body.ends:
-        if end.child is not None:
+        if end.child is not None and np.linalg.norm(end.place - body.origin) > 1e-6:
             drawing.add(Mark(point(end.place), "joint", f"joint {end.child + 1}", "joint", size=4.5))
     if body.mass:
         drawing.add(Mark(point(body.com), "com", f"C_{body.number}", "com", size=6.0))

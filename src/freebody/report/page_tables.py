@@ -14,7 +14,7 @@ from freebody.figures.text import html
 from freebody.model.parts import Joint
 from freebody.report.facts import facts
 from freebody.report.study import Study
-from freebody.report.tables import Cell, Head, Number, Table, Text, alone, shortened, table, typeset
+from freebody.report.tables import Cell, Head, Number, Table, Text, alone, table, typeset
 
 _EFFORTS = {"N m": "Peak torque", "N": "Peak force"}
 _USE = "share of the limit that is used; above 100 % the limit is exceeded"
@@ -129,13 +129,13 @@ def gravity(study: Study) -> Table | None:
     if len(positions) <= _POSE:
         columns += [
             Printed(
-                f"q: {short}",
+                f"q{k + 1}",
                 "worst_gravity_pose",
                 "",
                 f"{name} in the worst pose, rad or m",
                 at=(("position", name),),
             )
-            for name, short in zip(positions, shortened(positions), strict=True)
+            for k, name in enumerate(positions)
         ]
     return _by_coordinate("What gravity alone asks", study, names, columns)
 

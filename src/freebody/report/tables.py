@@ -89,7 +89,7 @@ def aligned(column: Sequence[Cell]) -> list[Cell]:
     )
     if not sizes:
         return [_printed(cell, 0, 0.0) for cell in column]
-    decimals = 2 - _decade(sizes[(len(sizes) - 1) // 2])
+    decimals = 2 - _decade(sizes[len(sizes) // 2])
     decimals = max(0, min(decimals, 4 - _decade(sizes[-1])))
     return [_printed(cell, decimals, _NOISE * sizes[-1]) for cell in column]
 
