@@ -11,6 +11,7 @@ import numpy as np
 
 from freebody.errors import FileError
 from freebody.motion.ranges import position_columns
+from freebody.report.facts import facts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -58,10 +59,10 @@ def save(study: Study, directory: Path) -> list[Path]:
 
 
 def dataset(study: Study) -> xr.Dataset:
-    """Time series and summary in one dataset, with what the checks found as attributes."""
+    """Time series, summary and facts in one dataset, with what the checks found as attributes."""
     import xarray as xr
 
-    whole = xr.merge([study.data, study.summary], compat="no_conflicts", combine_attrs="drop_conflicts")
+    whole = xr.merge([study.data, study.summary, facts(study)], compat="no_conflicts", combine_attrs="drop_conflicts")
     whole.attrs.update(study.data.attrs)
     whole.attrs["notices"] = "\n".join(study.notices)
     for check in study.checks:
