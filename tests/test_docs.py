@@ -8,6 +8,9 @@ import sys
 from pathlib import Path
 
 import pytest
+import typer
+
+from freebody.cli.app import app
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted(ROOT.glob("*.md")) + sorted(ROOT.glob("docs/**/*.md")) + sorted(ROOT.glob("benchmarks/*.md"))
@@ -61,3 +64,15 @@ def test_examples_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 def test_links_lead_somewhere(page: Path):
     targets = LOCAL_LINK.findall(page.read_text(encoding="utf-8"))
     assert [t for t in targets if not (page.parent / t).exists()] == []
+
+
+PROGRAM = typer.main.get_group(app)
+
+
+@pytest.mark.parametrize("command", ["", *PROGRAM.commands])
+def test_help_has_an_example_that_runs(command: str, tmp_path: Path):
+    help_text = (PROGRAM.commands[command] if command else PROGRAM).epilog or ""
+    examples = re.findall(rf"Example: (freebody {command}.*)", help_text)
+    assert examples, f"freebody {command} --help shows no example"
+    for example in examples:
+        freebody(example, tmp_path)
