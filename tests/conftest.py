@@ -1,8 +1,16 @@
 """What every test file shares."""
 
+import atexit
+import os
 import shutil
+import tempfile
 
 import pytest
+
+if "FREEBODY_CACHE" not in os.environ:
+    # one folder for all workers of a run, which inherit it: the user's own cache is neither trusted nor filled
+    os.environ["FREEBODY_CACHE"] = tempfile.mkdtemp(prefix="freebody-tests-")
+    atexit.register(shutil.rmtree, os.environ["FREEBODY_CACHE"], ignore_errors=True)
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
