@@ -242,7 +242,7 @@ def _legend_rows(what: Plot) -> list[list[tuple[str, float, int]]]:
     rows: list[list[tuple[str, float, int]]] = [[]]
     x, colours = 8.0, what.colours or range(len(what.curves))
     for name, colour in zip(what.curves, colours, strict=False):
-        needed = width(name, 12) + 34
+        needed = width(name, 12) + 40
         if rows[-1] and x + needed > what.size[0]:
             rows.append([])
             x = 8.0

@@ -103,10 +103,8 @@ def parts(study: Study) -> dict[str, str]:
 def powers(study: Study) -> Iterator[Figure]:
     """Mechanical power of the drives, and of all together."""
     data = study.data
-    for names in _chunks(study.model.velocity_names):
-        curves = {
-            s: data["power"].sel(coordinate=n).values for n, s in zip(names, shortened(names), strict=True)
-        }
+    for group in _groups(study.model.velocity_names):
+        curves = {short: data["power"].sel(coordinate=name).values for name, short in group}
         yield _plot(study, "Power of each drive", curves, "W")
     yield _plot(
         study, "Power of all drives", {"all": data["motor_power"].values}, "W", legend=False, peaks=True
@@ -165,8 +163,8 @@ def reactions(study: Study) -> Iterator[Figure]:
     ):
         size = np.linalg.norm(study.data[variable].values, axis=-1)
         names = study.model.joint_names
-        for chunk in _chunks(names):
-            curves = {s: size[:, names.index(n)] for n, s in zip(chunk, shortened(chunk), strict=True)}
+        for group in _groups(names):
+            curves = {short: size[:, names.index(name)] for name, short in group}
             yield _plot(study, what, curves, unit)
 
 
@@ -194,8 +192,8 @@ def _overlays(
     for name, unit in _units(study, array, dim, unit_name):
         groups.setdefault(unit, []).append(name)
     for unit, names in groups.items():
-        for chunk in _chunks(names):
-            curves = {s: array.sel({dim: n}).values for n, s in zip(chunk, shortened(chunk), strict=True)}
+        for group in _groups(names):
+            curves = {short: array.sel({dim: name}).values for name, short in group}
             yield _plot(study, what, curves, unit + suffix)
 
 
@@ -206,12 +204,13 @@ def _units(study: Study, array: xr.DataArray, dim: str, unit_name: str) -> Itera
         yield name, known.get(name, "1" if ".quat_" in name else "m")
 
 
-def _chunks(names: Sequence[str]) -> Iterator[Sequence[str]]:
-    """Equal groups of at most eight."""
+def _groups(names: Sequence[str]) -> Iterator[Sequence[tuple[str, str]]]:
+    """Equal groups of at most eight: each name and what a legend calls it."""
+    called = list(zip(names, shortened(names), strict=True))
     count = -(-len(names) // _TOGETHER)
     size = -(-len(names) // count) if count else 1
     for k in range(0, len(names), size):
-        yield names[k : k + size]
+        yield called[k : k + size]
 
 
 def _plot(
