@@ -134,6 +134,14 @@ def test_third_law_is_seen(diagram):
     assert turn.at == pytest.approx(counter.at)
 
 
+def test_third_law_holds_for_moments_in_space(arm):
+    first, second = fb.free_body_diagram(arm.to_space(), Q2, qd=QD2, qdd=QDD2).drawings
+    on_first, on_second = first.named("−n_{1,2}"), second.named("n_{1,2}")
+    np.testing.assert_allclose(
+        np.subtract(on_first.end, on_first.start), -np.subtract(on_second.end, on_second.start), atol=1e-12
+    )
+
+
 def test_torque_of_a_planar_turn_is_the_inverse_dynamics(arm, diagram):
     tau = fb.inverse_dynamics(arm, Q2, QD2, QDD2)
     for k, drawing in enumerate(diagram.drawings):

@@ -24,11 +24,13 @@ _ROLES = {"reaction": "reaction", "counter": "reaction", "weight": "weight", "ex
 def diagrams(bodies: Sequence[BodyLoads], dim: int) -> tuple[Drawing, ...]:
     """Drawings of bodies, all seen from one side; lengths and forces to one scale where their sizes allow it."""
     view = FLAT if dim == 2 else _common_view(bodies)
-    sizes, forces = [_size(b) for b in bodies], [_longest(b) for b in bodies]
+    sizes, forces, moments = ([f(b) for b in bodies] for f in (_size, _longest, _peak))
     together = max(sizes) <= _ALIKE * min(sizes) and max(forces) <= _ALIKE * min(forces)
     if together:
-        sizes, forces = [max(sizes)] * len(bodies), [max(forces)] * len(bodies)
-    drawings = tuple(_diagram(b, view, s, f) for b, s, f in zip(bodies, sizes, forces, strict=True))
+        sizes, forces, moments = ([max(values)] * len(bodies) for values in (sizes, forces, moments))
+    drawings = tuple(
+        _diagram(b, view, *scale) for b, *scale in zip(bodies, sizes, forces, moments, strict=True)
+    )
     if together:
         common = min((natural_scale(drawing, PANEL, TALLEST) for drawing in drawings), default=1.0)
         for drawing in drawings:
@@ -36,8 +38,8 @@ def diagrams(bodies: Sequence[BodyLoads], dim: int) -> tuple[Drawing, ...]:
     return drawings
 
 
-def _diagram(loads: BodyLoads, view: View, size: float, longest: float) -> Drawing:
-    """A body of about `size` metres, its forces drawn so that `longest` N take three quarters of that."""
+def _diagram(loads: BodyLoads, view: View, size: float, longest: float, peak: float) -> Drawing:
+    """A body of about `size` metres, drawn so that `longest` N take three quarters of that and `peak` N m less."""
     body = loads.body
     drawing = Drawing(view, f"Free-body diagram of body {body.number}, {body.name}")
     drawing.heading, drawing.compass = f"Body {body.number} · {body.name}", True
@@ -47,7 +49,7 @@ def _diagram(loads: BodyLoads, view: View, size: float, longest: float) -> Drawi
         parts = space.solids_of(body, 0.05 * size)
         drawing.add(*sorted(parts, key=lambda e: space.depth(e, view)))
     _joints(drawing, loads)
-    scale, peak = 0.75 * size / longest if longest else 0.0, _peak(loads)
+    scale = 0.75 * size / longest if longest else 0.0
     for load in loads.loads:
         _reach(drawing, loads, load)
         _force(drawing, load, scale, longest)
