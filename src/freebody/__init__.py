@@ -64,6 +64,7 @@ _PLACES = {
     "freebody.numerics.states": ("neutral", "random_state", "integrate", "difference"),
     "freebody.numerics.kernels": ("kernel",),
     "freebody.numerics.exports": ("source", "to_jax"),
+    "freebody.derivations.equations": ("equations",),
     "freebody.motion.motion": ("Motion",),
     "freebody.motion.default": ("default_motion",),
     "freebody.motion.table": ("read_motion",),

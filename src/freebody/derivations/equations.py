@@ -12,9 +12,21 @@ from freebody.algorithms.crba import crba
 from freebody.algorithms.energy import potential_energy
 from freebody.algorithms.rnea import drive_torque
 from freebody.arrays import Array
+from freebody.derivations import source, views
+from freebody.derivations.expression import Equation, Expression
+from freebody.derivations.forms import Layout
+from freebody.derivations.intermediates import intermediates
+from freebody.derivations.render import page
+from freebody.derivations.render.sympy import to_sympy
 from freebody.derivations.symbols import Symbols, symbols
+from freebody.errors import UnknownNameError
 from freebody.model.model import Model
+from freebody.model.parameters import finite, with_parameters
 from freebody.scalars.trig import Trig
+
+VIEWS = ("auto", "named", "expanded", "intermediates")
+SHORT = 60
+"""Terms of an entry from which on it is too long to read."""
 
 
 @dataclass(frozen=True)
@@ -123,6 +135,124 @@ class Equations:
 
         return number(quantity)
 
+    # ------------------------------------------------------------ for the reader
+    @cached_property
+    def layout(self) -> Layout:
+        """How polynomials of this model are printed: `layout.form(x)` is an expression."""
+        return Layout(self.symbols)
+
+    def form(self, x: Trig) -> Expression:
+        """A polynomial as it is printed; it has text, LaTeX and MathML of its own."""
+        return self.layout.form(x)
+
+    @property
+    def parameters(self) -> dict[str, float | None]:
+        """The parameters that the equations hold by name, with their values where they have one."""
+        used = set(self.symbols.ring.names)
+        return {name: value for name, value in self.symbols.model.parameters.items() if name in used}
+
+    def intermediates(self) -> list[Equation]:
+        """Inverse dynamics by named intermediates, each line in terms of those before: see `intermediates`."""
+        return intermediates(self.symbols)
+
+    def groups(self, view: str = "named", names: str = "notes") -> list[list[Equation]]:
+        """The equations of a view: "named", "expanded" or "intermediates"."""
+        if names not in views.NAMES:
+            raise UnknownNameError("set of names", names, "Equations", views.NAMES)
+        if view == "intermediates":
+            return [self.intermediates()]
+        if view == "expanded":
+            return views.expanded(self, self.layout)
+        if view in ("named", "auto"):
+            return views.named(self, self.layout, views.NAMES[names])
+        raise UnknownNameError("view", view, "Equations", VIEWS)
+
+    def count(self) -> dict[str, int]:
+        """Number of terms of M (upper triangle), c and g, as exact polynomials."""
+        return {
+            "M": sum(len(x) for i, row in enumerate(self.M) for x in row[i:]),
+            "c": sum(map(len, self.c)),
+            "g": sum(map(len, self.g)),
+        }
+
+    @property
+    def is_short(self) -> bool:
+        """Whether each entry of M, c and g has fewer than 60 terms."""
+        return max(len(x) for x in (*(x for row in self.M for x in row), *self.c, *self.g)) < SHORT
+
+    def text(self, view: str = "auto", names: str = "notes", width: int = 100) -> str:
+        """The equations for a terminal.
+
+        view: "named" (τ by H, h, G and what these are), "expanded" (τ written out), "intermediates" (the recursion
+        line by line), "auto" (named where that is short, else how long it is).
+        names: "notes" (H_ij, h, G_i) or "standard" (M_ij, c_i, g_i).
+        """
+        if view == "auto" and not self.is_short:
+            return self._too_long()
+        return page.text(self.groups(view, names), width)
+
+    def latex(self, view: str = "auto", names: str = "notes", environment: str = "aligned") -> str:
+        """The same as an amsmath environment, without dollar signs; "align*" in a document breaks across pages."""
+        if view == "auto" and not self.is_short:
+            lines = " \\\\ ".join(
+                f"\\text{{{line}}}" for line in self._too_long().replace("_", "\\_").splitlines()
+            )
+            return f"\\begin{{gathered}} {lines} \\end{{gathered}}"
+        return page.latex(self.groups(view, names), environment)
+
+    def mathml(self, view: str = "named", names: str = "notes") -> str:
+        """The same as one `<math>` element."""
+        return page.html(self.groups(view, names))
+
+    def _too_long(self) -> str:
+        terms = self.count()
+        return (
+            f"{self.symbols.model.name}: M has {terms['M']} terms, c {terms['c']}, g {terms['g']}: too long to read.\n"
+            'view="intermediates": the recursion, line by line; '
+            'view="named" or "expanded": all terms.'
+        )
+
+    def __str__(self) -> str:
+        return self.text()
+
+    def _repr_latex_(self) -> str:
+        return f"$\\displaystyle {self.latex()}$"
+
+    # ------------------------------------------------------------ for other programs
+    def to_sympy(self) -> dict[str, Any]:
+        """SymPy matrices M, C, c, g, drives, tau and expressions T, V; symbols are named as in code and real."""
+        import sympy
+
+        def convert(x: Any) -> Any:
+            return to_sympy(self.form(x)) if isinstance(x, Trig) else sympy.Matrix(_nested(x, convert))
+
+        names = ("M", "C", "c", "g", "drives", "tau", "T", "V")
+        return {name: convert(getattr(self, name)) for name in names}
+
+    def python(self) -> str:
+        """Source of a Python function dynamics(q, qd, qdd, parameters…) that returns M, c, G, tau."""
+        return source.python(self)
+
+    def c_source(self) -> str:
+        """Source of a C function of the same."""
+        return source.c(self)
+
+    def substitute(self, **numbers: float) -> Equations:
+        """The equations with numbers in place of some parameters."""
+        known = self.parameters
+        for name in numbers:
+            if name not in known:
+                raise UnknownNameError("parameter", name, "the equations", known)
+        model = with_parameters(
+            self.symbols.model, lambda p: finite(numbers[p.name], p.name) if p.name in numbers else p
+        )
+        return equations(model, self.symbols.reader.numbers)
+
+
+def _nested(x: Any, convert: Any) -> Any:
+    """Rows of rows converted, a vector as it stands."""
+    return [[convert(entry) for entry in row] if isinstance(row, list) else convert(row) for row in x]
+
 
 def _without_drives(tree: Any) -> Any:
     from dataclasses import replace
@@ -131,5 +261,10 @@ def _without_drives(tree: Any) -> Any:
 
 
 def equations(model: Model, numbers: bool = False) -> Equations:
-    """The closed-form equations of a model; `numbers` puts in the values of its parameters."""
+    """The closed-form equations of a model; `numbers` puts in the values of its parameters.
+
+    Raises FreebodyError for spherical and free joints, and for joints that follow another by a ratio that is not whole.
+    """
+    if numbers:
+        model.require_values("equations in numbers")
     return Equations(symbols(model, numbers))

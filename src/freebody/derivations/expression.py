@@ -3,7 +3,8 @@
 Nothing here simplifies; the exact mathematics is in `scalars.trig`. What the functions do is what a printed line needs:
 sums and products are flat, a sign stands in front, a number first, zeros and ones vanish.
 
-Wherever an expression is expected, a number or the name of a symbol will do: `eq("tau1", add(mul("I1", "omega1_d"), "tau2"))`.
+Wherever an expression is expected, a number or the name of a symbol will do:
+`eq("tau1", add(mul("I1", "omega1_d"), "tau2"))`.
 """
 
 from __future__ import annotations

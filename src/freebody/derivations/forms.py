@@ -1,7 +1,8 @@
 """Polynomials as a textbook prints them: m₁ lc₁² + I₁ + m₂ (l₁² + lc₂² + 2 l₁ lc₂ cos θ₂) + I₂.
 
-Terms are grouped by products of rates, then by mass and moment of inertia in the order of the bodies; inside a group what
-is constant stands first, then cosines and sines by their angles. A group's numbers and common symbols stand in front of it.
+Terms are grouped by products of rates, then by mass and moment of inertia in the order of the bodies; inside a group
+what is constant stands first, then cosines and sines by their angles. A group's numbers and common symbols stand in
+front of it.
 """
 
 from __future__ import annotations
@@ -10,17 +11,20 @@ import math
 import re
 from collections import defaultdict
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from fractions import Fraction
 from functools import cached_property
+from typing import Any
 
 from freebody.derivations import expression as ex
 from freebody.derivations.expression import Expression
 from freebody.derivations.names import sym
 from freebody.derivations.symbols import RATE, SECOND, Symbols
 from freebody.derivations.waves import Monomial, Raw, Terms, Wave, raw, shortest
+from freebody.model.model import Body
 from freebody.model.parameters import Parameter, each_parameter
-from freebody.scalars.trig import Trig
+from freebody.model.placement import Turn
+from freebody.scalars.trig import Trig, rational_sin_cos
 
 Poly = dict[Monomial, Fraction]
 """A polynomial in symbols without sines and cosines."""
@@ -65,7 +69,7 @@ class Layout:
     @property
     def decimal(self) -> bool:
         """Whether numbers are measured ones, printed as decimals."""
-        return self.symbols.reader.numbers
+        return self.symbols.reader.numbers or _holds_decimals(self.symbols.model.bodies)
 
     def rank(self, name: str) -> tuple[int, int, int, str]:
         """Order of the symbols in a product: inertia, gravity, lengths and coordinates by joint, rates."""
@@ -88,6 +92,11 @@ class Layout:
     def form(self, x: Trig) -> Expression:
         """A polynomial in the layout described above."""
         return ex.add(*(term for _, term in self.by_rates(x)))
+
+    def is_negative(self, x: Trig) -> bool:
+        """Whether the form of a polynomial begins with a minus."""
+        form = self.form(x)
+        return isinstance(form.terms[0] if isinstance(form, ex.Sum) else form, ex.Negative)
 
     def by_rates(self, x: Trig) -> list[tuple[Monomial, Expression]]:
         """The parts of a polynomial by their product of rates, each with those rates behind it."""
@@ -243,6 +252,20 @@ class Layout:
 
     def _sorted(self, monomial: Iterable[tuple[str, int]]) -> Monomial:
         return tuple(sorted(monomial, key=lambda item: self.rank(item[0])))
+
+
+def _holds_decimals(thing: Any) -> bool:
+    """Whether inertias, placements or drives hold plain numbers that are not whole, right angles apart."""
+    if isinstance(thing, Turn):
+        angle = thing.angle
+        return not isinstance(angle, Parameter) and bool(rational_sin_cos(angle)[0].denominator != 1)
+    if isinstance(thing, Body):
+        return _holds_decimals((thing.inertias, thing.joint.placement, thing.joint.drive))
+    if isinstance(thing, tuple):
+        return any(map(_holds_decimals, thing))
+    if is_dataclass(thing) and not isinstance(thing, Parameter):
+        return any(_holds_decimals(getattr(thing, f.name)) for f in fields(thing))
+    return isinstance(thing, float) and not thing.is_integer()
 
 
 def _without(monomial: Monomial, divisor: Monomial) -> Monomial:

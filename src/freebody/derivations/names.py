@@ -59,9 +59,10 @@ def vec(name: str) -> Symbol:
 
 def entry(letter: str, *indices: int) -> Symbol:
     """An entry of an array, counted from 1: entry("H", 1, 2) is H₁₂, named H12; above 9 H_10_2."""
-    small = all(i < 10 for i in indices)
+    small = len(indices) == 1 or all(i < 10 for i in indices)
     name = letter + ("" if small else "_") + ("" if small else "_").join(map(str, indices))
-    return Symbol(name, letter, ("".join(map(str, indices)),) if small else tuple(map(str, indices)))
+    low = ("".join(map(str, indices)),) if small else tuple(map(str, indices))
+    return Symbol(name, GREEK.get(letter, letter), low)
 
 
 def _without_dots(name: str) -> tuple[str, int]:

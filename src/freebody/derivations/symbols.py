@@ -34,8 +34,10 @@ class TrigReader(Reader):
         if isinstance(q, Parameter):
             if not self.numbers:
                 return self.ring[q.name]
-            q = super().quantity(q)
-        return 0.0 if q == 0.0 else Trig(self.ring, self.ring.constant(q), 0)
+            number = float(super().quantity(q))
+        else:
+            number = q
+        return 0.0 if number == 0.0 else Trig(self.ring, self.ring.constant(number), 0)
 
     def sin_cos(self, angle: Quantity) -> tuple[Scalar, Scalar]:
         if isinstance(angle, Parameter) and not self.numbers:
@@ -59,7 +61,7 @@ class TrigReader(Reader):
 
 @dataclass(frozen=True)
 class Symbols:
-    """Coordinates θ_i (turning) and d_i (sliding), numbered by joint from 1, their rates, and the tree over the ring."""
+    """Coordinates θ_i (turning) and d_i (sliding), numbered by joint from 1, their rates, the tree over the ring."""
 
     model: Model
     ring: TrigRing
@@ -111,6 +113,7 @@ class Symbols:
 
 def symbols(model: Model, numbers: bool = False) -> Symbols:
     """The model in symbols; `numbers` puts in the values of parameters that have one."""
+    _require_whole_ratios(model)
     coordinates = coordinate_names(model)
     turning = [x for x in coordinates if x.startswith("theta")]
     names = list(dict.fromkeys(p.name for p in each_parameter(model))) if not numbers else []
@@ -133,11 +136,23 @@ def coordinate_names(model: Model) -> tuple[str, ...]:
         kind = body.kind.name
         if kind in ("spherical", "free"):
             raise FreebodyError(
-                f"joint {body.joint.name!r} of {model.name!r} is {kind}: closed forms need coordinates that are numbers; "
-                "put three revolute joints (Euler angles) and three prismatic ones in its place."
+                f"joint {body.joint.name!r} of {model.name!r} is {kind}: closed forms need coordinates that are "
+                "numbers; put three revolute joints (Euler angles) and three prismatic ones in its place."
             )
         names += {"prismatic": [f"d{i}"], "planar": [f"x{i}", f"y{i}", f"theta{i}"]}.get(kind, [f"theta{i}"])
     return tuple(names)
+
+
+def _require_whole_ratios(model: Model) -> None:
+    """Refuse a turning joint that follows another by a fraction of its angle."""
+    for body in model.bodies:
+        mimic = body.joint.mimic
+        if mimic is not None and body.kind.name != "prismatic" and mimic.ratio != round(mimic.ratio):
+            raise FreebodyError(
+                f"joint {body.joint.name!r} of {model.name!r} turns {mimic.ratio:g} times as far as "
+                f"{mimic.joint!r}: closed forms need a whole number, since sines and cosines of a fraction of an angle "
+                'are no polynomials in its own. Load with mimic="free", or let the slower joint lead.'
+            )
 
 
 def _angle_parameters(model: Model) -> set[str]:

@@ -1,7 +1,7 @@
 """Exact polynomials in sines, cosines, coordinates, rates and parameters, in a normal form: equal means identical.
 
-For each angle x the ring has generators sin x, cos x and x itself; s² is always written 1 - c². Coefficients are rational;
-a float is read as its shortest decimal. The arithmetic is FLINT's.
+For each angle x the ring has generators sin x, cos x and x itself; s² is always written 1 - c². Coefficients are
+rational; a float is read as its shortest decimal. The arithmetic is FLINT's.
 """
 
 from __future__ import annotations
@@ -59,8 +59,7 @@ class TrigRing:
         """A number as polynomial."""
         found = self._constants.get(number)
         if found is None:
-            exact = exactly(number)
-            found = self.context.constant(flint.fmpq(exact.numerator, exact.denominator))
+            found = self.context.constant(_flint(exactly(number)))
             self._constants[number] = found
         return found
 
@@ -78,6 +77,10 @@ class TrigRing:
 def exactly(number: float | Rational) -> Fraction:
     """A float as the shortest decimal that reads back as it; rationals as they are."""
     return Fraction(number) if isinstance(number, Rational) else Fraction(repr(float(number)))
+
+
+def _flint(number: Fraction) -> Any:
+    return flint.fmpq(number.numerator, number.denominator)
 
 
 class Trig:
@@ -127,8 +130,13 @@ class Trig:
         if other.is_constant:
             return self * (1 / other.fraction)
         quotient, rest = divmod(self.poly, other.poly)
-        if rest != 0 or self.ring.reduced(quotient * other.poly, (1 << len(self.ring.angles)) - 1) != self.poly:
-            raise FreebodyError("a quotient of polynomials is no polynomial: this quantity has no such closed form.")
+        if (
+            rest != 0
+            or self.ring.reduced(quotient * other.poly, (1 << len(self.ring.angles)) - 1) != self.poly
+        ):
+            raise FreebodyError(
+                "a quotient of polynomials is no polynomial: this quantity has no such closed form."
+            )
         return Trig(self.ring, quotient, self.mask)
 
     def __pow__(self, exponent: int) -> Any:
@@ -143,7 +151,9 @@ class Trig:
         return isinstance(other, int | float | Fraction) and self.poly == self.ring.constant(other)
 
     def __hash__(self) -> int:
-        return hash(str(self.poly))
+        return hash(
+            self.fraction if self.is_constant else (self.poly.degrees(), self.leading_coefficient, len(self))
+        )
 
     # ------------------------------------------------------------ angles
     def sin(self) -> Trig:
@@ -180,11 +190,13 @@ class Trig:
         return name if name in self.ring.angles else None
 
     def sign(self) -> Trig:
-        """Sign of a single rate: an opaque generator sgn_…"""
-        name = str(self.poly)
+        """Sign of a multiple of a single rate: an opaque generator sgn_…, negated where the factor is negative."""
+        factor = self.leading_coefficient
+        name = str(self.poly / _flint(factor)) if factor else "0"
         if f"sgn_{name}" not in self.ring.index:
-            raise FreebodyError(f"the sign of {name} has no symbol: friction acts on single rates.")
-        return self.ring[f"sgn_{name}"]
+            raise FreebodyError(f"the sign of {self} has no symbol: friction acts on single rates.")
+        sign = self.ring[f"sgn_{name}"]
+        return sign if factor > 0 else -sign
 
     # ------------------------------------------------------------ analysis
     @property
@@ -204,6 +216,14 @@ class Trig:
             return Fraction(0)
         ((_, coefficient),) = self.poly.terms()
         return Fraction(int(coefficient.p), int(coefficient.q))
+
+    @property
+    def leading_coefficient(self) -> Fraction:
+        """The coefficient of the first term in the ring's order; 0 of zero."""
+        if self.is_zero:
+            return Fraction(0)
+        lead = self.poly.leading_coefficient()
+        return Fraction(int(lead.p), int(lead.q))
 
     def terms(self) -> Iterable[tuple[dict[str, int], Fraction]]:
         """Monomials as {generator: exponent} with their coefficients."""
@@ -281,7 +301,9 @@ def rational_rotation(matrix: Sequence[Sequence[float]]) -> tuple[tuple[Any, ...
     """An exactly orthogonal rational matrix next to a rotation: its quaternion rounded to rationals."""
     if all(x in (0.0, 1.0, -1.0) for row in matrix for x in row):
         return tuple(tuple(row) for row in matrix)
-    w, x, y, z = (Fraction(v).limit_denominator(_HALF_TURN_PARTS) for v in _quaternion(np.asarray(matrix, dtype=float)))
+    w, x, y, z = (
+        Fraction(v).limit_denominator(_HALF_TURN_PARTS) for v in _quaternion(np.asarray(matrix, dtype=float))
+    )
     n = w * w + x * x + y * y + z * z
     return (
         (1 - 2 * (y * y + z * z) / n, 2 * (x * y - w * z) / n, 2 * (x * z + w * y) / n),
@@ -296,7 +318,9 @@ def rational_axis(axis: Sequence[float]) -> tuple[Any, ...]:
         return tuple(axis)
     k = max(range(3), key=lambda i: abs(axis[i]))
     pole = 1 if axis[k] > 0 else -1
-    u, v = (Fraction(axis[i] / (1 + abs(axis[k]))).limit_denominator(_HALF_TURN_PARTS) for i in range(3) if i != k)
+    u, v = (
+        Fraction(axis[i] / (1 + abs(axis[k]))).limit_denominator(_HALF_TURN_PARTS) for i in range(3) if i != k
+    )
     square = u * u + v * v
     plane = iter((2 * u / (1 + square), 2 * v / (1 + square)))
     return tuple(pole * (1 - square) / (1 + square) if i == k else next(plane) for i in range(3))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from freebody.derivations.expression import (
     Cross,
     Derivative,
@@ -22,7 +24,18 @@ from freebody.derivations.expression import (
     Words,
 )
 from freebody.derivations.names import GREEK
-from freebody.derivations.render.rules import ATOM, CALL, PRODUCT, SUM, Renderer, digits, precedence, summed
+from freebody.derivations.render.rules import (
+    ATOM,
+    BREAK,
+    CALL,
+    PRODUCT,
+    SUM,
+    Renderer,
+    digits,
+    precedence,
+    summed,
+    whole,
+)
 
 _GREEK = {letter: "\\lambda" if name == "lam" else f"\\{name}" for name, letter in GREEK.items()}
 _DOTS = ("{}", "\\dot{{{}}}", "\\ddot{{{}}}")
@@ -31,7 +44,22 @@ _NAMES = {"sin": "\\sin", "cos": "\\cos", "tan": "\\tan", "sgn": "\\operatorname
 
 def latex(node: Expression) -> str:
     """LaTeX of an expression, without dollar signs."""
+    return whole(_RENDER(node))
+
+
+def breakable(node: Expression) -> str:
+    """The same with `BREAK` where a line may end."""
     return _RENDER(node)
+
+
+def width(string: str) -> float:
+    """About how many letters wide a formula is."""
+    string = re.sub(r"\\tfrac\{(\d+)\}\{(\d+)\}", "x", string)
+    string = re.sub(r"[_^](\{[^{}]*\}|.)", lambda m: "," * (len(m[1]) - 2 if len(m[1]) > 1 else 1), string)
+    string = re.sub(r"\\(sin|cos)", "sin", string)
+    return len(
+        re.sub(r"\\[A-Za-z]+|\\.|[{} ]", lambda m: "x" if m[0][1:2].isalpha() else "", string)
+    ) - 0.4 * string.count(",")
 
 
 def _number(node: Number, _: Renderer) -> str:
@@ -97,7 +125,7 @@ def _is_call(node: Expression) -> bool:
 
 
 def _call(node: Function, exponent: str, render: Renderer) -> str:
-    argument = render(node.argument).replace(" + ", "+").replace(" - ", "-").replace("\\,", " ")
+    argument = whole(render(node.argument)).replace(" + ", "+").replace(" - ", "-").replace("\\,", " ")
     name = _NAMES.get(node.name, f"\\operatorname{{{node.name}}}") + exponent
     if precedence(node.argument) < PRODUCT or node.name == "sgn":
         return f"{name}({argument})"
@@ -115,7 +143,7 @@ def _derivative(node: Derivative, render: Renderer) -> str:
     below = d + render(node.by, ATOM)
     if isinstance(node.of, Symbol):
         return f"\\frac{{{d}{render(node.of)}}}{{{below}}}"
-    return f"\\frac{{{d.strip()}}}{{{below}}}\\left({render(node.of)}\\right)"
+    return f"\\frac{{{d.strip()}}}{{{below}}}\\left({whole(render(node.of))}\\right)"
 
 
 def _pair(node: Cross | Dot, sign: str, render: Renderer) -> str:
@@ -133,18 +161,20 @@ _RENDER = Renderer(
     {
         Number: _number,
         Symbol: _symbol,
-        Sum: lambda node, render: summed(node, render, " + ", " - ", "-"),
+        Sum: lambda node, render: summed(node, render, f"{BREAK}+ ", f"{BREAK}- ", "-"),
         Negative: lambda node, render: "-" + render(node.operand, PRODUCT),
         Product: _product,
-        Quotient: lambda node, render: f"\\frac{{{render(node.above)}}}{{{render(node.below)}}}",
+        Quotient: lambda node, render: (
+            f"\\frac{{{whole(render(node.above))}}}{{{whole(render(node.below))}}}"
+        ),
         Power: _power,
         Transposed: lambda node, render: render(node.operand, ATOM) + "^{\\mathsf{T}}",
         Function: lambda node, render: _call(node, "", render),
         Derivative: _derivative,
         Cross: lambda node, render: _pair(node, "\\times", render),
         Dot: lambda node, render: _pair(node, "\\cdot", render),
-        Vector: lambda node, render: _array([render(x) for x in node.entries]),
-        Matrix: lambda node, render: _array([" & ".join(map(render, row)) for row in node.rows]),
+        Vector: lambda node, render: _array([whole(render(x)) for x in node.entries]),
+        Matrix: lambda node, render: _array([" & ".join(whole(render(x)) for x in row) for row in node.rows]),
         Equation: lambda node, render: " = ".join(render(side, SUM) for side in node.sides),
         Words: lambda node, render: f"\\text{{{node.text}}}",
     }

@@ -38,6 +38,9 @@ _PRECEDENCE: dict[type, int] = {
     Power: POWER,
 }
 
+BREAK = "\u2028"
+"""Stands where a line may be broken, in place of the space before a sign."""
+
 DIGITS = 6
 """Significant digits of a decimal in print; code gets all of them."""
 
@@ -50,7 +53,7 @@ def precedence(node: Expression) -> int:
 
 
 class Renderer:
-    """A table from node type to a function (node, render) -> string; `render(node, level)` adds brackets where needed."""
+    """A table from node type to a (node, render) -> string; `render(node, level)` puts brackets where needed."""
 
     def __init__(self, table: dict[type, Callable[..., str]], brackets: tuple[str, str] = ("(", ")")):
         self.table = table
@@ -83,6 +86,11 @@ def summed(node: Sum, render: Any, plus: str, minus: str, lead: str) -> str:
         sign = (lead if negative else "") if k == 0 else (minus if negative else plus)
         pieces.append(sign + render(term, PRODUCT))
     return "".join(pieces)
+
+
+def whole(string: str) -> str:
+    """A string that is not to be broken."""
+    return string.replace(BREAK, " ")
 
 
 def digits(value: Fraction) -> tuple[str, int]:

@@ -23,6 +23,7 @@ from freebody.derivations.expression import (
 )
 from freebody.derivations.render.rules import (
     ATOM,
+    BREAK,
     CALL,
     POWER,
     PRODUCT,
@@ -31,6 +32,7 @@ from freebody.derivations.render.rules import (
     digits,
     precedence,
     summed,
+    whole,
 )
 
 _LOW = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
@@ -41,6 +43,11 @@ _VULGAR = {(1, 2): "½", (1, 4): "¼", (3, 4): "¾", (1, 8): "⅛", (3, 8): "⅜
 
 def text(node: Expression) -> str:
     """One line of text."""
+    return whole(_RENDER(node))
+
+
+def breakable(node: Expression) -> str:
+    """The same with `BREAK` where a line may end."""
     return _RENDER(node)
 
 
@@ -88,7 +95,7 @@ def _is_call(node: Expression) -> bool:
 
 
 def _call(node: Function, exponent: str, bracket: bool, render: Renderer) -> str:
-    argument = render(node.argument).replace(" ", "")
+    argument = whole(render(node.argument)).replace(" ", "")
     if bracket or precedence(node.argument) < PRODUCT or node.name == "sgn":
         return f"{node.name}{exponent}({argument})"
     return f"{node.name}{exponent} {argument}"
@@ -111,7 +118,7 @@ def _derivative(node: Derivative, render: Renderer) -> str:
     below = by + render(node.by, ATOM)
     if isinstance(node.of, Symbol):
         return f"{d}{render(node.of)}/{below}"
-    return f"{d}/{below} ({render(node.of)})"
+    return f"{d}/{below} ({whole(render(node.of))})"
 
 
 def _pair(node: Cross | Dot, sign: str, render: Renderer) -> str:
@@ -125,7 +132,7 @@ _RENDER = Renderer(
     {
         Number: _number,
         Symbol: _symbol,
-        Sum: lambda node, render: summed(node, render, " + ", " − ", "−"),
+        Sum: lambda node, render: summed(node, render, f"{BREAK}+ ", f"{BREAK}− ", "−"),
         Negative: lambda node, render: "−" + render(node.operand, PRODUCT),
         Product: _product,
         Quotient: lambda node, render: f"{render(node.above, CALL)}/{render(node.below, POWER)}",
@@ -135,8 +142,10 @@ _RENDER = Renderer(
         Derivative: _derivative,
         Cross: lambda node, render: _pair(node, "×", render),
         Dot: lambda node, render: _pair(node, "·", render),
-        Vector: lambda node, render: "[" + ", ".join(render(x, SUM) for x in node.entries) + "]ᵀ",
-        Matrix: lambda node, render: "[" + "; ".join(", ".join(map(render, row)) for row in node.rows) + "]",
+        Vector: lambda node, render: "[" + ", ".join(whole(render(x, SUM)) for x in node.entries) + "]ᵀ",
+        Matrix: lambda node, render: (
+            "[" + "; ".join(", ".join(whole(render(x)) for x in row) for row in node.rows) + "]"
+        ),
         Equation: lambda node, render: " = ".join(render(side, SUM) for side in node.sides),
         Words: lambda node, render: node.text,
     }

@@ -1,0 +1,223 @@
+"""Closed forms as source code: one function in Python or C that computes M, c, G and tau."""
+
+from __future__ import annotations
+
+import keyword
+import textwrap
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields, is_dataclass
+from typing import TYPE_CHECKING, Any
+
+from freebody.derivations.expression import Expression, Function, Negative, Number, Product, Sum, Symbol
+from freebody.derivations.render.code import code
+from freebody.derivations.symbols import RATE, SECOND
+
+if TYPE_CHECKING:
+    from freebody.derivations.equations import Equations
+
+_C_WORDS = frozenset(
+    {
+        "auto",
+        "break",
+        "case",
+        "char",
+        "const",
+        "continue",
+        "default",
+        "do",
+        "double",
+        "else",
+        "enum",
+        "extern",
+    }
+    | {
+        "float",
+        "for",
+        "goto",
+        "if",
+        "inline",
+        "int",
+        "long",
+        "register",
+        "restrict",
+        "return",
+        "short",
+        "signed",
+    }
+    | {"sizeof", "static", "struct", "switch", "typedef", "union", "unsigned", "void", "volatile", "while"}
+)
+_OWN = {"q", "qd", "qdd", "M", "c", "G", "tau", "p", "math", "dynamics", "sin", "cos", "sgn", "parameters"}
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One assignment: array name, indices, value."""
+
+    array: str
+    indices: tuple[int, ...]
+    value: Expression
+
+
+def entries(equations: Equations) -> list[Entry]:
+    """M (upper triangle), c, G, and in `drive` friction and springs."""
+    form, n = equations.layout.form, len(equations.M)
+    result = [Entry("M", (i, j), form(equations.M[i][j])) for i in range(n) for j in range(i, n)]
+    for array, column in (("c", equations.c), ("G", equations.g), ("drive", equations.drives)):
+        result += [Entry(array, (i,), form(x)) for i, x in enumerate(column)]
+    return result
+
+
+class Names:
+    """Names of code: parameters that would clash get an underscore; functions of angles become variables."""
+
+    def __init__(self, equations: Equations, words: frozenset[str], of_parameter: Callable[[str], str]):
+        self.coordinates = equations.symbols.coordinates
+        self.values = equations.parameters
+        self.of_parameter = of_parameter
+        self.words = words | _OWN
+        self.waves: dict[Function, str] = {}
+
+    def __call__(self, name: str) -> str:
+        for ending, array in ((SECOND, "qdd"), (RATE, "qd"), ("", "q")):
+            if name.removesuffix(ending) in self.coordinates and name.endswith(ending):
+                return f"{array}[{self.coordinates.index(name.removesuffix(ending))}]"
+        return self.of_parameter(self.parameter(name))
+
+    def parameter(self, name: str) -> str:
+        """The parameter's name in code."""
+        return name + "_" if name in self.words else name
+
+    def collect(self, rows: list[Entry]) -> None:
+        """Gives each sine and cosine a variable: cos_12 is cos(θ1 + θ2)."""
+        for row in rows:
+            for part in _parts(row.value):
+                if isinstance(part, Function) and part.name != "sgn" and part not in self.waves:
+                    self.waves[part] = self._free(f"{part.name}_{_spelt(part.argument)}")
+
+    def _free(self, name: str) -> str:
+        while name in self.values or name in self.waves.values():
+            name += "_"
+        return name
+
+
+def _spelt(argument: Expression) -> str:
+    """12 of θ1 + θ2, 1_m2x3 of θ1 - 2 θ3."""
+    words = []
+    for term in argument.terms if isinstance(argument, Sum) else (argument,):
+        sign, term = ("m", term.operand) if isinstance(term, Negative) else ("", term)
+        number, symbol = term.factors if isinstance(term, Product) else (None, term)
+        times = f"{number.value}x" if isinstance(number, Number) else ""
+        name = symbol.name if isinstance(symbol, Symbol) else ""
+        words.append(sign + times + name.removeprefix("theta"))
+    return ("" if all(len(word) == 1 for word in words) else "_").join(words)
+
+
+def _parts(node: Any) -> Iterator[Expression]:
+    """All nodes of an expression."""
+    if isinstance(node, tuple):
+        for part in node:
+            yield from _parts(part)
+    elif is_dataclass(node) and isinstance(node, Expression):
+        yield node
+        if not isinstance(node, Symbol):
+            for f in fields(node):
+                yield from _parts(getattr(node, f.name))
+
+
+def python(equations: Equations) -> str:
+    """Source of dynamics(q, qd, qdd, parameters…) -> M, c, G, tau, with nothing but `math`."""
+    names = Names(equations, frozenset(keyword.kwlist), lambda name: name)
+    rows = entries(equations)
+    names.collect(rows)
+    plain = code(names, {"sin": "math.sin", "cos": "math.cos", "sgn": "sgn"})
+    spell = code(names, {"sgn": "sgn"}, names.waves)
+    n = len(equations.M)
+    arguments = [
+        "q",
+        "qd",
+        "qdd",
+        *(f"{names.parameter(x)}{'' if v is None else f'={v!r}'}" for x, v in names.values.items()),
+    ]
+    arguments.sort(key=lambda argument: "=" in argument)
+    lines = [f'"""{_title(equations)}"""', "", "import math", ""]
+    if any(isinstance(part, Function) and part.name == "sgn" for row in rows for part in _parts(row.value)):
+        lines += ["", "def sgn(x):", "    return (x > 0) - (x < 0)", ""]
+    lines += ["", *_wrapped(f"def dynamics({', '.join(arguments)}):", ""), f'    """{_summary(equations)}"""']
+    lines += [f"    {name} = {plain(wave)}" for wave, name in names.waves.items()]
+    lines += [
+        f"    M = [[0.0] * {n} for _ in range({n})]",
+        f"    c, G, drive = [0.0] * {n}, [0.0] * {n}, [0.0] * {n}",
+    ]
+    for row in rows:
+        target = row.array + "".join(f"[{i}]" for i in row.indices)
+        value = spell(row.value)
+        if value == "0.0":
+            continue
+        if row.array == "M" and row.indices[0] != row.indices[1]:
+            target = f"{target} = M[{row.indices[1]}][{row.indices[0]}]"
+        line = f"    {target} = {value}"
+        lines += [line] if len(line) <= 100 else _wrapped(f"    {target} = ({value})", "        ")
+    lines += [
+        f"    tau = [sum(M[i][j] * qdd[j] for j in range({n})) + c[i] + G[i] + drive[i] for i in range({n})]",
+        "    return M, c, G, tau",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def c(equations: Equations) -> str:
+    """C99 source of dynamics(parameters, q, qd, qdd, M, c, G, tau), with nothing but <math.h>."""
+    names = Names(equations, _C_WORDS, lambda name: f"p->{name}")
+    rows = entries(equations)
+    names.collect(rows)
+    plain = code(names, {"sin": "sin", "cos": "cos", "sgn": "sgn"})
+    spell = code(names, {"sgn": "sgn"}, names.waves)
+    n = len(equations.M)
+    lines = [f"/* {_title(equations)} */", "#include <math.h>", ""]
+    if names.values:
+        members = ", ".join(map(names.parameter, names.values))
+        lines += [*_wrapped(f"typedef struct {{ double {members}; }} parameters;", "    "), ""]
+        if all(value is not None for value in names.values.values()):
+            numbers = ", ".join(repr(value) for value in names.values.values())
+            lines += [*_wrapped(f"static const parameters defaults = {{ {numbers} }};", "    "), ""]
+    if any(isinstance(part, Function) and part.name == "sgn" for row in rows for part in _parts(row.value)):
+        lines += ["static double sgn(double x) { return (x > 0.0) - (x < 0.0); }", ""]
+    lines += [f"/* {_summary(equations)} */"]
+    first = "const parameters *p, " if names.values else ""
+    vectors = ", ".join(f"const double {x}[{n}]" for x in ("q", "qd", "qdd"))
+    outputs = ", ".join([f"double M[{n}][{n}]", *(f"double {x}[{n}]" for x in ("c", "G", "tau"))])
+    lines += [f"void dynamics({first}{vectors},", f"              {outputs})", "{"]
+    lines += [f"    const double {name} = {plain(wave)};" for wave, name in names.waves.items()]
+    lines += [f"    double drive[{n}];"]
+    for row in rows:
+        target = row.array + "".join(f"[{i}]" for i in row.indices)
+        if row.array == "M" and row.indices[0] != row.indices[1]:
+            target = f"{target} = M[{row.indices[1]}][{row.indices[0]}]"
+        lines += _wrapped(f"    {target} = {spell(row.value)};", "        ")
+    lines += [
+        f"    for (int i = 0; i < {n}; ++i) {{",
+        "        tau[i] = c[i] + G[i] + drive[i];",
+        f"        for (int j = 0; j < {n}; ++j) tau[i] += M[i][j] * qdd[j];",
+        "    }",
+        "}",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _title(equations: Equations) -> str:
+    return f"Equations of motion of {equations.symbols.model.name!r} in closed form."
+
+
+def _summary(equations: Equations) -> str:
+    meaning = ", ".join(equations.symbols.coordinates)
+    return f"M q'' + c + G + friction and springs = tau; q = ({meaning}) in rad and m."
+
+
+def _wrapped(line: str, indent: str) -> list[str]:
+    return textwrap.wrap(
+        line,
+        100,
+        subsequent_indent=indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+        drop_whitespace=True,
+    ) or [""]

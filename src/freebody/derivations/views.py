@@ -1,0 +1,145 @@
+"""Which equations a view shows, in which order: the notes' (3.20)-(3.27) for any arm, or everything written out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from freebody.derivations import expression as ex
+from freebody.derivations.expression import Equation, Expression, Symbol
+from freebody.derivations.forms import Layout
+from freebody.derivations.names import entry
+from freebody.derivations.symbols import RATE, SECOND
+from freebody.scalars.trig import Trig
+
+if TYPE_CHECKING:
+    from freebody.derivations.equations import Equations
+
+Group = list[Equation]
+
+
+@dataclass(frozen=True)
+class Letters:
+    """What the quantities are called."""
+
+    M: str
+    c: str
+    g: str
+
+
+NOTES, STANDARD = Letters("H", "h", "G"), Letters("M", "c", "g")
+NAMES = {"notes": NOTES, "standard": STANDARD}
+"""H_ij, h, G_i as in (3.20)-(3.27); or M_ij, c_i, g_i."""
+
+
+def expanded(equations: Equations, layout: Layout) -> list[Group]:
+    """τ_i with everything written out."""
+    return [[ex.eq(entry("tau", i), layout.form(x)) for i, x in enumerate(equations.tau, 1)]]
+
+
+def named(equations: Equations, layout: Layout, names: Letters = NOTES) -> list[Group]:
+    """τ_i by mass matrix, velocity terms and gravity, and what these are: groups τ, M, velocity terms, gravity."""
+    velocity = _Coefficients(equations) if names.c == "h" else None
+    torques = [
+        ex.eq(entry("tau", i + 1), ex.add(*_torque(equations, layout, names, velocity, i)))
+        for i in range(len(equations.M))
+    ]
+    if velocity is not None:
+        terms = [ex.eq(symbol, layout.form(value)) for symbol, value in velocity.definitions(layout)]
+    else:
+        terms = [
+            _definition(layout, entry(names.c, i), x) for i, x in enumerate(equations.c, 1) if not x.is_zero
+        ]
+    gravity = [
+        _definition(layout, entry(names.g, i), x) for i, x in enumerate(equations.g, 1) if not x.is_zero
+    ]
+    groups = [torques, _inertia(equations, layout, names), terms, gravity]
+    return [group for group in groups if group]
+
+
+def _definition(layout: Layout, symbol: Symbol, x: Trig) -> Equation:
+    return ex.eq(symbol, layout.form(x))
+
+
+def _inertia(equations: Equations, layout: Layout, names: Letters) -> Group:
+    """The entries that are not zero, the diagonal first; H12 = H21 is one line."""
+    n = len(equations.M)
+    pairs = [(i, i) for i in range(n)] + [(i, j) for i in range(n) for j in range(i + 1, n)]
+    lines = []
+    for i, j in pairs:
+        if not equations.M[i][j].is_zero:
+            sides = [entry(names.M, i + 1, j + 1), *([entry(names.M, j + 1, i + 1)] if i != j else [])]
+            lines.append(ex.eq(*sides, layout.form(equations.M[i][j])))
+    return lines
+
+
+def _torque(
+    equations: Equations, layout: Layout, names: Letters, velocity: _Coefficients | None, i: int
+) -> Iterator[Expression]:
+    """The terms of τ_i."""
+    coordinates = equations.symbols.coordinates
+    for j, x in enumerate(coordinates):
+        if not equations.M[i][j].is_zero:
+            yield ex.mul(entry(names.M, i + 1, j + 1), x + SECOND)
+    if velocity is not None:
+        yield from velocity.terms(i)
+    elif not equations.c[i].is_zero:
+        yield entry(names.c, i + 1)
+    if not equations.g[i].is_zero:
+        yield entry(names.g, i + 1)
+    yield layout.form(equations.drives[i])
+
+
+@dataclass
+class _Coefficients:
+    """Christoffel's symbols, each a multiple of a named one: h, or h_1, h_2, …, in larger arms h_ijk."""
+
+    equations: Equations
+    found: dict[Trig, tuple[tuple[int, int, int], Trig, Fraction]] = field(default_factory=dict)
+    """By what is common to its multiples: the indices and value of the first, and its factor."""
+
+    def __post_init__(self) -> None:
+        for i in range(len(self.equations.M)):
+            for j, k in self._pairs():
+                value = self.equations.christoffel[i][j][k]
+                if not value.is_zero:
+                    lead = value.leading_coefficient
+                    self.found.setdefault(value / lead, ((i, j, k), value, lead))
+
+    def _pairs(self) -> list[tuple[int, int]]:
+        n = len(self.equations.M)
+        return [(j, j) for j in range(n)] + [(j, k) for j in range(n) for k in range(j + 1, n)]
+
+    @property
+    def symbols(self) -> dict[Trig, Symbol]:
+        """The name of each."""
+        n, count = len(self.equations.M), len(self.found)
+        if count == 1:
+            return {key: Symbol("h", "h") for key in self.found}
+        if count <= max(3, n):
+            return {key: entry("h", k) for k, key in enumerate(self.found, 1)}
+        return {key: entry("h", *(x + 1 for x in first)) for key, (first, _, _) in self.found.items()}
+
+    def definitions(self, layout: Layout) -> list[tuple[Symbol, Trig]]:
+        """Name and value, the value's first term positive."""
+        return [(symbol, self._value(key, layout)) for key, symbol in self.symbols.items()]
+
+    def _value(self, key: Trig, layout: Layout) -> Trig:
+        value = self.found[key][1]
+        return -value if layout.is_negative(value) else value
+
+    def terms(self, i: int) -> Iterator[Expression]:
+        """± factor · h · rates of τ_i."""
+        layout, symbols = self.equations.layout, self.symbols
+        names = self.equations.symbols.coordinates
+        for j, k in self._pairs():
+            value = self.equations.christoffel[i][j][k]
+            if value.is_zero:
+                continue
+            key = value / value.leading_coefficient
+            factor = value.leading_coefficient / self._value(key, layout).leading_coefficient
+            number = ex.num(factor if j == k else 2 * factor)
+            rates = (ex.power(names[j] + RATE, 2),) if j == k else (names[j] + RATE, names[k] + RATE)
+            yield ex.mul(number, symbols[key], *rates)
