@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import gc
+import os
+import subprocess
 import sys
 
 import numpy as np
@@ -114,3 +116,14 @@ def test_a_kernel_is_still_a_kernel(kernel):
 
     assert isinstance(kernel, Kernel)
     assert "both" in repr(kernel)
+
+
+@pytest.mark.skipif(
+    not sys.platform.startswith("linux"), reason="freed memory is overwritten by glibc's MALLOC_PERTURB_"
+)
+def test_a_process_with_kernels_ends_in_peace():
+    """What kernels point to must outlive them to the very end of the interpreter."""
+    text = "import freebody as fb; k = fb.kernel(fb.load('2R'), 'mass_matrix'); k([0.1, 0.2])"
+    env = {**os.environ, "PYTHONMALLOC": "malloc", "MALLOC_PERTURB_": "165"}
+    done = subprocess.run([sys.executable, "-c", text], env=env, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")

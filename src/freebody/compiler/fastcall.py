@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from freebody.compiler.forever import forever
 from freebody.compiler.program import Argument, Program
 
 _NEW = 93  # position of PyArray_New in the table of __multiarray_api.h
@@ -28,9 +29,6 @@ _FASTCALL_KEYWORDS = 0x0080 | 0x0002
 _CONTIGUOUS_ALIGNED = 0x0001 | 0x0100
 _DOUBLE = 12  # NPY_DOUBLE
 _TYPE, _DATA, _ND, _DIMS, _DESCR, _FLAGS = 8, 16, 24, 32, 56, 64  # offsets in PyObject and PyArrayObject
-
-_alive: list[Any] = []
-"""What functions point to. A function may outlive whatever made it, so it is kept for the process."""
 
 
 class _MethodDef(ctypes.Structure):
@@ -114,7 +112,7 @@ def make(address: int, slot: int, name: str, general: Callable[..., Any]) -> Cal
     """The Python function of a compiled `@fastcall`; `slot` is the address of its `@general`."""
     ctypes.c_void_p.from_address(slot).value = id(general)
     definition = _MethodDef(name.encode(), address, _FASTCALL_KEYWORDS, None)
-    _alive.append((definition, general))
+    forever(definition, general)
     new = ctypes.pythonapi.PyCFunction_NewEx
     new.restype = ctypes.py_object
     new.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]

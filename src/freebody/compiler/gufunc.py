@@ -9,14 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from freebody.compiler.forever import forever
 from freebody.compiler.program import Argument
 
 _FROM_FUNC_AND_DATA_AND_SIGNATURE = 31  # position in the table of __ufunc_api.h; part of NumPy's stable ABI
 _DOUBLE = 12  # NPY_DOUBLE
 _NONE = -1  # PyUFunc_None: no identity
-
-_alive: list[Any] = []
-"""Buffers that ufuncs point into. A ufunc may outlive whatever made it, so they are kept for the process."""
 
 
 def signature(inputs: Sequence[Argument], outputs: Sequence[Argument]) -> str:
@@ -45,7 +43,7 @@ def make_gufunc(
     data = (ctypes.c_void_p * 1)(None)
     types = (ctypes.c_char * count)(*[_DOUBLE] * count)
     text = [name.encode(), signature(inputs, outputs).encode(), signature(inputs, outputs).encode()]
-    _alive.append((functions, data, types, text, keep))
+    forever(functions, data, types, text, keep)
     make = _api(
         _FROM_FUNC_AND_DATA_AND_SIGNATURE,
         ctypes.py_object,
