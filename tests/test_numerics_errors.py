@@ -327,7 +327,12 @@ def test_kernel():
         lambda: fb.kernel(ARM, "jacobian", reference="child"),
         UnknownNameError,
     )
-    fb.kernel(ARM, "joint_wrenches", reference="child")
+    says(
+        "no reference 'body' in reference=. References: world, child.",
+        lambda: fb.kernel(ARM, "joint_wrenches", reference="body"),
+        UnknownNameError,
+    )
+    assert fb.kernel(ARM, "joint_wrenches", reference="child")(Z, Z, Z).shape == (2, 3)
 
 
 # ---------------------------------------------------------------- values

@@ -62,6 +62,9 @@ def chosen_option(
             raise UnknownNameError("quantity", name, "fb.kernel", FORMULAS)
     if not listed:
         raise FreebodyError("fb.kernel: give at least one quantity.")
+    references = ("world", "child") if listed == ("joint_wrenches",) else ("world", "body")
+    if reference not in references:
+        raise UnknownNameError("reference", reference, "reference=", references)
     needs_frame = any(name in _FRAMED for name in listed)
     option = Option(
         model.frame(frame).name if needs_frame or frame is not None else None,
