@@ -82,7 +82,7 @@ def system(
     model: Model, width: float = WIDTH, wrench_frames: tuple[str, ...] = (), loads: Loads | None = None
 ) -> System:
     """The system of a model; Coulomb friction is smoothed over `width`. Raises SingularError if M is singular."""
-    refuse_massless(model)
+    refuse_massless(model, "simulate")
     smooth, friction = smooth_friction(model, width)
     return System(
         model,

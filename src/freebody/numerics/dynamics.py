@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal
 
 import numpy as np
@@ -33,7 +34,7 @@ def forward_dynamics(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches:
 
     Raises SingularError naming the joint that moves no inertia.
     """
-    refuse_massless(model)
+    refuse_massless(model, "forward_dynamics")
     result = evaluate("forward_dynamics", model, (q, qd, tau), None, wrenches)
     _refuse_singular("forward_dynamics", model, result)
     return result
@@ -41,7 +42,8 @@ def forward_dynamics(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches:
 
 def _refuse_singular(function: str, model: Model, accelerations: Array) -> None:
     """Finite inputs and an acceleration (..., nv) that is not finite: M is singular there."""
-    if np.isfinite(accelerations).all():
+    single = accelerations.ndim == 1  # plain Python is quicker there
+    if math.isfinite(sum(accelerations.tolist())) if single else np.isfinite(accelerations).all():
         return
     *sample, k = map(int, np.argwhere(~np.isfinite(accelerations))[0])
     where = f" at sample {tuple(sample)}" if sample else ""
@@ -81,7 +83,7 @@ def forward_dynamics_derivatives(
 
     Raises SingularError naming the joint that moves no inertia.
     """
-    refuse_massless(model)
+    refuse_massless(model, "forward_dynamics_derivatives")
     result = evaluate("forward_dynamics_derivatives", model, (q, qd, tau))
     _refuse_singular("forward_dynamics_derivatives", model, np.diagonal(result[2], axis1=-2, axis2=-1))
     return result

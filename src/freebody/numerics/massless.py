@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import weakref
-
 import numpy as np
 
 from freebody.algorithms.crba import crba, factor
@@ -11,18 +9,18 @@ from freebody.errors import SingularError
 from freebody.model.model import Model
 from freebody.numerics.states import random_state
 
-_KNOWN: weakref.WeakKeyDictionary[Model, tuple[str, ...]] = weakref.WeakKeyDictionary()
 _NOTHING = 1e-13  # a pivot this small, relative to what it was subtracted from, is rounding
 
 
-def refuse_massless(model: Model) -> None:
+def refuse_massless(model: Model, function: str) -> None:
     """Raise SingularError if some joint moves no inertia at any of a few random configurations."""
-    if model not in _KNOWN:
-        _KNOWN[model] = _massless(model)
-    if _KNOWN[model]:
-        joints = ", ".join(map(repr, _KNOWN[model]))
+    known = model.compiled.get("massless")
+    if known is None:
+        known = model.compiled["massless"] = _massless(model)
+    if known:
+        joints = ", ".join(map(repr, known))
         raise SingularError(
-            f"forward_dynamics: the mass matrix of {model.name!r} is singular: joint {joints} moves no inertia. "
+            f"{function}: the mass matrix of {model.name!r} is singular: joint {joints} moves no inertia. "
             "Give what it carries a mass and inertia, or the joint a rotor inertia, or fix it."
         )
 

@@ -19,7 +19,7 @@ from freebody.numerics.massless import refuse_massless
 
 def mass_matrix_inverse(model: Model, q: Vector) -> Array:
     """M⁻¹ (..., nv, nv). q: (..., nq). Raises SingularError naming the joint that moves no inertia."""
-    refuse_massless(model)
+    refuse_massless(model, "mass_matrix_inverse")
     return evaluate("mass_matrix_inverse", model, (q,))
 
 
@@ -45,7 +45,7 @@ def operational_space_bias(
 
 
 def _operational(model: Model, frame: str | None, rows: Sequence[str] | None, function: str) -> Option:
-    refuse_massless(model)
+    refuse_massless(model, function)
     option = Option(model.frame(frame).name, rows=motion_rows(model, rows))
     if len(option.rows) > model.nv:
         raise SingularError(
@@ -99,5 +99,5 @@ def inertial_parameters(model: Model) -> dict[str, float]:
 
 def forward_dynamics_parameter_derivatives(model: Model, q: Vector, qd: Vector, tau: Vector) -> Array:
     """∂q̈/∂π (..., nv, p) = -M⁻¹ Y, π in the order of `fb.inertial_parameters`; the regressor Y is ∂tau/∂π."""
-    refuse_massless(model)
+    refuse_massless(model, "forward_dynamics_parameter_derivatives")
     return evaluate("forward_dynamics_parameter_derivatives", model, (q, qd, tau))
