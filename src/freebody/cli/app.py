@@ -14,6 +14,9 @@ from freebody import __version__
 from freebody.cli import models, show, study, terminal
 from freebody.errors import FreebodyError
 
+_INTERRUPTED = 130
+"""128 and the signal, as shells count."""
+
 app = typer.Typer(
     name="freebody",
     help="The dynamics of robotic manipulators, from a robot description to the numbers and the pictures.",
@@ -50,12 +53,11 @@ def run(arguments: list[str]) -> int:
     except FreebodyError as problem:
         return terminal.error(str(problem))
     except (KeyboardInterrupt, typer.Abort):
-        terminal.error("interrupted.")
-        return 130
-    except BrokenPipeError:
-        return terminal.pipe_closed()
+        code = _INTERRUPTED
     except Exception as problem:
         return _unforeseen(problem)
+    if code == _INTERRUPTED:
+        terminal.error("interrupted.")
     return code if isinstance(code, int) else 0
 
 

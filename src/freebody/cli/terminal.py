@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import warnings
 from collections.abc import Callable, Iterator
@@ -51,12 +50,6 @@ def warn(text: str) -> None:
 
 def _line(text: str, style: str) -> None:
     err().print(" ".join(text.split()), style=style, markup=False, highlight=False, soft_wrap=True)
-
-
-def pipe_closed() -> int:
-    """Whoever read the output has gone: not an error, and nothing more can be said."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    return 0
 
 
 @contextmanager

@@ -47,7 +47,7 @@ class Ranges:
 def ranges(model: Model) -> Ranges:
     """The usable ranges of a model's coordinates."""
     limits = model.limits
-    lower, upper = limits.lower.copy(), limits.upper.copy()
+    lower, upper = limits.lower.astype(float), limits.upper.astype(float)  # copies; limits may be integers
     empty = lower == upper
     lower[empty], upper[empty] = -np.inf, np.inf
     velocity = np.where(limits.velocity > 0, limits.velocity, np.inf)

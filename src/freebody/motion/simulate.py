@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.model.model import Model
 from freebody.motion.friction import WIDTH
 from freebody.motion.ranges import angular
@@ -52,13 +52,8 @@ def simulate(
     times = _times(t)
     start = vector("simulate", model, "q", q), vector("simulate", model, "qd", qd)
     for name, value, size in (("q", start[0], model.nq), ("qd", start[1], model.nv)):
-        check_core(
-            "simulate",
-            name,
-            value.reshape(-1) if value.ndim != 1 else value,
-            (size,),
-            "one state is simulated",
-        )
+        if value.shape != (size,):
+            raise ShapeError("simulate", name, value.shape, f"({size},)", "one state is simulated at a time")
         refuse_not_finite("simulate", name, value, 1)
     if method not in METHODS:
         raise UnknownNameError("method", method, "simulate", METHODS)

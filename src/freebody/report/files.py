@@ -62,7 +62,9 @@ def dataset(study: Study) -> xr.Dataset:
     """Time series, summary and facts in one dataset, with what the checks found as attributes."""
     import xarray as xr
 
-    whole = xr.merge([study.data, study.summary, facts(study)], compat="no_conflicts", combine_attrs="drop_conflicts")
+    whole = xr.merge(
+        [study.data, study.summary, facts(study)], compat="no_conflicts", combine_attrs="drop_conflicts"
+    )
     whole.attrs.update(study.data.attrs)
     whole.attrs["notices"] = "\n".join(study.notices)
     for check in study.checks:

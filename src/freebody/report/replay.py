@@ -29,7 +29,7 @@ TOLERANCE = {"DOP853": 1e-12, "Radau": 1e-9}
 
 _GRID = 400
 _FINEST = 6400
-_EVALUATIONS = 60_000  # of the open-loop run, which would otherwise follow a tumbling robot for minutes
+_EVALUATIONS = 30_000  # of the open-loop run, which would otherwise follow a tumbling robot for minutes
 
 
 def replayed(model: Model, motion: Motion) -> Replay:

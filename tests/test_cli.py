@@ -1,0 +1,206 @@
+"""The command line: examples of its help run, errors are one line with exit code 2, findings give 1."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import freebody as fb
+from freebody.cli import terminal
+from freebody.cli.app import run
+
+EMPTY = '<robot name="a"><link name="x"/></robot>'
+
+
+@pytest.fixture(autouse=True)
+def in_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def error(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    """What a refused command says: one line, nothing on stdout, exit code 2."""
+    assert run([*arguments]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.startswith("error: ")
+    assert said.err.count("\n") == 1
+    assert "Traceback" not in said.err
+    return said.err.removeprefix("error: ").rstrip("\n")
+
+
+def program(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "freebody", *arguments], capture_output=True, text=True, check=False
+    )
+
+
+def test_study_writes_a_report_and_data(capsys: pytest.CaptureFixture[str]):
+    assert run(["study", "2R"]) == 0
+    said = capsys.readouterr()
+    assert said.err == ""
+    lines = said.out.splitlines()
+    assert lines[0] == (
+        "2R: 2 coordinates. Default motion: every joint swings within its limits, from rest to rest in 5 s."
+    )
+    assert lines[1] == "The tip is 'tip', the only end of the robot."
+    assert re.split("  +", lines[2].strip()) == [
+        "peak torque", "at", "RMS torque", "peak speed", "peak power", "of effort limit",
+    ]  # fmt: skip
+    assert lines[3].startswith("joint1 ")
+    assert re.search(r"All \d checks passed\.", said.out)
+    assert lines[-2:] == [
+        "report: study-2R/report.html",
+        "data:   study-2R/study.nc and CSV tables beside it",
+    ]
+    assert Path("study-2R/report.html").stat().st_size > 10_000
+    assert Path("study-2R/study.nc").exists()
+    assert (
+        run(["study", "2R", "--motion", "study-2R/motion.csv", "--out", "again"]) == 0
+    )  # what it writes, it reads
+    assert "Motion.csv, 401 rows; rates as given." in capsys.readouterr().out
+
+
+def test_a_failed_check_gives_exit_code_1(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+):
+    from freebody.report import checks
+
+    monkeypatch.setattr(
+        checks, "_parts", lambda data: checks.check("equation of motion", 0.5, 1e-10, "Planted.")
+    )
+    assert run(["study", "pendulum"]) == 1
+    assert "check failed: equation of motion: 0.5, allowed 1e-10. Planted." in capsys.readouterr().out
+
+
+def test_doubtful_inertias_are_yellow_lines_and_stand_in_the_report(capsys: pytest.CaptureFixture[str]):
+    assert run(["study", "puma560"]) == 0
+    said = capsys.readouterr().err.splitlines()
+    text = "link 'link1': principal moments 0, 0, 0.35 kg m² break the triangle inequality (0 + 0 < 0.35)."
+    assert re.fullmatch(rf"puma560\.toml:\d+: warning: {re.escape(text)}", said[0])
+    assert len(said) == 2
+    page = Path("study-puma560/report.html").read_text(encoding="utf-8")
+    assert "break the triangle inequality" in page
+    assert run(["study", "puma560", "--physical", "ignore", "--out", "out"]) == 0
+    assert capsys.readouterr().err == ""
+    assert "accept it with" in error(capsys, "study", "puma560", "--physical", "refuse")
+
+
+def test_limits_that_are_left_are_yellow_lines(capsys: pytest.CaptureFixture[str]):
+    rows = "\n".join(f"{k},0,{k},0,0,0,0" for k in range(8))
+    Path("m.csv").write_text(f"t,{','.join(fb.load('ur5e').position_names)}\n{rows}\n")
+    assert run(["study", "ur5e", "--motion", "m.csv"]) == 0
+    said = capsys.readouterr().err
+    assert "warning: shoulder_lift_joint leaves its range: the motion spans 0 to 7 rad" in said
+
+
+def test_show(capsys: pytest.CaptureFixture[str]):
+    assert run(["show", "panda"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("panda: 9 bodies in space, nq = 8, nv = 8, ")
+    assert "└── panda_link1  (panda_joint1, revolute)" in out
+    assert "├── panda_leftfinger  (panda_finger_joint1, prismatic)" in out
+    assert re.search(r"panda_finger_joint2 +prismatic .* 1 × panda_finger_joint1 \+ 0", out)
+    assert "frames: panda_link0, " in out
+    assert run(["show", "2R", "--base", "free"]) == 0
+    assert "base (planar" not in capsys.readouterr().out.splitlines()[0]
+
+
+def test_models(capsys: pytest.CaptureFixture[str]):
+    assert run(["models"]) == 0
+    out = capsys.readouterr().out
+    for name in fb.models():
+        assert re.search(rf"^{name} +\S", out, re.MULTILINE)
+
+
+def test_version_and_help(capsys: pytest.CaptureFixture[str]):
+    assert run(["--version"]) == 0
+    assert capsys.readouterr().out == f"freebody {fb.__version__}\n"
+    assert run([]) == 0
+    assert "Usage: freebody" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("command", [[], ["study"], ["show"], ["models"]])
+def test_the_example_of_each_help_runs(command: list[str]):
+    help_text = program(*command, "--help").stdout
+    (example,) = re.findall(r"Example: freebody (.*?)\s*$", help_text, re.MULTILINE)
+    done = program(*example.split())
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+
+
+def test_help_needs_nothing_heavy():
+    code = (
+        "import sys, freebody.cli.app as a; a.run(['--help']); "
+        "print([m for m in ('numpy.linalg', 'scipy', 'xarray', 'llvmlite', 'matplotlib', 'pydantic') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_what_is_no_robot_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    Path("empty.urdf").touch()
+    Path("folder.urdf").mkdir()
+    Path("binary.urdf").write_bytes(bytes(range(256)))
+    Path("short.urdf").write_text('<robot name="a">\n<link name="x">\n')
+    Path("still.urdf").write_text(EMPTY)
+    assert error(capsys, "study", "nothing.urdf").startswith("nothing.urdf: there is no such file.")
+    assert error(capsys, "study", "empty.urdf") == "empty.urdf: the file is empty."
+    assert error(capsys, "study", "folder.urdf") == "folder.urdf: this is a folder; name a file in it."
+    assert error(capsys, "study", "binary.urdf") == "binary.urdf: the file is binary, not text."
+    assert error(capsys, "study", "short.urdf") == (
+        "short.urdf:3: the file ends inside <link>, opened on line 2; it seems cut short."
+    )
+    assert error(capsys, "show", "robot.xyz").endswith("it reads .urdf, .toml, .csv.")
+    assert "no model 'ur5' in the bundled models. Did you mean 'ur5e'?" in error(capsys, "study", "ur5")
+    assert "has no movable joint" in error(capsys, "study", "still.urdf")
+
+
+def test_bad_motions_tips_and_options_are_refused(capsys: pytest.CaptureFixture[str]):
+    Path("m.csv").write_text("t,joint1,jont2\n0,1,2\n")
+    assert error(capsys, "study", "2R", "--motion", "m.csv").startswith(
+        "m.csv:1: no column 'jont2' in a motion of '2R'. Did you mean 'joint2'?"
+    )
+    assert error(capsys, "study", "2R", "--motion", "none.csv") == "none.csv: there is no such file."
+    assert error(capsys, "study", "2R", "--tip", "tipp") == (
+        "no frame 'tipp' in '2R'. Did you mean 'tip'? Frames: base, link1, link2, tip."
+    )
+    assert "'flying' is not one of 'fixed', 'free'" in error(capsys, "study", "2R", "--base", "flying")
+    assert "No such option: --nope" in error(capsys, "study", "2R", "--nope")
+    assert error(capsys, "study").startswith("Missing argument")
+    assert "No such command 'studdy'" in error(capsys, "studdy")
+    assert "snap_angles is 3.0" in error(capsys, "show", "2R", "--snap-angles", "3")
+    Path("file").touch()
+    assert error(capsys, "study", "2R", "--out", "file") == (
+        "file: there is a file of that name; name a folder with --out."
+    )
+
+
+def test_an_interruption_and_a_fault_are_one_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+):
+    from freebody.cli import models
+
+    def interrupted():
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("freebody.robots.models", interrupted)
+    assert models.models is not None
+    assert run(["models"]) == 130
+    assert capsys.readouterr().err == "error: interrupted.\n"
+
+    def broken():
+        raise ZeroDivisionError("it broke")
+
+    monkeypatch.setattr("freebody.robots.models", broken)
+    assert error(capsys, "models") == (
+        "ZeroDivisionError: it broke (a fault of freebody, please report it; FREEBODY_TRACEBACK=1 shows where)"
+    )
+
+
+def test_a_line_stays_a_line(capsys: pytest.CaptureFixture[str]):
+    terminal.error("a\n  long " + "word " * 60)
+    assert capsys.readouterr().err.count("\n") == 1

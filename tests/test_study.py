@@ -1,0 +1,277 @@
+"""The study: everything agrees on every bundled robot, planted faults are found, and files hold what was computed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.linalg import expm
+
+import freebody as fb
+from freebody.elementary import cos, sin
+from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
+from freebody.motion.motion import motion_of
+from freebody.numerics.kernels import kernel
+from freebody.report import replay as replays
+from freebody.report.checks import checks
+from freebody.report.jets import Jet, stacked
+from freebody.report.tip import chosen_tip
+from freebody.spatial import space
+
+pytestmark = pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
+
+PARTS = ("inertial", "coriolis", "gravity", "friction", "springs", "rotors")
+
+
+@pytest.fixture(scope="module")
+def arm() -> fb.Study:
+    return fb.study(fb.load("ur5e"))
+
+
+@pytest.mark.parametrize("name", fb.models())
+def test_all_checks_pass_on_every_bundled_model(name: str):
+    study = fb.study(fb.load(name))
+    assert study.passed, [c for c in study.checks if not c.passed]
+    data = study.data
+    np.testing.assert_allclose(
+        sum(data[f"tau_{p}"] for p in PARTS), data["tau"], atol=1e-9 * abs(data["tau"]).max()
+    )
+    for variable in (*data.data_vars.values(), *study.summary.data_vars.values()):
+        assert variable.attrs["units"]
+        assert variable.attrs["long_name"]
+        assert variable.dtype == np.float64
+    assert study.replay is not None
+    assert study.replay.misses.max() < 1e-6
+    assert (study.replay.factors <= replays.BOUND).all()
+    assert study.replay.edges[0] == 0.0
+    assert study.replay.edges[-1] == 5.0
+    assert study.tip in study.tip_reason
+
+
+def test_friction_rotors_and_springs_are_parts_of_the_torque():
+    drive = fb.Drive(viscous=0.3, coulomb=0.8, rotor=1e-3, gear=20.0, stiffness=5.0, rest=0.2)
+    model = fb.planar("RR", l=[1, 1], lc=[0.5, 0.5], m=[2, 1], I=[0.1, 0.05], drives=[drive, drive])
+    study = fb.study(model)
+    assert study.passed, [c for c in study.checks if not c.passed]
+    data = study.data
+    np.testing.assert_allclose(
+        data["tau_friction"], 0.3 * data["qd"].values + 0.8 * np.sign(data["qd"].values)
+    )
+    np.testing.assert_allclose(data["tau_rotors"], 0.4 * data["qdd"].values, rtol=1e-12)
+    np.testing.assert_allclose(data["tau_springs"], 5.0 * (data["q"].values - 0.2), atol=1e-12)
+    assert study.replay is not None
+    assert study.replay.method == "Radau"
+    assert study.replay.friction_width == 1e-3
+
+
+def test_a_planted_fault_is_found(arm: fb.Study):
+    def failing(**changes: np.ndarray) -> set[str]:
+        data = arm.data.copy()
+        for name, value in changes.items():
+            data[name] = (data[name].dims, value)
+        return {c.name for c in checks(arm.model, arm.motion, data, arm.replay) if not c.passed}
+
+    assert failing() == set()
+    values = {
+        name: arm.data[name].values.copy() for name in ("tau", "reaction_force", "reaction_moment", "qdd")
+    }
+    values["reaction_force"][100, 2, 0] += 1e-6
+    assert failing(reaction_force=values["reaction_force"]) == {"forces on each body", "moments on each body"}
+    values["reaction_moment"][100, 2, 0] += 1e-6
+    assert failing(reaction_moment=values["reaction_moment"]) == {"moments on each body"}
+    values["tau"][100, 2] += 1e-5
+    wrong = {"equation of motion", "reactions along the axes", "forward dynamics"}
+    assert failing(tau=values["tau"]) == wrong
+    off = arm.data["energy_residual"].values + 1e-3
+    assert failing(energy_residual=off) == {"energy balance"}
+    assert failing(energy_residual=off * np.nan) == {"energy balance"}
+
+
+def test_the_replay_finds_a_wrong_torque():
+    model = fb.load("2R")
+    motion = fb.default_motion(model)
+    whole, allowed = replays.system(model), replays.ranges(model)
+    heavier = replace(
+        whole, inverse=kernel(model.bind(m2=model.parameters["m2"] * (1 + 1e-4)), "inverse_dynamics")
+    )
+    edges = np.array([0.0, 1.0, 2.0, 3.0])
+    assert replays._land(whole, motion, edges, allowed, "DOP853").max() < 1e-9
+    assert replays._land(heavier, motion, edges, allowed, "DOP853").max() > 1e-6
+
+
+def test_pieces_are_as_long_as_the_bound_lets_them():
+    times = np.linspace(0, 10, 101)
+    growth = np.exp(2.0 * 0.1)  # e-fold in half a second
+    steps = np.broadcast_to(np.diag([growth, 1 / growth]), (100, 2, 2))
+    edges, factors = replays.pieces(times, steps)
+    length = np.log(replays.BOUND) / 2.0
+    assert np.diff(edges)[:-1] == pytest.approx(np.full(len(edges) - 2, np.floor(length * 10) / 10))
+    assert (factors <= replays.BOUND).all()
+    assert replays.amplification(steps) == pytest.approx(20.0 / np.log(10))
+
+
+def test_exponentials():
+    A = np.random.default_rng(0).normal(size=(5, 6, 6))
+    A[:, 2, 2] -= 1e4  # friction
+    np.testing.assert_allclose(replays.exponentials(A), expm(A), atol=1e-9)
+    assert (replays.exponentials(np.zeros((1, 3, 3))) == np.eye(3)).all()
+
+
+def test_an_inverted_pendulum_drifts_as_it_must():
+    """The linearised error of a uniform rod held upright grows as exp(sqrt(3 g / 2 l) t)."""
+    model = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[1 / 12])
+    t = np.linspace(0, 4, 201)
+    motion = motion_of(model, t, np.full((201, 1), np.pi / 2) + 1e-3 * np.sin(t)[:, None])
+    found = replays.replayed(model, motion)
+    rate = np.sqrt(1.5 * 9.81)
+    assert found.amplification == pytest.approx(rate * 4 / np.log(10), abs=1.0)
+    assert found.misses.max() < 1e-8
+
+
+def test_jets_are_exact():
+    t = np.linspace(0, 1, 5)
+    x = Jet(t, np.ones(5), np.zeros(5))
+    value, rate, second = stacked((sin(x) * x / (2.0 + cos(x)), 1.0 - x, 3.0), 5)
+    c, s = np.cos(t), np.sin(t)
+    np.testing.assert_allclose(value[:, 0], s * t / (2 + c))
+    n, d = s * t, 2 + c
+    nd, dd = c * t + s, -s
+    np.testing.assert_allclose(rate[:, 0], (nd * d - n * dd) / d**2)
+    ndd, ddd = -s * t + 2 * c, -c
+    np.testing.assert_allclose(
+        second[:, 0], (ndd - 2 * dd * (nd * d - n * dd) / d**2 - n / d * ddd) / d, atol=1e-14
+    )
+    np.testing.assert_array_equal(rate[:, 1:], np.array([[-1.0, 0.0]] * 5))
+    R, Rd, _ = stacked(space.rotation((0.0, 0.0, 1.0), x), 5)
+    np.testing.assert_allclose(Rd[:, 0, 1], -R[:, 0, 0])
+
+
+def test_the_worst_pose_of_a_planar_arm_is_stretched_out():
+    model = fb.load("2R")
+    p = {name: value for name, value in model.parameters.items() if value is not None}
+    first, second = fb.study(model).static
+    stretched = p["g"] * (p["m1"] * p["lc1"] + p["m2"] * (p["l1"] + p["lc2"]))
+    assert abs(first.torque) == pytest.approx(stretched, rel=1e-6)
+    assert abs(np.cos(first.q)) == pytest.approx([1, 1], abs=1e-3)
+    assert abs(second.torque) == pytest.approx(p["g"] * p["m2"] * p["lc2"], rel=1e-6)
+    assert second.unit == "N m"
+
+
+def test_a_singular_pose_on_the_way_is_found():
+    model = fb.load("2R")
+    t = np.linspace(0, 2, 201)
+    study = fb.study(model, motion_of(model, t, np.stack([0 * t, t - 0.5], axis=-1)))
+    assert study.singularity.time == pytest.approx(0.5, abs=1e-9)
+    assert study.singularity.rows == "position"
+    assert study.singularity.text == (
+        "At t = 0.5 s the tip cannot move in some direction: the arm is singular or all but singular."
+    )
+
+
+def test_the_worst_instant_is_relative_to_the_limits():
+    limits = [fb.Limits(effort=1000.0), fb.Limits(effort=10.0)]
+    model = fb.planar("RR", l=[1, 1], lc=[0.5, 0.5], m=[2, 1], I=[0.1, 0.05], limits=limits)
+    study = fb.study(model)
+    worst = study.worst
+    tau = study.data["tau"].values
+    k = int(np.argmax(np.abs(tau[:, 1])))
+    assert (worst.coordinate, worst.index, worst.value) == ("joint2", k, tau[k, 1])
+    assert worst.fraction == pytest.approx(abs(tau[k, 1]) / 10)
+    assert f"{worst.fraction:.0%} of its effort limit" in worst.text
+    assert float(study.summary["effort_fraction"][1]) == pytest.approx(worst.fraction)
+
+
+def test_a_motion_beyond_the_limits_is_studied_and_said():
+    limits = [fb.Limits(-1, 1, velocity=0.5, effort=3.0)]
+    model = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.1], limits=limits)
+    t = np.linspace(0, 2, 41)
+    study = fb.study(model, motion_of(model, t, t[:, None]))
+    assert study.passed
+    assert study.warnings == (
+        "joint1 leaves its range: the motion spans 0 to 2 rad, the limits are -1 and 1.",
+        "joint1 is too fast: 1 rad/s, the limit is 0.5.",
+        "joint1 needs 4.905 N m at t = 0 s, the effort limit is 3.",
+    )
+    assert float(study.summary["position_fraction"][0]) == pytest.approx(2.0)
+
+
+def test_which_tip_is_studied():
+    panda = fb.load("panda")
+    assert chosen_tip(panda, None) == ("panda_hand_tcp", "The tip is 'panda_hand_tcp', the model's own tip.")
+    assert chosen_tip(replace(panda, tip=None), None)[0] == "panda_leftfinger"
+    assert chosen_tip(replace(panda, tip=None), None)[1] == (
+        "The tip is 'panda_leftfinger', the first in the file of the 2 ends behind 8 movable joints "
+        "(panda_leftfinger, panda_rightfinger); another is chosen with --tip or tip=."
+    )
+    assert chosen_tip(panda, "panda_link4") == ("panda_link4", "The tip is 'panda_link4', as asked.")
+    with pytest.raises(
+        UnknownNameError, match=r"no frame 'panda_link9' in 'panda'\. Did you mean 'panda_link"
+    ):
+        fb.study(panda, tip="panda_link9")
+
+
+def test_a_joint_without_inertia_stops_only_the_replay():
+    model = fb.planar("RR", l=[1, 1], lc=[1, 0], m=[1, 0], I=[0.1, 0])
+    study = fb.study(model)
+    assert study.passed
+    assert study.replay is None
+    assert study.replay_skipped.startswith("There is no replay. ")
+    assert "joint 'joint2' moves no inertia" in study.replay_skipped
+    assert not {"replay", "forward dynamics"} & {c.name for c in study.checks}
+
+
+def test_what_cannot_be_studied_says_why():
+    with pytest.raises(MissingValueError, match=r"the study of 'RR': numbers need a value for I1, I2, "):
+        fb.study(fb.planar("RR"))
+    with pytest.raises(
+        FreebodyError, match=r"study: the motion has 2 positions and 2 rates, '3R' has nq = 3"
+    ):
+        fb.study(fb.load("3R"), fb.default_motion(fb.load("2R")))
+
+
+def test_progress_is_told():
+    told: list[tuple[str, float]] = []
+    fb.study(fb.load("2R"), progress=lambda text, done: told.append((text, done)))
+    assert told[0] == ("motion", 0.0)
+    assert told[-1] == ("done", 1.0)
+    assert [done for _, done in told] == sorted(done for _, done in told)
+
+
+def test_files_hold_what_was_computed(arm: fb.Study, tmp_path: Path):
+    written = arm.save(tmp_path / "new" / "folder")
+    assert [path.name for path in written] == [
+        "study.nc",
+        "motion.csv",
+        "torques.csv",
+        "reactions.csv",
+        "summary.csv",
+        "reactions_summary.csv",
+        "checks.csv",
+    ]
+    with xr.open_dataset(written[0]) as data:
+        for source in (arm.data, arm.summary):
+            for name in source.data_vars:
+                np.testing.assert_array_equal(data[name].values, source[name].values)
+                assert data[name].attrs == source[name].attrs
+        assert data.attrs["robot"] == "ur5e"
+        np.testing.assert_array_equal(data["replay_miss"].values, arm.replay.misses)  # type: ignore[union-attr]
+    again = fb.study(arm.model, written[1])
+    np.testing.assert_array_equal(again.data["tau"].values, arm.data["tau"].values)
+    table = np.genfromtxt(written[2], delimiter=",", names=True, deletechars="")
+    np.testing.assert_array_equal(table["elbow_joint_tau_(N_m)"], arm.data["tau"].values[:, 2])
+    summary = written[4].read_text().splitlines()
+    assert summary[0].startswith("coordinate,unit,effort_unit,peak_torque (N m|N),peak_torque_time (s)")
+    assert summary[1].startswith("shoulder_pan_joint,rad,N m,")
+    with pytest.raises(
+        FreebodyError, match=r"study\.nc: there is a file of that name; name a folder with --out\."
+    ):
+        arm.save(written[0])
+
+
+def test_a_floating_robot_says_what_drives_its_base():
+    study = fb.study(fb.load("quadrotor"))
+    assert study.passed
+    assert study.warnings[0].startswith("Joint 'flight' has no motor of its own")
