@@ -16,6 +16,7 @@ from freebody.derivations import source, views
 from freebody.derivations.expression import Equation, Expression
 from freebody.derivations.forms import Layout
 from freebody.derivations.intermediates import intermediates
+from freebody.derivations.order import Order
 from freebody.derivations.render import page
 from freebody.derivations.render.sympy import to_sympy
 from freebody.derivations.symbols import Symbols, symbols
@@ -139,7 +140,7 @@ class Equations:
     @cached_property
     def layout(self) -> Layout:
         """How polynomials of this model are printed: `layout.form(x)` is an expression."""
-        return Layout(self.symbols)
+        return Layout(Order(self.symbols))
 
     def form(self, x: Trig) -> Expression:
         """A polynomial as it is printed; it has text, LaTeX and MathML of its own."""

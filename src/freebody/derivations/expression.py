@@ -9,8 +9,8 @@ Wherever an expression is expected, a number or the name of a symbol will do:
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, fields
 from fractions import Fraction
 from numbers import Rational
 from typing import Any
@@ -321,3 +321,19 @@ def matrix(rows: Iterable[Iterable[Like]]) -> Expression:
 def eq(*sides: Like) -> Equation:
     """side = side (= side …)."""
     return Equation(tuple(map(expr, sides)))
+
+
+# ---------------------------------------------------------------- looking inside
+def nodes(x: Expression) -> Iterator[Expression]:
+    """An expression and all that is in it."""
+    yield x
+    for part in (getattr(x, f.name) for f in fields(x)):  # type: ignore[arg-type]
+        for inner in part if isinstance(part, tuple) else (part,):
+            for deeper in inner if isinstance(inner, tuple) else (inner,):
+                if isinstance(deeper, Expression):
+                    yield from nodes(deeper)
+
+
+def size(x: Expression) -> int:
+    """How many numbers and symbols are read."""
+    return sum(isinstance(node, Number | Symbol) for node in nodes(x))

@@ -11,20 +11,16 @@ import math
 import re
 from collections import defaultdict
 from collections.abc import Iterable
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
-from typing import Any
 
 from freebody.derivations import expression as ex
 from freebody.derivations.expression import Expression
 from freebody.derivations.names import sym
-from freebody.derivations.symbols import RATE, SECOND, Symbols
+from freebody.derivations.order import Order
+from freebody.derivations.symbols import SECOND
 from freebody.derivations.waves import Monomial, Raw, Terms, Wave, raw, shortest
-from freebody.model.model import Body
-from freebody.model.parameters import Parameter, each_parameter
-from freebody.model.placement import Turn
-from freebody.scalars.trig import Trig, rational_sin_cos
+from freebody.scalars.trig import Trig
 
 Poly = dict[Monomial, Fraction]
 """A polynomial in symbols without sines and cosines."""
@@ -32,63 +28,14 @@ Poly = dict[Monomial, Fraction]
 
 @dataclass(frozen=True)
 class Layout:
-    """What the symbols of a model are, so that terms can be grouped and factors ordered."""
+    """Polynomials of one model as expressions."""
 
-    symbols: Symbols
-
-    @cached_property
-    def angles(self) -> tuple[str, ...]:
-        """Names with sines and cosines, by joint."""
-        return self.symbols.ring.angles
-
-    @cached_property
-    def inertial(self) -> dict[str, tuple[int, int]]:
-        """(body, 0 of a mass or 1 of a moment of inertia) of each inertial parameter."""
-        rank: dict[str, tuple[int, int]] = {}
-        for i, body in enumerate(self.symbols.model.bodies):
-            for part in body.inertias:
-                for kind, quantity in enumerate((part.inertia.mass, part.inertia.tensor)):
-                    for parameter in each_parameter(quantity):
-                        rank.setdefault(parameter.name, (i, kind))
-        return rank
-
-    @cached_property
-    def gravity(self) -> str:
-        """The name of gravity's magnitude, if it has one."""
-        size = self.symbols.model.gravity_size
-        return size.name if isinstance(size, Parameter) else ""
-
-    @cached_property
-    def moving(self) -> frozenset[str]:
-        """Names of rates, second rates and signs of rates."""
-        names = self.symbols.coordinates
-        return frozenset(
-            [*(f"sgn_{x}{RATE}" for x in names), *(x + e for x in names for e in (RATE, SECOND))]
-        )
-
-    @property
-    def decimal(self) -> bool:
-        """Whether numbers are measured ones, printed as decimals."""
-        return self.symbols.reader.numbers or _holds_decimals(self.symbols.model.bodies)
-
-    def rank(self, name: str) -> tuple[int, int, int, str]:
-        """Order of the symbols in a product: inertia, gravity, lengths and coordinates by joint, rates."""
-        kind = 0 if name in self.inertial else 1 if name == self.gravity else 3 if name in self.moving else 2
-        digits = re.search(r"\d+", name)
-        return kind, int(digits[0]) if digits else 0, name not in self.symbols.coordinates, name
-
-    def number(self, value: Fraction) -> Expression:
-        """A coefficient."""
-        return ex.num(
-            value,
-            self.decimal or value.denominator > 64 or bool(value.denominator % 2 and value.denominator > 9),
-        )
+    order: Order
 
     def symbol(self, name: str) -> Expression:
         """A generator."""
         return sym(name)
 
-    # ------------------------------------------------------------ forms
     def form(self, x: Trig) -> Expression:
         """A polynomial in the layout described above."""
         return ex.add(*(term for _, term in self.by_rates(x)))
@@ -102,11 +49,13 @@ class Layout:
         """The parts of a polynomial by their product of rates, each with those rates behind it."""
         parts: defaultdict[Monomial, Raw] = defaultdict(list)
         for powers, coefficient in raw(x):
-            rates = self._sorted((n, e) for n, e in powers.items() if n in self.moving)
-            parts[rates].append(({n: e for n, e in powers.items() if n not in self.moving}, coefficient))
+            rates = self._sorted((n, e) for n, e in powers.items() if n in self.order.moving)
+            parts[rates].append(
+                ({n: e for n, e in powers.items() if n not in self.order.moving}, coefficient)
+            )
         rows = []
         for rates in sorted(parts, key=self._rate_rank):
-            terms = shortest(parts[rates], self.angles)
+            terms = shortest(parts[rates], self.order.angles, self.order.blocks)
             rows.append((rates, self._times_rates(terms, rates) if rates else self.by_inertia(terms)))
         return rows
 
@@ -116,12 +65,12 @@ class Layout:
         coefficient = self.by_inertia({key: c / content for key, c in terms.items()})
         if isinstance(coefficient, ex.Sum) and isinstance(coefficient.terms[0], ex.Negative):
             content, coefficient = -content, ex.add(*map(ex.neg, coefficient.terms))
-        return ex.mul(self.number(content), coefficient, *self._monomial(rates))
+        return ex.mul(self.order.number(content), coefficient, *self._monomial(rates))
 
     def _rate_rank(self, rates: Monomial) -> tuple:
         """Second rates, squares, products, no rate, single rates, signs."""
         names = [n for n, e in rates for _ in range(e)]
-        order = [self.symbols.coordinates.index(re.sub(r"^sgn_|_dd?$", "", n)) for n in names]
+        order = [self.order.symbols.coordinates.index(re.sub(r"^sgn_|_dd?$", "", n)) for n in names]
         if not names:
             kind = 3
         elif names[0].startswith("sgn_"):
@@ -136,10 +85,10 @@ class Layout:
         """Terms grouped by the mass or moment of inertia that they contain."""
         groups: defaultdict[str, Terms] = defaultdict(dict)
         for (monomial, wave), coefficient in terms.items():
-            name = next((n for n, _ in monomial if n in self.inertial), "")
+            name = next((n for n, _ in monomial if n in self.order.inertial), "")
             groups[name][tuple((n, e) for n, e in monomial if n != name), wave] = coefficient
-        last = (len(self.symbols.model.bodies), 0)
-        order = sorted(groups, key=lambda n: (self.inertial.get(n, last), self.rank(n)))
+        last = (len(self.order.symbols.model.bodies), 0)
+        order = sorted(groups, key=lambda n: (self.order.inertial.get(n, last), self.order.rank(n)))
         return ex.add(*(self._group(name, groups[name]) for name in order))
 
     def _group(self, name: str, terms: Terms) -> Expression:
@@ -152,9 +101,9 @@ class Layout:
         if isinstance(rest, ex.Sum) and not front:
             if content == 1:
                 return rest
-            if self.decimal:
+            if self.order.decimal:
                 return self._by_waves(terms)
-        return ex.mul(self.number(content), *front, rest)
+        return ex.mul(self.order.number(content), *front, rest)
 
     def _common(self, terms: Terms) -> Monomial:
         """Symbols that all terms share; none where a term without angles would keep others (lc² + l lc cos θ stays)."""
@@ -163,15 +112,15 @@ class Layout:
         common = self._sorted((n, e) for n, e in shared.items() if e)
         constant = [_without(m, common) for m, wave in terms if not wave]
         if len(terms) > 1 and any(constant) and any(wave for _, wave in terms):
-            return tuple((n, e) for n, e in common if n == self.gravity)
+            return tuple((n, e) for n, e in common if n == self.order.gravity)
         return common
 
     def _content(self, terms: Terms) -> Fraction:
         """The greatest number that divides all coefficients, with the sign of the first term."""
         first = terms[
-            min(terms, key=lambda key: (_wave_rank(key[1], self.angles), self._monomial_rank(key[0])))
+            min(terms, key=lambda key: (_wave_rank(key[1], self.order.angles), self._monomial_rank(key[0])))
         ]
-        if self.decimal:
+        if self.order.decimal:
             size = abs(first) if len(terms) == 1 else Fraction(1)
             all_negative = all(c < 0 for c in terms.values())
             return -size if (first < 0 if len(terms) == 1 else all_negative) else size
@@ -184,7 +133,7 @@ class Layout:
         for (monomial, wave), coefficient in terms.items():
             groups[wave][monomial] = coefficient
         rows = []
-        for wave in sorted(groups, key=lambda w: _wave_rank(w, self.angles)):
+        for wave in sorted(groups, key=lambda w: _wave_rank(w, self.order.angles)):
             functions = [_function(*f) for f in wave]
             rows.append(self.poly(groups[wave]) if not wave else self._scaled(groups[wave], functions))
         return ex.add(*rows)
@@ -194,23 +143,47 @@ class Layout:
         flat: Terms = {(m, ()): c for m, c in poly.items()}
         common, content = self._common(flat), self._content(flat)
         rest = self.poly({_without(m, common): c / content for m, c in poly.items()})
-        return ex.mul(self.number(content), *self._monomial(common), rest, *functions)
+        return ex.mul(self.order.number(content), *self._monomial(common), rest, *functions)
 
     # ------------------------------------------------------------ polynomials without angles
     def poly(self, poly: Poly) -> Expression:
-        """A polynomial by falling degree, squares completed where that is shorter."""
-        square = self._square(poly)
-        if square is not None:
-            front, base, rest = square
-            completed = ex.mul(self.number(front[1]), *self._monomial(front[0]), ex.power(self.poly(base), 2))
-            return ex.add(completed, *([self.poly(rest)] if rest else []))
+        """A polynomial by falling degree, with a square completed, or as a product: the shortest."""
+        forms = [self._plain(poly)]
+        if len(poly) > 2:
+            square = self._square(poly)
+            if square is not None:
+                front, base, rest = square
+                squared = ex.mul(
+                    self.order.number(front[1]), *self._monomial(front[0]), ex.power(self.poly(base), 2)
+                )
+                forms.append(ex.add(squared, *([self.poly(rest)] if rest else [])))
+        if len(poly) > 3:
+            content, factors = self._factors(poly)
+            if len(factors) > 1 or factors[0][1] > 1:
+                powers = (ex.power(self.poly(factor), exponent) for factor, exponent in factors)
+                forms.append(ex.mul(self.order.number(content), *powers))
+        return min(forms, key=ex.size)
+
+    def _plain(self, poly: Poly) -> Expression:
         order = sorted(poly, key=self._monomial_rank)
-        return ex.add(*(ex.mul(self.number(poly[m]), *self._monomial(m)) for m in order))
+        return ex.add(*(ex.mul(self.order.number(poly[m]), *self._monomial(m)) for m in order))
+
+    def _factors(self, poly: Poly) -> tuple[Fraction, list[tuple[Poly, int]]]:
+        """number · Π factor^exponent, factors in whole numbers, each with its first term positive."""
+        x = self.order.symbols.ring.polynomial((dict(m), c) for m, c in poly.items())
+        content, factors = x.leading_coefficient, []
+        for factor, exponent in x.factors():
+            terms: Poly = {tuple(powers.items()): c for powers, c in factor.terms()}
+            scale = self._content({(m, ()): c for m, c in terms.items()})
+            content /= (factor.leading_coefficient / scale) ** exponent
+            factors.append(({m: c / scale for m, c in terms.items()}, exponent))
+        return content, sorted(factors, key=lambda row: min(map(self._monomial_rank, row[0])))
 
     def _square(self, poly: Poly) -> tuple[tuple[Monomial, Fraction], Poly, Poly] | None:
         """A (x + b)² + rest, where that has fewer terms."""
         names = sorted(
-            {n for m in poly for n, _ in m}, key=lambda n: (n not in self.symbols.coordinates, self.rank(n))
+            {n for m in poly for n, _ in m},
+            key=lambda n: (n not in self.order.symbols.coordinates, self.order.rank(n)),
         )
         for x in names:
             squares = [(m, c) for m, c in poly.items() if dict(m).get(x) == 2]
@@ -239,7 +212,7 @@ class Layout:
         for monomial in monomials:
             for name, exponent in monomial:
                 total[name] += exponent
-        ring = self.symbols.ring.index
+        ring = self.order.symbols.ring.index
         return tuple(sorted(total.items(), key=lambda item: ring[item[0]]))
 
     def _monomial(self, monomial: Monomial) -> list[Expression]:
@@ -247,25 +220,11 @@ class Layout:
 
     def _monomial_rank(self, monomial: Monomial) -> tuple:
         """Falling degree, then as in a dictionary."""
-        ranked = [(self.rank(n), -e) for n, e in self._sorted(monomial)]
+        ranked = [(self.order.rank(n), -e) for n, e in self._sorted(monomial)]
         return -sum(e for _, e in monomial), ranked
 
     def _sorted(self, monomial: Iterable[tuple[str, int]]) -> Monomial:
-        return tuple(sorted(monomial, key=lambda item: self.rank(item[0])))
-
-
-def _holds_decimals(thing: Any) -> bool:
-    """Whether inertias, placements or drives hold plain numbers that are not whole, right angles apart."""
-    if isinstance(thing, Turn):
-        angle = thing.angle
-        return not isinstance(angle, Parameter) and bool(rational_sin_cos(angle)[0].denominator != 1)
-    if isinstance(thing, Body):
-        return _holds_decimals((thing.inertias, thing.joint.placement, thing.joint.drive))
-    if isinstance(thing, tuple):
-        return any(map(_holds_decimals, thing))
-    if is_dataclass(thing) and not isinstance(thing, Parameter):
-        return any(_holds_decimals(getattr(thing, f.name)) for f in fields(thing))
-    return isinstance(thing, float) and not thing.is_integer()
+        return tuple(sorted(monomial, key=lambda item: self.order.rank(item[0])))
 
 
 def _without(monomial: Monomial, divisor: Monomial) -> Monomial:

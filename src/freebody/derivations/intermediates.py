@@ -167,15 +167,17 @@ def _negative(x: Expression) -> Expression:
 def _product(a: Expression, b: Expression) -> Expression:
     """Numbers, parameters, named quantities, brackets, functions; x x is x², -x - y loses its sign to the front."""
     powers: dict[Expression, int] = {}
-    sign = 1
-    for factor in (f for x in (a, b) for f in _factors(x)):
+    numbers: list[Expression] = []
+    for factor in _factors(ex.mul(a, b)):
         if isinstance(factor, ex.Sum) and isinstance(factor.terms[0], ex.Negative):
-            sign, factor = -sign, _negative(factor)
-        elif isinstance(factor, ex.Negative):
-            sign, factor = -sign, factor.operand
+            numbers.append(ex.num(-1))
+            factor = _negative(factor)
         base, exponent = (factor.base, factor.exponent) if isinstance(factor, ex.Power) else (factor, 1)
-        powers[base] = powers.get(base, 0) + exponent
-    return ex.mul(sign, *(ex.power(base, powers[base]) for base in sorted(powers, key=_rank)))
+        if isinstance(factor, ex.Number) or factor == ex.num(-1):
+            numbers.append(factor)
+        else:
+            powers[base] = powers.get(base, 0) + exponent
+    return ex.mul(*numbers, *(ex.power(base, powers[base]) for base in sorted(powers, key=_rank)))
 
 
 def _factors(x: Expression) -> tuple[Expression, ...]:

@@ -4,11 +4,20 @@ from __future__ import annotations
 
 import keyword
 import textwrap
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields, is_dataclass
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from freebody.derivations.expression import Expression, Function, Negative, Number, Product, Sum, Symbol
+from freebody.derivations.expression import (
+    Expression,
+    Function,
+    Negative,
+    Number,
+    Product,
+    Sum,
+    Symbol,
+    nodes,
+)
 from freebody.derivations.render.code import code
 from freebody.derivations.symbols import RATE, SECOND
 
@@ -90,7 +99,7 @@ class Names:
     def collect(self, rows: list[Entry]) -> None:
         """Gives each sine and cosine a variable: cos_12 is cos(θ1 + θ2)."""
         for row in rows:
-            for part in _parts(row.value):
+            for part in nodes(row.value):
                 if isinstance(part, Function) and part.name != "sgn" and part not in self.waves:
                     self.waves[part] = self._free(f"{part.name}_{_spelt(part.argument)}")
 
@@ -112,18 +121,6 @@ def _spelt(argument: Expression) -> str:
     return ("" if all(len(word) == 1 for word in words) else "_").join(words)
 
 
-def _parts(node: Any) -> Iterator[Expression]:
-    """All nodes of an expression."""
-    if isinstance(node, tuple):
-        for part in node:
-            yield from _parts(part)
-    elif is_dataclass(node) and isinstance(node, Expression):
-        yield node
-        if not isinstance(node, Symbol):
-            for f in fields(node):
-                yield from _parts(getattr(node, f.name))
-
-
 def python(equations: Equations) -> str:
     """Source of dynamics(q, qd, qdd, parameters…) -> M, c, G, tau, with nothing but `math`."""
     names = Names(equations, frozenset(keyword.kwlist), lambda name: name)
@@ -140,7 +137,7 @@ def python(equations: Equations) -> str:
     ]
     arguments.sort(key=lambda argument: "=" in argument)
     lines = [f'"""{_title(equations)}"""', "", "import math", ""]
-    if any(isinstance(part, Function) and part.name == "sgn" for row in rows for part in _parts(row.value)):
+    if any(isinstance(part, Function) and part.name == "sgn" for row in rows for part in nodes(row.value)):
         lines += ["", "def sgn(x):", "    return (x > 0) - (x < 0)", ""]
     lines += ["", *_wrapped(f"def dynamics({', '.join(arguments)}):", ""), f'    """{_summary(equations)}"""']
     lines += [f"    {name} = {plain(wave)}" for wave, name in names.waves.items()]
@@ -179,7 +176,7 @@ def c(equations: Equations) -> str:
         if all(value is not None for value in names.values.values()):
             numbers = ", ".join(repr(value) for value in names.values.values())
             lines += [*_wrapped(f"static const parameters defaults = {{ {numbers} }};", "    "), ""]
-    if any(isinstance(part, Function) and part.name == "sgn" for row in rows for part in _parts(row.value)):
+    if any(isinstance(part, Function) and part.name == "sgn" for row in rows for part in nodes(row.value)):
         lines += ["static double sgn(double x) { return (x > 0.0) - (x < 0.0); }", ""]
     lines += [f"/* {_summary(equations)} */"]
     first = "const parameters *p, " if names.values else ""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable
 from fractions import Fraction
+from functools import lru_cache
 
 from freebody.scalars.trig import Trig
 
@@ -17,6 +17,9 @@ Monomial = tuple[tuple[str, int], ...]
 Wave = tuple[tuple[str, Monomial, int], ...]
 """A product of functions (sin or cos, multiples of angles, exponent); () is 1."""
 
+Blocks = tuple[tuple[str, ...], ...]
+"""Angles that are gathered with one another, each in one block."""
+
 Terms = dict[tuple[Monomial, Wave], Fraction]
 """Coefficient of each monomial times wave."""
 
@@ -26,11 +29,10 @@ def raw(x: Trig) -> Raw:
     return list(x.terms())
 
 
-def shortest(terms: Raw, angles: tuple[str, ...]) -> Terms:
-    """Gathered or as products, whichever has fewer terms; gathered where they tie."""
-    products = as_products(terms, angles)
-    sums = gathered(terms, angles)
-    return sums if len(sums) <= len(products) else products
+def shortest(terms: Raw, angles: tuple[str, ...], blocks: Blocks) -> Terms:
+    """The form with the fewest terms: all angles gathered, or those of parallel axes (`blocks`), or none."""
+    forms = [gathered(terms, angles, (angles,)), gathered(terms, angles, blocks), as_products(terms, angles)]
+    return min(forms, key=len)
 
 
 def as_products(terms: Raw, angles: tuple[str, ...]) -> Terms:
@@ -65,13 +67,22 @@ def _with_squares(terms: Terms) -> Terms:
     return result
 
 
-def gathered(terms: Raw, angles: tuple[str, ...]) -> Terms:
-    """Sums over sines and cosines of sums of angles, each with its first multiple positive."""
+def gathered(terms: Raw, angles: tuple[str, ...], blocks: Blocks) -> Terms:
+    """Sines and cosines of sums of the angles of a block, each with its first multiple positive."""
     result: defaultdict[tuple[Monomial, Wave], Fraction] = defaultdict(Fraction)
+    index = {f"{f}_{x}": 2 * k + (f == "cos") for k, x in enumerate(angles) for f in ("sin", "cos")}
+    places = tuple(tuple(angles.index(x) for x in block) for block in blocks)
     for powers, coefficient in terms:
-        monomial = _rest(powers, angles)
-        for wave, part in _fourier(powers, angles):
-            result[monomial, wave] += coefficient * part
+        exponents = [0] * (2 * len(angles))
+        monomial = []
+        for name, exponent in powers.items():
+            if name in index:
+                exponents[index[name]] = exponent
+            else:
+                monomial.append((name, exponent))
+        rest = tuple(monomial)
+        for wave, part in _fourier(tuple(exponents), angles, places):
+            result[rest, wave] += coefficient * part
     return {key: value for key, value in result.items() if value}
 
 
@@ -81,12 +92,30 @@ def _rest(powers: dict[str, int], angles: tuple[str, ...]) -> Monomial:
     return tuple((name, e) for name, e in powers.items() if name not in waves)
 
 
-def _fourier(powers: dict[str, int], angles: tuple[str, ...]) -> Iterable[tuple[Wave, Fraction]]:
-    """One product of sines and cosines as a sum, through z = e^{ix}: cos = (z + 1/z)/2, sin = (z - 1/z)/2i."""
+@lru_cache(maxsize=50_000)
+def _fourier(
+    exponents: tuple[int, ...], angles: tuple[str, ...], blocks: tuple[tuple[int, ...], ...]
+) -> list[tuple[Wave, Fraction]]:
+    """A product of sines and cosines as a sum of products of one function a block."""
+    total: list[tuple[Wave, Fraction]] = [((), Fraction(1))]
+    for block in blocks:
+        if any(exponents[2 * k] or exponents[2 * k + 1] for k in block):
+            ours = _of_block(tuple((exponents[2 * k], exponents[2 * k + 1]) for k in block))
+            names = [angles[k] for k in block]
+            total = [(wave + _wave(f, names, k), a * value) for wave, a in total for f, k, value in ours]
+    return total
+
+
+def _wave(f: str, names: list[str], multiples: tuple[int, ...]) -> Wave:
+    argument = tuple((x, k) for x, k in zip(names, multiples, strict=True) if k)
+    return ((f, argument, 1),) if argument else ()
+
+
+def _of_block(exponents: tuple[tuple[int, int], ...]) -> list[tuple[str, tuple[int, ...], Fraction]]:
+    """One product as a sum of (sin or cos, multiples, value): cos x = (z + 1/z)/2, sin x = (z - 1/z)/2i, z = e^{ix}."""
     laurent: dict[tuple[int, ...], Fraction] = {(): Fraction(1)}
     sines = 0
-    for x in angles:
-        s, c = powers.get(f"sin_{x}", 0), powers.get(f"cos_{x}", 0)
+    for s, c in exponents:
         sines += s
         factor = {0: Fraction(1)}
         for sign in (-1,) * s + (1,) * c:
@@ -97,10 +126,11 @@ def _fourier(powers: dict[str, int], angles: tuple[str, ...]) -> Iterable[tuple[
             factor = wider
         laurent = {(*k, j): a * b for k, a in laurent.items() for j, b in factor.items() if b}
     turn = (-1) ** (sines // 2)  # i⁻ˢ = ±1, or ∓i, which the sine takes up
+    rows = []
     for k, value in laurent.items():
         first = next((j for j in k if j), 0)
         if first == 0 and sines % 2 == 0:
-            yield (), turn * value
+            rows.append(("cos", k, turn * value))
         elif first > 0:
-            argument = tuple((x, j) for x, j in zip(angles, k, strict=True) if j)
-            yield (("sin" if sines % 2 else "cos", argument, 1),), 2 * turn * value
+            rows.append(("sin" if sines % 2 else "cos", k, 2 * turn * value))
+    return rows

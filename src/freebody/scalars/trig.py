@@ -63,6 +63,17 @@ class TrigRing:
             self._constants[number] = found
         return found
 
+    def polynomial(self, terms: Iterable[tuple[Mapping[str, int], Fraction]]) -> Trig:
+        """The polynomial with these terms, {generator: exponent} and coefficient: the inverse of `Trig.terms`."""
+        rows: dict[tuple[int, ...], Any] = {}
+        for powers, coefficient in terms:
+            exponents = [0] * len(self.index)
+            for name, exponent in powers.items():
+                exponents[self.index[name]] = exponent
+            rows[tuple(exponents)] = rows.get(tuple(exponents), 0) + _flint(coefficient)
+        mask = (1 << len(self.angles)) - 1
+        return Trig(self, self.reduced(self.context.from_dict(rows), mask), mask)
+
     def reduced(self, poly: Any, mask: int) -> Any:
         """The normal form of a polynomial whose sines of the angles in `mask` may stand squared."""
         k = 0
@@ -235,6 +246,11 @@ class Trig:
     def __len__(self) -> int:
         """Number of terms."""
         return len(self.poly)
+
+    def factors(self) -> list[tuple[Trig, int]]:
+        """Irreducible factors and exponents, up to a number; s² = 1 - c² is not made use of."""
+        _, rows = self.poly.factor()
+        return [(Trig(self.ring, factor, self.mask), int(exponent)) for factor, exponent in rows]
 
     def derivative(self, name: str) -> Trig:
         """∂/∂name; of an angle the chain rule through its sine and cosine."""

@@ -104,7 +104,8 @@ def _product(node: Product, render: Renderer) -> str:
     pieces = ""
     for k, factor in enumerate(node.factors):
         before = node.factors[k - 1] if k else None
-        gap = "\\," if before is not None and (_is_call(before) or _is_decimal(before)) else " "
+        apart = before is not None and (_is_call(before) or (_is_decimal(before) and not _is_call(factor)))
+        gap = "\\," if apart else " "
         pieces += (gap if k else "") + _factor(factor, render)
     return pieces
 

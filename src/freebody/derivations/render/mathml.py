@@ -53,14 +53,14 @@ def _number(node: Number, _: Renderer) -> str:
     return f"<mn>{mantissa}</mn><mo>·</mo><msup><mn>10</mn><mn>{exponent}</mn></msup>".replace(">-", ">−")
 
 
-def _symbol(node: Symbol, _: Renderer) -> str:
+def _symbol(node: Symbol, render: Renderer, exponent: str = "") -> str:
     bold = ' mathvariant="bold" style="font-weight:bold;font-style:normal"' if node.bold else ""
     upright = ' mathvariant="normal"' if len(node.letter) > 1 and not bold else bold
     letter = f"<mi{upright}>{escape(node.letter)}</mi>"
     if node.dots:
         letter = f'<mover accent="true">{letter}<mo>{_DOTS[node.dots]}</mo></mover>'
     low = f"<mrow>{_low(node.low)}</mrow>" if node.low else ""
-    high = f"<mi>{escape(node.high)}</mi>" if node.high else ""
+    high = exponent or (f"<mi>{escape(node.high)}</mi>" if node.high else "")
     if low and high:
         return f"<msubsup>{letter}{low}{high}</msubsup>"
     return f"<msub>{letter}{low}</msub>" if low else f"<msup>{letter}{high}</msup>" if high else letter
@@ -107,6 +107,8 @@ def _power(node: Power, render: Renderer) -> str:
     exponent = str(node.exponent).replace("-", "−")
     if isinstance(node.base, Function):
         return _call(node.base, exponent, render)
+    if isinstance(node.base, Symbol) and not node.base.high:
+        return _symbol(node.base, render, f"<mn>{exponent}</mn>")
     return f"<msup><mrow>{render(node.base, ATOM)}</mrow><mn>{exponent}</mn></msup>"
 
 

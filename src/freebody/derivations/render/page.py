@@ -10,6 +10,9 @@ from freebody.derivations.render import text as plain
 from freebody.derivations.render.lines import broken, text_lines
 from freebody.derivations.render.mathml import mathml, row
 
+_RIGHT = "text-align:right;text-align:-webkit-right;padding-right:0"
+_LEFT = "text-align:left;text-align:-webkit-left;padding-left:0.25em"
+
 Groups = Sequence[Sequence[Equation]]
 
 
@@ -22,23 +25,21 @@ def text(groups: Groups, width: int = 100) -> str:
 def latex(groups: Groups, environment: str = "aligned", width: int = 82) -> str:
     """An amsmath environment: "aligned" inside a formula, "align*" in a document."""
     rows = []
-    for k, group in enumerate(groups):
-        for j, equation in enumerate(group):
-            lines = _latex_lines(equation, width)
-            rows += lines
-            if j == len(group) - 1 and k < len(groups) - 1:
-                rows[-1] += " \\\\[1.2ex]"
-            else:
-                rows[-1] += " \\\\"
-    body = "\n".join(rows).removesuffix(" \\\\")
+    room = width - max((tex.width(_left(e)) for group in groups for e in group), default=0)
+    for group in groups:
+        rows += [line + " \\\\" for equation in group for line in _latex_lines(equation, room)]
+        rows[-1] += "[1.2ex]"
+    body = "\n".join(rows).removesuffix(" \\\\[1.2ex]")
     return f"\\begin{{{environment}}}\n{body}\n\\end{{{environment}}}"
 
 
-def _latex_lines(equation: Equation, width: int) -> list[str]:
-    left = " = ".join(tex.latex(side) for side in equation.sides[:-1])
-    first, *rest = broken(tex.breakable(equation.rhs), width - tex.width(left), tex.width)
-    lines = [f"{left} &= {first}", *(f"&\\quad {line}" for line in rest)]
-    return [line + " \\\\" for line in lines[:-1]] + lines[-1:]
+def _left(equation: Equation) -> str:
+    return " = ".join(tex.latex(side) for side in equation.sides[:-1])
+
+
+def _latex_lines(equation: Equation, room: float) -> list[str]:
+    first, *rest = broken(tex.breakable(equation.rhs), room, tex.width)
+    return [f"{_left(equation)} &= {first}", *(f"&\\quad {line}" for line in rest)]
 
 
 def html(groups: Groups, width: int = 82) -> str:
@@ -50,7 +51,7 @@ def html(groups: Groups, width: int = 82) -> str:
     )
     return (
         '<math xmlns="http://www.w3.org/1998/Math/MathML" display="block">'
-        f'<mtable displaystyle="true" columnalign="right left">{rows}</mtable></math>'
+        f'<mtable displaystyle="true">{rows}</mtable></math>'
     )
 
 
@@ -63,8 +64,8 @@ def _mathml_rows(equation: Equation, width: int, apart: bool) -> str:
         indent = '<mspace width="1.5em"/>' if k else ""
         style = space if k == 0 else ""
         cells += (
-            f'<mtr><mtd style="{style}text-align:right">{head}</mtd>'
-            f'<mtd style="{style}text-align:left">{indent}{part}</mtd></mtr>'
+            f'<mtr><mtd style="{style}{_RIGHT}">{head}</mtd>'
+            f'<mtd style="{style}{_LEFT}">{indent}{part}</mtd></mtr>'
         )
     return cells
 

@@ -1,0 +1,102 @@
+"""A derivation as data: an ordered list of steps, each with its equations, what was done and why."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from freebody.derivations.equations import Equations
+from freebody.derivations.expression import Equation
+from freebody.scalars.trig import Trig
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of a derivation.
+
+    operation: what is done, as a heading. reason: why, in a sentence. notes: numbers of the equations of the lecture notes
+    that the step's equations are. figure: the drawing that belongs to it: "kinematics", or "free-body N" of body N from 1.
+    """
+
+    operation: str
+    reason: str
+    equations: tuple[Equation, ...] = ()
+    notes: tuple[str, ...] = ()
+    figure: str | None = None
+
+
+@dataclass(frozen=True)
+class Derivation:
+    """How the equations of a model come about by one method, and the torques that this way ends in."""
+
+    method: str
+    title: str
+    equations: Equations
+    """Closed forms from the composite-body mass matrix and its Christoffel symbols, to hold the result against."""
+    steps: tuple[Step, ...]
+    tau: tuple[Trig, ...]
+    """Joint torques as this method finds them, exact polynomials."""
+
+    @property
+    def result(self) -> Equations:
+        """The equations of motion (or, of statics, the model they belong to)."""
+        return self.equations
+
+    def text(self, width: int = 100) -> str:
+        """The derivation for a terminal."""
+        from freebody.derivations.render.book import text
+
+        return text(self, width)
+
+    def markdown(self) -> str:
+        """The derivation as Markdown, formulas between dollar signs."""
+        from freebody.derivations.render.book import markdown
+
+        return markdown(self)
+
+    def latex(self) -> str:
+        """A LaTeX document."""
+        from freebody.derivations.render.book import latex
+
+        return latex(self)
+
+    def html(self) -> str:
+        """One HTML page with MathML that needs nothing else."""
+        from freebody.derivations.render.book import html
+
+        return html(self)
+
+    def __str__(self) -> str:
+        return self.text()
+
+    def _repr_html_(self) -> str:
+        from freebody.derivations.render.book import body
+
+        return body(self)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two derivations of the same model, their torques subtracted term by term."""
+
+    first: Derivation
+    second: Derivation
+
+    @property
+    def differences(self) -> tuple[Trig, ...]:
+        """First minus second, per joint, in normal form."""
+        return tuple(a - b for a, b in zip(self.first.tau, self.second.tau, strict=True))
+
+    @property
+    def equal(self) -> bool:
+        """Whether every difference is the zero polynomial."""
+        return all(d.is_zero for d in self.differences)
+
+    def __bool__(self) -> bool:
+        return self.equal
+
+    def __str__(self) -> str:
+        lines = [f"{self.first.title} and {self.second.title}:"]
+        for i, (a, d) in enumerate(zip(self.first.tau, self.differences, strict=True), 1):
+            verdict = "identical" if d.is_zero else f"they differ by {self.first.equations.layout.form(d)}"
+            lines.append(f"  tau{i}: {len(a)} terms, {verdict}")
+        return "\n".join(lines)

@@ -1,0 +1,1 @@
+"""Ways to the equations of motion, one file each."""

@@ -1,0 +1,190 @@
+"""What all derivations of a model share: its symbols, its motion, and how its vectors are called and shown.
+
+In the plane vectors have world components, as in chapters 1 to 5 of the notes; in space those of the body's own frame, as
+in chapter 6.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from freebody.algorithms.kinematics import Motion, Pose, outward, world_poses
+from freebody.derivations import expression as ex
+from freebody.derivations.equations import Equations
+from freebody.derivations.expression import Expression
+from freebody.derivations.forms import Layout
+from freebody.derivations.names import sym, vec
+from freebody.derivations.symbols import Symbols
+from freebody.elementary import Scalar
+from freebody.errors import FreebodyError
+from freebody.model.joints.revolute import Turning
+from freebody.model.tree import Tree
+from freebody.scalars.trig import Trig
+from freebody.spatial import Vector, add, sub, times, transposed
+
+LONGEST = 40
+"""Terms up to which an expression is written out; a longer one is told by its length."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One model, ready to be derived; load: names of the components of the force on the tip, or none."""
+
+    symbols: Symbols
+    load: tuple[str, ...] = ()
+
+    @property
+    def tree(self) -> Tree:
+        """The model over the ring."""
+        return self.symbols.tree
+
+    @property
+    def planar(self) -> bool:
+        """Whether the model is in the plane."""
+        return self.tree.space.dim == 2
+
+    @cached_property
+    def equations(self) -> Equations:
+        """The closed forms."""
+        return Equations(self.symbols)
+
+    @property
+    def layout(self) -> Layout:
+        """How polynomials are printed."""
+        return self.equations.layout
+
+    @cached_property
+    def motion(self) -> Motion:
+        """Velocities and accelerations of every body, base at rest, body axes."""
+        return outward(self.tree, self.symbols.q, self.symbols.qd, self.symbols.qdd)
+
+    @cached_property
+    def world(self) -> list[Pose]:
+        """Pose of every body in the world."""
+        return world_poses(self.tree, self.motion.joints)
+
+    # ------------------------------------------------------------ the structure
+    @cached_property
+    def numbers(self) -> dict[int, int]:
+        """Number of each body of the tree, as the model's order counts from 1; the base (-1) is 0."""
+        return {-1: 0} | {k: i + 1 for i, k in enumerate(self.tree.body_of)}
+
+    @cached_property
+    def order(self) -> tuple[int, ...]:
+        """Bodies of the tree by their number."""
+        return tuple(sorted(range(len(self.tree.bodies)), key=lambda k: self.numbers[k]))
+
+    def turns(self, i: int) -> bool:
+        """Whether body i hangs on a revolute joint."""
+        return isinstance(self.tree.bodies[i].primitive, Turning)
+
+    def coordinate(self, i: int) -> str:
+        """Name of the coordinate of body i's joint."""
+        return self.symbols.coordinates[self.tree.bodies[i].coordinates.v[0]]
+
+    # ------------------------------------------------------------ vectors
+    def axes(self, i: int, v: Vector) -> Vector:
+        """Components of a vector of body i as they are shown: the world's in the plane, the body's in space."""
+        return times(self.world[i][0], v) if self.planar else v
+
+    def centre(self, i: int) -> Vector:
+        """Joint origin to the centre of mass of body i."""
+        return self.axes(i, self._mass(i).c)
+
+    def centre_velocity(self, i: int) -> Vector:
+        """Velocity of the centre of mass of body i."""
+        c = self._mass(i).c
+        return self.axes(i, add(self.motion.v[i], self.tree.space.cross(self.motion.w[i], c)))
+
+    def centre_acceleration(self, i: int) -> Vector:
+        """Acceleration of the centre of mass of body i."""
+        return self.axes(i, add(self.motion.vd[i], times(self.motion.rates[i], self._mass(i).c)))
+
+    def centre_position(self, i: int) -> Vector:
+        """Centre of mass of body i in the world."""
+        R, p = self.world[i]
+        return add(p, times(R, self._mass(i).c))
+
+    def to_child(self, i: int, k: int) -> Vector:
+        """Joint origin of body i to that of its child k."""
+        if self.planar:
+            return sub(self.world[k][1], self.world[i][1])
+        return self.motion.joints[k][1]
+
+    def to_tip(self, i: int) -> Vector:
+        """Joint origin of body i to the tip, which is fixed to it."""
+        _, _, p = self.tree.frames[self.symbols.model.frame().name]
+        return self.axes(i, p)
+
+    def gravity(self, i: int) -> Vector:
+        """The gravity field in the axes of body i."""
+        return self.tree.gravity if self.planar else times(transposed(self.world[i][0]), self.tree.gravity)
+
+    def _mass(self, i: int):
+        (mass,) = self.tree.bodies[i].masses
+        return mass
+
+    def mass(self, i: int) -> Scalar:
+        """Mass of body i."""
+        return self._mass(i).m
+
+    def inertia(self, i: int) -> Scalar:
+        """Inertia of body i about its centre of mass."""
+        return self._mass(i).inertia
+
+    # ------------------------------------------------------------ how it is shown
+    def show(self, x: Scalar) -> Expression:
+        """A scalar written out, or told by its length."""
+        element: Trig = self.symbols.element(x)
+        if len(element) > LONGEST:
+            return ex.Words(f"({len(element)} terms)")
+        return self.layout.form(element)
+
+    def column(self, v: Vector) -> Expression:
+        """A vector written out."""
+        return ex.Vector(tuple(self.show(x) for x in v))
+
+    def angular(self, v: Vector) -> Expression:
+        """An angular vector: a scalar in the plane."""
+        return self.show(v[0]) if self.planar else self.column(v)
+
+    def name(self, letter: str, i: int, dots: str = "") -> Expression:
+        """Symbol of a vector of body i, such as v_ci."""
+        return vec(f"{letter}{self.numbers[i]}{dots}")
+
+    def angular_name(self, letter: str, i: int, dots: str = "") -> Expression:
+        """Symbol of an angular vector of body i."""
+        name = f"{letter}{self.numbers[i]}{dots}"
+        return sym(name) if self.planar else vec(name)
+
+    def force_name(self, i: int, k: int) -> Expression:
+        """f_{i,k}: by body i on body k."""
+        a, b = self.numbers[i], self.numbers[k]
+        return vec(f"f{a}{b}" if a < 10 and b < 10 else f"f{a}_{b}")
+
+    def moment_name(self, i: int, k: int) -> Expression:
+        """n_{i,k}: moment by body i on body k."""
+        return self.angular_name(f"n{self.numbers[i]}_", k)
+
+    def torque_name(self, i: int) -> Expression:
+        """τ_i of the joint of body i."""
+        return sym(f"tau{self.numbers[i]}")
+
+
+def require_chain_of_bodies(symbols: Symbols, what: str) -> None:
+    """Refuse what the derivations do not cover: joints of several axes, bodies without or with several masses."""
+    model = symbols.model
+    for body in model.bodies:
+        if body.kind.nv != 1 or body.joint.mimic is not None:
+            raise FreebodyError(
+                f"{what}: joint {body.joint.name!r} of {model.name!r} is {body.kind.name}"
+                f"{' and follows another' if body.joint.mimic else ''}; derivations are written for independent revolute "
+                "and prismatic joints. fb.equations gives the closed form."
+            )
+    for i, k in enumerate(symbols.tree.body_of):
+        if len(symbols.tree.bodies[k].masses) != 1:
+            raise FreebodyError(
+                f"{what}: body {model.bodies[i].name!r} of {model.name!r} has {len(symbols.tree.bodies[k].masses)} masses; "
+                "derivations are written for one a body. Combine them, or use fb.equations."
+            )
