@@ -5,10 +5,16 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 
 class FreebodyError(Exception):
     """Whatever freebody refuses. The message is one paragraph meant for a person."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # an exception is rebuilt from `args`, here the message, which is not what the classes below are made of; one
+        # that cannot be rebuilt blocks the process pool that it was raised in
+        return _rebuilt, (type(self), self.args, self.__dict__)
 
 
 class FreebodyWarning(UserWarning):
@@ -78,6 +84,13 @@ class FileError(FreebodyError, ValueError):
         self.path, self.line, self.problem = str(path), line, problem
         place = f"{path}:{line}" if line else f"{path}"
         super().__init__(f"{place}: {problem}")
+
+
+def _rebuilt(kind: type[FreebodyError], args: tuple[object, ...], attributes: dict[str, Any]) -> FreebodyError:
+    """The exception that another process sent."""
+    error = kind.__new__(kind, *args)
+    error.__dict__.update(attributes)
+    return error
 
 
 def _listing(names: list[str], most: int = 24) -> str:

@@ -121,6 +121,10 @@ class Kernel:
         run_split(self.ufunc, values, outs, cores, batch, threads)
         return outs[0] if len(outs) == 1 else outs
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Another process compiles the program for itself, or finds it in the cache."""
+        return _compiled_again, (self.program, self.backend, self.width if self.backend == "llvm" else None)
+
     def __repr__(self) -> str:
         return f"Kernel({self.program}; {self.backend}, width {self.width})"
 
@@ -194,6 +198,10 @@ def compile_program(program: Program, *, backend: str | None = None, width: int 
         if kernel is None:
             kernel = _kernels[key] = _COMPILE[backend](program, width)
     return kernel
+
+
+def _compiled_again(program: Program, backend: str, width: int | None) -> Kernel:
+    return compile_program(program, backend=backend, width=width)
 
 
 _lock = threading.Lock()

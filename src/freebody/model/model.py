@@ -387,6 +387,10 @@ class Model:
             gravity_direction=(*self.gravity_direction, 0.0),
         )
 
+    def __getstate__(self) -> dict[str, Any]:
+        # what is cached is machine code or quick to make again; another process makes its own
+        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+
     def __repr__(self) -> str:
         return f"<Model {self.name!r}: {len(self.bodies)} bodies, nq = {self.nq}, nv = {self.nv}, dim {self.dim}>"
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import weakref
 from collections.abc import Sequence
 from typing import Any
 
@@ -15,8 +14,6 @@ from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.model import Model
 from freebody.numerics.columns import BY_COLUMNS, LARGEST, ColumnKernel
 from freebody.numerics.formulas import FORMULAS, Option
-
-_KERNELS: weakref.WeakKeyDictionary[Model, dict[Any, Kernel | ColumnKernel]] = weakref.WeakKeyDictionary()
 
 
 def kernel(
@@ -101,9 +98,8 @@ def fetch(
     model: Model, names: tuple[str, ...], option: Option, backend: str | None = None, width: int | None = None
 ) -> Kernel | ColumnKernel:
     """The kernel, compiled on first use and kept as long as the model."""
-    kept = _KERNELS.setdefault(model, {})
     key = (names, option, backend, width)
-    found = kept.get(key)
+    found = model.compiled.get(key)
     if found is None:
         if model.nv > LARGEST and len(names) == 1 and names[0] in BY_COLUMNS:
             found = ColumnKernel(
@@ -111,7 +107,7 @@ def fetch(
             )
         else:
             found = compile_program(program(model, names, option), backend=backend, width=width)
-        kept[key] = found
+        model.compiled[key] = found
     return found
 
 
