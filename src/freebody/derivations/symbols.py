@@ -111,8 +111,8 @@ class Symbols:
         return values
 
 
-def symbols(model: Model, numbers: bool = False) -> Symbols:
-    """The model in symbols; `numbers` puts in the values of parameters that have one."""
+def symbols(model: Model, numbers: bool = False, extra: tuple[str, ...] = ()) -> Symbols:
+    """The model in symbols; `numbers` puts in the values of parameters that have one, `extra` are further symbols."""
     _require_whole_ratios(model)
     coordinates = coordinate_names(model)
     turning = [x for x in coordinates if x.startswith("theta")]
@@ -124,6 +124,7 @@ def symbols(model: Model, numbers: bool = False) -> Symbols:
         *(x + SECOND for x in coordinates),
         *(f"sgn_{x}{RATE}" for x in coordinates),
         *(x for x in names if x not in angles),
+        *extra,
     ]
     ring = TrigRing([*turning, *angles], others)
     return Symbols(model, ring, coordinates, TrigReader(ring, numbers))

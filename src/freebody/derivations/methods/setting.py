@@ -33,6 +33,8 @@ class Setting:
 
     symbols: Symbols
     load: tuple[str, ...] = ()
+    at_rest: bool = False
+    """Whether the robot stands still: rates and second rates are zero."""
 
     @property
     def tree(self) -> Tree:
@@ -57,7 +59,9 @@ class Setting:
     @cached_property
     def motion(self) -> Motion:
         """Velocities and accelerations of every body, base at rest, body axes."""
-        return outward(self.tree, self.symbols.q, self.symbols.qd, self.symbols.qdd)
+        still = (0.0,) * self.tree.nv
+        rates = (still, still) if self.at_rest else (self.symbols.qd, self.symbols.qdd)
+        return outward(self.tree, self.symbols.q, *rates)
 
     @cached_property
     def world(self) -> list[Pose]:
@@ -124,6 +128,11 @@ class Setting:
     def _mass(self, i: int):
         (mass,) = self.tree.bodies[i].masses
         return mass
+
+    @property
+    def weighs(self) -> bool:
+        """Whether there is gravity."""
+        return any(not (isinstance(x, float) and x == 0.0) for x in self.tree.gravity)
 
     def mass(self, i: int) -> Scalar:
         """Mass of body i."""

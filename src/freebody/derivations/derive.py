@@ -1,0 +1,58 @@
+"""`derive`: the equations of motion step by step, by one of the methods of the notes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from freebody.derivations.derivation import Comparison, Derivation
+from freebody.derivations.methods import lagrange, newton_euler, recursive, statics
+from freebody.derivations.methods.setting import Setting, require_chain_of_bodies
+from freebody.derivations.symbols import symbols
+from freebody.errors import FreebodyError, UnknownNameError
+from freebody.model.model import Model
+
+METHODS = {
+    "newton-euler": newton_euler.derive,
+    "recursive": recursive.derive,
+    "lagrange": lagrange.derive,
+    "statics": statics.derive,
+}
+
+LOADS = {2: ("fx", "fy"), 3: ("fx", "fy", "fz")}
+"""Names of the components of the force on the tip."""
+
+
+def derive(
+    model: Model, method: str = "newton-euler", *, load: bool | None = None, **options: Any
+) -> Derivation:
+    """A derivation of the model's equations as an ordered list of steps.
+
+    method: "newton-euler" (route="centre": moments about each centre of mass, or "pivot": of all that a joint carries
+    about it), "recursive" (gravity="base": as acceleration of the base, or "explicit": as weights), "lagrange", "statics".
+    load: whether a force f acts on the tip (by default in statics of planar arms); with the methods of motion only
+    "newton-euler" and "recursive" take one. Raises FreebodyError for joints with several axes or followers.
+    Source: S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019.
+    """
+    if method not in METHODS:
+        raise UnknownNameError("method", method, "fb.derive", METHODS)
+    if load is None:
+        load = method == "statics" and model.dim == 2 and model.tip is not None
+    if load and (method == "lagrange" or model.dim == 3):
+        raise FreebodyError(
+            f"derive: a load on the tip is written out for planar arms by Newton-Euler, the recursion and statics, not for "
+            f"{method!r} in {model.dim}D; use static_torque or inverse_dynamics with wrenches=."
+        )
+    names = LOADS[model.dim] if load else ()
+    made = symbols(model, extra=names)
+    require_chain_of_bodies(made, f"derive {method!r}")
+    return METHODS[method](Setting(made, names, at_rest=method == "statics"), **options)
+
+
+def compare(first: Derivation, second: Derivation) -> Comparison:
+    """Two derivations of one model, subtracted term by term; true when they are identical polynomials."""
+    a, b = first.equations.symbols, second.equations.symbols
+    if a.model is not b.model:
+        raise FreebodyError("compare: the derivations are of different models.")
+    if a.ring is not b.ring:
+        raise FreebodyError("compare: derive both with the same load, by derive_all.")
+    return Comparison(first, second)
