@@ -65,6 +65,7 @@ _PLACES = {
     "freebody.numerics.kernels": ("kernel",),
     "freebody.numerics.exports": ("source", "to_jax"),
     "freebody.derivations.equations": ("equations",),
+    "freebody.derivations.derive": ("derive",),
     "freebody.motion.motion": ("Motion",),
     "freebody.motion.default": ("default_motion",),
     "freebody.motion.table": ("read_motion",),

@@ -13,8 +13,10 @@ from freebody.scalars.trig import Trig
 class Step:
     """One step of a derivation.
 
-    operation: what is done, as a heading. reason: why, in a sentence. notes: numbers of the equations of the lecture notes
-    that the step's equations are. figure: the drawing that belongs to it: "kinematics", or "free-body N" of body N from 1.
+    operation: what is done, as a heading. reason: why, in a sentence. notes: numbers of the equations of the
+    lecture notes
+    that the step's equations are. figure: the drawing that belongs to it: "kinematics", or "free-body N" of
+    body N from 1.
     """
 
     operation: str
@@ -31,7 +33,8 @@ class Derivation:
     method: str
     title: str
     equations: Equations
-    """Closed forms from the composite-body mass matrix and its Christoffel symbols, to hold the result against."""
+    """Closed forms from the composite-body mass matrix and its Christoffel symbols, to hold the result
+    against."""
     steps: tuple[Step, ...]
     tau: tuple[Trig, ...]
     """Joint torques as this method finds them, exact polynomials."""

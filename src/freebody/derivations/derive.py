@@ -28,7 +28,8 @@ def derive(
     """A derivation of the model's equations as an ordered list of steps.
 
     method: "newton-euler" (route="centre": moments about each centre of mass, or "pivot": of all that a joint carries
-    about it), "recursive" (gravity="base": as acceleration of the base, or "explicit": as weights), "lagrange", "statics".
+    about it), "recursive" (gravity="base": as acceleration of the base, or "explicit": as weights), "lagrange",
+    "statics".
     load: whether a force f acts on the tip (by default in statics of planar arms); with the methods of motion only
     "newton-euler" and "recursive" take one. Raises FreebodyError for joints with several axes or followers.
     Source: S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019.
@@ -39,7 +40,8 @@ def derive(
         load = method == "statics" and model.dim == 2 and model.tip is not None
     if load and (method == "lagrange" or model.dim == 3):
         raise FreebodyError(
-            f"derive: a load on the tip is written out for planar arms by Newton-Euler, the recursion and statics, not for "
+            f"derive: a load on the tip is written out for planar arms by Newton-Euler, the recursion and "
+            f"statics, not for "
             f"{method!r} in {model.dim}D; use static_torque or inverse_dynamics with wrenches=."
         )
     names = LOADS[model.dim] if load else ()

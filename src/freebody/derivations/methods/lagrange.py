@@ -1,4 +1,5 @@
-"""Lagrange's equations of the second kind: energies, the Lagrangian, and one equation a coordinate (5.6-5.20, 6.15)."""
+"""Lagrange's equations of the second kind: energies, the Lagrangian, and one equation a coordinate
+(5.6-5.20, 6.15)."""
 
 from __future__ import annotations
 
@@ -61,8 +62,8 @@ class _Slow:
         forces = ex.Vector(tuple(s.torque_name(i) for i in s.order))
         return Step(
             "Choose independent coordinates",
-            "The joint variables fix the pose of every body and can be varied one by one; the force that works along each "
-            "is its joint's torque (or force, where the joint slides).",
+            "The joint variables fix the pose of every body and can be varied one by one; the force that "
+            "works along each is its joint's torque (or force, where the joint slides).",
             (eq(sym("q"), names), eq(sym("Q"), forces)),
             figure="kinematics",
         )
@@ -81,7 +82,8 @@ class _Slow:
             lines.append(_line(s.angular_name("omega", i), middle, value))
         return Step(
             "Angular velocities",
-            "A revolute joint adds its rate to the angular velocity of the body before it; a prismatic joint adds nothing.",
+            "A revolute joint adds its rate to the angular velocity of the body before it; a prismatic "
+            "joint adds nothing.",
             tuple(lines),
             ("4.1", "5.8", "5.9") if s.planar else ("6.16", "6.24"),
         )
@@ -91,7 +93,8 @@ class _Slow:
         lines = [eq(s.name("rc", i), s.column(s.centre_position(i))) for i in s.order]
         return Step(
             "Positions of the centres of mass",
-            "The energies need where each centre of mass is and how fast it moves; positions follow from the drawing.",
+            "The energies need where each centre of mass is and how fast it moves; positions follow from "
+            "the drawing.",
             tuple(lines),
             figure="kinematics",
         )
@@ -197,7 +200,8 @@ class _Slow:
         return [
             Step(
                 f"Derivatives for {sym(x)}",
-                "Rates and coordinates count as independent in the partial derivatives; the time derivative brings the "
+                "Rates and coordinates count as independent in the partial derivatives; the time "
+                "derivative brings the "
                 "accelerations in.",
                 lines,
             ),
@@ -222,7 +226,8 @@ class _Slow:
 _ENERGY = {
     "T": (
         "Kinetic energies",
-        "A rigid body's kinetic energy is that of its mass moving with the centre plus that of turning about it.",
+        "A rigid body's kinetic energy is that of its mass moving with the centre plus that of turning "
+        "about it.",
     ),
     "V": (
         "Potential energies",
@@ -248,10 +253,11 @@ def closed_form(setting: Setting) -> Step:
     lines = tuple(line for group in equations.groups("named") for line in group) if equations.is_short else ()
     counts = equations.count()
     reason = (
-        "Sorting by accelerations, products of rates and the rest gives the mass matrix, the velocity terms and gravity."
+        "Sorting by accelerations, products of rates and the rest gives the mass matrix, the velocity "
+        "terms and gravity."
         if lines
-        else f"Sorted by accelerations, rates and the rest the closed form has {counts['M']} terms in M, {counts['c']} in the "
-        f"velocity terms and {counts['g']} in gravity: too long to read, and exact."
+        else f"Sorted by accelerations, rates and the rest the closed form has {counts['M']} terms in M, "
+        f"{counts['c']} in the velocity terms and {counts['g']} in gravity: too long to read, and exact."
     )
     numbers = ("3.20", "3.21", "3.22", "3.23", "3.24", "3.25", "3.26", "3.27") if is_2r else ("3.28",)
     return Step("The closed form", reason, lines, numbers)

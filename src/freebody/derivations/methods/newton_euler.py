@@ -1,7 +1,7 @@
 """Newton and Euler body by body: free-body diagrams, unknown reactions, elimination, closed form (3.5-3.15).
 
-n_{i,k} is the moment of body i on body k at joint k. A revolute joint's motor is the moment about its axis (in the plane the
-whole moment), a prismatic one's the force along its axis; the other components are bearing reactions.
+n_{i,k} is the moment of body i on body k at joint k. A revolute joint's motor is the moment about its axis (in the
+plane the whole moment), a prismatic one's the force along its axis; the other components are bearing reactions.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ ROUTES = ("centre", "pivot")
 
 
 def derive(setting: Setting, route: str = "centre") -> Derivation:
-    """The derivation; route: moments of each body about its centre of mass, or of what hangs on a joint about its pivot."""
+    """The derivation; route: moments of each body about its centre of mass, or of what hangs on a joint
+    about its pivot."""
     if route not in ROUTES:
         raise UnknownNameError("route", route, "newton-euler", ROUTES)
     work = Work(setting)
@@ -115,8 +116,10 @@ class Work:
         )
         return Step(
             f"Free body {n}",
-            "Cut the body out and put the reactions where it was held: what it does to the next body acts back on it with the "
-            "opposite sign. Forces give the acceleration of the centre of mass, moments about that centre the turning.",
+            "Cut the body out and put the reactions where it was held: what it does to the next body acts "
+            "back on it with the "
+            "opposite sign. Forces give the acceleration of the centre of mass, moments about that centre "
+            "the turning.",
             lines,
             known,
             figure=f"free-body {n}",
@@ -207,7 +210,8 @@ class Work:
         return [
             Step(
                 f"Eliminate the reaction at joint {n}",
-                f"Newton's equation of body {n} gives the force at joint {n}; its {what} then gives the motor's part.",
+                f"Newton's equation of body {n} gives the force at joint {n}; its {what} then gives the "
+                f"motor's part.",
                 tuple(lines),
                 self.numbered(n),
             )
@@ -249,8 +253,8 @@ class Work:
         return [
             Step(
                 f"All that joint {n} carries",
-                "Taken as one system its inner reactions cancel, and about the pivot the reaction at the joint has no moment: "
-                "one equation gives the motor's part at once."
+                "Taken as one system its inner reactions cancel, and about the pivot the reaction at the "
+                "joint has no moment: one equation gives the motor's part at once."
                 if s.turns(i)
                 else "Taken as one system its inner reactions cancel; the force along the slide is the motor's.",
                 (self.pivot_line(i), eq(s.torque_name(i), s.show(tau))),

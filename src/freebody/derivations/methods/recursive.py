@@ -1,4 +1,5 @@
-"""The recursive method: outward for motion, inward for forces, every line written out (4.6-4.15; 6.16-6.29)."""
+"""The recursive method: outward for motion, inward for forces, every line written out (4.6-4.15;
+6.16-6.29)."""
 
 from __future__ import annotations
 
@@ -57,7 +58,8 @@ class _Work:
         still = [eq(vec("v0"), ex.ZERO), eq(sym("omega0") if s.planar else vec("omega0"), ex.ZERO)]
         base = eq(vec("v0_d"), ex.neg(vec("g")) if self.base else ex.ZERO)
         reason = (
-            "The base rests. Letting it accelerate upwards by g instead gives every body its weight without a further term."
+            "The base rests. Letting it accelerate upwards by g instead gives every body its weight "
+            "without a further term."
             if self.base
             else "The base rests; each body's weight will stand among its forces."
         )
@@ -171,7 +173,8 @@ class _Work:
         ]
         return Step(
             f"Inward: body {n}",
-            "What accelerates the body, and what it passes on, must come through its joint; the motor gives the part along "
+            "What accelerates the body, and what it passes on, must come through its joint; the motor "
+            "gives the part along "
             "the joint's axis.",
             tuple(lines),
             ("4.12", "4.13", "4.14", "4.15") if s.planar else ("6.28", "6.29"),

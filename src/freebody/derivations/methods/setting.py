@@ -1,6 +1,7 @@
 """What all derivations of a model share: its symbols, its motion, and how its vectors are called and shown.
 
-In the plane vectors have world components, as in chapters 1 to 5 of the notes; in space those of the body's own frame, as
+In the plane vectors have world components, as in chapters 1 to 5 of the notes; in space those of the body's
+own frame, as
 in chapter 6.
 """
 
@@ -89,7 +90,8 @@ class Setting:
 
     # ------------------------------------------------------------ vectors
     def axes(self, i: int, v: Vector) -> Vector:
-        """Components of a vector of body i as they are shown: the world's in the plane, the body's in space."""
+        """Components of a vector of body i as they are shown: the world's in the plane, the body's in
+        space."""
         return times(self.world[i][0], v) if self.planar else v
 
     def centre(self, i: int) -> Vector:
@@ -182,18 +184,21 @@ class Setting:
 
 
 def require_chain_of_bodies(symbols: Symbols, what: str) -> None:
-    """Refuse what the derivations do not cover: joints of several axes, bodies without or with several masses."""
+    """Refuse what the derivations do not cover: joints of several axes, bodies without or with several
+    masses."""
     model = symbols.model
     for body in model.bodies:
         if body.kind.nv != 1 or body.joint.mimic is not None:
             raise FreebodyError(
                 f"{what}: joint {body.joint.name!r} of {model.name!r} is {body.kind.name}"
-                f"{' and follows another' if body.joint.mimic else ''}; derivations are written for independent revolute "
+                f"{' and follows another' if body.joint.mimic else ''}; derivations are written for "
+                f"independent revolute "
                 "and prismatic joints. fb.equations gives the closed form."
             )
     for i, k in enumerate(symbols.tree.body_of):
         if len(symbols.tree.bodies[k].masses) != 1:
             raise FreebodyError(
-                f"{what}: body {model.bodies[i].name!r} of {model.name!r} has {len(symbols.tree.bodies[k].masses)} masses; "
+                f"{what}: body {model.bodies[i].name!r} of {model.name!r} has "
+                f"{len(symbols.tree.bodies[k].masses)} masses; "
                 "derivations are written for one a body. Combine them, or use fb.equations."
             )

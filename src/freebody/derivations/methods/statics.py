@@ -1,4 +1,5 @@
-"""Equilibrium of each body, and the torques that hold an arm still against gravity and a force on its tip (2.41-2.49)."""
+"""Equilibrium of each body, and the torques that hold an arm still against gravity and a force on its tip
+(2.41-2.49)."""
 
 from __future__ import annotations
 
@@ -53,7 +54,8 @@ class _Still(Work):
         """What f is."""
         return Step(
             "The load",
-            "f acts on the arm at its tip. The force that the arm exerts on its surroundings is -f; formulas for the one "
+            "f acts on the arm at its tip. The force that the arm exerts on its surroundings is -f; "
+            "formulas for the one "
             "and the other differ in sign.",
             (eq(vec("f"), ex.Vector(tuple(sym(name) for name in self.s.load))),),
             figure="kinematics",
@@ -63,7 +65,8 @@ class _Still(Work):
         n = self.s.numbers[i]
         return Step(
             f"Free body {n}",
-            "In equilibrium the forces on each body add up to zero, and so do the moments about any point of it.",
+            "In equilibrium the forces on each body add up to zero, and so do the moments about any point "
+            "of it.",
             (eq(self.force_terms(i), ex.ZERO), eq(self.moment_terms(i), ex.ZERO)),
             {1: ("2.41", "2.42"), 2: ("2.43", "2.44")}.get(n, ()) if self.s.planar else (),
             figure=f"free-body {n}",
@@ -89,7 +92,8 @@ class _Still(Work):
         lines.append(eq(sym("tau"), rule, shown) if s.planar else eq(sym("tau"), rule))
         return Step(
             "The load through the Jacobian",
-            "Without weights the torques are -Jᵀ f: the virtual work of the load and of the motors cancels. The torque that "
+            "Without weights the torques are -Jᵀ f: the virtual work of the load and of the motors "
+            "cancels. The torque that "
             "exerts the force f on the surroundings is its opposite, Jᵀ f.",
             tuple(lines),
             ("2.49", "2.50"),

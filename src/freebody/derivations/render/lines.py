@@ -36,7 +36,7 @@ def _fitting(pieces: list[_Piece], width: float, measure: Callable[[str], float]
     for piece in pieces:
         total += measure(piece.text) + (1 if sizes else 0)
         sizes.append(total)
-    if total <= width:
+    if total <= width or len(pieces) == 1:
         return len(pieces)
     most = max(1, sum(size <= width for size in sizes))
     breaks = [k for k in range(1, most + 1) if k < len(pieces) and sizes[k - 1] > 0.35 * width] or [most]
