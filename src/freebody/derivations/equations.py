@@ -16,7 +16,6 @@ from freebody.derivations import source, views
 from freebody.derivations.expression import Equation, Expression
 from freebody.derivations.forms import Layout
 from freebody.derivations.intermediates import intermediates
-from freebody.derivations.order import Order
 from freebody.derivations.render import page
 from freebody.derivations.render.sympy import to_sympy
 from freebody.derivations.symbols import Symbols, symbols
@@ -140,7 +139,7 @@ class Equations:
     @cached_property
     def layout(self) -> Layout:
         """How polynomials of this model are printed: `layout.form(x)` is an expression."""
-        return Layout(Order(self.symbols))
+        return Layout(self.symbols)
 
     def form(self, x: Trig) -> Expression:
         """A polynomial as it is printed; it has text, LaTeX and MathML of its own."""
@@ -159,7 +158,7 @@ class Equations:
     def groups(self, view: str = "named", names: str = "notes") -> list[list[Equation]]:
         """The equations of a view: "named", "expanded" or "intermediates"."""
         if names not in views.NAMES:
-            raise UnknownNameError("set of names", names, "Equations", views.NAMES)
+            raise UnknownNameError("naming", names, "Equations", views.NAMES)
         if view == "intermediates":
             return [self.intermediates()]
         if view == "expanded":

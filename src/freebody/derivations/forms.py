@@ -13,12 +13,13 @@ from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 
 from freebody.derivations import expression as ex
 from freebody.derivations.expression import Expression
 from freebody.derivations.names import sym
 from freebody.derivations.order import Order
-from freebody.derivations.symbols import SECOND
+from freebody.derivations.symbols import SECOND, Symbols
 from freebody.derivations.waves import Monomial, Raw, Terms, Wave, raw, shortest
 from freebody.scalars.trig import Trig
 
@@ -30,7 +31,12 @@ Poly = dict[Monomial, Fraction]
 class Layout:
     """Polynomials of one model as expressions."""
 
-    order: Order
+    symbols: Symbols
+
+    @cached_property
+    def order(self) -> Order:
+        """What the symbols are."""
+        return Order(self.symbols)
 
     def symbol(self, name: str) -> Expression:
         """A generator."""
@@ -70,7 +76,7 @@ class Layout:
     def _rate_rank(self, rates: Monomial) -> tuple:
         """Second rates, squares, products, no rate, single rates, signs."""
         names = [n for n, e in rates for _ in range(e)]
-        order = [self.order.symbols.coordinates.index(re.sub(r"^sgn_|_dd?$", "", n)) for n in names]
+        order = [self.symbols.coordinates.index(re.sub(r"^sgn_|_dd?$", "", n)) for n in names]
         if not names:
             kind = 3
         elif names[0].startswith("sgn_"):
@@ -87,7 +93,7 @@ class Layout:
         for (monomial, wave), coefficient in terms.items():
             name = next((n for n, _ in monomial if n in self.order.inertial), "")
             groups[name][tuple((n, e) for n, e in monomial if n != name), wave] = coefficient
-        last = (len(self.order.symbols.model.bodies), 0)
+        last = (len(self.symbols.model.bodies), 0)
         order = sorted(groups, key=lambda n: (self.order.inertial.get(n, last), self.order.rank(n)))
         return ex.add(*(self._group(name, groups[name]) for name in order))
 
@@ -170,7 +176,7 @@ class Layout:
 
     def _factors(self, poly: Poly) -> tuple[Fraction, list[tuple[Poly, int]]]:
         """number · Π factor^exponent, factors in whole numbers, each with its first term positive."""
-        x = self.order.symbols.ring.polynomial((dict(m), c) for m, c in poly.items())
+        x = self.symbols.ring.polynomial((dict(m), c) for m, c in poly.items())
         content, factors = x.leading_coefficient, []
         for factor, exponent in x.factors():
             terms: Poly = {tuple(powers.items()): c for powers, c in factor.terms()}
@@ -183,7 +189,7 @@ class Layout:
         """A (x + b)² + rest, where that has fewer terms."""
         names = sorted(
             {n for m in poly for n, _ in m},
-            key=lambda n: (n not in self.order.symbols.coordinates, self.order.rank(n)),
+            key=lambda n: (n not in self.symbols.coordinates, self.order.rank(n)),
         )
         for x in names:
             squares = [(m, c) for m, c in poly.items() if dict(m).get(x) == 2]
@@ -212,7 +218,7 @@ class Layout:
         for monomial in monomials:
             for name, exponent in monomial:
                 total[name] += exponent
-        ring = self.order.symbols.ring.index
+        ring = self.symbols.ring.index
         return tuple(sorted(total.items(), key=lambda item: ring[item[0]]))
 
     def _monomial(self, monomial: Monomial) -> list[Expression]:

@@ -1,4 +1,4 @@
-"""What the symbols of a model are (angles by parallel axes, masses by body, gravity, rates) and their order in print."""
+"""What the symbols of a model are (angles by parallel axes, masses by body, gravity, rates) and their order."""
 
 from __future__ import annotations
 

@@ -7,6 +7,8 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from freebody.elementary import Scalar
 from freebody.errors import FreebodyError
 from freebody.model.model import Model
@@ -108,6 +110,8 @@ class Symbols:
         for ending, array in (("", q), (RATE, qd), (SECOND, qdd)):
             if array is not None:
                 values |= {x + ending: array[..., i] for i, x in enumerate(self.coordinates)}
+        if qd is not None:
+            values |= {f"sgn_{x}{RATE}": np.sign(qd[..., i]) for i, x in enumerate(self.coordinates)}
         return values
 
 

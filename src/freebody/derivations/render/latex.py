@@ -52,14 +52,30 @@ def breakable(node: Expression) -> str:
     return _RENDER(node)
 
 
+_SIZES = (
+    (r"\\tfrac\{\d+\}\{\d+\}", 0.9),
+    (r"[_^](?:\{(?:[^{}]|\\mathrm\{\w*\})*\}|.)", 0.0),
+    (r"\\(?:sin|cos|operatorname\{sgn\})", 2.8),
+    (r"\\(?:,|d?dot|mathbf|boldsymbol|mathrm)", 0.2),
+    (r"\\[A-Za-z]+|[A-Za-z]", 1.0),
+    (r"[+=-]", 1.7),
+    (r"[()]", 0.7),
+    (r"\d", 0.9),
+    (r"\.", 0.3),
+)
+"""Patterns and their width, measured with TeX; scripts count apart."""
+
+_PATTERN = re.compile("|".join(f"({pattern})" for pattern, _ in _SIZES))
+
+
 def width(string: str) -> float:
-    """About how many letters wide a formula is."""
-    string = re.sub(r"\\tfrac\{(\d+)\}\{(\d+)\}", "x", string)
-    string = re.sub(r"[_^](\{[^{}]*\}|.)", lambda m: "," * (len(m[1]) - 2 if len(m[1]) > 1 else 1), string)
-    string = re.sub(r"\\(sin|cos)", "sin", string)
-    return len(
-        re.sub(r"\\[A-Za-z]+|\\.|[{} ]", lambda m: "x" if m[0][1:2].isalpha() else "", string)
-    ) - 0.4 * string.count(",")
+    """About how wide a formula is, in letters."""
+    total = 0.0
+    for match in _PATTERN.finditer(string):
+        total += _SIZES[(match.lastindex or 1) - 1][1]
+        if match[0][0] in "_^":
+            total += 0.66 * len(re.sub(r"\\mathrm|[{}_^]", "", match[0]))
+    return total
 
 
 def _number(node: Number, _: Renderer) -> str:

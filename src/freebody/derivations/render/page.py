@@ -10,6 +10,9 @@ from freebody.derivations.render import text as plain
 from freebody.derivations.render.lines import broken, text_lines
 from freebody.derivations.render.mathml import mathml, row
 
+_SIGN = 4.2
+"""Width of an equals sign and of the indent behind it, in letters."""
+
 _RIGHT = "text-align:right;text-align:-webkit-right;padding-right:0"
 _LEFT = "text-align:left;text-align:-webkit-left;padding-left:0.25em"
 
@@ -25,7 +28,7 @@ def text(groups: Groups, width: int = 100) -> str:
 def latex(groups: Groups, environment: str = "aligned", width: int = 82) -> str:
     """An amsmath environment: "aligned" inside a formula, "align*" in a document."""
     rows = []
-    room = width - max((tex.width(_left(e)) for group in groups for e in group), default=0)
+    room = width - _SIGN - max((tex.width(_left(e)) for group in groups for e in group), default=0)
     for group in groups:
         rows += [line + " \\\\" for equation in group for line in _latex_lines(equation, room)]
         rows[-1] += "[1.2ex]"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from unicodedata import normalize
+
 from freebody.derivations.expression import (
     Cross,
     Derivative,
@@ -64,7 +66,7 @@ def _number(node: Number, _: Renderer) -> str:
 
 def _symbol(node: Symbol, _: Renderer) -> str:
     letter = node.letter[0] + _DOTS[node.dots] + node.letter[1:]
-    return letter + _low(node.low) + node.high.translate(_HIGH)
+    return normalize("NFC", letter) + _low(node.low) + node.high.translate(_HIGH)
 
 
 def _low(parts: tuple[str, ...]) -> str:

@@ -1,0 +1,184 @@
+"""Expressions for print: names, brackets, signs, and each renderer."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from fractions import Fraction
+from unicodedata import normalize
+
+import numpy as np
+import pytest
+
+from freebody.derivations import expression as ex
+from freebody.derivations.evaluate import evaluate
+from freebody.derivations.expression import (
+    add,
+    cos,
+    cross,
+    d_dt,
+    div,
+    dot,
+    eq,
+    expr,
+    mul,
+    neg,
+    power,
+    sin,
+    sub,
+)
+from freebody.derivations.names import entry, sym, vec
+from freebody.derivations.render.lines import broken, text_lines
+from freebody.derivations.render.sympy import to_sympy
+from freebody.derivations.render.text import breakable
+from freebody.errors import FreebodyError, UnknownNameError
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "latex"),
+    [
+        ("theta1", "θ₁", r"\theta_1"),
+        ("theta1_d", "θ̇₁", r"\dot{\theta}_1"),
+        ("theta2_dd", "θ̈₂", r"\ddot{\theta}_2"),
+        ("theta12", "θ₁₂", r"\theta_{12}"),
+        ("d2_dd", "d̈₂", r"\ddot{d}_2"),
+        ("l1", "l₁", "l_1"),
+        ("lc1", "lc₁", "l_{c1}"),
+        ("m10", "m₁₀", "m_{10}"),
+        ("I1", "I₁", "I_1"),
+        ("I1xx", "I₁xx", "I_{1,xx}"),
+        ("c1x", "c₁x", "c_{1x}"),
+        ("tau1", "τ₁", r"\tau_1"),
+        ("H11", "H₁₁", "H_{11}"),
+        ("H_10_2", "H₁₀,₂", "H_{10,2}"),
+        ("h", "h", "h"),
+        ("f01", "f₀₁", "f_{0,1}"),
+        ("f_9_10", "f₉,₁₀", "f_{9,10}"),
+        ("omega2z_d", "ω̇₂z", r"\dot{\omega}_{2z}"),
+        ("sgn_theta1_d", "sgn(θ̇₁)", r"\operatorname{sgn}(\dot{\theta}_1)"),
+        ("lam", "λ", r"\lambda"),
+        ("payload", "payload", r"\mathrm{payload}"),
+        ("r_G", "r_G", "r_G"),
+        ("link_mass", "link_mass", r"\mathrm{link}_{\mathrm{mass}}"),
+    ],
+)
+def test_names(name: str, text: str, latex: str) -> None:
+    assert str(sym(name)) == normalize("NFC", text)
+    assert sym(name).latex() == latex
+
+
+def test_vectors_are_bold_and_entries_numbered() -> None:
+    assert vec("vc1_d").latex() == r"\dot{\mathbf{v}}_{c1}"
+    assert vec("omega1").latex() == r"\boldsymbol{\omega}_1"
+    assert entry("H", 1, 2) == sym("H12")
+    assert entry("H", 10, 2).name == "H_10_2"
+    assert str(entry("tau", 12)) == "τ₁₂"
+
+
+@pytest.mark.parametrize(
+    ("expression", "text", "latex"),
+    [
+        (add("a", neg("b"), mul(-2, "c")), "a − b − 2 c", "a - b - 2 c"),
+        (sub("a", add("b", "c")), "a − (b + c)", "a - (b + c)"),
+        (neg(add("a", "b")), "−(a + b)", "-(a + b)"),
+        (add(neg("a"), "b"), "−a + b", "-a + b"),
+        (mul("a", neg("b")), "−a b", "-a b"),
+        (mul("a", add("b", "c"), 3), "3 a (b + c)", "3 a (b + c)"),
+        (mul(Fraction(1, 2), "a"), "½ a", r"\tfrac{1}{2}\,a"),
+        (mul(Fraction(5, 7), "a"), "5/7 a", r"\tfrac{5}{7}\,a"),
+        (mul(ex.num(Fraction(1, 4), decimal=True), "a"), "0.25 a", r"0.25\,a"),
+        (ex.num(Fraction(123, 10**9), decimal=True), "1.23·10⁻⁷", r"1.23\cdot 10^{-7}"),
+        (ex.num(Fraction(22, 7), decimal=True), "3.14286", "3.14286"),
+        (power("lc1", 2), "lc₁²", "l_{c1}^2"),
+        (power("theta1_d", 2), "θ̇₁²", r"\dot{\theta}_1^2"),
+        (power(add("a", "b"), 2), "(a + b)²", "(a + b)^2"),
+        (power(cos("theta1"), 2), "cos² θ₁", r"\cos^2 \theta_1"),
+        (power("J", -1), "J⁻¹", "J^{-1}"),
+        (cos(add("theta1", "theta2")), "cos(θ₁+θ₂)", r"\cos(\theta_1+\theta_2)"),
+        (sin(mul(2, "theta1")), "sin 2θ₁", r"\sin 2 \theta_1"),
+        (mul(sin("theta1"), cos("theta2")), "sin θ₁ cos θ₂", r"\sin \theta_1\,\cos \theta_2"),
+        (mul(sin("theta1"), "theta2_d"), "sin(θ₁) θ̇₂", r"\sin \theta_1\,\dot{\theta}_2"),
+        (mul(power(sin("theta1"), 2), "a"), "sin²(θ₁) a", r"\sin^2 \theta_1\,a"),
+        (div(add("a", "b"), "c"), "(a + b)/c", r"\frac{a + b}{c}"),
+        (div(neg("a"), mul("b", "c")), "−a/(b c)", r"-\frac{a}{b c}"),
+        (neg(cross(vec("sc1"), vec("f01"))), "−sc₁ × f₀₁", r"-\mathbf{s}_{c1} \times \mathbf{f}_{0,1}"),
+        (
+            cross(vec("w"), cross(vec("w"), vec("r"))),
+            "w × (w × r)",
+            r"\mathbf{w} \times (\mathbf{w} \times \mathbf{r})",
+        ),
+        (mul("m", dot(vec("v"), vec("v"))), "m (v · v)", r"m (\mathbf{v} \cdot \mathbf{v})"),
+        (
+            cross(sub(vec("a"), vec("b")), neg(vec("c"))),
+            "(a − b) × (−c)",
+            r"(\mathbf{a} - \mathbf{b}) \times (-\mathbf{c})",
+        ),
+        (
+            d_dt(ex.partial("L", "theta1_d")),
+            "d/dt (∂L/∂θ̇₁)",
+            r"\frac{\mathrm{d}}{\mathrm{d}t}\left(\frac{\partial L}{\partial \dot{\theta}_1}\right)",
+        ),
+        (ex.vector("a", add("b", "c")), "[a, b + c]ᵀ", r"\begin{bmatrix} a \\ b + c \end{bmatrix}"),
+        (ex.matrix([["a", 0], [0, "b"]]), "[a, 0; 0, b]", r"\begin{bmatrix} a & 0 \\ 0 & b \end{bmatrix}"),
+        (mul(ex.transposed("J"), vec("f")), "Jᵀ f", r"J^{\mathsf{T}} \mathbf{f}"),
+        (eq("H12", "H21", "a"), "H₁₂ = H₂₁ = a", "H_{12} = H_{21} = a"),
+        (ex.Words("with"), "with", r"\text{with}"),
+    ],
+)
+def test_print(expression: ex.Expression, text: str, latex: str) -> None:
+    assert str(expression) == text
+    assert expression.latex() == latex
+    ET.fromstring(expression.mathml())
+
+
+def test_building() -> None:
+    assert add() == expr(0)
+    assert add("a", 0, add("b", "c")) == add("a", "b", "c")
+    assert sub("a", 0) == sym("a")
+    assert mul("a", 0) == expr(0)
+    assert mul(2, mul("a", 3)) == mul(6, "a")
+    assert mul(neg("a"), neg("b")) == mul("a", "b")
+    assert neg(neg("a")) == sym("a")
+    assert power("a", 0) == expr(1)
+    assert power("a", 1) == sym("a")
+    assert ex.size(mul(2, "a", add("b", "c"))) == 4
+    assert hash(add("a", "b")) == hash(add("a", "b"))
+    equation = eq("a", "b", "c")
+    assert (equation.lhs, equation.rhs) == (sym("a"), sym("c"))
+    assert equation._repr_latex_() == r"$\displaystyle a = b = c$"
+
+
+def test_evaluate() -> None:
+    at = {"a": np.array([1.0, 2.0]), "b": 3.0, "theta1": 0.5, "theta1_d": -2.0}
+    value = evaluate(eq("x", add(mul(2, "a", power("b", 2)), neg(div("b", "a")))), at)
+    np.testing.assert_allclose(value, [15.0, 34.5])
+    assert evaluate(mul(sin("theta1"), ex.sgn("theta1_d")), at) == -np.sin(0.5)
+    assert evaluate(cross(ex.vector(1, 2), ex.vector(3, 5)), at) == -1
+    np.testing.assert_allclose(evaluate(cross(ex.vector(1, 0, 0), ex.vector(0, "b", 0)), at), [0, 0, 3])
+    assert evaluate(dot(ex.vector(1, 2), ex.vector(3, "b")), at) == 9
+    np.testing.assert_allclose(evaluate(ex.transposed(ex.matrix([[1, 2], [3, "b"]])), at), [[1, 3], [2, 3]])
+    with pytest.raises(UnknownNameError, match="no value 'c'"):
+        evaluate(sym("c"), at)
+    with pytest.raises(FreebodyError, match="for print only"):
+        evaluate(d_dt("a"), at)
+
+
+def test_sympy() -> None:
+    sympy = pytest.importorskip("sympy")
+    a, b = sympy.symbols("a b", real=True)
+    assert to_sympy(add(mul(Fraction(1, 2), power("a", 2)), neg(sin("b")))) == a**2 / 2 - sympy.sin(b)
+    assert to_sympy(ex.matrix([["a", 1]])) == sympy.Matrix([[a, 1]])
+    assert to_sympy(ex.sgn("a")) == sympy.sign(a)
+    with pytest.raises(FreebodyError, match="no counterpart"):
+        to_sympy(cross("a", "b"))
+
+
+def test_lines() -> None:
+    long = eq("x", add(mul("m", add(*(f"a{i}" for i in range(1, 8)))), *(neg(f"b{i}") for i in range(1, 8))))
+    string = breakable(long)
+    whole = " ".join(broken(string, 10**6))
+    assert whole == str(long)
+    lines = text_lines(string, 40)
+    assert lines[0] == "x = m (a₁ + a₂ + a₃ + a₄ + a₅ + a₆ + a₇)"
+    assert all(len(line) <= 44 for line in lines)
+    assert " ".join(line.strip() for line in lines) == whole
+    assert all(line.lstrip()[0] in "−+" for line in lines[1:])
