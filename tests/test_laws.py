@@ -566,6 +566,23 @@ def test_moved_frames_change_only_their_poses(seed: int):
         close(new[name], old[name] @ move, 1e-12, 1.0, f"pose of {name}")
 
 
+@pytest.mark.parametrize(("seed", "dim"), [(seed, dim) for seed in range(4, 60, 5) for dim in (2, 3)])
+def test_dynamics_do_not_depend_on_where_a_free_robot_stands(seed: int, dim: int):
+    """Not even a thousand kilometres away: no inertia is taken about the world's origin."""
+    model = generate.model(seed, dim)
+    assert model.joint_names[0] == "base"
+    q, qd, qdd = state(model, seed)
+    there = q + np.array([1e6] * dim + [0.0] * (model.nq - dim))
+    there[..., :dim] = np.round(there[..., :dim], 3)  # a position that floats hold well
+    here = there - np.array([1e6] * dim + [0.0] * (model.nq - dim))
+    for name, n in QUANTITIES:
+        if name in ("potential_energy", "momentum", "center_of_mass", "forward_kinematics"):
+            continue
+        expected = numbers(model, name, *(here, qd, qdd)[:n])
+        allowed = 1e-8 if name.startswith("jacobian") else 1e-9  # lever arms are differences of positions
+        close(numbers(model, name, *(there, qd, qdd)[:n]), expected, allowed, 1.0, name)
+
+
 # ---------------------------------------------------------------- mimics
 def follow(description: Description, free: Model, followed: Model) -> tuple[np.ndarray, np.ndarray]:
     """(G, q0) with q = G y + q0 from the joints as described, a mimic of a mimic taken step by step."""

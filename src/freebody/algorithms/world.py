@@ -1,7 +1,7 @@
-"""Bodies in world axes about the world's origin, and what hangs on each: the common ground of C and the derivatives.
+"""Bodies in world axes about one point, and what hangs on each: the common ground of C and the derivatives.
 
-Motions are pairs (ω, v) and forces pairs (n, f), both at the world's origin, so nothing needs to be transformed on the
-way along the tree. A body's Coriolis matrix B = ½ ((v×*) I - I (v×) + (I v)×̄*) (Echeandia and Wensing 2021)
+Motions are pairs (ω, v) and forces pairs (n, f), both at that point, so nothing needs to be transformed on the way
+along the tree. A body's Coriolis matrix B = ½ ((v×*) I - I (v×) + (I v)×̄*) (Echeandia and Wensing 2021)
 has only two
 blocks that are not zero: the angular one and, below it, -(linear momentum)×.
 """
@@ -20,6 +20,7 @@ from freebody.spatial import (
     Vector,
     add,
     combine,
+    compose,
     dot,
     plus,
     scale,
@@ -61,7 +62,7 @@ def columns_at_origin(tree: Tree, poses: list[Pose]) -> list[tuple[Column, ...]]
 def world_tree(tree: Tree, q: Vector, qd: Vector) -> WorldTree:
     """Columns and velocities outward, inertias and Coriolis matrices inward."""
     space = tree.space
-    poses = world_poses(tree, joint_poses(tree, q))
+    poses = world_poses(tree, _near(tree, joint_poses(tree, q)))
     world = WorldTree()
     world.S = columns_at_origin(tree, poses)
     for body, columns, pose in zip(tree.bodies, world.S, poses, strict=True):
@@ -85,6 +86,24 @@ def world_tree(tree: Tree, q: Vector, qd: Vector) -> WorldTree:
             (b, p), (B, P) = world.coriolis[i], world.coriolis[k]
             world.coriolis[k] = (plus(B, b), add(P, p))
     return world
+
+
+def _near(tree: Tree, joints: list[Pose]) -> list[Pose]:
+    """Joint poses with the world's origin where the first body is now.
+
+    Nothing here depends on where the robot stands, but inertias about a far point would bury it in their rounding.
+    """
+    if not joints:
+        return joints
+    first = joints[0]
+    for k in range(1, len(joints)):
+        if tree.bodies[k].name != tree.bodies[0].name:
+            break
+        first = compose(first, joints[k])  # a joint of several primitives, such as a planar one
+    return [
+        (R, sub(p, first[1])) if body.parent < 0 else (R, p)
+        for body, (R, p) in zip(tree.bodies, joints, strict=True)
+    ]
 
 
 # ---------------------------------------------------------------- motions and forces at one point
