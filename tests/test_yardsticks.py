@@ -234,3 +234,27 @@ def test_free_axisymmetric_body(kind: str):
     close(w, [-1.4155049609614219, -4.242210002521516, 6], 1e-11)
     s, c = math.sin(3.0), math.cos(3.0)
     close(w, [2 * c + 4 * s, 4 * c - 2 * s, 6], 1e-11)
+
+
+def test_simulate_gives_the_same():
+    """The package's own simulation of the two, quaternions kept at unit length on the way."""
+    top = pivoted(Inertia.of(15.0, (0, 1, 0), np.diag([0.234375, 0.46875, 0.234375])), "spherical", 9.81)
+    end = fb.simulate(top, fb.neutral(top), [0.0, 150.0, -4.61538], [0.0, 0.2], tolerance=1e-12).isel(time=-1)
+    close(end["qd"].values, [-2.691590912, 150.0, 4.917260990], 1e-9)
+    printed = np.array([-0.708279152975, 0.438781088126, 0.545728396145, 0.089399752823])
+    q = end["q"].values
+    close(q * np.sign(q @ printed), printed, 1e-9)
+    free = pivoted(Inertia.of(1.0, (0, 0, 0), np.diag([0.04, 0.04, 0.02])), "free", 0.0)
+    end = fb.simulate(free, fb.neutral(free), [0, 0, 0, 2.0, 4.0, 6.0], [0.0, 1.0], tolerance=1e-12).isel(
+        time=-1
+    )
+    close(end["qd"].values[3:], [-1.4155049609614219, -4.242210002521516, 6], 1e-10)
+
+
+def test_pendulum_of_the_iftomm_library():
+    """Library of computational benchmark problems, A01: a point pendulum released at rest from the horizontal."""
+    model = fb.planar("R", l=[1], lc=[1], m=[1], I=[0], g=9.81)
+    motion = fb.simulate(model, [math.pi], [0.0], [0.0, 1.0, 10.0], tolerance=1e-12)
+    xy = fb.forward_kinematics(model, motion["q"].values)[:, :2, 2]
+    half_digit(xy[1], [0.98629175113, -0.16501085313], 10)
+    half_digit(xy[2], [-0.27508746258, -0.96141920510], 8)
