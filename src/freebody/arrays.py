@@ -47,8 +47,13 @@ def refuse_not_finite(
         return
     index = tuple(int(i) for i in bad[0])
     sample, component = index[: array.ndim - core], index[array.ndim - core :]
-    where = [f"at sample {sample[0] if len(sample) == 1 else sample}"] if sample else []
+    where = at_sample(sample)
     if component:
         last = component[-1]
-        where.append(f"for {labels[last]!r}" if last < len(labels) else f"at component {component}")
-    raise NotFiniteError(function, argument, float(array[index]), " ".join(where) or "as given")
+        where += f" for {labels[last]!r}" if last < len(labels) else f" at component {component}"
+    raise NotFiniteError(function, argument, float(array[index]), where.strip() or "as given")
+
+
+def at_sample(index: Sequence[int]) -> str:
+    """ " at sample 3", " at sample (3, 1)" or, without a batch, nothing: for messages."""
+    return f" at sample {int(index[0]) if len(index) == 1 else tuple(map(int, index))}" if len(index) else ""

@@ -54,9 +54,9 @@ def times(A: Matrix, x: Vector) -> Vector:
     return tuple(dot(row, x) for row in A)
 
 
-def transposed(A: Matrix) -> Matrix:
-    """Aᵀ."""
-    return tuple(zip(*A, strict=True))
+def transposed(A: Matrix, columns: int = 0) -> Matrix:
+    """Aᵀ; `columns`, those of A, have to be said where A may have no rows."""
+    return tuple(zip(*A, strict=True)) if A else ((),) * columns
 
 
 def product(A: Matrix, B: Matrix) -> Matrix:

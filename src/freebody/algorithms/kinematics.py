@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from freebody.elementary import Scalar
+from freebody.errors import SingularError
 from freebody.model.tree import Tree, TreeBody
 from freebody.spatial import (
     AnySpace,
@@ -207,11 +208,11 @@ def _assembled(tree: Tree, columns: dict[int, list[Column]], E: Matrix | None) -
         for k, (angular, linear) in zip(at.v, of_body, strict=True):
             column = linear + angular if E is None else times(E, linear) + space.turn(E, angular)
             full[k] = add(full[k], scale(at.ratio, column))
-    return transposed(tuple(full))
+    return transposed(tuple(full), space.six)
 
 
-def centre_of_mass(tree: Tree, q: Vector, base: bool = True) -> tuple[Scalar, Vector]:
-    """Total mass and first moment Σ m r in the world (1.15), with or without the base's mass."""
+def centre_of_mass(tree: Tree, q: Vector, base: bool = True) -> Vector:
+    """Centre of mass Σ m r / Σ m in the world (1.15), with or without the base's mass."""
     total: Scalar = 0.0
     moment = tree.space.zero
     resting = (identity(tree.space.dim), tree.space.zero)
@@ -221,4 +222,7 @@ def centre_of_mass(tree: Tree, q: Vector, base: bool = True) -> tuple[Scalar, Ve
         for mass in masses:
             total = total + mass.m
             moment = add(moment, scale(mass.m, add(p, times(R, mass.c))))
-    return total, moment
+    if isinstance(total, float) and total == 0.0:
+        which = "no link" if base else "no link that moves"
+        raise SingularError(f"{which} has a mass, so there is no centre of mass; give them an inertia.")
+    return scale(1.0 / total, moment)

@@ -81,8 +81,7 @@ def centroidal_momentum_matrix(tree: Tree, q: Vector) -> Matrix:
     joints = joint_poses(tree, q)
     poses = world_poses(tree, joints)
     gathered = composites(tree, joints)
-    total, moment = centre_of_mass(tree, q, base=False)
-    centre = scale(1.0 / total, moment)
+    centre = centre_of_mass(tree, q, base=False)
     columns: list[Vector] = [(0.0,) * space.six for _ in range(tree.nv)]
     for body, composite, (R, p) in zip(tree.bodies, gathered, poses, strict=True):
         at = body.coordinates
@@ -91,4 +90,4 @@ def centroidal_momentum_matrix(tree: Tree, q: Vector) -> Matrix:
             force = times(R, linear)
             about = add(space.turn(R, angular), space.moment(sub(p, centre), force))
             columns[k] = add(columns[k], scale(at.ratio, force + about))
-    return transposed(tuple(columns))
+    return transposed(tuple(columns), space.six)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
+from freebody.arrays import Array, as_floats, at_sample, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.model import Model
 from freebody.numerics import kernels
@@ -55,6 +55,8 @@ def _finite(result: Any, core: int) -> bool:
     first = result[0] if type(result) is tuple else result
     if first.ndim == core:
         return math.isfinite(first.item(0)) if first.size else True
+    if not first.size:
+        return True
     return bool(np.isfinite(first[(..., *(0,) * core)]).all())
 
 
@@ -146,9 +148,9 @@ def _check_quaternions(function: str, model: Model, q: Array) -> None:
             off = np.argwhere(np.abs(length - 1.0) > _UNIT)
             if len(off):
                 sample = tuple(map(int, off[0]))
-                where = f" at sample {sample[0] if len(sample) == 1 else sample}" if sample else ""
                 raise FreebodyError(
-                    f"{function}: the quaternion of joint {body.joint.name!r}{where} has length {length[sample]:.6g}; "
+                    f"{function}: the quaternion of joint {body.joint.name!r}{at_sample(sample)} has length "
+                    f"{length[sample]:.6g}; "
                     "it must be 1 within 1e-6: divide it by its length."
                 )
 

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.arrays import Array
+from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector, Wrenches, common_batch, evaluate, finite_vector
@@ -46,9 +46,8 @@ def _refuse_singular(function: str, model: Model, accelerations: Array) -> None:
     if math.isfinite(sum(accelerations.tolist())) if single else np.isfinite(accelerations).all():
         return
     *sample, k = map(int, np.argwhere(~np.isfinite(accelerations))[0])
-    where = f" at sample {tuple(sample)}" if sample else ""
     raise SingularError(
-        f"{function}: the mass matrix of {model.name!r} is singular{where}: "
+        f"{function}: the mass matrix of {model.name!r} is singular{at_sample(sample)}: "
         f"joint coordinate {model.velocity_names[k]!r} has no finite acceleration."
     )
 
@@ -137,10 +136,12 @@ def tip_wrench(model: Model, q: Vector, tau: Vector, frame: str | None = None) -
         )
     square = J[..., :rows, :]
     smallest = np.linalg.svd(square, compute_uv=False)
-    singular = smallest[..., -1] <= 1e-12 * smallest[..., 0]
-    if np.any(singular):
-        where = tuple(int(i) for i in np.argwhere(singular)[0]) if np.ndim(singular) else ()
-        raise SingularError(f"tip_wrench: the Jacobian is singular{f' at sample {where}' if where else ''}.")
+    singular = np.argwhere(smallest[..., -1] <= 1e-12 * smallest[..., 0])
+    if len(singular):
+        raise SingularError(
+            f"tip_wrench: the Jacobian of {model.name!r} is singular{at_sample(singular[0])}: "
+            "some wrench at its frame needs no torque, and torques do not tell it. Choose another q."
+        )
     torque = finite_vector("tip_wrench", model, "tau", tau)
     batch = common_batch("tip_wrench", {"q": J[..., 0], "tau": torque})
     wrench = np.zeros((*batch, J.shape[-2]))

@@ -137,8 +137,7 @@ def _momentum(tree: Tree, o: Option, q: Vector, qd: Vector, point: Vector | None
 
 
 def _centre(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
-    total, moment = kinematics.centre_of_mass(tree, q)
-    return (tuple(h / total for h in moment),)
+    return (kinematics.centre_of_mass(tree, q),)
 
 
 def _inverse_along(

@@ -75,6 +75,8 @@ def chosen_option(
 def motion_rows(model: Model, rows: Sequence[str] | None) -> tuple[int, ...]:
     """Indices of rows of a frame's motion by name; None is all of them."""
     names = ("vx", "vy", "vz", "wx", "wy", "wz") if model.dim == 3 else ("vx", "vy", "w")
+    if rows is not None and (isinstance(rows, str) or not len(rows) or len(set(rows)) < len(rows)):
+        raise FreebodyError(f"rows is {rows!r}, expected one or several of {', '.join(names)}, each once.")
     for row in rows or ():
         if row not in names:
             raise UnknownNameError("row", row, "rows=", names)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from freebody.algorithms.regressor import DRIVE, body_parameters, parameter_values
-from freebody.arrays import Array
+from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector, evaluate
@@ -28,20 +28,26 @@ def operational_space_inertia(
 ) -> Array:
     """Λ = (J M⁻¹ Jᵀ)⁻¹ (..., r, r) of a frame's motion, rows linear then angular, world axes (Khatib 1987).
 
-    rows: which of "vx", "vy", "vz", "wx", "wy", "wz" (plane: "vx", "vy", "w"); default all. Raises
-    SingularError where the
-    arm cannot move the frame along all of them.
+    q: (..., nq). frame: name, default the tip. rows: which of "vx", "vy", "vz", "wx", "wy", "wz" (plane: "vx", "vy",
+    "w"); default all. Raises SingularError where the arm cannot move the frame along all of them.
     """
     option = _operational(model, frame, rows, "operational_space_inertia")
-    return _invertible(model, evaluate("operational_space_inertia", model, (q,), option), q, option)
+    result = evaluate("operational_space_inertia", model, (q,), option)
+    _refuse_dependent_rows("operational_space_inertia", model, q, option)
+    return result
 
 
 def operational_space_bias(
     model: Model, q: Vector, qd: Vector, frame: str | None = None, rows: Sequence[str] | None = None
 ) -> Array:
-    """μ (..., r) with Λ ẍ + μ = the wrench at the frame that moves the arm so: velocity, gravity, friction, springs."""
+    """μ (..., r) with Λ ẍ + μ = the wrench at the frame that moves the arm so: velocity, gravity, friction, springs.
+
+    qd: (..., nv); other arguments and errors as for `operational_space_inertia`.
+    """
     option = _operational(model, frame, rows, "operational_space_bias")
-    return _invertible(model, evaluate("operational_space_bias", model, (q, qd), option), q, option)
+    result = evaluate("operational_space_bias", model, (q, qd), option)
+    _refuse_dependent_rows("operational_space_bias", model, q, option)
+    return result
 
 
 def _operational(model: Model, frame: str | None, rows: Sequence[str] | None, function: str) -> Option:
@@ -56,20 +62,22 @@ def _operational(model: Model, frame: str | None, rows: Sequence[str] | None, fu
     return option
 
 
-def _invertible(model: Model, result: Array, q: Vector, option: Option) -> Array:
+def _refuse_dependent_rows(function: str, model: Model, q: Vector, option: Option) -> None:
     J = jacobian(model, q, option.frame)[..., option.rows, :]
     values = np.linalg.svd(J, compute_uv=False)
-    if np.any(values[..., -1] <= 1e-10 * values[..., 0]):
+    singular = np.argwhere(values[..., -1] <= 1e-10 * values[..., 0])
+    if len(singular):
         raise SingularError(
-            f"frame {option.frame!r} of {model.name!r} is at a singularity: the rows of its Jacobian depend."
+            f"{function}: frame {option.frame!r} of {model.name!r} is at a singularity{at_sample(singular[0])}: "
+            "the rows of its Jacobian depend. Choose fewer rows, or another q."
         )
-    return result
 
 
 def centroidal_momentum_matrix(model: Model, q: Vector) -> Array:
     """A (..., 6, nv): A q̇ is the momentum about the centre of mass of what moves, linear then angular, world axes.
 
-    (..., 3, nv) in the plane. Source: Orin, Goswami, Lee 2013.
+    (..., 3, nv) in the plane. q: (..., nq). Raises SingularError where nothing that moves has a mass. Source: Orin,
+    Goswami, Lee 2013.
     """
     return evaluate("centroidal_momentum_matrix", model, (q,))
 
