@@ -24,7 +24,7 @@ from freebody.report.results import Replay
 
 BOUND = 1e4
 """Amplification that a piece may have at most."""
-TOLERANCE = {"DOP853": 1e-12, "Radau": 1e-9}
+TOLERANCE = {"DOP853": 1e-12, "Radau": 1e-8}
 """Relative error per step of the integrators, absolute a hundredth of it; what is stiff also damps its errors."""
 
 _GRID = 400
