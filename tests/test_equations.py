@@ -315,6 +315,20 @@ def test_squares_and_products_in_space() -> None:
     assert str(eqs.form(eqs.M[0][0])) == "I₁yy + m₂ (a₂ + c₂x)² cos² θ₂ + I₂xx sin² θ₂ + I₂yy cos² θ₂"
 
 
+def test_an_arm_in_space_reads_well() -> None:
+    rows: list[dict[str, Any]] = [{"alpha": math.pi / 2, "m": "m1", "I": ["I1xx", 0, 0, "I1yy", 0, "I1zz"]}]
+    for i in (2, 3):
+        row = {"a": f"a{i}", "m": f"m{i}", "com": [f"c{i}x", 0, 0]}
+        rows.append({**row, "I": [f"I{i}xx", 0, 0, f"I{i}yy", 0, f"I{i}zz"]})
+    text = fb.equations(fb.dh(rows, convention="standard")).text(width=400).splitlines()
+    assert (
+        "H₁₁ = I₁yy + m₂ (a₂ + c₂x)² cos² θ₂ + I₂xx sin² θ₂ + I₂yy cos² θ₂"
+        " + m₃ (a₂² cos² θ₂ + 2 a₂ (a₃ + c₃x) cos θ₂ cos(θ₂+θ₃) + (a₃ + c₃x)² cos²(θ₂+θ₃))"
+        " + I₃xx sin²(θ₂+θ₃) + I₃yy cos²(θ₂+θ₃)"
+    ) in text
+    assert "G₂ = m₂ g (a₂ + c₂x) cos θ₂ + m₃ g (a₂ cos θ₂ + (a₃ + c₃x) cos(θ₂+θ₃))" in text
+
+
 def test_long_equations_say_so() -> None:
     eqs = fb.equations(fb.load("puma560", physical="ignore"))
     assert str(eqs).startswith("puma560: M has ")

@@ -19,12 +19,16 @@ from freebody.derivations import expression as ex
 from freebody.derivations.expression import Expression
 from freebody.derivations.names import sym
 from freebody.derivations.order import Order
+from freebody.derivations.pairs import paired
 from freebody.derivations.symbols import SECOND, Symbols
-from freebody.derivations.waves import Monomial, Raw, Terms, Wave, raw, shortest
+from freebody.derivations.waves import Monomial, Raw, Terms, Wave, as_products, gathered, raw
 from freebody.scalars.trig import Trig
 
 Poly = dict[Monomial, Fraction]
 """A polynomial in symbols without sines and cosines."""
+
+Groups = dict[str, Terms]
+"""Terms by the inertial parameter that they are multiplied with."""
 
 
 @dataclass(frozen=True)
@@ -61,14 +65,18 @@ class Layout:
             )
         rows = []
         for rates in sorted(parts, key=self._rate_rank):
-            terms = shortest(parts[rates], self.order.angles, self.order.blocks)
-            rows.append((rates, self._times_rates(terms, rates) if rates else self.by_inertia(terms)))
+            groups = self._by_inertia(parts[rates])
+            rows.append((rates, self._times_rates(groups, rates) if rates else self._sum(groups)))
         return rows
 
-    def _times_rates(self, terms: Terms, rates: Monomial) -> Expression:
+    def _times_rates(self, groups: Groups, rates: Monomial) -> Expression:
         """number · (terms) · rates."""
-        content = self._content(terms)
-        coefficient = self.by_inertia({key: c / content for key, c in terms.items()})
+        content = self._content(
+            {(((n, 1), *m), w): c for n, terms in groups.items() for (m, w), c in terms.items()}
+        )
+        coefficient = self._sum(
+            {n: {k: c / content for k, c in terms.items()} for n, terms in groups.items()}
+        )
         if isinstance(coefficient, ex.Sum) and isinstance(coefficient.terms[0], ex.Negative):
             content, coefficient = -content, ex.add(*map(ex.neg, coefficient.terms))
         return ex.mul(self.order.number(content), coefficient, *self._monomial(rates))
@@ -87,15 +95,28 @@ class Layout:
             kind = 4 if len(names) == 1 else 1 if len(rates) == 1 else 2
         return kind, order
 
-    def by_inertia(self, terms: Terms) -> Expression:
-        """Terms grouped by the mass or moment of inertia that they contain."""
-        groups: defaultdict[str, Terms] = defaultdict(dict)
-        for (monomial, wave), coefficient in terms.items():
-            name = next((n for n, _ in monomial if n in self.order.inertial), "")
-            groups[name][tuple((n, e) for n, e in monomial if n != name), wave] = coefficient
+    def _by_inertia(self, terms: Raw) -> Groups:
+        """The factors of each mass and moment of inertia, and under "" what has none, in the order of the bodies."""
+        groups: defaultdict[str, Raw] = defaultdict(list)
+        for powers, coefficient in terms:
+            name = next((n for n in powers if n in self.order.inertial), "")
+            groups[name].append(({n: e for n, e in powers.items() if n != name}, coefficient))
         last = (len(self.symbols.model.bodies), 0)
         order = sorted(groups, key=lambda n: (self.order.inertial.get(n, last), self.order.rank(n)))
-        return ex.add(*(self._group(name, groups[name]) for name in order))
+        return {name: self._shortest(groups[name]) for name in order}
+
+    def _shortest(self, terms: Raw) -> Terms:
+        """The form with the fewest terms: sums of angles (all, or those of parallel axes), or products."""
+        angles, blocks = self.order.angles, self.order.blocks
+        sums = gathered(terms, angles, (angles,))
+        forms = [sums]
+        if len(sums) > 1:
+            by_axis = sums if len(blocks) == 1 else gathered(terms, angles, blocks)
+            forms += [by_axis, paired(by_axis, blocks), as_products(terms, angles)]
+        return min(forms, key=len)
+
+    def _sum(self, groups: Groups) -> Expression:
+        return ex.add(*(self._group(name, terms) for name, terms in groups.items()))
 
     def _group(self, name: str, terms: Terms) -> Expression:
         """inertia · number · common symbols · (the rest)."""
@@ -158,11 +179,13 @@ class Layout:
         if len(poly) > 2:
             square = self._square(poly)
             if square is not None:
-                front, base, rest = square
+                (top, front, value), base, rest = square
                 squared = ex.mul(
-                    self.order.number(front[1]), *self._monomial(front[0]), ex.power(self.poly(base), 2)
+                    self.order.number(value), *self._monomial(front), ex.power(self.poly(base), 2)
                 )
-                forms.append(ex.add(squared, *([self.poly(rest)] if rest else [])))
+                late = bool(rest) and min(map(self._monomial_rank, rest)) < self._monomial_rank(top)
+                parts = [squared, *([self.poly(rest)] if rest else [])]
+                forms.append(ex.add(*(reversed(parts) if late else parts)))
         if len(poly) > 3:
             content, factors = self._factors(poly)
             if len(factors) > 1 or factors[0][1] > 1:
@@ -185,8 +208,8 @@ class Layout:
             factors.append(({m: c / scale for m, c in terms.items()}, exponent))
         return content, sorted(factors, key=lambda row: min(map(self._monomial_rank, row[0])))
 
-    def _square(self, poly: Poly) -> tuple[tuple[Monomial, Fraction], Poly, Poly] | None:
-        """A (x + b)² + rest, where that has fewer terms."""
+    def _square(self, poly: Poly) -> tuple[tuple[Monomial, Monomial, Fraction], Poly, Poly] | None:
+        """(A x², A / number, number), x + b and the rest of A (x + b)² + rest, where that has fewer terms."""
         names = sorted(
             {n for m in poly for n, _ in m},
             key=lambda n: (n not in self.symbols.coordinates, self.order.rank(n)),
@@ -210,7 +233,7 @@ class Layout:
                     rest[self._product(front, m, n)] -= a * c * d
             left = {m: c for m, c in rest.items() if c}
             if len(left) + 1 < len(poly):
-                return (front, a), base, left
+                return (top, front, a), base, left
         return None
 
     def _product(self, *monomials: Monomial) -> Monomial:

@@ -29,12 +29,6 @@ def raw(x: Trig) -> Raw:
     return list(x.terms())
 
 
-def shortest(terms: Raw, angles: tuple[str, ...], blocks: Blocks) -> Terms:
-    """The form with the fewest terms: all angles gathered, or those of parallel axes (`blocks`), or none."""
-    forms = [gathered(terms, angles, (angles,)), gathered(terms, angles, blocks), as_products(terms, angles)]
-    return min(forms, key=len)
-
-
 def as_products(terms: Raw, angles: tuple[str, ...]) -> Terms:
     """Products of powers of sines and cosines; a (1 - cos²) that the normal form spelt out is sin² again."""
     result: Terms = {}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from xml.sax.saxutils import escape
 
 from freebody.derivations.expression import (
@@ -46,7 +47,8 @@ def _number(node: Number, _: Renderer) -> str:
     if value.denominator == 1 and not (node.decimal and abs(value) >= 10**6):
         return f"<mn>{value}</mn>"
     if not node.decimal:
-        return f"<mfrac><mn>{value.numerator}</mn><mn>{value.denominator}</mn></mfrac>"
+        fraction = f"<mfrac><mn>{value.numerator}</mn><mn>{value.denominator}</mn></mfrac>"
+        return f'<mstyle displaystyle="false">{fraction}</mstyle>'
     mantissa, exponent = digits(value)
     if not exponent:
         return f"<mn>{mantissa}</mn>"
@@ -67,9 +69,13 @@ def _symbol(node: Symbol, render: Renderer, exponent: str = "") -> str:
 
 
 def _low(parts: tuple[str, ...]) -> str:
-    return "<mo>,</mo>".join(
-        f"<mn>{part}</mn>" if part.isdigit() else f"<mi>{escape(part)}</mi>" for part in parts
-    )
+    return "<mo>,</mo>".join(map(_letters, parts))
+
+
+def _letters(part: str) -> str:
+    """Digits as numbers, letters in italics, words upright."""
+    runs = re.findall(r"\d+|[^\W\d_]{3,}|.", part)
+    return "".join(f"<mn>{run}</mn>" if run.isdigit() else f"<mi>{escape(run)}</mi>" for run in runs)
 
 
 def _product(node: Product, render: Renderer) -> str:

@@ -25,7 +25,7 @@ def text(groups: Groups, width: int = 100) -> str:
     return "\n\n".join(blocks)
 
 
-def latex(groups: Groups, environment: str = "aligned", width: int = 82) -> str:
+def latex(groups: Groups, environment: str = "aligned", width: int = 76) -> str:
     """An amsmath environment: "aligned" inside a formula, "align*" in a document."""
     rows = []
     room = width - _SIGN - max((tex.width(_left(e)) for group in groups for e in group), default=0)
@@ -45,7 +45,7 @@ def _latex_lines(equation: Equation, room: float) -> list[str]:
     return [f"{_left(equation)} &= {first}", *(f"&\\quad {line}" for line in rest)]
 
 
-def html(groups: Groups, width: int = 82) -> str:
+def html(groups: Groups, width: int = 76) -> str:
     """One MathML table, equations aligned at their sign, long ones broken between terms."""
     rows = "".join(
         _mathml_rows(equation, width, k == 0 and j > 0)
@@ -93,7 +93,10 @@ def _parts(side: Expression, width: int) -> list[str]:
 def _continued(terms: list[Expression]) -> str:
     """A line that begins with the sign of its first term."""
     string = row(Sum(tuple(terms)))
-    return string if string.startswith("<mrow><mo>−") else string.replace("<mrow>", "<mrow><mo>+</mo>", 1)
+    string = string.removeprefix("<mrow>")
+    minus = "<mo>−</mo>"
+    sign, rest = ("−", string.removeprefix(minus)) if string.startswith(minus) else ("+", string)
+    return f'<mrow><mo form="infix">{sign}</mo>{rest}'
 
 
 __all__ = ["Groups", "html", "latex", "mathml", "text"]
