@@ -1,4 +1,4 @@
-"""The ends of the scale: robots without joints, with one, batches without samples, no rows, in every public function."""
+"""The ends of the scale in every public function: no joints, one joint, no samples, no rows."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_a_robot_without_joints_knows_its_place(block: Model):
     assert fb.jacobian(block, none, "block").shape == (3, 6, 0)
     assert fb.center_of_mass(block, none).tolist() == [[0.1, 0.2, 0.3]] * 3
     with pytest.raises(
-        fb.FreebodyError, match="^no link that moves has a mass, so there is no centre of mass; "
+        fb.FreebodyError, match=r"^no link that moves has a mass, so there is no centre of mass; "
     ):
         fb.centroidal_momentum_matrix(block, none)
 
@@ -100,8 +100,8 @@ def test_singular_samples_are_named():
     q = np.array([[0.1, 0.2], [0.3, 0.0]])
     with pytest.raises(
         fb.FreebodyError,
-        match="^operational_space_bias: frame 'tip' of 'RR' is at a singularity at sample 1: ",
+        match=r"^operational_space_bias: frame 'tip' of 'RR' is at a singularity at sample 1: ",
     ):
         fb.operational_space_bias(model, q, q, rows=("vx", "vy"))
-    with pytest.raises(fb.FreebodyError, match="^tip_wrench: the Jacobian of 'RR' is singular at sample 1: "):
+    with pytest.raises(fb.FreebodyError, match=r"^tip_wrench: the Jacobian of 'RR' is singular at sample 1: "):
         fb.tip_wrench(model, q, q)
