@@ -6,6 +6,11 @@ import shutil
 import tempfile
 
 import pytest
+from hypothesis import settings
+
+# the same examples everywhere, however slow the machine is
+settings.register_profile("freebody", deadline=None, derandomize=True, database=None)
+settings.load_profile("freebody")
 
 if "FREEBODY_CACHE" not in os.environ:
     # one folder for all workers of a run, which inherit it: the user's own cache is neither trusted nor filled

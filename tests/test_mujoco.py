@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+import sys
 from xml.etree.ElementTree import Element, SubElement, tostring
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -15,9 +17,7 @@ from freebody.model.model import Model
 from freebody.model.parts import Description, Joint, Link
 from freebody.model.placement import Placement
 from helpers import close, numbers, poses
-from real_files import ROBOTS
-
-mujoco = pytest.importorskip("mujoco")
+from real_files import FILES, ROBOTS
 
 EPS = 1e-9  # MuJoCo turns each inertia to its principal axes and back
 
@@ -196,6 +196,7 @@ def test_random_trees_on_a_free_base(seed: int):
 
 
 # ---------------------------------------------------------------- robots from their files
+@pytest.mark.skipif(not FILES and sys.platform != "linux", reason="there is no wheel of example-robot-data")
 @pytest.mark.parametrize("name", ["ur_description/urdf/ur5_robot.urdf", "panda_description/urdf/panda.urdf"])
 def test_robots(name: str):
     """MuJoCo reads the same file, its shapes taken out."""
