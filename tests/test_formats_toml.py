@@ -391,6 +391,13 @@ def test_tools_and_payloads_survive_writing():
     round_trip(planar.with_payload(fb.Inertia.disc(1, 0.1, dim=2)))
 
 
+def test_a_load_is_no_link_even_with_the_name_of_one(tmp_path):
+    model = fb.load("2R").with_payload(2.0, frame="link1", name="base")  # the base has no inertia of its own
+    fb.save(model, tmp_path / "loaded.toml")
+    again = fb.load(tmp_path / "loaded.toml")
+    assert np.array_equal(fb.mass_matrix(again, [0.1, 0.2]), fb.mass_matrix(model, [0.1, 0.2]))
+
+
 def test_symbols_survive_writing():
     rows = [
         {"theta": "t0", "d": "d1", "a": 0.1, "alpha": 0.3, "m": "m1", "rotor": "J", "friction": ("v", 0.1)}

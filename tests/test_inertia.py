@@ -188,6 +188,17 @@ def test_refusals():
     refused("Inertia: tensor: nan is not a finite number.", lambda: Inertia.of(1, (0, 0), math.nan))
     refused("combined: give at least one Inertia.", lambda: combined([]))
     refused(
+        "combined: the masses cancel out but not their moments, so there is no centre of mass.",
+        lambda: Inertia.point(1.0, (1, 0, 0)) + Inertia.point(-1.0),
+    )
+    refused(
+        "Inertia.placed: the matrix is not a rotation (R Rᵀ = 1, det R = 1).",
+        lambda: Inertia.point(1.0).placed(2 * np.eye(3), (0, 0, 0)),
+    )
+    refused(
+        "Inertia.box: size has 1 entries, expected 3, or 2 in the plane.", lambda: Inertia.box(1.0, (1.0,))
+    )
+    refused(
         "combined: planar and spatial inertias cannot be mixed.",
         lambda: Inertia.nothing(2) + Inertia.nothing(3),
     )

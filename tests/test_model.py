@@ -16,6 +16,7 @@ import generate
 from freebody.errors import FileError, ModelError
 from freebody.model.assembly import assemble
 from freebody.model.inertia import Inertia
+from freebody.model.parameters import Parameter
 from freebody.model.parts import Description, Drive, Joint, Limits, Link, Loop, Mimic, Mount, Payload
 from freebody.model.placement import Placement, shift
 from helpers import close, numbers, refused
@@ -381,10 +382,49 @@ def test_bind():
     assert (half.parameters["l1"], model.parameters["l1"], half.missing) == (2.0, None, ("I1", "lc1", "m1"))
 
 
+def test_drives_limits_and_mimics_hold_numbers():
+    assert Drive(viscous="b1").viscous == Parameter("b1")
+    assert type(Drive(rotor=1).rotor) is type(Limits(0, 1).upper) is type(Mimic("a", 2).ratio) is float
+    for text, call in (
+        ("Drive: viscous: nan is not a finite number.", lambda: Drive(viscous=math.nan)),
+        ("Limits: lower: 'low' is not a number.", lambda: Limits("low")),
+        ("Mimic: offset: inf is not a finite number.", lambda: Mimic("a", offset=math.inf)),
+        ("'robot': joint 'elbow': velocity limit -1 is negative; give its size.", _limited(velocity=-1)),
+        ("'robot': joint 'elbow': effort limit -2 is negative; give its size.", _limited(effort=-2)),
+        (
+            "'robot': joint 'elbow': no position lies between its limits; make one finite.",
+            _limited(lower=math.inf),
+        ),
+    ):
+        refused(text, call)
+
+
+def _limited(**limits: float):
+    return lambda: assemble(changed(1, limits=Limits(**limits), line=None))
+
+
+def test_numbers_of_numpy_are_numbers():
+    model = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.1], g=np.float32(2))
+    assert model.gravity.tolist() == [0, -2]
+    assert model.replace(gravity=np.int64(3)).gravity.tolist() == [0, -3]
+    assert model.with_payload(np.float32(2)).mass == 3
+    with pytest.raises(fb.FreebodyError, match="the gravity of 'R': numbers need a value for g0"):
+        _ = fb.planar("R", g="g0").gravity
+
+
 def test_payload_refusals():
     model = assemble(described(*TWO))
     for text, call in (
         ("with_payload: give an Inertia, or mass= (and com=).", lambda: model.with_payload()),
+        ("with_payload: give an Inertia, or mass= (and com=).", lambda: model.with_payload("heavy")),
+        (
+            "with_payload: inertia and mass= exclude each other; give one of them.",
+            lambda: model.with_payload(Inertia.nothing(), mass=1.0),
+        ),
+        (
+            "with_tool: rotation has shape (2, 2), expected (3, 3).",
+            lambda: model.with_tool("tool", rotation=np.eye(2)),
+        ),
         (
             "with_payload: the inertia is 2D but 'robot' is 3D.",
             lambda: model.with_payload(Inertia.nothing(2)),

@@ -157,6 +157,19 @@ def test_refusals_of_words():
         "'RR': joint 'joint1': lower limit 1 is above upper -1; swap them.",
         lambda: fb.planar("RR", limits=[(1, -1), None]),
     )
+    for given in ((1,), (0, 1, 2), 3):
+        refused(
+            f"planar: limits[0]: limits must be (lower, upper); got {given!r}.",
+            lambda given=given: fb.planar("RR", limits=[given, None]),
+        )
+    refused(
+        "planar: limits[1]: limits: 'a' is not a number.",
+        lambda: fb.planar("RR", limits=[None, ("a", 1)]),
+    )
+    refused(
+        "planar: drives[0] is (1, 2), expected a Drive such as Drive(viscous=0.1).",
+        lambda: fb.planar("RR", drives=[(1, 2), None]),
+    )
     refused(
         "'R': link 'link1': mass -1 kg is negative. Correct it, or accept it with physical='warn'.",
         lambda: fb.planar("R", l=[1], lc=[1], m=[-1], I=[1]),
@@ -313,8 +326,14 @@ def test_refusals_of_tables():
     refused(f"no key 'alfa' in dh row 2. Did you mean 'alpha'? {keys}", dh({}, {"alfa": 1}))
     refused("dh row 1: joint is 'Q', expected 'R' or 'P'.", dh({"joint": "Q"}))
     refused("dh row 1: com or I without a mass; add m.", dh({"com": (0, 0, 0)}))
-    refused("dh row 2: com has 2 entries, expected 3.", dh({}, {"m": 1, "com": (0, 0)}))
+    refused("dh row 2: com is (0, 0), expected 3 entries.", dh({}, {"m": 1, "com": (0, 0)}))
     refused("dh row 1: a: nan is not a finite number.", dh({"a": math.nan}))
+    refused("dh row 1: com is 3, expected 3 entries.", dh({"m": 1, "com": 3}))
+    refused("dh row 1: limits must be (lower, upper); got 3.", dh({"limits": 3}))
+    refused(
+        "dh row 1: friction must be viscous, or (viscous, coulomb); got (1, 2, 3).",
+        dh({"friction": (1, 2, 3)}),
+    )
     refused(
         "dh row 1: Inertia: the 3×3 tensor is not symmetric.",
         dh({"m": 1, "I": [[1, 1, 0], [0, 1, 0], [0, 0, 1]]}),

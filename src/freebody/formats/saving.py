@@ -39,15 +39,9 @@ class _Writer:
         self.free = len(held) < len(model.bodies)  # a root joint that base="free" made
         self.joints = [body.joint for body in held]
         self.links = [frame for frame in model.frames if not frame.mounted]
-        named = {frame.name for frame in self.links}
         attached = [a for body in model.bodies for a in body.inertias] + list(model.base_inertias)
-        self.inertia_of: dict[str, Attached] = {}
-        self.loads: list[Attached] = []
-        for part in attached:
-            if part.link in named and part.link not in self.inertia_of:
-                self.inertia_of[part.link] = part
-            else:
-                self.loads.append(part)
+        self.inertia_of = {part.link: part for part in attached if not part.load}
+        self.loads = [part for part in attached if part.load]
         self.carrier = {id(a): i for i, body in enumerate(model.bodies) for a in body.inertias}
 
     # ------------------------------------------------------------ the file, top to bottom

@@ -13,7 +13,6 @@ from freebody.formats.urdf_elements import Elements
 from freebody.formats.xml import Element, parse
 from freebody.model.inertia import Inertia
 from freebody.model.model import gravity_of
-from freebody.model.parameters import Parameter
 from freebody.model.parts import INFINITE, Description, Drive, Joint, Limits, Link, Mimic
 from freebody.model.placement import Placement, rotate, rpy, shift
 
@@ -66,7 +65,7 @@ class _Reader(Elements):
             3,
             tuple(self.links),
             tuple(self.joints),
-            gravity_of(Parameter("g", 9.81), 3),
+            gravity_of(9.81, 3, name="g"),
             source=self.file,
             notices=(*self.notices, *self.summary()),
             file=self.file,

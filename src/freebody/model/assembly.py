@@ -146,6 +146,11 @@ class _Assembly:
                 f"{where}: lower limit {limits.lower:g} is above upper {limits.upper:g}; swap them.",
                 joint.line,
             )
+        if limits.lower == np.inf or limits.upper == -np.inf:
+            self.refuse(f"{where}: no position lies between its limits; make one finite.", joint.line)
+        for what, most in (("velocity", limits.velocity), ("effort", limits.effort)):
+            if most < 0.0:
+                self.refuse(f"{where}: {what} limit {most:g} is negative; give its size.", joint.line)
 
     def check_inertia(self, link: Link) -> None:
         """The policy on inertias that no rigid body has: the numbers are used as given, or refused."""

@@ -11,11 +11,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
+import numpy as np
+
 from freebody.errors import FileError, ModelError, UnknownNameError
 from freebody.model.assembly import Policy, assemble
 from freebody.model.inertia import Inertia
 from freebody.model.model import Model, gravity_of
-from freebody.model.parameters import Parameter, Quantity, quantity
+from freebody.model.parameters import Quantity, quantity
 from freebody.model.parts import Description, Drive, Joint, Limits, Link, Mount
 from freebody.model.placement import Placement, shift, turn
 
@@ -71,14 +73,12 @@ def describe(
         joints.append(joint)
         mounts.append(Mount(f"frame{i + 1}", link.name, frame))
         behind = frame
-    # a number keeps the letter g, so that equations can show it
-    field = Parameter("g", float(gravity)) if isinstance(gravity, int | float) else gravity
     return Description(
         name,
         3,
         tuple(links),
         tuple(joints),
-        gravity_of(field, 3),
+        gravity_of(gravity, 3, name="g"),
         tuple(mounts),
         tip=mounts[-1].name,
         source=source,
@@ -119,7 +119,7 @@ def _row(
         link.name,
         placement,
         (0.0, 0.0, 1.0),
-        _limits(row.get("limits"), where),
+        Limits.of(row.get("limits"), where),
         _drive(row, where),
         line=line,
     )
@@ -132,25 +132,21 @@ def _inertia(row: Mapping[str, Any], where: str) -> Inertia | None:
     if "m" not in row:
         raise ModelError(f"{where}: com or I without a mass; add m.")
     com, tensor = row.get("com", (0.0, 0.0, 0.0)), row.get("I", (0.0,) * 6)
-    if len(com) != 3:
-        raise ModelError(f"{where}: com has {len(com)} entries, expected 3.")
+    if np.shape(com) != (3,):
+        raise ModelError(f"{where}: com is {com!r}, expected 3 entries.")
     try:
         return Inertia.of(row["m"], com, tensor)
     except ModelError as error:
         raise ModelError(f"{where}: {error}") from None
 
 
-def _limits(given: Any, where: str) -> Limits:
-    if given is None or isinstance(given, Limits):
-        return given or Limits()
-    if len(given) != 2:
-        raise ModelError(f"{where}: limits must be (lower, upper); got {given!r}.")
-    return Limits(float(given[0]), float(given[1]))
-
-
 def _drive(row: Mapping[str, Any], where: str) -> Drive:
     friction = row.get("friction", 0.0)
-    viscous, coulomb = (friction, 0.0) if isinstance(friction, int | float | str | Parameter) else friction
+    if not isinstance(friction, tuple | list):
+        friction = (friction, 0.0)
+    if len(friction) != 2:
+        raise ModelError(f"{where}: friction must be viscous, or (viscous, coulomb); got {friction!r}.")
+    viscous, coulomb = friction
 
     def read(key: str, value: object) -> Quantity:
         return quantity(value, f"{where}: {key}")

@@ -10,6 +10,7 @@ import numpy as np
 from freebody.elementary import Scalar
 from freebody.errors import MissingValueError, ModelError
 from freebody.model.parameters import Parameter, Quantity, each_parameter, finite, quantity
+from freebody.model.placement import rotation_matrix
 from freebody.model.reading import VALUES, Reader
 from freebody.spatial import Vector
 
@@ -94,6 +95,8 @@ class Inertia:
     @staticmethod
     def box(mass: float, size: Sequence[float]) -> Inertia:
         """Uniform box with sides along the axes; two sides make a planar rectangle."""
+        if len(size) not in (2, 3):
+            raise ModelError(f"Inertia.box: size has {len(size)} entries, expected 3, or 2 in the plane.")
         x, y = size[0] ** 2, size[1] ** 2
         z = size[2] ** 2 if len(size) == 3 else 0.0
         return _shape(mass, len(size), mass * (y + z) / 12, mass * (x + z) / 12, mass * (x + y) / 12)
@@ -134,15 +137,15 @@ class Inertia:
         return tensor + _steiner(m, np.asarray(point, dtype=float) - c)
 
     def placed(self, rotation: np.ndarray | Sequence, position: Sequence[float]) -> Inertia:
-        """The same body in frame A, given the pose R_AB, p_AB of its own frame B."""
+        """The same body in frame A, given the pose R_AB (dim, dim), p_AB (dim,) in m of its own frame B."""
         m, c, tensor = self.numbers()
-        R = np.asarray(rotation, dtype=float)
+        R = rotation_matrix(rotation, "Inertia.placed")
         turned = R @ tensor @ R.T if self.dim == 3 else tensor
         return Inertia(m, tuple(R @ c + np.asarray(position, dtype=float)), _upper(turned))
 
-    def moved_to(self, com: Sequence[float]) -> Inertia:
+    def moved_to(self, com: Sequence[Quantity | str]) -> Inertia:
         """The same body with its centre of mass elsewhere."""
-        return Inertia(self.mass, tuple(float(x) for x in com), self.tensor)
+        return Inertia(self.mass, tuple(quantity(x, "Inertia: com") for x in com), self.tensor)
 
     def __add__(self, other: Inertia) -> Inertia:
         """Two bodies as one, both in the same frame."""
@@ -176,6 +179,10 @@ def combined(parts: Sequence[Inertia]) -> Inertia:
         raise ModelError("combined: planar and spatial inertias cannot be mixed.")
     mass = sum(m for m, _, _ in numbers)
     moment = sum((m * c for m, c, _ in numbers), np.zeros(parts[0].dim))
+    if mass == 0.0 and moment.any():
+        raise ModelError(
+            "combined: the masses cancel out but not their moments, so there is no centre of mass."
+        )
     com = moment / mass if mass else np.zeros(parts[0].dim)
     tensor = sum(t + _steiner(m, c - com) for m, c, t in numbers)
     return Inertia(mass, tuple(com), _upper(np.asarray(tensor)))

@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -175,9 +176,10 @@ class Model:
                     f"Leaves: {', '.join(self.leaves)}."
                 )
             name = self.tip
-        if name not in self._frame_by_name:
-            raise UnknownNameError("frame", name, f"{self.name!r}", self.frame_names)
-        return self._frame_by_name[name]
+        try:
+            return self._frame_by_name[name]
+        except (KeyError, TypeError):  # a TypeError: what cannot be a name
+            raise UnknownNameError("frame", name, f"{self.name!r}", self.frame_names) from None
 
     def body_index(self, name: str) -> int:
         """Index of the body that carries a link or body of that name."""
@@ -224,6 +226,9 @@ class Model:
     @property
     def gravity(self) -> Array:
         """The gravity field (dim,) in world axes, m/s²."""
+        missing = [p.name for p in each_parameter(self.gravity_size) if p.value is None]
+        if missing:
+            raise MissingValueError(f"the gravity of {self.name!r}", missing)
         size = VALUES.quantity(self.gravity_size)
         return size * np.array(self.gravity_direction)
 
@@ -312,23 +317,20 @@ class Model:
         frame: str | None = None,
         name: str = "payload",
     ) -> Model:
-        """The model carrying a rigid load: an Inertia in the axes of `frame` (default: the tip), or a point
-        mass there."""
+        """The model carrying a rigid load in `frame` (default: the tip).
+
+        inertia: an Inertia in the frame's axes, or a number: the mass (kg) of a particle, as `mass` is. com: (dim,) m,
+        where the load's centre of mass is in the frame; default the Inertia's own, of a particle the origin. Raises
+        ModelError for a load that no rigid body is.
+        """
         at = self.frame(frame)
-        if isinstance(inertia, int | float):
-            inertia, mass = None, float(inertia)
-        if inertia is None:
-            if mass is None:
-                raise ModelError("with_payload: give an Inertia, or mass= (and com=).")
-            inertia = Inertia.point(mass, tuple(com) if com is not None else (0.0,) * self.dim)
-        elif com is not None:
-            inertia = inertia.moved_to(com)
-        if inertia.dim != self.dim:
-            raise ModelError(f"with_payload: the inertia is {inertia.dim}D but {self.name!r} is {self.dim}D.")
-        fault = inertia.fault()
+        load = _load(inertia, mass, com, self.dim)
+        if load.dim != self.dim:
+            raise ModelError(f"with_payload: the inertia is {load.dim}D but {self.name!r} is {self.dim}D.")
+        fault = load.fault()
         if fault:
             raise ModelError(f"with_payload: {name!r}: {fault}.")
-        attached = Attached(name, inertia, at.placement)
+        attached = Attached(name, load, at.placement, load=True)
         if at.body < 0:
             return dataclasses.replace(self, base_inertias=(*self.base_inertias, attached))
         bodies = list(self.bodies)
@@ -355,6 +357,10 @@ class Model:
                 raise ModelError(f"with_tool: position has {len(position)} entries, expected {self.dim}.")
             placement = placement.then(shift(*(finite(x, "with_tool: position") for x in position)))
         if rotation is not None:
+            if np.shape(rotation) != (self.dim, self.dim):
+                raise ModelError(
+                    f"with_tool: rotation has shape {np.shape(rotation)}, expected {(self.dim, self.dim)}."
+                )
             placement = placement.then(rotate(rotation, "with_tool"))
         model = dataclasses.replace(
             self, frames=(*self.frames, Frame(name, at.body, placement, at.name, mounted=True)), tip=name
@@ -404,14 +410,34 @@ _VELOCITIES = {
 }
 
 
+def _load(
+    inertia: Inertia | float | None, mass: float | None, com: Sequence[float] | None, dim: int
+) -> Inertia:
+    """What the arguments of `with_payload` mean."""
+    if inertia is not None and mass is not None:
+        raise ModelError("with_payload: inertia and mass= exclude each other; give one of them.")
+    given = mass if inertia is None else inertia
+    if isinstance(given, int | float | Real):
+        return Inertia.point(float(given), (0.0,) * dim if com is None else com)
+    if not isinstance(given, Inertia):
+        raise ModelError("with_payload: give an Inertia, or mass= (and com=).")
+    return given if com is None else given.moved_to(com)
+
+
 def gravity_of(
-    given: float | str | Parameter | Sequence[float], dim: int, direction: tuple[float, ...] | None = None
+    given: float | str | Parameter | Sequence[float],
+    dim: int,
+    direction: tuple[float, ...] | None = None,
+    name: str | None = None,
 ) -> tuple[Quantity, tuple[float, ...]]:
-    """(size, unit direction) from a vector, a size or a name; a size keeps `direction` (default: down)."""
+    """(size, unit direction) from a vector, a size or a name; a size keeps `direction` (default: down).
+
+    A size becomes the value of the parameter `name`, so that equations can show a letter.
+    """
     down = (0.0,) * (dim - 1) + (-1.0,)
     direction = direction or down
-    if isinstance(given, str | Parameter | int | float):
-        return quantity(given, "gravity"), direction
+    if isinstance(given, str | Parameter | int | float | Real):
+        return quantity(given, "gravity", name), direction
     vector = np.array([finite(x, "gravity") for x in given])
     if vector.shape != (dim,):
         raise ModelError(f"gravity: a vector of {dim} entries in world axes is needed, not {len(vector)}.")
@@ -438,4 +464,4 @@ def _step_in_space(step: Shift | Turn | Rotate) -> Shift | Turn | Rotate:
 def _attached_in_space(part: Attached) -> Attached:
     (zz,) = part.inertia.tensor
     inertia = Inertia(part.inertia.mass, (*part.inertia.com, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, zz))
-    return Attached(part.link, inertia, _placement_in_space(part.placement))
+    return replace(part, inertia=inertia, placement=_placement_in_space(part.placement))

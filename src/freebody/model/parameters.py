@@ -19,7 +19,7 @@ class Parameter:
     value: float | None = None
 
     def __post_init__(self) -> None:
-        if not self.name.isidentifier():
+        if not isinstance(self.name, str) or not self.name.isidentifier():
             raise ModelError(
                 f"parameter name {self.name!r} must be a word of letters, digits and _, such as 'l1'."
             )
@@ -30,12 +30,19 @@ class Parameter:
 Quantity = float | Parameter
 
 
-def finite(value: object, owner: str) -> float:
-    """`value` as a finite float, or an error that names its owner."""
+def real(value: object, owner: str) -> float:
+    """`value` as a float, perhaps infinite or NaN, or an error that names its owner."""
     try:
-        number = float(value)  # type: ignore[arg-type]
+        if isinstance(value, str | bytes):  # float() would read some
+            raise TypeError
+        return float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
         raise ModelError(f"{owner}: {value!r} is not a number.") from None
+
+
+def finite(value: object, owner: str) -> float:
+    """`value` as a finite float, or an error that names its owner."""
+    number = real(value, owner)
     if not math.isfinite(number):
         raise ModelError(f"{owner}: {number} is not a finite number.")
     return number

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
+from freebody.errors import ModelError
 from freebody.model.inertia import Inertia
-from freebody.model.parameters import Quantity
+from freebody.model.parameters import Quantity, finite, quantity, real
 from freebody.model.placement import Placement
 
 INFINITE = float("inf")
@@ -20,6 +22,19 @@ class Limits:
     upper: float = INFINITE
     velocity: float = INFINITE
     effort: float = INFINITE
+
+    def __post_init__(self) -> None:
+        for name, value in tuple(vars(self).items()):
+            object.__setattr__(self, name, real(value, f"Limits: {name}"))
+
+    @staticmethod
+    def of(given: Sequence[float] | Limits | None, owner: str) -> Limits:
+        """Limits as they are, a pair (lower, upper), or None for none; an error names the owner."""
+        if given is None or isinstance(given, Limits):
+            return given or Limits()
+        if isinstance(given, str) or not hasattr(given, "__len__") or len(given) != 2:
+            raise ModelError(f"{owner}: limits must be (lower, upper); got {given!r}.")
+        return Limits(*(real(x, f"{owner}: limits") for x in given))
 
 
 @dataclass(frozen=True)
@@ -37,6 +52,10 @@ class Drive:
     stiffness: Quantity = 0.0
     rest: Quantity = 0.0
 
+    def __post_init__(self) -> None:
+        for name, value in tuple(vars(self).items()):
+            object.__setattr__(self, name, quantity(value, f"Drive: {name}"))
+
 
 @dataclass(frozen=True)
 class Mimic:
@@ -45,6 +64,10 @@ class Mimic:
     joint: str
     ratio: float = 1.0
     offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("ratio", "offset"):
+            object.__setattr__(self, name, finite(getattr(self, name), f"Mimic: {name}"))
 
 
 @dataclass(frozen=True)

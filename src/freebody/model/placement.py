@@ -81,18 +81,23 @@ def turn(axis: str, angle: Quantity) -> Placement:
 
 
 def rotate(matrix: Sequence[Sequence[float]] | np.ndarray, owner: str = "rotation") -> Placement:
-    """A given rotation matrix; refuses what is not a rotation."""
+    """A given rotation matrix, nothing at all where it is the unit one; refuses what is not a rotation."""
+    R = rotation_matrix(matrix, owner)
+    if np.array_equal(R, np.eye(len(R))):
+        return Placement()
+    return Placement((Rotate(tuple(tuple(float(x) for x in row) for row in R)),))
+
+
+def rotation_matrix(matrix: Sequence[Sequence[float]] | np.ndarray, owner: str) -> np.ndarray:
+    """The matrix (2, 2) or (3, 3) as an array; refuses what is not a rotation."""
     R = np.asarray(matrix, dtype=float)
-    n = R.shape[0]
     if (
         R.shape not in ((2, 2), (3, 3))
-        or not np.allclose(R @ R.T, np.eye(n), atol=1e-9)
+        or not np.allclose(R @ R.T, np.eye(len(R)), atol=1e-9)
         or np.linalg.det(R) < 0
     ):
         raise ModelError(f"{owner}: the matrix is not a rotation (R Rᵀ = 1, det R = 1).")
-    if np.array_equal(R, np.eye(n)):
-        return Placement()
-    return Placement((Rotate(tuple(tuple(float(x) for x in row) for row in R)),))
+    return R
 
 
 def rpy(roll: float, pitch: float, yaw: float, snap: float = EXACT) -> Placement:

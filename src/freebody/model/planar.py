@@ -71,11 +71,15 @@ def describe(
     centres, masses, inertias = _entries("lc", lc, n), _entries("m", m, n), _entries("I", I, n)
     turns = _constant_turns(word, angles)
     ranges = _optional("limits", limits, n)
-    drive = _optional("drives", drives, n)
+    drives_ = _optional("drives", drives, n)
     links, joints = [Link("base")], []
     reach: Quantity = 0.0
     for i, letter in enumerate(word):
-        given = ranges[i]
+        drive = drives_[i] or Drive()
+        if not isinstance(drive, Drive):
+            raise ModelError(
+                f"planar: drives[{i}] is {drive!r}, expected a Drive such as Drive(viscous=0.1)."
+            )
         links.append(Link(f"link{i + 1}", Inertia(masses[i], (centres[i], 0.0), (inertias[i],))))
         joints.append(
             Joint(
@@ -85,13 +89,13 @@ def describe(
                 links[i + 1].name,
                 shift(reach, 0.0).then(turn("z", turns[i])),
                 (1.0,) if letter == "R" else (1.0, 0.0),
-                given if isinstance(given, Limits) else Limits(*given) if given else Limits(),
-                drive[i] or Drive(),
+                Limits.of(ranges[i], f"planar: limits[{i}]"),
+                drive,
             )
         )
         reach = lengths[i]
     tip = Mount("tip", links[-1].name, shift(reach, 0.0))
-    gravity = gravity_of(Parameter("g", float(g)) if isinstance(g, int | float) else g, 2)
+    gravity = gravity_of(g, 2, name="g")
     return Description(name or word, 2, tuple(links), tuple(joints), gravity, (tip,), tip="tip")
 
 
@@ -110,7 +114,7 @@ def _optional(name: str, given: Sequence | None, n: int) -> list:
     """`given`, or n times None; refuses another length."""
     if given is None:
         return [None] * n
-    if isinstance(given, str | float | int) or len(given) != n:
+    if isinstance(given, str) or not hasattr(given, "__len__") or len(given) != n:
         raise ModelError(f"planar: {name} must have {n} entries, one a joint; got {given!r}.")
     return list(given)
 

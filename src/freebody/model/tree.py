@@ -24,11 +24,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Attached:
-    """The inertia of one link, given in a frame placed in the body's."""
+    """The inertia of one link, or of a load, given in a frame placed in the body's."""
 
     link: str
     inertia: Inertia
     placement: Placement = Placement()
+    load: bool = False
 
 
 @dataclass(frozen=True)

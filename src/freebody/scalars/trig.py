@@ -151,6 +151,8 @@ class Trig:
         return Trig(self.ring, quotient, self.mask)
 
     def __pow__(self, exponent: int) -> Any:
+        if exponent < 0:
+            raise FreebodyError(f"the power {exponent} of a polynomial is no polynomial.")
         power: Any = 1.0
         for _ in range(exponent):
             power = self * power
