@@ -338,6 +338,13 @@ def test_long_equations_say_so() -> None:
     assert 100 < len(eqs.text("intermediates").splitlines()) < 180
 
 
+def test_operations_are_counted() -> None:
+    eqs = fb.equations(fb.planar("R"))  # τ = H θ̈ + G, H = m lc² + I, G = m g lc cos θ
+    assert eqs.operations() == {"additions": 2, "multiplications": 6, "functions": 1}
+    puma = fb.equations(fb.load("puma560", physical="ignore"))
+    assert puma.operations("intermediates")["multiplications"] < 400
+
+
 def test_views_and_names_are_checked() -> None:
     eqs = fb.equations(fb.planar("R"))
     with pytest.raises(UnknownNameError, match="Did you mean 'expanded'"):
@@ -381,6 +388,9 @@ def test_following_joints(ratio: float, kind: str) -> None:
     at = values(eqs, q, qd, qdd)
     (line,) = eqs.groups("expanded")[0]
     close(evaluate(line, at), numbers(model, "inverse_dynamics", q, qd, qdd)[..., 0])
+    for step in eqs.intermediates():
+        at[step.lhs.name] = evaluate(step, at)  # type: ignore[attr-defined]
+    close(at["tau1"], numbers(model, "inverse_dynamics", q, qd, qdd)[..., 0])
 
 
 def test_following_by_a_fraction_is_refused() -> None:

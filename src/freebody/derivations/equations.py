@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -13,7 +14,7 @@ from freebody.algorithms.energy import potential_energy
 from freebody.algorithms.rnea import drive_torque
 from freebody.arrays import Array
 from freebody.derivations import source, views
-from freebody.derivations.expression import Equation, Expression
+from freebody.derivations.expression import Equation, Expression, operations, size
 from freebody.derivations.forms import Layout
 from freebody.derivations.intermediates import intermediates
 from freebody.derivations.render import page
@@ -25,8 +26,10 @@ from freebody.model.parameters import finite, with_parameters
 from freebody.scalars.trig import Trig
 
 VIEWS = ("auto", "named", "expanded", "intermediates")
-SHORT = 60
-"""Terms of an entry from which on it is too long to read."""
+SHORT = 700
+"""Numbers and symbols that fit on about a page."""
+MOST = 2000
+"""Terms of M, c and g that will not fit whatever their form."""
 
 
 @dataclass(frozen=True)
@@ -175,10 +178,19 @@ class Equations:
             "g": sum(map(len, self.g)),
         }
 
-    @property
+    def operations(self, view: str = "named") -> dict[str, int]:
+        """Additions, multiplications and functions that a view takes, line by line as printed."""
+        total: Counter[str] = Counter(additions=0, multiplications=0, functions=0)
+        for line in (line for group in self.groups(view) for line in group):
+            total.update(operations(line))
+        return dict(total)
+
+    @cached_property
     def is_short(self) -> bool:
-        """Whether each entry of M, c and g has fewer than 60 terms."""
-        return max(len(x) for x in (*(x for row in self.M for x in row), *self.c, *self.g)) < SHORT
+        """Whether the named view fits on about a page."""
+        if sum(self.count().values()) > MOST:
+            return False
+        return sum(size(line) for group in self.groups("named") for line in group) <= SHORT
 
     def text(self, view: str = "auto", names: str = "notes", width: int = 100) -> str:
         """The equations for a terminal.
@@ -208,7 +220,7 @@ class Equations:
         terms = self.count()
         return (
             f"{self.symbols.model.name}: M has {terms['M']} terms, c {terms['c']}, g {terms['g']}: too long to read.\n"
-            'view="intermediates": the recursion, line by line; '
+            f'view="intermediates": the recursion, in {len(self.intermediates())} lines; '
             'view="named" or "expanded": all terms.'
         )
 

@@ -337,3 +337,20 @@ def nodes(x: Expression) -> Iterator[Expression]:
 def size(x: Expression) -> int:
     """How many numbers and symbols are read."""
     return sum(isinstance(node, Number | Symbol) for node in nodes(x))
+
+
+def operations(x: Expression) -> dict[str, int]:
+    """How many additions, multiplications and functions it takes to compute what is printed."""
+    count = {"additions": 0, "multiplications": 0, "functions": 0}
+    for node in nodes(x):
+        if isinstance(node, Sum):
+            count["additions"] += len(node.terms) - 1
+        elif isinstance(node, Product):
+            count["multiplications"] += len(node.factors) - 1
+        elif isinstance(node, Power):
+            count["multiplications"] += abs(node.exponent) - 1
+        elif isinstance(node, Quotient):
+            count["multiplications"] += 1
+        elif isinstance(node, Function):
+            count["functions"] += 1
+    return count

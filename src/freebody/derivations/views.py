@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from freebody.derivations import expression as ex
@@ -47,7 +48,7 @@ def named(equations: Equations, layout: Layout, names: Letters = NOTES) -> list[
         for i in range(len(equations.M))
     ]
     if velocity is not None:
-        terms = [ex.eq(symbol, layout.form(value)) for symbol, value in velocity.definitions(layout)]
+        terms = [ex.eq(symbol, layout.form(value)) for symbol, value in velocity.definitions()]
     else:
         terms = [
             _definition(layout, entry(names.c, i), x) for i, x in enumerate(equations.c, 1) if not x.is_zero
@@ -112,7 +113,7 @@ class _Coefficients:
         n = len(self.equations.M)
         return [(j, j) for j in range(n)] + [(j, k) for j in range(n) for k in range(j + 1, n)]
 
-    @property
+    @cached_property
     def symbols(self) -> dict[Trig, Symbol]:
         """The name of each."""
         n, count = len(self.equations.M), len(self.found)
@@ -122,24 +123,26 @@ class _Coefficients:
             return {key: entry("h", k) for k, key in enumerate(self.found, 1)}
         return {key: entry("h", *(x + 1 for x in first)) for key, (first, _, _) in self.found.items()}
 
-    def definitions(self, layout: Layout) -> list[tuple[Symbol, Trig]]:
-        """Name and value, the value's first term positive."""
-        return [(symbol, self._value(key, layout)) for key, symbol in self.symbols.items()]
+    def definitions(self) -> list[tuple[Symbol, Trig]]:
+        """Name and value."""
+        return [(symbol, self.values[key]) for key, symbol in self.symbols.items()]
 
-    def _value(self, key: Trig, layout: Layout) -> Trig:
-        value = self.found[key][1]
-        return -value if layout.is_negative(value) else value
+    @cached_property
+    def values(self) -> dict[Trig, Trig]:
+        """What each name stands for: the first multiple found, its sign chosen so that it begins without a minus."""
+        is_negative = self.equations.layout.is_negative
+        return {key: -value if is_negative(value) else value for key, (_, value, _) in self.found.items()}
 
     def terms(self, i: int) -> Iterator[Expression]:
         """± factor · h · rates of τ_i."""
-        layout, symbols = self.equations.layout, self.symbols
+        symbols = self.symbols
         names = self.equations.symbols.coordinates
         for j, k in self._pairs():
             value = self.equations.christoffel[i][j][k]
             if value.is_zero:
                 continue
             key = value / value.leading_coefficient
-            factor = value.leading_coefficient / self._value(key, layout).leading_coefficient
+            factor = value.leading_coefficient / self.values[key].leading_coefficient
             number = ex.num(factor if j == k else 2 * factor)
             rates = (ex.power(names[j] + RATE, 2),) if j == k else (names[j] + RATE, names[k] + RATE)
             yield ex.mul(number, symbols[key], *rates)

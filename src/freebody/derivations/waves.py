@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
+from collections.abc import Iterator
 from fractions import Fraction
 from functools import lru_cache
 
@@ -16,6 +18,9 @@ Monomial = tuple[tuple[str, int], ...]
 
 Wave = tuple[tuple[str, Monomial, int], ...]
 """A product of functions (sin or cos, multiples of angles, exponent); () is 1."""
+
+Exponents = tuple[tuple[int, int], ...]
+"""Exponents of sine and cosine for each angle."""
 
 Blocks = tuple[tuple[str, ...], ...]
 """Angles that are gathered with one another, each in one block."""
@@ -63,21 +68,23 @@ def _with_squares(terms: Terms) -> Terms:
 
 def gathered(terms: Raw, angles: tuple[str, ...], blocks: Blocks) -> Terms:
     """Sines and cosines of sums of the angles of a block, each with its first multiple positive."""
-    result: defaultdict[tuple[Monomial, Wave], Fraction] = defaultdict(Fraction)
-    index = {f"{f}_{x}": 2 * k + (f == "cos") for k, x in enumerate(angles) for f in ("sin", "cos")}
-    places = tuple(tuple(angles.index(x) for x in block) for block in blocks)
+    state: dict[tuple[Monomial, Wave, Exponents], Fraction] = {}
     for powers, coefficient in terms:
-        exponents = [0] * (2 * len(angles))
-        monomial = []
-        for name, exponent in powers.items():
-            if name in index:
-                exponents[index[name]] = exponent
-            else:
-                monomial.append((name, exponent))
-        rest = tuple(monomial)
-        for wave, part in _fourier(tuple(exponents), angles, places):
-            result[rest, wave] += coefficient * part
-    return {key: value for key, value in result.items() if value}
+        exponents = tuple((powers.get(f"sin_{x}", 0), powers.get(f"cos_{x}", 0)) for x in angles)
+        state[_rest(powers, angles), (), exponents] = coefficient
+    for block in blocks:
+        places = [angles.index(x) for x in block]
+        parts: defaultdict[tuple[Monomial, Wave, Exponents], dict[Exponents, Fraction]] = defaultdict(dict)
+        for (monomial, wave, exponents), coefficient in state.items():
+            ours = tuple(exponents[k] for k in places)
+            others = tuple((0, 0) if k in places else e for k, e in enumerate(exponents))
+            parts[monomial, wave, others][ours] = coefficient
+        state = {
+            (monomial, wave + own, others): value
+            for (monomial, wave, others), part in parts.items()
+            for own, value in _waves(part, block)
+        }
+    return {(monomial, wave): value for (monomial, wave, _), value in state.items()}
 
 
 def _rest(powers: dict[str, int], angles: tuple[str, ...]) -> Monomial:
@@ -86,45 +93,47 @@ def _rest(powers: dict[str, int], angles: tuple[str, ...]) -> Monomial:
     return tuple((name, e) for name, e in powers.items() if name not in waves)
 
 
-@lru_cache(maxsize=50_000)
-def _fourier(
-    exponents: tuple[int, ...], angles: tuple[str, ...], blocks: tuple[tuple[int, ...], ...]
-) -> list[tuple[Wave, Fraction]]:
-    """A product of sines and cosines as a sum of products of one function a block."""
-    total: list[tuple[Wave, Fraction]] = [((), Fraction(1))]
-    for block in blocks:
-        if any(exponents[2 * k] or exponents[2 * k + 1] for k in block):
-            ours = _of_block(tuple((exponents[2 * k], exponents[2 * k + 1]) for k in block))
-            names = [angles[k] for k in block]
-            total = [(wave + _wave(f, names, k), a * value) for wave, a in total for f, k, value in ours]
-    return total
+def _waves(part: dict[Exponents, Fraction], names: tuple[str, ...]) -> Iterator[tuple[Wave, Fraction]]:
+    """A polynomial in the sines and cosines of a block's angles as a sum over waves.
 
-
-def _wave(f: str, names: list[str], multiples: tuple[int, ...]) -> Wave:
-    argument = tuple((x, k) for x, k in zip(names, multiples, strict=True) if k)
-    return ((f, argument, 1),) if argument else ()
-
-
-def _of_block(exponents: tuple[tuple[int, int], ...]) -> list[tuple[str, tuple[int, ...], Fraction]]:
-    """One product as a sum of (sin or cos, multiples, value): cos x = (z + 1/z)/2, sin x = (z - 1/z)/2i, z = e^{ix}."""
-    laurent: dict[tuple[int, ...], Fraction] = {(): Fraction(1)}
-    sines = 0
-    for s, c in exponents:
-        sines += s
-        factor = {0: Fraction(1)}
-        for sign in (-1,) * s + (1,) * c:
-            wider: defaultdict[int, Fraction] = defaultdict(Fraction)
-            for k, value in factor.items():
-                wider[k + 1] += value / 2
-                wider[k - 1] += sign * value / 2
-            factor = wider
-        laurent = {(*k, j): a * b for k, a in laurent.items() for j, b in factor.items() if b}
-    turn = (-1) ** (sines // 2)  # i⁻ˢ = ±1, or ∓i, which the sine takes up
-    rows = []
-    for k, value in laurent.items():
-        first = next((j for j in k if j), 0)
-        if first == 0 and sines % 2 == 0:
-            rows.append(("cos", k, turn * value))
+    Angle by angle it becomes one in z = e^{ix}, with 2 cos x = z + 1/z and 2 sin x = -i (z - 1/z), in whole numbers.
+    """
+    degree = max(sum(s + c for s, c in exponents) for exponents in part)
+    scale = math.lcm(*(value.denominator for value in part.values())) << degree
+    laurent: dict[tuple[tuple[int, ...], Exponents], tuple[int, int]] = {}
+    for exponents, value in part.items():
+        laurent[(), exponents] = (int(value * scale) >> sum(s + c for s, c in exponents), 0)
+    for _ in names:
+        wider: defaultdict[tuple[tuple[int, ...], Exponents], tuple[int, int]] = defaultdict(lambda: (0, 0))
+        for (multiples, ((s, c), *later)), (re, im) in laurent.items():
+            if s % 2:  # times -i
+                re, im = im, -re
+            for k, factor in _laurent(s, c):
+                key = ((*multiples, k), tuple(later))
+                x, y = wider[key]
+                wider[key] = (x + factor * re, y + factor * im)
+        laurent = {key: value for key, value in wider.items() if value != (0, 0)}
+    for (multiples, _), (re, im) in laurent.items():
+        first = next((k for k in multiples if k), 0)
+        argument = tuple((x, k) for x, k in zip(names, multiples, strict=True) if k)
+        if first == 0:
+            yield (), Fraction(re, scale)
         elif first > 0:
-            rows.append(("sin" if sines % 2 else "cos", k, 2 * turn * value))
-    return rows
+            # the term with -k is the conjugate: together 2 re cos - 2 im sin
+            if re:
+                yield (("cos", argument, 1),), Fraction(2 * re, scale)
+            if im:
+                yield (("sin", argument, 1),), Fraction(-2 * im, scale)
+
+
+@lru_cache(maxsize=256)
+def _laurent(sines: int, cosines: int) -> tuple[tuple[int, int], ...]:
+    """(z - 1/z)^sines (z + 1/z)^cosines, up to i^sines; sines is 0 or 1."""
+    powers = {0: 1}
+    for sign in (-1,) * sines + (1,) * cosines:
+        wider: defaultdict[int, int] = defaultdict(int)
+        for k, value in powers.items():
+            wider[k + 1] += value
+            wider[k - 1] += sign * value
+        powers = wider
+    return tuple((k, value) for k, value in powers.items() if value)
