@@ -7,18 +7,21 @@ can, and a wrong term in torques or dynamics would show in the first of them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.sparse import block_diag
 
 from freebody.arrays import Array
+from freebody.errors import SingularError
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges
 from freebody.motion.system import System, decay_rate, suited_method, system
+from freebody.numerics.dynamics import mass_matrix
 from freebody.numerics.states import difference
 from freebody.report.results import Replay
 
@@ -28,16 +31,22 @@ TOLERANCE = {"DOP853": 1e-12, "Radau": 1e-8}
 """Relative error per step of the integrators, absolute a hundredth of it; what is stiff also damps its errors."""
 
 _GRID = 400
-_FINEST = 6400
-_EVALUATIONS = 30_000  # of the open-loop run, which would otherwise follow a tumbling robot for minutes
+_HALVINGS = 14
+_MOST_PIECES = 400
+_EVALUATIONS = 30_000  # of each run, which might otherwise follow a tumbling robot for minutes
 
 
 def replayed(model: Model, motion: Motion) -> Replay:
-    """The replay of a motion in pieces and open loop. Raises SingularError if the mass matrix is singular."""
+    """The replay of a motion in pieces and open loop.
+
+    Raises SingularError if the mass matrix is singular, or so nearly along the motion that pieces would be too many.
+    """
     whole, allowed = system(model), ranges(model)
     method = _method(model, whole, motion)
     times, steps = _transitions(whole, motion, scaling(model, allowed))
     edges, factors = pieces(times, steps)
+    if len(factors) > _MOST_PIECES:
+        _refuse(model, motion, edges)
     misses = _land(whole, motion, edges, allowed, method)
     drift_time, drift = _open_loop(whole, motion, allowed, method)
     growth = amplification(steps)
@@ -52,6 +61,16 @@ def replayed(model: Model, motion: Motion) -> Replay:
         growth,
         whole.friction.width if whole.friction.acts else 0.0,
         _text(edges, factors, misses, growth, motion, drift_time, drift, allowed),
+    )
+
+
+def _refuse(model: Model, motion: Motion, edges: Array) -> NoReturn:
+    """Say where the motion cannot be followed."""
+    k = int(np.argmin(np.diff(edges)))
+    condition = float(np.linalg.cond(mass_matrix(model, motion.at(edges[k])[0])))
+    raise SingularError(
+        f"Near t = {edges[k]:.3g} s the linearised dynamics amplify errors so fast, with a mass matrix of condition "
+        f"{condition:.1g}, that following the torques would take {len(edges) - 1} pieces."
     )
 
 
@@ -82,19 +101,28 @@ def scaling(model: Model, allowed: Ranges) -> Array:
 def _transitions(whole: System, motion: Motion, scale: Array) -> tuple[Array, Array]:
     """Grid times (k + 1,) and the scaled state-transition matrices (k, n, n) of its steps along the motion.
 
-    Each is the exponential of the linearised dynamics at the step's middle. The grid is made finer until no step alone
-    amplifies by more than a tenth of the bound.
+    Each is the exponential of the linearised dynamics at the step's middle. Steps are halved until none alone amplifies
+    by more than a tenth of the bound: near poses where the mass matrix is all but singular they become very short.
     """
-    reference, count = _Reference(whole, motion), _GRID
-    while True:
-        times = np.linspace(motion.t[0], motion.t[-1], count + 1)
-        middles = 0.5 * (times[1:] + times[:-1])
-        A = whole.jacobian(middles, reference.state(middles), reference.torque(middles))
-        A = A * (scale / scale[:, None])
-        steps = exponentials(A * (times[1] - times[0]))
-        if count >= _FINEST or np.linalg.norm(steps, 2, axis=(-2, -1)).max() <= 0.1 * BOUND:
-            return times, steps
-        count *= 2
+    times = np.linspace(motion.t[0], motion.t[-1], _GRID + 1)
+    steps = _steps(whole, motion, scale, times[:-1], times[1:])
+    for _ in range(_HALVINGS):
+        wild = np.flatnonzero(~(np.abs(steps).sum(axis=-1).max(axis=-1) <= 0.1 * BOUND))  # infinite ones, too
+        if not len(wild):
+            break
+        middles = 0.5 * (times[wild] + times[wild + 1])
+        second = _steps(whole, motion, scale, middles, times[wild + 1])
+        steps[wild] = _steps(whole, motion, scale, times[wild], middles)
+        times, steps = np.insert(times, wild + 1, middles), np.insert(steps, wild + 1, second, axis=0)
+    return times, steps
+
+
+def _steps(whole: System, motion: Motion, scale: Array, start: Array, end: Array) -> Array:
+    """exp(A (end - start)), A at the middle (k, n, n), in units of `scale`."""
+    reference, middle = _Reference(whole, motion), 0.5 * (start + end)
+    A = whole.jacobian(middle, reference.state(middle), reference.torque(middle))
+    with np.errstate(over="ignore", invalid="ignore"):
+        return exponentials(A * (scale / scale[:, None]) * (end - start)[:, None, None])
 
 
 def exponentials(A: Array) -> Array:
@@ -163,9 +191,11 @@ def _land(whole: System, motion: Motion, edges: Array, allowed: Ranges, method: 
         return block_diag(A, format="csc") if count > 1 else A[0]
 
     implicit: dict[str, Any] = {"jac": slope} if method == "Radau" else {}
-    found = solve_ivp(
-        rate, (0.0, 1.0), reference.state(start).ravel(), method=method, **_tolerances(method), **implicit
-    )
+    y0 = reference.state(start).ravel()
+    try:
+        found = solve_ivp(_limited(rate), (0.0, 1.0), y0, method=method, **_tolerances(method), **implicit)
+    except _Spent:
+        return np.full(count, np.inf)
     if not found.success:
         return np.full(count, np.inf)
     reached = whole.normalised(found.y[:, -1].reshape(count, n))
@@ -174,7 +204,21 @@ def _land(whole: System, motion: Motion, edges: Array, allowed: Ranges, method: 
 
 
 class _Spent(Exception):
-    """The open-loop run has used its evaluations."""
+    """A run has used its evaluations."""
+
+
+def _limited(rate: Callable[[float, Array], Array]) -> Callable[[float, Array], Array]:
+    """`rate`, which raises `_Spent` when it has been called too often."""
+    calls = 0
+
+    def counted(t: float, y: Array) -> Array:
+        nonlocal calls
+        calls += 1
+        if calls > _EVALUATIONS:
+            raise _Spent
+        return rate(t, y)
+
+    return counted
 
 
 def _open_loop(whole: System, motion: Motion, allowed: Ranges, method: str) -> tuple[Array, Array]:
@@ -183,13 +227,8 @@ def _open_loop(whole: System, motion: Motion, allowed: Ranges, method: str) -> t
     It ends where a joint has gone astray by its whole range, or when its evaluations are spent.
     """
     reference, model = _Reference(whole, motion), whole.model
-    calls = 0
 
     def rate(t: float, y: Array) -> Array:
-        nonlocal calls
-        calls += 1
-        if calls > _EVALUATIONS:
-            raise _Spent
         now = np.asarray(t)
         return whole.rate(now, y, reference.torque(now))
 
@@ -204,6 +243,7 @@ def _open_loop(whole: System, motion: Motion, allowed: Ranges, method: str) -> t
 
     astray.terminal = True  # type: ignore[attr-defined]
     stepper: dict[str, Any] = {"jac": slope} if method == "Radau" else {}
+    counted = _limited(rate)
     times, states = [motion.t[0]], [reference.state(motion.t[0])]
     # in stretches, so that what was reached before evaluations ran out is kept
     for part in np.array_split(np.arange(1, len(motion.t)), max(1, len(motion.t) // 20)):
@@ -211,7 +251,7 @@ def _open_loop(whole: System, motion: Motion, allowed: Ranges, method: str) -> t
             continue
         try:
             found = solve_ivp(
-                rate,
+                counted,
                 (times[-1], motion.t[part[-1]]),
                 states[-1],
                 method=method,
@@ -254,9 +294,12 @@ def _text(
 ) -> str:
     count = len(misses)
     landed = (
+        "" if np.isfinite(misses).all() else "The replay in pieces was broken off: it needs too many steps. "
+    )
+    landed = landed or (
         f"Driven by its torques in {count} piece{'' if count == 1 else 's'} of at most {np.diff(edges).max():.3g} s, "
         f"each restarted on the motion and amplifying an error at most {factors.max():.3g}-fold, the model lands "
-        f"within {misses.max():.1g} of the joint range."
+        f"within {misses.max():.1g} of the joint range. "
     )
     k, j = np.unravel_index(int(np.argmax(drift / allowed.width)), drift.shape)
     unit = "rad" if allowed.turns[j] else "m"
@@ -267,4 +310,4 @@ def _text(
         cause = "the linearised dynamics hardly amplify errors along it"
     else:
         cause = f"along it the linearised dynamics amplify any error, even of rounding, up to 10^{growth:.1f}-fold"
-    return f"{landed} Open loop over the whole motion it {astray}: {cause}."
+    return f"{landed}Open loop over the whole motion it {astray}: {cause}."
