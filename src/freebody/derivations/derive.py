@@ -55,6 +55,6 @@ def compare(first: Derivation, second: Derivation) -> Comparison:
     a, b = first.equations.symbols, second.equations.symbols
     if a.model is not b.model:
         raise FreebodyError("compare: the derivations are of different models.")
-    if a.ring is not b.ring:
-        raise FreebodyError("compare: derive both with the same load, by derive_all.")
+    if a.ring != b.ring:
+        raise FreebodyError("compare: one derivation has a load on the tip, the other has none.")
     return Comparison(first, second)

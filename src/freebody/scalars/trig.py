@@ -40,6 +40,13 @@ class TrigRing:
         ]
         self._constants: dict[Any, Any] = {}
 
+    def __eq__(self, other: object) -> bool:
+        """Rings of the same generators are one: their polynomials can be compared and added."""
+        return isinstance(other, TrigRing) and (self.angles, self.names) == (other.angles, other.names)
+
+    def __hash__(self) -> int:
+        return hash((self.angles, self.names))
+
     def __getitem__(self, name: str) -> Trig:
         """The generator of a coordinate, rate or parameter."""
         if name not in self.index:
@@ -160,7 +167,7 @@ class Trig:
 
     def __eq__(self, other: object) -> bool:
         if isinstance(other, Trig):
-            return self.ring is other.ring and self.poly == other.poly
+            return self.ring == other.ring and self.poly == other.poly
         return isinstance(other, int | float | Fraction) and self.poly == self.ring.constant(other)
 
     def __hash__(self) -> int:
