@@ -8,7 +8,8 @@ import pytest
 import freebody as fb
 from freebody.numerics.columns import BY_COLUMNS, ColumnKernel
 from freebody.numerics.formulas import FORMULAS, Option
-from freebody.numerics.kernels import fetch, reference
+from freebody.numerics.kernels import arguments, fetch, reference
+from helpers import refused
 from test_derivatives import MODELS, _difference
 
 INPUTS = {"q": 0, "qd": 1, "qdd": 2, "tau": 2}
@@ -20,10 +21,36 @@ def test_columns_equal_the_whole(model_name, name):
     model = MODELS[model_name]()
     state = fb.random_state(model, seed=2, batch=(2, 3))
     given = [state[INPUTS[x]] for x in FORMULAS[name].inputs]
-    by_columns = ColumnKernel(name, model.nv, lambda part: fetch(model, (part,), Option()))(*given)
+    inputs = arguments(model, (name,), Option())
+    by_columns = ColumnKernel(name, inputs, model.nv, lambda part: fetch(model, (part,), Option()))(*given)
     whole = fetch(model, (name,), Option())(*given)
     for a, b in zip(np.atleast_1d(by_columns), np.atleast_1d(whole), strict=True):
         np.testing.assert_allclose(a, b, atol=1e-10 * np.abs(b).max())
+
+
+def test_refusals_are_those_of_a_kernel():
+    model = fb.planar("RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1])
+    inputs = arguments(model, ("coriolis_matrix",), Option())
+    kernel = ColumnKernel("coriolis_matrix", inputs, 2, lambda part: fetch(model, (part,), Option()))
+    q = np.zeros(2)
+    for text, call in (
+        ("coriolis_matrix: 1 arguments given, expected 2: q(2), qd(2).", lambda: kernel(q)),
+        ("coriolis_matrix: qd has shape (3,), expected (..., 2).", lambda: kernel(q, np.zeros(3))),
+        (
+            "coriolis_matrix: q holds complex128 values, expected real numbers.",
+            lambda: kernel(q + 0j, q),
+        ),
+        (
+            "coriolis_matrix: out has shape (3, 2, 2), expected (2, 2).",
+            lambda: kernel(q, q, out=np.zeros((3, 2, 2))),
+        ),
+    ):
+        refused(text, call)
+    assert repr(kernel) == "ColumnKernel(coriolis_matrix: q(2), qd(2); n = 2)"
+    out = np.empty((2, 2))
+    assert kernel(q, q, out=out) is out
+    with pytest.raises(TypeError, match="same_kind"):
+        kernel(q, q, out=np.zeros((2, 2), dtype=int))
 
 
 @pytest.mark.parametrize("model_name", MODELS)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody.model.parts import Drive
 from test_derivatives import MODELS
 
 
@@ -136,3 +137,28 @@ def test_jax_differentiates_and_maps():
 def test_unknown_languages_are_refused():
     with pytest.raises(fb.FreebodyError, match=r"no language 'julia' in fb.source. Languages: numpy, jax"):
         fb.source(MODELS["planar"](), "mass_matrix", "julia")
+
+
+def test_source_of_a_wrench_on_a_frame_of_any_name():
+    model = MODELS["planar"]().with_tool("2nd tool-tip")
+    q, qd, qdd = fb.random_state(model, seed=3)
+    scope: dict = {}
+    exec(fb.source(model, "inverse_dynamics", wrench_frames=["2nd tool-tip"]), scope)
+    wrench = np.array([1.0, 2.0, 3.0])
+    expected = fb.inverse_dynamics(model, q, qd, qdd, {"2nd tool-tip": wrench})
+    np.testing.assert_allclose(scope["inverse_dynamics"](q, qd, qdd, wrench), expected)
+
+
+def test_springs_leave_gravity_alone_to_the_last_bit():
+    stiff = fb.planar(
+        "RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1], drives=[Drive(stiffness=1e9)] * 2
+    )
+    q = np.random.default_rng(1).normal(size=(50, 2))
+    assert np.array_equal(fb.gravity_torque(stiff, q), fb.gravity_torque(stiff.without("springs"), q))
+
+
+def test_numpy_kernels_do_not_cut_numbers_off():
+    kernel = fb.kernel(MODELS["planar"](), "bias", backend="numpy")
+    n = MODELS["planar"]().nv
+    with pytest.raises(TypeError, match="same_kind"):
+        kernel(np.zeros(n), np.zeros(n), out=np.zeros(n, dtype=int))

@@ -88,14 +88,19 @@ def crba(tree: Tree, q: Vector) -> Matrix:
 
 def mass_product(tree: Tree, q: Vector, x: Vector) -> Vector:
     """M x without M: the inverse dynamics of a robot at rest, without gravity, springs and friction."""
+    weightless = replace(only_inertia(tree), gravity=tree.space.zero)
+    return rnea(weightless, q, (0.0,) * tree.nv, x).tau
+
+
+def only_inertia(tree: Tree) -> Tree:
+    """The tree without friction and springs; rotors stay."""
     bodies = tuple(
         body
         if body.drive is None
         else replace(body, drive=replace(body.drive, viscous=0.0, coulomb=0.0, stiffness=0.0))
         for body in tree.bodies
     )
-    weightless = replace(tree, gravity=tree.space.zero, bodies=bodies)
-    return rnea(weightless, q, (0.0,) * tree.nv, x).tau
+    return replace(tree, bodies=bodies)
 
 
 def supports(tree: Tree) -> dict[int, tuple[int, ...]]:

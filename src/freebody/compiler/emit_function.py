@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from freebody.compiler.emit_numpy import EXPRESSION
 from freebody.compiler.program import Argument, Program, scalar_names
 from freebody.scalars.expr import ARITY
@@ -20,7 +22,7 @@ def emit(program: Program, language: str, function: str) -> str:
         "from " + MODULES[language] + " import cos, sign, sin, sqrt",
         "",
         "",
-        f"def {function}({', '.join(a.name.replace(' ', '_') for a in program.inputs)}):",
+        f"def {function}({', '.join(map(_variable, program.inputs))}):",
     ]
     entries = [
         _entry(argument, scalar) for argument in program.inputs for scalar in scalar_names((argument,))
@@ -47,14 +49,19 @@ def emit(program: Program, language: str, function: str) -> str:
     return "\n".join(lines) + "\n"
 
 
+def _variable(argument: Argument) -> str:
+    """The argument's name as a Python one; a wrench's is that of its frame, which may be any text."""
+    return argument.name if argument.name.isidentifier() else re.sub(r"\W", "_", argument.name)
+
+
 def _entry(argument: Argument, scalar: str) -> str:
     """`q[..., 2]` for the scalar `q[2]`."""
-    name = argument.name.replace(" ", "_")
+    name = _variable(argument)
     return f"{name}[..., {scalar[scalar.rindex('[') + 1 :]}" if argument.shape else name
 
 
 def _batch(argument: Argument) -> str:
-    name = argument.name.replace(" ", "_")
+    name = _variable(argument)
     return f"{name}.shape[:-{len(argument.shape)}]" if argument.shape else f"xp.shape({name})"
 
 

@@ -103,7 +103,8 @@ class BlockedFunction:
                 self._block(rows, y, slice(start, min(start + BLOCK, count)))
         row = 0
         for array, argument in zip(results, self.outputs, strict=True):
-            array[...] = y[row : row + argument.size].T.reshape(batch + argument.shape)
+            made = y[row : row + argument.size].T.reshape(batch + argument.shape)
+            np.copyto(array, made, casting="same_kind")  # as a ufunc does
             row += argument.size
         if out is None:
             results = [

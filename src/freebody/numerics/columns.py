@@ -12,7 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.arrays import Array
+from freebody.arrays import Array, as_floats, check_core
+from freebody.compiler import Argument, KernelError
+from freebody.errors import ShapeError
 
 LARGEST = 64
 """Coordinates up to which a matrix is one straight-line program."""
@@ -24,20 +26,36 @@ Fetch = Callable[[str], Any]
 class ColumnKernel:
     """Called like a `Kernel` of the same formula: (..., n) inputs, (..., n, n) outputs."""
 
-    def __init__(self, name: str, n: int, fetch: Fetch):
-        self.name, self.n, self.fetch = name, n, fetch
+    def __init__(self, name: str, inputs: tuple[Argument, ...], n: int, fetch: Fetch):
+        self.name, self.inputs, self.n, self.fetch = name, inputs, n, fetch
 
     def __call__(self, *arrays: ArrayLike, out: Any = None, threads: int | None = None) -> Any:
-        """The matrix, or the tuple of them; `out` receives copies."""
+        """The matrix, or the tuple of them; `out` receives copies. Refuses what a `Kernel` refuses."""
+        self._check(arrays)
         given = [np.asarray(a, dtype=float)[..., None, :] for a in arrays]
         results = BY_COLUMNS[self.name](given, self.n, self.fetch, threads)
         results = tuple(np.swapaxes(columns, -1, -2) for columns in results)
         if out is not None:
             targets: tuple[Array, ...] = out if isinstance(out, tuple) else (out,)
             for target, result in zip(targets, results, strict=True):
-                target[...] = result
+                if target.shape != result.shape:
+                    raise ShapeError(self.name, "out", target.shape, str(result.shape))
+                np.copyto(target, result, casting="same_kind")
             results = targets
         return results[0] if len(results) == 1 else results
+
+    def _check(self, arrays: tuple[ArrayLike, ...]) -> None:
+        if len(arrays) != len(self.inputs):
+            wanted = ", ".join(map(str, self.inputs))
+            raise KernelError(
+                f"{self.name}: {len(arrays)} arguments given, expected {len(self.inputs)}: {wanted}."
+            )
+        for argument, array in zip(self.inputs, arrays, strict=True):
+            given = as_floats(self.name, argument.name, array)
+            check_core(self.name, argument.name, given, argument.shape, "")
+
+    def __repr__(self) -> str:
+        return f"ColumnKernel({self.name}: {', '.join(map(str, self.inputs))}; n = {self.n})"
 
 
 def _mass(given: list[Array], n: int, fetch: Fetch, threads: int | None) -> tuple[Array, ...]:

@@ -20,6 +20,7 @@ from freebody.algorithms.crba import (
     factor,
     forward_dynamics,
     mass_product,
+    only_inertia,
     substitute,
     supports,
 )
@@ -109,16 +110,7 @@ def prefers_articulated_bodies(tree: Tree) -> bool:
 
 def _gravity(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
     still = _zeros(tree)
-    springs = [0.0] * tree.nv
-    tau = list(rnea(tree, q, still, still).tau)
-    # gravity alone: what springs add is taken off again
-    for body in tree.bodies:
-        if body.drive is not None:
-            k, (position,) = body.coordinates.v[0], body.position(q)
-            springs[k] = springs[k] + body.coordinates.ratio * (
-                body.drive.stiffness * (position - body.drive.rest)
-            )
-    return (tuple(t - s for t, s in zip(tau, springs, strict=True)),)
+    return (rnea(only_inertia(tree), q, still, still).tau,)
 
 
 def _static(tree: Tree, o: Option, q: Vector, wrenches: Any = ()) -> tuple[Any, ...]:

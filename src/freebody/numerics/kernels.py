@@ -104,8 +104,12 @@ def fetch(
     found = model.compiled.get(key)
     if found is None:
         if model.nv > LARGEST and len(names) == 1 and names[0] in BY_COLUMNS:
+            (name,) = names
             found = ColumnKernel(
-                names[0], model.nv, lambda name: fetch(model, (name,), Option(), backend, width)
+                name,
+                arguments(model, names, option),
+                model.nv,
+                lambda part: fetch(model, (part,), Option(), backend, width),
             )
         else:
             found = compile_program(program(model, names, option), backend=backend, width=width)
