@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from numbers import Real
@@ -26,7 +26,7 @@ from freebody.model.parameters import (
 from freebody.model.parts import Joint, Notice
 from freebody.model.placement import Placement, Rotate, Shift, Turn, rotate, shift
 from freebody.model.reading import VALUES
-from freebody.model.tree import TURN_INTO_SPACE, Attached, Coordinates, Tree, lower
+from freebody.model.tree import Attached, Coordinates, Tree, lower
 
 
 @dataclass(frozen=True)
@@ -131,19 +131,19 @@ class Model:
     @cached_property
     def position_names(self) -> tuple[str, ...]:
         """A name for each entry of q: the joint's, with the component where it has several."""
-        return self._names(_POSITIONS)
+        return self._names(lambda kind: kind.position_names)
 
     @cached_property
     def velocity_names(self) -> tuple[str, ...]:
         """A name for each entry of q̇ and tau."""
-        return self._names(_VELOCITIES)
+        return self._names(lambda kind: kind.velocity_names)
 
-    def _names(self, components: dict[str, tuple[str, ...]]) -> tuple[str, ...]:
-        free = [body.joint for body in self.bodies if body.joint.mimic is None]
+    def _names(self, components: Callable[[JointKind], tuple[str, ...]]) -> tuple[str, ...]:
         return tuple(
-            f"{joint.name}.{component}" if component else joint.name
-            for joint in free
-            for component in components.get(joint.kind, ("",))
+            f"{body.joint.name}.{component}" if component else body.joint.name
+            for body in self.bodies
+            if body.joint.mimic is None
+            for component in components(body.kind)
         )
 
     @property
@@ -380,7 +380,7 @@ class Model:
                     joint=replace(
                         body.joint,
                         placement=_placement_in_space(body.joint.placement),
-                        axis=TURN_INTO_SPACE[KINDS[body.joint.kind].name](body.joint.axis),
+                        axis=body.kind.axis_in_space(body.joint.axis),
                     ),
                     inertias=tuple(map(_attached_in_space, body.inertias)),
                 )
@@ -399,15 +399,6 @@ class Model:
 
     def __repr__(self) -> str:
         return f"<Model {self.name!r}: {len(self.bodies)} bodies, nq = {self.nq}, nv = {self.nv}, dim {self.dim}>"
-
-
-_QUATERNION = ("quat_w", "quat_x", "quat_y", "quat_z")
-_POSITIONS = {"planar": ("x", "y", "theta"), "spherical": _QUATERNION, "free": ("x", "y", "z", *_QUATERNION)}
-_VELOCITIES = {
-    "planar": ("x", "y", "theta"),
-    "spherical": ("wx", "wy", "wz"),
-    "free": ("vx", "vy", "vz", "wx", "wy", "wz"),
-}
 
 
 def _load(

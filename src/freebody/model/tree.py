@@ -6,7 +6,6 @@ primitives, in an order where parents come first.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -210,12 +209,3 @@ def _drive(body: Body, reader: Reader) -> DriveScalars | None:
     if all(isinstance(x, float) and x == 0.0 for x in (viscous, coulomb, rotor, stiffness)):
         return None
     return DriveScalars(viscous, coulomb, rotor * gear * gear, stiffness, rest)
-
-
-TURN_INTO_SPACE: dict[str, Callable[[tuple[float, ...]], tuple[float, ...]]] = {
-    "revolute": lambda axis: (0.0, 0.0, axis[0]),
-    "continuous": lambda axis: (0.0, 0.0, axis[0]),
-    "prismatic": lambda axis: (*axis, 0.0),
-    "planar": lambda axis: (),
-}
-"""The axis, in space, of a planar joint."""

@@ -143,8 +143,9 @@ def _from_names(function: str, model: Model, name: str, given: Mapping[str, Any]
 
 def _check_quaternions(function: str, model: Model, q: Array) -> None:
     for body, at in zip(model.bodies, model.coordinates, strict=True):
-        if body.kind.nq in (4, 7):
-            length = np.sqrt(np.sum(q[..., at.q[-4:]] ** 2, axis=-1))
+        start = body.kind.quaternion
+        if start is not None:
+            length = np.sqrt(np.sum(q[..., at.q[start : start + 4]] ** 2, axis=-1))
             off = np.argwhere(np.abs(length - 1.0) > _UNIT)
             if len(off):
                 sample = tuple(map(int, off[0]))

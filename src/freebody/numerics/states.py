@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array
+from freebody.model.joints import JointKind
 from freebody.model.model import Model
 from freebody.numerics.calls import common_batch, finite_vector
 
@@ -17,8 +18,9 @@ _FAR = 1e3  # limits beyond this many rad or m are some file's way to say that t
 def neutral(model: Model) -> Array:
     """q (nq,) with every coordinate 0 and every quaternion the identity."""
     q = np.zeros(model.nq)
-    for _, iq, _ in _manifolds(model):
-        q[iq[-4]] = 1.0
+    for kind, iq, _ in _manifolds(model):
+        if kind.quaternion is not None:
+            q[iq[kind.quaternion]] = 1.0
     return q
 
 
@@ -36,10 +38,11 @@ def random_state(
     for body, at in zip(model.bodies, model.coordinates, strict=True):
         if body.joint.mimic is not None:
             continue
-        if body.kind.name in ("spherical", "free"):
+        start = body.kind.quaternion
+        if start is not None:
             quaternion = rng.normal(size=(*shape, 4))
-            q[..., at.q[-4:]] = quaternion / np.linalg.norm(quaternion, axis=-1, keepdims=True)
-            q[..., at.q[:-4]] = rng.uniform(-1, 1, size=(*shape, len(at.q) - 4))
+            q[..., at.q[start:]] = quaternion / np.linalg.norm(quaternion, axis=-1, keepdims=True)
+            q[..., at.q[:start]] = rng.uniform(-1, 1, size=(*shape, start))
         elif body.kind.name == "planar":
             q[..., at.q] = rng.uniform(-1, 1, size=(*shape, 3)) * [1, 1, np.pi]
         else:
@@ -60,8 +63,8 @@ def integrate(model: Model, q: ArrayLike, v: ArrayLike) -> Array:
     """
     q0, rate = _batched("integrate", model, q=q, v=v)
     result = np.empty_like(q0)
-    for kind, iq, iv in _manifolds(model, all_kinds=True):
-        result[..., iq] = _INTEGRATE.get(kind, np.add)(q0[..., iq], rate[..., iv])
+    for kind, iq, iv in _manifolds(model):
+        result[..., iq] = _INTEGRATE.get(kind.name, np.add)(q0[..., iq], rate[..., iv])
     return result
 
 
@@ -70,8 +73,8 @@ def difference(model: Model, q0: ArrayLike, q1: ArrayLike) -> Array:
     q1)) = q1."""
     a, b = _batched("difference", model, q0=q0, q1=q1)
     result = np.empty((*a.shape[:-1], model.nv))
-    for kind, iq, iv in _manifolds(model, all_kinds=True):
-        result[..., iv] = _DIFFERENCE.get(kind, lambda x, y: y - x)(a[..., iq], b[..., iq])
+    for kind, iq, iv in _manifolds(model):
+        result[..., iv] = _DIFFERENCE.get(kind.name, lambda x, y: y - x)(a[..., iq], b[..., iq])
     return result
 
 
@@ -82,12 +85,12 @@ def _batched(function: str, model: Model, **given: ArrayLike) -> list[Array]:
     return [np.broadcast_to(array, (*batch, array.shape[-1])) for array in named.values()]
 
 
-def _manifolds(model: Model, all_kinds: bool = False) -> list[tuple[str, list[int], list[int]]]:
-    """(kind, entries of q, entries of v) of each independent joint; by default of those with quaternions."""
+def _manifolds(model: Model) -> list[tuple[JointKind, list[int], list[int]]]:
+    """(kind, entries of q, entries of v) of each independent joint."""
     return [
-        (body.kind.name, list(at.q), list(at.v))
+        (body.kind, list(at.q), list(at.v))
         for body, at in zip(model.bodies, model.coordinates, strict=True)
-        if body.joint.mimic is None and (all_kinds or body.kind.nq in (4, 7))
+        if body.joint.mimic is None
     ]
 
 

@@ -11,6 +11,7 @@ class Fixed(JointKind):
 
     name = "fixed"
     nq = nv = 0
+    position_names = velocity_names = ()
     dimensions = (2, 3)
 
     def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:

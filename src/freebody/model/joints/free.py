@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from freebody.model.joints.kind import Column, JointKind, Primitive
-from freebody.model.joints.spherical import PIVOTING
+from freebody.model.joints.spherical import PIVOTING, QUATERNION
 from freebody.spatial import AnySpace, Matrix, Vector, identity, times
 
 
@@ -39,6 +39,9 @@ class Free(JointKind):
     name = "free"
     nq = 7
     nv = 6
+    position_names = ("x", "y", "z", *QUATERNION)
+    velocity_names = ("vx", "vy", "vz", "wx", "wy", "wz")
+    quaternion = 3
 
     def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
         return ((FLOATING, axis),)

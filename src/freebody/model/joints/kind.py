@@ -45,6 +45,11 @@ class JointKind(ABC):
     name: ClassVar[str]
     nq: ClassVar[int]
     nv: ClassVar[int]
+    position_names: ClassVar[tuple[str, ...]] = ("",)
+    """What each entry of q is called behind the joint's name; of one-axis joints nothing."""
+    velocity_names: ClassVar[tuple[str, ...]] = ("",)
+    quaternion: ClassVar[int | None] = None
+    """Where in q a unit quaternion w, x, y, z begins."""
     needs_axis: ClassVar[bool] = False
     dimensions: ClassVar[tuple[int, ...]] = (3,)
     """Spaces (2, 3) in which the kind makes sense."""
@@ -52,3 +57,7 @@ class JointKind(ABC):
     @abstractmethod
     def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
         """The chain of primitives, each with its axis, that stands for this joint; their coordinates in order."""
+
+    def axis_in_space(self, axis: tuple[float, ...]) -> tuple[float, ...]:
+        """The axis of the planar model's joint in its twin in space, whose xy-plane the plane is."""
+        return ()

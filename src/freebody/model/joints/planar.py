@@ -13,6 +13,7 @@ class Planar(JointKind):
 
     name = "planar"
     nq = nv = 3
+    position_names = velocity_names = ("x", "y", "theta")
     dimensions = (2, 3)
 
     def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:

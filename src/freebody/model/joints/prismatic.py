@@ -31,3 +31,6 @@ class Prismatic(JointKind):
 
     def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
         return ((SLIDING, axis),)
+
+    def axis_in_space(self, axis: tuple[float, ...]) -> tuple[float, ...]:
+        return (*axis, 0.0)

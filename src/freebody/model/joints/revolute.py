@@ -32,6 +32,9 @@ class Revolute(JointKind):
     def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
         return ((TURNING, axis),)
 
+    def axis_in_space(self, axis: tuple[float, ...]) -> tuple[float, ...]:
+        return (0.0, 0.0, axis[0])
+
 
 class Continuous(Revolute):
     """Revolute without limits; the angle is one number, not a point on a circle."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from freebody.model.joints.kind import Column, JointKind, Primitive
 from freebody.spatial import AnySpace, Matrix, Space, Vector, identity
 
+QUATERNION = ("quat_w", "quat_x", "quat_y", "quat_z")
+
 
 class Pivoting(Primitive):
     """Rotation by a quaternion, which is normalised on the way."""
@@ -35,6 +37,9 @@ class Spherical(JointKind):
     name = "spherical"
     nq = 4
     nv = 3
+    position_names = QUATERNION
+    velocity_names = ("wx", "wy", "wz")
+    quaternion = 0
 
     def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
         return ((PIVOTING, axis),)
