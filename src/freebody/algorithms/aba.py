@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from freebody.algorithms.crba import own_inertia
+from freebody.algorithms.crba import momentum_of, own_inertia
 from freebody.algorithms.kinematics import joint_poses
-from freebody.algorithms.plucker import columns, cross_force, cross_motion, inertia_matrix, transform
+from freebody.algorithms.plucker import columns, inertia_matrix, parts, transform
 from freebody.algorithms.rnea import External, drive_torque
+from freebody.algorithms.world import cross_force, cross_motion
 from freebody.elementary import Scalar
 from freebody.model.tree import Tree
 from freebody.spatial import (
@@ -41,10 +42,12 @@ def aba(tree: Tree, q: Vector, qd: Vector, tau: Vector, external: Sequence[Exter
     for i, body in enumerate(tree.bodies):
         joint = combine(S[i], body.rates(qd))
         v.append(joint if body.parent < 0 else add(times(X[i], v[body.parent]), joint))
-        c.append(times(cross_motion(space, v[i]), joint))
-        inertia = inertia_matrix(space, own_inertia(space, body))
-        IA.append(inertia)
-        pA.append(times(cross_force(space, v[i]), times(inertia, v[i])))
+        own, velocity = own_inertia(space, body), parts(space, v[i])
+        c_w, c_v = cross_motion(space, velocity, parts(space, joint))
+        n, f = cross_force(space, velocity, momentum_of(space, own, velocity))
+        c.append(c_w + c_v)
+        pA.append(n + f)
+        IA.append(inertia_matrix(space, own))
     for i, force, moment in external:
         pA[i] = sub(pA[i], moment + force)
     eliminated: list[list[tuple[int, Vector, Vector, Scalar, Scalar]]] = [[] for _ in tree.bodies]

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from freebody.algorithms.crba import momentum_of
-from freebody.algorithms.kinematics import Column, ancestors
+from freebody.algorithms.kinematics import Column, ancestors, weighted
 from freebody.algorithms.world import (
     Force,
     coriolis_times,
     coriolis_transposed_times,
     dot_motion,
     plus_motion,
-    weighted,
     world_tree,
 )
 from freebody.elementary import Scalar

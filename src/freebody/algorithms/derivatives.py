@@ -15,7 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from freebody.algorithms.crba import factor, forward_dynamics, momentum_of, substitute
-from freebody.algorithms.kinematics import Column, ancestors
+from freebody.algorithms.kinematics import Column, ancestors, weighted
 from freebody.algorithms.world import (
     Force,
     WorldTree,
@@ -25,7 +25,6 @@ from freebody.algorithms.world import (
     cross_motion,
     dot_motion,
     plus_motion,
-    weighted,
     world_tree,
 )
 from freebody.elementary import Scalar

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 from freebody.elementary import Scalar
 from freebody.errors import SingularError
-from freebody.model.tree import Tree, TreeBody
+from freebody.model.joints.kind import Column
+from freebody.model.tree import Tree
 from freebody.spatial import (
-    AnySpace,
     Matrix,
     Vector,
     add,
@@ -23,9 +23,6 @@ from freebody.spatial import (
 
 Pose = tuple[Matrix, Vector]
 """(R, p): axes and origin of a frame."""
-
-Column = tuple[Vector, Vector]
-"""(angular, linear)."""
 
 
 def joint_poses(tree: Tree, q: Vector) -> list[Pose]:
@@ -61,13 +58,9 @@ def frame_pose(tree: Tree, world: list[Pose], frame: str) -> Pose:
     return (R, p) if body < 0 else compose(world[body], (R, p))
 
 
-def relative_motion(space: AnySpace, body: TreeBody, rates: Vector) -> Column:
-    """Angular and linear velocity (or, of second rates, acceleration without bias) of a body over its joint,
-    body axes."""
-    return (
-        combine(tuple(w for w, _ in body.columns), rates),
-        combine(tuple(v for _, v in body.columns), rates),
-    )
+def weighted(columns: tuple[Column, ...], rates: Vector) -> Column:
+    """Σ rates[k] columns[k]: what a joint adds to its body's velocity (of second rates, to its acceleration)."""
+    return combine(tuple(w for w, _ in columns), rates), combine(tuple(v for _, v in columns), rates)
 
 
 @dataclass
@@ -99,8 +92,8 @@ def outward(
         R, p = motion.joints[i]
         E = transposed(R)
         first, second = body.rates(qd), body.rates(qdd)
-        w_joint, v_joint = relative_motion(space, body, first)
-        wd_joint, vd_joint = relative_motion(space, body, second)
+        w_joint, v_joint = weighted(body.columns, first)
+        wd_joint, vd_joint = weighted(body.columns, second)
         wd_bias, vd_bias = body.primitive.bias(space, first)
         k = body.parent
         if k < 0:

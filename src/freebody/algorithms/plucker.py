@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from freebody.algorithms.crba import Composite
-from freebody.algorithms.kinematics import Pose
+from freebody.algorithms.kinematics import Column, Pose
 from freebody.model.tree import TreeBody
-from freebody.spatial import AnySpace, Matrix, Vector, identity, neg, product, scale, transposed
+from freebody.spatial import AnySpace, Matrix, Vector, identity, product, scale, transposed
 
 
 def size_angular(space: AnySpace) -> int:
     """Number of angular entries."""
     return len(space.zero_angular)
+
+
+def parts(space: AnySpace, column: Vector) -> Column:
+    """(angular, linear) part of a column."""
+    a = size_angular(space)
+    return column[:a], column[a:]
 
 
 def columns(body: TreeBody) -> tuple[Vector, ...]:
@@ -27,20 +33,6 @@ def transform(space: AnySpace, pose: Pose) -> Matrix:
     moved = product(E, transposed(tuple(space.cross(unit, p) for unit in identity(a))))
     top = tuple(row + (0.0,) * space.dim for row in turn)
     return top + tuple(m + e for m, e in zip(moved, E, strict=True))
-
-
-def cross_motion(space: AnySpace, v: Vector) -> Matrix:
-    """Matrix of m ↦ v × m."""
-    a = size_angular(space)
-    w, u = v[:a], v[a:]
-    angular = [space.cross_angular(w, unit) + neg(space.cross(unit, u)) for unit in identity(a)]
-    linear = [space.zero_angular + space.cross(w, unit) for unit in identity(space.dim)]
-    return transposed(tuple(angular + linear))
-
-
-def cross_force(space: AnySpace, v: Vector) -> Matrix:
-    """Matrix of f ↦ v ×* f = -(v×)ᵀ f."""
-    return transposed(tuple(neg(row) for row in cross_motion(space, v)))
 
 
 def inertia_matrix(space: AnySpace, composite: Composite) -> Matrix:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from freebody.algorithms.crba import Composite, momentum_of, own_inertia
-from freebody.algorithms.kinematics import Column, Pose, joint_poses, world_poses
+from freebody.algorithms.kinematics import Column, Pose, joint_poses, weighted, world_poses
 from freebody.elementary import Scalar
 from freebody.model.tree import Tree
 from freebody.spatial import (
@@ -19,7 +19,6 @@ from freebody.spatial import (
     Matrix,
     Vector,
     add,
-    combine,
     compose,
     dot,
     plus,
@@ -120,11 +119,6 @@ def cross_force(space: AnySpace, a: Column, b: Force) -> Force:
 def plus_motion(a: Column, b: Column) -> Column:
     """a + b."""
     return add(a[0], b[0]), add(a[1], b[1])
-
-
-def weighted(columns: tuple[Column, ...], rates: Vector) -> Column:
-    """Σ rates[k] columns[k]."""
-    return combine(tuple(w for w, _ in columns), rates), combine(tuple(v for _, v in columns), rates)
 
 
 def dot_motion(a: Column, b: Force) -> Scalar:
