@@ -12,6 +12,7 @@ For body j and a body i on the way from j to the base, with I, B, f summed over 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from freebody.algorithms.crba import factor, forward_dynamics, momentum_of, substitute
@@ -87,10 +88,16 @@ def inverse_dynamics_derivatives(tree: Tree, q: Vector, qd: Vector, qdd: Vector)
     return Derivatives(*(tuple(tuple(row) for row in table) for table in (by_q, by_qd, by_qdd)))
 
 
-def forward_dynamics_derivatives(tree: Tree, q: Vector, qd: Vector, tau: Vector) -> Derivatives:
+def forward_dynamics_derivatives(
+    tree: Tree,
+    q: Vector,
+    qd: Vector,
+    tau: Vector,
+    inverse_derivatives: Callable[[Tree, Vector, Vector, Vector], Derivatives] = inverse_dynamics_derivatives,
+) -> Derivatives:
     """Derivatives of q̈: -M⁻¹ ∂tau/∂q, -M⁻¹ ∂tau/∂q̇ and M⁻¹, those of tau taken at the q̈ that tau causes."""
     qdd = forward_dynamics(tree, q, qd, tau)
-    inverse = inverse_dynamics_derivatives(tree, q, qd, qdd)
+    inverse = inverse_derivatives(tree, q, qd, qdd)
     factors = factor(tree, inverse.by_last)
 
     def solved(right: Matrix) -> Matrix:

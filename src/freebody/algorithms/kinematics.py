@@ -81,9 +81,8 @@ def outward(
 ) -> Motion:
     """Outward recursion (4.6-4.11; 6.16-6.22 revolute, 6.23-6.27 prismatic, in one form).
 
-    v̇ is the acceleration of the body's origin (time derivative of its velocity), in body axes. A base
-    acceleration of -g
-    makes gravity part of it.
+    v̇ is the acceleration of the body's origin (time derivative of its velocity), in body axes. A base acceleration
+    of -g makes gravity part of it.
     """
     space = tree.space
     motion = Motion(joint_poses(tree, q), [], [], [], [], [])

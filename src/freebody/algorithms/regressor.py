@@ -1,9 +1,8 @@
 """Inverse dynamics and energies as linear functions of what a robot's bodies and drives weigh.
 
-Parameters of a body: its mass m, first moment h = m c and inertia I about its own origin, in its axes: in space
-m, hx, hy, hz, Ixx, Ixy, Ixz, Iyy, Iyz, Izz, in the plane m, hx, hy, I. Of a drive: viscous and Coulomb
-friction, reflected
-rotor inertia J gear², stiffness, and stiffness times rest position.
+Parameters of a body: its mass m, first moment h = m c and inertia I about its own origin, in its axes: in space m,
+hx, hy, hz, Ixx, Ixy, Ixz, Iyy, Iyz, Izz, in the plane m, hx, hy, I. Of a drive: viscous and Coulomb friction,
+reflected rotor inertia J gear², stiffness, and stiffness times rest position.
 """
 
 from __future__ import annotations

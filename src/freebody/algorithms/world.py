@@ -1,8 +1,7 @@
 """Bodies in world axes about one point, and what hangs on each: the common ground of C and the derivatives.
 
 Motions are pairs (ω, v) and forces pairs (n, f), both at that point, so nothing needs to be transformed on the way
-along the tree. A body's Coriolis matrix B = ½ ((v×*) I - I (v×) + (I v)×̄*) (Echeandia and Wensing 2021)
-has only two
+along the tree. A body's Coriolis matrix B = ½ ((v×*) I - I (v×) + (I v)×̄*) (Echeandia and Wensing 2021) has only two
 blocks that are not zero: the angular one and, below it, -(linear momentum)×.
 """
 

@@ -179,8 +179,8 @@ def compile_program(program: Program, *, backend: str | None = None, width: int 
 
     Args:
         program: from `trace`.
-        backend: "llvm" or "numpy"; by default the environment's FREEBODY_BACKEND, else LLVM where it is
-        installed. width: samples in a vector (2, 4, 8); by default FREEBODY_WIDTH, else what suits the CPU.
+        backend: "llvm" or "numpy"; by default the environment's FREEBODY_BACKEND, else LLVM where it is installed.
+        width: samples in a vector (2, 4, 8); by default FREEBODY_WIDTH, else what suits the CPU.
 
     Raises:
         KernelError: an unknown backend or width.

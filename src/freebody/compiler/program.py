@@ -121,8 +121,7 @@ def verify(program: Program) -> Program:
     """The program itself, if it is a valid one.
 
     Raises:
-        ProgramError: naming the first broken rule: known operations, operands that precede, positions in
-        range,
+        ProgramError: naming the first broken rule: known operations, operands that precede, positions in range,
             finite constants, one result for each output scalar, sizes of at least 0, names used once.
     """
 

@@ -20,8 +20,7 @@ def trace(
 
     Args:
         name: name of the program, for messages and printing.
-        function: called once with one nested tuple of scalars for each input (a bare scalar for shape ());
-        returns
+        function: called once with one nested tuple of scalars for each input (a bare scalar for shape ()); returns
             a sequence with one nested sequence of scalars or numbers for each output.
         inputs: names and core shapes of the arguments.
         outputs: names and core shapes of the results.

@@ -33,9 +33,8 @@ from freebody.model.tree import Attached, Coordinates, Tree, lower
 class Frame:
     """A named frame fixed to a body (index; -1 is the base), placed in the body's frame.
 
-    `parent` is the frame it is fixed to, empty for the frame of a body's first link or of the base. It
-    belongs to a link
-    unless it is `mounted`.
+    `parent` is the frame it is fixed to, empty for the frame of a body's first link or of the base. It belongs to a
+    link unless it is `mounted`.
     """
 
     name: str
@@ -66,7 +65,7 @@ class Body:
 
 @dataclass(frozen=True)
 class JointLimits:
-    """Limits per position name of one-axis joints, and infinite ranges for the others; arrays of shape (nv,)."""
+    """Limits for each entry of q̇ (the joint's; infinite for joints of several axes): arrays (nv,), rad or m, N m or N."""
 
     lower: Array
     upper: Array

@@ -32,9 +32,8 @@ def evaluate(
 ) -> Any:
     """The kernel of `function` on inputs in the formula's order: an array, or a tuple of its outputs.
 
-    A kernel that was called before is tried at once: it refuses wrong shapes and types by itself, and
-    answers inputs that
-    are not finite with NaN. Only then, and on the first call, are the inputs looked at one by one.
+    A kernel that was called before is tried at once: it refuses wrong shapes and types by itself, and answers inputs
+    that are not finite with NaN. Only then, and on the first call, are the inputs looked at one by one.
     """
     if wrenches is None:
         known = model.compiled.get((function, option))

@@ -20,10 +20,9 @@ from freebody.numerics.massless import refuse_massless
 def inverse_dynamics(model: Model, q: Vector, qd: Vector, qdd: Vector, wrenches: Wrenches = None) -> Array:
     """tau (..., nv): M q̈ + c + g + friction + springs + rotors - Σ Jᵀ w (N m, N), by recursive Newton-Euler.
 
-    q: (..., nq); qd, qdd: (..., nv), rad or m and s. wrenches: {frame: (..., 6)} or one array for the tip: force, then
-    moment, that act on the arm at the frame's origin, world axes ((..., 3): fx, fy, m in the plane).
-    Raises ShapeError, NotFiniteError, UnknownNameError, MissingValueError. Source: Luh, Walker, Paul 1980;
-    notes 4.6-4.15,
+    q: (..., nq); qd, qdd: (..., nv), rad or m and s. wrenches: {frame: (..., 6)} or one array for the tip: force,
+    then moment, that act on the arm at the frame's origin, world axes ((..., 3): fx, fy, m in the plane). Raises
+    ShapeError, NotFiniteError, UnknownNameError, MissingValueError. Source: Luh, Walker, Paul 1980; notes 4.6-4.15,
     6.16-6.29.
     """
     return evaluate("inverse_dynamics", model, (q, qd, qdd), None, wrenches)
@@ -57,9 +56,8 @@ def inverse_dynamics_derivatives(
 ) -> tuple[Array, Array, Array]:
     """(∂tau/∂q, ∂tau/∂q̇, M), each (..., nv, nv), rows tau; friction (Coulomb's is constant), springs, rotors included.
 
-    q: (..., nq); qd, qdd: (..., nv). With free, spherical and quaternion coordinates ∂/∂q is on the tangent
-    space: along
-    `fb.integrate(model, q, v)`. Source: Singh, Russell, Wensing 2022.
+    q: (..., nq); qd, qdd: (..., nv). With free, spherical and quaternion coordinates ∂/∂q is on the tangent space:
+    along `fb.integrate(model, q, v)`. Source: Singh, Russell, Wensing 2022.
     """
     return evaluate("inverse_dynamics_derivatives", model, (q, qd, qdd))
 
@@ -122,10 +120,9 @@ def static_torque(model: Model, q: Vector, wrenches: Wrenches = None) -> Array:
 def tip_wrench(model: Model, q: Vector, tau: Vector, frame: str | None = None) -> Array:
     """Wrench (..., 6) that the arm exerts on its surroundings with torques tau (..., nv): J⁻ᵀ tau (2.51).
 
-    In the plane (..., 3). With fewer joints than rows the least-squares solution is not taken: a planar arm
-    of two joints
-    returns the force alone (moment 0). Gravity and springs are not counted. Raises SingularError at a
-    singular Jacobian.
+    In the plane (..., 3). With fewer joints than rows the least-squares solution is not taken: a planar arm of two
+    joints returns the force alone (moment 0). Gravity and springs are not counted. Raises SingularError at a singular
+    Jacobian.
     """
     J = jacobian(model, q, frame)
     rows = J.shape[-2] if model.nv >= J.shape[-2] else model.dim
@@ -159,9 +156,8 @@ def joint_wrenches(
 ) -> Array:
     """Reaction wrench (..., nj, 6) of every joint: force (N), then moment (N m); (..., nj, 3) in the plane.
 
-    Row i belongs to joint_names[i]: all that the parent does to the child, at the child's joint origin,
-    world axes or the
-    child's. Arguments as for `inverse_dynamics`.
+    Row i belongs to joint_names[i]: all that the parent does to the child, at the child's joint origin, world axes or
+    the child's. Arguments as for `inverse_dynamics`.
     """
     option = Option(reference=checked_reference(reference, ("world", "child")))
     return evaluate("joint_wrenches", model, (q, qd, qdd), option, wrenches)

@@ -93,9 +93,9 @@ def energy_regressor(model: Model, q: Vector, qd: Vector) -> Array:
 
 
 def inertial_parameters(model: Model) -> dict[str, float]:
-    """π by name: of each body m, hx, hy, hz (first moment), Ixx, Ixy, Ixz, Iyy, Iyz, Izz about its joint's
-    origin, in its
-    axes (plane: m, hx, hy, I); then of each joint with a drive viscous, coulomb, rotor, stiffness, stiffness_rest."""
+    """π by name: of each body m, hx, hy, hz (first moment), Ixx, Ixy, Ixz, Iyy, Iyz, Izz about its joint's origin, in
+    its axes (plane: m, hx, hy, I); then of each joint with a drive viscous, coulomb, rotor, stiffness,
+    stiffness_rest."""
     tree = model.tree
     names = [f"{body.name}.{p}" for body in model.bodies for p in body_parameters(tree.space)]
     joints = [
