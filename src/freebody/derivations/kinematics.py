@@ -1,0 +1,130 @@
+"""Kinematics in closed form: a frame's position, velocity, Jacobian and acceleration (2.10-2.24).
+
+>>> import freebody as fb
+>>> from freebody.derivations.kinematics import kinematics
+>>> arm = kinematics(fb.planar("RR"))
+>>> print(arm.form(arm.position[0]))
+l1 cos θ1 + l2 cos(θ1 + θ2)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from freebody.algorithms import kinematics as algorithms
+from freebody.arrays import Array
+from freebody.derivations.determinant import columns_of, determinant
+from freebody.derivations.expression import Expression
+from freebody.derivations.forms import Layout
+from freebody.derivations.symbols import Symbols, symbols
+from freebody.errors import FreebodyError
+from freebody.model.model import Model
+from freebody.scalars.trig import Trig
+
+Entries = list[list[Trig]]
+
+
+@dataclass(frozen=True)
+class Kinematics:
+    """Closed forms of one frame, exact polynomials in normal form: equal means identical. World axes."""
+
+    symbols: Symbols
+    frame: str
+
+    @cached_property
+    def _pose(self) -> tuple[Any, Any]:
+        s = self.symbols
+        world = algorithms.world_poses(s.tree, algorithms.joint_poses(s.tree, s.q))
+        return algorithms.frame_pose(s.tree, world, self.frame)
+
+    @cached_property
+    def position(self) -> list[Trig]:
+        """x, y (z) of the frame's origin (2.12, 2.13)."""
+        return [self.symbols.element(x) for x in self._pose[1]]
+
+    @cached_property
+    def rotation(self) -> Entries:
+        """Axes of the frame, as columns."""
+        return [[self.symbols.element(x) for x in row] for row in self._pose[0]]
+
+    @cached_property
+    def J(self) -> Entries:
+        """Jacobian, rows linear then angular (plane: ẋ, ẏ, ω); the notes' J (2.19) is its first rows."""
+        s = self.symbols
+        return [[s.element(x) for x in row] for row in algorithms.jacobian(s.tree, s.q, self.frame)]
+
+    @cached_property
+    def J_dot(self) -> Entries:
+        """Time derivative of J, by its entries' (2.24)."""
+        rates = dict(zip(self.symbols.coordinates, self.symbols.qd, strict=True))
+        return [[x.along(rates) for x in row] for row in self.J]
+
+    @cached_property
+    def velocity(self) -> list[Trig]:
+        """J q̇ (2.18)."""
+        return _times(self.J, self.symbols.qd, self.symbols)
+
+    @cached_property
+    def acceleration(self) -> list[Trig]:
+        """J q̈ + J̇ q̇ (2.24)."""
+        first = _times(self.J, self.symbols.qdd, self.symbols)
+        return [a + b for a, b in zip(first, _times(self.J_dot, self.symbols.qd, self.symbols), strict=True)]
+
+    def determinant(self, rows: Sequence[int] | None = None) -> Trig:
+        """det of chosen rows of J (default all) and of the columns that move the frame (2.20).
+
+        Raises FreebodyError if they make no square.
+        """
+        chosen = range(len(self.J)) if rows is None else rows
+        columns = columns_of(self.symbols, self.frame)
+        if len(chosen) != len(columns):
+            raise FreebodyError(
+                f"determinant: {len(chosen)} rows of the Jacobian of frame {self.frame!r} and {len(columns)} joint "
+                f"coordinates make no square; choose {len(columns)} rows."
+            )
+        return determinant([[self.J[r][k] for k in columns] for r in chosen], self.symbols)
+
+    def evaluate(self, quantity: Any, q: Any, qd: Any = None, qdd: Any = None) -> Array:
+        """Numbers of one of the above at q, qd, qdd (..., n), with the model's parameter values."""
+        arrays = [None if x is None else np.asarray(x, dtype=float) for x in (q, qd, qdd)]
+        values = self.symbols.values(*arrays)
+        batch = np.broadcast_shapes(*(x.shape[:-1] for x in arrays if x is not None))
+
+        def number(x: Any) -> Any:
+            if isinstance(x, Trig):
+                return np.broadcast_to(x.evaluate(values), batch)
+            return np.stack([number(entry) for entry in x], axis=len(batch))
+
+        return number(quantity)
+
+    @cached_property
+    def layout(self) -> Layout:
+        """How polynomials of this model are printed."""
+        return Layout(self.symbols)
+
+    def form(self, x: Trig) -> Expression:
+        """A polynomial as it is printed; it has text, LaTeX and MathML of its own."""
+        return self.layout.form(x)
+
+
+def _times(A: Entries, x: Sequence[Trig], s: Symbols) -> list[Trig]:
+    rows = []
+    for row in A:
+        total = s.zero()
+        for a, b in zip(row, x, strict=True):
+            if not a.is_zero:
+                total = total + a * b
+        rows.append(total)
+    return rows
+
+
+def kinematics(model: Model, frame: str | None = None, numbers: bool = False) -> Kinematics:
+    """The closed forms of a frame (default: the tip); `numbers` puts in the values of the model's parameters."""
+    if numbers:
+        model.require_values("kinematics in numbers")
+    return Kinematics(symbols(model, numbers), model.frame(frame).name)
