@@ -32,7 +32,14 @@ ROBOTS = {  # name: (file below robots/, tip)
     "panda": ("panda_description/urdf/panda.urdf", "panda_hand"),
     "talos": ("talos_data/robots/talos_reduced.urdf", "gripper_left_base_link"),
 }
-TASKS = ("inverse_dynamics", "forward_dynamics", "mass_matrix", "jacobian")
+TASKS = {  # task: quantities of the kernel
+    "inverse_dynamics": "inverse_dynamics",
+    "forward_dynamics": "forward_dynamics",
+    "mass_matrix": "mass_matrix",
+    "tip_pose_and_jacobian": ("forward_kinematics", "jacobian"),
+    "inverse_dynamics_derivatives": "inverse_dynamics_derivatives",
+    "forward_dynamics_derivatives": "forward_dynamics_derivatives",
+}
 LOOP = 256  # samples of a batch that are put through an engine one at a time
 SINGLE = 500  # calls that are timed together to get the cost of one
 OTHER_TAGS = ("visual", "collision", "dynamics", "mimic", "safety_controller", "gazebo", "transmission")
@@ -55,7 +62,9 @@ class States:
     def arguments(self, task: str, order=slice(None)) -> tuple[np.ndarray, ...]:
         used = {
             "inverse_dynamics": (self.q, self.qd, self.qdd),
+            "inverse_dynamics_derivatives": (self.q, self.qd, self.qdd),
             "forward_dynamics": (self.q, self.qd, self.tau),
+            "forward_dynamics_derivatives": (self.q, self.qd, self.tau),
         }.get(task, (self.q,))
         return tuple(np.ascontiguousarray(a[:, order]) for a in used)
 
@@ -81,13 +90,18 @@ def looped(engine: str, task: str, how: str, call, arguments, order) -> Iterator
             call(*row)
 
     def result():
-        values = np.array([np.array(call(*row)) for row in rows])
+        values = np.array([np.array(first(call(*row))) for row in rows])
         back = np.argsort(order)
         return values[:, back] if values.ndim == 2 else values[:, back][:, :, back]
 
-    compare = None if task == "jacobian" else result
+    compare = None if task == "tip_pose_and_jacobian" else result
     yield Entry(engine, task, f"loop of {how}", len(rows), loop, compare)
     yield single(engine, task, how, call, rows[0])
+
+
+def first(result):
+    """The array that is compared: of several outputs the first."""
+    return result[0] if isinstance(result, tuple) else result
 
 
 def single(engine: str, task: str, how: str, call, row) -> Entry:
@@ -101,19 +115,21 @@ def single(engine: str, task: str, how: str, call, row) -> Entry:
 def freebody_entries(model, kernels, states: States) -> Iterator[Entry]:
     for task, kernel in kernels.items():
         arguments = states.arguments(task)
-        out = np.empty_like(kernel(*arguments))
+        results = kernel(*arguments)
+        out = tuple(map(np.empty_like, results)) if isinstance(results, tuple) else np.empty_like(results)
         yield Entry(
             "freebody",
             task,
             "kernel",
             len(states.q),
             lambda k=kernel, a=arguments, o=out: k(*a, out=o, threads=1),
-            lambda o=out: o,
+            lambda o=out: first(o),
         )
         row = tuple(a[0] for a in arguments)
         yield single("freebody", task, "kernel", kernel, row)
-        public = getattr(fb, task)
-        yield single("freebody", task, f"fb.{task}", lambda *a, f=public: f(model, *a), row)
+        if hasattr(fb, task):
+            public = getattr(fb, task)
+            yield single("freebody", task, f"fb.{task}", lambda *a, f=public: f(model, *a), row)
 
 
 def pinocchio_entries(urdf: str, states: States, tip: str) -> Iterator[Entry]:
@@ -135,15 +151,29 @@ def pinocchio_entries(urdf: str, states: States, tip: str) -> Iterator[Entry]:
             lambda f=call, c=columns, o=out: f(1, pool, *c, o),
             lambda o=out: o.T[:, np.argsort(order)],
         )
+    frame = model.getFrameId(tip)
+
+    def pose_and_jacobian(q):
+        pin.computeJointJacobians(model, data, q)
+        return pin.updateFramePlacement(model, data, frame)
+
     calls = {
         "inverse_dynamics": ("rnea", lambda *a: pin.rnea(model, data, *a)),
         "forward_dynamics": ("aba", lambda *a: pin.aba(model, data, *a)),
         "mass_matrix": ("crba", lambda q: pin.crba(model, data, q)),
-        "jacobian": ("computeJointJacobians", lambda q: pin.computeJointJacobians(model, data, q)),
+        "tip_pose_and_jacobian": ("computeJointJacobians, placement", pose_and_jacobian),
+        "inverse_dynamics_derivatives": (
+            "computeRNEADerivatives",
+            lambda *a: pin.computeRNEADerivatives(model, data, *a),
+        ),
+        "forward_dynamics_derivatives": (
+            "computeABADerivatives",
+            lambda *a: pin.computeABADerivatives(model, data, *a),
+        ),
     }
     for task, (how, call) in calls.items():
         for entry in looped("Pinocchio", task, how, call, states.arguments(task, order), order):
-            if entry.task.endswith("one call") or task in ("mass_matrix", "jacobian"):
+            if entry.task.endswith("one call") or task not in parallel:
                 yield entry
 
 
@@ -236,7 +266,7 @@ def drake_entries(urdf: str, states: States, tip: str) -> Iterator[Entry]:
         "inverse_dynamics": ("CalcInverseDynamics", inverse),
         "forward_dynamics": ("acceleration port", forward),
         "mass_matrix": ("CalcMassMatrix", mass_matrix),
-        "jacobian": ("CalcJacobianSpatialVelocity", jacobian),
+        "tip_pose_and_jacobian": ("CalcJacobianSpatialVelocity", jacobian),
     }
     for task, (how, call) in calls.items():
         yield from looped("Drake", task, how, call, states.arguments(task, order), order)
@@ -351,7 +381,7 @@ def compare(robot: str, batch: int, repeats: int) -> None:
     kernels, notes = {}, []
     for task in TASKS:
         start = time.perf_counter()
-        kernels[task] = fb.kernel(model, task)
+        kernels[task] = fb.kernel(model, TASKS[task])
         kernels[task](*(a[0] for a in states.arguments(task)))
         notes.append(f"{task} {time.perf_counter() - start:.2f} s")
     print(f"\n{robot}: {model.nv} joints; trace and compile: {', '.join(notes)}")

@@ -119,7 +119,7 @@ def _accelerations(
     a: list[Column] = []
     psi_rate: list[tuple[Column, ...]] = []
     forces: list[Force] = []
-    base = (space.zero_angular, neg(tree.gravity))
+    base = (space.zero_angular, neg(world.gravity))
     still = (space.zero_angular, space.zero)
     for i, body in enumerate(tree.bodies):
         a_parent = base if body.parent < 0 else a[body.parent]

@@ -1,8 +1,9 @@
-"""Bodies in world axes about one point, and what hangs on each: the common ground of C and the derivatives.
+"""All bodies in one frame, and what hangs on each: the common ground of C and the derivatives.
 
-Motions are pairs (ω, v) and forces pairs (n, f), both at that point, so nothing needs to be transformed on the way
-along the tree. A body's Coriolis matrix B = ½ ((v×*) I - I (v×) + (I v)×̄*) (Echeandia and Wensing 2021) has only two
-blocks that are not zero: the angular one and, below it, -(linear momentum)×.
+The frame is that of one body where it is now, at rest: nothing here depends on where the robot stands, and no
+inertia is taken about a far point. Motions are pairs (ω, v) and forces pairs (n, f) at its origin, so nothing needs
+to be transformed on the way along the tree. A body's Coriolis matrix B = ½ ((v×*) I - I (v×) + (I v)×̄*) (Echeandia
+and Wensing 2021) has only two blocks that are not zero: the angular one and, below it, -(linear momentum)×.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from freebody.algorithms.crba import Composite, momentum_of, own_inertia
-from freebody.algorithms.kinematics import Column, Pose, joint_poses, weighted, world_poses
+from freebody.algorithms.kinematics import Column, Pose, joint_poses, weighted
 from freebody.elementary import Scalar
 from freebody.model.tree import Tree
 from freebody.spatial import (
@@ -20,6 +21,8 @@ from freebody.spatial import (
     add,
     compose,
     dot,
+    identity,
+    neg,
     plus,
     scale,
     sub,
@@ -35,6 +38,7 @@ Force = tuple[Vector, Vector]
 class WorldTree:
     """Per body: motion columns and their rates, velocity, inertia, and sums over the body and all that hangs on it."""
 
+    gravity: Vector
     S: list[tuple[Column, ...]] = field(default_factory=list)
     S_rate: list[tuple[Column, ...]] = field(default_factory=list)
     """Ṡ = v × S with the body's own velocity."""
@@ -60,8 +64,8 @@ def columns_at_origin(tree: Tree, poses: list[Pose]) -> list[tuple[Column, ...]]
 def world_tree(tree: Tree, q: Vector, qd: Vector) -> WorldTree:
     """Columns and velocities outward, inertias and Coriolis matrices inward."""
     space = tree.space
-    poses = world_poses(tree, _near(tree, joint_poses(tree, q)))
-    world = WorldTree()
+    poses, turn = _observed(tree, joint_poses(tree, q))
+    world = WorldTree(gravity=times(turn, tree.gravity))
     world.S = columns_at_origin(tree, poses)
     for body, columns, pose in zip(tree.bodies, world.S, poses, strict=True):
         joint = weighted(columns, body.rates(qd))
@@ -69,8 +73,11 @@ def world_tree(tree: Tree, q: Vector, qd: Vector) -> WorldTree:
         velocity = joint if parent is None else plus_motion(parent, joint)
         still = (space.zero_angular, space.zero)
         world.v.append(velocity)
-        world.psi.append(tuple(still if parent is None else cross_motion(space, parent, s) for s in columns))
-        world.S_rate.append(tuple(cross_motion(space, velocity, s) for s in columns))
+        psi = tuple(still if parent is None else cross_motion(space, parent, s) for s in columns)
+        world.psi.append(psi)
+        # v - v_parent is along the only column, and s × s = 0
+        only = len(columns) == 1
+        world.S_rate.append(psi if only else tuple(cross_motion(space, velocity, s) for s in columns))
         inertia = _moved(space, pose, own_inertia(space, body))
         world.own.append(inertia)
         _, linear = momentum_of(space, inertia, velocity)
@@ -86,22 +93,32 @@ def world_tree(tree: Tree, q: Vector, qd: Vector) -> WorldTree:
     return world
 
 
-def _near(tree: Tree, joints: list[Pose]) -> list[Pose]:
-    """Joint poses with the world's origin where the first body is now.
-
-    Nothing here depends on where the robot stands, but inertias about a far point would bury it in their rounding.
-    """
+def _observed(tree: Tree, joints: list[Pose]) -> tuple[list[Pose], Matrix]:
+    """Poses of the bodies in the observer's frame, and the rotation of world components into it."""
+    n = tree.space.dim
+    here = (identity(n), tree.space.zero)
     if not joints:
-        return joints
-    first = joints[0]
-    for k in range(1, len(joints)):
-        if tree.bodies[k].name != tree.bodies[0].name:
-            break
-        first = compose(first, joints[k])  # a joint of several primitives, such as a planar one
-    return [
-        (R, sub(p, first[1])) if body.parent < 0 else (R, p)
-        for body, (R, p) in zip(tree.bodies, joints, strict=True)
-    ]
+        return [], here[0]
+    body = observer(tree)
+    poses = {body: here}
+    while body >= 0:
+        R, p = joints[body]
+        E = transposed(R)
+        poses[tree.bodies[body].parent] = compose(poses[body], (E, neg(times(E, p))))
+        body = tree.bodies[body].parent
+    for i, joint in enumerate(joints):
+        if i not in poses:
+            poses[i] = compose(poses[tree.bodies[i].parent], joint)
+    return [poses[i] for i in range(len(joints))], poses[-1][0]
+
+
+def observer(tree: Tree) -> int:
+    """The body whose frame is used: the second of a chain, else the first.
+
+    Measured on arms and humanoids: from there the programs are shortest, a sixth shorter than about the world's origin.
+    """
+    following = tree.children(0)
+    return following[0] if len(following) == 1 else 0
 
 
 # ---------------------------------------------------------------- motions and forces at one point

@@ -16,7 +16,7 @@ from itertools import accumulate, pairwise
 from freebody.compiler.program import Program
 from freebody.scalars.expr import ARITY
 
-LONGEST = 500
+LONGEST = 1000
 """Weight of one segment: a node counts 1, the store of an output `_STORE`."""
 
 _STORE = 4  # LLVM's time grows with the square of the stores in a function

@@ -55,12 +55,14 @@ class Formula:
     inputs: names among q, qd, qdd, tau, x, dq, dqd (nv each but q), point, wrenches.
     outputs: name -> dimensions: numbers, or names among nv, nj, six, dim, pose (dim + 1), rows, parameters.
     evaluate(tree, option, **inputs): a tuple of nested sequences of scalars; wrenches is a tuple of vectors, one for
-    each of option.wrench_frames.
+    each of option.wrench_frames. another: a second way to the same values; for robots of few joints both are traced and
+    the shorter program is compiled.
     """
 
     inputs: tuple[str, ...]
     outputs: dict[str, tuple[str | int, ...]]
     evaluate: Callable[..., tuple[Any, ...]]
+    another: Callable[..., tuple[Any, ...]] | None = None
 
 
 def _external(tree: Tree, o: Option, q: Vector, wrenches: tuple[Vector, ...]) -> list[External]:
@@ -157,6 +159,14 @@ def _along_every_direction(tree: Tree, q: Vector) -> Vector:
     return tuple(Dual(x, {k: rates[i] for k, rates in enumerate(along)}) for i, x in enumerate(q))
 
 
+def _by_dual_scalars(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Derivatives:
+    """Derivatives of inverse dynamics by forward mode: shorter where a robot's geometry folds well."""
+    n = tree.nv
+    faster = tuple(Dual(x, {n + k: 1.0}) for k, x in enumerate(qd))
+    rows = [slopes(t, 2 * n) for t in rnea(tree, _along_every_direction(tree, q), faster, qdd).tau]
+    return Derivatives(tuple(tuple(r[:n]) for r in rows), tuple(tuple(r[n:]) for r in rows), crba(tree, q))
+
+
 def _forward_by_parameters(tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector) -> tuple[Any, ...]:
     """∂q̈/∂π = -M⁻¹ Y."""
     qdd = forward_dynamics(tree, q, qd, tau)
@@ -217,11 +227,13 @@ FORMULAS: dict[str, Formula] = {
         ("q", "qd", "qdd"),
         {"dtau_dq": ("nv", "nv"), "dtau_dqd": ("nv", "nv"), "M": ("nv", "nv")},
         lambda t, o, q, qd, qdd: _matrices(inverse_dynamics_derivatives(t, q, qd, qdd)),
+        lambda t, o, q, qd, qdd: _matrices(_by_dual_scalars(t, q, qd, qdd)),
     ),
     "forward_dynamics_derivatives": Formula(
         ("q", "qd", "tau"),
         {"dqdd_dq": ("nv", "nv"), "dqdd_dqd": ("nv", "nv"), "Minv": ("nv", "nv")},
         lambda t, o, q, qd, tau: _matrices(forward_dynamics_derivatives(t, q, qd, tau)),
+        lambda t, o, q, qd, tau: _matrices(forward_dynamics_derivatives(t, q, qd, tau, _by_dual_scalars)),
     ),
     "inverse_dynamics_second_derivatives": Formula(
         ("q", "qd", "qdd"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -93,6 +93,9 @@ _FRAMED = (
     "operational_space_inertia",
     "operational_space_bias",
 )
+SMALL = 12
+"""Coordinates up to which two ways to the same values are both traced."""
+
 _ORDER = ("q", "qd", "qdd", "tau", "x", "dq", "dqd", "point")
 
 
@@ -128,13 +131,20 @@ def program(model: Model, names: tuple[str, ...], option: Option) -> Program:
         for label, dims in FORMULAS[name].outputs.items()
     )
 
-    def evaluate(*values: Any) -> tuple[Any, ...]:
-        given = dict(zip(labels, values, strict=True))
-        return tuple(
-            x for name in names for x in FORMULAS[name].evaluate(tree, option, **_chosen(name, given, option))
-        )
+    def traced(ways: dict[str, Callable[..., tuple[Any, ...]]]) -> Program:
+        def evaluate(*values: Any) -> tuple[Any, ...]:
+            given = dict(zip(labels, values, strict=True))
+            return tuple(
+                x for name in names for x in ways[name](tree, option, **_chosen(name, given, option))
+            )
 
-    return trace("+".join(names), evaluate, inputs, outputs)
+        return trace("+".join(names), evaluate, inputs, outputs)
+
+    first = traced({name: FORMULAS[name].evaluate for name in names})
+    others = {name: FORMULAS[name].another or FORMULAS[name].evaluate for name in names}
+    if model.nv > SMALL or all(FORMULAS[name].another is None for name in names):
+        return first
+    return min(first, traced(others), key=lambda program: sum(program.operations.values()))
 
 
 def reference(model: Model, name: str, option: Option, *arrays: Array) -> Array | tuple[Array, ...]:
