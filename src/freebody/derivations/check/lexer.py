@@ -1,0 +1,184 @@
+"""Characters into tokens: names as the vocabulary knows them, numbers, operators, brackets, LaTeX left behind."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import NoReturn, Protocol
+
+from freebody.derivations.check import words
+from freebody.derivations.check.source import Source, Span
+
+
+@dataclass(frozen=True)
+class Token:
+    """kind: number name function power operator open close fraction comma equals line amp row begin end stop."""
+
+    kind: str
+    text: str
+    start: int
+    end: int
+    value: Fraction = Fraction(0)
+
+    @property
+    def span(self) -> Span:
+        """Where it stands."""
+        return self.start, self.end
+
+
+class Names(Protocol):
+    """What the lexer asks of a vocabulary."""
+
+    functions: dict[str, str]
+
+    @property
+    def known(self) -> frozenset[str]: ...
+
+    def unknown(self, source: Source, span: Span) -> NoReturn:
+        """Raise the error for a word that is no name."""
+        ...
+
+
+_NUMBER = re.compile(r"(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?")
+_LONGEST_NUMBER, _LARGEST_EXPONENT = 40, 30
+_COMMAND = re.compile(r"\\([A-Za-z]+\*?|.)", re.DOTALL)
+_ENVIRONMENT = re.compile(r"\s*\{([A-Za-z]+\*?)\}(\{[clr|\s]*\})?")
+_OPERATORS = (
+    {c: "*" for c in "*·⋅×∗∙•"} | {c: "-" for c in "-−–—‐"} | {c: "/" for c in "/÷∕⁄"} | {"+": "+", "^": "^"}
+)
+_OPENING, _CLOSING = {"(": ")", "[": "]", "{": "}"}, frozenset(")]}")
+_VULGAR = {
+    "½": (1, 2), "⅓": (1, 3), "⅔": (2, 3), "¼": (1, 4), "¾": (3, 4), "⅕": (1, 5), "⅙": (1, 6), "⅛": (1, 8), "⅜": (3, 8),
+}  # fmt: skip
+_TIMES = ("cdot", "times", "ast")
+_FRACTIONS = ("frac", "tfrac", "dfrac")
+_FUNCTIONS = ("sin", "cos", "tan", "sqrt", "exp", "log", "ln", "arctan", "arccos", "arcsin", "sgn")
+_SILENT = frozenset(
+    """left right big Big bigg Bigg bigl bigr Bigl Bigr biggl biggr Biggl Biggr displaystyle textstyle quad qquad
+    nonumber notag limits , ; : ! ( ) [ ]""".split()
+) | {" ", "\n"}
+MATRICES = frozenset("matrix pmatrix bmatrix Bmatrix vmatrix smallmatrix array".split())
+"""LaTeX environments that hold a matrix; other environments are passed over."""
+
+
+def tokens(source: Source, names: Names) -> list[Token]:
+    """All tokens of a text, the last of kind "stop"."""
+    found: list[Token] = []
+    at = 0
+    while at < len(source.text):
+        after_fraction = bool(found) and found[-1].kind == "fraction" or _second_of_fraction(found)
+        for token in _next(source, at, names, after_fraction):
+            at = token.end
+            if token.kind != "space":
+                found.append(token)
+    found.append(Token("stop", "", at, at))
+    return found
+
+
+def _second_of_fraction(found: list[Token]) -> bool:
+    """Whether \\frac and one bare digit stand before."""
+    return len(found) > 1 and found[-2].kind == "fraction" and found[-1].kind == "number"
+
+
+def _next(source: Source, at: int, names: Names, single: bool) -> Iterator[Token]:
+    """The tokens that begin there; `single`: of a number only its first digit."""
+    c = source.text[at]
+    if c == "\n" or c == ";":
+        yield Token("line", c, at, at + 1)
+    elif c.isspace() or c in "$~\u200b\u2061\u2062":
+        yield Token("space", c, at, at + 1)
+    elif c == "#":
+        end = source.text.find("\n", at)
+        yield Token("space", c, at, end if end >= 0 else len(source.text))
+    elif c == "\\":
+        yield from _command(source, at, names)
+    elif c in words.STARTS and c != "_":
+        yield from _names(source, at, names)
+    elif (c.isascii() and c.isdigit()) or c == ".":
+        yield _number(source, at, single)
+    elif c in _VULGAR:
+        yield Token("number", c, at, at + 1, Fraction(*_VULGAR[c]))
+    else:
+        yield _mark(source, at)
+
+
+def _mark(source: Source, at: int) -> Token:
+    """Operators, brackets, superscripts."""
+    text, c = source.text, source.text[at]
+    if c in _OPERATORS:
+        double = text[at : at + 2] == "**"
+        return Token("operator", "^" if double else _OPERATORS[c], at, at + 1 + double)
+    if c in _OPENING:
+        return Token("open", c, at, at + 1)
+    if c in _CLOSING:
+        return Token("close", c, at, at + 1)
+    if c in "=,&°":
+        size = 2 if text[at : at + 2] == "==" else 1
+        return Token({"=": "equals", ",": "comma", "&": "amp", "°": "degree"}[c], c, at, at + size)
+    power, end = words.superscript(text, at)
+    if power is not None:
+        return Token("power", text[at:end], at, end, Fraction(power))
+    if c in words.MARKS:
+        source.fail("a dot without a letter under it", (at, at + 1))
+    source.fail(f"{c!r} has no meaning here", (at, at + 1))
+
+
+def _number(source: Source, at: int, single: bool) -> Token:
+    match = _NUMBER.match(source.text, at)
+    if match is None:
+        if not source.text[at + 1 : at + 2].strip():
+            return Token("space", ".", at, at + 1)  # a full stop
+        source.fail("a point without digits", (at, at + 1))
+    text = match[0][0] if single else match[0]
+    span = (at, at + len(text))
+    mantissa, _, exponent = text.lower().partition("e")
+    if len(mantissa) > _LONGEST_NUMBER or abs(int(exponent[:9] or 0)) > _LARGEST_EXPONENT:
+        source.fail("this number is too long or too large", span)
+    return Token("number", text, *span, Fraction(text))
+
+
+def _names(source: Source, at: int, names: Names) -> Iterator[Token]:
+    """The names that a word is made of, with the power that stood before its subscript."""
+    word = words.spell(source, at)
+    pieces = words.cut(source, word, names.known, names.functions)
+    if pieces is None:
+        names.unknown(source, (word.start, word.end))
+    for name, start, end in pieces:
+        if name.isdigit():
+            yield Token("number", name, start, end, Fraction(name))
+        else:
+            yield Token("function" if name in names.functions else "name", name, start, end)
+    if word.power is not None:
+        yield Token("power", str(word.power), word.end, word.end, Fraction(word.power))
+
+
+def _command(source: Source, at: int, names: Names) -> Iterator[Token]:
+    """A LaTeX command."""
+    match = _COMMAND.match(source.text, at)
+    if match is None:
+        source.fail("a backslash alone", (at, at + 1))
+    name, end = match[1], match.end()
+    if name in words.COMMANDS:
+        yield from _names(source, at, names)
+    elif name in _SILENT:
+        yield Token("space", name, at, end)
+    elif name in _TIMES:
+        yield Token("operator", "*", at, end)
+    elif name in _FRACTIONS:
+        yield Token("fraction", name, at, end)
+    elif name in _FUNCTIONS and name in names.functions:
+        yield Token("function", name, at, end)
+    elif name == "\\":
+        skip = re.compile(r"\s*\[[^\]\n]{0,12}\]").match(source.text, end)
+        yield Token("row", name, at, skip.end() if skip else end)
+    elif name in ("{", "}"):
+        yield Token("open" if name == "{" else "close", name, at, end)
+    elif name in ("begin", "end") and (environment := _ENVIRONMENT.match(source.text, end)):
+        kind = name if environment[1] in MATRICES else "space"
+        yield Token(kind, environment[1], at, environment.end())
+    elif name == "prime":
+        source.fail("a prime is written ' here, such as \\theta_1'", (at, end))
+    else:
+        source.fail(f"the command {source.text[at:end]} is not known here", (at, end))

@@ -1,0 +1,80 @@
+"""What an answer is compared with: the model's equations in a ring wide enough for what users write by mistake."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from freebody.derivations.equations import Equations
+from freebody.derivations.forms import Layout
+from freebody.derivations.order import Order
+from freebody.derivations.symbols import RATE, SECOND, Symbols
+from freebody.scalars.trig import Trig, TrigRing
+
+FAMILIES = ("l", "lc", "m", "I")
+"""Parameters that every link of a planar arm has in the notes."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """The equations, and their symbols over the wider ring."""
+
+    equations: Equations
+    symbols: Symbols
+    foreign: frozenset[str]
+    """Symbols of the notes that this model does not have, such as l2 of a link that slides."""
+
+    @cached_property
+    def layout(self) -> Layout:
+        """How polynomials are printed."""
+        return Layout(self.symbols)
+
+    @property
+    def order(self) -> Order:
+        """What the symbols are."""
+        return self.layout.order
+
+    @property
+    def ring(self) -> TrigRing:
+        """The ring of answers."""
+        return self.symbols.ring
+
+    @property
+    def is_planar(self) -> bool:
+        """Whether the model moves in the plane."""
+        return self.symbols.model.dim == 2
+
+    @property
+    def joints(self) -> int:
+        """The highest number a joint's coordinate carries."""
+        return max((int(d) for x in self.symbols.coordinates for d in re.findall(r"\d+", x)), default=0)
+
+    @property
+    def zero(self) -> Trig:
+        """0."""
+        return self.symbols.zero()
+
+    def element(self, x: Trig) -> Trig:
+        """A polynomial of the equations in the wider ring."""
+        return self.ring.polynomial(x.terms())
+
+    def form(self, x: Trig) -> str:
+        """A polynomial as one prints it."""
+        return str(self.layout.form(x))
+
+
+def setting(equations: Equations) -> Setting:
+    """The setting of a model's equations."""
+    symbols = equations.symbols
+    ring = symbols.ring
+    foreign: list[str] = []
+    if symbols.model.dim == 2:
+        numbers = [re.sub(r"\D", "", x) for x in symbols.coordinates]
+        family = [f"{letter}{k}" for k in numbers for letter in FAMILIES]
+        family += [f"{x}{k}{e}" for k in numbers for x in ("theta", "d") for e in ("", RATE, SECOND)]
+        foreign = [name for name in dict.fromkeys(family) if name not in ring.index]
+    angles = [name for name in foreign if re.fullmatch(r"theta\d+", name)]
+    others = [name for name in foreign if name not in angles]
+    wide = TrigRing([*ring.angles, *angles], [*ring.names[len(ring.angles) :], *others])
+    return Setting(equations, replace(symbols, ring=wide), frozenset(foreign))

@@ -1,0 +1,251 @@
+"""What can be asked: τ_i, M_ij, c_i, g_i, J_ij, T, V, the tip's position, with the names they go by and right values."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from freebody.algorithms.kinematics import frame_pose, jacobian, joint_poses, world_poses
+from freebody.derivations import expression as ex
+from freebody.derivations.check.setting import Setting
+from freebody.derivations.check.vocabulary import spellings
+from freebody.derivations.expression import Expression
+from freebody.scalars.trig import Trig
+
+Values = list[Trig] | list[list[Trig]]
+"""A vector or matrix."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """One quantity: its family ("tau", "M", …), indices from 1, and how to compute the right value."""
+
+    family: str
+    index: tuple[int, ...]
+    compute: Callable[[], Trig]
+
+    @property
+    def title(self) -> str:
+        """What it is, in words."""
+        return _TITLES[self.family].format(*self.index)
+
+
+_TITLES = {
+    "tau": "the drive's torque or force at joint {}",
+    "M": "entry {}, {} of the mass matrix",
+    "C": "entry {}, {} of the Coriolis matrix of Christoffel's symbols",
+    "c": "the velocity term of joint {}",
+    "g": "the gravity term of joint {}",
+    "J": "entry {}, {} of the tip's Jacobian",
+    "T": "the kinetic energy",
+    "V": "the potential energy",
+    "L": "the Lagrangian",
+    "Ti": "the kinetic energy of body {}",
+    "Vi": "the potential energy of body {}",
+    "h": "the velocity coefficient",
+    "tip": "a coordinate of the tip",
+    "tip_d": "a velocity of the tip",
+    "tip_dd": "an acceleration of the tip",
+    "det": "the determinant of the tip's Jacobian",
+}
+_LETTERS = {
+    "tau": ("tau", "Q"),
+    "M": ("M", "H", "m", "D"),
+    "C": ("C",),
+    "c": ("c", "C", "v", "b"),
+    "g": ("g", "G"),
+    "J": ("J",),
+    "T": ("T", "K", "KE", "Ek", "Ekin"),
+    "V": ("V", "U", "P", "PE", "Ep", "Epot"),
+    "L": ("L",),
+}
+_TIP = {"x": ("x", "xP", "xp", "xE", "xtip", "px"), "y": ("y", "yP", "yp", "yE", "ytip", "py")}
+_TIP["z"] = ("z", "zP", "zp", "zE", "ztip", "pz")
+
+
+@dataclass(frozen=True)
+class Targets:
+    """The quantities of a model by name; `velocity`: also h, h1, … of the notes' form."""
+
+    setting: Setting
+    velocity: bool = False
+
+    @property
+    def count(self) -> int:
+        """Number of coordinates."""
+        return len(self.setting.symbols.coordinates)
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """All names, in plain spelling."""
+        return frozenset([*self.single, *self.tables])
+
+    @cached_property
+    def single(self) -> dict[str, Target]:
+        """Quantities that are one polynomial."""
+        found: dict[str, Target] = {}
+        for names, target in self._all():
+            for name in names:
+                found.setdefault(name, target)
+        return found
+
+    @cached_property
+    def tables(self) -> dict[str, list[list[Target]]]:
+        """Vectors (one column) and matrices of quantities."""
+        n = range(1, self.count + 1)
+        found: dict[str, list[list[Target]]] = {}
+        for family in ("tau", "g"):
+            for letter in _LETTERS[family]:
+                found[letter] = [[self.single[f"{_LETTERS[family][0]}{i}"]] for i in n]
+        for letter in ("c", "v"):
+            found[letter] = [[self.single[f"v{i}"]] for i in n]
+        for letter in ("M", "H", "D", "C"):
+            found[letter] = [[self.single[f"{letter}{i}{j}"] for j in n] for i in n]
+        if self._tip is not None:
+            rows = range(1, len(self._jacobian) + 1)
+            found["J"] = [[self.single[f"J{i}{j}"] for j in n] for i in rows]
+        return {name: table for name, table in found.items() if name not in self.single}
+
+    # ------------------------------------------------------------ all of them
+    def _all(self) -> Iterator[tuple[tuple[str, ...], Target]]:
+        eq, alone = self.setting.equations, self.count == 1
+        n = range(1, self.count + 1)
+        for i in n:
+            for family, values in (("tau", "tau"), ("c", "c"), ("g", "g")):
+                letters = _LETTERS[family]
+                names = [f"{x}{i}" for x in letters] + ([*letters] if alone else [])
+                if family == "tau" and eq.symbols.coordinates[i - 1].startswith("d"):
+                    names += [f"F{i}"] + (["F"] if alone else [])
+                yield tuple(names), Target(family, (i,), self._entry(values, i))
+            for j in n:
+                for family in ("M", "C"):
+                    names = [f"{x}{i}{j}" for x in _LETTERS[family]] + (
+                        [*_LETTERS[family]] if alone and family == "M" else []
+                    )
+                    yield tuple(names), Target(family, (i, j), self._entry(family, i, j))
+        yield from self._energies()
+        if self._tip is not None:
+            yield from self._of_tip()
+        if self.velocity:
+            yield from self._coefficients()
+
+    def _entry(self, name: str, *index: int) -> Callable[[], Trig]:
+        def value() -> Trig:
+            found: Any = getattr(self.setting.equations, name)
+            for i in index:
+                found = found[i - 1]
+            return self.setting.element(found)
+
+        return value
+
+    def _energies(self) -> Iterator[tuple[tuple[str, ...], Target]]:
+        eq = self.setting.equations
+        bodies = len(eq.symbols.model.bodies)
+        for family in ("T", "V"):
+            yield _LETTERS[family], Target(family, (), self._entry(family))
+            for i in range(1, bodies + 1):
+                names = tuple(f"{x}{i}" for x in _LETTERS[family])
+                yield names, Target(f"{family}i", (i,), self._of_body(family, i - 1))
+        yield _LETTERS["L"], Target("L", (), lambda: self.setting.element(eq.T - eq.V))
+
+    def _of_body(self, family: str, body: int) -> Callable[[], Trig]:
+        """The terms of an energy with a body's mass or moment of inertia."""
+
+        def value() -> Trig:
+            inertial = self.setting.order.inertial
+            own = {name for name, (i, _) in inertial.items() if i == body}
+            terms = getattr(self.setting.equations, family).terms()
+            return self.setting.ring.polynomial((p, c) for p, c in terms if own & set(p))
+
+        return value
+
+    # ------------------------------------------------------------ the tip
+    @property
+    def _tip(self) -> str | None:
+        return self.setting.equations.symbols.model.tip
+
+    @cached_property
+    def _jacobian(self) -> list[list[Trig]]:
+        s = self.setting.equations.symbols
+        rows = jacobian(s.tree, s.q, self._tip or "")
+        return [[self.setting.element(s.element(x)) for x in row] for row in rows]
+
+    @cached_property
+    def _position(self) -> list[Trig]:
+        s = self.setting.equations.symbols
+        _, p = frame_pose(s.tree, world_poses(s.tree, joint_poses(s.tree, s.q)), self._tip or "")
+        return [self.setting.element(s.element(x)) for x in p]
+
+    def _of_tip(self) -> Iterator[tuple[tuple[str, ...], Target]]:
+        for i in range(1, (4 if self.setting.is_planar else 7)):
+            for j in range(1, self.count + 1):
+                yield (f"J{i}{j}",), Target("J", (i, j), lambda i=i, j=j: self._jacobian[i - 1][j - 1])
+        for k in range(self.setting.symbols.model.dim):
+            names = _TIP["xyz"[k]]
+            yield names, Target("tip", (), lambda k=k: self._position[k])
+            for dots, family in ((1, "tip_d"), (2, "tip_dd")):
+                dotted = [s for name in names[:2] for s in spellings(name, "", dots)]
+                yield tuple(dotted), Target(family, (), self._rate_of_tip(k, dots))
+        if self.setting.is_planar and self.count in (2, 3):
+            yield ("detJ",), Target("det", (), lambda: _determinant(self._jacobian[: self.count]))
+
+    def _rate_of_tip(self, k: int, dots: int) -> Callable[[], Trig]:
+        def value() -> Trig:
+            x = self._position[k]
+            for _ in range(dots):
+                x = x.along(self.setting.symbols.rates)
+            return x
+
+        return value
+
+    # ------------------------------------------------------------ h of (3.25)
+    def _coefficients(self) -> Iterator[tuple[tuple[str, ...], Target]]:
+        for group in self.setting.equations.groups("named"):
+            for equation in group:
+                symbol = equation.lhs
+                if isinstance(symbol, ex.Symbol) and re.fullmatch(r"h[\d_]*", symbol.name):
+                    name = symbol.name.replace("_", "")
+                    yield (name,), Target("h", (), lambda x=equation.rhs: polynomial(self.setting, x))
+
+
+def polynomial(setting: Setting, node: Expression) -> Trig:
+    """A printed expression as polynomial."""
+
+    def at(part: Expression) -> Any:
+        return polynomial(setting, part)
+
+    one = setting.zero + 1
+    match node:
+        case ex.Number():
+            return one * node.value if node.value else setting.zero
+        case ex.Symbol():
+            return setting.ring[node.name]
+        case ex.Negative():
+            return -at(node.operand)
+        case ex.Sum():
+            return sum(map(at, node.terms), setting.zero)
+        case ex.Product():
+            for factor in node.factors:
+                one = one * at(factor)
+            return one
+        case ex.Power():
+            return at(node.base) ** node.exponent
+        case ex.Quotient():
+            return at(node.above) / at(node.below)
+        case ex.Function():
+            return getattr(at(node.argument), node.name)()
+    raise TypeError(type(node).__name__)
+
+
+def _determinant(rows: list[list[Trig]]) -> Trig:
+    if len(rows) == 2:
+        (a, b), (c, d) = rows
+        return a * d - b * c
+    total: Any = 0.0
+    for j, x in enumerate(rows[0]):
+        minor = [[*row[:j], *row[j + 1 :]] for row in rows[1:]]
+        total = total + x * _determinant(minor) * (-1) ** j
+    return total

@@ -1,0 +1,202 @@
+"""The names that an answer may use: the model's symbols and their synonyms, c12 and s12, functions, quantities."""
+
+from __future__ import annotations
+
+import difflib
+import itertools
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NoReturn
+
+from freebody.derivations.check.setting import FAMILIES, Setting
+from freebody.derivations.check.source import Source, Span
+from freebody.derivations.check.tree import Angle
+from freebody.derivations.check.words import DOT, PRIME
+from freebody.derivations.symbols import RATE, SECOND
+from freebody.scalars.trig import Trig
+
+FUNCTIONS = {
+    "sin": "sin", "Sin": "sin", "SIN": "sin", "cos": "cos", "Cos": "cos", "COS": "cos", "sgn": "sgn", "sign": "sgn",
+    "Derivative": "Derivative", "diff": "Derivative", "Matrix": "Matrix", "array": "Matrix",
+}  # fmt: skip
+_NOT_POLYNOMIAL = {
+    "tan",
+    "cot",
+    "sqrt",
+    "exp",
+    "log",
+    "ln",
+    "arctan",
+    "atan",
+    "atan2",
+    "asin",
+    "acos",
+    "arcsin",
+    "arccos",
+}
+_SYNONYMS = {
+    "lc": ("lC", "lG", "lg"),
+    "I": ("Ic", "IC", "IG", "Izz", "IC"),
+    "l": (),
+    "m": (),
+}
+_MOST_IN_SUM = 6
+
+
+@dataclass
+class Vocabulary:
+    """Plain spellings (see `words`) and what they mean."""
+
+    setting: Setting
+    quantities: frozenset[str] = frozenset()
+    """Names of what can be asked: tau1, H12, …"""
+    symbols: dict[str, Trig] = field(default_factory=dict)
+    waves: dict[str, tuple[str, Angle]] = field(default_factory=dict)
+    """c12, s12: the function and the angle."""
+    functions: dict[str, str] = field(default_factory=lambda: dict(FUNCTIONS))
+
+    def __post_init__(self) -> None:
+        for spelling, value in self._all_symbols():
+            self.symbols.setdefault(spelling, value)
+        for name, wave in self._all_waves():
+            if name not in self.symbols:
+                self.waves[name] = wave
+
+    @cached_property
+    def known(self) -> frozenset[str]:
+        """All names but functions."""
+        return frozenset([*self.symbols, *self.waves, *self.quantities, "t", "pi"])
+
+    def define(self, plain: str, value: Trig) -> None:
+        """A name of the user's own; it goes before all others."""
+        self.symbols[plain] = value
+        self.waves.pop(plain, None)
+        self.functions.pop(plain, None)
+        self.__dict__.pop("known", None)
+
+    def unknown(self, source: Source, span: Span) -> NoReturn:
+        """Raise the error for a word that is no name."""
+        word = source[span]
+        plain = re.sub(r"[_{}\\]", "", word)
+        if plain in _NOT_POLYNOMIAL:
+            source.fail(f"{plain} does not occur in these equations: write them with sin and cos", span)
+        names = self.listed
+        near = difflib.get_close_matches(plain, names, n=1, cutoff=0.5) if len(plain) < 30 else []
+        near = near or [name for name in names if name.lower() == plain.lower()]
+        hint = f"Did you mean {near[0]!r}? " if near else ""
+        shown = word if len(word) <= 30 else word[:30] + "…"
+        meaning = near[0] if near else names[0] if names else "…"
+        renaming = (
+            f" A name of your own is declared by names={{{plain!r}: {meaning!r}}}." if len(plain) < 12 else ""
+        )
+        source.fail(
+            f"no symbol {shown!r} in {self.setting.symbols.model.name!r}",
+            span,
+            f"{hint}Symbols: {', '.join(names[:24])}.{renaming}",
+        )
+
+    @property
+    def listed(self) -> list[str]:
+        """The model's own symbols, for errors."""
+        names = self.setting.ring.names
+        return [x for x in names if x not in self.setting.foreign and not x.startswith("sgn_")]
+
+    # ------------------------------------------------------------ symbols
+    def _all_symbols(self) -> Iterator[tuple[str, Trig]]:
+        ring, s = self.setting.ring, self.setting.symbols
+        for name in [*s.coordinates, *(x for x in ring.names if re.fullmatch(r"theta\d+|d\d+", x))]:
+            yield from self._coordinate(name)
+        for name in ring.names:
+            yield name.replace("_", ""), ring[name]
+        yield from self._families()
+        if self.setting.is_planar:
+            yield from self._absolute_rates()
+        yield from self._sums()
+        gravity = self.setting.order.gravity
+        if gravity:
+            yield "g", ring[gravity]
+
+    def _coordinate(self, name: str) -> Iterator[tuple[str, Trig]]:
+        """Synonyms of a coordinate and its rates: q1, th1, dtheta1, theta1', …"""
+        letters, number = re.sub(r"\d", "", name), re.sub(r"\D", "", name)
+        alone = len(self.setting.symbols.coordinates) == 1 or letters in ("x", "y")
+        own = self._is_own(number)
+        for letter in {"theta": ("theta", "q", "th"), "d": ("d", "q")}.get(letters, (letters,)):
+            if letter == "q" and name not in self.setting.symbols.coordinates and own:
+                continue
+            for k in (number, "") if alone and letters not in ("x", "y") else (number,):
+                for dots, ending in enumerate(("", RATE, SECOND)):
+                    for spelling in spellings(letter, k, dots):
+                        yield spelling, self.setting.ring[name + ending]
+
+    def _is_own(self, number: str) -> bool:
+        """Whether a coordinate of the model carries the number."""
+        return any(re.sub(r"\D", "", x) == number for x in self.setting.symbols.coordinates)
+
+    def _families(self) -> Iterator[tuple[str, Trig]]:
+        """Synonyms of a planar arm's parameters; without number where there is one link."""
+        ring = self.setting.ring
+        alone = self.setting.joints == 1
+        for family in FAMILIES:
+            for k in range(1, self.setting.joints + 1):
+                if f"{family}{k}" not in ring.index:
+                    continue
+                letters = (family, *_SYNONYMS[family])
+                for spelling in (*(f"{x}{k}" for x in letters), *(letters if alone else ())):
+                    yield spelling, ring[f"{family}{k}"]
+                if family == "lc":
+                    yield f"l{k}c", ring[f"lc{k}"]
+
+    def _absolute_rates(self) -> Iterator[tuple[str, Trig]]:
+        """ω_i = θ̇_1 + … + θ̇_i, (3.16) and (3.17), and its time derivative."""
+        ring, s = self.setting.ring, self.setting.symbols
+        for name in s.coordinates:
+            k = re.sub(r"\D", "", name)
+            turning = [x for x in s.coordinates[: s.coordinates.index(name) + 1] if x.startswith("theta")]
+            for dots, ending in ((0, RATE), (1, SECOND)):
+                value = sum((ring[x + ending] for x in turning), self.setting.zero)
+                for letter in ("omega", "w"):
+                    for spelling in spellings(letter, k, dots):
+                        yield spelling, value
+                if dots:
+                    yield f"alpha{k}", value
+
+    def _sums(self) -> Iterator[tuple[str, Trig]]:
+        """theta12 is theta1 + theta2, and so its rates."""
+        ring = self.setting.ring
+        for numbers, names in self._subsets():
+            if len(names) > 1:
+                for dots, ending in enumerate(("", RATE, SECOND)):
+                    value = sum((ring[x + ending] for x in names), self.setting.zero)
+                    for letter in ("theta", "q", "th"):
+                        for spelling in spellings(letter, numbers, dots):
+                            yield spelling, value
+
+    def _subsets(self) -> Iterator[tuple[str, tuple[str, ...]]]:
+        """Angles with rising numbers of one digit."""
+        angles = [x for x in self.setting.ring.angles if re.fullmatch(r"theta\d", x)]
+        angles = sorted(angles)[:_MOST_IN_SUM]
+        for size in range(1, len(angles) + 1):
+            for names in itertools.combinations(angles, size):
+                yield "".join(x[-1] for x in names), names
+
+    def _all_waves(self) -> Iterator[tuple[str, tuple[str, Angle]]]:
+        for numbers, names in self._subsets():
+            for letter, function in (("c", "cos"), ("s", "sin")):
+                angle = tuple((x, 1) for x in sorted(names, key=self.setting.ring.angles.index))
+                yield letter + numbers, (function, angle)
+
+
+def spellings(letter: str, k: str, dots: int) -> Iterable[str]:
+    """Ways to write a letter with number k and dots: theta1_d, dtheta1, theta_dot_1, theta1', θ̇₁."""
+    if dots == 0:
+        return (f"{letter}{k}",)
+    d, dot = "d" * dots, "d" * (dots - 1) + "dot"
+    return dict.fromkeys((
+        DOT * dots + f"{letter}{k}",
+        f"{letter}{k}{PRIME * dots}", f"{letter}{PRIME * dots}{k}",
+        f"{letter}{k}{d}", f"{d}{letter}{k}", f"{letter}{d}{k}",
+        f"{letter}{k}{dot}", f"{letter}{dot}{k}", f"{letter}{k}{'dot' * dots}", f"{letter}{'dot' * dots}{k}",
+    ))  # fmt: skip
