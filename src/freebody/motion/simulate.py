@@ -42,7 +42,7 @@ def simulate(
     torque: of the drives (N m, N): None for none; (nv,) constant; (T, nv) at the times t, straight lines between them;
     or a function f(t, q, qd) -> (nv,). wrenches: constant, as for `inverse_dynamics`. method: one of scipy's
     integrators; "auto" takes DOP853, or Radau (implicit) where friction makes the system stiff: where M⁻¹ times the
-    slope of the friction has an eigenvalue above 5000 over the duration. tolerance: relative error per step; absolute a
+    slope of the friction has an eigenvalue above 1000 over the duration. tolerance: relative error per step; absolute a
     hundredth of it. friction_width: Coulomb friction acts as c tanh(q̇ / width), rad/s or m/s, so that a joint at rest
     creeps instead of sticking.
 

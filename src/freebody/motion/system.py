@@ -19,7 +19,7 @@ Loads = Callable[[Array], tuple[Array, ...]]
 """External wrenches, one array (..., six) a frame, at times t (...)."""
 
 _STEP = 1e-6  # of central differences, relative to 1 + |y|
-_IMPLICIT_FROM = 5e3
+_IMPLICIT_FROM = 1e3
 """Decay rate times duration from which an explicit method wastes its steps on stability."""
 
 

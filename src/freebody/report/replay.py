@@ -27,13 +27,14 @@ from freebody.report.results import Replay
 
 BOUND = 1e4
 """Amplification that a piece may have at most."""
-TOLERANCE = {"DOP853": 1e-12, "Radau": 1e-8}
+TOLERANCE = {"DOP853": 1e-12, "BDF": 1e-11, "Radau": 1e-8}
 """Relative error per step of the integrators, absolute a hundredth of it; what is stiff also damps its errors."""
 
 _GRID = 400
 _HALVINGS = 14
 _MOST_PIECES = 400
-_EVALUATIONS = 30_000  # of each run, which might otherwise follow a tumbling robot for minutes
+_EVALUATIONS = 30_000  # of the open-loop run, which might otherwise follow a tumbling robot for minutes
+_MOST_EVALUATIONS = 150_000  # of the pieces together
 
 
 def replayed(model: Model, motion: Motion) -> Replay:
@@ -48,7 +49,10 @@ def replayed(model: Model, motion: Motion) -> Replay:
     if len(factors) > _MOST_PIECES:
         _refuse(model, motion, edges)
     misses = _land(whole, motion, edges, allowed, method)
-    drift_time, drift = _open_loop(whole, motion, allowed, method)
+    if method == "BDF" and not np.isfinite(misses).all():
+        method = "Radau"  # dearer, but gets through where Newton's iteration in BDF does not
+        misses = _land(whole, motion, edges, allowed, method)
+    drift_time, drift, ended = _open_loop(whole, motion, allowed, method)
     growth = amplification(steps)
     return Replay(
         edges,
@@ -60,7 +64,7 @@ def replayed(model: Model, motion: Motion) -> Replay:
         drift,
         growth,
         whole.friction.width if whole.friction.acts else 0.0,
-        _text(edges, factors, misses, growth, motion, drift_time, drift, allowed),
+        f"{_landed(edges, factors, misses)} {_drifted(model, allowed, drift_time, drift, ended, growth)}",
     )
 
 
@@ -190,10 +194,17 @@ def _land(whole: System, motion: Motion, edges: Array, allowed: Ranges, method: 
         A = whole.jacobian(t, y.reshape(count, n), reference.torque(t)) * length[:, None, None]
         return block_diag(A, format="csc") if count > 1 else A[0]
 
-    implicit: dict[str, Any] = {"jac": slope} if method == "Radau" else {}
+    implicit: dict[str, Any] = {"jac": slope} if method != "DOP853" else {}
     y0 = reference.state(start).ravel()
     try:
-        found = solve_ivp(_limited(rate), (0.0, 1.0), y0, method=method, **_tolerances(method), **implicit)
+        found = solve_ivp(
+            _limited(rate, _MOST_EVALUATIONS),
+            (0.0, 1.0),
+            y0,
+            method=method,
+            **_tolerances(method),
+            **implicit,
+        )
     except _Spent:
         return np.full(count, np.inf)
     if not found.success:
@@ -203,26 +214,29 @@ def _land(whole: System, motion: Motion, edges: Array, allowed: Ranges, method: 
     return np.abs(off / allowed.width).max(axis=-1)
 
 
+_ASTRAY = "astray"
+
+
 class _Spent(Exception):
     """A run has used its evaluations."""
 
 
-def _limited(rate: Callable[[float, Array], Array]) -> Callable[[float, Array], Array]:
-    """`rate`, which raises `_Spent` when it has been called too often."""
+def _limited(rate: Callable[[float, Array], Array], most: int) -> Callable[[float, Array], Array]:
+    """`rate`, which raises `_Spent` when it has been called more than `most` times."""
     calls = 0
 
     def counted(t: float, y: Array) -> Array:
         nonlocal calls
         calls += 1
-        if calls > _EVALUATIONS:
+        if calls > most:
             raise _Spent
         return rate(t, y)
 
     return counted
 
 
-def _open_loop(whole: System, motion: Motion, allowed: Ranges, method: str) -> tuple[Array, Array]:
-    """(times, distance from the reference (k, nv)) of one run over the whole motion.
+def _open_loop(whole: System, motion: Motion, allowed: Ranges, method: str) -> tuple[Array, Array, str]:
+    """(times, distance from the reference (k, nv), why it ended early) of one run over the whole motion.
 
     It ends where a joint has gone astray by its whole range, or when its evaluations are spent.
     """
@@ -242,8 +256,8 @@ def _open_loop(whole: System, motion: Motion, allowed: Ranges, method: str) -> t
         return 1.0 - float(np.abs(off / allowed.width).max())
 
     astray.terminal = True  # type: ignore[attr-defined]
-    stepper: dict[str, Any] = {"jac": slope} if method == "Radau" else {}
-    counted = _limited(rate)
+    stepper: dict[str, Any] = {"jac": slope} if method != "DOP853" else {}
+    counted, ended = _limited(rate, _EVALUATIONS), ""
     times, states = [motion.t[0]], [reference.state(motion.t[0])]
     # in stretches, so that what was reached before evaluations ran out is kept
     for part in np.array_split(np.arange(1, len(motion.t)), max(1, len(motion.t) // 20)):
@@ -261,14 +275,16 @@ def _open_loop(whole: System, motion: Motion, allowed: Ranges, method: str) -> t
                 **stepper,
             )
         except _Spent:
+            ended = "it needs too many steps"
             break
         times += list(found.t)
         states += list(found.y.T)
         if found.status != 0:
+            ended = _ASTRAY if found.status == 1 else "the integrator found no further step"
             break
     t = np.array(times)
     q = whole.split(whole.normalised(np.stack(states)))[0]
-    return t, np.abs(difference(model, motion.at(t)[0], q))
+    return t, np.abs(difference(model, motion.at(t)[0], q)), ended
 
 
 def _tolerances(method: str) -> dict[str, float]:
@@ -279,35 +295,33 @@ def _method(model: Model, whole: System, motion: Motion) -> str:
     """Implicit where friction is stiff at some of a few poses of the motion."""
     samples = motion.q[:: max(1, len(motion.t) // 8)]
     stiffest = max(samples, key=lambda q: decay_rate(model, whole.friction, q))
-    return suited_method(model, whole.friction, stiffest, motion.duration)
+    return "BDF" if suited_method(model, whole.friction, stiffest, motion.duration) != "DOP853" else "DOP853"
 
 
-def _text(
-    edges: Array,
-    factors: Array,
-    misses: Array,
-    growth: float,
-    motion: Motion,
-    drift_time: Array,
-    drift: Array,
-    allowed: Ranges,
-) -> str:
+def _landed(edges: Array, factors: Array, misses: Array) -> str:
+    """A sentence on the pieces."""
     count = len(misses)
-    landed = (
-        "" if np.isfinite(misses).all() else "The replay in pieces was broken off: it needs too many steps. "
-    )
-    landed = landed or (
+    if not np.isfinite(misses).all():
+        return "The replay in pieces was broken off: it needs too many steps."
+    return (
         f"Driven by its torques in {count} piece{'' if count == 1 else 's'} of at most {np.diff(edges).max():.3g} s, "
         f"each restarted on the motion and amplifying an error at most {factors.max():.3g}-fold, the model lands "
-        f"within {misses.max():.1g} of the joint range. "
+        f"within {misses.max():.1g} of the joint range."
     )
-    k, j = np.unravel_index(int(np.argmax(drift / allowed.width)), drift.shape)
-    unit = "rad" if allowed.turns[j] else "m"
-    astray = f"drifts by up to {drift[k, j]:.2g} {unit}"
-    if drift_time[-1] < motion.t[-1] - 1e-9:
-        astray = f"has left the motion at t = {drift_time[-1]:.3g} s, {drift[k, j]:.2g} {unit} away"
+
+
+def _drifted(model: Model, allowed: Ranges, t: Array, drift: Array, ended: str, growth: float) -> str:
+    """A sentence on the open-loop run, and what its drift comes from."""
+    share = drift / allowed.width
+    k, j = np.unravel_index(int(np.argmax(share)), share.shape)
+    found = f"drifts by up to {drift[k, j]:.2g} {'rad' if allowed.turns[j] else 'm'}"
+    if ended == _ASTRAY:
+        first = model.velocity_names[int(np.argmax(share[-1]))]
+        found = f"leaves the motion after t = {t[-1]:.3g} s, first {first} by its whole range"
+    elif ended:
+        found += f" until t = {t[-1]:.3g} s, where the run was broken off: {ended}"
     if growth < 1:
         cause = "the linearised dynamics hardly amplify errors along it"
     else:
         cause = f"along it the linearised dynamics amplify any error, even of rounding, up to 10^{growth:.1f}-fold"
-    return f"{landed}Open loop over the whole motion it {astray}: {cause}."
+    return f"Open loop over the whole motion it {found}; {cause}."
