@@ -103,5 +103,7 @@ def test_singular_samples_are_named():
         match=r"^operational_space_bias: frame 'tip' of 'RR' is at a singularity at sample 1: ",
     ):
         fb.operational_space_bias(model, q, q, rows=("vx", "vy"))
-    with pytest.raises(fb.FreebodyError, match=r"^tip_wrench: the Jacobian of 'RR' is singular at sample 1: "):
+    with pytest.raises(
+        fb.FreebodyError, match=r"^tip_wrench: the Jacobian of 'RR' is singular at sample 1: "
+    ):
         fb.tip_wrench(model, q, q)

@@ -86,7 +86,9 @@ class FileError(FreebodyError, ValueError):
         super().__init__(f"{place}: {problem}")
 
 
-def _rebuilt(kind: type[FreebodyError], args: tuple[object, ...], attributes: dict[str, Any]) -> FreebodyError:
+def _rebuilt(
+    kind: type[FreebodyError], args: tuple[object, ...], attributes: dict[str, Any]
+) -> FreebodyError:
     """The exception that another process sent."""
     error = kind.__new__(kind, *args)
     error.__dict__.update(attributes)

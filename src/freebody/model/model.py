@@ -65,7 +65,7 @@ class Body:
 
 @dataclass(frozen=True)
 class JointLimits:
-    """Limits for each entry of q̇ (the joint's; infinite for joints of several axes): arrays (nv,), rad or m, N m or N."""
+    """For each entry of q̇ its joint's limits, infinite for joints of several axes: arrays (nv,); rad or m, N m or N."""
 
     lower: Array
     upper: Array
