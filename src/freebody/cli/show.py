@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 from freebody.cli import options, terminal
 from freebody.cli.options import MimicChoice, PhysicalChoice
@@ -25,12 +27,25 @@ def show(
     physical: options.Physical = PhysicalChoice.warn,
     snap_angles: options.Snap = 3e-9,
     convention: options.Convention = None,
+    graph: Annotated[
+        str | None,
+        typer.Option(
+            metavar="QUANTITY",
+            help="Print the program of a quantity instead, such as inverse_dynamics: traced, and after each pass.",
+        ),
+    ] = None,
 ) -> None:
     """Show what a robot is made of: bodies, joints, limits, masses, frames, and how its file was read."""
     from rich.text import Text
 
     model = options.load(robot, tip, base, mimic, physical, snap_angles, convention)
     out = terminal.out()
+    if graph is not None:
+        from freebody.cli.graph import programs
+
+        for text in programs(model, graph):
+            out.print(text, markup=False, soft_wrap=True)
+        return
     out.print(Text(_heading(model)))
     if model.source:
         out.print(Text(f"source: {model.source}"))

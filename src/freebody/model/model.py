@@ -240,7 +240,7 @@ class Model:
                 limits = body.joint.limits
                 rows += [(limits.lower, limits.upper, limits.velocity, limits.effort)] * body.kind.nv
         return (
-            JointLimits(*(np.array(column) for column in zip(*rows, strict=True)))
+            JointLimits(*(np.array(column, dtype=float) for column in zip(*rows, strict=True)))
             if rows
             else JointLimits(*(np.zeros(0) for _ in range(4)))
         )
