@@ -503,3 +503,10 @@ def test_kernels_spoil_only_the_sample_that_is_not_finite():
                 assert np.isnan(b[5]).all()
                 assert np.array_equal(np.delete(a, 5, 0), np.delete(b, 5, 0))
             spoilt[5, -1] = keep
+
+
+def test_inputs_that_overflow_are_named():
+    model = fb.load("2R")
+    text = r"inverse_dynamics: qd reaches 1e\+200; the result overflows. Check its units."
+    with pytest.raises(fb.FreebodyError, match=text):
+        fb.inverse_dynamics(model, [0.1, 0.2], [1e200, 0.0], [0.0, 0.0])

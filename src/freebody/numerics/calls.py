@@ -78,9 +78,23 @@ def _carefully(
     if not np.isfinite(result[0] if isinstance(result, tuple) else result).all():
         for name, array in named.items():
             refuse_not_finite(function, name, array, 1, labels(model, name))
+        _refuse_overflow(function, named)
     if not loads and model.nq == model.nv:  # quaternions need their length checked at every call
         model.compiled[function, option] = kernel, len(next(iter(formula.outputs.values())))
     return result
+
+
+_HUGE = 1e100  # no quantity of a robot in SI units; its products leave the range of float64
+
+
+def _refuse_overflow(function: str, named: Mapping[str, Array]) -> None:
+    """Finite inputs whose result is not finite: name the one that is too large to be meant."""
+    sizes = {name: float(np.abs(array).max(initial=0.0)) for name, array in named.items()}
+    name = max(sizes, key=lambda n: sizes[n])
+    if sizes[name] > _HUGE:
+        raise FreebodyError(
+            f"{function}: {name} reaches {sizes[name]:.3g}; the result overflows. Check its units."
+        )
 
 
 def vector(function: str, model: Model, name: str, value: Any) -> Array:
