@@ -177,7 +177,7 @@ class ThreeParallel(Form):
 
     def label(self, x: Array) -> list[str]:
         s1, s2, s3, s4, s5, s6 = self.screws
-        side = labels.shoulder(s1, s2, s2.moved(x[1], s3.moved(x[2], s4.p)))
+        side = labels.shoulder(s1, s2, s2.moved(x[1], s3.moved(x[2], s4.moved(x[3], self.c))))
         elbow = labels.elbow(s2, s3, s4.p, x[1:3], side)
         return [side, elbow, labels.flip(s2.w, s5, s6.w, x[4])]
 

@@ -78,10 +78,9 @@ def _second_slide(w1: Array, w2: Array, way: Array) -> Array:
 
 def can_meet(s1: Screw, s2: Screw, scale: float) -> bool:
     """Whether two joints move a point along two directions: no common axis, no two parallel slides."""
-    if not sp.parallel(s1.w, s2.w):
+    if s1.turning != s2.turning or not sp.parallel(s1.w, s2.w):
         return True
-    apart = sp.size(sp.across(s1.w, s2.p - s1.p)) > SAME * scale
-    return s1.turning and s2.turning and bool(apart)
+    return s1.turning and bool(sp.size(sp.across(s1.w, s2.p - s1.p)) > SAME * scale)
 
 
 def last_of_three(s1: Screw, s2: Screw, s3: Screw, c: Array, scale: float) -> Polynomial | None:

@@ -36,7 +36,7 @@ def inverse_velocity(
     (ẋ, ẏ), the rows that make its J square. frame: default the tip.
 
     With more joints than rows the q̇ of least norm; with fewer it is refused. Raises SingularError where J loses rank,
-    naming the direction that is lost, unless `damping` is given (> 0, a singular value of J with lengths over the
+    saying which direction is lost, unless `damping` is given (> 0, a singular value of J with lengths over the
     arm's, such as 0.05): then singular values below it are damped, q̇ is exact elsewhere, and a FreebodyWarning says how
     far off V is (Nakamura and Hanafusa 1986; Chiaverini 1997).
     """
@@ -164,18 +164,24 @@ def _inverted(problem: _Problem, J: Array, wanted: Array, damping: float | None)
 def _refuse_singular(problem: _Problem, U: Array, singular: np.ndarray) -> None:
     at = tuple(int(i) for i in np.argwhere(singular)[0]) if np.ndim(singular) else ()
     where = f" at sample {at[0] if len(at) == 1 else at}" if at else ""
-    lost = U[(*at, slice(None), -1)] / problem.scale
-    lost = lost / np.abs(lost).max()
-    lost = lost * (1.0 if lost[np.argmax(np.abs(lost))] > 0 else -1.0)
-    direction = ", ".join(
-        f"{name} {value + 0.0:.3g}"
-        for name, value in zip(problem.names, lost, strict=True)
-        if abs(value) > 1e-9
-    )
+    lost = U[(*at, slice(None), -1)] * problem.scale  # lost · J = 0
+    lost = lost / lost[np.argmax(np.abs(lost))]
     raise SingularError(
-        f"{problem.function}: the Jacobian is singular{where}: {problem.frame} cannot move along ({direction}), "
-        f"whatever the joints do. Leave out a row (task=), or give damping=0.05 for the nearest that is possible."
+        f"{problem.function}: the Jacobian is singular{where}: {problem.frame} has lost a direction, every motion that the "
+        f"joints can give it has {_linear(lost, problem.names)} = 0. Leave out a row (task=), or give damping=0.05 for the "
+        "nearest that is possible."
     )
+
+
+def _linear(factors: Array, names: list[str]) -> str:
+    """vx + 0.309 vy - 2 w."""
+    text = ""
+    for factor, name in zip(factors, names, strict=True):
+        if abs(factor) > 1e-9:
+            size = "" if f"{abs(factor):.3g}" == "1" else f"{abs(factor):.3g} "
+            sign = (" - " if factor < 0 else " + ") if text else ("-" if factor < 0 else "")
+            text += f"{sign}{size}{name}"
+    return text
 
 
 def _say_damped(problem: _Problem, J: Array, rates: Array, wanted: Array) -> None:

@@ -18,7 +18,7 @@ from freebody.numerics.inverse.task import Task
 from freebody.numerics.states import integrate, random_state
 
 EXACT = 1e-10
-"""A solution reproduces its target this well (m and rad), times the arm's length where that is more than 1 m."""
+"""A solution reproduces its target this well (m and rad)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,11 +33,6 @@ class Seeker:
     def length(self) -> float:
         """Length of the arm (m): what a radian is worth."""
         return arm_length(self.model, self.frame)
-
-    @cached_property
-    def exact(self) -> float:
-        """The residual that a solution may have."""
-        return EXACT * max(1.0, self.length)
 
     @cached_property
     def bounds(self) -> tuple[Array, Array]:
@@ -128,7 +123,7 @@ class Seeker:
             if within:
                 slid = np.clip(slid, *self.bounds)
         slid, miss = self.polished(slid, target)
-        good = miss <= self.exact
+        good = miss <= EXACT
         if within:
             low, high = self.bounds
             good &= ((slid >= low) & (slid <= high)).all(axis=-1)

@@ -8,7 +8,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.model.model import Model
-from freebody.numerics.inverse.seek import Seeker
+from freebody.numerics.inverse.seek import EXACT, Seeker
 
 _OUTSIDE = "  (outside the limits)"
 _APART = 1e-6
@@ -87,7 +87,7 @@ def verified(
     results = []
     for i in range(N):
         rows = np.arange(i * k, (i + 1) * k)
-        rows = _distinct(seeker.model, flat, rows[miss[rows] <= seeker.exact], apart)
+        rows = _distinct(seeker.model, flat, rows[miss[rows] <= EXACT], apart)
         results.append(Verified(flat[rows], miss[rows], rows - i * k))
     return results
 
