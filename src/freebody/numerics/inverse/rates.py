@@ -167,9 +167,9 @@ def _refuse_singular(problem: _Problem, U: Array, singular: np.ndarray) -> None:
     lost = U[(*at, slice(None), -1)] * problem.scale  # lost · J = 0
     lost = lost / lost[np.argmax(np.abs(lost))]
     raise SingularError(
-        f"{problem.function}: the Jacobian is singular{where}: {problem.frame} has lost a direction, every motion that the "
-        f"joints can give it has {_linear(lost, problem.names)} = 0. Leave out a row (task=), or give damping=0.05 for the "
-        "nearest that is possible."
+        f"{problem.function}: the Jacobian is singular{where}: {problem.frame} has lost a direction, every motion that "
+        f"the joints can give it has {_linear(lost, problem.names)} = 0. Leave out a row (task=), or give damping=0.05 "
+        "for the nearest that is possible."
     )
 
 
