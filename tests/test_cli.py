@@ -123,7 +123,7 @@ def test_version_and_help(capsys: pytest.CaptureFixture[str]):
     assert "Usage: freebody" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("command", [[], ["study"], ["show"], ["models"]])
+@pytest.mark.parametrize("command", [[], ["study"], ["show"], ["derive"], ["models"]])
 def test_the_example_of_each_help_runs(command: list[str]):
     help_text = program(*command, "--help").stdout
     (example,) = re.findall(r"Example: freebody (.*?)\s*$", help_text, re.MULTILINE)
@@ -215,3 +215,15 @@ def test_show_prints_the_program_after_each_pass(capsys: pytest.CaptureFixture[s
     assert "cos" in text
     assert run(["show", "2R", "--graph", "mass"]) == 2
     assert "no quantity 'mass' in fb.kernel. Quantities: forward_kinematics" in capsys.readouterr().err
+
+
+def test_derive_prints_writes_and_compares(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    assert run(["derive", "2R", "--method", "lagrange", "--compare", "recursive"]) == 0
+    text = capsys.readouterr().out
+    assert "H₁₁ = m₁ lc₁² + I₁ + m₂ (l₁² + lc₂² + 2 l₁ lc₂ cos θ₂) + I₂" in text
+    assert "tau1: 15 terms, identical" in text
+    page = tmp_path / "statics.html"
+    assert run(["derive", "2R", "--method", "statics", "--form", "html", "--out", str(page)]) == 0
+    assert page.read_text(encoding="utf-8").startswith("<!doctype html>")
+    assert run(["derive", "quadrotor"]) == 2
+    assert "joint 'flight' of 'quadrotor' is free" in capsys.readouterr().err

@@ -63,12 +63,12 @@ Convention = Annotated[ConventionChoice | None, typer.Option(help="Of a DH table
 
 def load(
     robot: str,
-    tip: str | None,
-    base: BaseChoice | None,
-    mimic: MimicChoice,
-    physical: PhysicalChoice,
-    snap_angles: float,
-    convention: ConventionChoice | None,
+    tip: str | None = None,
+    base: BaseChoice | None = None,
+    mimic: MimicChoice = MimicChoice.follow,
+    physical: PhysicalChoice = PhysicalChoice.warn,
+    snap_angles: float = 3e-9,
+    convention: ConventionChoice | None = None,
 ) -> Model:
     """The model; warnings become yellow lines."""
     from freebody.formats.loading import load as load_model

@@ -1,0 +1,66 @@
+"""`freebody derive`."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from freebody.cli import options, terminal
+
+EXAMPLE = "Example: freebody derive 2R --method lagrange"
+
+
+class MethodChoice(StrEnum):
+    """Ways to the equations."""
+
+    newton_euler = "newton-euler"
+    recursive = "recursive"
+    lagrange = "lagrange"
+    statics = "statics"
+
+
+class FormChoice(StrEnum):
+    """How a derivation is written."""
+
+    text = "text"
+    markdown = "markdown"
+    latex = "latex"
+    html = "html"
+
+
+Method = Annotated[MethodChoice, typer.Option(help="How the equations are derived.")]
+
+
+def derive(
+    robot: options.Robot,
+    method: Method = MethodChoice.newton_euler,
+    compare: Annotated[
+        MethodChoice | None, typer.Option(help="Derive by this method too, and prove that both agree.")
+    ] = None,
+    form: Annotated[FormChoice, typer.Option(help="Text for a terminal, or a document.")] = FormChoice.text,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write there instead of the terminal.")
+    ] = None,
+    convention: options.Convention = None,
+) -> None:
+    """Derive a robot's equations of motion step by step. Exit code 1 if two methods were to disagree."""
+    from freebody.derivations.derive import compare as compared
+    from freebody.derivations.derive import derive as derivation_of
+
+    model = options.load(robot, convention=convention)
+    with terminal.progress(f"deriving by {method.value}"):
+        first = derivation_of(model, method.value)
+        text = getattr(first, form.value)()
+    if out is None:
+        terminal.out().print(text, markup=False, soft_wrap=True)
+    else:
+        out.write_text(text, encoding="utf-8")
+        terminal.out().print(f"written: {out}", markup=False)
+    if compare is not None:
+        comparison = compared(first, derivation_of(model, compare.value))
+        terminal.out().print(f"\n{comparison}", markup=False)
+        if not comparison:
+            raise typer.Exit(1)
