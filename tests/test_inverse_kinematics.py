@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
+import generate
 from arms import apart, arm, direction, holds, meeting, parallel, skew
 from freebody.numerics.inverse import kinematics as module
 from helpers import refused
@@ -463,8 +464,44 @@ def test_general_six_joints():
     )
 
 
-def test_free_and_mimic_joints():
-    """A body on a free joint, and a joint that follows another."""
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("seed", range(12))
+def test_random_trees(seed, dim):
+    """Free, spherical, planar and following joints, branches: what forward kinematics made is found again."""
+    model = generate.model(seed, dim)
+    q, _, _ = fb.random_state(model, seed)
+    target = fb.forward_kinematics(model, q)
+    assert len(checked(model, target, limits="ignore")) > 0
+
+
+def test_no_targets():
+    """An empty batch, and a frame that no joint moves."""
+    for name in ("2R", "puma560", "iiwa14"):
+        model = _quiet(name)
+        d = model.dim + 1
+        found = fb.inverse_kinematics(model, np.zeros((0, d, d)))
+        assert found.q.shape == (0, 0, model.nq)
+        assert found.distance.shape == (0,)
+    held = fb.inverse_kinematics(planar("RR", [1.0, 0.7]), [1.0, 0.0], frame="base")
+    assert len(held) == 0
+    assert abs(held.distance - 1.0) < 1e-9
+
+
+def test_shapes_of_batches():
+    model = planar("RR", [1.0, 0.7])
+    found = fb.inverse_kinematics(
+        model, [[[1.0, 0.5], [9.0, 0.0]], [[1.7, 0.0], [0.3, 1.1]], [[0, 1.0], [1.0, 0]]]
+    )
+    assert found.q.shape == (3, 2, 2, 2)
+    assert found.branches.shape == found.residual.shape == found.within_limits.shape == (3, 2, 2)
+    assert found.count.tolist() == [[2, 0], [1, 2], [2, 2]]
+    assert np.isnan(found.q[0, 1]).all()
+    assert not found.within_limits[0, 1].any()
+    assert found.distance.shape == (3, 2)
+
+
+def test_a_free_joint():
+    """A body that nothing holds goes anywhere."""
     quadrotor = fb.load("quadrotor", physical="ignore")
     T = np.eye(4)
     T[:3, :3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]

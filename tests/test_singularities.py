@@ -267,9 +267,10 @@ def test_few_joints_and_free_ones():
     assert pendulum.measure([0.3]).shape == ()
     assert pendulum.measure(np.zeros((4, 1))).shape == (4,)
     quadrotor = fb.singularities(fb.load("quadrotor", physical="ignore"))
-    assert quadrotor.notes == (
-        "Spherical and free joints have no closed form here; search() finds singular poses.",
+    assert quadrotor.notes[0].startswith(
+        "No closed form: joint 'flight' of 'quadrotor' is free: closed forms need "
     )
+    assert quadrotor.notes[0].endswith(" search() finds singular poses.")
 
 
 def test_measure_does_not_depend_on_units():

@@ -159,9 +159,10 @@ def singularities(
 
 def _symbolic(model: Model, frame: str) -> Kinematics | str:
     """The closed forms, or why there are none."""
-    if any(body.kind.name in ("spherical", "free") for body in model.bodies):
-        return "Spherical and free joints have no closed form here; search() finds singular poses."
-    return kinematics(model, frame)
+    try:
+        return kinematics(model, frame)
+    except FreebodyError as refusal:
+        return f"No closed form: {refusal} search() finds singular poses."
 
 
 def _names(model: Model, rows: Sequence[int]) -> tuple[str, ...]:

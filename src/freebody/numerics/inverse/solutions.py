@@ -11,7 +11,8 @@ from freebody.model.model import Model
 from freebody.numerics.inverse.seek import EXACT, Seeker
 
 _OUTSIDE = "  (outside the limits)"
-_APART = 1e-6
+APART = 1e-6
+"""Joint positions nearer than this (rad, m) are one solution."""
 ALIKE = 1e-2
 """Solutions of a redundant arm nearer than this (rad, m) are one: they are samples of a continuum."""
 
@@ -67,7 +68,7 @@ class Verified:
 
 
 def verified(
-    seeker: Seeker, q: Array, target: Array, reference: Array, apart: float = _APART
+    seeker: Seeker, q: Array, target: Array, reference: Array, apart: float = APART
 ) -> list[Verified]:
     """Of candidates q (N, k, nq) for targets (N, …) those that reach them, polished, wrapped, each once.
 
