@@ -17,7 +17,7 @@ from freebody.derivations.check.tree import Node, Symbol, Table, nodes
 from freebody.derivations.check.vocabulary import Vocabulary, spellings
 from freebody.scalars.trig import Trig
 
-MOST_EQUATIONS = 200
+MOST_EQUATIONS, MOST_SIDES = 100, 6
 
 
 @dataclass(frozen=True)
@@ -156,6 +156,8 @@ def _sides(source: Source, line: list[Token]) -> Line:
             "this line says nothing about what it equals; write, for example, tau1 = … or H12 = …",
             (line[0].start, line[-1].end),
         )
+    if len(sides) > MOST_SIDES:
+        source.fail(f"more than {MOST_SIDES} sides in one equation", sides[MOST_SIDES][0].span if sides[MOST_SIDES] else line[-1].span)
     for k, side in enumerate(sides):
         if not side:
             equals = [token for token in line if token.kind == "equals"][max(0, k - 1)]

@@ -22,7 +22,10 @@ from freebody.derivations.check.tree import (
 from freebody.errors import FreebodyError
 from freebody.scalars.trig import Trig, TrigRing
 
-MOST_TERMS, MOST_WORK, MOST_BITS, LARGEST_EXPONENT, MOST_TURNS = 20_000, 2_000_000, 4_096, 12, 12
+MOST_TERMS, MOST_WORK = 20_000, 2_000_000
+"""Terms of a product multiplied out, and products of two terms on the way there."""
+
+HIGHEST_DEGREE, LARGEST_EXPONENT, MOST_TURNS, MOST_BITS = 60, 12, 12, 500
 
 
 @dataclass
@@ -95,6 +98,8 @@ class Reader:
 
     def _times(self, a: Trig, b: Trig, node: Node) -> Trig:
         self.work += len(a) * len(b)
+        if len(a) and len(b) and a.poly.total_degree() + b.poly.total_degree() > HIGHEST_DEGREE:
+            self.source.fail(f"more than {HIGHEST_DEGREE} symbols are multiplied here", node.span)
         if self.work > MOST_WORK:
             self.source.fail("multiplied out, this has too many terms to compare", node.span)
         product = a * b

@@ -94,7 +94,7 @@ def _next(source: Source, at: int, names: Names, single: bool) -> Iterator[Token
         yield Token("space", c, at, end if end >= 0 else len(source.text))
     elif c == "\\":
         yield from _command(source, at, names)
-    elif c in words.STARTS and c != "_":
+    elif c in words.STARTS:
         yield from _names(source, at, names)
     elif (c.isascii() and c.isdigit()) or c == ".":
         yield _number(source, at, single)

@@ -83,14 +83,12 @@ class Vocabulary:
         if plain in _NOT_POLYNOMIAL:
             source.fail(f"{plain} does not occur in these equations: write them with sin and cos", span)
         names = self.listed
-        near = difflib.get_close_matches(plain, names, n=1, cutoff=0.5) if len(plain) < 30 else []
-        near = near or [name for name in names if name.lower() == plain.lower()]
+        near = [name for name in names if name.lower() == plain.lower()]
+        if not near and len(plain) < 30:
+            near = difflib.get_close_matches(plain, names, n=1, cutoff=0.5)
         hint = f"Did you mean {near[0]!r}? " if near else ""
         shown = word if len(word) <= 30 else word[:30] + "…"
-        meaning = near[0] if near else names[0] if names else "…"
-        renaming = (
-            f" A name of your own is declared by names={{{plain!r}: {meaning!r}}}." if len(plain) < 12 else ""
-        )
+        renaming = f" For a name of your own: names={{{plain!r}: {near[0]!r}}}." if near else ""
         source.fail(
             f"no symbol {shown!r} in {self.setting.symbols.model.name!r}",
             span,
@@ -157,8 +155,8 @@ class Vocabulary:
             turning = [x for x in s.coordinates[: s.coordinates.index(name) + 1] if x.startswith("theta")]
             for dots, ending in ((0, RATE), (1, SECOND)):
                 value = sum((ring[x + ending] for x in turning), self.setting.zero)
-                for letter in ("omega", "w"):
-                    for spelling in spellings(letter, k, dots):
+                for letter, number in itertools.product(("omega", "w"), (k, "") if len(s.coordinates) == 1 else (k,)):
+                    for spelling in spellings(letter, number, dots):
                         yield spelling, value
                 if dots:
                     yield f"alpha{k}", value

@@ -1,0 +1,255 @@
+"""What a user may have thought: a single misconception that explains the whole difference.
+
+Each is the right answer under that thought, at a point of a finite field, to be compared with the user's.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from freebody.derivations.check.residues import PRIME, Point, Turn, plus, residue
+from freebody.derivations.check.setting import Setting
+from freebody.derivations.check.targets import Target, Targets
+from freebody.derivations.names import sym
+from freebody.scalars.trig import Trig
+
+Thought = tuple[str, int]
+"""A sentence, and what the right answer would be."""
+
+Weight = Callable[[Mapping[str, int]], int | Fraction]
+"""A number for each term."""
+
+
+@dataclass(frozen=True)
+class Causes:
+    """The thoughts that are tried for one quantity."""
+
+    setting: Setting
+    targets: Targets
+    target: Target
+    right: Trig
+    point: Point
+
+    def explaining(self, value: int) -> list[str]:
+        """The thoughts under which the right answer is the user's."""
+        found = [text for text, result in self._all() if result % PRIME == value]
+        return list(dict.fromkeys(found))[:2]
+
+    def _all(self) -> Iterator[Thought]:
+        yield from self._others()
+        yield from self._gravity()
+        yield from self._velocity()
+        yield from self._inertia()
+        if self.setting.is_planar:
+            yield from self._lengths()
+            yield from self._angles()
+
+    # ------------------------------------------------------------ parts of the right answer
+    def _weighted(self, weight: Weight) -> int:
+        total = 0
+        for powers, coefficient in self.right.terms():
+            factor = Fraction(weight(powers))
+            if factor:
+                total += self.point.term(powers, coefficient * factor)
+        return total % PRIME
+
+    def _at(self, values: Mapping[str, int] | None = None, turns: Mapping[str, Turn] | None = None) -> int:
+        return self.point.changed(values, turns).of(self.right)
+
+    def _others(self) -> Iterator[Thought]:
+        """Another quantity of the same family."""
+        for name, other in related(self.targets, self.target).items():
+            text = f"What you wrote is right for {name.replace('tau', 'τ')}, not for this one."
+            yield text, self.point.of(other)
+
+    def _gravity(self) -> Iterator[Thought]:
+        g = self.setting.order.gravity
+        if not g or not any(g in powers for powers, _ in self.right.terms()):
+            return
+        opposite = (
+            "Everything is right but the sign of gravity: the weights pull along −y, so V = + m g y, "
+            "and the drive must hold them up: g_i = + ∂V/∂q_i."
+        )
+        yield opposite, self._weighted(lambda p: -1 if g in p else 1)
+        yield "Gravity is missing; everything else is right.", self._weighted(lambda p: 0 if g in p else 1)
+
+    def _velocity(self) -> Iterator[Thought]:
+        """Mistakes in all terms with products of rates."""
+        if not any(_rates(powers) for powers, _ in self.right.terms()) or self.target.family not in ("tau", "c"):
+            return
+        mixed = (
+            "All is right but a factor 2: a product of two different rates, θ̇ᵢ θ̇ⱼ, arises twice "
+            "(as ij and as ji), so that Coriolis terms carry a 2."
+        )
+        yield mixed, self._weighted(lambda p: Fraction(1, 2) if len(_rates(p)) > 1 else 1)
+        yield "The Coriolis terms, with products of two different rates, are missing.", self._weighted(
+            lambda p: 0 if len(_rates(p)) > 1 else 1
+        )
+        yield "The centrifugal terms, with squares of rates, are missing.", self._weighted(
+            lambda p: 0 if len(_rates(p)) == 1 else 1
+        )
+        yield "The Coriolis and centrifugal terms are missing; everything else is right.", self._weighted(
+            lambda p: 0 if _rates(p) else 1
+        )
+        yield "All Coriolis and centrifugal terms have the wrong sign; everything else is right.", self._weighted(
+            lambda p: -1 if _rates(p) else 1
+        )
+
+    def _inertia(self) -> Iterator[Thought]:
+        """Bodies and accelerations left out."""
+        own = self.target.index[0] - 1 if self.target.family == "tau" else None
+        if own is not None:
+            names = self.setting.symbols.coordinates
+            for j, name in enumerate(names):
+                missing = f"The terms with {sym(name + '_dd')} are missing; everything else is right."
+                yield missing, self._weighted(lambda p, x=name + "_dd": 0 if x in p else 1)
+        inertial = self.setting.order.inertial
+        bodies = {body for body, _ in inertial.values()}
+        for body in bodies if len(bodies) > 1 else ():
+            names = {name for name, (i, _) in inertial.items() if i == body}
+            link = self.setting.symbols.model.bodies[body].name
+            text = f"Everything that carries the mass or the moment of inertia of {link} is missing; the rest is right."
+            yield text, self._weighted(lambda p, own=names: 0 if own & set(p) else 1)
+        moments = {name for name, (_, kind) in inertial.items() if kind == 1}
+        yield (
+            "The moments of inertia about the centres of mass are missing: right for point masses only.",
+            self._weighted(lambda p: 0 if moments & set(p) else 1),
+        )
+        if self.setting.is_planar:
+            yield from self._own_rates()
+
+    def _own_rates(self) -> Iterator[Thought]:
+        """ω_k = θ̇_k for θ̇_1 + … + θ̇_k."""
+        for k in range(2, self.setting.joints + 1):
+            if f"I{k}" not in self.setting.ring.index:
+                continue
+
+            def weight(powers: Mapping[str, int], k: int = k) -> int:
+                if f"I{k}" not in powers:
+                    return 1
+                moving = {x for x in powers if re.search(r"_dd?$", x)}
+                return int(moving <= {f"theta{k}_d", f"theta{k}_dd"} and self._is_own(k))
+
+            text = (
+                f"This is right for ω{k} = θ̇{k}. The rate θ̇{k} is relative to the link before: "
+                f"link {k} turns at ω{k} = θ̇1 + … + θ̇{k}."
+            )
+            yield text, self._weighted(weight)
+
+    def _is_own(self, k: int) -> bool:
+        """Whether the quantity belongs to joint k alone."""
+        return set(self.target.index) <= {k}
+
+    # ------------------------------------------------------------ lengths
+    def _lengths(self) -> Iterator[Thought]:
+        v = self.point.values
+        links = [k for k in self._links("lc{}") if f"l{k}" in self.setting.ring.index]
+        both = set(self._links("l{}"))
+        for group in [links, *([k] for k in links)] if len(links) > 1 else [links] * bool(links):
+            which = " and ".join(f"lc{k}" for k in group)
+            wrong = ", ".join(f"l{k} for lc{k}" for k in group)
+            yield (
+                f"You wrote {wrong}: masses and weights act at the centre of mass, {which} from the joint, "
+                "not at the end of the link.",
+                self._at({f"lc{k}": v[f"l{k}"] for k in group}),
+            )
+            half = residue(Fraction(1, 2))
+            yield (
+                f"This is right only where the centre of mass is half-way, {', '.join(f'lc{k} = l{k}/2' for k in group)}.",
+                self._at({f"lc{k}": v[f"l{k}"] * half % PRIME for k in group}),
+            )
+            if both >= set(group):
+                yield (
+                    f"l and lc are exchanged: l{group[0]} is the whole link, lc{group[0]} reaches to the centre of mass.",
+                    self._at({x: v[y] for k in group for x, y in ((f"lc{k}", f"l{k}"), (f"l{k}", f"lc{k}"))}),
+                )
+        yield from self._axes(v)
+
+    def _links(self, pattern: str) -> list[int]:
+        """Numbers of the links whose parameter occurs in the right answer."""
+        used = {name for powers, _ in self.right.terms() for name in powers}
+        return [k for k in range(1, self.setting.joints + 1) if pattern.format(k) in used]
+
+    def _axes(self, v: Mapping[str, int]) -> Iterator[Thought]:
+        """Moments of inertia about the joint for those about the centre of mass."""
+        ring = self.setting.ring.index
+        links = [k for k in self._links("I{}") if f"m{k}" in ring and f"lc{k}" in ring]
+        for group in [links, *([k] for k in links)] if len(links) > 1 else [links] * bool(links):
+            steiner = {k: v[f"m{k}"] * v[f"lc{k}"] ** 2 % PRIME for k in group}
+            names, lacking = " and ".join(f"I{k}" for k in group), " and ".join(f"m{k} lc{k}²" for k in group)
+            yield (
+                f"The parallel-axis theorem is forgotten: this is right for moments of inertia about the joints; here {names} "
+                f"{'is' if len(group) == 1 else 'are'} about the centre of mass, and {lacking} must be added.",
+                self._at({f"I{k}": (v[f"I{k}"] - x) % PRIME for k, x in steiner.items()}),
+            )
+            yield (
+                f"The parallel-axis term {lacking} is counted twice.",
+                self._at({f"I{k}": (v[f"I{k}"] + x) % PRIME for k, x in steiner.items()}),
+            )
+
+    # ------------------------------------------------------------ angles
+    def _angles(self) -> Iterator[Thought]:
+        turning = [x for x in self.setting.symbols.coordinates if x.startswith("theta")]
+        if not turning:
+            return
+        first = turning[0]
+        for sign, where in ((1, "up"), (-1, "down")):
+            quarter: Turn = (sign % PRIME, 0)
+            text = (
+                f"This is right if {sym(first)} were measured from the vertical ({where}wards); "
+                "here it is measured from the x axis."
+            )
+            yield text, self._at(turns={first: plus(self.point.turns[first], quarter)})
+        if len(turning) > 1:
+            yield from self._absolute(turning)
+
+    def _absolute(self, turning: list[str]) -> Iterator[Thought]:
+        """Angles from the x axis for angles from the link before."""
+        values, turns = dict(self.point.values), dict(self.point.turns)
+        for before, x in zip(turning[:-1], turning[1:], strict=True):
+            s, c = self.point.turns[before]
+            turns[x] = plus(self.point.turns[x], (PRIME - s, c))
+            for ending in ("_d", "_dd"):
+                values[x + ending] = (self.point.values[x + ending] - self.point.values[before + ending]) % PRIME
+        names = ", ".join(str(sym(x)) for x in turning[1:])
+        text = (
+            f"This is right if {names} were measured from the x axis; here each angle is measured from the link before, "
+            "and links stand at sums of angles."
+        )
+        yield text, self.point.changed(turns=turns).of(self.right)
+        moved = Point(values, turns)
+        yield text, moved.of(self.right)
+        if len(turning) == len(self.setting.symbols.coordinates):
+            yield text, sum(sign * moved.of(x) for sign, x in self._combined())
+
+    def _combined(self) -> Iterator[tuple[int, Trig]]:
+        """The quantity in coordinates φ_k = θ_1 + … + θ_k: τ_k - τ_{k+1}, and so M."""
+        if self.target.family not in ("tau", "c", "g", "M"):
+            yield 1, self.right
+            return
+        letter = {"tau": "tau", "c": "v", "g": "G", "M": "H"}[self.target.family]
+        rows: list[tuple[int, tuple[int, ...]]] = [(1, ())]
+        for i in self.target.index:
+            rows = [(s * t, (*index, k)) for s, index in rows for t, k in ((1, i), (-1, i + 1))]
+        for sign, index in rows:
+            name = letter + "".join(map(str, index))
+            if name in self.targets.single:
+                yield sign, self.targets.single[name].compute()
+
+
+def related(targets: Targets, target: Target) -> dict[str, Trig]:
+    """The other entries of a quantity's family, by name."""
+    letter = {"tau": "tau", "M": "H", "c": "v", "g": "G", "J": "J"}.get(target.family)
+    found = {}
+    for name, other in targets.single.items():
+        if other.family == target.family and other.index != target.index and name.startswith(letter or "\0"):
+            found[name] = other.compute()
+    return found
+
+
+def _rates(powers: Mapping[str, int]) -> set[str]:
+    """First rates in a term."""
+    return {x for x in powers if x.endswith("_d") and not x.startswith("sgn_")}

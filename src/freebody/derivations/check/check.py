@@ -1,0 +1,61 @@
+"""A user's own equations compared with those of a model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from freebody.derivations.check.answer import claims
+from freebody.derivations.check.judge import Judge
+from freebody.derivations.check.setting import setting
+from freebody.derivations.check.source import AnswerError
+from freebody.derivations.check.targets import Targets
+from freebody.derivations.check.verdict import Verdict
+from freebody.derivations.equations import equations
+from freebody.model.model import Model
+
+MOST_EXPLAINED = 12
+"""Wrong equations of one answer that are looked into."""
+
+
+def check(model: Model, answer: Any, names: Mapping[str, str] | None = None) -> Verdict:
+    """Whether an answer is equal to the model's own equations, and if not, where and why.
+
+    answer: equations as text or LaTeX, one a line, for any of τ_i, H_ij (M_ij), c_i, G_i (g_i), J_ij, T, V, the tip's x
+    and y, or for whole vectors and matrices: "H12 = m2*(lc2^2 + l1*lc2*cos(theta2)) + I2"; a SymPy equation; or a dict
+    {"H12": expression}. In the notes' symbols: theta1, θ₁, q1; θ̇₁, theta1_d, dtheta1; l1, lc1, m1, I1, g;
+    on the right c12 is cos(θ1+θ2). names: what names of the user's own stand for, {"L1": "l1"}.
+
+    The text is parsed, never run; raises AnswerError, which points at the place, for what cannot be read. The comparison
+    is exact: forms that are equal are found equal. The verdict is true when all equations are; `.text` says it in
+    words, `.findings` lists the mistakes.
+    """
+    where = setting(equations(model))
+    found = claims(where, text_of(answer), names or {})
+    judge = Judge(where, Targets(where, velocity=any(claim.target.family == "h" for claim in found)))
+    judged, wrong = [], 0
+    for claim in found:
+        judged.append(judge.verdict(claim, explain=wrong < MOST_EXPLAINED))
+        wrong += not judged[-1].equal
+    return Verdict(tuple(judged), model.name)
+
+
+def text_of(answer: Any) -> str:
+    """An answer as text: strings as they are, SymPy's objects as SymPy prints them, one equation a line."""
+    if isinstance(answer, str):
+        return answer
+    if isinstance(answer, Mapping):
+        return "\n".join(f"{name} = {_expression(value)}" for name, value in answer.items())
+    if hasattr(answer, "lhs") and hasattr(answer, "rhs"):
+        return f"{_expression(answer.lhs)} = {_expression(answer.rhs)}"
+    if isinstance(answer, Iterable) and not hasattr(answer, "free_symbols"):
+        return "\n".join(map(text_of, answer))
+    raise AnswerError(
+        f"an answer is text, a SymPy equation or a dict of them, not {type(answer).__name__}",
+        "Write, for example, check(model, {'tau1': expression}).",
+    )
+
+
+def _expression(x: Any) -> str:
+    """One side on one line."""
+    return " ".join(str(x).split())

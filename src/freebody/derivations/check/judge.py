@@ -1,0 +1,214 @@
+"""One equation of an answer against the right one: equal, or the simplest explanation of the difference."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from freebody.derivations.check import example
+from freebody.derivations.check.answer import Claim
+from freebody.derivations.check.causes import Causes, related
+from freebody.derivations.check.differences import Difference, differences, is_too_long, printed, terms
+from freebody.derivations.check.lexer import tokens
+from freebody.derivations.check.parser import Parser
+from freebody.derivations.check.repairs import Repair, Repairs
+from freebody.derivations.check.residues import Point, random_point
+from freebody.derivations.check.setting import Setting
+from freebody.derivations.check.source import Source
+from freebody.derivations.check.targets import Targets
+from freebody.derivations.check.units import misfit, unit_text
+from freebody.derivations.check.verdict import Equation, Finding
+from freebody.derivations.check.vocabulary import Vocabulary
+from freebody.derivations.check.wording import Wording, quoted
+from freebody.derivations.check.workspace import Workspace
+from freebody.errors import FreebodyError
+from freebody.scalars.trig import Trig
+
+MOST_FINDINGS = 6
+_MISSING, _REVERSE = 1.9, 0.3
+"""Cost of a missing term, and what an explanation costs that does not point into the answer itself."""
+
+
+@dataclass(frozen=True)
+class Judge:
+    """Compares claims with the right values of a model."""
+
+    setting: Setting
+    targets: Targets
+
+    @cached_property
+    def point(self) -> Point:
+        """A random point of the ring."""
+        return random_point(self.setting.ring)
+
+    @cached_property
+    def vocabulary(self) -> Vocabulary:
+        """Names for reading printed equations."""
+        return Vocabulary(self.setting)
+
+    def verdict(self, claim: Claim, explain: bool = True) -> Equation:
+        """The verdict on one claim, with its mistakes named or only with an example."""
+        right = claim.target.compute()
+        title = claim.target.title
+        if claim.value == right:
+            return Equation(claim.label, title, True)
+        if claim.target.family in ("V", "L", "Vi") and self._is_constant(claim.value - right):
+            note = f"It differs by the constant {self.setting.form(claim.value - right)}: the zero of V is free."
+            return Equation(claim.label, title, True, note=note)
+        findings, causes = self._explained(claim, right) if explain else ([], [])
+        shown = example.example(self.setting, claim.value, right)
+        text = example.sentence(shown) if shown else ""
+        return Equation(claim.label, title, False, tuple(findings), tuple(causes), shown, text)
+
+    def _is_constant(self, x: Trig) -> bool:
+        """Whether no coordinate or rate occurs."""
+        return all(x.derivative(name).is_zero for name in self.setting.symbols.rates)
+
+    def _explained(self, claim: Claim, right: Trig) -> tuple[list[Finding], list[str]]:
+        work = Workspace(claim.node, self.point)
+        value = self.point.of(right)
+        causes = Causes(self.setting, self.targets, claim.target, right, self.point).explaining(work.value)
+        findings = _Explanation(self, claim, right, work, value).findings(bool(causes))
+        return findings, causes + self._units(claim.value, right)
+
+    def _units(self, yours: Trig, right: Trig) -> list[str]:
+        """A sentence about a term in the wrong units."""
+        found = misfit(self.setting, yours, right)
+        if found is None:
+            return []
+        term, unit, expected = found
+        text = f"The units do not fit: {quoted(self.setting.form(term))} has {unit_text(unit)}"
+        return [f"{text}, where {unit_text(expected)} is needed."]
+
+
+@dataclass(frozen=True)
+class _Explanation:
+    """The search for what is wrong with one claim."""
+
+    judge: Judge
+    claim: Claim
+    right: Trig
+    work: Workspace
+    value: int
+
+    @property
+    def setting(self) -> Setting:
+        return self.judge.setting
+
+    @cached_property
+    def wording(self) -> Wording:
+        return Wording(self.setting, self.claim.source)
+
+    @cached_property
+    def rows(self) -> list[Difference]:
+        """Terms that differ."""
+        return differences(self.setting, self.claim.value, self.right)
+
+    def findings(self, has_cause: bool) -> list[Finding]:
+        """The cheapest explanation: one change, several, or all terms that differ."""
+        if is_too_long(self.claim.value) or is_too_long(self.right):
+            own = self.forward.single()
+            return [self.wording.of_repair(own, self.work) if own else self._unexplained()]
+        single = self._single()
+        if single is not None:
+            return [single]
+        several = [] if has_cause and len(self.rows) > MOST_FINDINGS else self._several()
+        if several and len(several) <= len(self.rows):
+            return several
+        found = [self.wording.of_difference(row) for row in self.rows]
+        return found if len(found) <= MOST_FINDINGS + 1 else [*found[:MOST_FINDINGS], self._more(found)]
+
+    def _unexplained(self) -> Finding:
+        return Finding("term", "The answers have too many terms to be compared one by one.")
+
+    def _more(self, found: list[Finding]) -> Finding:
+        return Finding("term", f"{len(found) - MOST_FINDINGS} more terms differ.")
+
+    # ------------------------------------------------------------ one change
+    def _single(self) -> Finding | None:
+        """The cheapest of: a change of the answer, a change of the right answer that gives it, a missing term."""
+        own = self.forward.single()
+        missing = self._missing_cost()
+        best = min(own.cost if own else 99.0, missing)
+        if best > 1.0:
+            reverse = self._reverse()
+            if reverse is not None and reverse[0].cost + _REVERSE < best:
+                repair, work, wording = reverse
+                return self.wording.of_reverse(repair, work, wording)
+        if own is not None and own.cost <= missing:
+            return self.wording.of_repair(own, self.work)
+        if missing < 99.0:
+            return self._missing()
+        return None
+
+    @cached_property
+    def forward(self) -> Repairs:
+        """Changes of the answer."""
+        return Repairs(self.setting, self.work, self.value, self._related)
+
+    def _related(self, name: str) -> dict[str, Trig]:
+        """The other entries of the family of a quantity that stands in the answer, such as H11."""
+        single = self.judge.targets.single
+        return related(self.judge.targets, single[name]) if name in single else {}
+
+    def _missing_cost(self) -> float:
+        """The cost of saying that one term is missing."""
+        if len(self.rows) == 1 and self.rows[0].yours == 0:
+            return _MISSING
+        return 99.0
+
+    def _missing(self) -> Finding:
+        return self.wording.of_difference(self.rows[0])
+
+    def _reverse(self) -> tuple[Repair, Workspace, Wording] | None:
+        """A change of the right answer, as it prints, that gives the user's."""
+        best = None
+        for text in self._printed():
+            source = Source.of(text)
+            try:
+                parser = Parser(source, tokens(source, self.judge.vocabulary)[:-1], self.judge.vocabulary, _nothing)
+                work = Workspace(parser.side(), self.judge.point)
+            except FreebodyError:
+                continue
+            if work.value != self.value:  # decimals were rounded
+                continue
+            repair = Repairs(self.setting, work, self.work.value, lambda name: {}).single()
+            if repair is not None and (best is None or repair.cost < best[0].cost):
+                best = repair, work, Wording(self.setting, source)
+        return best
+
+    def _printed(self) -> list[str]:
+        """The right answer as it prints, and term by term."""
+        layout = self.setting.layout
+        flat = [str(printed(layout, self.setting, *row)) for row in terms(self.setting, self.right).items()]
+        return [self.setting.form(self.right), " + ".join(f"({term})" for term in flat)]
+
+    # ------------------------------------------------------------ several changes
+    def _several(self) -> list[Finding]:
+        """Two or three changes of the answer."""
+        point, insertions = self.judge.point, []
+        for row in self.rows:
+            if row.instead is None and row.yours == 0:
+                monomial, wave = row.key
+                x = self._term(row)
+                insertions.append((x, point.of(x)))
+        found = self.forward.several(insertions)
+        return [self._said(repair) for repair in found]
+
+    def _term(self, row: Difference) -> Trig:
+        x = self.setting.ring.polynomial([(dict(row.key[0]), row.right)])
+        for function, argument, exponent in row.key[1]:
+            angle = sum((self.setting.ring[name] * k for name, k in argument), self.setting.zero)
+            for _ in range(exponent):
+                x = x * (angle.sin() if function == "sin" else angle.cos())
+        return x
+
+    def _said(self, repair: Repair) -> Finding:
+        if repair.kind == "missing" and repair.node is self.work.root:
+            row = next(row for row in self.rows if self.judge.point.of(self._term(row)) == repair.change)
+            return self.wording.of_difference(row)
+        return self.wording.of_repair(repair, self.work)
+
+
+def _nothing(name: str) -> None:
+    """Printed answers hold no quantities by name."""

@@ -1,0 +1,335 @@
+"""Small changes of an answer that make it right: each names a mistake, where it stands and what should be there.
+
+All single changes are tried, and then pairs: a sign, a factor, a term too many or missing, sin for cos, an angle, a
+length, an index, a power. Each has a cost, small for what people get wrong often; the cheapest that explains wins.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from itertools import combinations
+
+from freebody.derivations.check.residues import PRIME, rational
+from freebody.derivations.check.setting import Setting
+from freebody.derivations.check.tree import (
+    Angle,
+    Negative,
+    Node,
+    Number,
+    Power,
+    Product,
+    Sum,
+    Symbol,
+    Wave,
+    nodes,
+    replaced,
+)
+from freebody.derivations.check.workspace import Workspace
+from freebody.scalars.trig import Trig
+
+MOST_NODES = 2500
+"""Pieces of an answer up to which every one is tried."""
+
+_FACTORS = (0, -1, 2, Fraction(1, 2), -2, Fraction(-1, 2), 3, Fraction(1, 3), 4, Fraction(1, 4))
+_PAIR_COST, _PAIR_TOTAL = 2.5, 5.0
+_TRIPLE_COST, _TRIPLE_MOST = 2.0, 300
+_NUMBERED = re.compile(r"([A-Za-z]+?)(\d+)(_d{1,2})?")
+
+Related = Callable[[str], Mapping[str, Trig]]
+"""Quantities that one may mix up with one: the other entries of its family."""
+
+
+@dataclass(frozen=True, eq=False)
+class Repair:
+    """Put `new` where `node` stands. `factor`: of a scaled term its factor."""
+
+    kind: str
+    cost: float
+    node: Node
+    new: Node
+    change: int = 0
+    factor: Fraction = Fraction(1)
+
+
+class Repairs:
+    """All small changes of a tree; `gap` is what must be added to its value."""
+
+    def __init__(self, setting: Setting, work: Workspace, right: int, related: Related):
+        self.setting, self.work, self.related = setting, work, related
+        self.gap = (right - work.value) % PRIME
+        self.tried: list[Repair] = []
+
+    # ------------------------------------------------------------ search
+    def single(self) -> Repair | None:
+        """The cheapest change that alone makes the answer right."""
+        found: list[Repair] = list(self._scaled())
+        if len(self.work.values) <= MOST_NODES:
+            for repair in self._discrete():
+                change = (self._value(repair) - self.work.value) % PRIME
+                if change == self.gap:
+                    found.append(repair)
+                elif repair.cost <= _PAIR_COST and change:
+                    self.tried.append(_with_change(repair, change))
+        size = {node: k for k, node in enumerate(self.work.values)}  # inner nodes come first
+        return min(found, key=lambda r: (r.cost, size[r.node]), default=None)
+
+    def several(self, insertions: Iterable[tuple[Trig, int]] = ()) -> tuple[Repair, ...]:
+        """The cheapest two or three changes that together make it right; (). `insertions`: terms that may be missing."""
+        whole = self.work.root
+        for term, value in insertions:
+            new = Sum(*whole.span, (whole, Symbol(*whole.span, "", term)))
+            self.tried.append(Repair("missing", 2.0, whole, new, value))
+        by_change: dict[int, list[Repair]] = {}
+        for repair in self.tried:
+            by_change.setdefault(repair.change, []).append(repair)
+        pairs = list(self._completed(by_change, [()], _PAIR_COST))
+        if not pairs:
+            cheap = [r for r in self.tried if r.cost <= _TRIPLE_COST]
+            if len(cheap) <= _TRIPLE_MOST:
+                pairs = list(self._completed(by_change, [(r,) for r in cheap], _TRIPLE_COST))
+        for group in sorted(pairs, key=lambda group: sum(r.cost for r in group))[:20]:
+            if self._verified(group):
+                return group
+        return ()
+
+    def _completed(
+        self, by_change: Mapping[int, list[Repair]], begun: list[tuple[Repair, ...]], most: float
+    ) -> Iterator[tuple[Repair, ...]]:
+        """Groups begun, with two more changes that fill the gap."""
+        first = {id(r): k for k, r in enumerate(self.tried)}
+        for group in begun:
+            rest = self.gap - sum(r.change for r in group)
+            for repair in self.tried:
+                if repair.cost > most or (group and first[id(repair)] <= first[id(group[-1])]):
+                    continue
+                for other in by_change.get((rest - repair.change) % PRIME, ()):
+                    whole = (*group, repair, other)
+                    if (
+                        other.cost <= most
+                        and first[id(other)] > first[id(repair)]
+                        and sum(r.cost for r in whole) <= _PAIR_TOTAL + len(group)
+                    ):
+                        yield whole
+
+    def _verified(self, group: tuple[Repair, ...]) -> bool:
+        """Whether changes that may touch one another do make the answer right."""
+        inserted = [r for r in group if r.kind == "missing" and r.node is self.work.root]
+        others = [r for r in group if r not in inserted]
+        if len({r.node for r in others}) < len(others):
+            return False
+        for a, b in combinations(others, 2):
+            if a.node in set(nodes(b.node)) or b.node in set(nodes(a.node)):
+                return False
+        tree = replaced(self.work.root, {r.node: r.new for r in others})
+        value = self.work.point.at(tree) + sum(r.change for r in inserted)
+        return (value - self.work.value - self.gap) % PRIME == 0
+
+    def _value(self, repair: Repair) -> int:
+        """The value of the whole after a change, of which only the changed piece is computed anew."""
+        return self.work.with_value(repair.node, self._local(repair.new))
+
+    def _local(self, node: Node) -> int:
+        """The value of a node that is made of known ones."""
+        known = self.work.values.get(node)
+        if known is not None:
+            return known
+        match node:
+            case Product():
+                total = 1
+                for factor in node.factors:
+                    total = total * self._local(factor) % PRIME
+                return total
+            case Sum():
+                return sum(map(self._local, node.terms)) % PRIME
+            case Power():
+                return pow(self._local(node.base), node.exponent, PRIME)
+            case Negative():
+                return -self._local(node.operand) % PRIME
+        return self.work.point.at(node)
+
+    # ------------------------------------------------------------ terms: sign, factor, too many
+    def _scaled(self) -> Iterator[Repair]:
+        """Terms which a number would make right; the number is computed, not guessed."""
+        for node in self.work.addends():
+            value = self.work.values[node]
+            if not self.work.is_linear_in(node) or value == 0:
+                continue
+            slope = self.work.slope(node) * value % PRIME
+            factor = rational(1 + self.gap * pow(slope, -1, PRIME)) if slope else None
+            if factor is not None:
+                yield _scaling(node, factor, self._depth(node))
+
+    def _depth(self, node: Node) -> int:
+        """In how many brackets a term stands."""
+        depth = 0
+        while node is not self.work.root:
+            node = self.work.parents[node]
+            depth += isinstance(node, Sum)
+        return max(0, depth - 1)
+
+    def _factors(self) -> Iterator[Repair]:
+        """The usual factors, for pairs and below powers."""
+        for node in self.work.addends():
+            for factor in _FACTORS:
+                yield _scaling(node, Fraction(factor))
+
+    # ------------------------------------------------------------ inside terms
+    def _discrete(self) -> Iterator[Repair]:
+        """All changes that can be listed."""
+        yield from self._factors()
+        yield from self._lacking()
+        for node in list(self.work.values):
+            match node:
+                case Wave():
+                    yield from self._waves(node)
+                case Symbol():
+                    yield from self._symbols(node)
+                case Power():
+                    yield from _powers(node)
+            yield from self._inserted(node)
+
+    @cached_property
+    def angles(self) -> list[Angle]:
+        """Sums of angles that may be meant."""
+        names = [x for x in self.setting.ring.angles if x not in self.setting.foreign][:6]
+        return [
+            tuple((x, 1) for x in subset)
+            for size in range(1, len(names) + 1)
+            for subset in combinations(names, size)
+        ]
+
+    def _waves(self, node: Wave) -> Iterator[Repair]:
+        """The other function, another angle."""
+        other = "sin" if node.function == "cos" else "cos"
+        span = node.span
+        yield Repair("function", 1.0, node, Wave(*span, other, node.angle, node.turn))
+        for angle in self.angles:
+            if angle == node.angle:
+                continue
+            near = _is_chain(angle)
+            yield Repair("angle", 1.4 if near else 2.4, node, Wave(*span, node.function, angle, node.turn))
+            yield Repair("angle", 3.5, node, Wave(*span, other, angle, node.turn))
+        if len(node.angle) > 1:
+            for k in range(len(node.angle)):
+                flipped = tuple((x, -e if j == k else e) for j, (x, e) in enumerate(node.angle))
+                yield Repair("angle", 1.6, node, Wave(*span, node.function, flipped, node.turn))
+        if node.turn:
+            yield Repair("angle", 1.5, node, Wave(*span, node.function, node.angle))
+        yield Repair("extra factor", 3.0, node, Number(*span, Fraction(1)))
+
+    def _symbols(self, node: Symbol) -> Iterator[Repair]:
+        """Another symbol in its place, its square, none."""
+        name = self._generator(node)
+        if name is None:
+            for other, value in self.related(node.name).items():
+                yield Repair("index", 1.0, node, Symbol(*node.span, other, value))
+            return
+        for other in self._names:
+            if other != name:
+                kind, cost = _likeness(name, other)
+                yield Repair(kind, cost, node, Symbol(*node.span, other, self.setting.ring[other]))
+        if re.search(r"_dd?$", name):
+            yield from self._rate_sums(node, name)
+        if not isinstance(self.work.parents.get(node), Power):
+            yield Repair("exponent", 2.0, node, Power(*node.span, node, 2))
+        yield Repair("extra factor", 3.0, node, Number(*node.span, Fraction(1)))
+
+    def _generator(self, node: Symbol) -> str | None:
+        """The generator that a symbol is."""
+        terms = list(node.value.terms())
+        if len(terms) != 1 or terms[0][1] != 1 or sum(terms[0][0].values()) != 1:
+            return None
+        return next(iter(terms[0][0]))
+
+    @cached_property
+    def _names(self) -> list[str]:
+        """Generators that right answers are made of."""
+        ring = self.setting.ring
+        return [
+            x
+            for x in ring.names
+            if x not in ring.angles and x not in self.setting.foreign and not x.startswith("sgn_")
+        ]
+
+    def _rate_sums(self, node: Symbol, name: str) -> Iterator[Repair]:
+        """Sums of rates for a rate: the absolute angular velocity."""
+        ending = re.findall(r"_dd?$", name)[0]
+        for angle in self.angles:
+            if len(angle) > 1 and _is_chain(angle):
+                rates = [x + ending for x, _ in angle]
+                terms = tuple(Symbol(*node.span, x, self.setting.ring[x]) for x in rates)
+                yield Repair("rate", 2.0, node, Sum(*node.span, terms))
+
+    def _lacking(self) -> Iterator[Repair]:
+        """Terms that lack a factor."""
+        for node in self.work.addends():
+            for name in self._names:
+                symbol = Symbol(*node.span, name, self.setting.ring[name])
+                yield Repair("missing factor", 3.0, node, Product(*node.span, (node, symbol)))
+            for angle in self.angles:
+                if _is_chain(angle):
+                    for function in ("sin", "cos"):
+                        wave = Wave(*node.span, function, angle)
+                        yield Repair("missing factor", 3.5, node, Product(*node.span, (node, wave)))
+
+    def _inserted(self, node: Node) -> Iterator[Repair]:
+        """Brackets, and factors that may have been one, that lack a single symbol."""
+        parent = self.work.parents.get(node)
+        is_factor = isinstance(parent, Product | Power) and isinstance(node, Symbol)
+        if not (isinstance(node, Sum) and parent is not None) and not is_factor:
+            return
+        for name in self._names:
+            symbol = Symbol(*node.span, name, self.setting.ring[name])
+            yield Repair("missing", 2.5, node, Sum(*node.span, (node, symbol)))
+            yield Repair("missing", 2.6, node, Sum(*node.span, (node, Negative(*node.span, symbol))))
+
+
+def _scaling(node: Node, factor: Fraction, depth: int = 0) -> Repair:
+    """A term times a number; times 0 it goes. Terms inside brackets cost a little more."""
+    new = Product(*node.span, (Number(*node.span, factor), node))
+    size = max(abs(factor.numerator), factor.denominator)
+    if factor == 0:
+        return Repair("extra", 1.1 + depth / 10, node, new, factor=factor)
+    if factor == -1:
+        cost = 1.0 if isinstance(node, Negative) else 1.01  # of x² - y² rather the minus
+        return Repair("sign", cost + depth / 10, node, new, factor=factor)
+    cost = 1.2 if factor in (2, Fraction(1, 2)) else 2.0 + size / 20
+    return Repair("factor", cost + depth / 10, node, new, factor=factor)
+
+
+def _powers(node: Power) -> Iterator[Repair]:
+    """A power one higher or lower."""
+    for exponent in (node.exponent - 1, node.exponent + 1):
+        new = node.base if exponent == 1 else Power(*node.span, node.base, exponent)
+        if exponent:
+            yield Repair("exponent", 1.8, node, new)
+
+
+def _is_chain(angle: Angle) -> bool:
+    """Whether the angles are those of neighbouring joints."""
+    numbers = [int(re.sub(r"\D", "", x) or 0) for x, _ in angle]
+    return numbers == list(range(numbers[0], numbers[0] + len(numbers)))
+
+
+def _likeness(name: str, other: str) -> tuple[str, float]:
+    """The kind of mistake that writing one name for another is, and its cost."""
+    a, b = _NUMBERED.fullmatch(name), _NUMBERED.fullmatch(other)
+    if a is None or b is None:
+        return "symbol", 4.0
+    if (a[1], a[3]) == (b[1], b[3]):
+        return "index", 1.0
+    if {a[1], b[1]} == {"l", "lc"}:
+        return "length", 1.0 if a[2] == b[2] else 2.0
+    if a[3] and b[3]:
+        return "rate", 1.5 if a[2] == b[2] else 2.2
+    return "symbol", 3.0 if a[2] == b[2] else 4.0
+
+
+def _with_change(repair: Repair, change: int) -> Repair:
+    return Repair(repair.kind, repair.cost, repair.node, repair.new, change, repair.factor)
+
+

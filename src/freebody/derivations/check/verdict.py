@@ -1,0 +1,95 @@
+"""What `check` says: equal, or where an answer differs and why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One mistake. kind: sign, factor, missing, extra, function, angle, length, index, rate, exponent, symbol,
+    "missing factor", "extra factor" or "term"."""
+
+    kind: str
+    message: str
+    yours: str = ""
+    """What stands in the answer."""
+    right: str = ""
+    """What must stand there."""
+    line: int = 0
+    column: int = 0
+    context: str = ""
+    """The line of the answer with carets below the place; "" where it is no single place."""
+
+
+@dataclass(frozen=True)
+class Example:
+    """Numbers for the symbols at which the answer and the right one differ."""
+
+    values: Mapping[str, float]
+    yours: float
+    right: float
+
+
+@dataclass(frozen=True)
+class Equation:
+    """The verdict on one equation of an answer."""
+
+    name: str
+    """As the answer writes it."""
+    title: str
+    """What it is, in words."""
+    equal: bool
+    findings: tuple[Finding, ...] = ()
+    causes: tuple[str, ...] = ()
+    """What may have been thought, where a single thought explains the whole difference."""
+    example: Example | None = None
+    example_text: str = ""
+    note: str = ""
+
+    @property
+    def text(self) -> str:
+        """The verdict in words."""
+        if self.equal:
+            return f"{self.name} is right.{' ' if self.note else ''}{self.note}"
+        lines = [f"{self.name}, {self.title}, is not right."]
+        lines += [f"  {cause}" for cause in self.causes]
+        for finding in self.findings:
+            lines.append(f"  {finding.message}")
+            lines += [f"  {line}" for line in finding.context.splitlines()]
+        if self.example_text:
+            lines.append(f"  {self.example_text}")
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """True when every equation of the answer is equal to the right one; `print` it to read why not."""
+
+    equations: tuple[Equation, ...]
+    model: str = field(default="", repr=False)
+
+    def __bool__(self) -> bool:
+        return all(equation.equal for equation in self.equations)
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """All mistakes."""
+        return tuple(finding for equation in self.equations for finding in equation.findings)
+
+    @property
+    def causes(self) -> tuple[str, ...]:
+        """What may have been thought."""
+        return tuple(cause for equation in self.equations for cause in equation.causes)
+
+    @property
+    def text(self) -> str:
+        """The verdict in words, equation by equation."""
+        return "\n".join(equation.text for equation in self.equations)
+
+    def __str__(self) -> str:
+        return self.text
+
+    def _repr_pretty_(self, printer, cycle: bool) -> None:
+        printer.text(self.text)

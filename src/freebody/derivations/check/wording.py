@@ -1,0 +1,187 @@
+"""Repairs and differences as sentences a student understands."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+
+from freebody.derivations import expression as ex
+from freebody.derivations.check.differences import Difference, printed
+from freebody.derivations.check.exact import Reader
+from freebody.derivations.check.repairs import Repair
+from freebody.derivations.check.setting import Setting
+from freebody.derivations.check.source import Source
+from freebody.derivations.check.tree import Node, Number, Power, Product, Sum, Symbol, Wave
+from freebody.derivations.check.verdict import Finding
+from freebody.derivations.check.workspace import Workspace
+from freebody.derivations.names import sym
+
+_LONG = 70
+_OPPOSITE = {"extra": "missing", "missing": "extra", "missing factor": "extra factor", "extra factor": "missing factor"}
+
+
+@dataclass(frozen=True)
+class Wording:
+    """Sentences about one answer: its text, and how its symbols print."""
+
+    setting: Setting
+    source: Source
+
+    # ------------------------------------------------------------ repairs of the answer itself
+    def of_repair(self, repair: Repair, work: Workspace) -> Finding:
+        """What is wrong at one place of the answer."""
+        written = self.written(repair.node.span)
+        should = self.node(repair.new)
+        addend = work.addend_of(repair.node)
+        inside = "" if addend is repair.node or addend is work.root else f" in {self.written(addend.span)}"
+        if repair.node is work.root and isinstance(repair.node, Sum):
+            written = "The whole answer"
+        message = self._sentence(repair, written, _cut(should), inside)
+        line, column = self.source.place(repair.node.start)
+        context = self.source.caret(repair.node.span)
+        return Finding(repair.kind, message, self.source[repair.node.span], should, line, column, context)
+
+    def _sentence(self, repair: Repair, written: str, should: str, inside: str) -> str:
+        match repair.kind:
+            case "sign":
+                return f"{written} has the wrong sign: it must be {should}."
+            case "factor":
+                return f"{written} {_times(repair.factor)}: it must be {should}."
+            case "extra":
+                return f"{written} is too much{inside}: leave it out."
+            case "missing":
+                return f"In {written} a term is missing: it must be {should}."
+            case "missing factor":
+                assert isinstance(repair.new, Product)
+                return f"{written} lacks the factor {self.node(repair.new.factors[-1])}."
+            case "extra factor":
+                return f"The factor {written} is too much{inside}."
+            case "exponent":
+                return f"{written} has the wrong power{inside}: it must be {should}."
+        reason = self._reason(repair.kind, repair.node, repair.new)
+        return f"{written} must be {should}{inside}{reason}."
+
+    def _reason(self, kind: str, old: Node, new: Node) -> str:
+        """Why, in half a sentence."""
+        name = self._name(old)
+        if name in self.setting.foreign:
+            return f" ({sym(name)} is no symbol of {self.setting.symbols.model.name})"
+        other = self._name(new)
+        if kind == "length" and other.startswith("lc"):
+            k = other.removeprefix("lc")
+            return f": the centre of mass of link {k} is {sym(other)} from its joint, {sym('l' + k)} is the whole link"
+        if kind == "length":
+            return f": the next joint is {sym(other)} away, {sym('lc' + other[1:])} reaches to the centre of mass only"
+        if kind == "angle" and isinstance(new, Wave) and isinstance(old, Wave) and len(new.angle) > len(old.angle) > 0:
+            return ": angles are measured from the link before, so that the direction of a link is a sum of angles"
+        if kind == "rate" and isinstance(new, Sum):
+            return ": rates are relative to the link before, so that a link's angular velocity is a sum of rates"
+        return ""
+
+    def _name(self, node: Node) -> str:
+        """The generator that a node is."""
+        if isinstance(node, Symbol):
+            names = [next(iter(p), "") for p, _ in node.value.terms()]
+            return names[0] if len(names) == 1 else ""
+        return ""
+
+    # ------------------------------------------------------------ the same seen from the right answer
+    def of_reverse(self, repair: Repair, work: Workspace, right: Wording) -> Finding:
+        """What the answer has in place of a piece of the right one, whose text `right` knows."""
+        should, has = right.written(repair.node.span), right.node(repair.new)
+        kind = _OPPOSITE.get(repair.kind, repair.kind)
+        addend = work.addend_of(repair.node)
+        inside = "" if addend is repair.node or addend is work.root else f" of {right.written(addend.span)}"
+        reason = self._reason(repair.kind, repair.new, repair.node)
+        match kind:
+            case "sign":
+                message = f"{should} has the wrong sign in your answer."
+            case "factor":
+                message = f"{should} {_times(1 / repair.factor)} in your answer."
+            case "missing":
+                message = f"{should} is missing."
+            case "extra":
+                message = f"In place of {should} you have {_cut(has)}: a term too much."
+            case "missing factor":
+                message = f"The factor {should}{inside} is missing in your answer."
+            case "extra factor":
+                assert isinstance(repair.new, Product)
+                message = f"{should} has a factor {right.node(repair.new.factors[-1])} too much in your answer."
+            case _:
+                message = f"In place of {should}{inside} you have {_cut(has)}{reason}."
+        yours, right_text = has, right.source[repair.node.span]
+        if kind == "missing":
+            yours = ""
+        return Finding(kind, message, yours, right_text)
+
+    # ------------------------------------------------------------ differences of terms
+    def of_difference(self, row: Difference) -> Finding:
+        """A term that is missing, too much or has the wrong number."""
+        yours = self.term(row.instead or row.key, row.yours)
+        right = self.term(row.key, row.right)
+        if row.instead is not None:
+            return Finding("term", f"The term {quoted(yours)} must be {right}.", yours, right)
+        if row.yours == 0:
+            return Finding("missing", f"The term {quoted(right)} is missing.", "", right)
+        if row.right == 0:
+            return Finding("extra", f"The term {quoted(yours)} is too much: leave it out.", yours, "")
+        if row.yours == -row.right:
+            return Finding("sign", f"The term {quoted(yours)} has the wrong sign: it must be {right}.", yours, right)
+        message = f"The term {quoted(yours)} {_times(row.right / row.yours)}: it must be {right}."
+        return Finding("factor", message, yours, right)
+
+    def term(self, key: tuple, value: Fraction) -> str:
+        """A term of the gathered form."""
+        return str(printed(self.setting.layout, self.setting, key, value))
+
+    # ------------------------------------------------------------ pieces
+    def written(self, span: tuple[int, int]) -> str:
+        """What stands in the text, in quotes, cut where it is long."""
+        return quoted(self.source[span])
+
+    def node(self, node: Node) -> str:
+        """A piece of a repaired answer, as it prints."""
+        match node:
+            case Symbol() if node.name in self.setting.ring.index:
+                return str(sym(node.name))
+            case Symbol() if re.fullmatch(r"(?:H|G|tau|v|J)\d+", node.name):
+                return node.name.replace("tau", "τ")
+            case Wave():
+                angle = ex.add(*(ex.mul(k, sym(x)) for x, k in node.angle))
+                text = str(ex.Function(node.function, angle))
+                return text if not node.turn else self._form(node)
+            case Power(base=Symbol() | Wave()):
+                return str(ex.power(sym("x"), node.exponent)).replace("x", self.node(node.base), 1)
+            case Number():
+                return str(ex.num(node.value))
+        return self._form(node)
+
+    def _form(self, node: Node) -> str:
+        return self.setting.form(Reader(self.source, self.setting.ring).read(node))
+
+
+def quoted(text: str) -> str:
+    """In quotes, cut in the middle where it is long."""
+    shown = text if len(text) <= _LONG else f"{text[: _LONG // 2]} … {text[-_LONG // 3 :]}"
+    return f"‘{shown}’"
+
+
+def _cut(text: str) -> str:
+    """Cut at the end where it is very long."""
+    return text if len(text) <= 3 * _LONG else text[: 3 * _LONG] + " …"
+
+
+def _times(factor: Fraction) -> str:
+    """What is wrong with a term that must be multiplied by a number."""
+    size = abs(factor)
+    sign = "has the wrong sign and " if factor < 0 else ""
+    known = {
+        Fraction(2): "is too small by half: a factor 2 is missing",
+        Fraction(1, 2): "is twice too large",
+        Fraction(1): "",
+    }
+    if size in known:
+        return sign + known[size]
+    number = str(size) if size.denominator == 1 else f"({size})"
+    return f"{sign}has the wrong factor, which must be {number} times as large"
