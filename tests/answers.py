@@ -129,7 +129,10 @@ KINDS = ("sign", "factor", "index", "angle", "missing", "extra", "function", "le
 def mistake(rng: random.Random, word: str, right: Expression, kind: str) -> Mistake | None:
     """A random mistake of a kind, or None where the answer has nothing to get wrong in this way."""
     rows = [
-        (path, x, new) for path, x in paths(right) for new in [_wrong(rng, word, right, path, x, kind)] if new is not None
+        (path, x, new)
+        for path, x in paths(right)
+        for new in [_wrong(rng, word, right, path, x, kind)]
+        if new is not None
     ]
     if not rows:
         return None
@@ -190,7 +193,9 @@ def _invented(rng: random.Random, word: str, x: Expression) -> Expression:
     """A term that looks like another one but is not: a symbol exchanged, or a function more."""
     spots = [(p, s) for p, s in paths(x) if isinstance(s, ex.Symbol)]
     path, old = rng.choice(spots) if spots else ((), ex.ONE)
-    names = _others(word, getattr(old, "name", ""), "index") + _others(word, getattr(old, "name", ""), "length")
+    names = _others(word, getattr(old, "name", ""), "index") + _others(
+        word, getattr(old, "name", ""), "length"
+    )
     if spots and names:
         return put(x, path, sym(rng.choice(names)))
     angles = _angles(word)
@@ -256,9 +261,11 @@ class Writer:
         self.rng = rng
         self.word = word
         self.style = rng.choice(["code", "plain", "unicode", "latex"])
-        self.times = {"code": "*", "plain": rng.choice([" ", "*", " * "]), "unicode": rng.choice([" ", "·", " × "])}.get(
-            self.style, rng.choice([" ", r" \cdot ", r"\,"])
-        )
+        self.times = {
+            "code": "*",
+            "plain": rng.choice([" ", "*", " * "]),
+            "unicode": rng.choice([" ", "·", " × "]),
+        }.get(self.style, rng.choice([" ", r" \cdot ", r"\,"]))
         self.power = rng.choice(["**", "^"]) if self.style == "code" else "^"
         self.short = rng.random() < 0.3 and word.count("R") == len(word)
         self.q = rng.random() < 0.25 and self.style in ("code", "plain")
@@ -313,7 +320,11 @@ class Writer:
         if value < 0:
             return self.bracket("-" + self._number(-value, 0))
         if value.denominator == 1:
-            return self.bracket(str(value)) if level == 1.5 and self.times.isspace() or level == 1.5 else str(value)
+            return (
+                self.bracket(str(value))
+                if (level == 1.5 and self.times.isspace()) or level == 1.5
+                else str(value)
+            )
         if value.denominator in (2, 4) and self.rng.random() < 0.3:
             text = str(float(value))
         elif self.style == "latex":
@@ -329,7 +340,11 @@ class Writer:
         if isinstance(x.base, ex.Function) and self.style in ("latex", "unicode") and not self.short:
             text = self._function(x.base.name, x.base.argument)
             name = "\\" + x.base.name if self.style == "latex" else x.base.name
-            high = f"^{{{exponent}}}" if self.style == "latex" else {"2": "²", "3": "³"}.get(exponent, "^" + exponent)
+            high = (
+                f"^{{{exponent}}}"
+                if self.style == "latex"
+                else {"2": "²", "3": "³"}.get(exponent, "^" + exponent)
+            )
             return text.replace(name, name + high, 1)
         base = self.write(x.base, 2)
         if isinstance(x.base, ex.Function) and not self.short:
@@ -367,7 +382,11 @@ class Writer:
             return letter + ("", "\u0307", "\u0308")[dots] + k.translate(_LOW)
         if not dots:
             return letter + k
-        rate = {"{}dot": "{}ddot", "d{}": "dd{}", "{}_d": "{}_dd", "{}'": "{}''"}[self.rate] if dots == 2 else self.rate
+        rate = (
+            {"{}dot": "{}ddot", "d{}": "dd{}", "{}_d": "{}_dd", "{}'": "{}''"}[self.rate]
+            if dots == 2
+            else self.rate
+        )
         return rate.format(letter + k)
 
 
@@ -395,11 +414,19 @@ def named(setting: Setting, verdict: Verdict, m: Mistake) -> bool:
         old, new = setting.zero, new - old
     pairs = [(read(setting, f.yours), read(setting, f.right)) for f in verdict.findings]
     for finding, (yours, right) in zip(verdict.findings, pairs, strict=True):
-        if finding.kind in SAME[m.kind] and (yours, right) in ((new, old), (term + whole, term), (whole, setting.zero)):
+        if finding.kind in SAME[m.kind] and (yours, right) in (
+            (new, old),
+            (term + whole, term),
+            (whole, setting.zero),
+        ):
             return True
         if finding.kind in SAME[m.kind] and m.kind == "missing" and right in (old, term):
             return True
-        if finding.kind in SAME[m.kind] and m.kind in ("sign", "factor") and right in (old, -old, term, -term):
+        if (
+            finding.kind in SAME[m.kind]
+            and m.kind in ("sign", "factor")
+            and right in (old, -old, term, -term)
+        ):
             return True
     known = [(yours, right) for yours, right in pairs if yours is not None and right is not None]
     gap = sum((yours - right for yours, right in known), setting.zero)

@@ -69,6 +69,7 @@ _PLACES = {
     "freebody.numerics.exports": ("source", "to_jax"),
     "freebody.derivations.equations": ("equations",),
     "freebody.derivations.derive": ("derive",),
+    "freebody.derivations.check.check": ("check",),
     "freebody.motion.motion": ("Motion",),
     "freebody.motion.default": ("default_motion",),
     "freebody.motion.table": ("read_motion",),

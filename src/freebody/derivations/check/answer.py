@@ -116,9 +116,7 @@ def _lines(source: Source, found: Sequence[Token]) -> list[list[Token]]:
     depth = 0
     for token in found:
         depth += {"open": 1, "begin": 1, "close": -1, "end": -1}.get(token.kind, 0)
-        if token.kind in ("line", "row", "stop") and depth <= 0:
-            pieces.append([])
-        elif token.kind == "comma" and depth <= 0:
+        if token.kind in ("line", "row", "stop", "comma") and depth <= 0:
             pieces.append([])
         elif not (token.kind in ("amp", "line") and (depth <= 0 or not _in_matrix(found, token))):
             pieces[-1].append(token)
@@ -157,7 +155,10 @@ def _sides(source: Source, line: list[Token]) -> Line:
             (line[0].start, line[-1].end),
         )
     if len(sides) > MOST_SIDES:
-        source.fail(f"more than {MOST_SIDES} sides in one equation", sides[MOST_SIDES][0].span if sides[MOST_SIDES] else line[-1].span)
+        source.fail(
+            f"more than {MOST_SIDES} sides in one equation",
+            sides[MOST_SIDES][0].span if sides[MOST_SIDES] else line[-1].span,
+        )
     for k, side in enumerate(sides):
         if not side:
             equals = [token for token in line if token.kind == "equals"][max(0, k - 1)]
@@ -249,10 +250,8 @@ class _Reading:
 
     def _entries(self, label: str, name: Token, node: Table, table: list[list[Target]]) -> list[Claim]:
         rows = [list(row) for row in node.rows]
-        if len(rows) == 1 and len(table) > 1 and len(table[0]) == 1:
-            rows = [[entry] for entry in rows[0]]
-        elif table and len(table[0]) == 1 and len(rows) == len(table[0]) == 1:
-            rows = [[entry] for entry in rows[0]]
+        if len(rows) == 1 and table and len(table[0]) == 1:
+            rows = [[entry] for entry in rows[0]]  # a vector written as a row
         if label == "J" and len(rows) < len(table):
             table = table[: len(rows)]
         if [len(r) for r in rows] != [len(r) for r in table]:
@@ -274,8 +273,9 @@ class _Reading:
         )
         if len(line) != 2 or len(inside) != 1:
             self.source.fail(
-                "neither side is one of the quantities that are checked: tau1, H12 or M12, c1, g1 or G1, J11, T, V, x, y",
+                "neither side is one of the quantities that are checked",
                 span,
+                "These are tau1, H12 or M12, c1, g1 or G1, J11, T, V, x and y.",
             )
         (name,) = inside
         rest, slope = self._solved(line, name)

@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 
 from freebody.derivations.check.residues import PRIME, Point, Turn, plus, residue
 from freebody.derivations.check.setting import Setting
@@ -78,32 +79,38 @@ class Causes:
 
     def _velocity(self) -> Iterator[Thought]:
         """Mistakes in all terms with products of rates."""
-        if not any(_rates(powers) for powers, _ in self.right.terms()) or self.target.family not in ("tau", "c"):
+        if not any(_rates(powers) for powers, _ in self.right.terms()) or self.target.family not in (
+            "tau",
+            "c",
+        ):
             return
         mixed = (
             "All is right but a factor 2: a product of two different rates, θ̇ᵢ θ̇ⱼ, arises twice "
             "(as ij and as ji), so that Coriolis terms carry a 2."
         )
         yield mixed, self._weighted(lambda p: Fraction(1, 2) if len(_rates(p)) > 1 else 1)
-        yield "The Coriolis terms, with products of two different rates, are missing.", self._weighted(
-            lambda p: 0 if len(_rates(p)) > 1 else 1
+        yield (
+            "The Coriolis terms, with products of two different rates, are missing.",
+            self._weighted(lambda p: 0 if len(_rates(p)) > 1 else 1),
         )
-        yield "The centrifugal terms, with squares of rates, are missing.", self._weighted(
-            lambda p: 0 if len(_rates(p)) == 1 else 1
+        yield (
+            "The centrifugal terms, with squares of rates, are missing.",
+            self._weighted(lambda p: 0 if len(_rates(p)) == 1 else 1),
         )
-        yield "The Coriolis and centrifugal terms are missing; everything else is right.", self._weighted(
-            lambda p: 0 if _rates(p) else 1
+        yield (
+            "The Coriolis and centrifugal terms are missing; everything else is right.",
+            self._weighted(lambda p: 0 if _rates(p) else 1),
         )
-        yield "All Coriolis and centrifugal terms have the wrong sign; everything else is right.", self._weighted(
-            lambda p: -1 if _rates(p) else 1
+        yield (
+            "All Coriolis and centrifugal terms have the wrong sign; everything else is right.",
+            self._weighted(lambda p: -1 if _rates(p) else 1),
         )
 
     def _inertia(self) -> Iterator[Thought]:
         """Bodies and accelerations left out."""
         own = self.target.index[0] - 1 if self.target.family == "tau" else None
         if own is not None:
-            names = self.setting.symbols.coordinates
-            for j, name in enumerate(names):
+            for name in self.setting.symbols.coordinates:
                 missing = f"The terms with {sym(name + '_dd')} are missing; everything else is right."
                 yield missing, self._weighted(lambda p, x=name + "_dd": 0 if x in p else 1)
         inertial = self.setting.order.inertial
@@ -158,12 +165,14 @@ class Causes:
             )
             half = residue(Fraction(1, 2))
             yield (
-                f"This is right only where the centre of mass is half-way, {', '.join(f'lc{k} = l{k}/2' for k in group)}.",
+                "This is right only where the centre of mass is half-way, "
+                f"{', '.join(f'lc{k} = l{k}/2' for k in group)}.",
                 self._at({f"lc{k}": v[f"l{k}"] * half % PRIME for k in group}),
             )
             if both >= set(group):
                 yield (
-                    f"l and lc are exchanged: l{group[0]} is the whole link, lc{group[0]} reaches to the centre of mass.",
+                    f"l and lc are exchanged: l{group[0]} is the whole link, "
+                    f"lc{group[0]} reaches to the centre of mass.",
                     self._at({x: v[y] for k in group for x, y in ((f"lc{k}", f"l{k}"), (f"l{k}", f"lc{k}"))}),
                 )
         yield from self._axes(v)
@@ -181,8 +190,9 @@ class Causes:
             steiner = {k: v[f"m{k}"] * v[f"lc{k}"] ** 2 % PRIME for k in group}
             names, lacking = " and ".join(f"I{k}" for k in group), " and ".join(f"m{k} lc{k}²" for k in group)
             yield (
-                f"The parallel-axis theorem is forgotten: this is right for moments of inertia about the joints; here {names} "
-                f"{'is' if len(group) == 1 else 'are'} about the centre of mass, and {lacking} must be added.",
+                "The parallel-axis theorem is forgotten: this is right for moments of inertia about the joints; "
+                f"here {names} {'is' if len(group) == 1 else 'are'} about the centre of mass, "
+                f"and {lacking} must be added.",
                 self._at({f"I{k}": (v[f"I{k}"] - x) % PRIME for k, x in steiner.items()}),
             )
             yield (
@@ -209,15 +219,17 @@ class Causes:
     def _absolute(self, turning: list[str]) -> Iterator[Thought]:
         """Angles from the x axis for angles from the link before."""
         values, turns = dict(self.point.values), dict(self.point.turns)
-        for before, x in zip(turning[:-1], turning[1:], strict=True):
+        for before, x in pairwise(turning):
             s, c = self.point.turns[before]
             turns[x] = plus(self.point.turns[x], (PRIME - s, c))
             for ending in ("_d", "_dd"):
-                values[x + ending] = (self.point.values[x + ending] - self.point.values[before + ending]) % PRIME
+                values[x + ending] = (
+                    self.point.values[x + ending] - self.point.values[before + ending]
+                ) % PRIME
         names = ", ".join(str(sym(x)) for x in turning[1:])
         text = (
-            f"This is right if {names} were measured from the x axis; here each angle is measured from the link before, "
-            "and links stand at sums of angles."
+            f"This is right if {names} were measured from the x axis; "
+            "here each angle is measured from the link before, and links stand at sums of angles."
         )
         yield text, self.point.changed(turns=turns).of(self.right)
         moved = Point(values, turns)

@@ -26,9 +26,9 @@ def check(model: Model, answer: Any, names: Mapping[str, str] | None = None) -> 
     {"H12": expression}. In the notes' symbols: theta1, θ₁, q1; θ̇₁, theta1_d, dtheta1; l1, lc1, m1, I1, g;
     on the right c12 is cos(θ1+θ2). names: what names of the user's own stand for, {"L1": "l1"}.
 
-    The text is parsed, never run; raises AnswerError, which points at the place, for what cannot be read. The comparison
-    is exact: forms that are equal are found equal. The verdict is true when all equations are; `.text` says it in
-    words, `.findings` lists the mistakes.
+    The text is parsed, never run; raises AnswerError, which points at the place, for what cannot be read. The
+    comparison is exact: forms that are equal are found equal. The verdict is true when all equations are; `.text`
+    says it in words, `.findings` lists the mistakes.
     """
     where = setting(equations(model))
     found = claims(where, text_of(answer), names or {})

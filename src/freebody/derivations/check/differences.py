@@ -38,7 +38,9 @@ def terms(setting: Setting, x: Trig) -> Terms:
 def is_too_long(x: Trig) -> bool:
     """Whether a polynomial would have too many terms to be compared one by one."""
     waves = [name for name in x.ring.index if name.startswith(("sin_", "cos_"))]
-    return sum(math.prod(p.get(name, 0) + 1 for name in waves if name in p) for p, _ in x.terms()) > MOST_TERMS
+    return (
+        sum(math.prod(p.get(name, 0) + 1 for name in waves if name in p) for p, _ in x.terms()) > MOST_TERMS
+    )
 
 
 def differences(setting: Setting, yours: Trig, right: Trig) -> list[Difference]:
@@ -59,7 +61,9 @@ def _paired(rows: list[Difference]) -> Iterator[Difference]:
             continue
         partner = None
         if row.yours == 0:
-            partner = next((x for x in extra if abs(x.yours) == abs(row.right) and _alike(x.key, row.key)), None)
+            partner = next(
+                (x for x in extra if abs(x.yours) == abs(row.right) and _alike(x.key, row.key)), None
+            )
         if partner is None:
             yield row
         else:

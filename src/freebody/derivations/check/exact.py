@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
+from typing import NoReturn
 
 from freebody.derivations.check.source import Source
 from freebody.derivations.check.tree import (
@@ -17,6 +18,7 @@ from freebody.derivations.check.tree import (
     Quotient,
     Sum,
     Symbol,
+    Table,
     Wave,
 )
 from freebody.errors import FreebodyError
@@ -47,6 +49,7 @@ class Reader:
             Negative: lambda node: -self.read(node.operand),
             Power: self._power,
             Quotient: self._quotient,
+            Table: self._table,
         }
 
     def read(self, node: Node) -> Trig:
@@ -95,6 +98,9 @@ class Reader:
                 "with numbers only below a fraction bar",
                 node.below.span,
             )
+
+    def _table(self, node: Table) -> NoReturn:
+        self.source.fail("a vector or matrix stands where one expression is expected", node.span)
 
     def _times(self, a: Trig, b: Trig, node: Node) -> Trig:
         self.work += len(a) * len(b)

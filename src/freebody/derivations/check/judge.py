@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 
 from freebody.derivations.check import example
@@ -25,6 +26,7 @@ from freebody.errors import FreebodyError
 from freebody.scalars.trig import Trig
 
 MOST_FINDINGS = 6
+_ROUNDING = Fraction(1, 1000)
 _MISSING, _REVERSE = 1.9, 0.3
 """Cost of a missing term, and what an explanation costs that does not point into the answer itself."""
 
@@ -53,8 +55,12 @@ class Judge:
         if claim.value == right:
             return Equation(claim.label, title, True)
         if claim.target.family in ("V", "L", "Vi") and self._is_constant(claim.value - right):
-            note = f"It differs by the constant {self.setting.form(claim.value - right)}: the zero of V is free."
+            note = (
+                f"It differs by the constant {self.setting.form(claim.value - right)}: the zero of V is free."
+            )
             return Equation(claim.label, title, True, note=note)
+        if self.setting.order.decimal and self._agrees_in_digits(claim.value, right):
+            return Equation(claim.label, title, True, note="Numbers were compared to three digits.")
         findings, causes = self._explained(claim, right) if explain else ([], [])
         shown = example.example(self.setting, claim.value, right)
         text = example.sentence(shown) if shown else ""
@@ -63,6 +69,15 @@ class Judge:
     def _is_constant(self, x: Trig) -> bool:
         """Whether no coordinate or rate occurs."""
         return all(x.derivative(name).is_zero for name in self.setting.symbols.rates)
+
+    def _agrees_in_digits(self, yours: Trig, right: Trig) -> bool:
+        """Whether the numbers of all terms agree nearly: measured values may be rounded."""
+        if is_too_long(yours) or is_too_long(right):
+            return False
+        return all(
+            abs(row.yours - row.right) <= _ROUNDING * abs(row.right)
+            for row in differences(self.setting, yours, right)
+        )
 
     def _explained(self, claim: Claim, right: Trig) -> tuple[list[Finding], list[str]]:
         work = Workspace(claim.node, self.point)
@@ -166,7 +181,9 @@ class _Explanation:
         for text in self._printed():
             source = Source.of(text)
             try:
-                parser = Parser(source, tokens(source, self.judge.vocabulary)[:-1], self.judge.vocabulary, _nothing)
+                parser = Parser(
+                    source, tokens(source, self.judge.vocabulary)[:-1], self.judge.vocabulary, _nothing
+                )
                 work = Workspace(parser.side(), self.judge.point)
             except FreebodyError:
                 continue
@@ -189,7 +206,6 @@ class _Explanation:
         point, insertions = self.judge.point, []
         for row in self.rows:
             if row.instead is None and row.yours == 0:
-                monomial, wave = row.key
                 x = self._term(row)
                 insertions.append((x, point.of(x)))
         found = self.forward.several(insertions)

@@ -34,7 +34,9 @@ class Names(Protocol):
     functions: dict[str, str]
 
     @property
-    def known(self) -> frozenset[str]: ...
+    def known(self) -> frozenset[str]:
+        """All names but functions."""
+        ...
 
     def unknown(self, source: Source, span: Span) -> NoReturn:
         """Raise the error for a word that is no name."""
@@ -45,9 +47,8 @@ _NUMBER = re.compile(r"(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?")
 _LONGEST_NUMBER, _LARGEST_EXPONENT = 40, 30
 _COMMAND = re.compile(r"\\([A-Za-z]+\*?|.)", re.DOTALL)
 _ENVIRONMENT = re.compile(r"\s*\{([A-Za-z]+\*?)\}(\{[clr|\s]*\})?")
-_OPERATORS = (
-    {c: "*" for c in "*·⋅×∗∙•"} | {c: "-" for c in "-−–—‐"} | {c: "/" for c in "/÷∕⁄"} | {"+": "+", "^": "^"}
-)
+_OPERATORS = {"+": "+", "^": "^"}
+_OPERATORS |= dict.fromkeys("*·⋅×∗∙•", "*") | dict.fromkeys("-−–—‐", "-") | dict.fromkeys("/÷∕⁄", "/")
 _OPENING, _CLOSING = {"(": ")", "[": "]", "{": "}"}, frozenset(")]}")
 _VULGAR = {
     "½": (1, 2), "⅓": (1, 3), "⅔": (2, 3), "¼": (1, 4), "¾": (3, 4), "⅕": (1, 5), "⅙": (1, 6), "⅛": (1, 8), "⅜": (3, 8),
@@ -55,11 +56,16 @@ _VULGAR = {
 _TIMES = ("cdot", "times", "ast")
 _FRACTIONS = ("frac", "tfrac", "dfrac")
 _FUNCTIONS = ("sin", "cos", "tan", "sqrt", "exp", "log", "ln", "arctan", "arccos", "arcsin", "sgn")
+_BRACKET_SIZES = tuple(
+    f"{size}{side}" for size in ("big", "Big", "bigg", "Bigg") for side in ("", "l", "r", "m")
+)
 _SILENT = frozenset(
-    """left right big Big bigg Bigg bigl bigr Bigl Bigr biggl biggr Biggl Biggr displaystyle textstyle quad qquad
-    nonumber notag limits , ; : ! ( ) [ ]""".split()
-) | {" ", "\n"}
-MATRICES = frozenset("matrix pmatrix bmatrix Bmatrix vmatrix smallmatrix array".split())
+    (*_BRACKET_SIZES, "left", "right", "displaystyle", "textstyle", "quad", "qquad", "nonumber")
+)
+_SILENT |= frozenset(",;:!()[] \n")
+"""Commands that say nothing about the matter."""
+
+MATRICES = frozenset(("matrix", "pmatrix", "bmatrix", "Bmatrix", "vmatrix", "smallmatrix", "array"))
 """LaTeX environments that hold a matrix; other environments are passed over."""
 
 
@@ -68,7 +74,7 @@ def tokens(source: Source, names: Names) -> list[Token]:
     found: list[Token] = []
     at = 0
     while at < len(source.text):
-        after_fraction = bool(found) and found[-1].kind == "fraction" or _second_of_fraction(found)
+        after_fraction = _wants_digit(found)
         for token in _next(source, at, names, after_fraction):
             at = token.end
             if token.kind != "space":
@@ -77,9 +83,10 @@ def tokens(source: Source, names: Names) -> list[Token]:
     return found
 
 
-def _second_of_fraction(found: list[Token]) -> bool:
-    """Whether \\frac and one bare digit stand before."""
-    return len(found) > 1 and found[-2].kind == "fraction" and found[-1].kind == "number"
+def _wants_digit(found: list[Token]) -> bool:
+    """Whether \\frac stands before, or \\frac and one bare digit: \\frac12 is a half."""
+    kinds = [token.kind for token in found[-2:]]
+    return kinds[-1:] == ["fraction"] or kinds == ["fraction", "number"]
 
 
 def _next(source: Source, at: int, names: Names, single: bool) -> Iterator[Token]:

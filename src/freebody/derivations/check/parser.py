@@ -1,4 +1,4 @@
-"""Tokens into a tree, by recursive descent with implied products: 2 l1 lc2 cos θ2, \\frac{1}{2} m v^2. Nothing is evaluated."""
+"""Tokens into a tree, by recursive descent with implied products, 2 l1 lc2 cos θ2; nothing is run."""
 
 from __future__ import annotations
 

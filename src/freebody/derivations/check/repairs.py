@@ -78,7 +78,7 @@ class Repairs:
         return min(found, key=lambda r: (r.cost, size[r.node]), default=None)
 
     def several(self, insertions: Iterable[tuple[Trig, int]] = ()) -> tuple[Repair, ...]:
-        """The cheapest two or three changes that together make it right; (). `insertions`: terms that may be missing."""
+        """The cheapest two or three changes that together make it right; `insertions`: terms that may be missing."""
         whole = self.work.root
         for term, value in insertions:
             new = Sum(*whole.span, (whole, Symbol(*whole.span, "", term)))
@@ -231,7 +231,7 @@ class Repairs:
         for other in self._names:
             if other != name:
                 kind, cost = _likeness(name, other)
-                yield Repair(kind, cost, node, Symbol(*node.span, other, self.setting.ring[other]))
+                yield Repair(kind, cost, node, self._symbol(node, other))
         if re.search(r"_dd?$", name):
             yield from self._rate_sums(node, name)
         if not isinstance(self.work.parents.get(node), Power):
@@ -244,6 +244,14 @@ class Repairs:
         if len(terms) != 1 or terms[0][1] != 1 or sum(terms[0][0].values()) != 1:
             return None
         return next(iter(terms[0][0]))
+
+    def _symbol(self, place: Node, name: str) -> Symbol:
+        """A generator at the place of a node."""
+        return Symbol(*place.span, name, self._generators[name], is_generator=True)
+
+    @cached_property
+    def _generators(self) -> dict[str, Trig]:
+        return {name: self.setting.ring[name] for name in self._names}
 
     @cached_property
     def _names(self) -> list[str]:
@@ -261,15 +269,15 @@ class Repairs:
         for angle in self.angles:
             if len(angle) > 1 and _is_chain(angle):
                 rates = [x + ending for x, _ in angle]
-                terms = tuple(Symbol(*node.span, x, self.setting.ring[x]) for x in rates)
+                terms = tuple(self._symbol(node, x) for x in rates)
                 yield Repair("rate", 2.0, node, Sum(*node.span, terms))
 
     def _lacking(self) -> Iterator[Repair]:
         """Terms that lack a factor."""
         for node in self.work.addends():
             for name in self._names:
-                symbol = Symbol(*node.span, name, self.setting.ring[name])
-                yield Repair("missing factor", 3.0, node, Product(*node.span, (node, symbol)))
+                lacking = (node, self._symbol(node, name))
+                yield Repair("missing factor", 3.0, node, Product(*node.span, lacking))
             for angle in self.angles:
                 if _is_chain(angle):
                     for function in ("sin", "cos"):
@@ -283,7 +291,7 @@ class Repairs:
         if not (isinstance(node, Sum) and parent is not None) and not is_factor:
             return
         for name in self._names:
-            symbol = Symbol(*node.span, name, self.setting.ring[name])
+            symbol = self._symbol(node, name)
             yield Repair("missing", 2.5, node, Sum(*node.span, (node, symbol)))
             yield Repair("missing", 2.6, node, Sum(*node.span, (node, Negative(*node.span, symbol))))
 
@@ -331,5 +339,3 @@ def _likeness(name: str, other: str) -> tuple[str, float]:
 
 def _with_change(repair: Repair, change: int) -> Repair:
     return Repair(repair.kind, repair.cost, repair.node, repair.new, change, repair.factor)
-
-

@@ -97,7 +97,7 @@ class Point:
             case Number():
                 return residue(node.value)
             case Symbol():
-                return self.of(node.value)
+                return self.values[node.name] if node.is_generator else self.of(node.value)
             case Wave():
                 return self.turn(node.angle, node.turn)[node.function == "cos"]
             case Sum():

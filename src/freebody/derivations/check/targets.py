@@ -1,4 +1,4 @@
-"""What can be asked: τ_i, M_ij, c_i, g_i, J_ij, T, V, the tip's position, with the names they go by and right values."""
+"""What can be asked: τ_i, M_ij, c_i, g_i, J_ij, T, V, the tip's position, with their names and right values."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ class Targets:
         yield from self._energies()
         if self._tip is not None:
             yield from self._of_tip()
-        if self.velocity:
+        if self.velocity and self.setting.equations.is_short:
             yield from self._coefficients()
 
     def _entry(self, name: str, *index: int) -> Callable[[], Trig]:

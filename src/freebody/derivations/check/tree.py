@@ -47,6 +47,8 @@ class Symbol(Node):
 
     name: str
     value: Trig
+    is_generator: bool = False
+    """Whether the name is the ring's own for the value."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,14 @@ from freebody.scalars.trig import Trig
 Unit = tuple[int, int, int]
 """Powers of kg, m and s."""
 
-_UNITS: dict[str, Unit] = {"l": (0, 1, 0), "lc": (0, 1, 0), "d": (0, 1, 0), "m": (1, 0, 0), "I": (1, 2, 0), "theta": (0, 0, 0)}
+_UNITS: dict[str, Unit] = {
+    "l": (0, 1, 0),
+    "lc": (0, 1, 0),
+    "d": (0, 1, 0),
+    "m": (1, 0, 0),
+    "I": (1, 2, 0),
+    "theta": (0, 0, 0),
+}
 
 
 def unit_of(setting: Setting, powers: Mapping[str, int]) -> Unit | None:

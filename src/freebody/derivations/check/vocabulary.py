@@ -7,7 +7,6 @@ import itertools
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import NoReturn
 
 from freebody.derivations.check.setting import FAMILIES, Setting
@@ -56,6 +55,7 @@ class Vocabulary:
     waves: dict[str, tuple[str, Angle]] = field(default_factory=dict)
     """c12, s12: the function and the angle."""
     functions: dict[str, str] = field(default_factory=lambda: dict(FUNCTIONS))
+    _known: frozenset[str] | None = None
 
     def __post_init__(self) -> None:
         for spelling, value in self._all_symbols():
@@ -64,17 +64,19 @@ class Vocabulary:
             if name not in self.symbols:
                 self.waves[name] = wave
 
-    @cached_property
+    @property
     def known(self) -> frozenset[str]:
         """All names but functions."""
-        return frozenset([*self.symbols, *self.waves, *self.quantities, "t", "pi"])
+        if self._known is None:
+            self._known = frozenset([*self.symbols, *self.waves, *self.quantities, "t", "pi"])
+        return self._known
 
     def define(self, plain: str, value: Trig) -> None:
         """A name of the user's own; it goes before all others."""
         self.symbols[plain] = value
         self.waves.pop(plain, None)
         self.functions.pop(plain, None)
-        self.__dict__.pop("known", None)
+        self._known = None
 
     def unknown(self, source: Source, span: Span) -> NoReturn:
         """Raise the error for a word that is no name."""
@@ -88,7 +90,11 @@ class Vocabulary:
             near = difflib.get_close_matches(plain, names, n=1, cutoff=0.5)
         hint = f"Did you mean {near[0]!r}? " if near else ""
         shown = word if len(word) <= 30 else word[:30] + "…"
-        renaming = f" For a name of your own: names={{{plain!r}: {near[0]!r}}}." if near else ""
+        renaming = (
+            f" For a name of your own: names={{{plain!r}: {near[0]!r}}}, --name {plain}={near[0]}."
+            if near
+            else ""
+        )
         source.fail(
             f"no symbol {shown!r} in {self.setting.symbols.model.name!r}",
             span,
@@ -155,7 +161,9 @@ class Vocabulary:
             turning = [x for x in s.coordinates[: s.coordinates.index(name) + 1] if x.startswith("theta")]
             for dots, ending in ((0, RATE), (1, SECOND)):
                 value = sum((ring[x + ending] for x in turning), self.setting.zero)
-                for letter, number in itertools.product(("omega", "w"), (k, "") if len(s.coordinates) == 1 else (k,)):
+                for letter, number in itertools.product(
+                    ("omega", "w"), (k, "") if len(s.coordinates) == 1 else (k,)
+                ):
                     for spelling in spellings(letter, number, dots):
                         yield spelling, value
                 if dots:

@@ -18,7 +18,12 @@ from freebody.derivations.check.workspace import Workspace
 from freebody.derivations.names import sym
 
 _LONG = 70
-_OPPOSITE = {"extra": "missing", "missing": "extra", "missing factor": "extra factor", "extra factor": "missing factor"}
+_OPPOSITE = {
+    "extra": "missing",
+    "missing": "extra",
+    "missing factor": "extra factor",
+    "extra factor": "missing factor",
+}
 
 
 @dataclass(frozen=True)
@@ -73,10 +78,17 @@ class Wording:
             return f": the centre of mass of link {k} is {sym(other)} from its joint, {sym('l' + k)} is the whole link"
         if kind == "length":
             return f": the next joint is {sym(other)} away, {sym('lc' + other[1:])} reaches to the centre of mass only"
-        if kind == "angle" and isinstance(new, Wave) and isinstance(old, Wave) and len(new.angle) > len(old.angle) > 0:
+        if (
+            kind == "angle"
+            and isinstance(new, Wave)
+            and isinstance(old, Wave)
+            and len(new.angle) > len(old.angle) > 0
+        ):
             return ": angles are measured from the link before, so that the direction of a link is a sum of angles"
         if kind == "rate" and isinstance(new, Sum):
-            return ": rates are relative to the link before, so that a link's angular velocity is a sum of rates"
+            return (
+                ": rates are relative to the link before, so that a link's angular velocity is a sum of rates"
+            )
         return ""
 
     def _name(self, node: Node) -> str:
@@ -107,7 +119,9 @@ class Wording:
                 message = f"The factor {should}{inside} is missing in your answer."
             case "extra factor":
                 assert isinstance(repair.new, Product)
-                message = f"{should} has a factor {right.node(repair.new.factors[-1])} too much in your answer."
+                message = (
+                    f"{should} has a factor {right.node(repair.new.factors[-1])} too much in your answer."
+                )
             case _:
                 message = f"In place of {should}{inside} you have {_cut(has)}{reason}."
         yours, right_text = has, right.source[repair.node.span]
@@ -127,7 +141,9 @@ class Wording:
         if row.right == 0:
             return Finding("extra", f"The term {quoted(yours)} is too much: leave it out.", yours, "")
         if row.yours == -row.right:
-            return Finding("sign", f"The term {quoted(yours)} has the wrong sign: it must be {right}.", yours, right)
+            return Finding(
+                "sign", f"The term {quoted(yours)} has the wrong sign: it must be {right}.", yours, right
+            )
         message = f"The term {quoted(yours)} {_times(row.right / row.yours)}: it must be {right}."
         return Finding("factor", message, yours, right)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 from freebody.derivations.check.source import Source
 from freebody.derivations.names import GREEK
@@ -26,7 +27,7 @@ _DOTS = {"dot": 1, "ddot": 2}
 MARKS = {"\u0307": DOT, "\u0308": DOT * 2, "˙": DOT, "¨": DOT * 2}
 _PRIMES = {"'": 1, "’": 1, "′": 1, "″": 2}
 _LOW = {c: str(k) for k, c in enumerate("₀₁₂₃₄₅₆₇₈₉")} | {
-    "ₐ": "a", "ₑ": "e", "ₒ": "o", "ₓ": "x", "ᵢ": "i", "ⱼ": "j", "ₘ": "m", "ₙ": "n", "ₚ": "p", "ₜ": "t", "₍": "", "₎": "",
+    "ₐ": "a", "ₑ": "e", "ₒ": "o", "ₓ": "x", "ᵢ": "i", "ⱼ": "j", "ₘ": "m", "ₙ": "n", "ₚ": "p", "ₜ": "t",
 }  # fmt: skip
 _HIGH = {c: str(k) for k, c in enumerate("⁰¹²³⁴⁵⁶⁷⁸⁹")} | {"⁻": "-", "⁺": ""}
 _EARLY_POWER = re.compile(r"(?:\^\{?(\d)\}?|([²³]))(?=_|[₀-₉])")
@@ -230,4 +231,4 @@ def cut(source: Source, word: Word, known: Collection[str], functions: Collectio
 
 
 def _pieces(word: Word, way: list[int]) -> list[str]:
-    return [word.plain[i:j] for i, j in zip(way[:-1], way[1:], strict=True)]
+    return [word.plain[i:j] for i, j in pairwise(way)]
