@@ -162,6 +162,16 @@ def test_mistakes_of_several_kinds_at_once_are_all_named():
     assert {f.kind for f in verdict.findings} == {"index", "sign", "function"}
 
 
+def test_what_a_symbol_was_taken_for_is_said():
+    verdict = fb.check(ARM, "tau1 = M11 θ̈1 + M12 θ̈2 + c1 + g1")
+    assert "‘c1’ on the right is read as a cosine; write v1 for the velocity term." in verdict.text
+    assert fb.check(ARM, "tau1 = M11 θ̈1 + M12 θ̈2 + v1 + g1")
+    verdict = fb.check(ARM, "V = m1 9.81 lc1 s1 + m2 9.81 (l1 s1 + lc2 s12)")
+    assert "‘9.81’ must be the symbol g" in verdict.text
+    verdict = fb.check(fb.planar("RP"), "H11 = m1 lc1² + I1 + I2 + m2 (l1 + d2)²")
+    assert "‘lc₂’ of ‘m₂ (l₁ + d₂ + lc₂)²’ is missing." in verdict.text
+
+
 def test_symbols_that_the_arm_does_not_have_are_explained():
     verdict = fb.check(fb.planar("RP"), "G1 = m1 g lc1 c1 + m2 g (l1 + d2 + l2) c1")
     assert "l₂ is no symbol of RP" in verdict.text

@@ -36,6 +36,8 @@ class Causes:
 
     def explaining(self, value: int) -> list[str]:
         """The thoughts under which the right answer is the user's."""
+        if value == 0:  # of many parts it would be right that they are missing
+            return []
         found = [text for text, result in self._all() if result % PRIME == value]
         return list(dict.fromkeys(found))[:2]
 

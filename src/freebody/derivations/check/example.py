@@ -34,7 +34,7 @@ def example(setting: Setting, yours: Trig, right: Trig) -> Example | None:
 
 def _occurs(name: str, x: Trig) -> bool:
     index, degrees = x.ring.index, x.poly.degrees()
-    return any(n in index and degrees[index[n]] for n in (name, f"sin_{name}", f"cos_{name}"))
+    return any(n in index and degrees[index[n]] > 0 for n in (name, f"sin_{name}", f"cos_{name}"))
 
 
 def _value(name: str, given: float | None, shift: int, k: int) -> float:

@@ -11,6 +11,7 @@ from freebody.derivations.check.answer import Claim
 from freebody.derivations.check.causes import Causes, related
 from freebody.derivations.check.differences import Difference, differences, is_too_long, printed, terms
 from freebody.derivations.check.lexer import tokens
+from freebody.derivations.check.notation import misread
 from freebody.derivations.check.parser import Parser
 from freebody.derivations.check.repairs import Repair, Repairs
 from freebody.derivations.check.residues import Point, random_point
@@ -82,9 +83,12 @@ class Judge:
     def _explained(self, claim: Claim, right: Trig) -> tuple[list[Finding], list[str]]:
         work = Workspace(claim.node, self.point)
         value = self.point.of(right)
+        finding, doubt = misread(self.setting, self.targets, claim, work, value)
+        if finding is not None:
+            return [finding], []
         causes = Causes(self.setting, self.targets, claim.target, right, self.point).explaining(work.value)
         findings = _Explanation(self, claim, right, work, value).findings(bool(causes))
-        return findings, causes + self._units(claim.value, right)
+        return findings, [doubt] * bool(doubt) + causes + self._units(claim.value, right)
 
     def _units(self, yours: Trig, right: Trig) -> list[str]:
         """A sentence about a term in the wrong units."""
@@ -164,7 +168,8 @@ class _Explanation:
     def _related(self, name: str) -> dict[str, Trig]:
         """The other entries of the family of a quantity that stands in the answer, such as H11."""
         single = self.judge.targets.single
-        return related(self.judge.targets, single[name]) if name in single else {}
+        others = related(self.judge.targets, single[name]) if name in single else {}
+        return {other: value for other, value in others.items() if value != self.right}
 
     def _missing_cost(self) -> float:
         """The cost of saying that one term is missing."""

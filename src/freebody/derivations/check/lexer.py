@@ -138,7 +138,7 @@ def _number(source: Source, at: int, single: bool) -> Token:
         if not source.text[at + 1 : at + 2].strip():
             return Token("space", ".", at, at + 1)  # a full stop
         source.fail("a point without digits", (at, at + 1))
-    text = match[0][0] if single else match[0]
+    text = match[0][0] if single and match[0].isdigit() else match[0]
     span = (at, at + len(text))
     mantissa, _, exponent = text.lower().partition("e")
     if len(mantissa) > _LONGEST_NUMBER or abs(int(exponent[:9] or 0)) > _LARGEST_EXPONENT:

@@ -175,7 +175,7 @@ class Parser:
                 self.take()
                 above, below = _product(factors), self._signed_factor()
                 factors = [_quotient(above, below)]
-            elif token.kind in _STARTS:
+            elif token.kind in _STARTS or (token.kind == "number" and "." in token.text):
                 factors.append(self.factor())
             elif token.kind == "number":
                 self._number_behind(token)

@@ -104,15 +104,17 @@ class Wording:
         should, has = right.written(repair.node.span), right.node(repair.new)
         kind = _OPPOSITE.get(repair.kind, repair.kind)
         addend = work.addend_of(repair.node)
+        if addend is repair.node and addend is not work.root:
+            addend = work.addend_of(work.parents[addend])
         inside = "" if addend is repair.node or addend is work.root else f" of {right.written(addend.span)}"
         reason = self._reason(repair.kind, repair.new, repair.node)
         match kind:
             case "sign":
-                message = f"{should} has the wrong sign in your answer."
+                message = f"{should}{inside} has the wrong sign in your answer."
             case "factor":
-                message = f"{should} {_times(1 / repair.factor)} in your answer."
+                message = f"{should}{inside} {_times(1 / repair.factor)} in your answer."
             case "missing":
-                message = f"{should} is missing."
+                message = f"{should}{inside} is missing."
             case "extra":
                 message = f"In place of {should} you have {_cut(has)}: a term too much."
             case "missing factor":

@@ -1,0 +1,77 @@
+"""Answers that are right but for what one of their symbols was taken for."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from freebody.derivations.check.answer import Claim
+from freebody.derivations.check.setting import Setting
+from freebody.derivations.check.targets import Targets
+from freebody.derivations.check.tree import Negative, Node, Number, Sum, Symbol, Wave, replaced
+from freebody.derivations.check.verdict import Finding
+from freebody.derivations.check.workspace import Workspace
+
+_GRAVITY = ("9.8", "9.81", "9.807", "9.80665", "10")
+
+
+@dataclass(frozen=True)
+class Reading:
+    """Nodes that may stand for something else, and how to say so."""
+
+    new: dict[Node, Node]
+    text: str
+    right: str
+
+
+def misread(
+    setting: Setting, targets: Targets, claim: Claim, work: Workspace, right: int
+) -> tuple[Finding | None, str]:
+    """A finding where another reading makes the answer right; else what is to be said about a doubtful one."""
+    doubt = ""
+    for reading in (*_velocity_terms(targets, claim, work), *_numbers(setting, claim, work)):
+        if work.point.at(replaced(work.root, reading.new)) == right:
+            node = next(iter(reading.new))
+            line, column = claim.source.place(node.start)
+            text = f"{reading.text} With that the equation is right."
+            yours, context = claim.source[node.span], claim.source.caret(node.span)
+            return Finding("symbol", text, yours, reading.right, line, column, context), ""
+        doubt = doubt or (reading.text if reading.right.startswith("v") else "")
+    return None, doubt
+
+
+def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator[Reading]:
+    """c1 as a term of its own in a torque: it is read as cos θ1."""
+    if claim.target.family != "tau":
+        return
+    found: dict[Node, Node] = {}
+    for node in work.values:
+        index = re.fullmatch(r"c_?\{?(\d+)\}?", claim.source[node.span].replace("₁", "1").replace("₂", "2"))
+        parent = work.parents.get(node)
+        if (
+            isinstance(node, Wave)
+            and index
+            and isinstance(parent, Sum | Negative)
+            and f"v{index[1]}" in targets.single
+        ):
+            value = targets.single[f"v{index[1]}"].compute()
+            found[node] = Symbol(*node.span, f"v{index[1]}", value)
+    if found:
+        written, name = claim.source[next(iter(found)).span], next(iter(found.values()))
+        assert isinstance(name, Symbol)
+        text = f"‘{written}’ on the right is read as a cosine; write {name.name} for the velocity term."
+        yield Reading(found, text, name.name)
+
+
+def _numbers(setting: Setting, claim: Claim, work: Workspace) -> Iterator[Reading]:
+    """9.81 for g."""
+    g = setting.order.gravity
+    found: dict[Node, Node] = {
+        node: Symbol(*node.span, g, setting.ring[g])
+        for node in work.values
+        if g and isinstance(node, Number) and claim.source[node.span] in _GRAVITY
+    }
+    if found:
+        written = claim.source[next(iter(found)).span]
+        yield Reading(found, f"‘{written}’ must be the symbol {g}: answers are compared in symbols.", g)
