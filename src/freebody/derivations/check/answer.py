@@ -13,7 +13,7 @@ from freebody.derivations.check.parser import Parser
 from freebody.derivations.check.setting import FAMILIES, Setting
 from freebody.derivations.check.source import AnswerError, Source
 from freebody.derivations.check.targets import Target, Targets
-from freebody.derivations.check.tree import Node, Symbol, Table, nodes
+from freebody.derivations.check.tree import Node, Symbol, Table
 from freebody.derivations.check.vocabulary import Vocabulary, spellings
 from freebody.scalars.trig import Trig
 
@@ -299,8 +299,3 @@ class _Reading:
 
 def _entry_label(label: str, target: Target) -> str:
     return f"{label}{''.join(map(str, target.index))}" if target.index else label
-
-
-def uses(node: Node) -> set[str]:
-    """Names that a tree holds."""
-    return {x.name for x in nodes(node) if isinstance(x, Symbol)}

@@ -194,12 +194,10 @@ def _times(factor: Fraction) -> str:
     """What is wrong with a term that must be multiplied by a number."""
     size = abs(factor)
     sign = "has the wrong sign and " if factor < 0 else ""
-    known = {
-        Fraction(2): "is too small by half: a factor 2 is missing",
-        Fraction(1, 2): "is twice too large",
-        Fraction(1): "",
-    }
-    if size in known:
-        return sign + known[size]
-    number = str(size) if size.denominator == 1 else f"({size})"
-    return f"{sign}has the wrong factor, which must be {number} times as large"
+    if size == 1:
+        return "has the wrong sign"
+    if size in (2, Fraction(1, 2)):
+        return sign + ("is too small by half: a factor 2 is missing" if size == 2 else "is twice too large")
+    if size.numerator == 1:
+        return f"{sign}is {size.denominator} times too large"
+    return f"{sign}must be multiplied by {size}"
