@@ -14,8 +14,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-
 from freebody.algorithms import kinematics as algorithms
 from freebody.arrays import Array
 from freebody.derivations.determinant import columns_of, determinant
@@ -91,16 +89,7 @@ class Kinematics:
 
     def evaluate(self, quantity: Any, q: Any, qd: Any = None, qdd: Any = None) -> Array:
         """Numbers of one of the above at q, qd, qdd (..., n), with the model's parameter values."""
-        arrays = [None if x is None else np.asarray(x, dtype=float) for x in (q, qd, qdd)]
-        values = self.symbols.values(*arrays)
-        batch = np.broadcast_shapes(*(x.shape[:-1] for x in arrays if x is not None))
-
-        def number(x: Any) -> Any:
-            if isinstance(x, Trig):
-                return np.broadcast_to(x.evaluate(values), batch)
-            return np.stack([number(entry) for entry in x], axis=len(batch))
-
-        return number(quantity)
+        return self.symbols.evaluate(quantity, q, qd, qdd)
 
     @cached_property
     def layout(self) -> Layout:

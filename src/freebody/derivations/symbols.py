@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from freebody.arrays import Array
 from freebody.elementary import Scalar
 from freebody.errors import FreebodyError
 from freebody.model.model import Model
@@ -113,6 +114,19 @@ class Symbols:
         if qd is not None:
             values |= {f"sgn_{x}{RATE}": np.sign(qd[..., i]) for i, x in enumerate(self.coordinates)}
         return values
+
+    def evaluate(self, quantity: Any, q: Any, qd: Any = None, qdd: Any = None) -> Array:
+        """Numbers of polynomials, in lists of any depth, at q, qd, qdd (..., n); with the parameters' values."""
+        arrays = [None if x is None else np.asarray(x, dtype=float) for x in (q, qd, qdd)]
+        values = self.values(*arrays)
+        batch = np.broadcast_shapes(*(x.shape[:-1] for x in arrays if x is not None))
+
+        def number(x: Any) -> Any:
+            if isinstance(x, Trig):
+                return np.broadcast_to(x.evaluate(values), batch)
+            return np.stack([number(entry) for entry in x], axis=len(batch))
+
+        return number(quantity)
 
 
 def symbols(model: Model, numbers: bool = False, extra: tuple[str, ...] = ()) -> Symbols:
