@@ -9,8 +9,9 @@ from functools import lru_cache
 import numpy as np
 
 from freebody.model.assembly import assemble
+from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
-from freebody.model.model import Model, gravity_of
+from freebody.model.model import Model
 from freebody.model.parts import Description, Drive, Joint, Limits, Link, Mimic, Mount, Payload
 from freebody.model.placement import Placement, rotate, shift, turn
 

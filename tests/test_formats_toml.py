@@ -211,9 +211,14 @@ def test_base_and_gravity_by_name():
     assert read('gravity = 1.62\n[[link]]\nname = "body"\n').gravity_size == Parameter("g", 1.62)
 
 
-def test_loops_are_described_and_refused_by_name():
-    text = f'{LINKS}{JOINT}axis = "z"\n[[loop]]\nname = "four-bar"\nkind = "revolute"\nframes = ["base", "arm"]\n'
-    assert message(text) == "arm.toml: loop 'four-bar': closed chains are not supported; cut the loop open."
+def test_loops():
+    loop = '[[loop]]\nname = "bar"\nkind = "%s"\nframes = ["base", "arm"]\n'
+    text = f'{LINKS}{JOINT}axis = "z"\npassive = true\n{loop}'
+    assert read(text % "prismatic" + 'axis = "-y"\n').loops[0].axis == (0.0, -1.0, 0.0)
+    model = read(text % "distance" + 'distance = "d"\n')
+    assert (model.loops[0].distance, model.actuated) == (Parameter("d"), ())
+    assert message(text % "distance") == "arm.toml:12: loop 'bar': give the distance (m) between its frames."
+    assert message(text % "belt").startswith("arm.toml:12: loop 'bar': kind is 'belt'")
 
 
 # ---------------------------------------------------------------- what is refused

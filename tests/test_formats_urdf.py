@@ -282,9 +282,10 @@ MASSLESS = (
              "file. Did you mean 'hand'? Child links: base, hand."),
         (joint() + joint(name="two"), "arm.urdf:5: link 'hand' hangs on two joints, 'elbow' and 'two'; a tree "
          "allows one: "
-             "remove one of them."),
+             "write the other as a loop between two frames, or remove it."),
         (joint() + joint(name="two", ends='<parent link="hand"/><child link="base"/>'), "arm.urdf:5: the links form a "
-             "cycle, base -> hand -> base (child -> parent); a tree has none: remove a joint."),
+             "cycle, base -> hand -> base (child -> parent); a tree has none: "
+             "write one joint as a loop between two frames, or remove it."),
         (joint(ends='<parent link="hand"/><child link="hand"/>'), "arm.urdf:4: joint 'elbow': link 'hand' cannot be "
          "its own "
              "parent; name another parent."),

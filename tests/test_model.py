@@ -71,16 +71,20 @@ def test_trees_that_cannot_be():
     says(_unknown_link("child", "hnad"), changed(1, child="hnad"))
     says("joint 'elbow': link 'arm' cannot be its own parent; name another parent.", changed(1, child="arm"))
     says(
-        "link 'hand' hangs on two joints, 'elbow' and 'third'; a tree allows one: remove one of them.",
+        "link 'hand' hangs on two joints, 'elbow' and 'third'; a tree allows one: "
+        "write the other as a loop between two frames, or remove it.",
         described(*TWO, hinge("third", "base", "hand")),
     )
     cycle = described(hinge("a", "one", "two"), hinge("b", "two", "one"), links=("base", "one", "two"))
     says(
-        "the links form a cycle, one -> two -> one (child -> parent); a tree has none: remove a joint.", cycle
+        "the links form a cycle, one -> two -> one (child -> parent); a tree has none: "
+        "write one joint as a loop between two frames, or remove it.",
+        cycle,
     )
     everything = described(hinge("a", "one", "two"), hinge("b", "two", "one"), links=("one", "two"))
     says(
-        "the links form a cycle, one -> two -> one (child -> parent); a tree has none: remove a joint.",
+        "the links form a cycle, one -> two -> one (child -> parent); a tree has none: "
+        "write one joint as a loop between two frames, or remove it.",
         everything,
     )
     says(
@@ -165,8 +169,38 @@ def test_frames_and_loops_that_cannot_be():
         "frame 'tool': the name is taken; rename it.",
         described(*TWO, mounts=(Mount("tool", "hand"), Mount("tool", "arm"))),
     )
-    with pytest.raises(ModelError, match=r"^'robot': loop 'knee': closed chains are not supported"):
-        assemble(described(*TWO, loops=(Loop("knee", "revolute", ("arm", "hand")),)))
+
+
+def test_loops_that_cannot_be():
+    def knee(kind="revolute", frames=("arm", "base"), **more):
+        return described(*TWO, loops=(Loop("knee", kind, frames, **more),))
+
+    z = (0.0, 0.0, 2.0)
+    assert assemble(knee(axis=z)).loops == (Loop("knee", "revolute", ("arm", "base"), (0.0, 0.0, 1.0)),)
+    says(
+        "no loop kind 'hinge' in loop 'knee'. Loop kinds: revolute, prismatic, spherical, point, fixed, distance.",
+        knee("hinge"),
+    )
+    says("loop 'knee': point is no loop of dimension 3; write spherical.", knee("point"))
+    says(
+        "no frame 'arms' in loop 'knee'. Did you mean 'arm'? Frames: base, arm, hand.",
+        knee(frames=("arms", "base"), axis=z),
+    )
+    says("loop 'knee': axis () must be 3 finite numbers, not all zero.", knee())
+    says("loop 'knee': a spherical loop has no axis in dimension 3; remove it.", knee("spherical", axis=z))
+    says("loop 'knee': a fixed loop has no distance; remove it.", knee("fixed", distance=1.0))
+    says("loop 'knee': give the distance (m) between its frames.", knee("distance"))
+    says(
+        "loop 'knee': distance is 0 m, expected more than 0; for 0 hold the origins together instead.",
+        knee("distance", distance=0.0),
+    )
+    says(
+        "loop 'knee': frames 'arm' and 'arm' are on the same body, "
+        "so the loop closes nothing; name frames of two bodies.",
+        knee(frames=("arm", "arm"), axis=z),
+    )
+    twice = replace(knee(axis=z), loops=(Loop("shoulder", "fixed", ("arm", "base")),))
+    says("loop 'shoulder': the name is taken or empty; choose another.", twice)
 
 
 def test_options_are_known_ones():

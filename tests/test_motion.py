@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 import freebody as fb
 from freebody.errors import FileError, FreebodyError
 from freebody.model.assembly import assemble
-from freebody.model.model import gravity_of
+from freebody.model.gravity import gravity_of
 from freebody.model.parts import Description, Joint, Link
 from freebody.motion.motion import motion_of
 from freebody.motion.ranges import position_columns, ranges

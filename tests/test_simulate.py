@@ -8,7 +8,7 @@ import pytest
 import freebody as fb
 from freebody.errors import FreebodyError, NotFiniteError, ShapeError, SingularError, UnknownNameError
 from freebody.model.assembly import assemble
-from freebody.model.model import gravity_of
+from freebody.model.gravity import gravity_of
 from freebody.model.parts import Description, Joint, Link
 
 

@@ -10,8 +10,9 @@ from scipy.integrate import solve_ivp
 
 import freebody as fb
 from freebody.model.assembly import assemble
+from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
-from freebody.model.model import Model, gravity_of
+from freebody.model.model import Model
 from freebody.model.parts import Description, Joint, Link
 from freebody.model.placement import shift
 from helpers import close, numbers

@@ -146,7 +146,7 @@ def jacobian(tree: Tree, q: Vector, frame: str, reference: str = "world") -> Mat
     """Rows: linear, then angular velocity of a frame per unit rate, in world axes or those of the frame ("body")."""
     world = world_poses(tree, joint_poses(tree, q))
     R, p = frame_pose(tree, world, frame)
-    columns = _columns(tree, world, p, frame)
+    columns = frame_columns(tree, world, p, frame)
     return _assembled(tree, columns, None if reference == "world" else transposed(R))
 
 
@@ -158,7 +158,7 @@ def jacobian_dot(tree: Tree, q: Vector, qd: Vector, frame: str, reference: str =
     R, p = frame_pose(tree, world, frame)
     (w_frame, v_frame), _ = frame_motion(tree, motion, frame)
     columns: dict[int, list[Column]] = {}
-    for i, of_body in _columns(tree, world, p, frame).items():
+    for i, of_body in frame_columns(tree, world, p, frame).items():
         W, o = world[i]
         w, v = space.turn(W, motion.w[i]), times(W, motion.v[i])
         arm, arm_rate = sub(p, o), sub(v_frame, v)
@@ -177,7 +177,7 @@ def jacobian_dot(tree: Tree, q: Vector, qd: Vector, frame: str, reference: str =
     return _assembled(tree, columns, None if reference == "world" else transposed(R))
 
 
-def _columns(tree: Tree, world: list[Pose], p: Vector, frame: str) -> dict[int, list[Column]]:
+def frame_columns(tree: Tree, world: list[Pose], p: Vector, frame: str) -> dict[int, list[Column]]:
     """For each body on the way to the frame its joint's columns, in world axes, at point p."""
     space = tree.space
     columns = {}

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from rich.table import Table
     from rich.tree import Tree
 
-    from freebody.model.model import Body, Model
+    from freebody.model.bodies import Body
+    from freebody.model.model import Model
 
 EXAMPLE = "Example: freebody show ur5e"
 

@@ -9,11 +9,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from freebody.errors import FreebodyError
+from freebody.model.bodies import Frame
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
-from freebody.model.model import Frame, Model
+from freebody.model.model import Model
 from freebody.model.parameters import Parameter, Quantity
-from freebody.model.parts import Drive, Joint, Limits
+from freebody.model.parts import Drive, Joint, Limits, Loop
 from freebody.model.placement import Placement, Rotate, Shift
 from freebody.model.tree import Attached
 
@@ -78,6 +79,7 @@ class _Writer:
                 if frame.mounted
             ),
             *(self.payload(part) for part in self.loads),
+            *map(_loop, self.model.loops),
         ]
 
     def link(self, frame: Frame) -> str:
@@ -121,7 +123,22 @@ def _joint(joint: Joint, parent: Placement, dim: int) -> str:
         entries["mimic"] = _inline(
             {"joint": _text(follow.joint), "ratio": repr(follow.ratio), "offset": repr(follow.offset)}
         )
+    if joint.passive:
+        entries["passive"] = "true"
     return _section("joint", entries)
+
+
+def _loop(loop: Loop) -> str:
+    entries = {
+        "name": _text(loop.name),
+        "kind": _text(loop.kind),
+        "frames": f"[{', '.join(map(_text, loop.frames))}]",
+    }
+    if loop.axis:
+        entries["axis"] = _vector(loop.axis)
+    if loop.distance is not None:
+        entries["distance"] = _quantity(loop.distance)
+    return _section("loop", entries)
 
 
 def _told(key: str, value: float) -> bool:

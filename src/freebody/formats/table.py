@@ -84,6 +84,13 @@ class Table:
             self.refuse(f"{key} is {value!r}, expected text in quotes.", key)
         return value
 
+    def flag(self, key: str) -> bool:
+        """true or false; false where nothing is said."""
+        value = self.data.get(key, False)
+        if not isinstance(value, bool):
+            self.refuse(f"{key} is {value!r}, expected true or false.", key)
+        return value
+
     def choice(self, key: str, allowed: Iterable[str], default: Any = _REQUIRED) -> str:
         """One of some words."""
         value = self.text(key, default)

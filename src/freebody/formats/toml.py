@@ -42,7 +42,7 @@ def describe(file: str, text: str, *, name: str) -> Description:
         described,
         name=top.text("name", name),
         mounts=tuple(frames),
-        loops=tuple(parts.loop(t) for t in top.tables("loop")),
+        loops=tuple(parts.loop(t, described.dim) for t in top.tables("loop")),
         payloads=tuple(parts.payload(t, described.dim, names) for t in top.tables("payload")),
         base=top.choice("base", ("fixed", "free"), "fixed"),  # type: ignore[arg-type]
         tip=top.choice("tip", names, described.tip) if "tip" in top else described.tip,

@@ -10,9 +10,10 @@ import numpy as np
 
 from freebody.errors import ModelError
 from freebody.formats.table import Table
+from freebody.model.closures import LOOP_KINDS
+from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
-from freebody.model.model import gravity_of
 from freebody.model.parameters import Parameter, Quantity
 from freebody.model.parts import INFINITE, Drive, Joint, Limits, Link, Loop, Mimic, Mount, Payload
 from freebody.model.placement import Placement, Rotate, Shift, Turn, rotate, rpy, shift, turn
@@ -94,7 +95,7 @@ def _shape(table: Table, dim: int, mass: Quantity, com: tuple[Quantity, ...]) ->
 def joint(table: Table, dim: int) -> Joint:
     """[[joint]]"""
     table = table.called(f"joint {table.text('name')!r}")
-    table.only("name", "kind", "parent", "child", *PLACE, "axis", "limits", *DRIVE, "mimic")
+    table.only("name", "kind", "parent", "child", *PLACE, "axis", "limits", *DRIVE, "mimic", "passive")
     kind = table.choice("kind", KINDS)
     unused = [key for key in ("axis", "limits", *DRIVE, "mimic") if key in table and KINDS[kind].nv != 1]
     if unused:
@@ -111,14 +112,19 @@ def joint(table: Table, dim: int) -> Joint:
         drive(table),
         _mimic(table),
         table.line,
+        table.flag("passive"),
     )
 
 
 def _axis(table: Table, kind: str, dim: int) -> tuple[float, ...]:
     """A vector, or "x", "-z"; in the plane a revolute joint's is 1 (counterclockwise) or -1."""
-    given = table.data.get("axis")
     if dim == 2 and kind != "prismatic":
         return (table.number("axis", default=1.0),)
+    return _axis_vector(table, dim)
+
+
+def _axis_vector(table: Table, dim: int) -> tuple[float, ...]:
+    given = table.data.get("axis")
     if isinstance(given, str):
         sign, letter = (-1.0, given[1:]) if given.startswith("-") else (1.0, given)
         if letter not in _AXES or (dim == 2 and letter == "z"):
@@ -255,13 +261,21 @@ def payload(table: Table, dim: int, frames: Iterable[str]) -> Payload:
     return Payload(table.text("name"), table.choice("frame", frames), inertia(table, dim))
 
 
-def loop(table: Table) -> Loop:
+def loop(table: Table, dim: int) -> Loop:
     """[[loop]]"""
-    table = table.called(f"loop {table.text('name')!r}").only("name", "kind", "frames")
+    table = table.called(f"loop {table.text('name')!r}").only("name", "kind", "frames", "axis", "distance")
     ends = table.listed(table.get("frames", None), "frames", 2)
     if not all(isinstance(end, str) for end in ends):
         table.refuse("frames must be the names of two frames.", "frames")
-    return Loop(table.text("name"), table.choice("kind", KINDS), (ends[0], ends[1]))
+    kind = LOOP_KINDS[table.choice("kind", LOOP_KINDS)]
+    return Loop(
+        table.text("name"),
+        kind.name,
+        (ends[0], ends[1]),
+        _axis_vector(table, dim) if "axis" in table else (),
+        table.quantity("distance") if "distance" in table else None,
+        table.line,
+    )
 
 
 def gravity(top: Table, dim: int) -> tuple[Quantity, tuple[float, ...]]:

@@ -11,8 +11,8 @@ import math
 from freebody.errors import UnknownNameError
 from freebody.formats.urdf_elements import Elements
 from freebody.formats.xml import Element, parse
+from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
-from freebody.model.model import gravity_of
 from freebody.model.parts import INFINITE, Description, Drive, Joint, Limits, Link, Mimic
 from freebody.model.placement import Placement, rotate, rpy, shift
 

@@ -12,8 +12,10 @@ from typing import Literal, NoReturn, TypeVar
 import numpy as np
 
 from freebody.errors import FileError, ModelError, PhysicalWarning, UnknownNameError
+from freebody.model import changes
+from freebody.model.bodies import Body, Frame
 from freebody.model.joints import KINDS
-from freebody.model.model import Body, Frame, Model
+from freebody.model.model import Model
 from freebody.model.parts import Description, Drive, Joint, Limits, Link, Mimic, Notice
 from freebody.model.placement import Placement
 from freebody.model.tree import Attached
@@ -55,8 +57,6 @@ class _Assembly:
 
     def model(self, tip: str | None) -> Model:
         d = self.description
-        if d.loops:
-            self.refuse(f"loop {d.loops[0].name!r}: closed chains are not supported; cut the loop open.")
         if not d.links:
             self.refuse("there are no links; a robot needs at least one.")
         joints = [self.checked(joint) for joint in d.joints]
@@ -179,7 +179,7 @@ class _Assembly:
             if other is not joint:
                 self.refuse(
                     f"link {joint.child!r} hangs on two joints, {other.name!r} and {joint.name!r}; "
-                    "a tree allows one: remove one of them.",
+                    "a tree allows one: write the other as a loop between two frames, or remove it.",
                     joint.line,
                 )
         return above
@@ -194,7 +194,8 @@ class _Assembly:
                 if name in seen:
                     cycle = " -> ".join([*seen[seen.index(name) :], name])
                     self.refuse(
-                        f"the links form a cycle, {cycle} (child -> parent); a tree has none: remove a joint.",
+                        f"the links form a cycle, {cycle} (child -> parent); a tree has none: "
+                        "write one joint as a loop between two frames, or remove it.",
                         above[name].line,
                     )
                 seen.append(name)
@@ -298,6 +299,11 @@ class _Assembly:
             source=d.source,
             notices=tuple(self.notices),
         )
+        for loop in d.loops:
+            try:
+                model = changes.with_loop(model, loop)
+            except (ModelError, UnknownNameError) as error:
+                self.refuse(str(error), loop.line)
         for payload in d.payloads:
             model = model.with_payload(payload.inertia, frame=payload.frame, name=payload.name)
         chosen = tip or d.tip or (model.leaves[0] if len(model.leaves) == 1 else None)

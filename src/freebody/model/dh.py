@@ -15,8 +15,9 @@ import numpy as np
 
 from freebody.errors import FileError, ModelError, UnknownNameError
 from freebody.model.assembly import Policy, assemble
+from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
-from freebody.model.model import Model, gravity_of
+from freebody.model.model import Model
 from freebody.model.parameters import Quantity, quantity
 from freebody.model.parts import Description, Drive, Joint, Limits, Link, Mount
 from freebody.model.placement import Placement, shift, turn

@@ -6,71 +6,21 @@ import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from numbers import Real
 from typing import Any
 
 import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, MissingValueError, ModelError, UnknownNameError
+from freebody.model import changes as changed
+from freebody.model.bodies import Body, Frame, JointLimits
+from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
-from freebody.model.joints import KINDS, JointKind
-from freebody.model.parameters import (
-    Parameter,
-    Quantity,
-    each_parameter,
-    finite,
-    quantity,
-    with_parameters,
-)
-from freebody.model.parts import Joint, Notice
-from freebody.model.placement import Placement, Rotate, Shift, Turn, rotate, shift
+from freebody.model.joints import JointKind
+from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
+from freebody.model.parts import Loop, Notice
 from freebody.model.reading import VALUES
 from freebody.model.tree import Attached, Coordinates, Tree, lower
-
-
-@dataclass(frozen=True)
-class Frame:
-    """A named frame fixed to a body (index; -1 is the base), placed in the body's frame.
-
-    `parent` is the frame it is fixed to, empty for the frame of a body's first link or of the base. It belongs to a
-    link unless it is `mounted`.
-    """
-
-    name: str
-    body: int
-    placement: Placement = Placement()
-    parent: str = ""
-    mounted: bool = False
-
-
-@dataclass(frozen=True)
-class Body:
-    """A movable rigid body: the joint that carries it, the body it hangs on (-1: the base), and its mass.
-
-    The body's frame is its joint's: the link frame of the joint's child at the joint. `joint.placement` is given in
-    the parent body's frame. `inertias` keeps every link that is lumped here under its own name.
-    """
-
-    name: str
-    joint: Joint
-    parent: int
-    inertias: tuple[Attached, ...] = ()
-
-    @property
-    def kind(self) -> JointKind:
-        """The joint's kind."""
-        return KINDS[self.joint.kind]
-
-
-@dataclass(frozen=True)
-class JointLimits:
-    """For each entry of q̇ its joint's limits, infinite for joints of several axes: arrays (nv,); rad or m, N m or N."""
-
-    lower: Array
-    upper: Array
-    velocity: Array
-    effort: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +34,7 @@ class Model:
     gravity_size: Quantity
     gravity_direction: tuple[float, ...]
     base_inertias: tuple[Attached, ...] = ()
+    loops: tuple[Loop, ...] = ()
     tip: str | None = None
     source: str = ""
     notices: tuple[Notice, ...] = ()
@@ -143,6 +94,13 @@ class Model:
             for body in self.bodies
             if body.joint.mimic is None
             for component in components(body.kind)
+        )
+
+    @property
+    def actuated(self) -> tuple[str, ...]:
+        """Names of the independent joints that are driven: all that are not passive."""
+        return tuple(
+            body.joint.name for body in self.bodies if body.joint.mimic is None and not body.joint.passive
         )
 
     @property
@@ -210,6 +168,11 @@ class Model:
         return lower(self, VALUES)
 
     @cached_property
+    def opened(self) -> Model:
+        """The tree that is left when all loops are cut; the model itself where there are none."""
+        return self.without("loops") if self.loops else self
+
+    @cached_property
     def compiled(self) -> dict[Any, Any]:
         """What has been compiled for this model; filled and read by the numeric functions."""
         return {}
@@ -274,8 +237,12 @@ class Model:
         name: str | None = None,
         gravity: float | Sequence[float] | str | None = None,
         tip: str | None = None,
+        actuated: Sequence[str] | None = None,
     ) -> Model:
-        """The model with another name, tip or gravity: a size (0 for none), a name, or a vector in world axes."""
+        """The model with another name, tip, gravity or choice of driven joints.
+
+        gravity: a size (0 for none), a name, or a vector in world axes. actuated: names; all other joints are passive.
+        """
         changes: dict[str, object] = {}
         if name is not None:
             changes["name"] = name
@@ -285,27 +252,13 @@ class Model:
             changes["gravity_size"], changes["gravity_direction"] = gravity_of(
                 gravity, self.dim, self.gravity_direction
             )
+        if actuated is not None:
+            changes["bodies"] = changed.actuated(self, actuated)
         return dataclasses.replace(self, **changes)  # type: ignore[arg-type]
 
     def without(self, *features: str) -> Model:
-        """The model without "friction", "rotors" or "springs"."""
-        fields = {
-            "friction": {"viscous": 0.0, "coulomb": 0.0},
-            "rotors": {"rotor": 0.0},
-            "springs": {"stiffness": 0.0},
-        }
-        off: dict[str, float] = {}
-        for feature in features:
-            if feature not in fields:
-                raise UnknownNameError("feature", feature, "Model.without", fields)
-            off.update(fields[feature])
-        return dataclasses.replace(
-            self,
-            bodies=tuple(
-                replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **off)))
-                for body in self.bodies
-            ),
-        )
+        """The model without "friction", "rotors", "springs", or "loops" (the tree that is left when they are cut)."""
+        return changed.without(self, features)
 
     def with_payload(
         self,
@@ -322,19 +275,18 @@ class Model:
         where the load's centre of mass is in the frame; default the Inertia's own, of a particle the origin. Raises
         ModelError for a load that no rigid body is.
         """
-        at = self.frame(frame)
-        load = _load(inertia, mass, com, self.dim)
-        if load.dim != self.dim:
-            raise ModelError(f"with_payload: the inertia is {load.dim}D but {self.name!r} is {self.dim}D.")
-        fault = load.fault()
-        if fault:
-            raise ModelError(f"with_payload: {name!r}: {fault}.")
-        attached = Attached(name, load, at.placement, load=True)
-        if at.body < 0:
-            return dataclasses.replace(self, base_inertias=(*self.base_inertias, attached))
-        bodies = list(self.bodies)
-        bodies[at.body] = replace(bodies[at.body], inertias=(*bodies[at.body].inertias, attached))
-        return dataclasses.replace(self, bodies=tuple(bodies))
+        return changed.with_payload(self, changed.load(inertia, mass, com, self.dim), frame, name)
+
+    def with_frame(
+        self,
+        name: str,
+        position: Sequence[float] | None = None,
+        rotation: Sequence[Sequence[float]] | Array | None = None,
+        *,
+        frame: str | None = None,
+    ) -> Model:
+        """The model with one frame more, at `position` (m) and `rotation` (matrix) in `frame` (default: the tip)."""
+        return changed.with_frame(self, name, position, rotation, frame, "with_frame")
 
     def with_tool(
         self,
@@ -345,113 +297,38 @@ class Model:
         inertia: Inertia | None = None,
         frame: str | None = None,
     ) -> Model:
-        """The model with a new tip: frame `name` at `position`, `rotation` (matrix) in `frame` (default: the
-        tip now)."""
-        at = self.frame(frame)
-        if name in self._frame_by_name:
-            raise ModelError(f"with_tool: {self.name!r} already has a frame {name!r}; choose another name.")
-        placement = at.placement
-        if position is not None:
-            if len(position) != self.dim:
-                raise ModelError(f"with_tool: position has {len(position)} entries, expected {self.dim}.")
-            placement = placement.then(shift(*(finite(x, "with_tool: position") for x in position)))
-        if rotation is not None:
-            if np.shape(rotation) != (self.dim, self.dim):
-                raise ModelError(
-                    f"with_tool: rotation has shape {np.shape(rotation)}, expected {(self.dim, self.dim)}."
-                )
-            placement = placement.then(rotate(rotation, "with_tool"))
+        """The model with a frame more, as `with_frame`, which is the tip; `inertia` rides in it."""
         model = dataclasses.replace(
-            self, frames=(*self.frames, Frame(name, at.body, placement, at.name, mounted=True)), tip=name
+            changed.with_frame(self, name, position, rotation, frame, "with_tool"), tip=name
         )
         return model if inertia is None else model.with_payload(inertia, frame=name, name=name)
 
+    def with_loop(
+        self,
+        name: str,
+        kind: str,
+        frames: tuple[str, str],
+        *,
+        axis: Sequence[float] = (),
+        distance: Quantity | str | None = None,
+    ) -> Model:
+        """The model with two frames, on different bodies, held together: a closed chain.
+
+        kind: "revolute" or "prismatic" (about, along `axis`, given in the axes of both frames; no axis for revolute in
+        the plane), "spherical" (space), "point" (plane), "fixed", or "distance" (the origins stay `distance` m apart).
+        Raises ModelError, UnknownNameError.
+        """
+        return changed.with_loop(self, Loop(name, kind, frames, tuple(axis), distance))  # type: ignore[arg-type]
+
     def to_space(self) -> Model:
         """The twin in space of a planar model: its plane is xy, z points to the reader."""
-        if self.dim == 3:
-            return self
-        return dataclasses.replace(
-            self,
-            dim=3,
-            bodies=tuple(
-                replace(
-                    body,
-                    joint=replace(
-                        body.joint,
-                        placement=_placement_in_space(body.joint.placement),
-                        axis=body.kind.axis_in_space(body.joint.axis),
-                    ),
-                    inertias=tuple(map(_attached_in_space, body.inertias)),
-                )
-                for body in self.bodies
-            ),
-            frames=tuple(
-                replace(frame, placement=_placement_in_space(frame.placement)) for frame in self.frames
-            ),
-            base_inertias=tuple(map(_attached_in_space, self.base_inertias)),
-            gravity_direction=(*self.gravity_direction, 0.0),
-        )
+        return self if self.dim == 3 else changed.in_space(self)
 
     def __getstate__(self) -> dict[str, Any]:
         # what is cached is machine code or quick to make again; another process makes its own
         return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
 
     def __repr__(self) -> str:
-        return f"<Model {self.name!r}: {len(self.bodies)} bodies, nq = {self.nq}, nv = {self.nv}, dim {self.dim}>"
-
-
-def _load(
-    inertia: Inertia | float | None, mass: float | None, com: Sequence[float] | None, dim: int
-) -> Inertia:
-    """What the arguments of `with_payload` mean."""
-    if inertia is not None and mass is not None:
-        raise ModelError("with_payload: inertia and mass= exclude each other; give one of them.")
-    given = mass if inertia is None else inertia
-    if isinstance(given, int | float | Real):
-        return Inertia.point(float(given), (0.0,) * dim if com is None else com)
-    if not isinstance(given, Inertia):
-        raise ModelError("with_payload: give an Inertia, or mass= (and com=).")
-    return given if com is None else given.moved_to(com)
-
-
-def gravity_of(
-    given: float | str | Parameter | Sequence[float],
-    dim: int,
-    direction: tuple[float, ...] | None = None,
-    name: str | None = None,
-) -> tuple[Quantity, tuple[float, ...]]:
-    """(size, unit direction) from a vector, a size or a name; a size keeps `direction` (default: down).
-
-    A size becomes the value of the parameter `name`, so that equations can show a letter.
-    """
-    down = (0.0,) * (dim - 1) + (-1.0,)
-    direction = direction or down
-    if isinstance(given, str | Parameter | int | float | Real):
-        return quantity(given, "gravity", name), direction
-    vector = np.array([finite(x, "gravity") for x in given])
-    if vector.shape != (dim,):
-        raise ModelError(f"gravity: a vector of {dim} entries in world axes is needed, not {len(vector)}.")
-    size = float(np.linalg.norm(vector))
-    # a vector along an axis keeps its size to the last bit
-    axis = int(np.argmax(abs(vector)))
-    if size and size == abs(vector[axis]):
-        return size, tuple(float(np.sign(x)) if i == axis else 0.0 for i, x in enumerate(vector))
-    return (size, tuple(float(x) for x in vector / size)) if size else (0.0, direction)
-
-
-def _placement_in_space(placement: Placement) -> Placement:
-    return Placement(tuple(map(_step_in_space, placement.steps)))
-
-
-def _step_in_space(step: Shift | Turn | Rotate) -> Shift | Turn | Rotate:
-    if isinstance(step, Shift):
-        return Shift((*step.by, 0.0))
-    if isinstance(step, Rotate):
-        return Rotate((*((*row, 0.0) for row in step.matrix), (0.0, 0.0, 1.0)))
-    return step
-
-
-def _attached_in_space(part: Attached) -> Attached:
-    (zz,) = part.inertia.tensor
-    inertia = Inertia(part.inertia.mass, (*part.inertia.com, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, zz))
-    return replace(part, inertia=inertia, placement=_placement_in_space(part.placement))
+        loops = f", {len(self.loops)} loops" if self.loops else ""
+        sizes = f"{len(self.bodies)} bodies, nq = {self.nq}, nv = {self.nv}, dim {self.dim}"
+        return f"<Model {self.name!r}: {sizes}{loops}>"

@@ -85,6 +85,8 @@ class Joint:
     drive: Drive = Drive()
     mimic: Mimic | None = None
     line: int | None = None
+    passive: bool = False
+    """Nothing drives it: in closed chains the other joints carry the load."""
 
 
 @dataclass(frozen=True)
@@ -117,11 +119,17 @@ class Payload:
 
 @dataclass(frozen=True)
 class Loop:
-    """A closed chain: two frames held together by a joint kind. Described here, refused by assembly for now."""
+    """A closed chain: frames A and B, on two bodies, held together by a kind of joint (`LOOP_KINDS`).
+
+    axis: of revolute (space) and prismatic loops, the same in the axes of A and of B. distance: of distance loops, m.
+    """
 
     name: str
     kind: str
     frames: tuple[str, str]
+    axis: tuple[float, ...] = ()
+    distance: Quantity | None = None
+    line: int | None = None
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,9 @@ from collections.abc import Sequence
 
 from freebody.errors import ModelError
 from freebody.model.assembly import Policy, assemble
+from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
-from freebody.model.model import Model, gravity_of
+from freebody.model.model import Model
 from freebody.model.parameters import Parameter, Quantity, finite, quantity
 from freebody.model.parts import Description, Drive, Joint, Limits, Link, Mount
 from freebody.model.placement import shift, turn

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from freebody.elementary import Scalar
+from freebody.model.closures import LOOP_KINDS, Closure
 from freebody.model.inertia import Inertia, combined
 from freebody.model.joints.kind import Column, Primitive
 from freebody.model.parameters import each_parameter
@@ -18,7 +19,8 @@ from freebody.model.reading import Reader
 from freebody.spatial import AnySpace, Matrix, Vector, add, identity, of_dimension, scale, times
 
 if TYPE_CHECKING:
-    from freebody.model.model import Body, Model
+    from freebody.model.bodies import Body
+    from freebody.model.model import Model
 
 
 @dataclass(frozen=True)
@@ -91,6 +93,16 @@ class TreeBody:
 
 
 @dataclass(frozen=True)
+class TreeLoop:
+    """A loop: its equations, its two frames, and how far apart their origins stay where it is a distance."""
+
+    name: str
+    closure: Closure
+    frames: tuple[str, str]
+    distance: Scalar
+
+
+@dataclass(frozen=True)
 class Tree:
     """Bodies, parents first, and gravity, in scalars."""
 
@@ -104,6 +116,12 @@ class Tree:
     frames: dict[str, tuple[int, Matrix, Vector]]
     """For each frame its body here (-1: base) and its constant pose in it."""
     base: tuple[Mass, ...]
+    loops: tuple[TreeLoop, ...] = ()
+
+    @property
+    def constraints(self) -> int:
+        """Number of loop equations."""
+        return sum(loop.closure.size(self.space) for loop in self.loops)
 
     @property
     def follows(self) -> bool:
@@ -160,6 +178,15 @@ def lower(model: Model, reader: Reader) -> Tree:
         tuple(body_of[i] for i in range(len(model.bodies))),
         {f.name: (body_of[f.body], *f.placement.lower(space, reader)) for f in model.frames},
         _masses(space, model.base_inertias, reader),
+        tuple(
+            TreeLoop(
+                loop.name,
+                LOOP_KINDS[loop.kind].closure(space, reader.axis(loop.axis)),
+                loop.frames,
+                0.0 if loop.distance is None else reader.quantity(loop.distance),
+            )
+            for loop in model.loops
+        ),
     )
 
 

@@ -13,6 +13,14 @@ from typing import Any, NamedTuple
 
 from freebody.algorithms import energy, kinematics
 from freebody.algorithms.aba import aba
+from freebody.algorithms.constraints import (
+    constrained_dynamics,
+    constraint,
+    constraint_bias,
+    constraint_jacobian,
+    loop_loads,
+    loop_wrenches,
+)
 from freebody.algorithms.coriolis import coriolis_matrix, coriolis_product
 from freebody.algorithms.crba import (
     bias,
@@ -34,7 +42,7 @@ from freebody.algorithms.regressor import energy_regressor, regressor
 from freebody.algorithms.rnea import External, external_on_frame, joint_wrenches, rnea
 from freebody.model.tree import Tree
 from freebody.scalars.dual import Dual, slopes
-from freebody.spatial import Vector, identity, neg, transposed
+from freebody.spatial import Vector, identity, neg, sub, times, transposed
 
 
 class Option(NamedTuple):
@@ -45,15 +53,16 @@ class Option(NamedTuple):
     wrench_frames: tuple[str, ...] = ()
     point: bool = False
     rows: tuple[int, ...] = ()
-    """Rows of a frame's motion, for the quantities of operational space."""
+    """Rows of a frame's motion, for operational space; of loop equations, for constrained dynamics."""
 
 
 @dataclass(frozen=True)
 class Formula:
     """A computable quantity.
 
-    inputs: names among q, qd, qdd, tau, x, dq, dqd (nv each but q), point, wrenches.
-    outputs: name -> dimensions: numbers, or names among nv, nj, six, dim, pose (dim + 1), rows, parameters.
+    inputs: names among q, qd, qdd, tau, x, dq, dqd (nv each but q), multipliers, point, wrenches.
+    outputs: name -> dimensions: numbers, or names among nv, nj, six, dim, pose (dim + 1), rows, parameters,
+    constraints (loop equations), reactions (joints and loops).
     evaluate(tree, option, **inputs): a tuple of nested sequences of scalars; wrenches is a tuple of vectors, one for
     each of option.wrench_frames. another: a second way to the same values; for robots of few joints both are traced and
     the shorter program is compiled.
@@ -100,6 +109,8 @@ def _inverse(
 def _forward(
     tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector, wrenches: Any = ()
 ) -> tuple[Any, ...]:
+    if tree.loops:
+        return (constrained_dynamics(tree, q, qd, tau, _external(tree, o, q, wrenches)).qdd,)
     method = aba if prefers_articulated_bodies(tree) else forward_dynamics
     return (method(tree, q, qd, tau, _external(tree, o, q, wrenches)),)
 
@@ -124,6 +135,29 @@ def _wrenches(
     tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, wrenches: Any = ()
 ) -> tuple[Any, ...]:
     return (joint_wrenches(tree, rnea(tree, q, qd, qdd, _external(tree, o, q, wrenches)), o.reference),)
+
+
+def _constrained(
+    tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector, wrenches: Any = ()
+) -> tuple[Any, ...]:
+    found = constrained_dynamics(tree, q, qd, tau, _external(tree, o, q, wrenches), o.rows)
+    return found.qdd, found.multipliers, found.pivots
+
+
+def _constraint_jerk(tree: Tree, o: Option, q: Vector, qd: Vector, x: Vector) -> tuple[Any, ...]:
+    """Φ's third derivative when q̈ = x and q⃛ = 0: affine in x. It tells how a mechanism goes on where Φ_q loses rank."""
+    moved = _seeded(q, kinematics.position_rates(tree, q, qd))
+    second = sub(times(constraint_jacobian(tree, moved), x), constraint_bias(tree, moved, _seeded(qd, x)))
+    return (tuple(slopes(value, 1)[0] for value in second),)
+
+
+def _closed_wrenches(
+    tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, multipliers: Vector, wrenches: Any = ()
+) -> tuple[Any, ...]:
+    """Of every joint, then of every loop."""
+    loads = _external(tree, o, q, wrenches) + loop_loads(tree, q, multipliers)
+    recursion = rnea(tree, q, qd, qdd, loads)
+    return ([*joint_wrenches(tree, recursion, o.reference), *loop_wrenches(tree, q, multipliers)],)
 
 
 def _momentum(tree: Tree, o: Option, q: Vector, qd: Vector, point: Vector | None = None) -> tuple[Any, ...]:
@@ -268,6 +302,27 @@ FORMULAS: dict[str, Formula] = {
     ),
     "energy_regressor": Formula(
         ("q", "qd"), {"E": (2, "parameters")}, lambda t, o, q, qd: (energy_regressor(t, q, qd),)
+    ),
+    "constraint": Formula(("q",), {"Phi": ("constraints",)}, lambda t, o, q: (constraint(t, q),)),
+    "constraint_jacobian": Formula(
+        ("q",), {"Phi_q": ("constraints", "nv")}, lambda t, o, q: (constraint_jacobian(t, q),)
+    ),
+    "constraint_bias": Formula(
+        ("q", "qd"), {"c": ("constraints",)}, lambda t, o, q, qd: (constraint_bias(t, q, qd),)
+    ),
+    "constraint_rate": Formula(
+        ("q", "qd"),
+        {"Phid": ("constraints",)},
+        lambda t, o, q, qd: (times(constraint_jacobian(t, q), qd),),
+    ),
+    "constraint_jerk": Formula(("q", "qd", "x"), {"jerk": ("constraints",)}, _constraint_jerk),
+    "constrained_dynamics": Formula(
+        ("q", "qd", "tau", "wrenches"),
+        {"qdd": ("nv",), "multipliers": ("rows",), "pivots": ("rows",)},
+        _constrained,
+    ),
+    "closed_wrenches": Formula(
+        ("q", "qd", "qdd", "multipliers", "wrenches"), {"W": ("reactions", "six")}, _closed_wrenches
     ),
     "kinetic_energy": Formula(("q", "qd"), {"T": ()}, lambda t, o, q, qd: (energy.kinetic_energy(t, q, qd),)),
     "potential_energy": Formula(("q",), {"V": ()}, lambda t, o, q: (energy.potential_energy(t, q),)),

@@ -96,7 +96,7 @@ _FRAMED = (
 SMALL = 12
 """Coordinates up to which two ways to the same values are both traced."""
 
-_ORDER = ("q", "qd", "qdd", "tau", "x", "dq", "dqd", "point")
+_ORDER = ("q", "qd", "qdd", "tau", "x", "dq", "dqd", "multipliers", "point")
 
 
 def fetch(
@@ -175,7 +175,7 @@ def _array(value: Any, batch: tuple[int, ...], shape: tuple[int, ...]) -> Array:
 def arguments(model: Model, names: tuple[str, ...], option: Option) -> tuple[Argument, ...]:
     """Inputs that the formulas need, each once, in the fixed order."""
     wanted = {label for name in names for label in FORMULAS[name].inputs}
-    sizes = {"q": model.nq, "point": model.dim}
+    sizes = {"q": model.nq, "point": model.dim, "multipliers": model.tree.constraints}
     plain = [
         Argument(x, (sizes.get(x, model.nv),))
         for x in _ORDER
@@ -201,6 +201,8 @@ def _shape(model: Model, dims: tuple[str | int, ...], option: Option) -> tuple[i
         "dim": lambda: model.dim,
         "pose": lambda: model.dim + 1,
         "rows": lambda: len(option.rows),
+        "constraints": lambda: model.tree.constraints,
+        "reactions": lambda: len(model.bodies) + len(model.loops),
         "parameters": lambda: len(parameter_values(model.tree)),
     }
     return tuple(d if isinstance(d, int) else sizes[d]() for d in dims)

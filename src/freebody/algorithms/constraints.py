@@ -1,0 +1,243 @@
+"""Closed chains: the loop equations Φ(q) = 0, their derivatives (5.21, 5.22, 5.28), the motion under them (5.29).
+
+Each equation is a function of how frames A and B stand to one another, and its rate is
+
+    φ̇ = f · (v_B - v_A) + n_B · ω_B - n_A · ω_A
+
+with f, n_A, n_B in world axes. Its multiplier λ stands for a force -λ f on B at its origin and the opposite on A.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from freebody.algorithms.crba import bias, crba, factor, substitute
+from freebody.algorithms.kinematics import (
+    Column,
+    Pose,
+    frame_columns,
+    frame_motion,
+    frame_pose,
+    joint_poses,
+    outward,
+    world_poses,
+)
+from freebody.algorithms.rnea import External
+from freebody.elementary import Scalar
+from freebody.model.tree import Tree, TreeLoop
+from freebody.spatial import AnySpace, Matrix, Vector, add, dot, identity, scale, sub, times, transposed
+
+
+@dataclass(frozen=True)
+class Equation:
+    """One loop equation: its value, what its multiplier presses with, and how that changes with time."""
+
+    value: Scalar
+    f: Vector
+    n_a: Vector
+    n_b: Vector
+
+
+Velocities = tuple[Column, Column]
+"""(ω, v) of A and of B."""
+
+
+def loop_equations(space: AnySpace, loop: TreeLoop, a: Pose, b: Pose) -> list[Equation]:
+    """The equations of a loop whose frames stand at a and b."""
+    (R_a, p_a), (R_b, p_b) = a, b
+    r = sub(p_b, p_a)
+    none = space.zero_angular
+    found = []
+    if loop.closure.point:
+        found += [Equation(x, e, none, none) for x, e in zip(r, identity(space.dim), strict=True)]
+    if loop.closure.distance:
+        # (|r|² - d²) / 2d: at closure its gradient is a unit vector, so λ is the tension
+        d = loop.distance
+        value = (dot(r, r) - d * d) * (0.5 / d)
+        found.append(Equation(value, scale(1.0 / d, r), none, none))
+    for n in loop.closure.slides:
+        f = times(R_a, n)
+        found.append(Equation(dot(f, r), f, space.moment(r, f), none))
+    for n, u in loop.closure.turns:
+        n_world, u_world = times(R_a, n), times(R_b, u)
+        moment = space.moment(u_world, n_world)
+        found.append(Equation(dot(n_world, u_world), space.zero, moment, moment))
+    return found
+
+
+def constraint(tree: Tree, q: Vector) -> Vector:
+    """Φ(q): how far every loop equation is from holding (m; sines of angles)."""
+    world = world_poses(tree, joint_poses(tree, q))
+    return tuple(
+        equation.value
+        for loop in tree.loops
+        for equation in loop_equations(tree.space, loop, *_ends(tree, world, loop))
+    )
+
+
+def constraint_jacobian(tree: Tree, q: Vector) -> Matrix:
+    """Φ_q (5.22): one row an equation, one column a rate."""
+    space = tree.space
+    world = world_poses(tree, joint_poses(tree, q))
+    rows = []
+    for loop in tree.loops:
+        a, b = _ends(tree, world, loop)
+        equations = loop_equations(space, loop, a, b)
+        row: list[list[Scalar]] = [[0.0] * tree.nv for _ in equations]
+        for k, (angular, linear) in _rates(tree, world, b, loop.frames[1]):
+            for entry, e in zip(row, equations, strict=True):
+                entry[k] = entry[k] + (dot(e.f, linear) + dot(e.n_b, angular))
+        for k, (angular, linear) in _rates(tree, world, a, loop.frames[0]):
+            for entry, e in zip(row, equations, strict=True):
+                entry[k] = entry[k] - (dot(e.f, linear) + dot(e.n_a, angular))
+        rows += map(tuple, row)
+    return tuple(rows)
+
+
+def constraint_bias(tree: Tree, q: Vector, qd: Vector) -> Vector:
+    """c = -Φ̇_q q̇ (5.28): what Φ_q q̈ must be."""
+    space = tree.space
+    motion = outward(tree, q, qd, (0.0,) * tree.nv)
+    world = world_poses(tree, motion.joints)
+    values: list[Scalar] = []
+    for loop in tree.loops:
+        a, b = _ends(tree, world, loop)
+        (v_a, a_a), (v_b, a_b) = (frame_motion(tree, motion, frame) for frame in loop.frames)
+        slope = _equation_rates(space, loop, a, b, (v_a, v_b))
+        for e, (fd, nd_a, nd_b) in zip(loop_equations(space, loop, a, b), slope, strict=True):
+            second = dot(e.f, sub(a_b[1], a_a[1])) + dot(e.n_b, a_b[0]) - dot(e.n_a, a_a[0])
+            rate = dot(fd, sub(v_b[1], v_a[1])) + dot(nd_b, v_b[0]) - dot(nd_a, v_a[0])
+            values.append(-(second + rate))
+    return tuple(values)
+
+
+def _equation_rates(
+    space: AnySpace, loop: TreeLoop, a: Pose, b: Pose, velocities: Velocities
+) -> Iterator[tuple[Vector, Vector, Vector]]:
+    """Time derivatives of (f, n_a, n_b) of each equation."""
+    (R_a, p_a), (R_b, p_b) = a, b
+    (w_a, v_a), (w_b, v_b) = velocities
+    r, rd = sub(p_b, p_a), sub(v_b, v_a)
+    still, none = space.zero, space.zero_angular
+    if loop.closure.point:
+        yield from [(still, none, none)] * space.dim
+    if loop.closure.distance:
+        yield scale(1.0 / loop.distance, rd), none, none
+    for n in loop.closure.slides:
+        f = times(R_a, n)
+        fd = space.cross(w_a, f)
+        yield fd, add(space.moment(rd, f), space.moment(r, fd)), none
+    for n, u in loop.closure.turns:
+        n_world, u_world = times(R_a, n), times(R_b, u)
+        moment = add(
+            space.moment(space.cross(w_b, u_world), n_world), space.moment(u_world, space.cross(w_a, n_world))
+        )
+        yield still, moment, moment
+
+
+def loop_wrenches(tree: Tree, q: Vector, multipliers: Vector) -> list[Vector]:
+    """For each loop (force, moment) on B by A at the origin of B, world axes: what -Φ_qᵀ λ (5.23) stands for."""
+    space = tree.space
+    world = world_poses(tree, joint_poses(tree, q))
+    wrenches, k = [], 0
+    for loop in tree.loops:
+        force, moment = space.zero, space.zero_angular
+        for e in loop_equations(space, loop, *_ends(tree, world, loop)):
+            force = sub(force, scale(multipliers[k], e.f))
+            moment = sub(moment, scale(multipliers[k], e.n_b))
+            k += 1
+        wrenches.append(force + moment)
+    return wrenches
+
+
+def loop_loads(tree: Tree, q: Vector, multipliers: Vector) -> list[External]:
+    """The wrenches of all loops as they act on their bodies, for the recursion."""
+    space = tree.space
+    world = world_poses(tree, joint_poses(tree, q))
+    loads: list[External] = []
+    k = 0
+    for loop in tree.loops:
+        ends = _ends(tree, world, loop)
+        for e in loop_equations(space, loop, *ends):
+            for frame, sign, moment in ((loop.frames[1], -1.0, e.n_b), (loop.frames[0], 1.0, e.n_a)):
+                body, _, at = tree.frames[frame]
+                if body >= 0:
+                    E = transposed(world[body][0])
+                    force = times(E, scale(sign * multipliers[k], e.f))
+                    turning = space.turn(E, scale(sign * multipliers[k], moment))
+                    loads.append((body, force, add(turning, space.moment(at, force))))
+            k += 1
+    return loads
+
+
+@dataclass(frozen=True)
+class Constrained:
+    """Accelerations, multipliers, and for each pivot how much of it was left: near 0 where equations depend."""
+
+    qdd: Vector
+    multipliers: Vector
+    pivots: Vector
+
+
+def constrained_dynamics(
+    tree: Tree,
+    q: Vector,
+    qd: Vector,
+    tau: Vector,
+    external: Sequence[External] = (),
+    rows: Sequence[int] | None = None,
+) -> Constrained:
+    """q̈ and λ from (5.29) by M⁻¹ and S = Φ_q M⁻¹ Φ_qᵀ, for equations `rows` (default all) that are independent."""
+    kept = range(tree.constraints) if rows is None else rows
+    phi, c = constraint_jacobian(tree, q), constraint_bias(tree, q, qd)
+    phi, c = tuple(phi[k] for k in kept), tuple(c[k] for k in kept)
+    factors = factor(tree, crba(tree, q))
+    free = substitute(tree, factors, sub(tau, bias(tree, q, qd, external)))
+    columns = [substitute(tree, factors, row) for row in phi]
+    missing = tuple(dot(row, free) - x for row, x in zip(phi, c, strict=True))
+    multipliers, pivots = _solved([[dot(row, x) for x in columns] for row in phi], missing)
+    qdd = free
+    for multiplier, column in zip(multipliers, columns, strict=True):
+        qdd = sub(qdd, scale(multiplier, column))
+    return Constrained(qdd, multipliers, pivots)
+
+
+def _solved(S: list[list[Scalar]], right: Vector) -> tuple[Vector, Vector]:
+    """x with S x = right for a symmetric positive definite S = L D Lᵀ, and the pivots relative to S's diagonal."""
+    n = len(S)
+    L: list[list[Scalar]] = [[0.0] * n for _ in range(n)]
+    inverse: list[Scalar] = []
+    pivots: list[Scalar] = []
+    x = list(right)
+    for k in range(n):
+        scaled = [S[k][j] for j in range(k)]
+        for j in range(k):
+            for i in range(j):
+                scaled[j] = scaled[j] - L[j][i] * scaled[i]
+        pivot = S[k][k]
+        for j in range(k):
+            L[k][j] = scaled[j] * inverse[j]
+            pivot = pivot - L[k][j] * scaled[j]
+            x[k] = x[k] - L[k][j] * x[j]
+        inverse.append(1.0 / pivot)
+        pivots.append(pivot / S[k][k])
+    for k in reversed(range(n)):
+        x[k] = x[k] * inverse[k]
+        for j in range(k + 1, n):
+            x[k] = x[k] - L[j][k] * x[j]
+    return tuple(x), tuple(pivots)
+
+
+def _ends(tree: Tree, world: list[Pose], loop: TreeLoop) -> tuple[Pose, Pose]:
+    """Where frames A and B stand in the world."""
+    a, b = loop.frames
+    return frame_pose(tree, world, a), frame_pose(tree, world, b)
+
+
+def _rates(tree: Tree, world: list[Pose], pose: Pose, frame: str) -> Iterator[tuple[int, Column]]:
+    """For each rate that moves a frame (its index, what the frame's origin moves by)."""
+    for i, columns in frame_columns(tree, world, pose[1], frame).items():
+        at = tree.bodies[i].coordinates
+        for k, (angular, linear) in zip(at.v, columns, strict=True):
+            yield k, (scale(at.ratio, angular), scale(at.ratio, linear))

@@ -1,0 +1,55 @@
+"""The bodies and frames that a `Model` is made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from freebody.arrays import Array
+from freebody.model.joints import KINDS, JointKind
+from freebody.model.parts import Joint
+from freebody.model.placement import Placement
+from freebody.model.tree import Attached
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A named frame fixed to a body (index; -1 is the base), placed in the body's frame.
+
+    `parent` is the frame it is fixed to, empty for the frame of a body's first link or of the base. It belongs to a
+    link unless it is `mounted`.
+    """
+
+    name: str
+    body: int
+    placement: Placement = Placement()
+    parent: str = ""
+    mounted: bool = False
+
+
+@dataclass(frozen=True)
+class Body:
+    """A movable rigid body: the joint that carries it, the body it hangs on (-1: the base), and its mass.
+
+    The body's frame is its joint's: the link frame of the joint's child at the joint. `joint.placement` is given in
+    the parent body's frame. `inertias` keeps every link that is lumped here under its own name.
+    """
+
+    name: str
+    joint: Joint
+    parent: int
+    inertias: tuple[Attached, ...] = ()
+
+    @property
+    def kind(self) -> JointKind:
+        """The joint's kind."""
+        return KINDS[self.joint.kind]
+
+
+@dataclass(frozen=True)
+class JointLimits:
+    """For each entry of q̇ its joint's limits, infinite for joints of several axes: arrays (nv,); rad or m, N m or N."""
+
+    lower: Array
+    upper: Array
+    velocity: Array
+    effort: Array

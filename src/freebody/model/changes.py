@@ -1,0 +1,171 @@
+"""Changed copies of a model: without some feature, with a load, a frame or a loop more, as its twin in space."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import replace
+from numbers import Real
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import ModelError, UnknownNameError
+from freebody.model.bodies import Body, Frame
+from freebody.model.inertia import Inertia
+from freebody.model.loops import checked_loop
+from freebody.model.parameters import finite
+from freebody.model.parts import Loop
+from freebody.model.placement import Placement, Rotate, Shift, Turn, rotate, shift
+from freebody.model.tree import Attached
+
+if TYPE_CHECKING:
+    from freebody.model.model import Model
+
+_DRIVES = {
+    "friction": {"viscous": 0.0, "coulomb": 0.0},
+    "rotors": {"rotor": 0.0},
+    "springs": {"stiffness": 0.0},
+}
+
+
+def without(model: Model, features: Sequence[str]) -> Model:
+    """See `Model.without`."""
+    off: dict[str, float] = {}
+    for feature in features:
+        if feature != "loops" and feature not in _DRIVES:
+            raise UnknownNameError("feature", feature, "Model.without", (*_DRIVES, "loops"))
+        off.update(_DRIVES.get(feature, {}))
+    bodies = tuple(
+        replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **off)))
+        for body in model.bodies
+    )
+    return replace(model, bodies=bodies, loops=() if "loops" in features else model.loops)
+
+
+def actuated(model: Model, names: Sequence[str]) -> tuple[Body, ...]:
+    """The bodies, their joints passive but for those named."""
+    free = [body.joint.name for body in model.bodies if body.joint.mimic is None]
+    for name in names:
+        if name not in free:
+            raise UnknownNameError("joint", name, f"{model.name!r}", free)
+    return tuple(
+        replace(body, joint=replace(body.joint, passive=body.joint.name not in names))
+        for body in model.bodies
+    )
+
+
+def load(
+    inertia: Inertia | float | None, mass: float | None, com: Sequence[float] | None, dim: int
+) -> Inertia:
+    """What the arguments of `Model.with_payload` mean."""
+    if inertia is not None and mass is not None:
+        raise ModelError("with_payload: inertia and mass= exclude each other; give one of them.")
+    given = mass if inertia is None else inertia
+    if isinstance(given, int | float | Real):
+        return Inertia.point(float(given), (0.0,) * dim if com is None else com)
+    if not isinstance(given, Inertia):
+        raise ModelError("with_payload: give an Inertia, or mass= (and com=).")
+    return given if com is None else given.moved_to(com)
+
+
+def with_payload(model: Model, inertia: Inertia, frame: str | None, name: str) -> Model:
+    """See `Model.with_payload`."""
+    at = model.frame(frame)
+    if inertia.dim != model.dim:
+        raise ModelError(f"with_payload: the inertia is {inertia.dim}D but {model.name!r} is {model.dim}D.")
+    fault = inertia.fault()
+    if fault:
+        raise ModelError(f"with_payload: {name!r}: {fault}.")
+    attached = Attached(name, inertia, at.placement, load=True)
+    if at.body < 0:
+        return replace(model, base_inertias=(*model.base_inertias, attached))
+    bodies = list(model.bodies)
+    bodies[at.body] = replace(bodies[at.body], inertias=(*bodies[at.body].inertias, attached))
+    return replace(model, bodies=tuple(bodies))
+
+
+def with_frame(
+    model: Model,
+    name: str,
+    position: Sequence[float] | None,
+    rotation: Sequence[Sequence[float]] | Array | None,
+    frame: str | None,
+    function: str,
+) -> Model:
+    """See `Model.with_frame`; errors name the function."""
+    at = model.frame(frame)
+    if name in model.frame_names:
+        raise ModelError(f"{function}: {model.name!r} already has a frame {name!r}; choose another name.")
+    placement = at.placement
+    if position is not None:
+        if len(position) != model.dim:
+            raise ModelError(f"{function}: position has {len(position)} entries, expected {model.dim}.")
+        placement = placement.then(shift(*(finite(x, f"{function}: position") for x in position)))
+    if rotation is not None:
+        if np.shape(rotation) != (model.dim, model.dim):
+            raise ModelError(
+                f"{function}: rotation has shape {np.shape(rotation)}, expected {(model.dim, model.dim)}."
+            )
+        placement = placement.then(rotate(rotation, function))
+    return replace(model, frames=(*model.frames, Frame(name, at.body, placement, at.name, mounted=True)))
+
+
+def with_loop(model: Model, loop: Loop) -> Model:
+    """See `Model.with_loop`."""
+    body_of = {frame.name: frame.body for frame in model.frames}
+    taken = (*model.joint_names, *(other.name for other in model.loops))
+    return replace(model, loops=(*model.loops, checked_loop(loop, model.dim, body_of, taken)))
+
+
+# ---------------------------------------------------------------- the twin in space
+def in_space(model: Model) -> Model:
+    """The plane as the xy-plane of space."""
+    return dataclasses.replace(
+        model,
+        dim=3,
+        bodies=tuple(map(_body_in_space, model.bodies)),
+        frames=tuple(
+            replace(frame, placement=_placement_in_space(frame.placement)) for frame in model.frames
+        ),
+        base_inertias=tuple(map(_attached_in_space, model.base_inertias)),
+        gravity_direction=(*model.gravity_direction, 0.0),
+        loops=tuple(map(_loop_in_space, model.loops)),
+    )
+
+
+def _body_in_space(body: Body) -> Body:
+    joint = replace(
+        body.joint,
+        placement=_placement_in_space(body.joint.placement),
+        axis=body.kind.axis_in_space(body.joint.axis),
+    )
+    return replace(body, joint=joint, inertias=tuple(map(_attached_in_space, body.inertias)))
+
+
+def _loop_in_space(loop: Loop) -> Loop:
+    """A pin of the plane holds in space too: revolute stays so about z, a point becomes a ball."""
+    if loop.kind == "point":
+        return replace(loop, kind="spherical")
+    return replace(
+        loop, axis={"revolute": (0.0, 0.0, 1.0), "prismatic": (*loop.axis, 0.0)}.get(loop.kind, ())
+    )
+
+
+def _placement_in_space(placement: Placement) -> Placement:
+    return Placement(tuple(map(_step_in_space, placement.steps)))
+
+
+def _step_in_space(step: Shift | Turn | Rotate) -> Shift | Turn | Rotate:
+    if isinstance(step, Shift):
+        return Shift((*step.by, 0.0))
+    if isinstance(step, Rotate):
+        return Rotate((*((*row, 0.0) for row in step.matrix), (0.0, 0.0, 1.0)))
+    return step
+
+
+def _attached_in_space(part: Attached) -> Attached:
+    (zz,) = part.inertia.tensor
+    inertia = Inertia(part.inertia.mass, (*part.inertia.com, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, zz))
+    return replace(part, inertia=inertia, placement=_placement_in_space(part.placement))

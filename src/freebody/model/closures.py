@@ -1,0 +1,98 @@
+"""What a loop holds together: the kinds of joint that close a chain, each as the motions it forbids.
+
+A loop joins frame A and frame B. Every kind is made of three things, and an algorithm knows no others:
+
+- the origins coincide (as many equations as the space has dimensions), or stay a fixed distance apart (one);
+- directions n fixed in A along which the origin of B does not leave that of A: n · (p_B - p_A) = 0;
+- pairs (n fixed in A, u fixed in B) that stay perpendicular: n · u = 0, the sine of an angle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from freebody.spatial import AnySpace, Vector, identity, neg, scale
+
+Pair = tuple[Vector, Vector]
+
+
+@dataclass(frozen=True)
+class Closure:
+    """The equations of a loop: see the module. `turns` are ordered and signed so that u × n is an axis of frame A."""
+
+    point: bool = False
+    distance: bool = False
+    slides: tuple[Vector, ...] = ()
+    turns: tuple[Pair, ...] = ()
+
+    def size(self, space: AnySpace) -> int:
+        """Number of equations."""
+        return (space.dim if self.point else 0) + self.distance + len(self.slides) + len(self.turns)
+
+    def row_names(self, space: AnySpace) -> tuple[str, ...]:
+        """What each equation's multiplier is: a force, or a moment."""
+        forces = [f"f{x}" for x in space.axes] if self.point else ["tension"] if self.distance else []
+        forces += [f"f{k + 1}" for k in range(len(self.slides))]
+        moments = ["m"] if space.dim == 2 else [f"m{k + 1}" for k in range(len(self.turns))]
+        return (*forces, *moments[: len(self.turns)])
+
+
+@dataclass(frozen=True)
+class LoopKind:
+    """A kind of loop as a user names it."""
+
+    name: str
+    closure: Callable[[AnySpace, Vector], Closure]
+    dimensions: tuple[int, ...] = (2, 3)
+    axis_in: tuple[int, ...] = ()
+    """The spaces in which it has an axis."""
+    needs_distance: bool = False
+
+
+def normals(axis: Vector) -> tuple[Vector, ...]:
+    """Unit vectors that span what is perpendicular to a unit axis: one in the plane; in space t1 × t2 = axis."""
+    if len(axis) == 2:
+        return ((-axis[1], axis[0]),)
+    along = [i for i, x in enumerate(axis) if abs(x) == 1.0]
+    if along:
+        i = along[0]
+        units = identity(3)
+        t1, t2 = units[(i + 1) % 3], units[(i + 2) % 3]
+        return t1, scale(float(axis[i]), t2)
+    a = np.array(axis, dtype=float)
+    t1 = np.cross(a, np.eye(3)[int(np.argmin(abs(a)))])
+    t1 /= np.linalg.norm(t1)
+    return tuple(map(float, t1)), tuple(map(float, np.cross(a, t1)))
+
+
+def _parallel(space: AnySpace, axis: Vector) -> tuple[Pair, ...]:
+    """The axis of B stays parallel to that of A; in the plane it always is."""
+    if space.dim == 2:
+        return ()
+    t1, t2 = normals(axis)
+    return (neg(t2), axis), (t1, axis)
+
+
+def _aligned(space: AnySpace) -> tuple[Pair, ...]:
+    """The axes of B stay those of A."""
+    if space.dim == 2:
+        return (((0.0, 1.0), (1.0, 0.0)),)
+    x, y, z = identity(3)
+    return (z, y), (x, z), (y, x)
+
+
+LOOP_KINDS: dict[str, LoopKind] = {
+    kind.name: kind
+    for kind in (
+        LoopKind("revolute", lambda s, a: Closure(point=True, turns=_parallel(s, a)), axis_in=(3,)),
+        LoopKind("prismatic", lambda s, a: Closure(slides=normals(a), turns=_aligned(s)), axis_in=(2, 3)),
+        LoopKind("spherical", lambda s, a: Closure(point=True), (3,)),
+        LoopKind("point", lambda s, a: Closure(point=True), (2,)),
+        LoopKind("fixed", lambda s, a: Closure(point=True, turns=_aligned(s))),
+        LoopKind("distance", lambda s, a: Closure(distance=True), needs_distance=True),
+    )
+}
+"""A further kind is a line here."""

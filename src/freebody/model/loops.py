@@ -1,0 +1,69 @@
+"""Loops of a model: checked when it is made, and in scalars for the algorithms."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from freebody.errors import ModelError, UnknownNameError
+from freebody.model.closures import LOOP_KINDS
+from freebody.model.parameters import Parameter, quantity
+from freebody.model.parts import Loop
+
+
+def checked_loop(loop: Loop, dim: int, body_of: Mapping[str, int], taken: Iterable[str]) -> Loop:
+    """The loop with a unit axis and a distance where it has one; refuses what closes nothing.
+
+    body_of: the body of each frame; taken: names of joints and other loops.
+    """
+    where = f"loop {loop.name!r}"
+    if not loop.name or loop.name in taken:
+        raise ModelError(f"{where}: the name is taken or empty; choose another.")
+    if loop.kind not in LOOP_KINDS:
+        raise UnknownNameError("loop kind", loop.kind, where, LOOP_KINDS)
+    kind = LOOP_KINDS[loop.kind]
+    if dim not in kind.dimensions:
+        other = {"point": "spherical", "spherical": "point"}[kind.name]
+        raise ModelError(f"{where}: {kind.name} is no loop of dimension {dim}; write {other}.")
+    if len(loop.frames) != 2:
+        raise ModelError(f"{where}: frames must be the names of two frames.")
+    for name in loop.frames:
+        if name not in body_of:
+            raise UnknownNameError("frame", name, where, body_of)
+    if body_of[loop.frames[0]] == body_of[loop.frames[1]]:
+        raise ModelError(
+            f"{where}: frames {loop.frames[0]!r} and {loop.frames[1]!r} are on the same body, so the loop closes "
+            "nothing; name frames of two bodies."
+        )
+    return replace(loop, axis=_axis(loop, dim, where), distance=_distance(loop, where))
+
+
+def _axis(loop: Loop, dim: int, where: str) -> tuple[float, ...]:
+    needed = dim in LOOP_KINDS[loop.kind].axis_in
+    if not needed and loop.axis:
+        raise ModelError(f"{where}: a {loop.kind} loop has no axis in dimension {dim}; remove it.")
+    if not needed:
+        return ()
+    axis = np.array(loop.axis, dtype=float)
+    if axis.shape != (dim,) or not np.isfinite(axis).all() or not axis.any():
+        raise ModelError(f"{where}: axis {loop.axis} must be {dim} finite numbers, not all zero.")
+    unit = np.sign(axis) if np.count_nonzero(axis) == 1 else axis / np.linalg.norm(axis)
+    return tuple(map(float, unit))
+
+
+def _distance(loop: Loop, where: str) -> float | Parameter | None:
+    if not LOOP_KINDS[loop.kind].needs_distance:
+        if loop.distance is not None:
+            raise ModelError(f"{where}: a {loop.kind} loop has no distance; remove it.")
+        return None
+    if loop.distance is None:
+        raise ModelError(f"{where}: give the distance (m) between its frames.")
+    distance = quantity(loop.distance, f"{where}: distance")
+    value = distance.value if isinstance(distance, Parameter) else distance
+    if value is not None and value <= 0.0:
+        raise ModelError(
+            f"{where}: distance is {value:g} m, expected more than 0; for 0 hold the origins together instead."
+        )
+    return distance
