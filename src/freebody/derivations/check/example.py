@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping, Sequence
 
 from freebody.derivations.check.setting import Setting
 from freebody.derivations.check.verdict import Example
@@ -30,6 +31,11 @@ def example(setting: Setting, yours: Trig, right: Trig) -> Example | None:
         if f"{a:.4g}" != f"{b:.4g}":
             return Example(values, a, b)
     return Example(values, a, b) if used and not math.isclose(a, b, rel_tol=1e-12) else None
+
+
+def typical(names: Sequence[str], given: Mapping[str, float | None] | None = None) -> dict[str, float]:
+    """A usual value for each symbol; those given stay."""
+    return {name: _value(name, (given or {}).get(name), 0, k) for k, name in enumerate(names)}
 
 
 def _occurs(name: str, x: Trig) -> bool:

@@ -29,7 +29,7 @@ def to_sympy(node: Expression) -> Any:
     return _TABLE[type(node)](node, sympy)
 
 
-_NAMES = {"sin": "sin", "cos": "cos", "sgn": "sign"}
+_NAMES = {x: x for x in ("sin", "cos", "tan", "sqrt", "exp", "log")} | {"sgn": "sign"}
 
 _TABLE: dict[type, Any] = {
     Number: lambda node, sympy: sympy.Rational(node.value.numerator, node.value.denominator),

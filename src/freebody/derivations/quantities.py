@@ -1,0 +1,225 @@
+"""What a derivation speaks of, by name: the positions, velocities, forces and energies of every body, exact."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+from freebody.algorithms.kinematics import frame_motion, jacobian
+from freebody.algorithms.rnea import Recursion, rnea
+from freebody.derivations import expression as ex
+from freebody.derivations.derive import LOADS
+from freebody.derivations.expression import Expression
+from freebody.derivations.forms import Layout
+from freebody.derivations.kinematics import Kinematics
+from freebody.derivations.methods.setting import Setting, require_chain_of_bodies
+from freebody.derivations.symbols import symbols
+from freebody.derivations.values import time_rates
+from freebody.errors import FreebodyError
+from freebody.model.model import Model
+from freebody.scalars.trig import Trig
+from freebody.spatial import Vector, neg, times, transposed
+
+Values = dict[str, Any]
+
+
+class Quantities(Values):
+    """Exact quantities by name, and how they print."""
+
+    def __init__(self, values: Values, layout: Layout):
+        super().__init__(values)
+        self.layout = layout
+
+    def __or__(self, other: Any) -> Quantities:
+        """With further quantities."""
+        return Quantities({**self, **other}, self.layout)
+
+    def form(self, x: Any) -> Expression:
+        """A quantity, or anything made of quantities, as it is printed."""
+        if isinstance(x, tuple) and x and isinstance(x[0], tuple):
+            return ex.matrix([[self.form(y) for y in row] for row in x])
+        if isinstance(x, tuple):
+            return ex.vector(*map(self.form, x))
+        return self.layout.form(x) if isinstance(x, Trig) else ex.num(Fraction(repr(float(x))))
+
+
+def quantities(
+    model: Model, *, load: bool = False, at_rest: bool = False, gravity: str = "explicit"
+) -> Quantities:
+    """Quantities of a serial arm by name, as exact polynomials; vectors are tuples, matrices tuples of rows.
+
+    Of body i: omega1, v1, v1_d (of its joint's point), rc1, vc1, vc1_d (of its centre of mass), r1, s1 (joint to next
+    joint or tip), sc1, f01 (force of body 0 on body 1), M1 in the plane and n1 in space (moment at the joint), fc1, Mc1
+    or nc1 (mass times acceleration, rate of spin), T1, V1, tau1. Of the arm: q, qd, qdd, tau, M, H11, c, G, G1, J, J_d,
+    x, y, r, r_d, r_dd, T, V, L, gravity, z; and all its symbols.
+    In the plane vectors have world axes, in space those of their own body (as in chapter 6); there R2_1 takes
+    components of body 1 to body 2, and R1 those of body 1 to the world.
+
+    load: a force f = (fx, fy) acts on the tip. at_rest: nothing moves. gravity: "explicit" counts each body's weight
+    among its forces; "base" accelerates the base by -g instead, which then is in all accelerations. Raises
+    FreebodyError for branched models and joints of several axes.
+    """
+    names = LOADS[model.dim] if load else ()
+    made = symbols(model, extra=names)
+    require_chain_of_bodies(made, "quantities")
+    setting = Setting(made, names, at_rest)
+    if any(len(made.tree.children(i)) > 1 for i in range(-1, len(made.tree.bodies))):
+        raise FreebodyError(f"quantities: {model.name!r} branches; names such as f12 are those of a chain.")
+    return Quantities(_Quantities(setting, gravity).all(), setting.layout)
+
+
+class _Quantities:
+    """The values, one method a group."""
+
+    def __init__(self, setting: Setting, gravity: str):
+        self.s = setting
+        self.base = gravity == "base"
+        self.gravity = gravity
+
+    def all(self) -> Values:
+        found = self._symbols() | self._arm()
+        for i in self.s.order:
+            found |= self._motion(i) | self._forces(i) | self._geometry(i)
+        return found
+
+    @cached_property
+    def record(self) -> Recursion:
+        """One run of the recursion."""
+        s, external = self.s, ()
+        if s.load:
+            body, _, p = s.tree.frames[s.symbols.model.frame().name]
+            force = tuple(s.symbols.ring[name] for name in s.load)
+            force = times(transposed(s.world[body][0]), force)
+            external = ((body, force, s.tree.space.moment(p, force)),)
+        still = (0.0,) * s.tree.nv
+        rates = (still, still) if s.at_rest else (s.symbols.qd, s.symbols.qdd)
+        return rnea(s.tree, s.symbols.q, *rates, external, self.gravity)
+
+    def _element(self, x: Any) -> Trig:
+        return self.s.symbols.element(x)
+
+    def _vector(self, v: Vector) -> tuple[Trig, ...]:
+        return tuple(map(self._element, v))
+
+    def _axes(self, i: int, v: Vector) -> tuple[Trig, ...]:
+        return self._vector(self.s.axes(i, v))
+
+    def _angular(self, v: Vector) -> Any:
+        return self._element(v[0]) if self.s.planar else self._vector(v)
+
+    # ------------------------------------------------------------ groups
+    def _symbols(self) -> Values:
+        s = self.s.symbols
+        found: Values = {name: s.ring[name] for name in s.ring.names}
+        q, qd, qdd = s.q, s.qd, s.qdd
+        if self.s.at_rest:
+            qd = qdd = tuple(s.zero() for _ in q)
+        found |= {"q": q, "qd": qd, "qdd": qdd, "gravity": self._vector(self.s.tree.gravity)}
+        found |= {"z": (0.0, 0.0, 1.0)}
+        if self.s.load:
+            found["f"] = tuple(s.ring[name] for name in self.s.load)
+        return found
+
+    def _arm(self) -> Values:
+        eq, tau = self.s.equations, tuple(self._element(x) for x in self.record.tau)
+        n = range(len(eq.M))
+        found: Values = {
+            "tau": tau, "M": tuple(map(tuple, eq.M)), "C": tuple(map(tuple, eq.C)), "c": tuple(eq.c),
+            "G": tuple(eq.g), "T": eq.T, "V": eq.V, "L": eq.T - eq.V,
+        }  # fmt: skip
+        found |= {f"H{i + 1}{j + 1}": eq.M[i][j] for i in n for j in n}
+        found |= {f"G{i + 1}": eq.g[i] for i in n} | {f"tau{i + 1}": tau[i] for i in n}
+        return found | (self._tip() if self.s.symbols.model.tip is not None else {})
+
+    def _tip(self) -> Values:
+        s = self.s
+        k = Kinematics(s.symbols, s.symbols.model.frame().name)
+        dim = s.tree.space.dim
+        (_, v), (_, a) = frame_motion(s.tree, s.motion, k.frame)
+        J = tuple(tuple(map(self._element, row)) for row in jacobian(s.tree, s.symbols.q, k.frame)[:dim])
+        rates = time_rates(s.symbols.ring)
+        found: Values = {
+            "r": tuple(k.position), "r_d": self._vector(v), "r_dd": self._vector(a), "J": J,
+            "J_d": tuple(tuple(x.along(rates) for x in row) for row in J),
+        }  # fmt: skip
+        return found | dict(zip("xyz"[:dim] if dim == 2 else ("x", "y", "zP"), k.position, strict=True))
+
+    def _motion(self, i: int) -> Values:
+        n, s = self.s.numbers[i], self.s
+        motion = self.record.motion
+        found: Values = {
+            f"omega{n}": self._angular(motion.w[i]), f"omega{n}_d": self._angular(motion.wd[i]),
+            f"v{n}": self._axes(i, motion.v[i]), f"v{n}_d": self._axes(i, motion.vd[i]),
+            f"vc{n}": self._vector(s.centre_velocity(i)), f"vc{n}_d": self._axes(i, self.record.vd_com[i][0]),
+        }  # fmt: skip
+        nothing = self._vector(s.tree.space.zero)
+        if n == 1:
+            start = neg(s.tree.gravity) if self.base else s.tree.space.zero
+            found |= {"v0": nothing, "v0_d": self._vector(start), "s0": self._vector(motion.joints[i][1])}
+            found |= {f"omega0{d}": self._angular(s.tree.space.zero_angular) for d in ("", "_d")}
+        if not s.planar:
+            R, _ = motion.joints[i]
+            found[f"R{n}_{n - 1}"] = tuple(map(self._vector, transposed(R)))
+            found[f"R{n}"] = tuple(map(self._vector, s.world[i][0]))
+            if n == 1:
+                found["R0"] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+        return found
+
+    def _geometry(self, i: int) -> Values:
+        n, s = self.s.numbers[i], self.s
+        children = s.tree.children(i)
+        reach = s.to_child(i, children[0]) if children else s.to_tip(i)
+        world = s.world[i][1]
+        return {
+            f"r{n}": self._vector(world), f"rc{n}": self._vector(s.centre_position(i)),
+            f"s{n}": self._vector(reach), f"sc{n}": self._vector(s.centre(i)),
+        }  # fmt: skip
+
+    def _forces(self, i: int) -> Values:
+        n, s, record = self.s.numbers[i], self.s, self.record
+        spin = "M" if s.planar else "n"
+        w = s.motion.w[i]
+        v = s.centre_velocity(i)
+        twice = s.mass(i) * sum((x * x for x in v), s.symbols.zero())
+        turning = s.tree.space.inertia_times(s.inertia(i), w)
+        twice = twice + sum((a * b for a, b in zip(w, turning, strict=True)), s.symbols.zero())
+        height = sum(
+            (a * b for a, b in zip(s.tree.gravity, s.centre_position(i), strict=True)), s.symbols.zero()
+        )
+        found: Values = {
+            f"f{n - 1}{n}": self._axes(i, record.f[i]), f"{spin}{n}": self._angular(record.n[i]),
+            f"fc{n}": self._axes(i, record.F[i][0]), f"{spin}c{n}": self._angular(record.N[i][0]),
+            f"T{n}": self._element(twice) * Fraction(1, 2), f"V{n}": -self._element(s.mass(i) * height),
+        }  # fmt: skip
+        if not s.planar:
+            found[f"I{n}"] = tuple(map(self._vector, s.inertia(i)))
+            found[f"gravity{n}"] = self._vector(s.gravity(i))
+        if not s.tree.children(i):
+            load = tuple(s.symbols.ring[name] for name in s.load)
+            found[f"f{n}{n + 1}"] = self._vector(neg(load) if load else s.tree.space.zero)
+            found[f"{spin}{n + 1}"] = self._angular(s.tree.space.zero_angular)
+        return found
+
+
+def of_link(values: Quantities, n: int) -> Quantities:
+    """The same with letters for the numbers of links: omega_i is omega_n, omega_h and omega_k those before and behind.
+
+    Forces f_hi and f_ik, matrices R_i of orientation, Ri_h from link n-1 to n.
+    """
+    near = {str(n - 1): "h", str(n): "i", str(n + 1): "k"}
+    found = dict(values)
+    for name, x in values.items():
+        match = re.fullmatch(r"([A-Za-z]+)(\d)(\d?)(_\d)?((?:_d){0,1}d?)", name)
+        if match is None:
+            continue
+        letters, first, second, low, dots = match.groups()
+        digits = [d for d in (first, second, (low or "").removeprefix("_")) if d]
+        if not all(d in near for d in digits):
+            continue
+        if low:
+            found[f"{letters}{near[first]}_{near[low[1]]}"] = x
+        else:
+            found[f"{letters}_{''.join(near[d] for d in digits)}{dots}"] = x
+    return Quantities(found, values.layout)

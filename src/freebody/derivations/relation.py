@@ -1,0 +1,161 @@
+"""`relation`: whether an equation between named quantities holds, exactly or to rounding, and by how much not."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from freebody.derivations.check.example import typical
+from freebody.derivations.expression import Equation
+from freebody.derivations.formula import FormulaError, names_in, parse
+from freebody.derivations.values import Each, Value, minus, plain, plus, rank, shape_name, value
+from freebody.scalars.trig import Trig
+
+ROUNDING = 1e-9
+"""Of the largest number of either side: what floats may differ by."""
+
+
+@dataclass(frozen=True)
+class Relation:
+    """True when both sides are equal."""
+
+    formula: str
+    sides: tuple[Value, ...]
+    """Values of the sides; none where they cannot be formed."""
+    equal: bool
+    exact: bool
+    """Whether both sides are polynomials, compared term by term."""
+    problem: str = ""
+    """Why the sides cannot be compared."""
+
+    def __bool__(self) -> bool:
+        return self.equal
+
+    @property
+    def differences(self) -> list[Value]:
+        """First side minus the last, entry by entry."""
+        return list(_entries(plus(self.sides[0], minus(self.sides[-1])))) if not self.problem else []
+
+    def at(self, values: Mapping[str, float]) -> tuple[Any, ...]:
+        """The sides at numbers for the symbols of exact polynomials."""
+        return tuple(_numbers(side, values) for side in self.sides)
+
+    def example(self) -> tuple[dict[str, float], tuple[Any, ...]] | None:
+        """Numbers for the symbols, and the sides there; None where there is nothing to put in."""
+        rings = [x.ring for side in self.sides for x in _entries(side) if isinstance(x, Trig)]
+        if not rings:
+            return self._example_of_functions()
+        used = [x for side in self.sides for x in _entries(side) if isinstance(x, Trig)]
+        numbers = typical([name for name in rings[0].names if any(_occurs(name, x) for x in used)])
+        return numbers, self.at(numbers)
+
+    def _example_of_functions(self) -> tuple[dict[str, float], tuple[Any, ...]] | None:
+        names = {s for side in self.sides for x in _entries(side) for s in getattr(x, "free_symbols", ())}
+        numbers = {s.name: 0.5 + k for k, s in enumerate(sorted(names, key=str))}
+        return (numbers, self.at(numbers)) if names else None
+
+
+def relation(values: Mapping[str, Any], formula: str) -> Relation:
+    """Whether an equation holds between quantities given by name; see `fb.quantities` for those of an arm.
+
+    formula: "f12 + m2*gravity = m2*vc2_d"; see `freebody.derivations.formula`. values: scalars, vectors and
+    matrices of numbers or exact polynomials. Polynomials are compared exactly, numbers to 1e-9 of the largest.
+    A scalar and a vector are not equal, but a vector may be compared with 0. Raises FormulaError for text that cannot
+    be read, UnknownNameError for a name without value.
+    """
+    node = parse(formula)
+    if not isinstance(node, Equation):
+        raise FormulaError(f"{formula!r} has no =.")
+    try:
+        sides = tuple(plain(value(side, values)) for side in node.sides)
+        sides = tuple(_filled(side, sides) for side in sides)
+    except FormulaError as problem:
+        return Relation(formula, (), False, False, str(problem))
+    if len({_shape(side) for side in sides}) > 1:
+        names = " and ".join(dict.fromkeys(map(shape_name, sides)))
+        return Relation(formula, sides, False, False, f"{names} are never equal")
+    entries = [list(_entries(side)) for side in sides]
+    exact = any(isinstance(x, Trig) or hasattr(x, "free_symbols") for row in entries for x in row)
+    equal = all(_equal(a, b, row) for row in entries[1:] for a, b in zip(entries[0], row, strict=True))
+    return Relation(formula, sides, equal, exact)
+
+
+def symbols_of(formula: str) -> list[str]:
+    """Names that a formula uses."""
+    return names_in(parse(formula))
+
+
+def _filled(side: Value, sides: tuple[Value, ...]) -> Value:
+    """0 stands for a zero vector where another side is one."""
+    other = max(sides, key=rank)
+    return plus(other, minus(other)) if rank(side) == 0 and _is_zero(side) and rank(other) else side
+
+
+def _is_zero(x: Value) -> bool:
+    return bool(x.is_zero) if hasattr(x, "is_zero") else bool(np.all(np.asarray(x) == 0))
+
+
+def _shape(x: Value) -> tuple[int, ...]:
+    return (len(x), *_shape(x[0])) if isinstance(x, tuple) and x else ()
+
+
+def _entries(x: Value) -> Iterator[Value]:
+    if isinstance(x, tuple):
+        for entry in x:
+            yield from _entries(entry)
+    else:
+        yield x
+
+
+def _equal(a: Value, b: Value, scale: list[Value]) -> bool:
+    if hasattr(a, "free_symbols") or hasattr(b, "free_symbols"):
+        import sympy
+
+        return sympy.simplify(sympy.sympify(a) - sympy.sympify(b)) == 0
+    if isinstance(a, Trig) or isinstance(b, Trig):
+        return (a - b).is_zero if isinstance(a, Trig) else (b - a).is_zero
+    largest = max(1.0, *(float(np.max(np.abs(np.asarray(x, dtype=float)))) for x in (a, b, *scale)))
+    return bool(np.all(np.abs(np.asarray(a, dtype=float) - np.asarray(b, dtype=float)) <= ROUNDING * largest))
+
+
+def _occurs(name: str, x: Trig) -> bool:
+    index, degrees = x.ring.index, x.poly.degrees()
+    return any(n in index and degrees[index[n]] > 0 for n in (name, f"sin_{name}", f"cos_{name}"))
+
+
+def _numbers(side: Value, values: Mapping[str, float]) -> Any:
+    if isinstance(side, tuple):
+        return tuple(_numbers(x, values) for x in side)
+    if hasattr(side, "free_symbols"):
+        return float(side.subs({s: values[s.name] for s in side.free_symbols}))
+    return float(side.evaluate(values)) if isinstance(side, Trig) else float(side)
+
+
+# ---------------------------------------------------------------- numbers as printed
+_NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:e[-+]?\d+)?")
+
+
+def printed_numbers(text: str) -> list[tuple[float, float]]:
+    """The numbers of a printed result in order, each with one unit of its last digit."""
+    found = []
+    for word in _NUMBER.findall(text.replace(" ", "").replace("−", "-")):
+        mantissa, _, power = word.partition("e")
+        digits = len(mantissa.partition(".")[2])
+        found.append((float(word), 10.0 ** (int(power or 0) - digits)))
+    return found
+
+
+def agrees(computed: Any, text: str) -> bool:
+    """Whether numbers are those printed, rounded or cut off at the last printed digit."""
+    flat = np.asarray(computed, dtype=float).ravel()
+    rows = printed_numbers(text)
+    if len(flat) != len(rows):
+        return False
+    return all(abs(x - y) < unit * (1 + 1e-9) for x, (y, unit) in zip(flat, rows, strict=True))
+
+
+__all__ = ["Each", "Relation", "agrees", "printed_numbers", "relation", "symbols_of"]

@@ -1,0 +1,258 @@
+"""The value of a formula over exact polynomials or numbers: vectors are tuples, matrices tuples of tuples."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from fractions import Fraction
+from functools import reduce
+from typing import Any
+
+import numpy as np
+
+from freebody import elementary
+from freebody.derivations.expression import (
+    Cross,
+    Derivative,
+    Dot,
+    Expression,
+    Function,
+    Matrix,
+    Negative,
+    Number,
+    Power,
+    Product,
+    Quotient,
+    Sum,
+    Symbol,
+    Transposed,
+    Vector,
+)
+from freebody.derivations.formula import FormulaError
+from freebody.derivations.symbols import RATE, SECOND
+from freebody.errors import UnknownNameError
+from freebody.scalars.trig import Trig, TrigRing
+from freebody.spatial import product, times, transposed
+
+Value = Any
+
+
+class Each(tuple):
+    """One value for each of several bodies, such as the masses m_i; `sum` adds them up."""
+
+
+def value(node: Expression, values: Mapping[str, Value]) -> Value:
+    """The value of an expression, given each symbol's by name."""
+    rule = _RULES.get(type(node))
+    if rule is None:
+        raise FormulaError(f"{node} is for print only.")
+    return rule(node, values)
+
+
+def plain(x: Any) -> Value:
+    """Arrays and lists as tuples; scalars as they are."""
+    if isinstance(x, np.ndarray):
+        return plain(x.tolist())
+    if isinstance(x, Each):
+        return Each(map(plain, x))
+    return tuple(map(plain, x)) if isinstance(x, list | tuple) else x
+
+
+def rank(x: Value) -> int:
+    """0 of a scalar, 1 of a vector, 2 of a matrix."""
+    return 1 + rank(x[0]) if isinstance(x, tuple) and x else 0
+
+
+def shape_name(x: Value) -> str:
+    """What a value is, in words."""
+    if rank(x) == 0:
+        return "a scalar"
+    return f"a vector of {len(x)}" if rank(x) == 1 else f"a matrix of {len(x)} × {len(x[0])}"
+
+
+# ---------------------------------------------------------------- arithmetic
+def plus(a: Value, b: Value) -> Value:
+    """a + b of the same shape."""
+    if isinstance(a, Each) or isinstance(b, Each):
+        return _each(plus, a, b)
+    if rank(a) != rank(b) or (rank(a) and len(a) != len(b)):
+        raise FormulaError(f"{shape_name(a)} and {shape_name(b)} cannot be added.")
+    return tuple(map(plus, a, b)) if rank(a) else a + b
+
+
+def minus(a: Value) -> Value:
+    """-a."""
+    return type(a)(map(minus, a)) if isinstance(a, tuple) else -a
+
+
+def multiplied(a: Value, b: Value) -> Value:
+    """a b: scalars times anything, matrices times vectors and matrices."""
+    if isinstance(a, Each) or isinstance(b, Each):
+        return _each(multiplied, a, b)
+    match rank(a), rank(b):
+        case 0, 0:
+            return a * b
+        case 0, _:
+            return tuple(multiplied(a, x) for x in b)
+        case _, 0:
+            return tuple(multiplied(x, b) for x in a)
+        case 2, 1 if len(a[0]) == len(b):
+            return times(a, b)
+        case 2, 2 if len(a[0]) == len(b):
+            return product(a, b)
+    raise FormulaError(
+        f"{shape_name(a)} and {shape_name(b)} have no product; write dot(a, b) or cross(a, b)."
+    )
+
+
+def crossed(a: Value, b: Value) -> Value:
+    """a × b: in space a vector, of planar vectors a scalar; of a scalar rate ω and a planar vector ω z × b."""
+    if isinstance(a, Each) or isinstance(b, Each):
+        return _each(crossed, a, b)
+    match (len(a) if rank(a) == 1 else 0), (len(b) if rank(b) == 1 else 0):
+        case 3, 3:
+            return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+        case 2, 2:
+            return a[0] * b[1] - a[1] * b[0]
+        case 3, 2:
+            return crossed(a, (*b, 0.0))[:2]
+        case 0, 2 if rank(a) == 0:
+            return -(a * b[1]), a * b[0]
+    raise FormulaError(f"{shape_name(a)} and {shape_name(b)} have no cross product.")
+
+
+def dotted(a: Value, b: Value) -> Value:
+    """a · b."""
+    if isinstance(a, Each) or isinstance(b, Each):
+        return _each(dotted, a, b)
+    if rank(a) != 1 or rank(b) != 1 or len(a) != len(b):
+        raise FormulaError(f"{shape_name(a)} and {shape_name(b)} have no dot product.")
+    return reduce(lambda x, y: x + y, (x * y for x, y in zip(a, b, strict=True)))
+
+
+def _each(rule: Any, a: Value, b: Value) -> Value:
+    n = max(len(x) for x in (a, b) if isinstance(x, Each))
+    left, right = (x if isinstance(x, Each) else Each((x,) * n) for x in (a, b))
+    return Each(map(rule, left, right))
+
+
+# ---------------------------------------------------------------- functions and powers
+def _power(node: Power, values: Mapping[str, Value]) -> Value:
+    return _raised(value(node.base, values), node.exponent)
+
+
+def _raised(base: Value, exponent: int) -> Value:
+    """base to a whole exponent: -1 of a matrix is its inverse, r² of a vector r·r."""
+    if isinstance(base, Each):
+        return Each(_raised(x, exponent) for x in base)
+    match rank(base), exponent:
+        case 2, -1:
+            return plain(np.linalg.inv(np.array(base, dtype=float)))
+        case 1, 2:
+            return dotted(base, base)
+        case 0, -1:
+            return 1 / base
+        case 0, _:
+            return base**exponent
+    raise FormulaError(f"{shape_name(base)} has no power {exponent}.")
+
+
+def _determinant(x: Value) -> Value:
+    if len(x) == 2:
+        return x[0][0] * x[1][1] - x[0][1] * x[1][0]
+    return float(np.linalg.det(np.array(x, dtype=float)))
+
+
+def _added(x: Value) -> Value:
+    if not isinstance(x, Each):
+        raise FormulaError("∑ needs a value for each body.")
+    return reduce(plus, x)
+
+
+def _norm(x: Value) -> Value:
+    return elementary.sqrt(dotted(x, x))
+
+
+def _diagonal(x: Value) -> Value:
+    return tuple(tuple(d if i == j else 0.0 for j in range(len(x))) for i, d in enumerate(x))
+
+
+def _elementary(name: str) -> Any:
+    """A function of polynomials, SymPy's expressions and numbers."""
+
+    def function(x: Value) -> Value:
+        if hasattr(x, "free_symbols"):
+            import sympy
+
+            return getattr(sympy, name)(x)
+        return getattr(elementary, name)(x) if hasattr(elementary, name) else getattr(np, name)(x)
+
+    return function
+
+
+_FUNCTIONS: dict[str, Any] = {name: _elementary(name) for name in ("sin", "cos", "sqrt", "tan", "exp", "log")} | {
+    "sgn": elementary.sign,
+    "arcsin": math.asin, "arccos": math.acos, "arctan": math.atan,
+    "norm": _norm, "det": _determinant, "∑": _added, "diag": _diagonal,
+}  # fmt: skip
+
+
+def _derivative(node: Derivative, values: Mapping[str, Value]) -> Value:
+    of = value(node.of, values)
+    by = node.by.name if isinstance(node.by, Symbol) else str(node.by)
+    return _slope(of, by if node.partial else None)
+
+
+def _slope(x: Value, by: str | None) -> Value:
+    """The partial derivative by a symbol, or the time derivative."""
+    if rank(x):
+        return tuple(_slope(entry, by) for entry in x)
+    if hasattr(x, "free_symbols"):
+        return x.diff(next(s for s in x.free_symbols if s.name == (by or "t"))) if x.free_symbols else x * 0
+    if not isinstance(x, Trig):
+        raise FormulaError("only exact polynomials are differentiated.")
+    return x.derivative(by) if by is not None else x.along(time_rates(x.ring))
+
+
+def time_rates(ring: TrigRing) -> dict[str, Trig]:
+    """The time derivative of each coordinate and rate of a ring."""
+    first = {x: ring[x + RATE] for x in ring.names if x + RATE in ring.index}
+    return first | {x + RATE: ring[x + SECOND] for x in ring.names if x + SECOND in ring.index}
+
+
+def _quotient(node: Quotient, values: Mapping[str, Value]) -> Value:
+    above, below = value(node.above, values), value(node.below, values)
+    return divided(above, below)
+
+
+def divided(a: Value, b: Value) -> Value:
+    """a / b: anything by a scalar; exact where both are whole."""
+    if isinstance(a, tuple):
+        return type(a)(divided(x, b) for x in a)
+    if rank(b):
+        raise FormulaError(f"{shape_name(b)} cannot be divided by.")
+    return Fraction(a, b) if isinstance(a, int) and isinstance(b, int) else a / b
+
+
+def _symbol(node: Symbol, values: Mapping[str, Value]) -> Value:
+    if node.name not in values:
+        raise UnknownNameError("quantity", node.name, "the values given", values)
+    return plain(values[node.name])
+
+
+_RULES: dict[type, Any] = {
+    Number: lambda node, v: int(node.value) if node.value.denominator == 1 else node.value,
+    Symbol: _symbol,
+    Sum: lambda node, v: reduce(plus, (value(x, v) for x in node.terms)),
+    Negative: lambda node, v: minus(value(node.operand, v)),
+    Product: lambda node, v: reduce(multiplied, (value(x, v) for x in node.factors)),
+    Quotient: _quotient,
+    Power: _power,
+    Transposed: lambda node, v: transposed(value(node.operand, v)),
+    Function: lambda node, v: _FUNCTIONS[node.name](value(node.argument, v)),
+    Cross: lambda node, v: crossed(value(node.left, v), value(node.right, v)),
+    Derivative: _derivative,
+    Dot: lambda node, v: dotted(value(node.left, v), value(node.right, v)),
+    Vector: lambda node, v: tuple(value(x, v) for x in node.entries),
+    Matrix: lambda node, v: tuple(tuple(value(x, v) for x in row) for row in node.rows),
+}

@@ -1,0 +1,1 @@
+"""The items, by section; each file exports ITEMS."""

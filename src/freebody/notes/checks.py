@@ -1,0 +1,222 @@
+"""Ways to execute an item: as an answer to be checked, as a relation, against printed digits, by a function."""
+
+from __future__ import annotations
+
+import inspect
+import textwrap
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import Any
+
+import numpy as np
+
+import freebody as fb
+from freebody.derivations.check.source import AnswerError
+from freebody.derivations.formula import FormulaError, parse
+from freebody.derivations.functions import printed
+from freebody.derivations.names import sym
+from freebody.derivations.quantities import Quantities, of_link
+from freebody.derivations.relation import Relation, agrees, relation
+from freebody.derivations.values import plain, rank, value
+from freebody.notes.item import Outcome
+
+ARM = 'fb.planar("RR")'
+"""The notes' arm of two links."""
+
+
+NOTHING = Outcome(False, ("Nothing is printed here.",))
+
+
+def parts(form: str) -> list[str]:
+    """The equations of a form, which stand between semicolons."""
+    return [part.strip() for part in form.split(";") if part.strip()]
+
+
+@cache
+def made(text: str) -> Any:
+    """What a call gives: the text that is shown is the text that is run."""
+    return eval(text, {"fb": fb, "np": np})  # the calls are constants of this package
+
+
+# ---------------------------------------------------------------- as an answer
+@dataclass(frozen=True)
+class Answer:
+    """The form is handed in as a student's answer about a model."""
+
+    model: str = ARM
+    bold: Collection[str] = ()
+
+    def call(self, form: str) -> str:
+        return f"fb.check({self.model}, {form!r})"
+
+    def run(self, form: str) -> Outcome:
+        try:
+            verdict = fb.check(made(self.model), "\n".join(parts(form)))
+        except AnswerError as problem:
+            return Outcome(False, (problem.problem, *problem.context.splitlines()))
+        lines = tuple(line.strip() for line in verdict.text.splitlines())
+        examples = [equation.example_text for equation in verdict.equations if equation.example_text]
+        return Outcome(bool(verdict), tuple(x for x in lines if x not in examples), " ".join(examples))
+
+
+# ---------------------------------------------------------------- as a relation
+@dataclass(frozen=True)
+class Related:
+    """The form is a relation between quantities; `values` is the call that gives them, or a function without arguments.
+
+    links: the form holds for link i, and is tried at each of these.
+    """
+
+    values: str | Callable[[], Mapping[str, Any]] = f"fb.quantities({ARM})"
+    links: tuple[int, ...] = ()
+
+    @cached_property
+    def _values(self) -> Mapping[str, Any]:
+        return made(self.values) if isinstance(self.values, str) else self.values()
+
+    @property
+    def bold(self) -> Collection[str]:
+        values = self._at(self.links[0]) if self.links else self._values
+        return frozenset(name for name, x in values.items() if rank(plain(x)))
+
+    def _at(self, n: int) -> Mapping[str, Any]:
+        assert isinstance(self._values, Quantities)
+        return of_link(self._values, n)
+
+    def call(self, form: str) -> str:
+        if isinstance(self.values, str):
+            return f"fb.relation({self.values}, {form!r})" + (
+                f"  # i = {_listed(self.links)}" * bool(self.links)
+            )
+        return f"{source(self.values)}\n\nfb.relation({self.values.__name__}(), {form!r})"
+
+    def run(self, form: str) -> Outcome:
+        outcomes = [self._one(part) for part in parts(form)]
+        failed = [outcome for outcome in outcomes if not outcome.holds]
+        if not outcomes:
+            return NOTHING
+        chosen = failed or outcomes
+        return Outcome(
+            not failed, tuple(line for o in chosen for line in o.lines), " ".join(o.example for o in chosen)
+        )
+
+    def _one(self, form: str) -> Outcome:
+        for n in self.links or (0,):
+            values = self._at(n) if n else self._values
+            try:
+                found = relation(values, form)
+            except FormulaError as problem:
+                return Outcome(False, (str(problem),))
+            outcome = told(found, values)
+            if not outcome.holds:
+                return outcome if not n else Outcome(False, (f"i = {n}:", *outcome.lines), outcome.example)
+        if self.links:
+            return Outcome(True, (f"{outcome.lines[0]} (for i = {_listed(self.links)})", *outcome.lines[1:]))
+        return outcome
+
+
+def _listed(numbers: tuple[int, ...]) -> str:
+    return ", ".join(map(str, numbers))
+
+
+LONGEST = 160
+"""Letters of a value that is shown in a line of evidence."""
+
+
+def told(found: Relation, values: Mapping[str, Any]) -> Outcome:
+    """A relation in words."""
+    if found.problem:
+        return Outcome(False, (found.problem + ".",) if not found.problem.endswith(".") else (found.problem,))
+    if found.equal:
+        how = "the same polynomials" if found.exact else "the same numbers"
+        return Outcome(True, (f"Both sides are {how}{_shown(found.sides[0], values)}.",))
+    difference = [x for x in found.differences if not _nothing(x)]
+    text = "; ".join(str(form(x, values)) for x in difference)
+    line = "The sides differ" + (f" by {text}" if len(text) <= LONGEST else "") + "."
+    example = found.example()
+    if example is None:
+        sides = " against ".join(number(side) for side in found.sides)
+        return Outcome(False, (line,), f"{sides}.")
+    at, sides = example
+    where = ", ".join(f"{sym(name)} = {x:g}" for name, x in at.items())
+    return Outcome(False, (line,), f"At {where}: {' against '.join(map(number, sides))}.")
+
+
+def form(x: Any, values: Mapping[str, Any]) -> Any:
+    """A value as it is printed."""
+    return values.form(x) if isinstance(values, Quantities) else number(x)
+
+
+def _nothing(x: Any) -> bool:
+    return x.is_zero if hasattr(x, "is_zero") else bool(np.all(np.abs(np.asarray(x, dtype=float)) < 1e-12))
+
+
+def _shown(side: Any, values: Mapping[str, Any]) -> str:
+    text = str(form(side, values))
+    return f": {text}" if len(text) <= LONGEST else ""
+
+
+def number(x: Any, digits: int = 6) -> str:
+    """Numbers, vectors and matrices in a line."""
+    if isinstance(x, tuple | list | np.ndarray):
+        return f"[{', '.join(number(y, digits) for y in x)}]"
+    if hasattr(x, "free_symbols"):
+        return str(printed(x, decimal=False))
+    return f"{float(x):.{digits}g}".replace("-", "−")
+
+
+# ---------------------------------------------------------------- against printed digits
+@dataclass(frozen=True)
+class Digits:
+    """The left side is computed, the right side are numbers as printed: equal to one unit of their last digit."""
+
+    values: Callable[[], Mapping[str, Any]]
+
+    @property
+    def bold(self) -> Collection[str]:
+        return frozenset(name for name, x in self.values().items() if rank(plain(x)))
+
+    def call(self, form: str) -> str:
+        left = form.partition("=")[0].strip()
+        return f"{source(self.values)}\n\n{self.values.__name__}()[{left!r}]"
+
+    def run(self, form: str) -> Outcome:
+        outcomes = [self._one(part) for part in parts(form)]
+        return Outcome(
+            bool(outcomes) and all(o.holds for o in outcomes), tuple(x for o in outcomes for x in o.lines)
+        )
+
+    def _one(self, form: str) -> Outcome:
+        left, _, right = form.rpartition("=")
+        computed = value(parse(left.split("=")[-1]), self.values())
+        fits = agrees(computed, right)
+        return Outcome(fits, (f"computed {number(computed, 8)}, printed {right.strip()}.",))
+
+
+# ---------------------------------------------------------------- by a function
+@dataclass(frozen=True)
+class Run:
+    """A function of the form decides."""
+
+    function: Callable[[str], Outcome]
+    bold: Collection[str] = ()
+
+    def call(self, form: str) -> str:
+        return source(self.function)
+
+    def run(self, form: str) -> Outcome:
+        return self.function(form)
+
+
+@cache
+def source(function: Callable[..., Any]) -> str:
+    """The text of a function without its description."""
+    lines = textwrap.dedent(inspect.getsource(function)).splitlines()
+    start = next((k for k, line in enumerate(lines) if line.strip().startswith('"""')), None)
+    if start is not None:
+        end = start if lines[start].count('"""') == 2 else next(
+            k for k in range(start + 1, len(lines)) if '"""' in lines[k]
+        )  # fmt: skip
+        lines = lines[:start] + lines[end + 1 :]
+    return "\n".join(line for line in lines if not line.startswith("@"))

@@ -1,0 +1,94 @@
+"""What the notes hold: an item with its formula, and what running its check finds."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, field
+from typing import Literal, Protocol
+
+Kind = Literal["definition", "derivation", "identity", "algorithm", "worked-example", "figure", "text"]
+
+VERDICTS = ("holds", "misprint", "inconsistent", "incomplete")
+"""As printed: true; a slip of the pen; at odds with the rest of the notes; true only with what is not said."""
+
+SOURCE = "S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one form: whether it holds, what was computed, and numbers at which it fails."""
+
+    holds: bool
+    lines: tuple[str, ...] = ()
+    example: str = ""
+
+
+class Test(Protocol):
+    """A way to execute a form."""
+
+    def run(self, form: str) -> Outcome:
+        """Execute a form of the item: the printed one, or the corrected one."""
+        ...
+
+    def call(self, form: str) -> str:
+        """What a user types to do the same."""
+        ...
+
+    @property
+    def bold(self) -> Collection[str]:
+        """Names that are vectors or matrices, for print."""
+        ...
+
+
+@dataclass(frozen=True)
+class Item:
+    """One item of the notes. `printed` and `corrected` are formulas (see `derivations.formula`) or words."""
+
+    id: str
+    section: str
+    title: str
+    kind: Kind
+    statement: str
+    printed: str
+    test: Test
+    flaw: str = ""
+    """What it is called where the printed form fails: misprint, inconsistent or incomplete."""
+    corrected: str = ""
+    why: str = ""
+    """What is wrong, in a sentence for the author."""
+    figure: str = ""
+    """Number of the figure that belongs to it, "1.2"."""
+
+    @property
+    def chapter(self) -> int:
+        """1 to 6."""
+        return int(self.section[0])
+
+    @property
+    def number(self) -> str:
+        """How the notes call it: equation (3.22), figure 1.2, or its section."""
+        kind, _, rest = self.id.partition("-")
+        if kind == "eq":
+            return f"equation ({rest})"
+        return f"figure {rest}" if kind == "fig" else f"section {self.section}"
+
+    @property
+    def is_text(self) -> bool:
+        """Whether there is nothing to execute."""
+        return self.kind == "text"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What running an item's check finds."""
+
+    item: Item
+    verdict: str
+    printed: Outcome
+    corrected: Outcome | None = None
+    seconds: float = field(default=0.0, compare=False)
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """Evidence: of the printed form, then of the corrected."""
+        return self.printed.lines + (self.corrected.lines if self.corrected else ())

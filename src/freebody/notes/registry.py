@@ -1,0 +1,33 @@
+"""All items, in the order of the notes, and how one is found."""
+
+from __future__ import annotations
+
+import importlib
+from functools import cache
+
+from freebody.errors import UnknownNameError
+from freebody.notes.item import Item
+
+CHAPTERS = (
+    "planar_motion", "mass", "planar_body",
+)  # fmt: skip
+"""Files of `notes.chapters`."""
+
+
+@cache
+def items() -> tuple[Item, ...]:
+    """Every item of the notes."""
+    found: list[Item] = []
+    for name in CHAPTERS:
+        found += importlib.import_module(f"freebody.notes.chapters.{name}").ITEMS
+    return tuple(found)
+
+
+def item(name: str) -> Item:
+    """The item of an id; "3.22" and "(3.22)" are eq-3.22."""
+    by_id = {x.id: x for x in items()}
+    plain = name.strip().strip("()").lower()
+    for spelling in (name, plain, f"eq-{plain}"):
+        if spelling in by_id:
+            return by_id[spelling]
+    raise UnknownNameError("item", name, "the notes", by_id)
