@@ -218,7 +218,7 @@ def test_loops():
     model = read(text % "distance" + 'distance = "d"\n')
     assert (model.loops[0].distance, model.actuated) == (Parameter("d"), ())
     assert message(text % "distance") == "arm.toml:12: loop 'bar': give the distance (m) between its frames."
-    assert message(text % "belt").startswith("arm.toml:12: loop 'bar': kind is 'belt'")
+    assert message(text % "belt").startswith("arm.toml:14: no kind 'belt' in loop 'bar'. Kinds: revolute,")
 
 
 # ---------------------------------------------------------------- what is refused

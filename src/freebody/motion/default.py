@@ -7,9 +7,9 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.model.model import Model
-from freebody.motion.coordinates import layout, state_of
 from freebody.motion.motion import Motion, derivatives
 from freebody.motion.ranges import Ranges, ranges
+from freebody.numerics.coordinates import layout, state_of
 from freebody.numerics.states import integrate, neutral
 
 DURATION = 5.0

@@ -12,7 +12,8 @@ from scipy.interpolate import PPoly, make_interp_spline
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.model.model import Model
-from freebody.motion.coordinates import (
+from freebody.numerics.calls import vector
+from freebody.numerics.coordinates import (
     Layout,
     continuous,
     layout,
@@ -20,7 +21,6 @@ from freebody.motion.coordinates import (
     position_rate,
     state_of,
 )
-from freebody.numerics.calls import vector
 
 FEWEST = 4
 """Samples that a motion needs: fewer do not determine an acceleration."""

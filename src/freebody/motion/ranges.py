@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.model.model import Model
-from freebody.motion.coordinates import Index
+from freebody.numerics.coordinates import Index
 
 Flags = NDArray[np.bool_]
 """Array of truths."""

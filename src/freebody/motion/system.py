@@ -9,8 +9,8 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.model.model import Model
-from freebody.motion.coordinates import Layout, layout, normalised, position_rate
 from freebody.motion.friction import WIDTH, SmoothFriction, smooth_friction
+from freebody.numerics.coordinates import Layout, layout, normalised, position_rate
 from freebody.numerics.dynamics import mass_matrix
 from freebody.numerics.kernels import kernel
 from freebody.numerics.massless import refuse_massless

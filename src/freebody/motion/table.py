@@ -17,9 +17,9 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FileError, FreebodyError, UnknownNameError
 from freebody.model.model import Model
-from freebody.motion.coordinates import layout, state_of
 from freebody.motion.motion import FEWEST, Motion, derivatives, motion_of
 from freebody.motion.ranges import position_columns
+from freebody.numerics.coordinates import layout, state_of
 
 if TYPE_CHECKING:
     import xarray as xr
