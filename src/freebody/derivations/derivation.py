@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from freebody.derivations.equations import Equations
-from freebody.derivations.expression import Equation
+from freebody.derivations.expression import Equation, Expression
 from freebody.scalars.trig import Trig
 
 
@@ -13,10 +13,9 @@ from freebody.scalars.trig import Trig
 class Step:
     """One step of a derivation.
 
-    operation: what is done, as a heading. reason: why, in a sentence. notes: numbers of the equations of the
-    lecture notes
-    that the step's equations are. figure: the drawing that belongs to it: "kinematics", or "free-body N" of
-    body N from 1.
+    operation: what is done, as a heading. reason: why, in a sentence. notes: numbers of the equations of the lecture
+    notes that the step's equations are. figure: the drawing that belongs to it: "kinematics", or "free-body N" of
+    body N from 1. result: whether this is what was sought.
     """
 
     operation: str
@@ -24,6 +23,16 @@ class Step:
     equations: tuple[Equation, ...] = ()
     notes: tuple[str, ...] = ()
     figure: str | None = None
+    result: bool = False
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What symbols stand for, and their unit ("" for none)."""
+
+    symbols: tuple[Expression, ...]
+    words: str
+    unit: str
 
 
 @dataclass(frozen=True)
@@ -38,6 +47,10 @@ class Derivation:
     steps: tuple[Step, ...]
     tau: tuple[Trig, ...]
     """Joint torques as this method finds them, exact polynomials."""
+    given: str = ""
+    """What is given and what is sought, in words."""
+    glossary: tuple[Meaning, ...] = ()
+    """The symbols that occur."""
 
     @property
     def result(self) -> Equations:

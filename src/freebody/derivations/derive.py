@@ -30,24 +30,22 @@ def derive(
     method: "newton-euler" (route="centre": moments about each centre of mass, or "pivot": of all that a joint carries
     about it), "recursive" (gravity="base": as acceleration of the base, or "explicit": as weights), "lagrange",
     "statics".
-    load: whether a force f acts on the tip (by default in statics of planar arms); with the methods of motion only
-    "newton-euler" and "recursive" take one. Raises FreebodyError for joints with several axes or followers.
+    load: whether a force f, with world components fx, fy (fz), acts on the tip; by default in statics. Raises
+    FreebodyError for joints with several axes or followers, and for a load on a model without a tip.
     Source: S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019.
     """
     if method not in METHODS:
         raise UnknownNameError("method", method, "fb.derive", METHODS)
     if load is None:
-        load = method == "statics" and model.dim == 2 and model.tip is not None
-    if load and (method == "lagrange" or model.dim == 3):
-        raise FreebodyError(
-            f"derive: a load on the tip is written out for planar arms by Newton-Euler, the recursion and "
-            f"statics, not for "
-            f"{method!r} in {model.dim}D; use static_torque or inverse_dynamics with wrenches=."
-        )
+        load = method == "statics" and _has_moving_tip(model)
     names = LOADS[model.dim] if load else ()
     made = symbols(model, extra=names)
     require_chain_of_bodies(made, f"derive {method!r}")
     return METHODS[method](Setting(made, names, at_rest=method == "statics"), **options)
+
+
+def _has_moving_tip(model: Model) -> bool:
+    return model.tip is not None and model.frame().body >= 0
 
 
 def compare(first: Derivation, second: Derivation) -> Comparison:

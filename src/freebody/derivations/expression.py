@@ -219,6 +219,12 @@ def add(*terms: Like) -> Expression:
     return ZERO if not flat else flat[0] if len(flat) == 1 else Sum(tuple(flat))
 
 
+def neg_each(x: Like) -> Expression:
+    """-x, of a sum term by term."""
+    x = expr(x)
+    return add(*map(neg, x.terms)) if isinstance(x, Sum) else neg(x)
+
+
 def sub(a: Like, b: Like) -> Expression:
     """a - b; a sum b keeps its brackets."""
     return add(a, neg(b)) if expr(b) != ZERO else expr(a)

@@ -64,14 +64,14 @@ class Layout:
                 ({n: e for n, e in powers.items() if n not in self.order.moving}, coefficient)
             )
         rows = []
-        for rates in sorted(parts, key=self._rate_rank):
-            groups = self._by_inertia(parts[rates])
+        for rates in sorted(parts, key=self.rate_rank):
+            groups = self.by_inertia(parts[rates])
             rows.append((rates, self._times_rates(groups, rates) if rates else self._sum(groups)))
         return rows
 
     def _times_rates(self, groups: Groups, rates: Monomial) -> Expression:
         """number · (terms) · rates."""
-        content = self._content(
+        content = self.content(
             {(((n, 1), *m), w): c for n, terms in groups.items() for (m, w), c in terms.items()}
         )
         coefficient = self._sum(
@@ -81,9 +81,11 @@ class Layout:
             content, coefficient = -content, ex.add(*map(ex.neg, coefficient.terms))
         return ex.mul(self.order.number(content), coefficient, *self._monomial(rates))
 
-    def _rate_rank(self, rates: Monomial) -> tuple:
-        """Second rates, squares, products, no rate, single rates, signs."""
+    def rate_rank(self, rates: Monomial) -> tuple:
+        """Second rates, squares, products, no rate, single rates, signs, components of loads."""
         names = [n for n, e in rates for _ in range(e)]
+        if names and names[0] in self.symbols.extra:
+            return 6, [self.symbols.extra.index(n) for n in names]
         order = [self.symbols.coordinates.index(re.sub(r"^sgn_|_dd?$", "", n)) for n in names]
         if not names:
             kind = 3
@@ -95,7 +97,7 @@ class Layout:
             kind = 4 if len(names) == 1 else 1 if len(rates) == 1 else 2
         return kind, order
 
-    def _by_inertia(self, terms: Raw) -> Groups:
+    def by_inertia(self, terms: Raw) -> Groups:
         """The factors of each mass and moment of inertia, and under "" what has none, in the order of the bodies."""
         groups: defaultdict[str, Raw] = defaultdict(list)
         for powers, coefficient in terms:
@@ -121,13 +123,13 @@ class Layout:
     def _group(self, name: str, terms: Terms) -> Expression:
         """inertia · number · common symbols · (the rest)."""
         common = self._common(terms)
-        content = self._content(terms)
+        content = self.content(terms)
         inside = {(_without(m, common), w): c / content for (m, w), c in terms.items()}
         front = [*([self.symbol(name)] if name else []), *self._monomial(common)]
         rest = self._by_waves(inside)
         if isinstance(rest, ex.Sum) and not front:
-            if content == 1:
-                return rest
+            if abs(content) == 1:
+                return rest if content == 1 else ex.neg_each(rest)
             if self.order.decimal:
                 return self._by_waves(terms)
         return ex.mul(self.order.number(content), *front, rest)
@@ -142,10 +144,10 @@ class Layout:
             return tuple((n, e) for n, e in common if n == self.order.gravity)
         return common
 
-    def _content(self, terms: Terms) -> Fraction:
+    def content(self, terms: Terms) -> Fraction:
         """The greatest number that divides all coefficients, with the sign of the first term."""
         first = terms[
-            min(terms, key=lambda key: (_wave_rank(key[1], self.order.angles), self._monomial_rank(key[0])))
+            min(terms, key=lambda key: (wave_rank(key[1], self.order.angles), self.monomial_rank(key[0])))
         ]
         if self.order.decimal:
             size = abs(first) if len(terms) == 1 else Fraction(1)
@@ -160,15 +162,15 @@ class Layout:
         for (monomial, wave), coefficient in terms.items():
             groups[wave][monomial] = coefficient
         rows = []
-        for wave in sorted(groups, key=lambda w: _wave_rank(w, self.order.angles)):
-            functions = [_function(*f) for f in wave]
-            rows.append(self.poly(groups[wave]) if not wave else self._scaled(groups[wave], functions))
+        for wave in sorted(groups, key=lambda w: wave_rank(w, self.order.angles)):
+            functions = [function(*f) for f in wave]
+            rows.append(self.poly(groups[wave]) if not wave else self.scaled(groups[wave], functions))
         return ex.add(*rows)
 
-    def _scaled(self, poly: Poly, functions: list[Expression]) -> Expression:
+    def scaled(self, poly: Poly, functions: list[Expression]) -> Expression:
         """number · common symbols · (the rest) · functions."""
         flat: Terms = {(m, ()): c for m, c in poly.items()}
-        common, content = self._common(flat), self._content(flat)
+        common, content = self._common(flat), self.content(flat)
         rest = self.poly({_without(m, common): c / content for m, c in poly.items()})
         return ex.mul(self.order.number(content), *self._monomial(common), rest, *functions)
 
@@ -183,7 +185,7 @@ class Layout:
                 squared = ex.mul(
                     self.order.number(value), *self._monomial(front), ex.power(self.poly(base), 2)
                 )
-                late = bool(rest) and min(map(self._monomial_rank, rest)) < self._monomial_rank(top)
+                late = bool(rest) and min(map(self.monomial_rank, rest)) < self.monomial_rank(top)
                 parts = [squared, *([self.poly(rest)] if rest else [])]
                 forms.append(ex.add(*(reversed(parts) if late else parts)))
         if len(poly) > 3:
@@ -194,7 +196,7 @@ class Layout:
         return min(forms, key=ex.size)
 
     def _plain(self, poly: Poly) -> Expression:
-        order = sorted(poly, key=self._monomial_rank)
+        order = sorted(poly, key=self.monomial_rank)
         return ex.add(*(ex.mul(self.order.number(poly[m]), *self._monomial(m)) for m in order))
 
     def _factors(self, poly: Poly) -> tuple[Fraction, list[tuple[Poly, int]]]:
@@ -203,10 +205,10 @@ class Layout:
         content, factors = x.leading_coefficient, []
         for factor, exponent in x.factors():
             terms: Poly = {tuple(powers.items()): c for powers, c in factor.terms()}
-            scale = self._content({(m, ()): c for m, c in terms.items()})
+            scale = self.content({(m, ()): c for m, c in terms.items()})
             content /= (factor.leading_coefficient / scale) ** exponent
             factors.append(({m: c / scale for m, c in terms.items()}, exponent))
-        return content, sorted(factors, key=lambda row: min(map(self._monomial_rank, row[0])))
+        return content, sorted(factors, key=lambda row: min(map(self.monomial_rank, row[0])))
 
     def _square(self, poly: Poly) -> tuple[tuple[Monomial, Monomial, Fraction], Poly, Poly] | None:
         """(A x², A / number, number), x + b and the rest of A (x + b)² + rest, where that has fewer terms."""
@@ -247,7 +249,7 @@ class Layout:
     def _monomial(self, monomial: Monomial) -> list[Expression]:
         return [ex.power(self.symbol(n), e) for n, e in self._sorted(monomial)]
 
-    def _monomial_rank(self, monomial: Monomial) -> tuple:
+    def monomial_rank(self, monomial: Monomial) -> tuple:
         """Falling degree, then as in a dictionary."""
         ranked = [(self.order.rank(n), -e) for n, e in self._sorted(monomial)]
         return -sum(e for _, e in monomial), ranked
@@ -267,7 +269,7 @@ def _divides(divisor: Monomial, monomial: Monomial) -> bool:
     return all(above.get(n, 0) >= e for n, e in divisor)
 
 
-def _wave_rank(wave: Wave, angles: tuple[str, ...]) -> tuple:
+def wave_rank(wave: Wave, angles: tuple[str, ...]) -> tuple:
     """Few functions first, then few angles, small multiples, inner joints, cosines before sines."""
     total = sum(abs(k) * e for _, argument, e in wave for _, k in argument)
     used = sorted(angles.index(x) for _, argument, _ in wave for x, _ in argument)
@@ -275,6 +277,6 @@ def _wave_rank(wave: Wave, angles: tuple[str, ...]) -> tuple:
     return len(set(used)), total, used, [f for f, _, _ in wave], signs
 
 
-def _function(name: str, argument: Monomial, exponent: int) -> Expression:
+def function(name: str, argument: Monomial, exponent: int) -> Expression:
     angle = ex.add(*(ex.mul(k, sym(x)) for x, k in argument))
     return ex.power(ex.Function(name, angle), exponent)

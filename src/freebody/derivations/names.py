@@ -36,6 +36,9 @@ GREEK = {
 }
 """Names of letters, and the letters."""
 
+COMPONENTS = ("fx", "fy", "fz")
+"""Names of a load's components."""
+
 DOTS = {"_d": 1, "_dd": 2}
 
 _SHAPE = re.compile(r"([A-Za-z]+?)(c?)_?(\d+(?:_\d+)*)_?([A-Za-z]*)")
@@ -96,6 +99,8 @@ def _letter(word: str) -> tuple[str, tuple[str, ...]]:
     """A word as letter: Greek by name, one letter as it is, others with the rest as subscript after an underscore."""
     if word in GREEK:
         return GREEK[word], ()
+    if word in COMPONENTS:
+        return word[0], (word[1],)
     head, _, tail = word.partition("_")
     if tail and head:
         return GREEK.get(head, head), (tail,)

@@ -12,8 +12,8 @@ from freebody.derivations import expression as ex
 from freebody.derivations.expression import Expression
 from freebody.derivations.symbols import RATE, SECOND, Symbols
 from freebody.derivations.waves import Blocks
+from freebody.model.bodies import Body
 from freebody.model.joints.revolute import Turning
-from freebody.model.model import Body
 from freebody.model.parameters import Parameter, each_parameter
 from freebody.model.placement import Turn
 from freebody.scalars.trig import rational_sin_cos
@@ -86,11 +86,10 @@ class Order:
 
     @cached_property
     def moving(self) -> frozenset[str]:
-        """Names of rates, second rates and signs of rates."""
+        """Names of rates, second rates, signs of rates, and of what the model itself does not hold."""
         names = self.symbols.coordinates
-        return frozenset(
-            [*(f"sgn_{x}{RATE}" for x in names), *(x + e for x in names for e in (RATE, SECOND))]
-        )
+        signs = (f"sgn_{x}{RATE}" for x in names)
+        return frozenset([*signs, *(x + e for x in names for e in (RATE, SECOND)), *self.symbols.extra])
 
     @cached_property
     def decimal(self) -> bool:

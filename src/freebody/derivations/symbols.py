@@ -70,6 +70,8 @@ class Symbols:
     ring: TrigRing
     coordinates: tuple[str, ...]
     reader: TrigReader
+    extra: tuple[str, ...] = ()
+    """Further symbols, such as the components of a load."""
 
     @cached_property
     def tree(self) -> Tree:
@@ -145,7 +147,7 @@ def symbols(model: Model, numbers: bool = False, extra: tuple[str, ...] = ()) ->
         *extra,
     ]
     ring = TrigRing([*turning, *angles], others)
-    return Symbols(model, ring, coordinates, TrigReader(ring, numbers))
+    return Symbols(model, ring, coordinates, TrigReader(ring, numbers), extra)
 
 
 def coordinate_names(model: Model) -> tuple[str, ...]:

@@ -1,31 +1,35 @@
 """What all derivations of a model share: its symbols, its motion, and how its vectors are called and shown.
 
 In the plane vectors have world components, as in chapters 1 to 5 of the notes; in space those of the body's
-own frame, as
-in chapter 6.
+own frame, as in chapter 6.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 from freebody.algorithms.kinematics import Motion, Pose, outward, world_poses
 from freebody.derivations import expression as ex
 from freebody.derivations.equations import Equations
 from freebody.derivations.expression import Expression
 from freebody.derivations.forms import Layout
+from freebody.derivations.lengths import by_lengths
 from freebody.derivations.names import sym, vec
 from freebody.derivations.symbols import Symbols
 from freebody.elementary import Scalar
 from freebody.errors import FreebodyError
 from freebody.model.joints.revolute import Turning
-from freebody.model.tree import Tree
+from freebody.model.tree import Mass, Tree
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, add, sub, times, transposed
 
-LONGEST = 40
-"""Terms up to which an expression is written out; a longer one is told by its length."""
+MOST = 400
+"""Terms that will not fit whatever their form."""
+LONGEST = 160
+"""Numbers and symbols up to which an expression is written out; a longer one is told by its length."""
 
 
 @dataclass(frozen=True)
@@ -84,6 +88,15 @@ class Setting:
         """Whether body i hangs on a revolute joint."""
         return isinstance(self.tree.bodies[i].primitive, Turning)
 
+    @cached_property
+    def cited(self) -> str:
+        """ "R" or "RR" where the model is an arm that the notes derive, else ""."""
+        bodies = [self.tree.bodies[i] for i in self.order]
+        is_chain = all(self.numbers[body.parent] == k for k, body in enumerate(bodies))
+        if not self.planar or not is_chain or not all(map(self.turns, self.order)) or len(bodies) > 2:
+            return ""
+        return "R" * len(bodies)
+
     def coordinate(self, i: int) -> str:
         """Name of the coordinate of body i's joint."""
         return self.symbols.coordinates[self.tree.bodies[i].coordinates.v[0]]
@@ -127,9 +140,33 @@ class Setting:
         """The gravity field in the axes of body i."""
         return self.tree.gravity if self.planar else times(transposed(self.world[i][0]), self.tree.gravity)
 
-    def _mass(self, i: int):
-        (mass,) = self.tree.bodies[i].masses
-        return mass
+    def tip_force(self) -> Vector:
+        """The load on the tip, given in the world's axes, in those that are shown for its body."""
+        force = tuple(self.symbols.ring[name] for name in self.load)
+        return force if self.planar else times(transposed(self.world[self.tip][0]), force)
+
+    def tip_position(self) -> Vector:
+        """The tip in the world."""
+        R, p = self.world[self.tip]
+        _, _, tip = self.tree.frames[self.symbols.model.frame().name]
+        return add(p, times(R, tip))
+
+    @cached_property
+    def tip(self) -> int:
+        """The body that carries the tip."""
+        return self.tree.frames[self.symbols.model.frame().name][0]
+
+    def loaded(self, i: int) -> bool:
+        """Whether the load acts on body i."""
+        return bool(self.load) and self.tip == i
+
+    def _mass(self, i: int) -> Mass:
+        """What body i weighs; one without mass is a point of none."""
+        masses = self.tree.bodies[i].masses
+        return masses[0] if masses else Mass(0.0, self.tree.space.zero, self._nothing())
+
+    def _nothing(self) -> Any:
+        return 0.0 if self.planar else ((0.0,) * 3,) * 3
 
     @property
     def weighs(self) -> bool:
@@ -146,15 +183,25 @@ class Setting:
 
     # ------------------------------------------------------------ how it is shown
     def show(self, x: Scalar) -> Expression:
-        """A scalar written out, or told by its length."""
-        element: Trig = self.symbols.element(x)
-        if len(element) > LONGEST:
-            return ex.Words(f"({len(element)} terms)")
-        return self.layout.form(element)
+        """A scalar sorted by accelerations and rates, or told by its length."""
+        return self._short(x, self.layout.form)
+
+    def show_moved(self, x: Scalar) -> Expression:
+        """A component of a velocity, acceleration or force, sorted by lengths."""
+        return self._short(x, lambda element: by_lengths(self.layout, element))
+
+    def _short(self, x: Scalar, form: Callable[[Trig], Expression]) -> Expression:
+        element = self.symbols.element(x)
+        if len(element) <= MOST:
+            shown = form(element)
+            if ex.size(shown) <= LONGEST:
+                return shown
+        return ex.Words(f"({len(element)} terms)")
 
     def column(self, v: Vector) -> Expression:
-        """A vector written out."""
-        return ex.Vector(tuple(self.show(x) for x in v))
+        """A vector written out; 0 where all of it vanishes."""
+        entries = tuple(self.show_moved(x) for x in v)
+        return ex.ZERO if all(x == ex.ZERO for x in entries) else ex.Vector(entries)
 
     def angular(self, v: Vector) -> Expression:
         """An angular vector: a scalar in the plane."""
@@ -182,6 +229,36 @@ class Setting:
         """τ_i of the joint of body i."""
         return sym(f"tau{self.numbers[i]}")
 
+    def reach_name(self, i: int, k: int) -> Expression:
+        """s_i from joint i to that of its child k, or s_{i,k} where body i carries several."""
+        n = self.numbers[i]
+        return self.name("s", i) if len(self.tree.children(i)) == 1 else self.name(f"s{n}_", k)
+
+    def axis_name(self, i: int) -> Expression:
+        """z_i, which joint i turns about, or u_i, along which it slides."""
+        return self.name("z" if self.turns(i) else "u", i)
+
+    def axis(self, i: int) -> Vector:
+        """Direction of joint i, in the axes that are shown."""
+        return self.axes(i, self.tree.bodies[i].axis)
+
+    def mass_times(self, i: int, x: Expression) -> Expression:
+        """m_i x."""
+        return ex.mul(f"m{self.numbers[i]}", x)
+
+    def spin_terms(self, i: int) -> Expression:
+        """I ω̇ (+ ω × I ω in space): what the moments about a body's centre of mass add up to."""
+        inertia = ex.expr(f"I{self.numbers[i]}")
+        turning = ex.mul(inertia, self.angular_name("omega", i, "_d"))
+        if self.planar:
+            return turning
+        w = self.angular_name("omega", i)
+        return ex.add(turning, ex.cross(w, ex.mul(inertia, w)))
+
+    def joint_words(self, i: int) -> str:
+        """ "revolute" or "prismatic"."""
+        return "revolute" if self.turns(i) else "prismatic"
+
 
 def require_chain_of_bodies(symbols: Symbols, what: str) -> None:
     """Refuse what the derivations do not cover: joints of several axes, bodies without or with several
@@ -196,7 +273,7 @@ def require_chain_of_bodies(symbols: Symbols, what: str) -> None:
                 "and prismatic joints. fb.equations gives the closed form."
             )
     for i, k in enumerate(symbols.tree.body_of):
-        if len(symbols.tree.bodies[k].masses) != 1:
+        if len(symbols.tree.bodies[k].masses) > 1:
             raise FreebodyError(
                 f"{what}: body {model.bodies[i].name!r} of {model.name!r} has "
                 f"{len(symbols.tree.bodies[k].masses)} masses; "

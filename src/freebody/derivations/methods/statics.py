@@ -7,94 +7,130 @@ from freebody.algorithms.kinematics import jacobian
 from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Derivation, Step
 from freebody.derivations.expression import Expression, eq
-from freebody.derivations.methods.newton_euler import Work
+from freebody.derivations.methods.geometry import geometry
+from freebody.derivations.methods.overview import overview
+from freebody.derivations.methods.reactions import Reactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.names import sym, vec
-from freebody.scalars.trig import Trig
-from freebody.spatial import dot
 
 
 def derive(setting: Setting) -> Derivation:
     """The derivation; the setting is at rest."""
-    work = _Still(setting)
+    reactions = Reactions(setting)
+    work = _Still(setting, reactions)
+    tau = {i: reactions.motor(i) for i in setting.order}
     steps = [work.convention()] if setting.load else []
-    steps += [work.bodies(i) for i in setting.order]
-    tau: dict[int, Trig] = {}
-    for i in reversed(setting.order):
-        more, tau[i] = work.eliminated(i)
-        steps += more
+    steps += [*map(work.body, setting.order)]
+    steps += [work.solved(i) for i in reversed(setting.order)]
+    steps += [geometry(setting, inertias=False), work.result(tau)]
     if setting.load:
         steps.append(work.transpose())
+    torques = tuple(tau[i] for i in setting.order)
     return Derivation(
-        "statics", "Statics", setting.equations, tuple(steps), tuple(tau[i] for i in setting.order)
+        "statics", "Statics", setting.equations, tuple(steps), torques, *overview(setting, "statics")
     )
 
 
-class _Still(Work):
-    """Newton and Euler without motion: forces and moments on each body add up to zero."""
+class _Still:
+    """Forces and moments on each body add up to zero; moments are taken about the body's joint."""
 
-    def inertia_force(self, i: int) -> Expression:
-        return ex.ZERO
-
-    def inertia_terms(self, i: int) -> Expression:
-        return ex.ZERO
-
-    def drive(self, i: int, k: int) -> Trig:
-        """Springs only: what rests has no friction to overcome."""
-        s, drive = self.s, self.s.tree.bodies[i].drive
-        if drive is None:
-            return s.symbols.zero()
-        (q,) = s.tree.bodies[i].position(s.symbols.q)
-        return s.symbols.element(drive.stiffness * (q - drive.rest))
-
-    def numbered(self, n: int) -> tuple[str, ...]:
-        return {1: ("2.46", "2.47"), 2: ("2.45", "2.48")}.get(n, ()) if self.s.planar else ()
+    def __init__(self, setting: Setting, reactions: Reactions):
+        self.s = setting
+        self.reactions = reactions
 
     def convention(self) -> Step:
         """What f is."""
         return Step(
             "The load",
-            "f acts on the arm at its tip. The force that the arm exerts on its surroundings is -f; "
-            "formulas for the one "
-            "and the other differ in sign.",
+            "f is the force on the arm at its tip P. What the arm exerts there on its surroundings is -f; formulas for "
+            "the one and for the other differ in sign.",
             (eq(vec("f"), ex.Vector(tuple(sym(name) for name in self.s.load))),),
             figure="kinematics",
         )
 
-    def bodies(self, i: int) -> Step:
-        n = self.s.numbers[i]
+    def body(self, i: int) -> Step:
+        """Equilibrium of one body."""
+        s, n, children = self.s, self.s.numbers[i], self.s.tree.children(i)
+        forces = [s.force_name(s.tree.bodies[i].parent, i), *(ex.neg(s.force_name(i, k)) for k in children)]
+        forces += [s.mass_times(i, vec("g"))] if s.weighs else []
+        forces += [vec("f")] if s.loaded(i) else []
+        moments = [self.joint_moment(i), *map(ex.neg, map(self.joint_moment, children)), *self.about(i)]
+        reason = (
+            f"The forces on body {n} add up to zero, and so do the moments; taken about joint {n} the reaction "
+            f"there has none."
+        )
+        if s.cited == "RR" and s.weighs and n == 1:
+            reason += " (The notes leave the weights out: with g = 0 the numbered equations follow.)"
+        numbers = {("RR", 1): ("2.41", "2.42"), ("RR", 2): ("2.43", "2.44")}.get((s.cited, n), ())
+        lines = (eq(ex.add(*forces), ex.ZERO), eq(ex.add(*moments), ex.ZERO))
+        return Step(f"Free body {n}", reason, lines, numbers, figure=f"free-body {n}")
+
+    def joint_moment(self, i: int) -> Expression:
+        """The torque of a revolute joint in the plane, else the moment at the joint."""
+        s = self.s
+        if s.planar and s.turns(i) and self.reactions.drives[i].is_zero:
+            return s.torque_name(i)
+        return s.moment_name(s.tree.bodies[i].parent, i)
+
+    def about(self, i: int) -> list[Expression]:
+        """Moments of the outer forces on body i about its joint."""
+        s = self.s
+        terms = [ex.neg(ex.cross(s.reach_name(i, k), s.force_name(i, k))) for k in s.tree.children(i)]
+        if s.weighs:
+            terms.append(ex.cross(s.name("sc", i), s.mass_times(i, vec("g"))))
+        if s.loaded(i):
+            terms.append(ex.cross(s.name("s", i), vec("f")))
+        return terms
+
+    def solved(self, i: int) -> Step:
+        """Reaction and torque of joint i, in terms of those before it."""
+        s, n, children = self.s, self.s.numbers[i], self.s.tree.children(i)
+        force = ex.add(
+            *(s.force_name(i, k) for k in children),
+            ex.neg(s.mass_times(i, vec("g"))) if s.weighs else ex.ZERO,
+            ex.neg(vec("f")) if s.loaded(i) else ex.ZERO,
+        )
+        moment = ex.add(*map(self.joint_moment, children), *map(ex.neg, self.about(i)))
+        name = self.joint_moment(i)
+        lines = [eq(s.force_name(s.tree.bodies[i].parent, i), force, s.column(self.reactions.f[i]))]
+        lines.append(eq(name, moment))
+        if name != s.torque_name(i):
+            lines.append(eq(s.torque_name(i), self.reactions.motor_rule(i, name)))
+        numbers = {("RR", 1): ("2.46",), ("RR", 2): ("2.45",)}.get((s.cited, n), ())
+        motor = "torque" if s.turns(i) else "force"
+        reason = f"The two equations of body {n} give the reaction at joint {n} and the {motor} of its motor."
+        return Step(f"Solve for joint {n}", reason, tuple(lines), numbers)
+
+    def result(self, tau: dict) -> Step:
+        """The torques written out."""
+        s = self.s
+        lines = tuple(eq(s.torque_name(i), s.show(tau[i])) for i in s.order)
+        numbers = ("2.47", "2.48") if s.cited == "RR" else ()
+        reason = "The vectors put in, the torques that hold the arm still are found."
         return Step(
-            f"Free body {n}",
-            "In equilibrium the forces on each body add up to zero, and so do the moments about any point "
-            "of it.",
-            (eq(self.force_terms(i), ex.ZERO), eq(self.moment_terms(i), ex.ZERO)),
-            {1: ("2.41", "2.42"), 2: ("2.43", "2.44")}.get(n, ()) if self.s.planar else (),
-            figure=f"free-body {n}",
+            "The torques" if all(map(s.turns, s.order)) else "Torques and forces",
+            reason,
+            lines,
+            numbers,
+            result=True,
         )
 
     def transpose(self) -> Step:
         """The load's part as -Jᵀ f."""
         s = self.s
-        J = [
-            [s.symbols.element(x) for x in row]
-            for row in jacobian(s.tree, s.symbols.q, s.symbols.model.frame().name)
-        ]
-        rows = J[: s.tree.space.dim]
-        load = tuple(s.symbols.ring[name] for name in s.load)
-        if s.planar:
-            part = [dot(tuple(row[s.tree.bodies[i].coordinates.v[0]] for row in rows), load) for i in s.order]
-            shown = ex.Vector(tuple(s.show(-x) for x in part))
-        else:
-            shown = ex.Words("")
-        rule = ex.neg(ex.mul(ex.transposed(sym("J")), vec("f")))
-        J_shown = ex.matrix([[s.show(x) for x in row] for row in rows])
-        lines = [eq(sym("J"), J_shown)]
-        lines.append(eq(sym("tau"), rule, shown) if s.planar else eq(sym("tau"), rule))
+        J = jacobian(s.tree, s.symbols.q, s.symbols.model.frame().name)
+        rows = [[s.symbols.element(x) for x in row] for row in J[: s.tree.space.dim]]
+        part = ex.neg(ex.mul(ex.transposed(sym("J")), vec("f")))
+        weights = " The rest is what the weights need." if s.weighs else ""
+        slips = " (The notes print (2.49) to (2.52) without the minus: they are the torques that exert f.)"
         return Step(
             "The load through the Jacobian",
-            "Without weights the torques are -Jᵀ f: the virtual work of the load and of the motors "
-            "cancels. The torque that "
-            "exerts the force f on the surroundings is its opposite, Jᵀ f.",
-            tuple(lines),
-            ("2.49", "2.50"),
+            "The load's part of the torques is -Jᵀ f, J being the Jacobian of the tip: the virtual work of motors and "
+            f"load cancels.{weights} The torque that exerts the force f on the surroundings is its opposite, Jᵀ f."
+            + (slips if s.cited == "RR" else ""),
+            (
+                eq(sym("J"), ex.matrix([[s.show_moved(x) for x in row] for row in rows])),
+                eq(vec("tau_f"), part),
+            ),
+            ("2.19", "2.49", "2.50") if s.cited == "RR" else (),
         )

@@ -24,11 +24,24 @@ from freebody.derivations.expression import (
     Vector,
     Words,
 )
-from freebody.derivations.render.rules import ATOM, CALL, PRODUCT, SUM, Renderer, digits, precedence, summed
+from freebody.derivations.render.lines import broken
+from freebody.derivations.render.rules import (
+    ATOM,
+    BREAK,
+    CALL,
+    PRODUCT,
+    SUM,
+    Renderer,
+    digits,
+    precedence,
+    summed,
+)
 
 _OPEN, _CLOSE = '<mo stretchy="false">(</mo>', '<mo stretchy="false">)</mo>'
 _THIN, _APPLY, _TIMES = '<mspace width="0.17em"/>', "<mo>&#x2061;</mo>", "<mo>&#x2062;</mo>"
 _DOTS = ("", "˙", "¨")
+_PLUS, _MINUS = f'{BREAK}<mo form="infix">+</mo>', f'{BREAK}<mo form="infix">−</mo>'
+_TAGS = re.compile(r"<[^>]*>|&[^;]*;|[˙¨]")
 
 
 def mathml(node: Expression, display: bool = True) -> str:
@@ -39,7 +52,31 @@ def mathml(node: Expression, display: bool = True) -> str:
 
 def row(node: Expression) -> str:
     """The inside of a `<math>` element."""
-    return f"<mrow>{_RENDER(node)}</mrow>"
+    return f"<mrow>{_RENDER(node).replace(BREAK, '')}</mrow>"
+
+
+def broken_rows(node: Expression, room: float) -> list[str]:
+    """The same in lines of about `room` letters, broken before signs, in brackets only where it must be."""
+    pieces: list[str] = []
+    for piece in _RENDER(node).split(BREAK):
+        # a break inside an element, such as a root or an exponent, is none
+        if pieces and _opened(pieces[-1]):
+            pieces[-1] += piece
+        else:
+            pieces.append(piece)
+    return [f"<mrow>{line}</mrow>" for line in broken(BREAK.join(pieces), room, _width)]
+
+
+def _opened(string: str) -> bool:
+    """Whether an element that begins here does not end here."""
+    return len(re.findall(r"<[a-z]", string)) - string.count("/>") > string.count("</")
+
+
+def _width(string: str) -> float:
+    """About how wide it is, in letters; scripts are smaller, elements take no room."""
+    full = len(_TAGS.sub("", string))
+    scripts = sum(len(_TAGS.sub("", s)) for s in re.findall(r"(?:</mi>|</mover>)<mrow>(.*?)</mrow>", string))
+    return full - 0.4 * scripts + 1.2 * string.count('form="infix"')
 
 
 def _number(node: Number, _: Renderer) -> str:
@@ -142,7 +179,7 @@ _RENDER = Renderer(
     {
         Number: _number,
         Symbol: _symbol,
-        Sum: lambda node, render: summed(node, render, "<mo>+</mo>", "<mo>−</mo>", "<mo>−</mo>"),
+        Sum: lambda node, render: summed(node, render, _PLUS, _MINUS, "<mo>−</mo>"),
         Negative: lambda node, render: "<mo>−</mo>" + render(node.operand, PRODUCT),
         Product: _product,
         Quotient: lambda node, render: (

@@ -70,8 +70,10 @@ def _symbol(node: Symbol, _: Renderer) -> str:
 
 
 def _low(parts: tuple[str, ...]) -> str:
-    apart = any(len(part) > 1 and part.isdigit() for part in parts) or any("," in part for part in parts)
-    word = "_" if parts and parts[0].isalpha() else ""
+    word = "_" if parts and parts[0].replace(",", "").isalpha() else ""
+    numbers = any(len(part) > 1 and part.isdigit() for part in parts) or any("," in part for part in parts)
+    # 1,c2 needs a comma, c2x and 1xx do not
+    apart = numbers or any(part[0].isalpha() and part[-1].isdigit() for part in parts[1:])
     return word + ("," if apart else "").join(parts).translate(_LOW)
 
 

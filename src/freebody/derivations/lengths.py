@@ -1,0 +1,73 @@
+"""Velocities, accelerations and forces as a book writes them: -l₁ (θ̈₁ sin θ₁ + θ̇₁² cos θ₁) - lc₂ (…).
+
+Terms are grouped by mass, then by the length that moves, then by its direction; squares of sums of rates stay together.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from fractions import Fraction
+
+from freebody.derivations import expression as ex
+from freebody.derivations.expression import Expression
+from freebody.derivations.forms import Layout, Poly, function, wave_rank
+from freebody.derivations.waves import Monomial, Terms, Wave, raw
+from freebody.scalars.trig import Trig
+
+Inner = dict[tuple[Monomial, Wave], Fraction]
+"""Coefficients of products of rates times a direction."""
+
+
+def by_lengths(layout: Layout, x: Trig) -> Expression:
+    """A polynomial in the layout described above, or sorted by rates where that is shorter."""
+    groups = layout.by_inertia(raw(x))
+    mine = ex.add(*(_times_mass(layout, name, terms) for name, terms in groups.items()))
+    return min(mine, layout.form(x), key=ex.size)
+
+
+def _times_mass(layout: Layout, name: str, terms: Terms) -> Expression:
+    """mass · Σ length · (…)."""
+    parts = ex.add(*(_moved(layout, lengths, inner) for lengths, inner in _by_length(layout, terms)))
+    if not name:
+        return parts
+    if isinstance(parts, ex.Sum) and all(isinstance(term, ex.Negative) for term in parts.terms):
+        return ex.neg(ex.mul(layout.symbol(name), ex.neg_each(parts)))
+    return ex.mul(layout.symbol(name), parts)
+
+
+def _by_length(layout: Layout, terms: Terms) -> list[tuple[Poly, Inner]]:
+    """(lengths, motion): lengths that move alike are added up."""
+    inner: defaultdict[Monomial, Inner] = defaultdict(dict)
+    for (monomial, wave), coefficient in terms.items():
+        still = tuple((n, e) for n, e in monomial if n not in layout.order.moving)
+        rates = tuple((n, e) for n, e in monomial if n in layout.order.moving)
+        inner[still][rates, wave] = coefficient
+    rows: dict[frozenset, tuple[Poly, Inner]] = {}
+    for still in sorted(inner, key=layout.monomial_rank):
+        motion = inner[still]
+        first = motion[min(motion, key=lambda key: _rank(layout, key))]
+        content = abs(layout.content(motion)) * (1 if first > 0 else -1)
+        alike = {key: value / content for key, value in motion.items()}
+        lengths, _ = rows.setdefault(frozenset(alike.items()), ({}, alike))
+        lengths[still] = content
+    return list(rows.values())
+
+
+def _rank(layout: Layout, key: tuple[Monomial, Wave]) -> tuple:
+    """Second rates before products of rates, then by direction."""
+    rates, wave = key
+    return layout.rate_rank(rates), wave_rank(wave, layout.order.angles)
+
+
+def _moved(layout: Layout, lengths: Poly, inner: Inner) -> Expression:
+    """lengths · Σ rates · direction."""
+    directions: defaultdict[Wave, Poly] = defaultdict(dict)
+    for rates, wave in sorted(inner, key=lambda key: _rank(layout, key)):
+        directions[wave][rates] = inner[rates, wave]
+    motion = ex.add(*(layout.scaled(poly, [function(*f) for f in wave]) for wave, poly in directions.items()))
+    front = layout.scaled(lengths, [])
+    if isinstance(front, ex.Sum) and all(isinstance(term, ex.Negative) for term in front.terms):
+        return ex.neg(ex.mul(ex.neg_each(front), motion))
+    if front in (ex.ONE, ex.num(-1)) and isinstance(motion, ex.Sum):
+        return motion if front == ex.ONE else ex.neg_each(motion)
+    return ex.mul(front, motion)

@@ -1,0 +1,125 @@
+"""Kinetic and potential energies of an arm, and the steps that show them (5.1-5.5, 5.11-5.20)."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from functools import cached_property
+
+from freebody.algorithms.kinematics import Motion
+from freebody.derivations import expression as ex
+from freebody.derivations.derivation import Step
+from freebody.derivations.expression import Equation, eq
+from freebody.derivations.methods.setting import Setting
+from freebody.derivations.names import vec
+from freebody.scalars.trig import Trig
+from freebody.spatial import dot, neg
+
+HALF = ex.num(Fraction(1, 2))
+
+
+class Energies:
+    """The energies as polynomials; accelerations do not occur in them."""
+
+    def __init__(self, setting: Setting, moving: Motion):
+        self.s = setting
+        self.moving = moving
+
+    def kinetic(self, i: int) -> Trig:
+        """½ m v_c² + ½ ω · I ω of body i."""
+        s = self.s
+        v, w = s.centre_velocity(i), self.moving.w[i]
+        square = s.mass(i) * dot(v, v) + dot(w, s.tree.space.inertia_times(s.inertia(i), w))
+        return s.symbols.element(square) * 0.5
+
+    def potential(self, i: int) -> Trig:
+        """-m g · r_c of body i."""
+        s = self.s
+        return s.symbols.element(s.mass(i) * dot(neg(s.tree.gravity), s.centre_position(i)))
+
+    @cached_property
+    def springs(self) -> Trig:
+        """Energy of the joints' springs."""
+        s, total = self.s, self.s.symbols.zero()
+        for body in s.tree.bodies:
+            if body.drive is not None:
+                (q,) = body.position(s.symbols.q)
+                stretch = q - body.drive.rest
+                total = total + 0.5 * body.drive.stiffness * (stretch * stretch)
+        return total
+
+    @cached_property
+    def rotors(self) -> Trig:
+        """Kinetic energy of the drives' rotors."""
+        s, total = self.s, self.s.symbols.zero()
+        for body in s.tree.bodies:
+            if body.drive is not None:
+                (rate,) = body.rates(s.symbols.qd)
+                total = total + 0.5 * body.drive.rotor * (rate * rate)
+        return total
+
+    @property
+    def has_springs(self) -> bool:
+        """Whether springs store energy."""
+        return not self.springs.is_zero
+
+    @property
+    def has_rotors(self) -> bool:
+        """Whether rotors do."""
+        return not self.rotors.is_zero
+
+    @property
+    def has_potential(self) -> bool:
+        """Whether there is any potential energy."""
+        return self.s.weighs or self.has_springs
+
+    @cached_property
+    def lagrangian(self) -> Trig:
+        """T - V."""
+        total = self.rotors - self.springs
+        for i in self.s.order:
+            total = total + self.kinetic(i) - self.potential(i)
+        return total
+
+
+def kinetic_step(s: Setting, energies: Energies) -> Step:
+    """½ m v² + ½ I ω² a body."""
+    lines: list[Equation] = []
+    for i in s.order:
+        n, v, w = s.numbers[i], s.name("vc", i), s.angular_name("omega", i)
+        spin = ex.mul(f"I{n}", ex.power(w, 2)) if s.planar else ex.dot(w, ex.mul(f"I{n}", w))
+        rule = ex.add(ex.mul(HALF, f"m{n}", ex.power(v, 2)), ex.mul(HALF, spin))
+        lines.append(eq(f"T{n}", rule, s.show(energies.kinetic(i))))
+    if energies.has_rotors:
+        lines.append(eq("T_r", s.show(energies.rotors)))
+    reason = "A body has the energy of its mass moving with the centre, and that of turning about the centre"
+    rotors = "; the motors' rotors add T_r" if energies.has_rotors else ""
+    numbers = {"RR": ("5.3", "5.11", "5.13", "5.17", "5.19")}.get(s.cited, ("5.3",))
+    return Step("Kinetic energies", f"{reason}{rotors}.", tuple(lines), numbers)
+
+
+def potential_step(s: Setting, energies: Energies) -> Step:
+    """Weights, and springs where there are."""
+    lines: list[Equation] = []
+    for i in s.order if s.weighs else ():
+        n = s.numbers[i]
+        rule = ex.neg(s.mass_times(i, ex.dot(vec("g"), s.name("rc", i))))
+        lines.append(eq(f"V{n}", rule, s.show(energies.potential(i))))
+    if energies.has_springs:
+        lines.append(eq("V_s", s.show(energies.springs)))
+    parts = (
+        ["a weight's is its mass times gravity times its height, zero at the base's origin"]
+        if s.weighs
+        else []
+    )
+    parts += (
+        ["a spring's is half its stiffness times the square of its stretch"] if energies.has_springs else []
+    )
+    words = "Potential energy: " + "; ".join(parts) if parts else "Without gravity and springs there is none"
+    numbers = ("5.4", *({"RR": ("5.12", "5.14", "5.18", "5.20")}.get(s.cited, ()))) if s.weighs else ()
+    words += ". (The notes' (5.14) is misprinted; (5.20) is right)" if "5.14" in numbers else ""
+    return Step(
+        "Potential energies",
+        f"{words}.",
+        tuple(lines),
+        (*numbers, *(["5.5"] if energies.has_springs else [])),
+    )

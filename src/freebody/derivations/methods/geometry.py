@@ -1,0 +1,60 @@
+"""The step that lists the arm's vectors: what every later equation multiplies."""
+
+from __future__ import annotations
+
+from freebody.derivations import expression as ex
+from freebody.derivations.derivation import Step
+from freebody.derivations.expression import Equation, Expression, eq
+from freebody.derivations.methods.setting import Setting
+from freebody.elementary import Scalar
+
+
+def geometry(setting: Setting, rotations: bool = False, inertias: bool = True) -> Step:
+    """Vectors along the bodies, directions of the joints, in space also inertias and, if asked for, rotations."""
+    lines: list[Equation] = []
+    for i in setting.order:
+        lines += _vectors(setting, i)
+        if not setting.planar:
+            lines += _in_space(setting, i, rotations, inertias)
+    reach = "s_i leads from joint i to the next joint (or the tip), s_ci from joint i to the centre of mass of body i"
+    if setting.planar:
+        slides = not all(map(setting.turns, setting.order))
+        along = ", and u_i is the direction in which joint i slides" if slides else ""
+        reason = f"{reach}{along}; components are along x and y."
+    else:
+        turned = "; R takes components from one body's axes to another's" if rotations else ""
+        still = "each is given in the axes of body i, in which it does not change unless a joint slides"
+        reason = f"{reach}; {still}{turned}."
+    return Step("The vectors", reason, tuple(lines), figure="kinematics")
+
+
+def _vectors(s: Setting, i: int) -> list[Equation]:
+    children = s.tree.children(i)
+    lines = [eq(s.reach_name(i, k), s.column(s.to_child(i, k))) for k in children]
+    if s.loaded(i):
+        lines.append(eq(s.name("s", i), s.column(s.to_tip(i))))
+    lines.append(eq(s.name("sc", i), s.column(s.centre(i))))
+    if not s.turns(i) or not s.planar:
+        lines.append(eq(s.axis_name(i), s.column(s.axis(i))))
+    return lines
+
+
+def _in_space(s: Setting, i: int, rotations: bool, inertias: bool) -> list[Equation]:
+    lines = []
+    if rotations:
+        R = s.motion.joints[i][0]
+        back = [[R[c][r] for c in range(3)] for r in range(3)]
+        lines.append(eq(rotation_name(s, s.tree.bodies[i].parent, i), _matrix(s, back)))
+    if inertias:
+        lines.append(eq(f"I{s.numbers[i]}", _matrix(s, s.inertia(i))))
+    return lines
+
+
+def rotation_name(s: Setting, source: int, target: int) -> ex.Symbol:
+    """R^target_source, which takes components from the axes of one body to those of another."""
+    a, b = s.numbers[source], s.numbers[target]
+    return ex.Symbol(f"R{a}_{b}", "R", (str(a),), high=str(b))
+
+
+def _matrix(s: Setting, rows: list[list[Scalar]] | tuple) -> Expression:
+    return ex.matrix([[s.show(x) for x in row] for row in rows])

@@ -1,0 +1,176 @@
+"""The table of symbols of a derivation: parameters by what they are in the model, the rest by the method."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from freebody.derivations.derivation import Meaning
+from freebody.derivations.methods.setting import Setting
+from freebody.derivations.names import sym, vec
+from freebody.derivations.symbols import RATE, SECOND
+from freebody.model.parameters import Parameter, each_parameter
+from freebody.model.placement import Placement, Turn
+
+METER, KILOGRAM, NEWTON, MOMENT = "m", "kg", "N", "N m"
+INERTIA, SPEED, ACCELERATION, JOULE = "kg m²", "m/s", "m/s²", "J"
+
+
+def glossary(s: Setting, method: str) -> tuple[Meaning, ...]:
+    """Coordinates and motors, parameters, then what the method introduces."""
+    rows = [*_coordinates(s), *_parameters(s), *_METHODS[method](s)]
+    if s.load:
+        rows.append(Meaning((vec("f"),), "force on the tip, by the surroundings", NEWTON))
+    return tuple(rows)
+
+
+def _span(s: Setting, turning: bool) -> list[int]:
+    return [i for i in s.order if s.turns(i) == turning]
+
+
+def _coordinates(s: Setting) -> Iterator[Meaning]:
+    for turning, words, unit, motor, force in (
+        (True, "angle", "rad", "torque", MOMENT),
+        (False, "displacement", METER, "force", NEWTON),
+    ):
+        joints = _span(s, turning)
+        if not joints:
+            continue
+        names = [s.coordinate(i) for i in joints]
+        plural = "s" if len(joints) > 1 else ""
+        where = f"{words}{plural} of the {'revolute' if turning else 'prismatic'} joint{plural}"
+        yield Meaning(tuple(map(sym, names)), where, unit)
+        if not s.at_rest:
+            rates = tuple(sym(x + dots) for dots in (RATE, SECOND) for x in names)
+            words = "their rates and second rates" if plural else "its rate and second rate"
+            yield Meaning(rates, words, f"{unit}/s, {unit}/s²")
+        yield Meaning(tuple(map(s.torque_name, joints)), f"{motor}{plural} of the motor{plural}", force)
+
+
+def _parameters(s: Setting) -> Iterator[Meaning]:
+    used = set(s.symbols.ring.names)
+    alike: dict[tuple[str, str], list[str]] = {}
+    for parameter, words, unit in _in_model(s):
+        if parameter.name in used:
+            used.remove(parameter.name)
+            alike.setdefault((words, unit), []).append(parameter.name)
+    for (words, unit), names in alike.items():
+        words = (
+            words if len(names) == 1 else words.replace("entry", "entries").replace("distance", "distances")
+        )
+        yield Meaning(tuple(map(sym, names)), words, unit)
+    gravity = s.layout.order.gravity
+    if gravity and s.weighs:
+        yield Meaning((sym(gravity),), "acceleration of gravity", ACCELERATION)
+
+
+def _in_model(s: Setting) -> Iterator[tuple[Parameter, str, str]]:
+    for i in s.order:
+        yield from _of_body(s, i)
+    if s.load:
+        frame = s.symbols.model.frame()
+        yield from _placed(frame.placement, f"from joint {s.numbers[s.tip]} to the tip")
+
+
+def _of_body(s: Setting, i: int) -> Iterator[tuple[Parameter, str, str]]:
+    n, parent = s.numbers[i], s.numbers[s.tree.bodies[i].parent]
+    body = s.symbols.model.bodies[n - 1]
+    start = f"joint {parent}" if parent else "the base's origin"
+    yield from _placed(body.joint.placement, f"from {start} to joint {n}")
+    for part in body.inertias:
+        for parameter in each_parameter(part.inertia.mass):
+            yield parameter, f"mass of body {n}", KILOGRAM
+        centre = f"distance from joint {n} to the centre of mass of body {n}"
+        yield from _placed(part.placement, centre.removeprefix("distance "))
+        for parameter in each_parameter(part.inertia.com):
+            yield parameter, centre, METER
+        for parameter in each_parameter(part.inertia.tensor):
+            kind = "moment of inertia" if s.planar else "entry of the inertia"
+            yield parameter, f"{kind} of body {n} about its centre of mass", INERTIA
+    for field, (words, units) in _DRIVE.items():
+        for parameter in each_parameter(getattr(body.joint.drive, field)):
+            yield parameter, f"{words} of joint {n}", units[0 if s.turns(i) else 1]
+
+
+def _placed(placement: Placement, words: str) -> Iterator[tuple[Parameter, str, str]]:
+    """Lengths and angles of a constant pose."""
+    for step in placement.steps:
+        kind, unit = ("angle", "rad") if isinstance(step, Turn) else ("distance", METER)
+        for parameter in each_parameter(step):
+            yield parameter, f"{kind} {words}", unit
+
+
+_DRIVE = {
+    "viscous": ("viscous friction", ("N m s/rad", "N s/m")),
+    "coulomb": ("Coulomb friction", (MOMENT, NEWTON)),
+    "rotor": ("rotor inertia", (INERTIA, KILOGRAM)),
+    "gear": ("gear ratio", ("", "")),
+    "stiffness": ("stiffness of the spring", ("N m/rad", "N/m")),
+    "rest": ("rest position of the spring", ("rad", METER)),
+}
+
+
+def _vectors(s: Setting) -> Iterator[Meaning]:
+    yield Meaning((sym("s_i", True),), "joint i to the next joint, or to the tip", METER)
+    yield Meaning((sym("s_ci", True),), "joint i to the centre of mass of body i", METER)
+    if not s.planar:
+        yield Meaning((sym("z_i", True),), "direction of a revolute joint's axis", "")
+    if _span(s, False):
+        yield Meaning((sym("u_i", True),), "direction of a prismatic joint's slide", "")
+
+
+def _moving(s: Setting) -> Iterator[Meaning]:
+    yield Meaning((sym("omega_i", not s.planar),), "angular velocity of body i", "rad/s")
+    yield Meaning((sym("v_ci", True),), "velocity of the centre of mass of body i", SPEED)
+
+
+def _pivot(s: Setting) -> Iterator[Meaning]:
+    yield from _vectors(s)
+    yield from _moving(s)
+    if s.cited == "R":
+        yield Meaning((sym("I_A"),), "moment of inertia about the pivot", INERTIA)
+    elif any(s.turns(i) and s.tree.children(i) for i in s.order):
+        yield Meaning((sym("r_i,ck", True),), "joint i to the centre of mass of body k", METER)
+
+
+def _newton_euler(s: Setting) -> Iterator[Meaning]:
+    yield from _vectors(s)
+    yield from _moving(s)
+    yield Meaning((sym("f_i,k", True),), "force of body i on body k, at joint k", NEWTON)
+    if not s.planar or _span(s, False):
+        yield Meaning((sym("n_i,k", not s.planar),), "moment of body i on body k, at joint k", MOMENT)
+
+
+def _recursive(s: Setting) -> Iterator[Meaning]:
+    yield from _vectors(s)
+    yield from _moving(s)
+    yield Meaning((sym("v_i", True),), "velocity of the point of body i at joint i", SPEED)
+    yield Meaning((sym("f_ci", True),), "mass times acceleration of body i", NEWTON)
+    letter = "M" if s.planar else "n"
+    yield Meaning(
+        (sym(f"{letter}_ci", not s.planar),), "rate of body i's angular momentum about its centre", MOMENT
+    )
+    yield Meaning((sym("f_i,k", True),), "force of body i on body k, at joint k", NEWTON)
+    yield Meaning(
+        (sym(f"{letter}_i", not s.planar),), "moment of the body before on body i, at joint i", MOMENT
+    )
+
+
+def _lagrange(s: Setting) -> Iterator[Meaning]:
+    yield Meaning((sym("r_ci", True),), "centre of mass of body i, from the base's origin", METER)
+    yield from _moving(s)
+    yield Meaning((sym("T_i"), sym("V_i")), "kinetic and potential energy of body i", JOULE)
+    yield Meaning((sym("L"),), "Lagrangian", JOULE)
+
+
+def _statics(s: Setting) -> Iterator[Meaning]:
+    yield from _vectors(s)
+    yield Meaning((sym("f_i,k", True),), "force of body i on body k, at joint k", NEWTON)
+
+
+_METHODS = {
+    "newton-euler": _newton_euler,
+    "pivot": _pivot,
+    "recursive": _recursive,
+    "lagrange": _lagrange,
+    "statics": _statics,
+}

@@ -1,0 +1,112 @@
+"""The inward sweep of the recursive method: forces and moments from the tip to the base (4.12-4.15, 6.28, 6.29)."""
+
+from __future__ import annotations
+
+from freebody.algorithms.rnea import Recursion
+from freebody.derivations import expression as ex
+from freebody.derivations.derivation import Step
+from freebody.derivations.expression import Equation, Expression, Symbol, eq
+from freebody.derivations.methods.geometry import rotation_name
+from freebody.derivations.methods.reactions import drive_part
+from freebody.derivations.methods.setting import Setting
+from freebody.derivations.names import vec
+from freebody.scalars.trig import Trig
+
+
+class Inward:
+    """The steps, their values taken from the recursion's record; base: gravity is in the accelerations."""
+
+    def __init__(self, setting: Setting, record: Recursion, base: bool):
+        self.s = setting
+        self.record = record
+        self.base = base
+
+    def torque(self, i: int) -> Trig:
+        """The recursion's torque of body i's joint."""
+        return self.s.symbols.element(self.record.tau[self.s.tree.bodies[i].coordinates.v[0]])
+
+    def step(self, i: int) -> Step:
+        """Forces and moments on one body, and its motor."""
+        s, n = self.s, self.s.numbers[i]
+        return Step(
+            f"Inward: body {n}",
+            self._reason(i),
+            (*self._inertia(i), *self._carried(i)),
+            ("4.12", "4.13", "4.14", "4.15") if s.planar else ("6.28", "6.29"),
+            figure=f"free-body {n}",
+        )
+
+    def _reason(self, i: int) -> str:
+        s, n = self.s, self.s.numbers[i]
+        passed = " and what it passes on to the next body" if s.tree.children(i) else ""
+        weight = ", less its weight," if not self.base else ""
+        part = f"the moment about the axis of joint {n}" if s.turns(i) else f"the force along the slide u_{n}"
+        if s.turns(i) and s.planar:
+            part = "this moment"
+        return (
+            f"What accelerates body {n}{weight}{passed} must come through joint {n}; the motor gives {part}."
+        )
+
+    def _inertia(self, i: int) -> list[Equation]:
+        s, record = self.s, self.record
+        F = record.F[i][0] if record.F[i] else s.tree.space.zero
+        N = record.N[i][0] if record.N[i] else s.tree.space.zero_angular
+        return [
+            eq(s.name("fc", i), s.mass_times(i, s.name("vc", i, "_d")), s.column(s.axes(i, F))),
+            eq(s.angular_name("Mc" if s.planar else "nc", i), s.spin_terms(i), s.angular(N)),
+        ]
+
+    def _carried(self, i: int) -> list[Equation]:
+        """f and the moment at the joint, and the torque, which repeats what the moment is."""
+        s = self.s
+        force = self._force(i)
+        f = eq(s.force_name(s.tree.bodies[i].parent, i), force, s.column(s.axes(i, self.record.f[i])))
+        if isinstance(force, Symbol):
+            f = eq(*f.sides[:2])
+        moment = eq(self._moment_name(i), self._moment(i))
+        if not (s.planar and s.turns(i)):
+            moment = eq(*moment.sides, s.angular(self.record.n[i]))
+        return [f, moment, eq(s.torque_name(i), self._motor(i), s.show(self.torque(i)))]
+
+    def _needed(self, i: int) -> Expression:
+        """The inertia force, with the weight taken off where gravity is explicit."""
+        s = self.s
+        force = s.name("fc", i)
+        return force if self.base else ex.sub(force, s.mass_times(i, vec("g")))
+
+    def _outer(self, i: int, x: Expression, k: int) -> Expression:
+        """A vector of child k in the axes of body i."""
+        return x if self.s.planar else ex.mul(rotation_name(self.s, k, i), x)
+
+    def _force(self, i: int) -> Expression:
+        s = self.s
+        parts = [self._needed(i), *(self._outer(i, s.force_name(i, k), k) for k in s.tree.children(i))]
+        if s.loaded(i):
+            parts.append(ex.neg(self._load(i)))
+        return ex.add(*parts)
+
+    def _load(self, i: int) -> Expression:
+        """f, in space turned from the world's axes."""
+        return vec("f") if self.s.planar else ex.mul(rotation_name(self.s, -1, i), vec("f"))
+
+    def _moment_name(self, i: int) -> Expression:
+        return self.s.angular_name("M" if self.s.planar else "n", i)
+
+    def _moment(self, i: int) -> Expression:
+        s = self.s
+        parts = [s.angular_name("Mc" if s.planar else "nc", i)]
+        parts += [self._outer(i, self._moment_name(k), k) for k in s.tree.children(i)]
+        parts.append(ex.cross(s.name("sc", i), self._needed(i)))
+        for k in s.tree.children(i):
+            parts.append(ex.cross(s.reach_name(i, k), self._outer(i, s.force_name(i, k), k)))
+        if s.loaded(i):
+            parts.append(ex.neg(ex.cross(s.name("s", i), self._load(i))))
+        return ex.add(*parts)
+
+    def _motor(self, i: int) -> Expression:
+        s = self.s
+        if s.turns(i):
+            part = self._moment_name(i) if s.planar else ex.dot(self._moment_name(i), s.name("z", i))
+        else:
+            part = ex.dot(s.force_name(s.tree.bodies[i].parent, i), s.name("u", i))
+        return ex.add(part, s.show(drive_part(s, i)))

@@ -1,0 +1,45 @@
+"""The steps that give each body's angular velocity and the motion of its centre of mass."""
+
+from __future__ import annotations
+
+from freebody.derivations.derivation import Step
+from freebody.derivations.expression import eq
+from freebody.derivations.methods.setting import Setting
+
+
+def motion(s: Setting) -> list[Step]:
+    """Angular velocities, velocities and accelerations of the centres of mass."""
+    w = [eq(s.angular_name("omega", i), s.angular(s.motion.w[i])) for i in s.order]
+    wd = [eq(s.angular_name("omega", i, "_d"), s.angular(s.motion.wd[i])) for i in s.order]
+    v = [eq(s.name("vc", i), s.column(s.centre_velocity(i))) for i in s.order]
+    vd = [eq(s.name("vc", i, "_d"), s.column(s.centre_acceleration(i))) for i in s.order]
+    turns = any(map(s.turns, s.order))
+    slides = not all(map(s.turns, s.order))
+    adding = "A revolute joint adds its rate to the angular velocity of the body before it" if turns else ""
+    keeping = ("; a prismatic joint adds nothing" if turns else "No joint turns a body") if slides else ""
+    return [
+        Step(
+            "Angular velocities and accelerations",
+            f"{adding}{keeping}.",
+            (*w, *wd),
+            {"RR": ("3.16", "3.17")}.get(s.cited, () if s.planar else ("6.16", "6.20")),
+        ),
+        Step(
+            "Velocities of the centres of mass",
+            "They are the time derivatives of the centres' positions."
+            if s.planar
+            else "They are the time derivatives of the centres' positions, given in each body's own axes.",
+            tuple(v),
+            {"R": ("3.8",), "RR": ("3.18", "3.19")}.get(s.cited, () if s.planar else ("6.19",)),
+        ),
+        Step(
+            "Accelerations of the centres of mass",
+            "A second time derivative: what stands with a second rate points along the motion, what stands with a "
+            "square of rates towards the pivots."
+            if not slides
+            else "A second time derivative; a point that slides on a turning body has Coriolis' acceleration 2 ω × ḋ u "
+            "besides.",
+            tuple(vd),
+            {"R": ("3.9",)}.get(s.cited, () if s.planar else ("6.22",)),
+        ),
+    ]

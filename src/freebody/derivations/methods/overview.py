@@ -1,0 +1,64 @@
+"""What stands before the first step: the robot in words, what is sought, and a table of the symbols."""
+
+from __future__ import annotations
+
+from freebody.derivations.derivation import Meaning
+from freebody.derivations.methods.glossary import glossary
+from freebody.derivations.methods.setting import Setting
+from freebody.model.parameters import Parameter
+
+
+def overview(s: Setting, method: str) -> tuple[str, tuple[Meaning, ...]]:
+    """(what is given and sought, symbols)."""
+    return " ".join([_arm(s), *_gravity(s), *_axes(s), *_load(s), _sought(s, method)]), glossary(s, method)
+
+
+def _arm(s: Setting) -> str:
+    count = len(s.order)
+    kind = "A planar arm" if s.planar else "An arm in space"
+    bodies = "one moving body" if count == 1 else f"{count} moving bodies"
+    return f"{kind} with {bodies}: {'; '.join(_joint(s, i) for i in s.order)}. The ground is body 0."
+
+
+def _joint(s: Setting, i: int) -> str:
+    n, parent = s.numbers[i], s.numbers[s.tree.bodies[i].parent]
+    below = "the ground" if parent == 0 else f"body {parent}"
+    how = "revolute, angle θ" if s.turns(i) else "prismatic, displacement d"
+    return f"joint {n} ({how}_{n}) joins body {n} to {below}"
+
+
+def _gravity(s: Setting) -> list[str]:
+    if not s.weighs:
+        return ["There is no gravity."]
+    model = s.symbols.model
+    name = "of magnitude g" if isinstance(model.gravity_size, Parameter) else "of the given magnitude"
+    along = [(axis, x) for axis, x in zip("xyz", model.gravity_direction, strict=False) if x]
+    if len(along) > 1:
+        return [f"Gravity {name} acts in a given direction."]
+    ((axis, x),) = along
+    return [f"Gravity {name} acts along {'-' if x < 0 else '+'}{axis}."]
+
+
+def _axes(s: Setting) -> list[str]:
+    if s.planar:
+        if len(s.order) == 1 or not any(map(s.turns, s.order[1:])):
+            return []
+        return ["Angles are counted anticlockwise, each from the direction of the body before."]
+    return [
+        "Each body has a frame of its own, fixed to it; its vectors are given by their components in that frame "
+        "(the notes mark them with a prime)."
+    ]
+
+
+def _load(s: Setting) -> list[str]:
+    axes = "" if s.planar else ", with components in the world's axes"
+    return [f"A force f acts on the arm at its tip P{axes}."] if s.load else []
+
+
+def _sought(s: Setting, method: str) -> str:
+    motors = "torques" if all(map(s.turns, s.order)) else "torques and forces"
+    if len(s.order) == 1:
+        motors = motors.removesuffix("s") if motors == "torques" else "force"
+    if method == "statics":
+        return f"Sought: the motor {motors} that hold{'s' if len(s.order) == 1 else ''} the arm at rest."
+    return f"Given a motion of the joints, the motor {motors} {'is' if len(s.order) == 1 else 'are'} sought."

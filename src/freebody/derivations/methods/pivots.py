@@ -1,0 +1,110 @@
+"""The shorter route of section 3.2: moments about a joint's pivot, of all that hangs on it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from freebody.derivations import expression as ex
+from freebody.derivations.derivation import Step
+from freebody.derivations.expression import Equation, Expression, eq
+from freebody.derivations.methods.setting import Setting
+from freebody.derivations.names import sym, vec
+from freebody.scalars.trig import Trig
+from freebody.spatial import dot
+
+
+def about_pivots(s: Setting, drives: Mapping[int, Trig]) -> list[Step]:
+    """One equation a joint, from the base outward; drives: what each joint's friction and the like takes."""
+    if s.cited == "R":
+        return [_fixed_axis(s, s.show(drives[s.order[0]]))]
+    return [_carried(s, i, s.show(drives[i])) for i in s.order]
+
+
+def _fixed_axis(s: Setting, drive: Expression) -> Step:
+    """A single body on a fixed pivot: its moment of inertia about it."""
+    (i,) = s.order
+    centre = s.name("sc", i)
+    moments: list[Expression] = [s.torque_name(i), ex.neg_each(drive)]
+    if s.weighs:
+        moments.append(ex.cross(centre, s.mass_times(i, vec("g"))))
+    if s.loaded(i):
+        moments.append(ex.cross(s.name("s", i), vec("f")))
+    length = dot(s.centre(i), s.centre(i))
+    about = ex.add("I1", s.mass_times(i, s.show(length)))
+    return Step(
+        "Moments about the pivot",
+        "The body turns about a fixed pivot, where the reaction has no moment: one equation gives the torque, with "
+        "the moment of inertia about the pivot by the parallel-axis theorem. (The notes print (3.3) and (3.4) with "
+        "the opposite sign of the weight.)",
+        (eq("I_A", about), eq(ex.add(*moments), ex.mul("I_A", sym("omega1_d")))),
+        ("1.19", "3.3", "3.4"),
+        figure="free-body 1",
+    )
+
+
+def _carried(s: Setting, i: int, drive: Expression) -> Step:
+    n = s.numbers[i]
+    lines = [*_arms(s, i), eq(s.torque_name(i), ex.add(_balance(s, i), drive))]
+    if s.turns(i):
+        reason = (
+            f"Take all that joint {n} carries as one system: its inner reactions cancel, and the reaction at the joint "
+            "has no moment about the pivot, so that one moment equation gives the torque."
+        )
+    else:
+        reason = (
+            f"Take all that joint {n} carries as one system: its inner reactions cancel, and only the motor acts along "
+            "the slide, so that one equation of forces gives its force."
+        )
+    return Step(f"All that joint {n} carries", reason, tuple(lines), figure=f"free-body {n}")
+
+
+def _arms(s: Setting, i: int) -> list[Equation]:
+    """From the pivot to the centres of mass beyond the next joint."""
+    if not s.turns(i):
+        return []
+    lines = [eq(_arm(s, i, k), _way(s, i, k, s.name("sc", k))) for k in _subtree(s, i) if k != i]
+    if _loaded(s, i) and not s.loaded(i):
+        lines.append(eq(_tip_arm(s, i), _way(s, i, s.tip, s.name("s", s.tip))))
+    return lines
+
+
+def _arm(s: Setting, i: int, k: int) -> Expression:
+    return s.name("sc", i) if k == i else s.name(f"r{s.numbers[i]}_c", k)
+
+
+def _tip_arm(s: Setting, i: int) -> Expression:
+    return s.name("s", i) if s.loaded(i) else vec(f"r{s.numbers[i]}_P")
+
+
+def _way(s: Setting, i: int, k: int, last: Expression) -> Expression:
+    """Sum of the vectors from joint i to a point of body k."""
+    path = [last]
+    while k != i:
+        parent = s.tree.bodies[k].parent
+        path.append(s.reach_name(parent, k))
+        k = parent
+    return ex.add(*reversed(path))
+
+
+def _balance(s: Setting, i: int) -> Expression:
+    """Σ over all that hangs on joint i."""
+    terms = []
+    for k in _subtree(s, i):
+        acceleration = s.name("vc", k, "_d")
+        force = s.mass_times(k, ex.sub(acceleration, vec("g")) if s.weighs else acceleration)
+        terms += [s.spin_terms(k), ex.cross(_arm(s, i, k), force)] if s.turns(i) else [force]
+    if _loaded(s, i):
+        terms.append(ex.neg(ex.cross(_tip_arm(s, i), vec("f")) if s.turns(i) else vec("f")))
+    total = ex.add(*terms)
+    if not s.turns(i) or not s.planar:
+        return ex.dot(s.axis_name(i), total)
+    return total
+
+
+def _loaded(s: Setting, i: int) -> bool:
+    return bool(s.load) and s.tip in _subtree(s, i)
+
+
+def _subtree(s: Setting, i: int) -> list[int]:
+    """Body i and all that hangs on it."""
+    return [i, *(k for child in s.tree.children(i) for k in _subtree(s, child))]

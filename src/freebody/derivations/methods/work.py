@@ -1,0 +1,35 @@
+"""The generalized forces of a load on the tip, by virtual work."""
+
+from __future__ import annotations
+
+from freebody.derivations import expression as ex
+from freebody.derivations.derivation import Step
+from freebody.derivations.expression import eq
+from freebody.derivations.methods.setting import Setting
+from freebody.derivations.names import sym, vec
+from freebody.scalars.trig import Trig
+
+
+def virtual_work(s: Setting) -> tuple[Step, dict[int, Trig]]:
+    """The step, and what the load adds to the force along each coordinate: f · ∂r_P/∂q_i."""
+    tip = [s.symbols.element(x) for x in s.tip_position()]
+    force = [s.symbols.ring[name] for name in s.load]
+    lines = [
+        eq(vec("f"), ex.Vector(tuple(map(sym, s.load)))),
+        eq(vec("r_P"), s.column(tuple(tip))),
+    ]
+    works: dict[int, Trig] = {}
+    for i in s.order:
+        x = s.coordinate(i)
+        work = s.symbols.zero()
+        for position, component in zip(tip, force, strict=True):
+            work = work + position.derivative(x) * component
+        works[i] = work
+        part = ex.dot(vec("f"), ex.partial(vec("r_P"), x))
+        motor = s.torque_name(i)
+        lines.append(eq(f"Q{s.numbers[i]}", ex.add(motor, part), ex.add(motor, s.show(work))))
+    reason = (
+        "The work of motors and load in a small change of the coordinates, Σ τ_i δq_i + f · δr_P, is Σ Q_i δq_i: the "
+        "load adds its component along the way that each coordinate moves the tip."
+    )
+    return Step("Generalized forces by virtual work", reason, tuple(lines)), works
