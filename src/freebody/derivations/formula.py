@@ -129,6 +129,7 @@ class _Parser:
     def _call(self, name: str, arguments: list[Expression]) -> Expression:
         rules: dict[str, Callable[..., Expression]] = {
             "cross": ex.cross, "dot": ex.dot, "transpose": ex.transposed, "d_dt": ex.d_dt, "partial": ex.partial,
+            "atan2": lambda y, x: ex.Function("atan2", ex.vector(y, x)),
         }  # fmt: skip
         rules |= {f: lambda x, f=f: ex.Function(PRINTED.get(f, f), x) for f in FUNCTIONS}
         if name not in rules:

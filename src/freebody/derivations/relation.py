@@ -118,7 +118,8 @@ def _equal(a: Value, b: Value, scale: list[Value]) -> bool:
         return sympy.simplify(sympy.sympify(a) - sympy.sympify(b)) == 0
     if isinstance(a, Trig) or isinstance(b, Trig):
         return (a - b).is_zero if isinstance(a, Trig) else (b - a).is_zero
-    largest = max(1.0, *(float(np.max(np.abs(np.asarray(x, dtype=float)))) for x in (a, b, *scale)))
+    numbers = [x for x in (a, b, *scale) if not isinstance(x, Trig)]
+    largest = max(1.0, *(float(np.max(np.abs(np.asarray(x, dtype=float)))) for x in numbers))
     return bool(np.all(np.abs(np.asarray(a, dtype=float) - np.asarray(b, dtype=float)) <= ROUNDING * largest))
 
 

@@ -193,14 +193,22 @@ def _elementary(name: str) -> Any:
 _FUNCTIONS: dict[str, Any] = {name: _elementary(name) for name in ("sin", "cos", "sqrt", "tan", "exp", "log")} | {
     "sgn": elementary.sign,
     "arcsin": math.asin, "arccos": math.acos, "arctan": math.atan,
-    "norm": _norm, "det": _determinant, "∑": _added, "diag": _diagonal,
+    "norm": _norm, "atan2": lambda yx: math.atan2(*yx), "det": _determinant, "∑": _added, "diag": _diagonal,
 }  # fmt: skip
 
 
 def _derivative(node: Derivative, values: Mapping[str, Value]) -> Value:
     of = value(node.of, values)
-    by = node.by.name if isinstance(node.by, Symbol) else str(node.by)
-    return _slope(of, by if node.partial else None)
+    return _slope(of, _variable(value(node.by, values)) if node.partial else None)
+
+
+def _variable(x: Value) -> str:
+    """The name of a symbol of a ring."""
+    if isinstance(x, Trig):
+        for name in x.ring.names:
+            if x == x.ring[name]:
+                return name
+    raise FormulaError("a partial derivative is taken by a coordinate, a rate or a parameter.")
 
 
 def _slope(x: Value, by: str | None) -> Value:

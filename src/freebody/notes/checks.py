@@ -19,6 +19,7 @@ from freebody.derivations.names import sym
 from freebody.derivations.quantities import Quantities, of_link
 from freebody.derivations.relation import Relation, agrees, relation
 from freebody.derivations.values import plain, rank, value
+from freebody.errors import UnknownNameError
 from freebody.notes.item import Outcome
 
 ARM = 'fb.planar("RR")'
@@ -106,7 +107,7 @@ class Related:
             values = self._at(n) if n else self._values
             try:
                 found = relation(values, form)
-            except FormulaError as problem:
+            except (FormulaError, UnknownNameError) as problem:
                 return Outcome(False, (str(problem),))
             outcome = told(found, values)
             if not outcome.holds:

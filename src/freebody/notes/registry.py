@@ -9,7 +9,8 @@ from freebody.errors import UnknownNameError
 from freebody.notes.item import Item
 
 CHAPTERS = (
-    "planar_motion", "mass", "planar_body",
+    "planar_motion", "mass", "planar_body", "jacobian", "statics", "pendulum", "two_link", "recursion", "energy",
+    "lagrange",
 )  # fmt: skip
 """Files of `notes.chapters`."""
 
