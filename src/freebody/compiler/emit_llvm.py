@@ -7,14 +7,19 @@ around it.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
 from freebody.compiler.llvm_loop import gufunc_loop
-from freebody.compiler.llvm_sincos import double, sincos, splat
+from freebody.compiler.llvm_sincos import double, sincos, sines, splat
 from freebody.compiler.program import Program
 from freebody.compiler.segments import Segment, SinCos, segment
 from freebody.compiler.target import Target
 
-LONG = 700
-"""Nodes from which the code of a program is fetched anew for each group: two groups a pass are 5-20 % faster."""
+TILES = 2
+"""Groups that go through each piece of code before the next piece: one waits for operands while the other computes."""
+
+TOGETHER = 8
+"""Sines and cosines in one function: their arithmetic overlaps, and one branch serves all."""
 
 INSTRUCTION = {
     "add": "{r} = fadd contract {v} {a}, {b}",
@@ -42,23 +47,22 @@ def emit(program: Program, target: Target) -> str:
         target: the machine, as far as the text depends on it.
     """
     layout, width = segment(program), target.width
-    tiles = 1 if len(program) < LONG else 2
     v = f"<{width} x double>"
-    parts = [f"; {program}", sincos(width, target.fma), _finite(program, width)]
+    parts = [
+        f"; {program}",
+        sincos(width, target.fma),
+        _finite(program.input_size, len(layout.results), width),
+    ]
     pieces: list[str] = []
-    waiting: list[SinCos] = []
-    for number, step in enumerate(layout.steps):  # the last is a segment
-        if isinstance(step, SinCos):
-            waiting.append(step)
-            continue
-        if waiting:
+    for number, those in enumerate(_joined(layout.steps)):
+        if isinstance(those, Segment):
+            pieces.append(f"@segment{number}")
+            parts.append(_arithmetic(pieces[-1], program, those, width))
+        else:
             pieces.append(f"@sines{number}")
-            parts.append(_trigonometric(pieces[-1], waiting, width))
-            waiting = []
-        pieces.append(f"@segment{number}")
-        parts.append(_arithmetic(pieces[-1], program, step, width))
-    parts.append(_compute([*pieces, "@finite"], 8 * width * layout.slots, tiles))
-    parts.append(gufunc_loop(program, target, layout.slots, tiles))
+            parts.append(sines(pieces[-1], those, width, target.fma))
+    parts.append(_compute([*pieces, "@finite"], 8 * width * layout.slots, TILES))
+    parts.append(gufunc_loop(program, target, layout, TILES))
     parts.append(
         f"declare {v} @llvm.sqrt.v{width}f64({v})\n"
         f"declare {v} @llvm.copysign.v{width}f64({v}, {v})\n"
@@ -68,14 +72,21 @@ def emit(program: Program, target: Target) -> str:
     return "\n".join(parts)
 
 
-def _trigonometric(name: str, steps: list[SinCos], width: int) -> str:
-    """Calls of `@sincos` on slots of the tile."""
-    lines = [f"define internal void {name}(ptr noalias %tile) #0 {{"]
-    for k, step in enumerate(steps):
-        for letter, slot in zip("xsc", (step.argument, step.sine, step.cosine), strict=True):
-            lines.append(f"  %{letter}{k} = getelementptr <{width} x double>, ptr %tile, i64 {slot}")
-        lines.append(f"  call void @sincos(ptr %x{k}, ptr %s{k}, ptr %c{k})")
-    return "\n".join([*lines, "  ret void", "}", ""])
+def _joined(steps: Sequence[Segment | SinCos]) -> Iterator[Segment | list[SinCos]]:
+    """The steps in order, sines and cosines that do not need each other up to `TOGETHER` at a time."""
+    some: list[SinCos] = []
+    for step in steps:  # the last is a segment
+        if some and (
+            isinstance(step, Segment)
+            or len(some) == TOGETHER
+            or any(step.argument in (x.sine, x.cosine) for x in some)
+        ):
+            yield some
+            some = []
+        if isinstance(step, Segment):
+            yield step
+        else:
+            some.append(step)
 
 
 def _arithmetic(title: str, program: Program, step: Segment, width: int) -> str:
@@ -139,15 +150,15 @@ leave{k}:""")
     return "\n".join([*lines, "  ret void", "}", ""])
 
 
-def _finite(program: Program, width: int) -> str:
-    """Make every output NaN in the lanes whose inputs are not all finite.
+def _finite(inputs: int, results: int, width: int) -> str:
+    """Make every result NaN in the lanes whose inputs are not all finite.
 
     0 * x is NaN for NaN and infinite x, so the sum of these products tells. It runs in four strands.
     """
     v, align = f"<{width} x double>", 8 * width
     lines = ["define internal void @finite(ptr noalias %tile) #0 {"]
     strands = ["zeroinitializer"] * 4
-    for slot in range(program.input_size):
+    for slot in range(inputs):
         lines.append(f"  %in{slot} = getelementptr {v}, ptr %tile, i64 {slot}")
         lines.append(f"  %i{slot} = load {v}, ptr %in{slot}, align {align}")
         lines.append(f"  %m{slot} = fmul contract {v} %i{slot}, zeroinitializer")
@@ -162,13 +173,13 @@ def _finite(program: Program, width: int) -> str:
   %any = icmp ne i{width} %bits, 0
   br i1 %any, label %poison, label %done
 poison:
-  %k = phi i64 [ {program.input_size}, %0 ], [ %k.next, %poison ]
+  %k = phi i64 [ {inputs}, %0 ], [ %k.next, %poison ]
   %out = getelementptr {v}, ptr %tile, i64 %k
   %old = load {v}, ptr %out, align {align}
   %new = select <{width} x i1> %bad, {v} {splat(width, "double", "0x7FF8000000000000")}, {v} %old
   store {v} %new, ptr %out, align {align}
   %k.next = add i64 %k, 1
-  %more = icmp ult i64 %k.next, {program.input_size + program.output_size}
+  %more = icmp ult i64 %k.next, {inputs + results}
   br i1 %more, label %poison, label %done
 done:
   ret void

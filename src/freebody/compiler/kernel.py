@@ -81,19 +81,17 @@ class Kernel:
             BatchError: batch shapes that do not broadcast.
             KernelError: wrong number or type of arguments.
         """
-        if threads is None and out is None:
-            try:
-                # one look at one argument: a whole call takes less than a microsecond
-                if arrays[0].size < self._small:  # type: ignore[union-attr]
-                    return self.ufunc(*arrays)
-            except (AttributeError, IndexError):
-                pass  # a list, which has no size; no arguments
-            except (TypeError, ValueError) as problem:
-                raise self._explained(arrays, problem) from None
         try:
+            if threads == 1 or (threads is None and self._is_small(arrays)):
+                return self.ufunc(*arrays) if out is None else self.ufunc(*arrays, out=out)
             return self._shared(arrays, out, threads)
         except (TypeError, ValueError) as problem:
             raise self._explained(arrays, problem) from None
+
+    def _is_small(self, arrays: tuple[ArrayLike, ...]) -> bool:
+        """Whether the batch is surely not worth threads, by one look at one argument: a call takes a microsecond."""
+        first = arrays[0] if arrays else None
+        return isinstance(first, np.ndarray) and first.size < self._small
 
     def _shared(self, arrays: tuple[ArrayLike, ...], out: Any, threads: int | None) -> Any:
         """Call with the batch shared among threads, if it is worth it and outputs overlap no input."""

@@ -10,19 +10,20 @@ values.
 
 from __future__ import annotations
 
-from freebody.compiler.llvm_tile import transfers
+from freebody.compiler.llvm_tile import integers, transfers
 from freebody.compiler.program import Argument, Program
+from freebody.compiler.segments import Layout
 from freebody.compiler.target import Target
 
 
-def gufunc_loop(program: Program, target: Target, slots: int, tiles: int) -> str:
+def gufunc_loop(program: Program, target: Target, layout: Layout, tiles: int) -> str:
     """`void @kernel(ptr args, ptr dims, ptr steps, ptr data)` and what it calls.
 
-    A round takes `tiles` groups, each on a tile of `slots` slots.
+    A round takes `tiles` groups, each on a tile of its own.
     """
     parts = [
-        transfers(program, target.width),
-        _loop(program, target, slots, tiles),
+        transfers(program, layout, target.width),
+        _loop(program, target, layout.slots, tiles),
         _FLAGS[target.x86]["declare"],
         "declare ptr @malloc(i64)\ndeclare void @free(ptr)\n",
     ]
@@ -79,16 +80,16 @@ head:
   br i1 %more, label %in, label %end""")
     inputs = list(enumerate(program.inputs))
     outputs = list(enumerate(program.outputs, len(inputs)))
-    lines += _phase("in", inputs, 0, width, slots, tiles, after="run")
+    lines += _phase("in", inputs, width, slots, tiles, after="run")
     lines.append("run:\n  call void @compute(ptr %tile, i64 %in.g)\n  br label %out")
-    lines += _phase("out", outputs, program.input_size, width, slots, tiles, after="tail")
+    lines += _phase("out", outputs, width, slots, tiles, after="tail")
     lines.append(f"tail:\n  %i.next = add i64 %i, {width * tiles}\n  br label %head\nend:")
-    shapes = [f"@shape{k} = internal constant {_integers(x.shape)}" for k, x in enumerate(arguments)]
+    shapes = [f"@shape{k} = internal constant {integers(x.shape)}" for k, x in enumerate(arguments)]
     return "\n".join([*lines, *give_back, _FLAGS[target.x86]["restore"], "  ret void", "}", *shapes, ""])
 
 
 def _phase(
-    way: str, arguments: list[tuple[int, Argument]], slot: int, width: int, slots: int, tiles: int, after: str
+    way: str, arguments: list[tuple[int, Argument]], width: int, slots: int, tiles: int, after: str
 ) -> list[str]:
     """Move the groups of one round in or out; afterwards `%in.g` or `%out.g` is their number."""
     before = {"in": "head", "out": "run"}[way]
@@ -115,8 +116,7 @@ def _phase(
         lines += _lanes(k, width, f"%{way}.last")
     lines.append(f"  br label %{way}.begin\n{way}.begin:")
     for k, argument in arguments:
-        lines += _transfer(k, argument, slot, width, way)
-        slot += argument.size
+        lines += _transfer(k, argument, width, way)
     return [
         *lines,
         f"  br label %{way}.end",
@@ -180,10 +180,6 @@ def _prepare(k: int, argument: Argument, core: int, first: int, width: int) -> l
     ]
 
 
-def _integers(numbers: tuple[int, ...]) -> str:
-    return f"[{len(numbers)} x i64] [{', '.join(f'i64 {n}' for n in numbers)}]"
-
-
 def _lanes(k: int, width: int, last: str | None) -> list[str]:
     """Fill the table of lane addresses of argument k; of a short group, lanes beyond the `last` sample repeat it."""
     lines, tag, table = [], f"{k}.{'s' if last else 'f'}", "%lanes.short" if last else "%lanes"
@@ -199,12 +195,11 @@ def _lanes(k: int, width: int, last: str | None) -> list[str]:
     return lines
 
 
-def _transfer(k: int, argument: Argument, slot: int, width: int, way: str) -> list[str]:
+def _transfer(k: int, argument: Argument, width: int, way: str) -> list[str]:
     """Move one group of argument k between array and tile."""
     lines = [
         f"  %move{k} = mul i64 %{way}.at, %step{k}",
         f"  %at{k} = getelementptr i8, ptr %base{k}, i64 %move{k}",
-        f"  %slot{k} = getelementptr <{width} x double>, ptr %{way}.tile, i64 {slot}",
         f"  %lane{k} = getelementptr i64, ptr %{way}.lanes, i64 {k * width}",
     ]
     if way == "in":  # a broadcast input stays in the tile after the first round
@@ -215,7 +210,8 @@ def _transfer(k: int, argument: Argument, slot: int, width: int, way: str) -> li
             f"  br i1 %needed{k}, label %load{k}, label %after{k}",
             f"load{k}:",
         ]
-    call = f"ptr %at{k}, ptr %lane{k}, ptr %offset{k}, i64 {argument.size}, ptr %slot{k}"
+    at = f"ptr %at{k}, ptr %lane{k}, ptr %{way}.tile"
+    call = f"{at}, ptr @places{k}, ptr %offset{k}, i64 {argument.size}"
     return [
         *lines,
         f"  %streams{k} = and i1 %{way}.full, %columns{k}",
@@ -226,7 +222,7 @@ def _transfer(k: int, argument: Argument, slot: int, width: int, way: str) -> li
         f"other{k}:",
         f"  br i1 %rows{k}, label %rows.{k}, label %strided{k}",
         f"rows.{k}:",
-        f"  call void @rows_{way}_{argument.size}(ptr %at{k}, ptr %lane{k}, ptr %slot{k})",
+        f"  call void @rows{k}({at})",
         f"  br label %after{k}",
         f"strided{k}:",
         f"  call void @strided_{way}({call})",

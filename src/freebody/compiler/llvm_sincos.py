@@ -12,6 +12,9 @@ every system.
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
+
+from freebody.compiler.segments import SinCos
 
 LARGEST = 1e5
 """Arguments up to here are reduced in vector code."""
@@ -75,97 +78,134 @@ def splat(width: int, kind: str, text: object) -> str:
 
 
 def sincos(width: int, fma: bool) -> str:
-    """`void @sincos(ptr x, ptr sine, ptr cosine)`, each a vector of `width` doubles, and what it calls."""
-    v, i = f"<{width} x double>", f"<{width} x i64>"
+    """`void @sincos(ptr x, ptr sine, ptr cosine)`, each a vector of `width` doubles, for all arguments."""
+    code = _Code(width, fma)
+    v = code.v
+    code.lines.append(f"""\
+define internal void @sincos(ptr noalias %px0, ptr noalias %psin0, ptr noalias %pcos0) #0 {{
+  %x0 = load {v}, ptr %px0, align {8 * width}""")
+    code.reduce(0)
+    code.lines.append(_large_lanes(width))
+    code.polynomials(0, "%r", "%q")
+    return "\n".join(
+        [_REDUCE, *code.lines, "  ret void\n}", f"declare {v} @llvm.fma.v{width}f64({v}, {v}, {v})\n"]
+    )
 
-    def c(value: float) -> str:
-        return splat(width, "double", double(value))
 
-    def n(value: int) -> str:
-        return splat(width, "i64", value)
+def sines(name: str, steps: Sequence[SinCos], width: int, fma: bool) -> str:
+    """`void name(ptr tile)`: sines and cosines of slots of the tile, none of which is another's argument.
 
-    lines: list[str] = []
+    One look at all arguments decides between straight code and a call of `@sincos` for each: the bits are the same.
+    """
+    code = _Code(width, fma)
+    v, mask, calls = code.v, f"<{width} x i1>", []
+    code.lines.append(f"define internal void {name}(ptr noalias %tile) #0 {{")
+    for k, step in enumerate(steps):
+        for letter, slot in (("x", step.argument), ("sin", step.sine), ("cos", step.cosine)):
+            code.lines.append(f"  %p{letter}{k} = getelementptr {v}, ptr %tile, i64 {slot}")
+        code.lines.append(f"  %x{k} = load {v}, ptr %px{k}, align {8 * width}")
+        calls.append(f"  call void @sincos(ptr %px{k}, ptr %psin{k}, ptr %pcos{k})")
+    large = ""
+    for k in range(len(steps)):
+        code.reduce(k)
+        code.lines.append(f"  %large{k} = fcmp ugt {v} %a{k}, {code.c(LARGEST)}")
+        if large:
+            code.lines.append(f"  %either{k} = or {mask} {large}, %large{k}")
+        large = f"%either{k}" if large else f"%large{k}"
+    code.lines.append(f"""\
+  %bits = bitcast {mask} {large} to i{width}
+  %any = icmp ne i{width} %bits, 0
+  br i1 %any, label %general, label %straight
+general:""")
+    code.lines += [*calls, "  ret void\nstraight:"]
+    for k in range(len(steps)):
+        code.polynomials(k, f"%r{k}", f"%quadrant{k}")
+    code.lines.append("  ret void\n}\n")
+    return "\n".join(code.lines)
 
-    def horner(name: str, coefficients: tuple[float, ...]) -> str:
-        """Name of the value of the polynomial in %z."""
-        last = c(coefficients[0])
+
+class _Code:
+    """Lines of vector code; names of the values of argument k end in k."""
+
+    def __init__(self, width: int, fma: bool):
+        self.width, self.fma = width, fma
+        self.v, self.i = f"<{width} x double>", f"<{width} x i64>"
+        self.lines: list[str] = []
+
+    def c(self, value: float) -> str:
+        return splat(self.width, "double", double(value))
+
+    def n(self, value: int) -> str:
+        return splat(self.width, "i64", value)
+
+    def multiply_add(self, result: str, x: str, y: str, z: str) -> str:
+        """x y + z"""
+        v = self.v
+        if self.fma:
+            text = f"  {result} = call {v} @llvm.fma.v{self.width}f64({v} {x}, {v} {y}, {v} {z})"
+        else:
+            text = f"  {result}.p = fmul {v} {x}, {y}\n  {result} = fadd {v} {result}.p, {z}"
+        self.lines.append(text)
+        return result
+
+    def horner(self, name: str, coefficients: tuple[float, ...], z: str) -> str:
+        """Value of the polynomial in z, the highest coefficient first."""
+        last = self.c(coefficients[0])
         for k, coefficient in enumerate(coefficients[1:]):
-            lines.append(multiply_add(f"%{name}{k}", last, "%z", c(coefficient)))
-            last = f"%{name}{k}"
+            last = self.multiply_add(f"{name}.{k}", last, z, self.c(coefficient))
         return last
 
-    def multiply_add(result: str, x: str, y: str, z: str) -> str:
-        if fma:
-            return f"  {result} = call {v} @llvm.fma.v{width}f64({v} {x}, {v} {y}, {v} {z})"
-        return f"  {result}.p = fmul {v} {x}, {y}\n  {result} = fadd {v} {result}.p, {z}"
+    def reduce(self, k: int) -> None:
+        """From %x: its sign, its absolute value %a, the quadrant in the low bits of %quadrant, and %r, the rest."""
+        v, i = self.v, self.i
+        self.lines.append(f"""\
+  %x.bits{k} = bitcast {v} %x{k} to {i}
+  %sign{k} = and {i} %x.bits{k}, {self.n(-(2**63))}
+  %a.bits{k} = and {i} %x.bits{k}, {self.n(2**63 - 1)}
+  %a{k} = bitcast {i} %a.bits{k} to {v}""")
+        self.multiply_add(f"%shifted{k}", f"%a{k}", self.c(0.6366197723675814), self.c(_TO_INTEGER))
+        self.lines.append(f"""\
+  %quadrant{k} = bitcast {v} %shifted{k} to {i}
+  %k{k} = fsub {v} %shifted{k}, {self.c(_TO_INTEGER)}
+  %minus.k{k} = fneg {v} %k{k}""")
+        parts = _PIO2_FMA if self.fma else _PIO2_SPLIT
+        last = f"%a{k}"
+        for term, part in enumerate(parts, 1):
+            name = f"%r{k}" if term == len(parts) else f"%r{k}.{term}"
+            last = self.multiply_add(name, f"%minus.k{k}", self.c(part), last)
 
-    lines.append(f"""\
-define internal void @sincos(ptr noalias %px, ptr noalias %psin, ptr noalias %pcos) #0 {{
-entry:
-  %x = load {v}, ptr %px, align {8 * width}
-  %x.bits = bitcast {v} %x to {i}
-  %sign = and {i} %x.bits, {n(-(2**63))}
-  %a.bits = and {i} %x.bits, {n(2**63 - 1)}
-  %a = bitcast {i} %a.bits to {v}""")
-    lines.append(multiply_add("%shifted", "%a", c(0.6366197723675814), c(_TO_INTEGER)))
-    lines.append(f"""\
-  %quadrant = bitcast {v} %shifted to {i}
-  %k = fsub {v} %shifted, {c(_TO_INTEGER)}
-  %minus.k = fneg {v} %k""")
-    last = "%a"
-    for term, part in enumerate(_PIO2_FMA if fma else _PIO2_SPLIT):
-        lines.append(multiply_add(f"%r{term}", "%minus.k", c(part), last))
-        last = f"%r{term}"
-    r = last
-    lines.append(_large_lanes(width, r))
-    r = "%r"
-    lines.append(f"  %z = fmul {v} {r}, {r}\n  %zr = fmul {v} %z, {r}")
-    lines.append(multiply_add("%s", "%zr", horner("ps", _SIN), r))
-    # 1 - z/2 + z² P(z), with the rounding error of 1 - z/2 put back
-    pc = horner("pc", _COS)
-    lines.append(f"""\
-  %half = fmul {v} %z, {c(0.5)}
-  %w = fsub {v} {c(1.0)}, %half
-  %w.lost = fsub {v} {c(1.0)}, %w
-  %w.rest = fsub {v} %w.lost, %half
-  %zz = fmul {v} %z, %z""")
-    lines.append(multiply_add("%c.low", "%zz", pc, "%w.rest"))
-    lines.append(f"""\
-  %c = fadd {v} %w, %c.low
-  %odd = trunc {i} %q to <{width} x i1>
-  %s.abs = select <{width} x i1> %odd, {v} %c, {v} %s
-  %c.abs = select <{width} x i1> %odd, {v} %s, {v} %c
-  %s.turn = shl {i} %q, {n(62)}
-  %s.flip0 = and {i} %s.turn, {n(-(2**63))}
-  %s.flip = xor {i} %s.flip0, %sign
-  %next = add {i} %q, {n(1)}
-  %c.turn = shl {i} %next, {n(62)}
-  %c.flip = and {i} %c.turn, {n(-(2**63))}
-  %s.bits0 = bitcast {v} %s.abs to {i}
-  %c.bits0 = bitcast {v} %c.abs to {i}
-  %s.bits = xor {i} %s.bits0, %s.flip
-  %c.bits = xor {i} %c.bits0, %c.flip
-  %sine = bitcast {i} %s.bits to {v}
-  %cosine = bitcast {i} %c.bits to {v}
-  store {v} %sine, ptr %psin, align {8 * width}
-  store {v} %cosine, ptr %pcos, align {8 * width}
-  ret void
-}}
-declare {v} @llvm.fma.v{width}f64({v}, {v}, {v})
-""")
-    return "\n".join([_REDUCE, *lines])
+    def polynomials(self, k: int, r: str, q: str) -> None:
+        """Sine and cosine of r, turned by q quadrants, to where %psin and %pcos point."""
+        v, i = self.v, self.i
+        self.lines.append(f"  %z{k} = fmul {v} {r}, {r}\n  %zr{k} = fmul {v} %z{k}, {r}")
+        self.multiply_add(f"%s{k}", f"%zr{k}", self.horner(f"%ps{k}", _SIN, f"%z{k}"), r)
+        cosine = self.horner(f"%pc{k}", (*_COS, -0.5, 1.0), f"%z{k}")
+        self.lines.append(f"""\
+  %odd{k} = trunc {i} {q} to <{self.width} x i1>
+  %s.abs{k} = select <{self.width} x i1> %odd{k}, {v} {cosine}, {v} %s{k}
+  %c.abs{k} = select <{self.width} x i1> %odd{k}, {v} %s{k}, {v} {cosine}
+  %s.turn{k} = shl {i} {q}, {self.n(62)}
+  %s.flip0{k} = and {i} %s.turn{k}, {self.n(-(2**63))}
+  %s.flip{k} = xor {i} %s.flip0{k}, %sign{k}
+  %next{k} = add {i} {q}, {self.n(1)}
+  %c.turn{k} = shl {i} %next{k}, {self.n(62)}
+  %c.flip{k} = and {i} %c.turn{k}, {self.n(-(2**63))}
+  %s.bits0{k} = bitcast {v} %s.abs{k} to {i}
+  %c.bits0{k} = bitcast {v} %c.abs{k} to {i}
+  %s.bits{k} = xor {i} %s.bits0{k}, %s.flip{k}
+  %c.bits{k} = xor {i} %c.bits0{k}, %c.flip{k}
+  %sine{k} = bitcast {i} %s.bits{k} to {v}
+  %cosine{k} = bitcast {i} %c.bits{k} to {v}
+  store {v} %sine{k}, ptr %psin{k}, align {8 * self.width}
+  store {v} %cosine{k}, ptr %pcos{k}, align {8 * self.width}""")
 
 
-def _large_lanes(width: int, r: str) -> str:
+def _large_lanes(width: int) -> str:
     """%r and %q: the reduced argument and the quadrant, from the slow way in lanes that need it."""
     v, i, mask = f"<{width} x double>", f"<{width} x i64>", f"<{width} x i1>"
     lines = [
-        f"  %large = fcmp ugt {v} %a, {splat(width, 'double', double(LARGEST))}",
-        f"  %large.bits = bitcast {mask} %large to i{width}",
-        f"  %any = icmp ne i{width} %large.bits, 0",
-        "  br i1 %any, label %slow, label %polynomials",
-        "slow:",
-        f"  %safe = select {mask} %large, {v} %a, {v} {splat(width, 'double', double(2 * LARGEST))}",
+        f"  %large = fcmp ugt {v} %a0, {splat(width, 'double', double(LARGEST))}",
+        f"  %safe = select {mask} %large, {v} %a0, {v} {splat(width, 'double', double(2 * LARGEST))}",
     ]
     reduced, quadrants = "poison", "poison"
     for lane in range(width):
@@ -179,12 +219,8 @@ def _large_lanes(width: int, r: str) -> str:
         ]
         reduced, quadrants = f"%slow.r{lane}", f"%slow.q{lane}"
     lines += [
-        f"  %mixed.r = select {mask} %large, {v} {reduced}, {v} {r}",
-        f"  %mixed.q = select {mask} %large, {i} {quadrants}, {i} %quadrant",
-        "  br label %polynomials",
-        "polynomials:",
-        f"  %r = phi {v} [ {r}, %entry ], [ %mixed.r, %slow ]",
-        f"  %q = phi {i} [ %quadrant, %entry ], [ %mixed.q, %slow ]",
+        f"  %r = select {mask} %large, {v} {reduced}, {v} %r0",
+        f"  %q = select {mask} %large, {i} {quadrants}, {i} %quadrant0",
     ]
     return "\n".join(lines)
 

@@ -42,10 +42,15 @@ class SinCos:
 
 @dataclass(frozen=True)
 class Layout:
-    """Steps in order, and the number of slots: inputs come first, then outputs, then what crosses cuts."""
+    """Steps in order, and what lies where.
+
+    Inputs come first, then each different result once, then what crosses cuts.
+    """
 
     steps: tuple[Segment | SinCos, ...]
     slots: int
+    results: dict[int, int]
+    """Node of a result -> slot; equal entries of an output share one."""
 
 
 def segment(program: Program, longest: int = LONGEST) -> Layout:
@@ -114,12 +119,10 @@ def _allocate(program: Program, steps: list[list[int]]) -> Layout:
             for operand in program.operands(index):
                 if producer.get(operand, -1) != number and program.op[operand] != "const":
                     readers.setdefault(operand, set()).add(number)
-    first_output = program.input_size
-    outputs: dict[int, list[int]] = {}
-    for position, index in enumerate(program.results):
-        outputs.setdefault(index, []).append(first_output + position)
+    distinct = dict.fromkeys(program.results)
+    results = {index: program.input_size + k for k, index in enumerate(distinct)}
     storing: dict[int, list[int]] = {}  # step -> results it stores
-    for index in outputs:
+    for index in results:
         trigonometric = program.op[index] in _TRIG
         number = producer.get(index, len(steps) - 1) if not trigonometric else len(steps) - 1
         storing.setdefault(number, []).append(index)
@@ -129,7 +132,7 @@ def _allocate(program: Program, steps: list[list[int]]) -> Layout:
     slot = {i: program.a[i] for i, op in enumerate(program.op) if op == "input"}
     free: list[int] = []
     expiring: dict[int, list[int]] = {}
-    slots = program.input_size + program.output_size
+    slots = program.input_size + len(results)
     done: list[Segment | SinCos] = []
 
     def take(step: int, index: int) -> int:
@@ -156,7 +159,7 @@ def _allocate(program: Program, steps: list[list[int]]) -> Layout:
                 if index in readers:
                     step.stores[index] = [take(number, index)]
             for index in storing.get(number, []):
-                step.stores[index] = step.stores.get(index, []) + outputs[index]
+                step.stores[index] = [*step.stores.get(index, ()), results[index]]
             done.append(step)
         free += expiring.pop(number, [])
-    return Layout(tuple(done), slots)
+    return Layout(tuple(done), slots, results)
