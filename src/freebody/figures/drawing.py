@@ -28,6 +28,7 @@ class Line:
     closed: bool = False
     width: float = 0.0
     """Pixels, of a link; 0 for thin lines."""
+    label: str = ""
     far: bool = False
     """Drawn paler: far from the viewer."""
 
@@ -44,6 +45,22 @@ class Arrow:
     value: tuple[float, ...] = ()
     unit: str = ""
     heads: int = 1
+    aside: float = 0.0
+    """Pixels that it is drawn to the left of its true place, beside a link or another arrow."""
+    beside: float = 0.0
+    """Share of its length at which the label stands beside it; 0: at the tip."""
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """A length between two places, drawn `aside` pixels to the left of the line from the one to the other."""
+
+    start: Point
+    end: Point
+    name: str
+    role: str = "dimension"
+    label: str = ""
+    aside: float = 26.0
 
 
 @dataclass(frozen=True)
@@ -57,6 +74,10 @@ class Turn:
     label: str = ""
     unit: str = "N m"
     radius: float = 22.0
+    facing: float = 90.0
+    """Where the middle of the arc lies, degrees."""
+    span: float = 240.0
+    """How much of a circle it is, degrees."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +95,7 @@ class Arc:
 
 @dataclass(frozen=True)
 class Mark:
-    """A symbol of `size` pixels: joint, com, ground, slider, dot or sphere; `direction` turns it."""
+    """A symbol of `size` pixels: joint, com, ground, rail, slider, dot or sphere; `direction` turns it."""
 
     at: Point
     kind: str
@@ -109,7 +130,7 @@ class Label:
     direction: Point | None = None
 
 
-Element = Line | Arrow | Turn | Arc | Mark | Prism | Label
+Element = Line | Arrow | Dimension | Turn | Arc | Mark | Prism | Label
 
 
 @dataclass(frozen=True)
@@ -175,6 +196,10 @@ class Drawing:
     """Scale bars: length in metres of the world, text, role."""
     scale: float | None = None
     """Pixels a metre; default: what fits."""
+    formulas: bool = False
+    """Whether labels are formulas (`mathtext`) in a text face with serifs."""
+    moved: dict[int, Point] = field(default_factory=dict)
+    """How far bodies, by their number, are drawn from where they are, metres: links pulled apart."""
 
     def add(self, *elements: Element) -> None:
         """Draw more."""
@@ -200,7 +225,7 @@ def places(element: Element) -> tuple[Point, ...]:
     match element:
         case Line():
             return element.points
-        case Arrow():
+        case Arrow() | Dimension():
             return element.start, element.end
         case Arc():
             x, y = element.at
@@ -211,7 +236,9 @@ def places(element: Element) -> tuple[Point, ...]:
             )
         case Prism():
             middle, axis = np.asarray(element.at), np.asarray(element.axis) * element.half
-            return tuple(middle + axis), tuple(middle - axis)
+            across = np.eye(3) - np.outer(axis, axis) / (axis @ axis)
+            rim = [middle + sign * element.radius * row for row in across for sign in (-1, 1)]
+            return tuple(middle + axis), tuple(middle - axis), *map(tuple, rim)
         case _:
             return (element.at,)
 

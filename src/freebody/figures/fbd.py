@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -11,8 +10,9 @@ from pathlib import Path
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.figures.body import PANEL, TALLEST, diagrams
 from freebody.figures.drawing import Drawing
+from freebody.figures.figure import save, sheet
 from freebody.figures.loads import BodyLoads, body_loads
-from freebody.figures.svg import Picture, picture
+from freebody.figures.svg import picture
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector, Wrenches
 
@@ -38,21 +38,14 @@ class FreeBodyDiagram:
     @cached_property
     def svg(self) -> str:
         """SVG text that stands alone; several bodies stand in rows of two."""
-        pictures = [picture(drawing, PANEL, TALLEST) for drawing in self.drawings]
-        return (pictures[0] if len(pictures) == 1 else _sheet(pictures, self.title)).text()
+        return sheet([picture(drawing, PANEL, TALLEST) for drawing in self.drawings], self.title).text()
 
     def _repr_svg_(self) -> str:
         return self.svg
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the SVG; the path."""
-        target = Path(path)
-        if target.suffix.lower() != ".svg":
-            raise FreebodyError(
-                f"free_body_diagram: {target.name!r} is not an .svg file; name one, such as 'fbd.svg'."
-            )
-        target.write_text(self.svg, encoding="utf-8")
-        return target
+        return save(self.svg, path, "free_body_diagram")
 
 
 def free_body_diagram(
@@ -90,13 +83,3 @@ def _index(model: Model, body: str | int) -> int:
     if index < 0:
         raise UnknownNameError("body", body, f"{model.name!r}", names)
     return index
-
-
-def _sheet(pictures: Sequence[Picture], title: str) -> Picture:
-    """Panels in rows of two."""
-    body, y = "", 0.0
-    for k in range(0, len(pictures), 2):
-        row = pictures[k : k + 2]
-        body += "".join(p.text(css=False, place=f'x="{j * PANEL:g}" y="{y:g}"') for j, p in enumerate(row))
-        y += max(p.height for p in row)
-    return Picture(body, 2 * PANEL, y, title)

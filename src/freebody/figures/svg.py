@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from itertools import pairwise
@@ -10,11 +11,12 @@ from itertools import pairwise
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures import symbols, theme
+from freebody.figures import mathtext, symbols, theme
 from freebody.figures import text as texts
 from freebody.figures.drawing import (
     Arc,
     Arrow,
+    Dimension,
     Drawing,
     Element,
     Label,
@@ -55,6 +57,14 @@ class Page:
         size = math.hypot(x, y)
         return (float(x / size), float(-y / size)) if size > 1e-9 else (1.0, 0.0)
 
+    def want(self, text: str, css: str, anchors: Sequence[tuple[float, float, float, float]]) -> None:
+        """Ask for a label, as a formula where the drawing has formulas; words stay words."""
+        if self.drawing.formulas and "name" not in css:
+            css, size, wide = f"{css} f", mathtext.SIZE, mathtext.width(text)
+            self.wanted.append(Wanted(text, css, anchors, size, wide))
+        else:
+            self.wanted.append(Wanted(text, css, anchors))
+
 
 @dataclass(frozen=True)
 class Picture:
@@ -81,8 +91,7 @@ def picture(drawing: Drawing, width: float = 560.0, tallest: float = 460.0) -> P
     page, height = _fit(drawing, width, tallest)
     for element in drawing.elements:
         _DRAW[type(element)](page, element)
-    placed = [page.crowd.place(w) for w in page.wanted]
-    page.body += [_label(p) for p in placed]
+    page.body += [_label(drawing, p) for p in page.crowd.settle(page.wanted)]
     page.body += _corners(drawing, page, height)
     page.body += [
         _centred("n", width / 2, height + 4 + _NOTE * (k + 0.6), note) for k, note in enumerate(drawing.notes)
@@ -124,6 +133,9 @@ def _line(page: Page, e: Line) -> None:
         edge = f'<path class="edge" stroke-width="{e.width + 2.4:g}" d="{d}"/>'
         bar = f'<path class="bar" stroke-width="{e.width:g}" d="{d}"/>'
         page.body.append(f'<g class="far">{edge}{bar}</g>' if e.far else edge + bar)
+    elif e.closed:
+        page.body.append(f'<path class="{e.role}" d="{d}"/>')
+        points = [*points, points[0]]
     elif e.role == "shadow":
         page.body.append(f'<path class="shadow" stroke-width="7" d="{d}"/>')
     else:
@@ -131,40 +143,76 @@ def _line(page: Page, e: Line) -> None:
     if e.role not in ("grid", "shadow", "ghost"):
         for a, b in pairwise(points):
             page.crowd.keep_clear(a, b, e.width / 2 + 2 if e.width else 0.0)
+    if e.label:
+        k = len(points) // 2
+        page.want(e.label, f"{e.role}-text num", [(*points[k], 1.0, -1.0), (*points[k // 2], 1.0, -1.0)])
 
 
 def _arrow(page: Page, e: Arrow) -> None:
-    a, b = page.at(e.start), page.at(e.end)
-    page.body.append(symbols.arrow(a, b, e.role, e.heads, _tooltip(e.label or e.name)))
+    a, b = _beside(page.at(e.start), page.at(e.end), e.aside)
+    page.body.append(symbols.arrow(a, b, e.role, e.heads, _tooltip(page, e.label or e.name)))
     page.crowd.keep_clear(a, b)
     if e.label:
         dx, dy = (b[0] - a[0], b[1] - a[1])
-        middle = ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)
         beyond = (b[0], b[1], dx, dy) if math.hypot(dx, dy) > 1 else (b[0], b[1], 1.0, -1.0)
-        anchors = [beyond, (*middle, -dy, dx), (*middle, dy, -dx)]
-        page.wanted.append(Wanted(e.label, f"{e.role}-text num", anchors))
+        at = e.beside or 0.5
+        shares = (at, at + 0.15, at - 0.15)
+        left, right = (
+            [(a[0] + k * dx, a[1] + k * dy, side * dy, -side * dx) for k in shares] for side in (1, -1)
+        )
+        sides = left + right if e.aside >= 0 else right + left
+        anchors = [*sides, beyond] if e.beside else [beyond, sides[0], sides[3]]
+        page.want(e.label, f"{e.role}-text num", anchors)
+
+
+def _beside(a: symbols.Pixel, b: symbols.Pixel, aside: float) -> tuple[symbols.Pixel, symbols.Pixel]:
+    """A segment moved some pixels to its left."""
+    length = math.dist(a, b)
+    if not aside or not length:
+        return a, b
+    u, v = aside * (b[1] - a[1]) / length, -aside * (b[0] - a[0]) / length
+    return (a[0] + u, a[1] + v), (b[0] + u, b[1] + v)
+
+
+def _dimension(page: Page, e: Dimension) -> None:
+    ends = page.at(e.start), page.at(e.end)
+    a, b = _beside(*ends, e.aside)
+    page.body.append(symbols.dimension(ends, (a, b)))
+    page.crowd.keep_clear(a, b)
+    for end, moved in zip(ends, (a, b), strict=True):
+        page.crowd.keep_clear(end, moved)
+    if e.label:
+        dx, dy = (b[1] - a[1], a[0] - b[0]) if e.aside >= 0 else (a[1] - b[1], b[0] - a[0])
+        anchors = [(a[0] + k * (b[0] - a[0]), a[1] + k * (b[1] - a[1]), dx, dy) for k in (0.5, 0.65, 0.35)]
+        page.want(e.label, "dimension-text num", anchors)
 
 
 def _turn(page: Page, e: Turn) -> None:
     x, y = page.at(e.at)
-    page.body.append(symbols.turn((x, y), e.radius, e.value, e.role, _tooltip(e.label or e.name)))
-    for k in range(12):
-        a = math.pi * k / 6
-        page.crowd.points.append((x + e.radius * math.cos(a), y + e.radius * math.sin(a)))
+    page.body.append(
+        symbols.turn((x, y), e.radius, e.value, e.role, _tooltip(page, e.label or e.name), e.facing, e.span)
+    )
+    for k in range(25):
+        a = math.radians(e.facing + e.span * (k / 24 - 0.5))
+        page.crowd.points.append((x + e.radius * math.cos(a), y - e.radius * math.sin(a)))
     if e.label:
         r = e.radius
-        anchors = [(x - r, y - r * 0.4, -1.0, -0.6), (x + r, y - r * 0.4, 1.0, -0.6), (x, y + r, 0.0, 1.0)]
-        page.wanted.append(Wanted(e.label, f"{e.role}-text num", anchors))
+        around = [math.radians(e.facing + e.span * k) for k in (0.25, -0.25, 0, 0.5, -0.5)]
+        anchors = [(x + r * math.cos(a), y - r * math.sin(a), math.cos(a), -math.sin(a)) for a in around]
+        page.want(e.label, f"{e.role}-text num", anchors)
 
 
 def _arc(page: Page, e: Arc) -> None:
     x, y = page.at(e.at)
     r = e.radius * page.scale
     page.body.append(symbols.arc((x, y), r, e.start, e.sweep))
-    middle = e.start + e.sweep / 2
+    for k in range(max(2, int(abs(e.sweep) * r / 5))):
+        a = e.start + e.sweep * k / max(1, int(abs(e.sweep) * r / 5))
+        page.crowd.points.append((x + r * math.cos(a), y - r * math.sin(a)))
     if e.label:
-        dx, dy = math.cos(middle), -math.sin(middle)
-        page.wanted.append(Wanted(e.label, "num", [(x + r * dx, y + r * dy, dx, dy)]))
+        around = [e.start + e.sweep * k for k in (0.5, 0.7, 0.3)]
+        anchors = [(x + r * math.cos(a), y - r * math.sin(a), math.cos(a), -math.sin(a)) for a in around]
+        page.want(e.label, "num", anchors)
 
 
 def _mark(page: Page, e: Mark) -> None:
@@ -172,6 +220,14 @@ def _mark(page: Page, e: Mark) -> None:
     heading = page.towards(e.direction) if e.direction else (1.0, 0.0)
     page.body.append(symbols.MARKS[e.kind]((x, y), e.size, heading, e.role))
     page.crowd.keep_clear((x - e.size * 0.7, y), (x + e.size * 0.7, y))
+    page.crowd.points += [
+        (x + e.size * math.cos(k * math.pi / 4), y + e.size * math.sin(k * math.pi / 4)) for k in range(8)
+    ]
+    if e.kind == "ground":
+        for depth in (1.2, 2.0):
+            u, v = e.size * heading[0], e.size * heading[1]
+            foot = (x - depth * u, y - depth * v)
+            page.crowd.keep_clear((foot[0] + 2 * v, foot[1] - 2 * u), (foot[0] - 2 * v, foot[1] + 2 * u))
 
 
 def _prism(page: Page, e: Prism) -> None:
@@ -185,30 +241,39 @@ def _prism(page: Page, e: Prism) -> None:
 def _text(page: Page, e: Label) -> None:
     x, y = page.at(e.at)
     dx, dy = page.towards(e.direction) if e.direction else (0.8, -0.8)
-    page.wanted.append(
-        Wanted(
-            e.text, "name" if e.role == "name" else f"{e.role}-text num", [(x, y, dx, dy), (x, y, -dx, -dy)]
-        )
-    )
+    css = "name" if e.role == "name" else f"{e.role}-text num"
+    page.want(e.text, css, [(x, y, dx, dy), (x, y, -dx, -dy)])
 
 
-_DRAW = {Line: _line, Arrow: _arrow, Turn: _turn, Arc: _arc, Mark: _mark, Prism: _prism, Label: _text}
+_DRAW = {
+    Line: _line,
+    Arrow: _arrow,
+    Dimension: _dimension,
+    Turn: _turn,
+    Arc: _arc,
+    Mark: _mark,
+    Prism: _prism,
+    Label: _text,
+}
 assert set(_DRAW) == set(Element.__args__)
 
 
-def _tooltip(text: str) -> str:
-    return f"<title>{escape(texts.plain(text))}</title>"
+def _tooltip(page: Page, text: str) -> str:
+    plain = mathtext.plain if page.drawing.formulas else texts.plain
+    return f"<title>{escape(plain(text))}</title>"
 
 
 def _centred(css: str, x: float, y: float, text: str) -> str:
     return f'<text class="{css}" x="{x:.1f}" y="{y:.1f}" text-anchor="middle">{texts.marked(text)}</text>'
 
 
-def _label(placed: Placed) -> str:
+def _label(drawing: Drawing, placed: Placed) -> str:
     left, top, right, bottom = placed.box
-    return _centred(
-        f"halo {placed.wanted.css}", (left + right) / 2, bottom - (bottom - top) * 0.27, placed.wanted.text
-    )
+    x, y, css = (left + right) / 2, bottom - (bottom - top) * 0.27, f"halo {placed.wanted.css}"
+    if drawing.formulas and "name" not in css:
+        formula = mathtext.marked(placed.wanted.text)
+        return f'<text class="{css}" x="{x:.1f}" y="{y:.1f}" text-anchor="middle">{formula}</text>'
+    return _centred(css, x, y, placed.wanted.text)
 
 
 def _corners(drawing: Drawing, page: Page, height: float) -> list[str]:

@@ -42,16 +42,25 @@ def arrow(a: Pixel, b: Pixel, role: str, heads: int = 1, title: str = "") -> str
     return f'<g>{title}<path class="{role}" d="{path([a, shaft])}"/>{"".join(tips)}</g>'
 
 
-def turn(at: Pixel, radius: float, value: float, role: str, title: str = "") -> str:
-    """A moment: three quarters of a circle with a head; counter-clockwise where positive."""
+def turn(
+    at: Pixel,
+    radius: float,
+    value: float,
+    role: str,
+    title: str = "",
+    facing: float = 90.0,
+    span: float = 240.0,
+) -> str:
+    """A moment: an arc of `span` degrees around the direction `facing`; counter-clockwise where positive."""
     way = 1.0 if value >= 0 else -1.0
-    start, end = math.radians(90 - 120 * way), math.radians(90 + 120 * way)
+    start, end = math.radians(facing - span / 2 * way), math.radians(facing + span / 2 * way)
+    large = int(span > 180)
     x, y = at
     p0 = (x + radius * math.cos(start), y - radius * math.sin(start))
     p1 = (x + radius * math.cos(end), y - radius * math.sin(end))
     heading = (-math.sin(end + 0.18 * way) * way, -math.cos(end + 0.18 * way) * way)
     sweep = 0 if way > 0 else 1
-    d = f"M{p0[0]:.1f} {p0[1]:.1f}A{radius:.1f} {radius:.1f} 0 1 {sweep} {p1[0]:.1f} {p1[1]:.1f}"
+    d = f"M{p0[0]:.1f} {p0[1]:.1f}A{radius:.1f} {radius:.1f} 0 {large} {sweep} {p1[0]:.1f} {p1[1]:.1f}"
     nose = (p1[0] + 5 * heading[0], p1[1] + 5 * heading[1])
     return f'<g>{title}<path class="{role}" d="{d}"/>{head(nose, heading, role)}</g>'
 
@@ -68,6 +77,18 @@ def arc(at: Pixel, radius: float, start: float, sweep: float) -> str:
     bend = end - way * min(3.0 / radius, abs(sweep) / 2)
     heading = (-math.sin(bend) * way, -math.cos(bend) * way)
     return f'<path class="angle" d="{d}"/>{head(p1, heading, "angle", 7)}'.replace("angle-head", "anglehead")
+
+
+def dimension(ends: tuple[Pixel, Pixel], line: tuple[Pixel, Pixel]) -> str:
+    """A line with a head at both ends, and thin ones to it from what it measures."""
+    (a, b), length = line, math.dist(*line)
+    thin = "".join(path([p, q]) for p, q in zip(ends, line, strict=True) if math.dist(p, q) > 1)
+    out = f'<path class="dimension" d="{thin}{path([a, b])}"/>'
+    if length < 1:
+        return out
+    u, v = (b[0] - a[0]) / length, (b[1] - a[1]) / length
+    size = min(8.0, 0.45 * length)
+    return out + head(b, (u, v), "dimension", size) + head(a, (-u, -v), "dimension", size)
 
 
 def joint(at: Pixel, size: float, heading: Pixel, role: str) -> str:
@@ -107,6 +128,16 @@ def ground(at: Pixel, size: float, heading: Pixel, role: str) -> str:
     return "".join(f'<path class="{css}" d="{d}"/>' for css, d in parts.items())
 
 
+def rail(at: Pixel, size: float, heading: Pixel, role: str) -> str:
+    """A hatched line along `heading`, below which the ground is."""
+    (x, y), (u, v) = at, heading
+    line = [(x - size * u, y - size * v), (x + size * u, y + size * v)]
+    count = max(int(size / 5), 2)
+    steps = [(x + size * u * k / count, y + size * v * k / count) for k in range(-count + 1, count + 1)]
+    strokes = [path([(p, q), (p - 5 * u - 5 * v, q - 5 * v + 5 * u)]) for p, q in steps]
+    return f'<path class="hatch" d="{"".join(strokes)}"/><path class="rail" d="{path(line)}"/>'
+
+
 def slider(at: Pixel, size: float, heading: Pixel, role: str) -> str:
     """A block that slides along `heading`."""
     (x, y), (u, v) = at, heading
@@ -123,7 +154,7 @@ def dot(at: Pixel, size: float, heading: Pixel, role: str) -> str:
 
 
 MARKS: dict[str, Callable[[Pixel, float, Pixel, str], str]] = {
-    "joint": joint, "sphere": sphere, "com": com, "ground": ground, "slider": slider, "dot": dot,
+    "joint": joint, "sphere": sphere, "com": com, "ground": ground, "rail": rail, "slider": slider, "dot": dot,
 }  # fmt: skip
 
 

@@ -1,0 +1,89 @@
+"""Several drawings on one sheet: what is shown, saved, and asked for its elements."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from freebody.errors import FreebodyError, UnknownNameError
+from freebody.figures.drawing import Drawing, Element
+from freebody.figures.svg import Picture, natural_scale, picture
+
+WIDE, TALL = 400.0, 380.0
+"""Size of one drawing on a sheet, pixels."""
+
+
+@dataclass(frozen=True, eq=False)
+class Figure:
+    """Drawings that belong together; shows itself in a notebook."""
+
+    title: str
+    drawings: tuple[Drawing, ...]
+    columns: int = 2
+    width: float = WIDE
+    """Of one drawing, pixels."""
+    tallest: float = TALL
+
+    @cached_property
+    def svg(self) -> str:
+        """SVG text that stands alone."""
+        return self.picture.text()
+
+    @cached_property
+    def picture(self) -> Picture:
+        """The sheet."""
+        pictures = [picture(drawing, self.width, self.tallest) for drawing in self.drawings]
+        return sheet(pictures, self.title, self.columns)
+
+    def named(self, name: str, panel: int | None = None) -> Element:
+        """The element of that name in the first drawing that has it, or in drawing `panel` (from 0).
+
+        Raises UnknownNameError, which lists the names.
+        """
+        searched = self.drawings if panel is None else (self.drawings[panel],)
+        for drawing in searched:
+            for element in drawing.elements:
+                if element.name == name:
+                    return element
+        names = sorted({e.name for drawing in searched for e in drawing.elements})
+        raise UnknownNameError("element", name, f"{self.title!r}", names)
+
+    def _repr_svg_(self) -> str:
+        return self.svg
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the SVG; the path."""
+        return save(self.svg, path, "a figure")
+
+
+def sheet(pictures: Sequence[Picture], title: str, columns: int = 2) -> Picture:
+    """Pictures of one width in rows, on a common lower edge."""
+    if len(pictures) == 1:
+        return Picture(pictures[0].body, pictures[0].width, pictures[0].height, title)
+    body, y, wide = "", 0.0, pictures[0].width
+    for k in range(0, len(pictures), columns):
+        row = pictures[k : k + columns]
+        tall = max(p.height for p in row)
+        for j, p in enumerate(row):
+            body += p.text(css=False, place=f'x="{j * wide:g}" y="{y + tall - p.height:g}"')
+        y += tall
+    return Picture(body, min(columns, len(pictures)) * wide, y, title)
+
+
+def to_one_scale(drawings: Sequence[Drawing], wide: float = WIDE, tall: float = TALL) -> None:
+    """Give drawings the largest scale at which each of them fits."""
+    scale = min(natural_scale(drawing, wide, tall) for drawing in drawings)
+    for drawing in drawings:
+        drawing.scale = scale
+
+
+def save(svg: str, path: str | os.PathLike[str], what: str) -> Path:
+    """Write SVG text to a file that ends in .svg; the path."""
+    target = Path(path)
+    if target.suffix.lower() != ".svg":
+        raise FreebodyError(f"{what}: {target.name!r} is not an .svg file; name one, such as 'fbd.svg'.")
+    target.write_text(svg, encoding="utf-8")
+    return target

@@ -1,0 +1,79 @@
+"""`kinematic_diagram`: a robot with the names of its geometry, its vectors, its velocities or its accelerations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+from freebody.errors import FreebodyError, UnknownNameError
+from freebody.figures.drawing import Drawing
+from freebody.figures.figure import Figure, to_one_scale
+from freebody.figures.sketch import arm, frames, motion, vectors
+from freebody.figures.sketch.names import Names
+from freebody.figures.sketch.snapshot import Snapshot, snapshot
+from freebody.model.model import Model
+from freebody.numerics.calls import Vector
+
+Layer = Callable[[Drawing, Snapshot, Names], None]
+WIDE, TALL = 440.0, 420.0
+"""Size of one drawing, pixels."""
+
+_GEOMETRY: tuple[Layer, ...] = (arm.angles, arm.slides, arm.centres)
+_BENT: tuple[Layer, ...] = (arm.angles, arm.slides)
+PLANE: dict[str, tuple[Layer, ...]] = {
+    "geometry": (*_GEOMETRY, arm.lengths),
+    "vectors": (*_BENT, vectors.links, lambda drawing, seen, names: vectors.to_tip(drawing, seen)),
+    "centres": (*_GEOMETRY, vectors.of_centres),
+    "velocities": (*_GEOMETRY, motion.rates, motion.of_centres),
+    "accelerations": (*_GEOMETRY, partial(motion.rates, second=True), motion.second_of_centres),
+}
+"""What a drawing of a planar arm may show, and of what layers it is made."""
+SPACE: dict[str, tuple[Layer, ...]] = {
+    "frames": (frames.joint_axes, frames.variables),
+    "normals": (frames.joint_axes, frames.normals),
+    "vectors": (frames.links, frames.centres),
+}
+"""The same of a robot in space."""
+
+
+def kinematic_diagram(
+    model: Model,
+    q: Vector | None = None,
+    show: str | Sequence[str] | None = None,
+    qd: Vector | None = None,
+    qdd: Vector | None = None,
+) -> Figure:
+    """Drawings of a robot with symbols: geometry and vectors in the plane, joint axes and common normals in space.
+
+    q: (nq,) rad or m; qd, qdd: (nv,); default: a state that is seen well. Parameters without value get one that is.
+    show: one or several of "geometry" (θ_i, d_i, l_i, C_i), "vectors" (s_i, r), "centres" (r_ci), "velocities"
+    (rates, v_ci), "accelerations" in the plane; "frames" (z_i, joint variables), "normals" (a_i, d_i), "vectors"
+    (s_i, C_i) in space. Returns a figure with `.svg`, `.save("arm.svg")` and `.named("s_1")`, the elements as data.
+    Raises ShapeError, NotFiniteError, UnknownNameError. Source: figures 1.2, 2.1, 3.2, 4.3, 5.3, 6.4, 6.5.
+    """
+    known = PLANE if model.dim == 2 else SPACE
+    default = ("geometry", "vectors") if model.dim == 2 else ("frames", "normals")
+    chosen = default if show is None else (show,) if isinstance(show, str) else tuple(show)
+    for name in chosen:
+        if name not in known:
+            raise UnknownNameError("view", name, f"kinematic_diagram of a model in {model.dim}D", known)
+    if not chosen:
+        raise FreebodyError(f"kinematic_diagram: show is empty; name one of {', '.join(known)}.")
+    seen = snapshot(model, q, qd, qdd)
+    drawings = tuple(view(seen, name) for name in chosen)
+    to_one_scale(drawings, WIDE, TALL)
+    return Figure(f"Kinematic diagram of {model.name}", drawings, 2, WIDE, TALL)
+
+
+def view(seen: Snapshot, show: str) -> Drawing:
+    """One of the drawings of `PLANE` or `SPACE`."""
+    names, title = Names(), f"{seen.model.name}: {show}"
+    if seen.model.dim == 2:
+        drawing, layers = arm.blank(title), PLANE[show]
+        arm.structure(drawing, seen, names, faint=show == "vectors")
+    else:
+        drawing, layers = frames.blank(title, frames.viewed(seen)), SPACE[show]
+        frames.structure(drawing, seen)
+    for layer in layers:
+        layer(drawing, seen, names)
+    return drawing

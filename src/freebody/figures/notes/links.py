@@ -1,0 +1,136 @@
+"""Figures 4.1 and 4.2: velocities from link to link, and one link among others."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.figures.drawing import Arc, Drawing, Label, Line, Mark, Turn, point
+from freebody.figures.figure import Figure
+from freebody.figures.plane import add_body
+from freebody.figures.skeleton import BodyPlace
+from freebody.figures.sketch import arm, forces
+from freebody.figures.sketch.names import Names
+from freebody.figures.sketch.snapshot import Snapshot, snapshot
+from freebody.figures.sketch.vectors import BESIDE, arrow, position
+from freebody.model.planar import planar
+from freebody.numerics.calls import Vector
+
+_RELATIVE = Names(index=lambda n: {1: "0"}.get(n, ""), point=lambda n: {1: "O"}.get(n, "B"), tip="A")
+_INDICES = {1: "i−2", 2: "i−1", 3: "i", 4: "i+1"}
+_GENERAL = Names(index=lambda n: _INDICES[n], point=lambda n: "·ABC"[n - 1], tip="", turned="M")
+
+
+def relative_velocity(q: Vector = (0.45, 0.6), qd: Vector = (0.8, 0.7)) -> Figure:
+    """Figure 4.1: links O-B and B-A with their angles and rates; v_A = v_B + ω × s, drawn to scale."""
+    model = planar("RR", l=[1.0, 0.9], lc=[0.5, 0.45], m=[1.0, 1.0], I=[0.1, 0.1])
+    seen = snapshot(model, q, qd, [0.0, 0.0])
+    return Figure("Velocity of a point from that of another", (_two_rates(seen), _construction(seen)))
+
+
+def _two_rates(seen: Snapshot) -> Drawing:
+    drawing = arm.blank("Two links with their angular velocities")
+    arm.structure(drawing, seen, _RELATIVE)
+    arm.angles(drawing, seen, _RELATIVE)
+    first, second = seen.pose.bodies
+    position(drawing, second.origin, _tip(seen), "s", -BESIDE)
+    scale = _speed_scale(seen)
+    _speed(drawing, seen, second, second.origin, "v_B", scale)
+    _speed(drawing, seen, second, _tip(seen), "v_A", scale)
+    for body, name in ((first, "ω_0"), (second, "ω")):
+        _turning(drawing, seen, body, name)
+    drawing.notes = ["(a) angles and rates"]
+    return drawing
+
+
+def _construction(seen: Snapshot) -> Drawing:
+    """Link B-A alone: v_B at both ends, ω × s on top of it at A, their sum v_A."""
+    drawing = arm.blank("v_A as the sum of v_B and ω × s")
+    body, tip, scale = seen.pose.bodies[1], _tip(seen), _speed_scale(seen)
+    arm.axes(drawing, seen.size)
+    add_body(drawing, body)
+    for place, name, way in ((body.origin, "B", (1.0, -0.6)), (tip, "A", (1.0, 0.3))):
+        drawing.add(Mark(point(place), "joint", name, "joint", size=6.0))
+        drawing.add(Label(point(place), name, f"label {name}", direction=way))
+    position(drawing, np.zeros(2), body.origin, "r")
+    position(drawing, body.origin, tip, "s", -BESIDE)
+    v_b, v_a = (seen.velocity_at(body, place) for place in (body.origin, tip))
+    middle = tip + scale * v_b
+    _speed(drawing, seen, body, body.origin, "v_B", scale)
+    arrow(drawing, tip, middle, "v_B at A", "inertia", v_b, "m/s", label="*v*_B", beside=0.5)
+    end, turned = middle + scale * (v_a - v_b), "*ω* × *s*"
+    arrow(drawing, middle, end, "ω × s", "velocity", v_a - v_b, "m/s", label=turned, beside=0.5)
+    _speed(drawing, seen, body, tip, "v_A", scale)
+    _turning(drawing, seen, body, "ω")
+    _inclination(drawing, seen, body)
+    drawing.notes = ["(b) the velocities of B and A"]
+    return drawing
+
+
+def _inclination(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
+    """φ, from the direction of x to s."""
+    reach = 0.15 * seen.size
+    end = body.origin + np.array([1.6 * reach, 0.0])
+    drawing.add(Line((point(body.origin), point(end)), "reference φ", "guide"))
+    along = arm.heading(seen, body)
+    drawing.add(Arc(point(body.origin), reach, 0.0, math.atan2(along[1], along[0]), "φ", label="φ"))
+
+
+def _tip(seen: Snapshot) -> Array:
+    if seen.pose.tip is None:
+        raise ValueError("an arm with a tip is needed")
+    return seen.pose.tip
+
+
+def _speed_scale(seen: Snapshot) -> float:
+    v = seen.velocity_at(seen.pose.bodies[1], _tip(seen))
+    return 0.38 * seen.size / float(np.linalg.norm(v))
+
+
+def _speed(drawing: Drawing, seen: Snapshot, body: BodyPlace, place: Array, name: str, scale: float) -> None:
+    v = seen.velocity_at(body, place)
+    arrow(drawing, place, place + scale * v, name, "velocity", v, "m/s")
+
+
+def _turning(drawing: Drawing, seen: Snapshot, body: BodyPlace, name: str, share: float = 0.5) -> None:
+    """The angular velocity of a body on its left, around a point at a share of its length."""
+    end, along = seen.end(body), arm.heading(seen, body)
+    at = body.origin + share * ((body.com if end is None else end) - body.origin)
+    left, value = math.degrees(math.atan2(along[0], -along[1])), float(seen.angular(body)[0])
+    drawing.add(Turn(point(at), value, name, "velocity", name, "rad/s", 24.0, left, 140.0))
+
+
+def one_of_many() -> Figure:
+    """Figure 4.2: link i between links i-1 and i+1, with all vectors of the planar recursion."""
+    n = 4
+    model = planar("R" * n, l=[0.7, 0.9, 1.1, 0.8], lc=[0.3, 0.45, 0.6, 0.4], m=[2.0] * n, I=[0.15] * n)
+    seen = snapshot(
+        model.replace(gravity=0.0), (-0.5, 0.7, 0.75, -0.9), (0.5, 0.3, 0.4, 0.3), (0.5, 0.9, -3.0, 0.2)
+    )
+    drawing = arm.blank("Link i of a planar arm with the forces on it")
+    before, body, after = seen.pose.bodies[1:4]
+    for link in (before, after):
+        name = f"link {_INDICES[link.number]}"
+        drawing.add(*(Line((point(a), point(b)), name, "link", width=9.0, far=True) for a, b in link.outline))
+    add_body(drawing, body)
+    for link in (before, body, after):
+        arm.joint(drawing, link)
+        drawing.add(Label(point(link.origin), _GENERAL.point(link.number), f"label {_GENERAL.point(link.number)}",
+                          direction=(0.7, -1.0)))  # fmt: skip
+    drawing.add(Mark(point(body.com), "com", "C_i", "com", size=6.0))
+    drawing.add(Label(point(body.com), "C_i", "label C_i", direction=(0.5, -1.0)))
+    position(drawing, before.origin, body.origin, "s_{i−1}", -BESIDE)
+    position(drawing, body.origin, after.origin, "s_i", -BESIDE - 6)
+    position(drawing, body.origin, body.com, "s_{ci}", BESIDE)
+    speeds = [seen.velocity_at(link, link.origin) for link in (before, body)]
+    scale = 0.2 * seen.size / max(float(np.linalg.norm(v)) for v in speeds)
+    _speed(drawing, seen, before, before.origin, "v_{i−1}", scale)
+    _speed(drawing, seen, body, body.origin, "v_i", scale)
+    a = seen.acceleration_at(body, body.com)
+    end = body.com + 0.2 * seen.size * a / np.linalg.norm(a)
+    arrow(drawing, body.com, end, "v\u0307_{ci}", "acceleration", a, "m/s²")
+    _turning(drawing, seen, body, "ω_i", 0.78)
+    forces.act(drawing, seen, body, _GENERAL, ("reaction", "counter"))
+    return Figure("Forces on a single body", (drawing,), 1, 560.0, 460.0)

@@ -1,0 +1,40 @@
+"""What the notes' figures of planar arms are put together from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from freebody.figures.drawing import Drawing
+from freebody.figures.sketch import arm
+from freebody.figures.sketch.names import Names
+from freebody.figures.sketch.snapshot import Snapshot, snapshot
+from freebody.formats.loading import load
+from freebody.numerics.calls import Vector, Wrenches
+
+Layer = Callable[[Drawing, Snapshot, Names], None]
+
+NAMES = Names()
+GEOMETRY: tuple[Layer, ...] = (arm.angles, arm.lengths, arm.centres)
+RATES, SECOND = [0.9, 1.1], [1.5, 1.0]
+"""Joint rates (rad/s) and accelerations (rad/s²) of the two-link arm in the figures that show its motion."""
+TIP = [-4.5, -3.0, 0.0]
+"""The tip load of section 2.4: force (N), moment (N m)."""
+
+
+def two_links(
+    q: Vector | None = None, qd: Vector | None = None, qdd: Vector | None = None, wrenches: Wrenches = None
+) -> Snapshot:
+    """The bundled arm 2R at a pose that is seen well; at rest unless rates are given."""
+    return snapshot(load("2R"), q, qd or [0.0, 0.0], qdd or [0.0, 0.0], wrenches)
+
+
+def panel(
+    seen: Snapshot, note: str, layers: Sequence[Layer], names: Names = NAMES, faint: bool = False
+) -> Drawing:
+    """An arm with some layers, and a line of words below."""
+    drawing = arm.blank(f"{seen.model.name}: {note}")
+    arm.structure(drawing, seen, names, faint)
+    for layer in layers:
+        layer(drawing, seen, names)
+    drawing.notes = [note]
+    return drawing

@@ -1,0 +1,196 @@
+"""A planar arm without numbers: ground, bars, joints, centres of mass, angles, slides, lengths, axes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.figures.drawing import FLAT, Arc, Arrow, Dimension, Drawing, Label, Line, Mark, Point, point
+from freebody.figures.plane import add_body
+from freebody.figures.skeleton import BodyPlace
+from freebody.figures.sketch.names import Names
+from freebody.figures.sketch.snapshot import Snapshot
+
+_ARC = 0.15
+"""Radius of an angle's arc, of the drawing's size."""
+_NEAR = 1e-6  # metres: places nearer than this are one
+
+
+def blank(title: str) -> Drawing:
+    """A drawing in the plane with formulas for labels."""
+    return Drawing(FLAT, title, formulas=True)
+
+
+def structure(drawing: Drawing, seen: Snapshot, names: Names, faint: bool = False) -> None:
+    """Ground, links and joints of an arm, its axes x and y, and the names of its joints; faint: vectors lie on it."""
+    for root in seen.pose.roots:
+        support(drawing, root, seen.size)
+    axes(drawing, seen.size)
+    for body in seen.pose.bodies:
+        rod(drawing, body)
+        if faint:
+            outline = [Line((point(a), point(b)), f"link {body.number}", "ghost") for a, b in body.outline]
+            drawing.add(*outline)
+        else:
+            add_body(drawing, body)
+    for body in seen.pose.bodies:
+        joint(drawing, body)
+    if seen.pose.tip is not None:
+        drawing.add(Mark(point(seen.pose.tip), "dot", names.tip, "position-head", size=3.5))
+    points(drawing, seen, names)
+
+
+def axes(drawing: Drawing, size: float, origin: Point = (0.0, 0.0), share: float = 0.3) -> None:
+    """World axes x and y from the origin."""
+    for name, (u, v) in (("x", (1.0, 0.0)), ("y", (0.0, 1.0))):
+        end = (origin[0] + share * size * u, origin[1] + share * size * v)
+        drawing.add(Arrow(origin, end, name, "soft"), Label(end, name, f"label {name}", direction=(u, v)))
+
+
+def support(drawing: Drawing, root: BodyPlace, size: float) -> None:
+    """The ground: a pedestal under a turn, a hatched guide under a slide."""
+    if root.kind == "prismatic" and root.axis is not None:
+        half = 0.5 * float(np.linalg.norm(root.origin - root.carrier)) + 0.12 * size
+        middle = (root.origin + root.carrier) / 2
+        below = point(root.axis if root.axis[0] >= 0 else -root.axis)
+        ends = point(middle - half * root.axis), point(middle + half * root.axis)
+        drawing.add(Line(ends, "ground", "rail"))
+        drawing.add(
+            *hatch(np.array(ends[0]), np.array(ends[1]), np.array([below[1], -below[0]]), 0.03 * size)
+        )
+    else:
+        drawing.add(Mark(point(root.carrier), "ground", "ground", "ground", (0.0, 1.0), 9.0))
+
+
+def hatch(a: Array, b: Array, into: Array, depth: float) -> list[Line]:
+    """Strokes from a line into the ground."""
+    count = max(int(np.linalg.norm(b - a) / depth / 0.9), 2)
+    along = (b - a) / count
+    back = depth * (into - 0.7 * along / np.linalg.norm(along))
+    return [
+        Line((point(a + k * along), point(a + k * along + back)), "hatch", "hatch")
+        for k in range(1, count + 1)
+    ]
+
+
+def rod(drawing: Drawing, body: BodyPlace) -> None:
+    """What a slide runs on, from where it begins; the ground's guide is drawn by `support`."""
+    if body.kind == "prismatic" and body.parent >= 0:
+        drawing.add(Line((point(body.carrier), point(body.origin)), f"rod {body.number}", "rail"))
+
+
+def joint(drawing: Drawing, body: BodyPlace, size: float = 6.0) -> None:
+    """A pin, or a block along the slide."""
+    name = f"joint {body.number}"
+    if body.kind == "prismatic" and body.axis is not None:
+        drawing.add(Mark(point(body.origin), "slider", name, "joint", point(body.axis), 8.0))
+    else:
+        drawing.add(Mark(point(body.origin), "joint", name, "joint", size=size))
+
+
+def points(drawing: Drawing, seen: Snapshot, names: Names) -> None:
+    """Names of the joints and of the tip, away from the links that meet there; one name a place, the tip's first."""
+    bodies = seen.pose.bodies
+    taken = [] if seen.pose.tip is None else [seen.pose.tip]
+    for body in bodies:
+        if all(np.linalg.norm(body.origin - place) > _NEAR for place in taken):
+            text = names.point(body.number)
+            drawing.add(Label(point(body.origin), text, f"label {text}", direction=clear_way(seen, body)))
+            taken.append(body.origin)
+    if seen.pose.tip is not None and names.tip:
+        last = bodies[-1]
+        away = seen.pose.tip - last.origin
+        direction = point(away) if np.linalg.norm(away) > _NEAR else (1.0, 1.0)
+        drawing.add(Label(point(seen.pose.tip), names.tip, f"label {names.tip}", direction=direction))
+
+
+def clear_way(seen: Snapshot, body: BodyPlace) -> Point:
+    """The direction from a joint in which nothing of the arm lies."""
+    after = heading(seen, body)
+    if body.parent < 0:  # between the link and the foot of the pedestal that is farther from it
+        at = math.degrees(math.atan2(after[1], after[0])) % 360
+        foot = 240.0 if at < 90 or at > 270 else -60.0
+        middle = math.radians(((at if at <= 270 else at - 360) + foot) / 2)
+        return (math.cos(middle), math.sin(middle))
+    before = -heading(seen, seen.pose.bodies[body.parent])
+    away = -(after + before)
+    return point(away) if np.linalg.norm(away) > 0.1 else (-float(after[1]), float(after[0]))
+
+
+def heading(seen: Snapshot, body: BodyPlace) -> Array:
+    """Unit vector along a body, from its joint outwards."""
+    end = seen.end(body)
+    for place in (end, body.com):
+        if place is not None and np.linalg.norm(place - body.origin) > _NEAR:
+            return (place - body.origin) / np.linalg.norm(place - body.origin)
+    return body.rotation[:, 0]
+
+
+def centres(drawing: Drawing, seen: Snapshot, names: Names) -> None:
+    """Centres of mass with their names."""
+    for body in seen.pose.bodies:
+        if body.mass > 0:
+            name, along = names.on("C", body.number), heading(seen, body)
+            right = (float(along[1]), -float(along[0]))
+            drawing.add(Mark(point(body.com), "com", name, "com", size=6.0))
+            drawing.add(Label(point(body.com), name, f"label {name}", direction=right))
+
+
+def angles(drawing: Drawing, seen: Snapshot, names: Names) -> None:
+    """θ_1 from the x axis, further ones from the line of the link before."""
+    for body in seen.pose.bodies:
+        if body.kind in ("revolute", "continuous"):
+            angle(drawing, body, _ARC * seen.size, names.on("θ", body.number))
+
+
+def angle(drawing: Drawing, body: BodyPlace, reach: float, name: str) -> None:
+    """A joint's angle: dashed where it starts, an arc with a head where it ends."""
+    before = math.atan2(body.carrier_rotation[1, 0], body.carrier_rotation[0, 0])
+    now = math.atan2(body.rotation[1, 0], body.rotation[0, 0])
+    turned = math.remainder(now - before, 2 * math.pi)
+    end = body.origin + 1.5 * reach * np.array([math.cos(before), math.sin(before)])
+    drawing.add(Line((point(body.origin), point(end)), f"reference {name}", "guide"))
+    drawing.add(Arc(point(body.origin), reach, before, turned, name, label=name))
+
+
+def slides(drawing: Drawing, seen: Snapshot, names: Names) -> None:
+    """d_i, from where a slide begins to the joint's block."""
+    for body in seen.pose.bodies:
+        if body.kind == "prismatic" and np.linalg.norm(body.origin - body.carrier) > _NEAR:
+            name = names.on("d", body.number)
+            ends = point(body.carrier), point(body.origin)
+            drawing.add(Dimension(*ends, name, label=name, aside=-_clear_side(seen, body) * 20.0))
+
+
+def lengths(drawing: Drawing, seen: Snapshot, names: Names) -> None:
+    """l_i, on the side where no angle is."""
+    for body in seen.pose.bodies:
+        for end in body.ends[:1]:
+            place = end.place
+            if np.linalg.norm(place - body.origin) > 0.05 * seen.size:
+                name = names.on("l", body.number)
+                aside = _clear_side(seen, body) * 14.0
+                drawing.add(Dimension(point(body.origin), point(place), name, label=name, aside=aside))
+
+
+def _clear_side(seen: Snapshot, body: BodyPlace) -> float:
+    """1: left of a body, -1: right of it; an angle is drawn behind the turn that made it."""
+    if body.kind == "prismatic":
+        return 1.0 if not body.parent >= 0 else _clear_side(seen, seen.pose.bodies[body.parent])
+    turned = float(
+        body.carrier_rotation[0, 0] * body.rotation[1, 0] - body.carrier_rotation[1, 0] * body.rotation[0, 0]
+    )
+    return 1.0 if turned >= 0 else -1.0
+
+
+def inertias(drawing: Drawing, seen: Snapshot, names: Names) -> None:
+    """(m_i, I_i) beside the links."""
+    for body in seen.pose.bodies:
+        if body.mass > 0:
+            text = f"{names.on('m', body.number)}, {names.on('I', body.number)}"
+            along = heading(seen, body)
+            place = body.com + 0.1 * seen.size * along
+            right = (float(along[1]), -float(along[0]))
+            drawing.add(Label(point(place), text, text, direction=right))

@@ -1,0 +1,142 @@
+"""A model at one instant: where its parts are, how they move, and what acts on them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.figures.loads import BodyLoads, body_loads
+from freebody.figures.skeleton import BodyPlace, Skeleton, extent, skeleton
+from freebody.model.model import Model
+from freebody.numerics.calls import Vector, Wrenches, vector
+from freebody.numerics.kinematics import acceleration, velocity
+from freebody.numerics.states import neutral
+
+_PATTERN = (("lc", 0.45), ("l", 0.9), ("a", 0.4), ("d", 0.3), ("m", 1.0), ("I", 0.05), ("g", 9.81))
+_TURNS = (0.60, 0.75, -0.85, 0.80, -0.70)  # rad, of an arm that is only to be looked at
+_RATES, _SECOND = (0.9, 1.1, -0.8), (1.5, 1.0, -1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """A model and its state: q (nq,) rad or m; qd, qdd (nv,); wrenches on it as for `inverse_dynamics`."""
+
+    model: Model
+    q: Array
+    qd: Array
+    qdd: Array
+    wrenches: Wrenches = None
+
+    @cached_property
+    def pose(self) -> Skeleton:
+        """Where all parts are."""
+        return skeleton(self.model, self.q)
+
+    @cached_property
+    def size(self) -> float:
+        """Diagonal of the box around the robot, metres."""
+        return extent([self.pose])
+
+    @cached_property
+    def loads(self) -> tuple[BodyLoads, ...]:
+        """Forces and moments on each body."""
+        return body_loads(self.model, self.q, self.qd, self.qdd, self.wrenches)
+
+    def end(self, body: BodyPlace) -> Array | None:
+        """Where s_i of a body ends: at the joint of its first child (after a slide), else at the tip; or nowhere."""
+        for end in body.ends:
+            if end.child is not None:
+                return self.pose.bodies[end.child].origin
+        return body.ends[0].place if body.ends else None
+
+    def velocity_at(self, body: BodyPlace, place: Array) -> Array:
+        """Velocity (dim,) of the point of a body that is at `place`, m/s, world axes."""
+        local = body.rotation.T @ (place - body.origin)
+        found = velocity(self.model, self.q, self.qd, self._frame(body), local)
+        return np.asarray(found)[: self.model.dim]
+
+    def acceleration_at(self, body: BodyPlace, place: Array) -> Array:
+        """Acceleration (dim,) of that point, m/s²."""
+        local = body.rotation.T @ (place - body.origin)
+        found = acceleration(self.model, self.q, self.qd, self.qdd, self._frame(body), local)
+        return np.asarray(found)[: self.model.dim]
+
+    def angular(self, body: BodyPlace) -> Array:
+        """Angular velocity of a body: (3,) rad/s in world axes, (1,) in the plane."""
+        return np.asarray(velocity(self.model, self.q, self.qd, self._frame(body)))[self.model.dim :]
+
+    def _frame(self, body: BodyPlace) -> str:
+        return next(f.name for f in self.model.frames if f.body == body.index and not f.parent)
+
+
+def snapshot(
+    model: Model,
+    q: Vector | None = None,
+    qd: Vector | None = None,
+    qdd: Vector | None = None,
+    wrenches: Wrenches = None,
+) -> Snapshot:
+    """A snapshot; parameters without value and a state that is not given are chosen so that the drawing is clear."""
+    shown = with_values(model)
+
+    def given(name: str, value: Vector | None, default: Callable[[Model], Array]) -> Array:
+        return default(shown) if value is None else vector("a drawing", shown, name, value)
+
+    return Snapshot(
+        shown,
+        given("q", q, clear_pose),
+        given("qd", qd, lambda m: _cycled(m, _RATES)),
+        given("qdd", qdd, lambda m: _cycled(m, _SECOND)),
+        wrenches,
+    )
+
+
+def with_values(model: Model) -> Model:
+    """The model with a value for each parameter that has none, by what its name says it is."""
+    missing = model.missing
+    return model.bind(**{name: _typical(name) for name in missing}) if missing else model
+
+
+def _typical(name: str) -> float:
+    """Metres, kg or kg m²: links grow shorter outwards; products of inertia are 0."""
+    if re.search(r"(xy|xz|yz)$", name):
+        return 0.0
+    size = next((value for start, value in _PATTERN if name.startswith(start)), 0.1)
+    digits = re.search(r"\d+", name)
+    return size * 0.9 ** (int(digits.group()) - 1) if digits and name[0] in "lad" else size
+
+
+def clear_pose(model: Model) -> Array:
+    """q (nq,) at which an arm is seen well: bent at each turn, slid out at each slide, within the limits."""
+    q = np.array(neutral(model), dtype=float)
+    length = _slide(model)
+    turn = 0
+    for body, at in zip(model.bodies, model.coordinates, strict=True):
+        if body.joint.mimic is not None or body.kind.nq != 1:
+            continue
+        if body.joint.kind == "prismatic":
+            value = length
+        else:
+            value, turn = _TURNS[turn % len(_TURNS)], turn + 1
+        limits = body.joint.limits
+        low, high = limits.lower, limits.upper
+        if np.isfinite(low) and np.isfinite(high):
+            value = min(max(value, low + 0.25 * (high - low)), high - 0.25 * (high - low))
+        q[at.q[0]] = value
+    return q
+
+
+def _slide(model: Model) -> float:
+    """How far slides are drawn out, metres: about as long as the links are."""
+    size = extent([skeleton(model, neutral(model))])
+    turns = sum(body.joint.kind != "prismatic" for body in model.bodies)
+    return 0.7 if size == 1.0 and not turns else 0.55 * size / max(turns, 1)
+
+
+def _cycled(model: Model, values: tuple[float, ...]) -> Array:
+    return np.array([values[k % len(values)] for k in range(model.nv)])
