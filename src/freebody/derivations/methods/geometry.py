@@ -6,6 +6,7 @@ from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Step
 from freebody.derivations.expression import Equation, Expression, eq
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.names import vec
 from freebody.elementary import Scalar
 
 
@@ -23,6 +24,8 @@ def geometry(setting: Setting, rotations: bool = False, inertias: bool = True) -
         reason = f"{reach}{along}; components are along x and y."
     else:
         turned = "; R takes components from one body's axes to another's" if rotations else ""
+        if setting.weighs and not rotations:
+            turned = ", and so is gravity, R turning it from the world's axes"
         still = "each is given in the axes of body i, in which it does not change unless a joint slides"
         reason = f"{reach}; {still}{turned}."
     return Step("The vectors", reason, tuple(lines), figure="kinematics")
@@ -45,6 +48,9 @@ def _in_space(s: Setting, i: int, rotations: bool, inertias: bool) -> list[Equat
         R = s.motion.joints[i][0]
         back = [[R[c][r] for c in range(3)] for r in range(3)]
         lines.append(eq(rotation_name(s, s.tree.bodies[i].parent, i), _matrix(s, back)))
+    elif s.weighs:
+        field = ex.mul(rotation_name(s, -1, i), vec("g"))
+        lines.append(eq(field, s.column(s.gravity(i))))
     if inertias:
         lines.append(eq(f"I{s.numbers[i]}", _matrix(s, s.inertia(i))))
     return lines

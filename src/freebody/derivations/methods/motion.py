@@ -34,12 +34,23 @@ def motion(s: Setting) -> list[Step]:
         ),
         Step(
             "Accelerations of the centres of mass",
-            "A second time derivative: what stands with a second rate points along the motion, what stands with a "
-            "square of rates towards the pivots."
-            if not slides
-            else "A second time derivative; a point that slides on a turning body has Coriolis' acceleration 2 ω × ḋ u "
-            "besides.",
+            _second(s, slides),
             tuple(vd),
             {"R": ("3.9",)}.get(s.cited, () if s.planar else ("6.22",)),
         ),
     ]
+
+
+def _second(s: Setting, slides: bool) -> str:
+    """What the terms of an acceleration are."""
+    if slides:
+        return (
+            "A second time derivative; a point that slides on a turning body has Coriolis' acceleration 2 ω × ḋ u "
+            "besides."
+        )
+    if s.planar:
+        return (
+            "A second time derivative: what stands with a second rate points along the motion, what stands with a "
+            "square of rates towards the pivots."
+        )
+    return "A second time derivative: terms with second rates, and terms with products of rates because the axes turn."

@@ -152,5 +152,7 @@ class FreeBodies:
         lines = []
         if reactions:
             lines.append(eq(s.force_name(s.tree.bodies[i].parent, i), s.column(self.reactions.f[i])))
+            if self.joint_moment(i) != s.torque_name(i):
+                lines.append(eq(self.joint_moment(i), s.angular(self.reactions.n[i])))
         lines.append(eq(s.torque_name(i), s.show(self.tau[i])))
         return Step(f"Put the motion in: joint {n}", wording.substituted(s, i, reactions), tuple(lines))

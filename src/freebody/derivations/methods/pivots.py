@@ -46,9 +46,10 @@ def _carried(s: Setting, i: int, drive: Expression) -> Step:
     n = s.numbers[i]
     lines = [*_arms(s, i), eq(s.torque_name(i), ex.add(_balance(s, i), drive))]
     if s.turns(i):
+        pivot = "the pivot" if s.planar else "its axis"
         reason = (
             f"Take all that joint {n} carries as one system: its inner reactions cancel, and the reaction at the joint "
-            "has no moment about the pivot, so that one moment equation gives the torque."
+            f"has no moment about {pivot}, so that one moment equation gives the torque."
         )
     else:
         reason = (
@@ -69,11 +70,13 @@ def _arms(s: Setting, i: int) -> list[Equation]:
 
 
 def _arm(s: Setting, i: int, k: int) -> Expression:
-    return s.name("sc", i) if k == i else s.name(f"r{s.numbers[i]}_c", k)
+    a, b = s.numbers[i], s.numbers[k]
+    return s.name("sc", i) if k == i else ex.Symbol(f"r{a}_c{b}", "r", (str(a), f"c{b}"), bold=True)
 
 
 def _tip_arm(s: Setting, i: int) -> Expression:
-    return s.name("s", i) if s.loaded(i) else vec(f"r{s.numbers[i]}_P")
+    n = str(s.numbers[i])
+    return s.name("s", i) if s.loaded(i) else ex.Symbol(f"r{n}_P", "r", (n, "P"), bold=True)
 
 
 def _way(s: Setting, i: int, k: int, last: Expression) -> Expression:

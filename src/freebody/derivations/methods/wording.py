@@ -60,5 +60,6 @@ def substituted(s: Setting, i: int, reactions: bool) -> str:
     """What is put in where."""
     motor = f"the {'torque' if s.turns(i) else 'force'} of motor {s.numbers[i]}"
     bearing = "bearing" if s.turns(i) else "guide"
-    carried = f"the force that the {bearing} of joint {s.numbers[i]} passes on, and " if reactions else ""
+    what = "force" if s.planar and s.turns(i) else "force and the moment"
+    carried = f"the {what} that the {bearing} of joint {s.numbers[i]} passes on, and " if reactions else ""
     return f"With the vectors put in: {carried}{motor}, sorted by accelerations and rates."

@@ -111,17 +111,15 @@ def latex(derivation: Derivation) -> str:
         r"\setlength{\parskip}{4pt}",
         r"\raggedbottom",
         r"\allowdisplaybreaks",
-        rf"\title{{{tex_prose(_title(derivation))}}}",
-        r"\date{}",
         r"\begin{document}",
-        r"\maketitle",
+        rf"{{\LARGE\bfseries {tex_prose(_title(derivation))}\par}}\bigskip",
     ]
     if derivation.given:
         lines += [tex_prose(derivation.given), *_latex_table(derivation)]
     for step in derivation.steps:
         notes = tex_prose(_numbers(step, "notes {}"))
-        lines.append(rf"\section{{{tex_prose(step.operation)}}}")
-        lines.append(tex_prose(step.reason) + (rf" \hfill{{\small[{notes}]}}" if notes else ""))
+        beside = rf"\hfill{{\normalfont\small {notes}}}" if notes else ""
+        lines += [rf"\section{{{tex_prose(step.operation)}{beside}}}", tex_prose(step.reason)]
         if step.equations:
             lines.append(_latex_equations(step))
     lines += [rf"\medskip\textit{{{tex_prose(_source(derivation))}}}", r"\end{document}"]

@@ -76,7 +76,7 @@ def _width(string: str) -> float:
     """About how wide it is, in letters; scripts are smaller, elements take no room."""
     full = len(_TAGS.sub("", string))
     scripts = sum(len(_TAGS.sub("", s)) for s in re.findall(r"(?:</mi>|</mover>)<mrow>(.*?)</mrow>", string))
-    return full - 0.4 * scripts + 1.2 * string.count('form="infix"')
+    return 0.85 * (full - 0.4 * scripts) + 0.8 * string.count('form="infix"')
 
 
 def _number(node: Number, _: Renderer) -> str:

@@ -50,7 +50,8 @@ def latex(groups: Groups, environment: str = "aligned", width: int = 76) -> str:
 
 def _latex_row(row: Row, room: float) -> str:
     left = "" if row.left is None else tex.latex(row.left) + " "
-    first, *rest = broken(tex.breakable(row.right), room, tex.width)
+    fits = span(row.right) <= room
+    first, *rest = [tex.latex(row.right)] if fits else broken(tex.breakable(row.right), room, tex.width)
     return "\n".join(line + " \\\\" for line in (f"{left}&= {first}", *(f"&\\quad {x}" for x in rest)))
 
 
@@ -66,7 +67,7 @@ def span(node: Expression) -> float:
 
 
 # ---------------------------------------------------------------- MathML
-def html(groups: Groups, width: int = 76) -> str:
+def html(groups: Groups, width: int = 89) -> str:
     """One MathML table, equations aligned at their sign, long ones broken before one."""
     sizes = [rows(group, width, span) for group in groups]
     room = min((room for _, room in sizes), default=width)
@@ -83,7 +84,7 @@ def html(groups: Groups, width: int = 76) -> str:
 
 def _mathml_row(row: Row, room: float, apart: bool) -> str:
     left = ("" if row.left is None else web.row(row.left)) + "<mo>=</mo>"
-    lines = web.broken_rows(row.right, room)
+    lines = [web.row(row.right)] if span(row.right) <= room else web.broken_rows(row.right, room)
     cells = ""
     for k, part in enumerate(lines):
         space = "padding-top:1em;" if apart and k == 0 else ""

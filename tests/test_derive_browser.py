@@ -1,0 +1,66 @@
+"""Derivations and equations in a real browser: formulas are drawn, and no line is wider than the page."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+import freebody as fb
+from test_derive import METHODS, spatial_arm
+from test_report_browser import browser
+
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.skipif(
+        not (shutil.which("chromium") and shutil.which("chromedriver")),
+        reason="needs chromium and chromedriver",
+    ),
+]
+
+MODELS = [*map(fb.planar, ("R", "RR", "RP", "RRR")), spatial_arm(5, 3), fb.planar("RR").replace(gravity=0)]
+SIZES = """return [...document.querySelectorAll('.equations')].map(e => {
+  const room = e.getBoundingClientRect(), table = e.querySelector('mtable').getBoundingClientRect();
+  return {room: room.width, width: table.width, height: table.height, rows: e.querySelectorAll('mtr').length}})"""
+DOTS = """const find = x => [...document.querySelectorAll(x)].map(e => e.getBoundingClientRect());
+  return [find('mover > mi'), find('mover > mo')]"""
+
+
+@pytest.fixture(scope="module")
+def driver(tmp_path_factory):
+    with browser(tmp_path_factory.mktemp("profile")) as opened:
+        opened.set_window_size(1100, 900)
+        yield opened
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_derivations_are_drawn_and_fit(driver, tmp_path: Path, method):
+    for model in MODELS:
+        derivation = fb.derive(model, method)
+        page = tmp_path / "derivation.html"
+        page.write_text(derivation.html())
+        driver.get(page.as_uri())
+        sizes = driver.execute_script(SIZES)
+        assert len(sizes) == sum(bool(step.equations) for step in derivation.steps)
+        for size in sizes:
+            assert size["width"] <= size["room"], (model.name, size)
+            assert size["height"] >= 15 * size["rows"] > 0
+        assert not [entry for entry in driver.get_log("browser") if entry["level"] == "SEVERE"]
+
+
+def test_mathml_stacks_dots_above_letters_and_indices_below(driver, tmp_path: Path):
+    page = tmp_path / "equations.html"
+    page.write_text(f"<!doctype html><meta charset='utf-8'>{fb.equations(fb.planar('RR')).mathml()}")
+    driver.get(page.as_uri())
+    letters, dots = driver.execute_script(DOTS)
+    assert len(letters) == len(dots) >= 8
+    for letter, dot in zip(letters, dots, strict=True):
+        assert letter["height"] > 0
+        assert dot["top"] <= letter["top"] + 2
+    index = (
+        "const m = document.querySelector('msub'); return [...m.children].map(e => e.getBoundingClientRect())"
+    )
+    base, low = driver.execute_script(index)
+    assert low["bottom"] > base["bottom"]
+    assert low["left"] >= base["right"] - 2
