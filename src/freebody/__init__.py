@@ -63,6 +63,7 @@ _PLACES = {
         "forward_dynamics_parameter_derivatives",
     ),
     "freebody.numerics.states": ("neutral", "random_state", "integrate", "difference"),
+    "freebody.numerics.attitude": ("quat_wxyz", "rotation"),
     "freebody.numerics.inverse.kinematics": ("inverse_kinematics",),
     "freebody.numerics.inverse.rates": ("inverse_velocity", "inverse_acceleration"),
     "freebody.numerics.inverse.singularities": ("singularities",),

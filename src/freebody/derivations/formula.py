@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from fractions import Fraction
 
 from freebody.derivations import expression as ex
@@ -47,16 +48,22 @@ class FormulaError(FreebodyError, ValueError):
     """A formula that cannot be read or evaluated."""
 
 
-def parse(text: str, bold: Collection[str] = ()) -> Expression:
-    """A formula as it is printed: an equation where it has an =, else one expression; names in `bold` are vectors."""
+def parse(text: str, bold: Collection[str] = (), primed: Collection[str] = ()) -> Expression:
+    """A formula as it is printed: an equation where it has an =, else one expression.
+
+    Names in `bold` are vectors, those in `primed` have components in the axes of their own body.
+    """
     if len(text) > LONGEST:
         raise FormulaError(f"the formula has {len(text)} characters; at most {LONGEST} are read.")
-    sides = [_Parser(side, bold).expression() for side in text.split("=")]
+    sides = [_Parser(side, bold, primed).expression() for side in text.split("=")]
     return sides[0] if len(sides) == 1 else Equation(tuple(sides))
 
 
-def symbol(name: str, bold: bool = False) -> Expression:
-    """The symbol of a name, those of links with letters for numbers included."""
+def symbol(name: str, bold: bool = False, primed: bool = False) -> Expression:
+    """The symbol of a name, those of links with letters for numbers included; omega_prime is ω with a prime."""
+    if primed or "_prime" in name:
+        plain = symbol(name.replace("_prime", ""), bold)
+        return replace(plain, name=name, high="′") if isinstance(plain, Symbol) else plain
     high = re.fullmatch(r"([A-Za-z]+)([\dihk])_([\dihk])", name)
     if high:
         letter, up, low = high.groups()
@@ -75,9 +82,9 @@ def symbol(name: str, bold: bool = False) -> Expression:
 class _Parser:
     """One side of a formula, by Python's own grammar, of which a few nodes are let in."""
 
-    def __init__(self, text: str, bold: Collection[str]):
+    def __init__(self, text: str, bold: Collection[str], primed: Collection[str]):
         self.text = text.strip().replace("^", "**")
-        self.bold = bold
+        self.bold, self.primed = bold, primed
 
     def expression(self) -> Expression:
         try:
@@ -93,7 +100,7 @@ class _Parser:
             case ast.Constant(value=int() | float()):
                 return self._number(node)
             case ast.Name(id=name):
-                return symbol(name, name in self.bold)
+                return symbol(name, name in self.bold, name in self.primed)
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 return ex.neg(self._read(operand))
             case ast.BinOp(left=left, op=operator, right=right):
@@ -140,10 +147,10 @@ class _Parser:
             raise FormulaError(f"{name} is given {len(arguments)} arguments.") from None
 
 
-def as_printed(text: str, bold: Collection[str] = ()) -> Expression:
+def as_printed(text: str, bold: Collection[str] = (), primed: Collection[str] = ()) -> Expression:
     """A formula, or the text itself in upright words where it is none."""
     try:
-        return parse(text, bold)
+        return parse(text, bold, primed)
     except FormulaError:
         return ex.Words(text)
 

@@ -55,7 +55,7 @@ def quantities(
     or nc1 (mass times acceleration, rate of spin), T1, V1, tau1. Of the arm: q, qd, qdd, tau, M, H11, c, G, G1, J, J_d,
     x, y, r, r_d, r_dd, T, V, L, gravity, z; and all its symbols.
     In the plane vectors have world axes, in space those of their own body (as in chapter 6); there R2_1 takes
-    components of body 1 to body 2, and R1 those of body 1 to the world.
+    components of body 1 to body 2, R1 those of body 1 to the world, and p1_2 is the origin of frame 2 in frame 1.
 
     load: a force f = (fx, fy) acts on the tip. at_rest: nothing moves. gravity: "explicit" counts each body's weight
     among its forces; "base" accelerates the base by -g instead, which then is in all accelerations. Raises
@@ -159,12 +159,22 @@ class _Quantities:
             start = neg(s.tree.gravity) if self.base else s.tree.space.zero
             found |= {"v0": nothing, "v0_d": self._vector(start), "s0": self._vector(motion.joints[i][1])}
             found |= {f"omega0{d}": self._angular(s.tree.space.zero_angular) for d in ("", "_d")}
-        if not s.planar:
-            R, _ = motion.joints[i]
-            found[f"R{n}_{n - 1}"] = tuple(map(self._vector, transposed(R)))
-            found[f"R{n}"] = tuple(map(self._vector, s.world[i][0]))
-            if n == 1:
-                found["R0"] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+        return found if s.planar else found | self._turns(i)
+
+    def _turns(self, i: int) -> Values:
+        """Rotations between neighbours, R2_1 from body 1 to 2, and p1_2, where frame 2 is in frame 1."""
+        n, s = self.s.numbers[i], self.s
+        R, p = self.record.motion.joints[i]
+        E, one = transposed(R), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+        found: Values = {
+            f"R{n}_{n - 1}": tuple(map(self._vector, E)), f"R{n - 1}_{n}": tuple(map(self._vector, R)),
+            f"R{n}": tuple(map(self._vector, s.world[i][0])),
+            f"p{n - 1}_{n}": self._vector(p), f"p{n}_{n - 1}": self._vector(neg(times(E, p))),
+        }  # fmt: skip
+        if n == 1:
+            found["R0"] = one
+        if not s.tree.children(i):
+            found |= {f"R{n}_{n + 1}": one, f"p{n}_{n + 1}": self._vector(s.to_tip(i))}
         return found
 
     def _geometry(self, i: int) -> Values:
@@ -189,12 +199,13 @@ class _Quantities:
             (a * b for a, b in zip(s.tree.gravity, s.centre_position(i), strict=True)), s.symbols.zero()
         )
         found: Values = {
+            f"m{n}": self._element(s.mass(i)),
             f"f{n - 1}{n}": self._axes(i, record.f[i]), f"{spin}{n}": self._angular(record.n[i]),
             f"fc{n}": self._axes(i, record.F[i][0]), f"{spin}c{n}": self._angular(record.N[i][0]),
             f"T{n}": self._element(twice) * Fraction(1, 2), f"V{n}": -self._element(s.mass(i) * height),
         }  # fmt: skip
+        found[f"I{n}"] = self._element(s.inertia(i)) if s.planar else tuple(map(self._vector, s.inertia(i)))
         if not s.planar:
-            found[f"I{n}"] = tuple(map(self._vector, s.inertia(i)))
             found[f"gravity{n}"] = self._vector(s.gravity(i))
         if not s.tree.children(i):
             load = tuple(s.symbols.ring[name] for name in s.load)

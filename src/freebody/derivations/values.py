@@ -242,6 +242,20 @@ def divided(a: Value, b: Value) -> Value:
     return Fraction(a, b) if isinstance(a, int) and isinstance(b, int) else a / b
 
 
+def _applied(function: Any, x: Value, name: str) -> Value:
+    """A function of each of several values, but for the sum, which takes them together."""
+    return Each(map(function, x)) if isinstance(x, Each) and name != "∑" else function(x)
+
+
+def _stacked(entries: list[Value]) -> Value:
+    """A vector; of entries that are given for several bodies a vector for each."""
+    counts = {len(x) for x in entries if isinstance(x, Each)}
+    if not counts:
+        return tuple(entries)
+    rows = [x if isinstance(x, Each) else Each((x,) * max(counts)) for x in entries]
+    return Each(zip(*rows, strict=True))
+
+
 def _symbol(node: Symbol, values: Mapping[str, Value]) -> Value:
     if node.name not in values:
         raise UnknownNameError("quantity", node.name, "the values given", values)
@@ -257,10 +271,10 @@ _RULES: dict[type, Any] = {
     Quotient: _quotient,
     Power: _power,
     Transposed: lambda node, v: transposed(value(node.operand, v)),
-    Function: lambda node, v: _FUNCTIONS[node.name](value(node.argument, v)),
+    Function: lambda node, v: _applied(_FUNCTIONS[node.name], value(node.argument, v), node.name),
     Cross: lambda node, v: crossed(value(node.left, v), value(node.right, v)),
     Derivative: _derivative,
     Dot: lambda node, v: dotted(value(node.left, v), value(node.right, v)),
-    Vector: lambda node, v: tuple(value(x, v) for x in node.entries),
+    Vector: lambda node, v: _stacked([value(x, v) for x in node.entries]),
     Matrix: lambda node, v: tuple(tuple(value(x, v) for x in row) for row in node.rows),
 }

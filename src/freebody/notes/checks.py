@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 import textwrap
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
@@ -25,6 +26,8 @@ from freebody.notes.item import Outcome
 ARM = 'fb.planar("RR")'
 """The notes' arm of two links."""
 
+
+_OWN_AXES = re.compile(r"(omega|v|vc|sc|f|n|fc|nc)_?[\dihk]")
 
 NOTHING = Outcome(False, ("Nothing is printed here.",))
 
@@ -66,11 +69,13 @@ class Answer:
 class Related:
     """The form is a relation between quantities; `values` is the call that gives them, or a function without arguments.
 
-    links: the form holds for link i, and is tried at each of these.
+    links: the form holds for link i, and is tried at each of these. also: a further relation that has to hold, which
+    proves the form in another way, such as by differentiation.
     """
 
     values: str | Callable[[], Mapping[str, Any]] = f"fb.quantities({ARM})"
     links: tuple[int, ...] = ()
+    also: str = ""
 
     @cached_property
     def _values(self) -> Mapping[str, Any]:
@@ -80,6 +85,13 @@ class Related:
     def bold(self) -> Collection[str]:
         values = self._at(self.links[0]) if self.links else self._values
         return frozenset(name for name, x in values.items() if rank(plain(x)))
+
+    @property
+    def primed(self) -> Collection[str]:
+        """Vectors of a model in space, which have components in the axes of their own body."""
+        if not isinstance(self._values, Quantities) or self._values.layout.symbols.model.dim == 2:
+            return ()
+        return frozenset(name for name in self.bold if _OWN_AXES.match(name))
 
     def _at(self, n: int) -> Mapping[str, Any]:
         assert isinstance(self._values, Quantities)
@@ -93,9 +105,9 @@ class Related:
         return f"{source(self.values)}\n\nfb.relation({self.values.__name__}(), {form!r})"
 
     def run(self, form: str) -> Outcome:
-        outcomes = [self._one(part) for part in parts(form)]
+        outcomes = [self._one(part) for part in [*parts(form), *parts(self.also)]]
         failed = [outcome for outcome in outcomes if not outcome.holds]
-        if not outcomes:
+        if not parts(form):
             return NOTHING
         chosen = failed or outcomes
         return Outcome(
@@ -189,10 +201,12 @@ class Digits:
         )
 
     def _one(self, form: str) -> Outcome:
-        left, _, right = form.rpartition("=")
-        computed = value(parse(left.split("=")[-1]), self.values())
-        fits = agrees(computed, right)
-        return Outcome(fits, (f"computed {number(computed, 8)}, printed {right.strip()}.",))
+        values = self.values()
+        *left, right = form.split("=")
+        computed = value(parse(left[0]), values)
+        same = len(left) == 1 or bool(relation(values, "=".join(left)))
+        line = f"{left[0].strip()}: computed {number(computed, 8)}, printed {right.strip()}."
+        return Outcome(same and agrees(computed, right), (line,))
 
 
 # ---------------------------------------------------------------- by a function

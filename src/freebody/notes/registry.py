@@ -10,7 +10,7 @@ from freebody.notes.item import Item
 
 CHAPTERS = (
     "planar_motion", "mass", "planar_body", "jacobian", "statics", "pendulum", "two_link", "recursion", "energy",
-    "lagrange",
+    "lagrange", "space_body", "quadrotor", "space_recursion",
 )  # fmt: skip
 """Files of `notes.chapters`."""
 

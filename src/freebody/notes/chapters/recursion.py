@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import freebody as fb
-from freebody.notes.checks import ARM, Related, Run
+from freebody.notes.checks import Related, Run
 from freebody.notes.item import Item, Outcome
 
 
