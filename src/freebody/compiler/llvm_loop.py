@@ -1,5 +1,8 @@
 """LLVM text of the gufunc loop: groups of samples in, `@compute` on a tile of slots, groups out.
 
+Results of one round go out after the inputs of the next one have come in, from tiles of their own: the processor
+computes while its stores wait for the memory.
+
 A tile holds one vector of lanes for each slot: lane l of slot j is scalar j of sample l. How an argument gets
 there and back is chosen when the loop begins, see `llvm_tile`.
 
@@ -49,12 +52,13 @@ _FLAGS = {
 
 
 def _loop(program: Program, target: Target, slots: int, tiles: int) -> str:
-    """Rounds of `tiles` groups: all in, `@compute`, all out."""
+    """Rounds of `tiles` groups: all in, those of the round before out, `@compute`."""
     width = target.width
     arguments = program.inputs + program.outputs
     lanes = 8 * width * len(arguments)
     sizes = {
-        "tile": 8 * width * slots * tiles,
+        "tile.a": 8 * width * slots * tiles,
+        "tile.b": 8 * width * slots * tiles,
         "lanes": lanes,
         "lanes.short": lanes,
         "offsets": 8 * sum(argument.size for argument in arguments),
@@ -72,43 +76,104 @@ def _loop(program: Program, target: Target, slots: int, tiles: int) -> str:
         lines += _prepare(k, argument, core, first, width)
         core += len(argument.shape)
         first += argument.size
-    lines.append("""\
+    lines.append(f"""\
   br label %head
 head:
   %i = phi i64 [ 0, %entry ], [ %i.next, %tail ]
-  %more = icmp slt i64 %i, %n
-  br i1 %more, label %in, label %end""")
+  %tile = phi ptr [ %tile.a, %entry ], [ %before.tile, %tail ]
+  %before.tile = phi ptr [ %tile.b, %entry ], [ %tile, %tail ]
+  %before = sub i64 %i, {width * tiles}
+  %more = icmp slt i64 %before, %n
+  br i1 %more, label %choose, label %end""")
     inputs = list(enumerate(program.inputs))
     outputs = list(enumerate(program.outputs, len(inputs)))
-    lines += _phase("in", inputs, width, slots, tiles, after="run")
-    lines.append("run:\n  call void @compute(ptr %tile, i64 %in.g)\n  br label %out")
-    lines += _phase("out", outputs, width, slots, tiles, after="tail")
-    lines.append(f"tail:\n  %i.next = add i64 %i, {width * tiles}\n  br label %head\nend:")
+    lines += _whole_round(inputs, outputs, width, slots, tiles)
+    lines += _phase("in", "%i", "%tile", inputs, width, slots, tiles)
+    lines.append("in.done:\n  %started = icmp ne i64 %i, 0\n  br i1 %started, label %out, label %out.done")
+    lines += _phase("out", "%before", "%before.tile", outputs, width, slots, tiles)
+    lines.append(f"""\
+out.done:
+  %some = icmp ne i64 %in.g, 0
+  br i1 %some, label %run, label %tail
+run:
+  %groups = phi i64 [ %in.g, %out.done ], [ {tiles}, %whole ]
+  call void @compute(ptr %tile, i64 %groups)
+  br label %tail
+tail:
+  %i.next = add i64 %i, {width * tiles}
+  br label %head
+end:""")
     shapes = [f"@shape{k} = internal constant {integers(x.shape)}" for k, x in enumerate(arguments)]
     return "\n".join([*lines, *give_back, _FLAGS[target.x86]["restore"], "  ret void", "}", *shapes, ""])
 
 
-def _phase(
-    way: str, arguments: list[tuple[int, Argument]], width: int, slots: int, tiles: int, after: str
+def _whole_round(
+    inputs: list[tuple[int, Argument]],
+    outputs: list[tuple[int, Argument]],
+    width: int,
+    slots: int,
+    tiles: int,
 ) -> list[str]:
-    """Move the groups of one round in or out; afterwards `%in.g` or `%out.g` is their number."""
-    before = {"in": "head", "out": "run"}[way]
+    """A round of full groups whose arguments are all rows, and the one before it, with nothing to be decided."""
+    lines, all_rows = ["choose:"], "%later"
+    lines.append("  %later = icmp ne i64 %i, 0")
+    for k, _ in inputs + outputs:
+        lines.append(f"  %only.rows{k} = xor i1 %addressed{k}, true")
+        lines.append(f"  %all{k} = and i1 {all_rows}, %only.rows{k}")
+        all_rows = f"%all{k}"
+    lines += [
+        f"  %i.end = add i64 %i, {width * tiles}",
+        "  %fits = icmp sle i64 %i.end, %n",
+        f"  %plain = and i1 {all_rows}, %fits",
+        "  br i1 %plain, label %whole, label %in",
+        "whole:",
+    ]
+    for start, tile, arguments in (("%i", "%tile", inputs), ("%before", "%before.tile", outputs)):
+        for k, _ in arguments:
+            lines += [
+                f"  %whole.move{k} = mul i64 {start}, %step{k}",
+                f"  %whole.at{k}.0 = getelementptr i8, ptr %base{k}, i64 %whole.move{k}",
+                f"  %whole.lane{k} = getelementptr i64, ptr %lanes, i64 {k * width}",
+                f"  %group{k} = mul i64 %step{k}, {width}",
+            ]
+            for g in range(tiles):
+                at = f"%whole.at{k}.{g}"
+                if g:
+                    lines.append(f"  {at} = getelementptr i8, ptr %whole.at{k}.{g - 1}, i64 %group{k}")
+                lines.append(
+                    f"  %whole.tile{k}.{g} = getelementptr i8, ptr {tile}, i64 {8 * width * slots * g}"
+                )
+                lines.append(f"  call void @rows{k}(ptr {at}, ptr %whole.lane{k}, ptr %whole.tile{k}.{g})")
+    return [*lines, "  br label %run"]
+
+
+def _phase(
+    way: str,
+    start: str,
+    tile: str,
+    arguments: list[tuple[int, Argument]],
+    width: int,
+    slots: int,
+    tiles: int,
+) -> list[str]:
+    """Move the groups of the round that begins with sample `start` in or out; afterwards `%in.g` is their number."""
+    before = {"in": "choose", "out": "in.done"}[way]
     lines = [
         f"{way}:",
         f"  %{way}.g = phi i64 [ 0, %{before} ], [ %{way}.next, %{way}.end ]",
         f"  %{way}.skip = mul i64 %{way}.g, {width}",
-        f"  %{way}.at = add i64 %i, %{way}.skip",
+        f"  %{way}.at = add i64 {start}, %{way}.skip",
         f"  %{way}.rest = sub i64 %n, %{way}.at",
         f"  %{way}.some = icmp sgt i64 %{way}.rest, 0",
         f"  %{way}.room = icmp ult i64 %{way}.g, {tiles}",
         f"  %{way}.more = and i1 %{way}.some, %{way}.room",
-        f"  br i1 %{way}.more, label %{way}.group, label %{after}",
+        f"  br i1 %{way}.more, label %{way}.group, label %{way}.done",
         f"{way}.group:",
         f"  %{way}.full = icmp sge i64 %{way}.rest, {width}",
         f"  %{way}.last = sub i64 %{way}.rest, 1",
         f"  %{way}.lanes = select i1 %{way}.full, ptr %lanes, ptr %lanes.short",
         f"  %{way}.skipped = mul i64 %{way}.g, {8 * width * slots}",
-        f"  %{way}.tile = getelementptr i8, ptr %tile, i64 %{way}.skipped",
+        f"  %{way}.tile = getelementptr i8, ptr {tile}, i64 %{way}.skipped",
         f"  br i1 %{way}.full, label %{way}.begin, label %{way}.short",
         f"{way}.short:",
     ]
@@ -116,7 +181,7 @@ def _phase(
         lines += _lanes(k, width, f"%{way}.last")
     lines.append(f"  br label %{way}.begin\n{way}.begin:")
     for k, argument in arguments:
-        lines += _transfer(k, argument, width, way)
+        lines += _transfer(k, argument, width, tiles, way)
     return [
         *lines,
         f"  br label %{way}.end",
@@ -195,17 +260,17 @@ def _lanes(k: int, width: int, last: str | None) -> list[str]:
     return lines
 
 
-def _transfer(k: int, argument: Argument, width: int, way: str) -> list[str]:
+def _transfer(k: int, argument: Argument, width: int, tiles: int, way: str) -> list[str]:
     """Move one group of argument k between array and tile."""
     lines = [
         f"  %move{k} = mul i64 %{way}.at, %step{k}",
         f"  %at{k} = getelementptr i8, ptr %base{k}, i64 %move{k}",
         f"  %lane{k} = getelementptr i64, ptr %{way}.lanes, i64 {k * width}",
     ]
-    if way == "in":  # a broadcast input stays in the tile after the first round
+    if way == "in":  # a broadcast input stays in the tiles, of which two rounds have their own
         lines += [
             f"  %moves{k} = icmp ne i64 %step{k}, 0",
-            f"  %first{k} = icmp eq i64 %i, 0",
+            f"  %first{k} = icmp ult i64 %i, {2 * width * tiles}",
             f"  %needed{k} = or i1 %moves{k}, %first{k}",
             f"  br i1 %needed{k}, label %load{k}, label %after{k}",
             f"load{k}:",
