@@ -62,6 +62,7 @@ _PLACES = {
         "inertial_parameters",
         "forward_dynamics_parameter_derivatives",
     ),
+    "freebody.numerics.base_parameters": ("base_parameters",),
     "freebody.numerics.states": ("neutral", "random_state", "integrate", "difference"),
     "freebody.numerics.attitude": ("quat_wxyz", "rotation"),
     "freebody.numerics.inverse.kinematics": ("inverse_kinematics",),

@@ -23,7 +23,7 @@ from freebody.model.model import Model
 from freebody.model.parameters import finite, with_parameters
 from freebody.scalars.trig import Trig
 
-VIEWS = ("auto", "named", "expanded", "intermediates")
+VIEWS = ("auto", "named", "expanded", "intermediates", "base")
 SHORT = 700
 """Numbers and symbols that fit on about a page."""
 MOST = 2000
@@ -148,16 +148,25 @@ class Equations:
         return intermediates(self.symbols)
 
     def groups(self, view: str = "named", names: str = "notes") -> list[list[Equation]]:
-        """The equations of a view: "named", "expanded" or "intermediates"."""
+        """The equations of a view: "named", "expanded", "intermediates" or "base"."""
         if names not in views.NAMES:
             raise UnknownNameError("naming", names, "Equations", views.NAMES)
         if view == "intermediates":
             return [self.intermediates()]
         if view == "expanded":
             return views.expanded(self, self.layout)
+        if view == "base":
+            return self._by_base_parameters(names)
         if view in ("named", "auto"):
             return views.named(self, self.layout, views.NAMES[names])
         raise UnknownNameError("view", view, "Equations", VIEWS)
+
+    def _by_base_parameters(self, names: str) -> list[list[Equation]]:
+        """The named view in base parameters, and what these are."""
+        from freebody.derivations.base import by_base_parameters
+
+        short = by_base_parameters(self)
+        return [*views.named(short, short.layout, views.NAMES[names]), short.definitions(self)]
 
     def count(self) -> dict[str, int]:
         """Number of terms of M (upper triangle), c and g, as exact polynomials."""
@@ -185,7 +194,8 @@ class Equations:
         """The equations for a terminal.
 
         view: "named" (τ by H, h, G and what these are), "expanded" (τ written out), "intermediates" (the recursion
-        line by line), "auto" (named where that is short, else how long it is).
+        line by line), "base" (named, by the fewest combinations of masses and inertias), "auto"
+        (named where that is short, else how long it is).
         names: "notes" (H_ij, h, G_i) or "standard" (M_ij, c_i, g_i).
         """
         if view == "auto" and not self.is_short:

@@ -76,7 +76,7 @@ class Order:
                 for kind, quantity in enumerate((part.inertia.mass, part.inertia.tensor)):
                     for parameter in each_parameter(quantity):
                         rank.setdefault(parameter.name, (i, kind))
-        return rank
+        return rank | dict(self.symbols.inertial)
 
     @cached_property
     def gravity(self) -> str:

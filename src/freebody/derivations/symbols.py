@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -72,6 +73,8 @@ class Symbols:
     reader: TrigReader
     extra: tuple[str, ...] = ()
     """Further symbols, such as the components of a load."""
+    inertial: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+    """Further symbols that stand for masses (0) and inertias (1) of bodies: name and (body, which)."""
 
     @cached_property
     def tree(self) -> Tree:
@@ -131,8 +134,16 @@ class Symbols:
         return number(quantity)
 
 
-def symbols(model: Model, numbers: bool = False, extra: tuple[str, ...] = ()) -> Symbols:
-    """The model in symbols; `numbers` puts in the values of parameters that have one, `extra` are further symbols."""
+def symbols(
+    model: Model,
+    numbers: bool = False,
+    extra: tuple[str, ...] = (),
+    inertial: Mapping[str, tuple[int, int]] | None = None,
+) -> Symbols:
+    """The model in symbols; `numbers` puts in the values of parameters that have one.
+
+    extra, inertial: further symbols, see `Symbols`.
+    """
     _require_whole_ratios(model)
     coordinates = coordinate_names(model)
     turning = [x for x in coordinates if x.startswith("theta")]
@@ -145,9 +156,10 @@ def symbols(model: Model, numbers: bool = False, extra: tuple[str, ...] = ()) ->
         *(f"sgn_{x}{RATE}" for x in coordinates),
         *(x for x in names if x not in angles),
         *extra,
+        *(inertial or ()),
     ]
     ring = TrigRing([*turning, *angles], others)
-    return Symbols(model, ring, coordinates, TrigReader(ring, numbers), extra)
+    return Symbols(model, ring, coordinates, TrigReader(ring, numbers), extra, inertial or {})
 
 
 def coordinate_names(model: Model) -> tuple[str, ...]:
