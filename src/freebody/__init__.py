@@ -71,7 +71,7 @@ _PLACES = {
     "freebody.numerics.kernels": ("kernel",),
     "freebody.numerics.exports": ("source", "to_jax"),
     "freebody.derivations.equations": ("equations",),
-    "freebody.derivations.derive": ("derive",),
+    "freebody.figures.illustrate": ("derive",),
     "freebody.derivations.check.check": ("check",),
     "freebody.derivations.quantities": ("quantities",),
     "freebody.derivations.relation": ("relation",),
@@ -81,6 +81,7 @@ _PLACES = {
     "freebody.motion.table": ("read_motion",),
     "freebody.motion.simulate": ("simulate",),
     "freebody.figures.fbd": ("free_body_diagram",),
+    "freebody.figures.kinematic": ("kinematic_diagram",),
     "freebody.report.study": ("Study", "study"),
 }
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}

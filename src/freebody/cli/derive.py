@@ -48,7 +48,7 @@ def derive(
 ) -> None:
     """Derive a robot's equations of motion step by step. Exit code 1 if two methods were to disagree."""
     from freebody.derivations.derive import compare as compared
-    from freebody.derivations.derive import derive as derivation_of
+    from freebody.figures.illustrate import derive as derivation_of
 
     model = options.load(robot, convention=convention)
     with terminal.progress(f"deriving by {method.value}"):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 from freebody.derivations.equations import Equations
 from freebody.derivations.expression import Equation, Expression
@@ -14,8 +15,9 @@ class Step:
     """One step of a derivation.
 
     operation: what is done, as a heading. reason: why, in a sentence. notes: numbers of the equations of the lecture
-    notes that the step's equations are. figure: the drawing that belongs to it: "kinematics", or "free-body N" of
-    body N from 1. result: whether this is what was sought.
+    notes that the step's equations are. figure: the drawing that belongs to it: "vectors", "centres", "velocities",
+    "accelerations", "free-body N" of body N from 1, or "carried N" of it with all that hangs on it. result: whether
+    this is what was sought.
     """
 
     operation: str
@@ -36,6 +38,14 @@ class Meaning:
 
 
 @dataclass(frozen=True)
+class Drawings:
+    """SVG text by the names that steps give their figures, with "overview" of the robot, and the style they need."""
+
+    svg: Mapping[str, str]
+    style: str
+
+
+@dataclass(frozen=True)
 class Derivation:
     """How the equations of a model come about by one method, and the torques that this way ends in."""
 
@@ -51,6 +61,8 @@ class Derivation:
     """What is given and what is sought, in words."""
     glossary: tuple[Meaning, ...] = ()
     """The symbols that occur."""
+    draw: Callable[[Derivation], Drawings] | None = field(default=None, compare=False, repr=False)
+    """What draws them; figures are made above derivations, so that it comes from there."""
 
     @property
     def result(self) -> Equations:
@@ -79,7 +91,8 @@ class Derivation:
         """One HTML page with MathML that needs nothing else."""
         from freebody.derivations.render.book import html
 
-        return html(self)
+        made = self.draw(self) if self.draw else Drawings({}, "")
+        return html(self, made.svg, made.style)
 
     def __str__(self) -> str:
         return self.text()
@@ -87,7 +100,8 @@ class Derivation:
     def _repr_html_(self) -> str:
         from freebody.derivations.render.book import body
 
-        return body(self)
+        made = self.draw(self) if self.draw else Drawings({}, "")
+        return (f"<style>{made.style}</style>" if made.style else "") + body(self, made.svg)
 
 
 @dataclass(frozen=True)

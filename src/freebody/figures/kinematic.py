@@ -15,13 +15,14 @@ from freebody.model.model import Model
 from freebody.numerics.calls import Vector
 
 Layer = Callable[[Drawing, Snapshot, Names], None]
+NAMES = Names()
 WIDE, TALL = 440.0, 420.0
 """Size of one drawing, pixels."""
 
 _GEOMETRY: tuple[Layer, ...] = (arm.angles, arm.slides, arm.centres)
 _BENT: tuple[Layer, ...] = (arm.angles, arm.slides)
 PLANE: dict[str, tuple[Layer, ...]] = {
-    "geometry": (*_GEOMETRY, arm.lengths),
+    "geometry": (*_GEOMETRY, arm.all_lengths),
     "vectors": (*_BENT, vectors.links, lambda drawing, seen, names: vectors.to_tip(drawing, seen)),
     "centres": (*_GEOMETRY, vectors.of_centres),
     "velocities": (*_GEOMETRY, motion.rates, motion.of_centres),
@@ -46,7 +47,7 @@ def kinematic_diagram(
     """Drawings of a robot with symbols: geometry and vectors in the plane, joint axes and common normals in space.
 
     q: (nq,) rad or m; qd, qdd: (nv,); default: a state that is seen well. Parameters without value get one that is.
-    show: one or several of "geometry" (θ_i, d_i, l_i, C_i), "vectors" (s_i, r), "centres" (r_ci), "velocities"
+    show: one or several of "geometry" (θ_i, d_i, l_i, l_ci, C_i), "vectors" (s_i, r), "centres" (r_ci), "velocities"
     (rates, v_ci), "accelerations" in the plane; "frames" (z_i, joint variables), "normals" (a_i, d_i), "vectors"
     (s_i, C_i) in space. Returns a figure with `.svg`, `.save("arm.svg")` and `.named("s_1")`, the elements as data.
     Raises ShapeError, NotFiniteError, UnknownNameError. Source: figures 1.2, 2.1, 3.2, 4.3, 5.3, 6.4, 6.5.
@@ -65,9 +66,9 @@ def kinematic_diagram(
     return Figure(f"Kinematic diagram of {model.name}", drawings, 2, WIDE, TALL)
 
 
-def view(seen: Snapshot, show: str) -> Drawing:
+def view(seen: Snapshot, show: str, names: Names = NAMES) -> Drawing:
     """One of the drawings of `PLANE` or `SPACE`."""
-    names, title = Names(), f"{seen.model.name}: {show}"
+    title = f"{seen.model.name}: {show}"
     if seen.model.dim == 2:
         drawing, layers = arm.blank(title), PLANE[show]
         arm.structure(drawing, seen, names, faint=show == "vectors")

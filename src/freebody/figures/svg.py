@@ -85,6 +85,10 @@ class Picture:
             f'role="img" aria-label="{title}">{style}{self.body}</svg>'
         )
 
+    def inline(self) -> str:
+        """Inside an HTML page, which has the style sheet and knows SVG without its namespace."""
+        return self.text(css=False).replace(f" {XMLNS}", "", 1)
+
 
 def picture(drawing: Drawing, width: float = 560.0, tallest: float = 460.0) -> Picture:
     """The drawing on a page `width` pixels wide and as tall as it needs."""

@@ -28,7 +28,7 @@ def geometry(setting: Setting, rotations: bool = False, inertias: bool = True) -
             turned = ", and so is gravity, R turning it from the world's axes"
         still = "each is given in the axes of body i, in which it does not change unless a joint slides"
         reason = f"{reach}; {still}{turned}."
-    return Step("The vectors", reason, tuple(lines), figure="kinematics")
+    return Step("The vectors", reason, tuple(lines), figure="vectors")
 
 
 def _vectors(s: Setting, i: int) -> list[Equation]:

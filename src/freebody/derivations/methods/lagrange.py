@@ -57,7 +57,7 @@ def _coordinates(s: Setting) -> Step:
         f"motor's {motor} does work."
     )
     lines = (eq(sym("q"), names), eq(sym("Q"), forces)) if not s.load else (eq(sym("q"), names),)
-    return Step("Choose independent coordinates", reason, lines, figure="kinematics")
+    return Step("Choose independent coordinates", reason, lines)
 
 
 def _positions(s: Setting) -> Step:
@@ -71,7 +71,7 @@ def _positions(s: Setting) -> Step:
             "The energies need where each centre of mass is and how fast it moves; following the frames from the base "
             "gives where, in the world's axes."
         )
-    return Step("Positions of the centres of mass", reason, tuple(lines))
+    return Step("Positions of the centres of mass", reason, tuple(lines), figure="centres")
 
 
 def _angular_velocities(s: Setting, moving: Motion) -> Step:
@@ -108,7 +108,13 @@ def _velocities(s: Setting) -> Step:
     )
     numbers = ("5.10",) if s.cited == "RR" else ()
     middle = " (The notes put the centre of mass of link 2 in its middle here.)" if numbers else ""
-    return Step("Velocities of the centres of mass", f"{reason}{axes}.{middle}", tuple(lines), numbers)
+    return Step(
+        "Velocities of the centres of mass",
+        f"{reason}{axes}.{middle}",
+        tuple(lines),
+        numbers,
+        figure="velocities",
+    )
 
 
 def _lagrangian(s: Setting, energies: Energies) -> Step:

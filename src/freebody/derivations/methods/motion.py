@@ -31,12 +31,14 @@ def motion(s: Setting) -> list[Step]:
             else "They are the time derivatives of the centres' positions, given in each body's own axes.",
             tuple(v),
             {"R": ("3.8",), "RR": ("3.18", "3.19")}.get(s.cited, () if s.planar else ("6.19",)),
+            figure="velocities",
         ),
         Step(
             "Accelerations of the centres of mass",
             _second(s, slides),
             tuple(vd),
             {"R": ("3.9",)}.get(s.cited, () if s.planar else ("6.22",)),
+            figure="accelerations",
         ),
     ]
 

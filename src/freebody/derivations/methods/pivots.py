@@ -56,7 +56,7 @@ def _carried(s: Setting, i: int, drive: Expression) -> Step:
             f"Take all that joint {n} carries as one system: its inner reactions cancel, and only the motor acts along "
             "the slide, so that one equation of forces gives its force."
         )
-    return Step(f"All that joint {n} carries", reason, tuple(lines), figure=f"free-body {n}")
+    return Step(f"All that joint {n} carries", reason, tuple(lines), figure=f"carried {n}")
 
 
 def _arms(s: Setting, i: int) -> list[Equation]:

@@ -45,7 +45,6 @@ class _Still:
             "f is the force on the arm at its tip P. What the arm exerts there on its surroundings is -f; formulas for "
             "the one and for the other differ in sign.",
             (eq(vec("f"), ex.Vector(tuple(sym(name) for name in self.s.load))),),
-            figure="kinematics",
         )
 
     def body(self, i: int) -> Step:

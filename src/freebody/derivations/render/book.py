@@ -157,6 +157,8 @@ def body(derivation: Derivation, figures: Figures | None = None) -> str:
     parts = [f"<h1>{escape.escape(_title(derivation))}</h1>"]
     if derivation.given:
         parts += [f"<p>{web_prose(derivation.given)}</p>", _html_table(derivation)]
+    if figures and "overview" in figures:
+        parts.append(f"<figure>{figures['overview']}</figure>")
     for number, step in enumerate(derivation.steps, 1):
         note = _numbers(step, ' <small class="notes">notes {}</small>')
         parts.append(f"<section><h2><span>{number}</span> {web_prose(step.operation)}{note}</h2>")
@@ -203,7 +205,8 @@ p{max-width:44rem}.equations{overflow-x:auto;padding:.3rem 0}
 .result{border:1.5px solid #8a94a3;border-radius:.4rem;padding:.8rem;margin-top:.8rem}
 .symbols{border-collapse:collapse;font-size:.92rem;margin:1rem 0}
 .symbols td{padding:.12rem 1.2rem .12rem 0;vertical-align:baseline}.symbols td:last-child{white-space:nowrap}
-math{font-size:1.08rem}p math,td math{font-size:1em}figure{margin:1rem 0}figure svg{max-width:100%;height:auto}
+math{font-size:1.08rem}p math,td math{font-size:1em}
+figure{margin:1rem 0;text-align:center}figure svg{max-width:100%;height:auto}
 .source{color:#5a6675;font-size:.9rem;margin-top:3rem}
 @media (prefers-color-scheme:dark){body{color:#e4e9f0;background:#12161c}.source,h2 .notes{color:#9aa6b5}}
 @media print{main{max-width:none;padding:0}section{break-inside:avoid-page}}

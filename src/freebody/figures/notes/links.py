@@ -20,7 +20,7 @@ from freebody.numerics.calls import Vector
 
 _RELATIVE = Names(index=lambda n: {1: "0"}.get(n, ""), point=lambda n: {1: "O"}.get(n, "B"), tip="A")
 _INDICES = {1: "i−2", 2: "i−1", 3: "i", 4: "i+1"}
-_GENERAL = Names(index=lambda n: _INDICES[n], point=lambda n: "·ABC"[n - 1], tip="", turned="M")
+_GENERAL = Names(index=lambda n: _INDICES[n], point=lambda n: "·ABC"[n - 1], tip="", moment="M")
 
 
 def relative_velocity(q: Vector = (0.45, 0.6), qd: Vector = (0.8, 0.7)) -> Figure:

@@ -164,15 +164,25 @@ def slides(drawing: Drawing, seen: Snapshot, names: Names) -> None:
             drawing.add(Dimension(*ends, name, label=name, aside=-_clear_side(seen, body) * 20.0))
 
 
-def lengths(drawing: Drawing, seen: Snapshot, names: Names) -> None:
+def lengths(drawing: Drawing, seen: Snapshot, names: Names, aside: float = 14.0) -> None:
     """l_i, on the side where no angle is."""
     for body in seen.pose.bodies:
         for end in body.ends[:1]:
-            place = end.place
-            if np.linalg.norm(place - body.origin) > 0.05 * seen.size:
-                name = names.on("l", body.number)
-                aside = _clear_side(seen, body) * 14.0
-                drawing.add(Dimension(point(body.origin), point(place), name, label=name, aside=aside))
+            _length(drawing, seen, body, end.place, names.on("l", body.number), aside)
+
+
+def all_lengths(drawing: Drawing, seen: Snapshot, names: Names) -> None:
+    """l_ci next to each link, l_i farther out."""
+    for body in seen.pose.bodies:
+        if body.mass > 0:
+            _length(drawing, seen, body, body.com, names.on("l", body.number, "c"), 12.0)
+    lengths(drawing, seen, names, 27.0)
+
+
+def _length(drawing: Drawing, seen: Snapshot, body: BodyPlace, place: Array, name: str, aside: float) -> None:
+    if np.linalg.norm(place - body.origin) > 0.05 * seen.size:
+        side = _clear_side(seen, body) * aside
+        drawing.add(Dimension(point(body.origin), point(place), name, label=name, aside=side))
 
 
 def _clear_side(seen: Snapshot, body: BodyPlace) -> float:

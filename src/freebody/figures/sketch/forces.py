@@ -14,7 +14,7 @@ from freebody.figures.loads import Load
 from freebody.figures.plane import add_body, round_down
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.sketch import vectors
-from freebody.figures.sketch.arm import blank, heading, joint
+from freebody.figures.sketch.arm import blank, heading, joint, rod
 from freebody.figures.sketch.names import Names, bold
 from freebody.figures.sketch.snapshot import Snapshot
 from freebody.figures.text import number
@@ -45,6 +45,31 @@ def apart(seen: Snapshot, names: Names, show: Sequence[str] = ("s", "sc"), scale
 def alone(seen: Snapshot, body: BodyPlace, names: Names, show: Sequence[str] = ("s", "sc")) -> Drawing:
     """One body where it is."""
     return _parts(seen, body, names, show)
+
+
+def carried(seen: Snapshot, first: BodyPlace, names: Names) -> Drawing:
+    """A body with all that hangs on it as one system: the reaction at its joint, all weights, what acts on the tip."""
+    drawing = blank(f"All that joint {first.number} of {seen.model.name} carries")
+    system = subtree(seen, first)
+    for body in system:
+        rod(drawing, body)
+        add_body(drawing, body)
+    for body in system:
+        _joints(drawing, seen, body, names)
+    for body in system:
+        reactions = ("reaction",) if body is first else ()
+        act(drawing, seen, body, names, (*reactions, "weight", "external"))
+        if body is not first and body.mass > 0:
+            name = f"r_{{{names.index(first.number)},c{names.index(body.number)}}}"
+            vectors.position(drawing, first.origin, body.com, name)
+    vectors.position(drawing, first.origin, first.com, names.on("s", first.number, "c"), -vectors.BESIDE - 2)
+    return drawing
+
+
+def subtree(seen: Snapshot, first: BodyPlace) -> list[BodyPlace]:
+    """A body and all that hangs on it."""
+    below = [b for b in seen.pose.bodies if b.parent == first.index]
+    return [first, *(b for child in below for b in subtree(seen, child))]
 
 
 def _gap(seen: Snapshot, body: BodyPlace) -> Array:
@@ -159,11 +184,12 @@ def called(seen: Snapshot, body: BodyPlace, load: Load, names: Names) -> tuple[s
     first, second = (body.parent + 1, n) if load.role == "reaction" else (n, (load.joint or 0) + 1)
     sign = "" if load.role == "reaction" else "−"
     kind = seen.pose.bodies[second - 1].kind
-    moment = (
-        names.on(names.turned, second)
-        if kind in ("revolute", "continuous")
-        else f"n_{{{names.force(names.index(first), names.index(second))}}}"
-    )
+    if names.moment:
+        moment = names.on(names.moment, second)
+    elif kind in ("revolute", "continuous"):
+        moment = names.on("τ", second)
+    else:
+        moment = f"n_{{{names.force(names.index(first), names.index(second))}}}"
     return sign + names.reaction(first, second), sign + moment
 
 

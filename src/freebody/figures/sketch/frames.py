@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
 from freebody.arrays import Array
 from freebody.figures import space
 from freebody.figures.drawing import Arrow, Drawing, Label, Line, Mark, View, best_view, point
-from freebody.figures.skeleton import BodyPlace
 from freebody.figures.sketch.names import Names
 from freebody.figures.sketch.snapshot import Snapshot
 from freebody.figures.sketch.vectors import arrow
@@ -79,9 +77,10 @@ def joint_axes(drawing: Drawing, seen: Snapshot, names: Names) -> None:
     """z_i along the axis of each joint, from where it is, and a thin line back."""
     for body in seen.pose.bodies:
         if body.axis is not None:
-            name = names.on("z", body.number)
+            slides = body.kind == "prismatic"
+            name = names.on(names.slide if slides else "z", body.number)
             reach = 0.17 * seen.size * body.axis
-            start = body.carrier if body.kind == "prismatic" else body.origin
+            start = body.carrier if slides else body.origin
             drawing.add(Line((point(start - 0.6 * reach), point(start)), f"axis {body.number}", "axisline"))
             drawing.add(Arrow(point(start), point(start + reach), name, "z", name, point(body.axis)))
 
@@ -115,26 +114,32 @@ def centres(drawing: Drawing, seen: Snapshot, names: Names) -> None:
 
 def normals(drawing: Drawing, seen: Snapshot, names: Names) -> None:
     """a_i along the common normal of the axes of joints i and i+1, d_{i+1} along the axis between two normals."""
-    chain = [body for body in seen.pose.bodies if body.axis is not None]
-    at = chain[0].carrier if chain else np.zeros(3)
-    for body, after in pairwise(chain):
-        normal = _normal(body, after)
-        _offset(drawing, at, normal.foot, names.on("d", body.number), seen.size)
+    heads: dict[int, Array] = {}
+    for after in seen.pose.bodies:
+        if after.axis is None:
+            continue
+        body = seen.pose.bodies[after.parent] if after.parent >= 0 else None
+        if body is None or body.axis is None:
+            heads[after.index] = after.carrier
+            continue
+        normal = common_normal(body.carrier, body.axis, after.carrier, after.axis)
+        _offset(drawing, heads[body.index], normal.foot, names.on("d", body.number), seen.size)
         if normal.length > _VISIBLE * seen.size:
             name = names.on("a", body.number)
-            ends = point(normal.foot), point(normal.head)
-            drawing.add(Line(ends, f"normal {name}", "guide"))
-            drawing.add(Arrow(*ends, name, "external", name, (normal.length,), "m", beside=0.5))
-        at = normal.head
-
-
-def _normal(body: BodyPlace, after: BodyPlace) -> Normal:
-    if body.axis is None or after.axis is None:
-        raise ValueError("a common normal needs two axes")
-    return common_normal(body.carrier, body.axis, after.carrier, after.axis)
+            arrow(
+                drawing,
+                normal.foot,
+                normal.head,
+                name,
+                "external",
+                normal.head - normal.foot,
+                "m",
+                label=name,
+                beside=0.5,
+            )
+        heads[after.index] = normal.head
 
 
 def _offset(drawing: Drawing, start: Array, end: Array, name: str, size: float) -> None:
-    length = float(np.linalg.norm(end - start))
-    if length > _VISIBLE * size:
-        drawing.add(Arrow(point(start), point(end), name, "moment", name, (length,), "m", beside=0.5))
+    if np.linalg.norm(end - start) > _VISIBLE * size:
+        arrow(drawing, start, end, name, "moment", end - start, "m", label=name, beside=0.5)

@@ -32,8 +32,10 @@ class Names:
     force: Callable[[str, str], str] = between
     letter: str = "f"
     """Of forces."""
-    turned: str = "τ"
-    """Of the moment at a revolute joint."""
+    moment: str = ""
+    """Of the moment at any joint, with the body's number; default: τ at turns in the plane, else n with two."""
+    slide: str = "z"
+    """Of the direction of a prismatic joint."""
     load: str = "f"
     """Of a force on the tip."""
 

@@ -31,6 +31,14 @@ def to_centres(drawing: Drawing, seen: Snapshot, names: Names, aside: float = -B
             position(drawing, body.origin, body.com, names.on("s", body.number, "c"), aside)
 
 
+def directions(drawing: Drawing, seen: Snapshot, names: Names) -> None:
+    """Unit vectors along the slides."""
+    for body in seen.pose.bodies:
+        if body.kind == "prismatic" and body.axis is not None:
+            name, end = names.on("u", body.number), body.origin + 0.16 * seen.size * body.axis
+            arrow(drawing, body.origin, end, name, "z", body.axis, "", aside=-2 * BESIDE)
+
+
 def of_centres(drawing: Drawing, seen: Snapshot, names: Names) -> None:
     """r_ci, from the origin to the centre of mass of body i; beside the link where it lies on it."""
     for body in seen.pose.bodies:

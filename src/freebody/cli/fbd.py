@@ -1,0 +1,115 @@
+"""`freebody fbd`."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from freebody.cli import options, terminal
+from freebody.errors import FreebodyError
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from freebody.arrays import Array
+    from freebody.figures.fbd import FreeBodyDiagram
+
+EXAMPLE = 'Example: freebody fbd 2R --q "0.5, 60 deg" --body link2 --out link2.svg'
+
+_ROUNDING = 1e-12
+
+
+def fbd(
+    robot: options.Robot,
+    q: Annotated[
+        str | None,
+        typer.Option(
+            metavar="VALUES",
+            help='Positions in rad and m, or "30 deg", in the joints\' order. Default: a pose that is seen well.',
+        ),
+    ] = None,
+    qd: Annotated[str | None, typer.Option(metavar="VALUES", help="Velocities. Default: at rest.")] = None,
+    qdd: Annotated[str | None, typer.Option(metavar="VALUES", help="Accelerations. Default: 0.")] = None,
+    body: Annotated[
+        str | None, typer.Option(metavar="NAME", help="One body or its joint. Default: all.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE.svg", help="The drawing. Default: ROBOT-fbd.svg.")
+    ] = None,
+    tip: options.Tip = None,
+    base: options.Base = None,
+    convention: options.Convention = None,
+) -> None:
+    """Draw the free-body diagram of each body, all forces and moments to scale, and list them."""
+    model = options.load(robot, tip, base, convention=convention)
+    with terminal.progress("free bodies"):
+        from freebody.figures.fbd import free_body_diagram
+        from freebody.figures.sketch.snapshot import clear_pose
+
+        given = {"qd": _values("qd", qd), "qdd": _values("qdd", qdd)}
+        positions = _values("q", q)
+        if positions is None:
+            positions = clear_pose(model)
+        figure = free_body_diagram(model, positions, body, **given)
+        path = figure.save(out or Path(f"{model.name}-fbd.svg"))
+    if q is None:
+        shown = ", ".join(f"{x:.3g}" for x in positions)
+        terminal.out().print(f"at q = {shown}; choose another with --q", markup=False)
+    terminal.out().print(_table(figure))
+    terminal.out().print(f"written: {path}", markup=False, soft_wrap=True)
+
+
+def _values(name: str, text: str | None) -> list[float] | None:
+    """Numbers apart by commas or blanks; a number with "deg" is an angle in degrees."""
+    if text is None:
+        return None
+    values = []
+    for piece in re.sub(r"\s*(deg|°)", r"deg", text).replace(",", " ").split():
+        number = piece.removesuffix("deg")
+        try:
+            values.append(math.radians(float(number)) if piece.endswith("deg") else float(number))
+        except ValueError:
+            raise FreebodyError(
+                f'--{name} {text!r}: {piece!r} is not a number; write for example --{name} "0.5, 30 deg".'
+            ) from None
+    return values
+
+
+def _table(figure: FreeBodyDiagram) -> Table:
+    from rich.table import Table
+    from rich.text import Text
+
+    from freebody.figures.text import plain
+
+    loads = [load for item in figure.bodies for load in item.loads]
+    force, moment = (
+        max(float(abs(x).max()) for x in kind)
+        for kind in ([load.force for load in loads], [load.moment for load in loads])
+    )
+    flat = len(figure.bodies[0].body.origin) == 2
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for title in ("body", "by", "force", "components, N", "moment", "N m"):
+        table.add_column(title)
+    for item in figure.bodies:
+        for k, load in enumerate(item.loads):
+            turning = load.moment_name and (flat or any(load.moment))
+            table.add_row(
+                Text(item.body.name if k == 0 else ""),
+                Text(load.other),
+                Text(plain(load.name)),
+                Text(_components(load.force, force)),
+                Text(plain(load.moment_name) if turning else ""),
+                Text(_components(load.moment, moment) if turning else ""),
+            )
+    return table
+
+
+def _components(values: Array, largest: float) -> str:
+    """Numbers; what is only rounding beside the largest of the table is 0."""
+    from freebody.figures.text import number
+
+    return "  ".join(number(float(x) if abs(x) > _ROUNDING * largest else 0.0, 4) for x in values)
