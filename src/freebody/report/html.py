@@ -17,6 +17,7 @@ import freebody
 from freebody.figures import theme
 from freebody.formats.loading import SUFFIXES
 from freebody.motion.ranges import ranges
+from freebody.report import equations
 from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
 from freebody.report.study import Study
@@ -48,6 +49,7 @@ def page(study: Study) -> str:
             gravity=tables.gravity(study),
             reactions=tables.reactions(study),
             checks=tables.checks(study),
+            equations=equations.shown(study.model),
             plots={
                 name: list(getattr(figures, name)(study))
                 for name in (
