@@ -45,10 +45,11 @@ class VectorFunction:
     @cached_property
     def jacobian(self) -> tuple[tuple[Any, ...], ...]:
         """∂y_i/∂x_j (2.6) as rows of SymPy expressions."""
-        return tuple(tuple(row.diff(x) for x in self._symbols) for row in self.rows)
+        return tuple(tuple(row.diff(x) for x in self.symbols) for row in self.rows)
 
     @cached_property
-    def _symbols(self) -> tuple[Any, ...]:
+    def symbols(self) -> tuple[Any, ...]:
+        """The variables as SymPy's symbols."""
         import sympy
 
         return tuple(sympy.Symbol(name, real=True) for name in self.names)
@@ -68,7 +69,7 @@ class VectorFunction:
         x = np.asarray(x, dtype=float)
         if not x.ndim or x.shape[-1] != len(self.names):
             raise ShapeError("VectorFunction", "x", x.shape, f"(..., {len(self.names)})")
-        columns = sympy.lambdify(self._symbols, list(rows), "numpy")(*np.moveaxis(x, -1, 0))
+        columns = sympy.lambdify(self.symbols, list(rows), "numpy")(*np.moveaxis(x, -1, 0))
         return np.stack([np.broadcast_to(np.asarray(c, dtype=float), x.shape[:-1]) for c in columns], axis=-1)
 
 
@@ -90,7 +91,7 @@ class Trajectory:
 
     def _derivative(self, order: int) -> VectorFunction:
         r = self.position
-        return VectorFunction(tuple(x.diff(r._symbols[0], order) for x in r.rows), r.names, r.decimal)
+        return VectorFunction(tuple(x.diff(r.symbols[0], order) for x in r.rows), r.names, r.decimal)
 
     def at(self, t: ArrayLike) -> tuple[Array, Array, Array]:
         """Position, velocity, acceleration (..., dim) at the times t (...)."""
@@ -101,7 +102,7 @@ class Trajectory:
     def values(self) -> Mapping[str, Any]:
         """r, r_d, r_dd and t by name, for `fb.relation`."""
         r = self.position
-        return {"t": r._symbols[0], "r": r.rows, "r_d": self.velocity.rows, "r_dd": self.acceleration.rows}
+        return {"t": r.symbols[0], "r": r.rows, "r_d": self.velocity.rows, "r_dd": self.acceleration.rows}
 
 
 def vector_function(rows: Sequence[str], names: Sequence[str]) -> VectorFunction:

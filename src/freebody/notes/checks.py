@@ -14,7 +14,7 @@ import numpy as np
 
 import freebody as fb
 from freebody.derivations.check.source import AnswerError
-from freebody.derivations.formula import FormulaError, parse
+from freebody.derivations.formula import FormulaError, as_printed, parse
 from freebody.derivations.functions import printed
 from freebody.derivations.names import sym
 from freebody.derivations.quantities import Quantities, of_link
@@ -22,6 +22,7 @@ from freebody.derivations.relation import Relation, agrees, relation
 from freebody.derivations.values import plain, rank, value
 from freebody.errors import UnknownNameError
 from freebody.notes.item import Outcome
+from freebody.scalars.trig import Trig
 
 ARM = 'fb.planar("RR")'
 """The notes' arm of two links."""
@@ -98,21 +99,31 @@ class Related:
         return of_link(self._values, n)
 
     def call(self, form: str) -> str:
-        if isinstance(self.values, str):
-            return f"fb.relation({self.values}, {form!r})" + (
-                f"  # i = {_listed(self.links)}" * bool(self.links)
-            )
-        return f"{source(self.values)}\n\nfb.relation({self.values.__name__}(), {form!r})"
+        values = self.values if isinstance(self.values, str) else f"{self.values.__name__}()"
+        remark = f"  # i = {_listed(self.links)}" * bool(self.links)
+        lines = [f"fb.relation({values}, {part!r}){remark}" for part in [*parts(form), *parts(self.also)]]
+        return "\n".join(lines if isinstance(self.values, str) else [source(self.values), "", *lines])
 
     def run(self, form: str) -> Outcome:
-        outcomes = [self._one(part) for part in [*parts(form), *parts(self.also)]]
-        failed = [outcome for outcome in outcomes if not outcome.holds]
         if not parts(form):
             return NOTHING
-        chosen = failed or outcomes
+        whole = [*parts(form), *parts(self.also)]
+        outcomes = [self._named(part, len(whole) > 1) for part in whole]
+        chosen = [outcome for outcome in outcomes if not outcome.holds] or outcomes
         return Outcome(
-            not failed, tuple(line for o in chosen for line in o.lines), " ".join(o.example for o in chosen)
+            all(outcome.holds for outcome in outcomes),
+            tuple(dict.fromkeys(line for outcome in chosen for line in outcome.lines)),
+            next((outcome.example for outcome in chosen if outcome.example), ""),
         )
+
+    def _named(self, form: str, one_of_many: bool) -> Outcome:
+        """The outcome of one equation; where there are several, its lines say which."""
+        outcome = self._one(form)
+        name = str(as_printed(form, self.bold, self.primed)) if one_of_many else ""
+        if not one_of_many or len(name) > SHORT:
+            return outcome
+        first, *rest = outcome.lines
+        return Outcome(outcome.holds, (f"{name}: {first[0].lower()}{first[1:]}", *rest), outcome.example)
 
     def _one(self, form: str) -> Outcome:
         for n in self.links or (0,):
@@ -133,8 +144,8 @@ def _listed(numbers: tuple[int, ...]) -> str:
     return ", ".join(map(str, numbers))
 
 
-LONGEST = 160
-"""Letters of a value that is shown in a line of evidence."""
+LONGEST, MOST_TERMS, SHORT = 160, 24, 70
+"""Letters and terms of a value that is shown in a line of evidence; letters of an equation that stands before it."""
 
 
 def told(found: Relation, values: Mapping[str, Any]) -> Outcome:
@@ -144,9 +155,9 @@ def told(found: Relation, values: Mapping[str, Any]) -> Outcome:
     if found.equal:
         how = "the same polynomials" if found.exact else "the same numbers"
         return Outcome(True, (f"Both sides are {how}{_shown(found.sides[0], values)}.",))
-    difference = [x for x in found.differences if not _nothing(x)]
-    text = "; ".join(str(form(x, values)) for x in difference)
-    line = "The sides differ" + (f" by {text}" if len(text) <= LONGEST else "") + "."
+    difference = tuple(x for x in found.differences if not _nothing(x))
+    text = "; ".join(str(form(x, values)) for x in difference) if _terms(difference) <= MOST_TERMS else ""
+    line = "The sides differ" + (f" by {text}" if 0 < len(text) <= LONGEST else "") + "."
     example = found.example()
     if example is None:
         sides = " against ".join(number(side) for side in found.sides)
@@ -165,7 +176,16 @@ def _nothing(x: Any) -> bool:
     return x.is_zero if hasattr(x, "is_zero") else bool(np.all(np.abs(np.asarray(x, dtype=float)) < 1e-12))
 
 
+def _terms(x: Any) -> int:
+    """How many terms a value has."""
+    if isinstance(x, tuple):
+        return sum(map(_terms, x))
+    return len(x) if isinstance(x, Trig) else 1
+
+
 def _shown(side: Any, values: Mapping[str, Any]) -> str:
+    if _terms(side) > MOST_TERMS:
+        return ""
     text = str(form(side, values))
     return f": {text}" if len(text) <= LONGEST else ""
 
@@ -222,6 +242,22 @@ class Run:
 
     def run(self, form: str) -> Outcome:
         return self.function(form)
+
+
+# ---------------------------------------------------------------- by reading
+@dataclass(frozen=True)
+class Reading:
+    """Words that nothing executes: the form is held against what has to stand there, for the reason given."""
+
+    right: str
+    reason: str
+    bold: Collection[str] = ()
+
+    def call(self, form: str) -> str:
+        return ""
+
+    def run(self, form: str) -> Outcome:
+        return Outcome(form == self.right, (f"Read, not executed: {self.reason}",))
 
 
 @cache

@@ -9,8 +9,8 @@ from freebody.errors import UnknownNameError
 from freebody.notes.item import Item
 
 CHAPTERS = (
-    "planar_motion", "mass", "planar_body", "jacobian", "statics", "pendulum", "two_link", "recursion", "energy",
-    "lagrange", "space_body", "quadrotor", "space_recursion",
+    "planar_motion", "mass", "planar_body", "jacobian", "five_bar", "statics", "pendulum", "two_link", "recursion",
+    "energy", "lagrange", "first_kind", "space_body", "quadrotor", "space_recursion", "drawings",
 )  # fmt: skip
 """Files of `notes.chapters`."""
 
@@ -21,7 +21,12 @@ def items() -> tuple[Item, ...]:
     found: list[Item] = []
     for name in CHAPTERS:
         found += importlib.import_module(f"freebody.notes.chapters.{name}").ITEMS
-    return tuple(found)
+    return tuple(sorted(found, key=_place))
+
+
+def _place(item: Item) -> tuple[list[int], bool]:
+    """By section, the figures in front; within that as the files have them."""
+    return [int(n) for n in item.section.split(".")], item.kind != "figure"
 
 
 def item(name: str) -> Item:

@@ -30,7 +30,7 @@ def two_angles():
     f = fb.vector_function(
         ["3*cos(theta1) + 2*cos(theta2)", "3*sin(theta1) + 2*sin(theta2)"], ["theta1", "theta2"]
     )
-    theta1, theta2 = f._symbols
+    theta1, theta2 = f.symbols
     x, y = f.rows
     return {"theta1": theta1, "theta2": theta2, "x": x, "y": y, "J": f.jacobian}
 

@@ -8,7 +8,7 @@ import freebody as fb
 from freebody.derivations.formula import parse
 from freebody.derivations.relation import printed_numbers
 from freebody.derivations.values import value
-from freebody.notes.checks import ARM, Related, Run
+from freebody.notes.checks import ARM, Reading, Related, Run
 from freebody.notes.item import Item, Outcome
 
 
@@ -86,6 +86,11 @@ ITEMS = (
         "eq-1.4", "1.2.1", "Dots", "definition",
         "A dot over a letter is a time derivative.",
         "[x_d, y_d] = [d_dt(x), d_dt(y)]", Related(curve),
+    ),
+    Item(
+        "eq-1.5", "1.2.1", "A number without an equation", "text", "An equation number on an empty line.",
+        "(1.5)", Reading("", "the line between (1.4) and example 1 holds nothing but this number."), "incomplete", "",
+        "The number (1.5) stands on an empty line; it can be deleted.",
     ),
     Item(
         "ex-1.1a", "1.2.1", "Example 1a: motion on a circle", "worked-example",

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 import freebody as fb
-from freebody.notes.checks import Related, Run, number
+from freebody.notes.checks import Reading, Related, Run, number
 from freebody.notes.item import Item, Outcome
 
 ROWS = (
@@ -261,6 +261,12 @@ ITEMS = (
     Item(
         "eq-6.29", "6.3.2", "Moment of inertia", "definition", "(6.5) for link i; the tensor is the local one, I′ of (6.3).",
         "nc_i = I_i*omega_i_d + cross(omega_i, I_i*omega_i)", _proved(BOTH, "R_i*nc_i = d_dt(R_i*(I_i*omega_i))"),
+    ),
+    Item(
+        "uf-6.29-inward-text", "6.3.2", "Which recursion", "text",
+        "Forces and torques are said to be found by the outward recursion.", "through the outward recursion",
+        Reading("through the inward recursion", "the section is called inward recursion, and forces go from the tip to the base (chapter 4)."),
+        "misprint", "through the inward recursion", "It is the inward recursion that finds forces and torques.",
     ),
     Item(
         "uf-6.29-inward-missing", "6.3.2", "Inward recursion", "algorithm",

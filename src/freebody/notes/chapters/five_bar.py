@@ -1,0 +1,129 @@
+"""Section 2.3: the parallel robot with five bars (2.27-2.40)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import freebody as fb
+from freebody.figures.notes.five_bar import closed
+from freebody.notes.checks import Related
+from freebody.notes.item import Item
+
+LENGTHS, BASE, ANGLES = (1.0, 1.1, 1.5, 1.633), 1.6, (2.0, 0.9)
+"""l1, l2 (cranks), l3, l4 (bars to P); d; θ₁, θ₂, counted from x."""
+
+
+def limbs():
+    """Both limbs in symbols, A at (−d/2, 0), C at (d/2, 0) as in figure 2.2; Φ says that the outer bars keep their length."""
+    names = ["x", "y", "theta1", "theta2", "d", "l1", "l2", "l3", "l4"]
+    points = fb.vector_function(
+        [
+            "-d/2",
+            "0",
+            "d/2",
+            "0",
+            "-d/2 + l1*cos(theta1)",
+            "l1*sin(theta1)",
+            "d/2 + l2*cos(theta2)",
+            "l2*sin(theta2)",
+        ],
+        names,
+    )
+    places = dict(zip("ACBD", zip(points.rows[::2], points.rows[1::2], strict=True), strict=True))
+    values = dict(zip(names, points.symbols, strict=True))
+    places["P"] = (values["x"], values["y"])
+    arms = {
+        a + b: tuple(q - p for p, q in zip(places[a], places[b], strict=True))
+        for a, b in ("AB", "CD", "AP", "CP", "BP", "DP")
+    }
+    phi = [sum(x * x for x in arms[bar]) - values[l] ** 2 for bar, l in (("BP", "l3"), ("DP", "l4"))]
+    slopes = [[row.diff(values[name]) for name in names[:4]] for row in phi]
+    J_a, J_b = ([row[:2] for row in slopes], [row[2:] for row in slopes])
+    return values | arms | {"Phi": phi, "J_a": J_a, "J_b": J_b, "j_b1": J_b[0][0], "j_b2": J_b[1][1]}
+
+
+def closed_pose():
+    """A pose in which the bars meet, from the cranks' angles."""
+    at = closed(LENGTHS, BASE, ANGLES)
+    x, y = at["P"]
+    lengths = dict(zip(("l1", "l2", "l3", "l4"), LENGTHS, strict=True))
+    arms = {a + b: at[b] - at[a] for a, b in ("AB", "CD", "AP", "CP")}
+    return lengths | arms | {"d": BASE, "x": x, "y": y, "theta1": ANGLES[0], "theta2": ANGLES[1]}
+
+
+def moving():
+    """How P moves with the cranks, by differences of closed poses; the matrices of (2.37) and (2.38) at one pose."""
+    pose, symbols = closed_pose(), limbs()
+    h = 1e-3
+
+    def tip(k, step):
+        angles = [angle + step * (i == k) for i, angle in enumerate(ANGLES)]
+        return closed(LENGTHS, BASE, angles)["P"]
+
+    columns = [(8 * (tip(k, h) - tip(k, -h)) - (tip(k, 2 * h) - tip(k, -2 * h))) / (12 * h) for k in range(2)]
+    J, rates = np.column_stack(columns), np.array([0.7, -1.2])
+    at = {
+        symbol: pose[name]
+        for name, symbol in symbols.items()
+        if name in pose and hasattr(symbol, "is_Symbol")
+    }
+    J_a, J_b = (
+        np.array([[float(x.subs(at)) for x in row] for row in symbols[name]]) for name in ("J_a", "J_b")
+    )
+    return {"J": J, "J_a": J_a, "J_b": J_b, "theta_d": rates, "x_d": J @ rates}
+
+
+LIMBS, POSE, MOVING = Related(limbs), Related(closed_pose), Related(moving)
+_SIGN = "By figure 2.2, (2.29) and (2.31) A is at −d/2 and C at +d/2; the printed sign of d exchanges them."
+
+ITEMS = (
+    Item(
+        "eq-2.27", "2.3", "Right limb", "definition", "The bar DP keeps its length.", "CP - CD = l4", POSE, "inconsistent",
+        "norm(CP - CD) = l4", "The left side is a vector, the right side a length: the length of CP − CD is meant.", figure="2.2",
+    ),
+    Item(
+        "eq-2.28", "2.3", "Left limb", "definition", "The bar BP keeps its length.", "AP - AB = l3", POSE, "inconsistent",
+        "norm(AP - AB) = l3", "As (2.27): a vector on the left, a length on the right.", figure="2.2",
+    ),
+    Item("eq-2.29", "2.3", "From C to P", "definition", "C is at half the base on the right.", "CP = [x - d/2, y]", LIMBS, figure="2.2"),
+    Item(
+        "eq-2.30", "2.3", "From C to D", "definition", "The right crank.", "CD = [l3*cos(theta2), l3*sin(theta2)]", LIMBS, "misprint",
+        "CD = [l2*cos(theta2), l2*sin(theta2)]", "The crank CD has the length l₂; l₃ is the bar BP.", figure="2.2",
+    ),
+    Item("eq-2.31", "2.3", "From A to P", "definition", "A is at half the base on the left.", "AP = [x + d/2, y]", LIMBS, figure="2.2"),
+    Item("eq-2.32", "2.3", "From A to B", "definition", "The left crank.", "AB = [l1*cos(theta1), l1*sin(theta1)]", LIMBS, figure="2.2"),
+    Item(
+        "eq-2.33", "2.3", "Left limb squared", "derivation", "(2.28) squared; here at a pose in which the bars meet.",
+        "(d/2 + l1*cos(theta1) - x)^2 + (l1*sin(theta1) - y)^2 - l3^2 = 0", POSE, "inconsistent",
+        "(-d/2 + l1*cos(theta1) - x)^2 + (l1*sin(theta1) - y)^2 - l3^2 = 0", _SIGN,
+    ),
+    Item(
+        "eq-2.34", "2.3", "Right limb squared", "derivation", "(2.27) squared; here at a pose in which the bars meet.",
+        "(-d/2 + l2*cos(theta2) - x)^2 + (l2*sin(theta2) - y)^2 - l4^2 = 0", POSE, "inconsistent",
+        "(d/2 + l2*cos(theta2) - x)^2 + (l2*sin(theta2) - y)^2 - l4^2 = 0", _SIGN,
+    ),
+    Item(
+        "eq-2.35", "2.3", "Velocities", "derivation", "Both constraints differentiated.", "J_a*x_d + J_b*theta_d = 0", MOVING,
+    ),
+    Item("eq-2.36", "2.3", "The robot's Jacobian", "derivation", "(2.35) solved for the velocity of P.", "J = -J_a^-1*J_b", MOVING),
+    Item(
+        "eq-2.37", "2.3", "J_a", "derivation", "Derivatives of the constraints by x and y.",
+        "J_a = [[-d - 2*l1*cos(theta1) + 2*x, -2*l1*sin(theta1) + 2*y], [d - 2*l2*cos(theta2) + 2*x, -2*l2*sin(theta2) + 2*y]]", LIMBS,
+        "inconsistent",
+        "J_a = [[d - 2*l1*cos(theta1) + 2*x, -2*l1*sin(theta1) + 2*y], [-d - 2*l2*cos(theta2) + 2*x, -2*l2*sin(theta2) + 2*y]]",
+        f"{_SIGN} (It fits the printed (2.33) and (2.34), which have the same fault.)",
+    ),
+    Item(
+        "eq-2.38", "2.3", "J_b", "derivation", "Each crank moves its own limb only.", "J_b = [[j_b1, 0], [0, j_b2]]", LIMBS,
+    ),
+    Item(
+        "eq-2.39", "2.3", "First entry of J_b", "derivation", "Derivative of the left limb's constraint by θ₁.",
+        "j_b1 = -l1*sin(theta1)*d + 2*l1*sin(theta1)*x - 2*l1*cos(theta1)*y", LIMBS, "inconsistent",
+        "j_b1 = l1*sin(theta1)*d + 2*l1*sin(theta1)*x - 2*l1*cos(theta1)*y", _SIGN,
+    ),
+    Item(
+        "eq-2.40", "2.3", "Second entry of J_b", "derivation", "Derivative of the right limb's constraint by θ₂.",
+        "j_b2 = l2*sin(theta2)*d + 2*l2*sin(theta2)*x - 2*l2*cos(theta2)*y", LIMBS, "inconsistent",
+        "j_b2 = -l2*sin(theta2)*d + 2*l2*sin(theta2)*x - 2*l2*cos(theta2)*y", _SIGN,
+    ),
+)  # fmt: skip
