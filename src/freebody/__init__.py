@@ -14,6 +14,7 @@ _PLACES = {
     "freebody.errors": (
         "FreebodyError",
         "FreebodyWarning",
+        "LoopError",
         "PhysicalWarning",
     ),
     "freebody.model.inertia": ("Inertia",),
@@ -65,6 +66,15 @@ _PLACES = {
     "freebody.numerics.base_parameters": ("base_parameters",),
     "freebody.numerics.states": ("neutral", "random_state", "integrate", "difference"),
     "freebody.numerics.attitude": ("quat_wxyz", "rotation"),
+    "freebody.numerics.closed.assembly": (
+        "assemble",
+        "assembly_modes",
+        "loop_velocity",
+        "loop_acceleration",
+    ),
+    "freebody.numerics.closed.mobility": ("mobility",),
+    "freebody.numerics.closed.reactions": ("reactions",),
+    "freebody.numerics.closed.parallel": ("input_output",),
     "freebody.numerics.inverse.kinematics": ("inverse_kinematics",),
     "freebody.numerics.inverse.rates": ("inverse_velocity", "inverse_acceleration"),
     "freebody.numerics.inverse.singularities": ("singularities",),
@@ -82,6 +92,7 @@ _PLACES = {
     "freebody.motion.simulate": ("simulate",),
     "freebody.figures.fbd": ("free_body_diagram",),
     "freebody.figures.kinematic": ("kinematic_diagram",),
+    "freebody.figures.notes.catalogue": ("notes_figure",),
     "freebody.report.study": ("Study", "study"),
 }
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}

@@ -77,6 +77,10 @@ class SingularError(FreebodyError, ArithmeticError):
     """A system of equations without a unique solution; says which body, joint or direction is to blame."""
 
 
+class LoopError(FreebodyError, ValueError):
+    """A closed chain that does not close, or would not stay closed; names the loop and the gap."""
+
+
 class FileError(FreebodyError, ValueError):
     """Something in a file, with the file and, where known, the line."""
 

@@ -173,7 +173,7 @@ def loop_loads(tree: Tree, q: Vector, multipliers: Vector) -> list[External]:
 
 @dataclass(frozen=True)
 class Constrained:
-    """Accelerations, multipliers, and for each pivot how much of it was left: near 0 where equations depend."""
+    """Accelerations, multipliers, and the pivots of S: near 0 where equations depend on one another, or vanish."""
 
     qdd: Vector
     multipliers: Vector
@@ -204,7 +204,7 @@ def constrained_dynamics(
 
 
 def _solved(S: list[list[Scalar]], right: Vector) -> tuple[Vector, Vector]:
-    """x with S x = right for a symmetric positive definite S = L D Lᵀ, and the pivots relative to S's diagonal."""
+    """x with S x = right for a symmetric positive definite S = L D Lᵀ, and D."""
     n = len(S)
     L: list[list[Scalar]] = [[0.0] * n for _ in range(n)]
     inverse: list[Scalar] = []
@@ -221,7 +221,7 @@ def _solved(S: list[list[Scalar]], right: Vector) -> tuple[Vector, Vector]:
             pivot = pivot - L[k][j] * scaled[j]
             x[k] = x[k] - L[k][j] * x[j]
         inverse.append(1.0 / pivot)
-        pivots.append(pivot / S[k][k])
+        pivots.append(pivot)
     for k in reversed(range(n)):
         x[k] = x[k] * inverse[k]
         for j in range(k + 1, n):

@@ -276,6 +276,7 @@ def equations(model: Model, numbers: bool = False) -> Equations:
 
     Raises FreebodyError for spherical and free joints, and for joints that follow another by a ratio that is not whole.
     """
+    model.require_tree("equations")
     if numbers:
         model.require_values("equations in numbers")
     return Equations(symbols(model, numbers))

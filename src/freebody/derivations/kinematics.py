@@ -114,6 +114,7 @@ def _times(A: Entries, x: Sequence[Trig], s: Symbols) -> list[Trig]:
 
 def kinematics(model: Model, frame: str | None = None, numbers: bool = False) -> Kinematics:
     """The closed forms of a frame (default: the tip); `numbers` puts in the values of the model's parameters."""
+    model.require_tree("kinematics")
     if numbers:
         model.require_values("kinematics in numbers")
     return Kinematics(symbols(model, numbers), model.frame(frame).name)

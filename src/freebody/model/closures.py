@@ -35,9 +35,16 @@ class Closure:
     def row_names(self, space: AnySpace) -> tuple[str, ...]:
         """What each equation's multiplier is: a force, or a moment."""
         forces = [f"f{x}" for x in space.axes] if self.point else ["tension"] if self.distance else []
-        forces += [f"f{k + 1}" for k in range(len(self.slides))]
-        moments = ["m"] if space.dim == 2 else [f"m{k + 1}" for k in range(len(self.turns))]
-        return (*forces, *moments[: len(self.turns)])
+        forces += [f"f{_letter(n, k)}" for k, n in enumerate(self.slides)]
+        if space.dim == 2:
+            return (*forces, *["m"] * len(self.turns))
+        return (*forces, *(f"m{_letter(space.moment(u, n), k)}" for k, (n, u) in enumerate(self.turns)))
+
+
+def _letter(direction: Vector, k: int) -> str:
+    """x, y or z of a coordinate axis of frame A, else a number."""
+    along = [i for i, x in enumerate(direction) if isinstance(x, float) and abs(x) == 1.0]
+    return "xyz"[along[0]] if along else str(k + 1)
 
 
 @dataclass(frozen=True)

@@ -161,6 +161,15 @@ class Model:
         if self.missing:
             raise MissingValueError(f"{what} of {self.name!r}", self.missing)
 
+    def require_tree(self, function: str, instead: str = "") -> None:
+        """Refuse a closed chain."""
+        if self.loops:
+            other = f"use {instead}, or " if instead else ""
+            raise FreebodyError(
+                f"{function}: {self.name!r} is a closed chain, for which this is not available; "
+                f"{other}take model.opened, the tree that is left when its loops are cut."
+            )
+
     @cached_property
     def tree(self) -> Tree:
         """The model in numbers, as the algorithms take it."""

@@ -30,6 +30,7 @@ def default_motion(model: Model, duration: float = DURATION, samples: int = SAMP
     periods, under a window that brings rate and acceleration to zero at both ends; at most 0.7 rad or 0.15 m,
     8 % clear of the limits and at 60 % of the speed limit. Free and spherical joints do likewise.
     """
+    model.require_tree("default_motion")
     if duration <= 0:
         raise FreebodyError(f"default_motion: duration is {duration}, expected seconds above 0.")
     if samples < 8:

@@ -12,11 +12,13 @@ from scipy.integrate import solve_ivp
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.model.model import Model
+from freebody.motion.closed import integrated_closed
 from freebody.motion.friction import WIDTH
 from freebody.motion.ranges import angular
-from freebody.motion.system import System, constant_loads, suited_method, system
+from freebody.motion.system import Drive, System, constant_loads, suited_method, system
 from freebody.numerics import dynamics
 from freebody.numerics.calls import Vector, Wrenches, vector
+from freebody.numerics.closed.equations import gaps, rate_of_loops, require_closed, residual
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -46,6 +48,9 @@ def simulate(
     hundredth of it. friction_width: Coulomb friction acts as c tanh(q̇ / width), rad/s or m/s, so that a joint at rest
     creeps instead of sticking.
 
+    Closed chains: the state must satisfy the loops; explicit methods only, each step projected back onto the loops
+    (positions and rates), so that there is no drift; loop_gap (m) and loop_rate (m/s) are part of the result.
+
     Returns a dataset over `time` with q, qd, qdd, tau, energies and powers, units as attributes; what was used stands
     in its attributes. Raises SingularError for joints without inertia, FreebodyError when the integration cannot go on.
     """
@@ -60,14 +65,14 @@ def simulate(
     frames, loads = constant_loads(_wrenches(model, wrenches))
     whole = system(model, friction_width, frames, loads)
     drive = _drive(model, times, torque)
+    if model.loops:
+        require_closed("simulate", model, *start)
+        y = integrated_closed(whole, drive, times, np.concatenate(start), method, tolerance)
+        return _dataset(whole, times, y, drive, "DOP853" if method == "auto" else method, tolerance)
     if method == "auto":
         method = suited_method(model, whole.friction, start[0], float(times[-1] - times[0]))
     y = integrated(whole, drive, times, np.concatenate(start), method, tolerance)
     return _dataset(whole, times, y, drive, method, tolerance)
-
-
-Drive = Callable[[Array, Array, Array], Array]
-"""(t, q, qd) -> tau, all with the same leading shape."""
 
 
 def integrated(system: System, drive: Drive, t: Array, y0: Array, method: str, tolerance: float) -> Array:
@@ -174,6 +179,12 @@ def _dataset(system: System, t: Array, y: Array, drive: Drive, method: str, tole
         "potential_energy": (("time",), dynamics.potential_energy(model, q), "J", "of gravity and springs"),
         "power": (at, tau * qd, "W", "mechanical power of the drive"),
     }
+    if model.loops:
+        for name, value, unit, text in (
+            ("loop_gap", residual(model, q), "m", "how far each loop is open"),
+            ("loop_rate", rate_of_loops(model, q, qd), "m/s", "how fast each loop opens"),
+        ):
+            variables[name] = (("time", "loop"), gaps(model, value), unit, text)
     friction = system.friction
     return xr.Dataset(
         {name: (d, v, {"units": u, "long_name": text}) for name, (d, v, u, text) in variables.items()},
@@ -183,6 +194,7 @@ def _dataset(system: System, t: Array, y: Array, drive: Drive, method: str, tole
             "coordinate": list(model.velocity_names),
             "unit": ("coordinate", np.where(turns, "rad", "m")),
             "effort_unit": ("coordinate", np.where(turns, "N m", "N")),
+            **({"loop": [loop.name for loop in model.loops]} if model.loops else {}),
         },
         {
             "robot": model.name,

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from freebody.arrays import Array
 from freebody.model.model import Model
 from freebody.motion.friction import WIDTH, SmoothFriction, smooth_friction
+from freebody.numerics.closed.dynamics import accelerations
 from freebody.numerics.coordinates import Layout, layout, normalised, position_rate
 from freebody.numerics.dynamics import mass_matrix
 from freebody.numerics.kernels import kernel
 from freebody.numerics.massless import refuse_massless
 
+Drive = Callable[[Array, Array, Array], Array]
+"""(t, q, qd) -> tau, all with the same leading shape."""
 Loads = Callable[[Array], tuple[Array, ...]]
 """External wrenches, one array (..., six) a frame, at times t (...)."""
 
@@ -59,7 +63,7 @@ class System:
         return self.forward(q, qd, tau, *self.loads(t))
 
     def torque(self, t: Array, q: Array, qd: Array, qdd: Array) -> Array:
-        """Inverse dynamics (..., nv), with the same smooth friction."""
+        """Inverse dynamics (..., nv) of the tree, with the same smooth friction."""
         return self.inverse(q, qd, qdd, *self.loads(t)) + self.friction.torque(qd)
 
     def jacobian(self, t: Array, y: Array, tau: Array) -> Array:
@@ -82,16 +86,14 @@ def system(
     model: Model, width: float = WIDTH, wrench_frames: tuple[str, ...] = (), loads: Loads | None = None
 ) -> System:
     """The system of a model; Coulomb friction is smoothed over `width`. Raises SingularError if M is singular."""
-    refuse_massless(model, "simulate")
     smooth, friction = smooth_friction(model, width)
-    return System(
-        model,
-        layout(model),
-        friction,
-        kernel(smooth, "forward_dynamics", wrench_frames=wrench_frames),
-        kernel(smooth, "inverse_dynamics", wrench_frames=wrench_frames),
-        loads or (lambda t: ()),
-    )
+    if model.loops:
+        forward: Callable[..., Array] = partial(accelerations, smooth, wrench_frames)
+    else:
+        refuse_massless(model, "simulate")
+        forward = kernel(smooth, "forward_dynamics", wrench_frames=wrench_frames)
+    inverse = kernel(smooth.opened, "inverse_dynamics", wrench_frames=wrench_frames)
+    return System(model, layout(model), friction, forward, inverse, loads or (lambda t: ()))
 
 
 def decay_rate(model: Model, friction: SmoothFriction, q: Array) -> float:

@@ -13,7 +13,7 @@ from freebody.arrays import Array, as_floats, at_sample, check_core, refuse_not_
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.model import Model
 from freebody.numerics import kernels
-from freebody.numerics.formulas import FORMULAS, Option
+from freebody.numerics.formulas import FORMULAS, OF_TREES, Option
 
 Vector = ArrayLike | Mapping[str, float]
 Wrenches = ArrayLike | Mapping[str, ArrayLike] | None
@@ -63,6 +63,8 @@ def _carefully(
     function: str, model: Model, inputs: tuple[Any, ...], option: Option | None, wrenches: Wrenches
 ) -> Any:
     """Check every input, call the kernel, and blame what is not finite."""
+    if function in OF_TREES:
+        model.require_tree(function)
     chosen = option or Option()
     formula = FORMULAS[function]
     names = [name for name in formula.inputs if name != "wrenches" and (name != "point" or chosen.point)]
@@ -82,6 +84,19 @@ def _carefully(
     if not loads and model.nq == model.nv:  # quaternions need their length checked at every call
         model.compiled[function, option] = kernel, len(next(iter(formula.outputs.values())))
     return result
+
+
+def checked_inputs(
+    function: str, model: Model, given: Mapping[str, Any], wrenches: Wrenches
+) -> tuple[tuple[str, ...], list[Array]]:
+    """(frames with wrenches, arrays of the inputs and then the wrenches), all finite and of one batch shape."""
+    arrays = {name: vector(function, model, name, value) for name, value in given.items()}
+    loads = _loads(function, model, wrenches)
+    named = arrays | {f"wrenches[{frame!r}]": load for frame, load in loads.items()}
+    for name, array in named.items():
+        refuse_not_finite(function, name, array, 1, labels(model, name))
+    batch = common_batch(function, named)
+    return tuple(loads), [np.broadcast_to(array, (*batch, array.shape[-1])) for array in named.values()]
 
 
 _HUGE = 1e100  # no quantity of a robot in SI units; its products leave the range of float64

@@ -3,36 +3,59 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, at_sample
-from freebody.errors import SingularError
+from freebody.errors import FreebodyError, SingularError
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector, Wrenches, common_batch, evaluate, finite_vector
+from freebody.numerics.closed import dynamics as closed
+from freebody.numerics.closed.reactions import reactions
 from freebody.numerics.formulas import Option
 from freebody.numerics.kinematics import checked_reference, jacobian
 from freebody.numerics.massless import refuse_massless
 
 
-def inverse_dynamics(model: Model, q: Vector, qd: Vector, qdd: Vector, wrenches: Wrenches = None) -> Array:
+def inverse_dynamics(
+    model: Model,
+    q: Vector,
+    qd: Vector,
+    qdd: Vector,
+    wrenches: Wrenches = None,
+    actuated: Sequence[str] | None = None,
+) -> Array:
     """tau (..., nv): M q̈ + c + g + friction + springs + rotors - Σ Jᵀ w (N m, N), by recursive Newton-Euler.
 
     q: (..., nq); qd, qdd: (..., nv), rad or m and s. wrenches: {frame: (..., 6)} or one array for the tip: force,
     then moment, that act on the arm at the frame's origin, world axes ((..., 3): fx, fy, m in the plane). Raises
     ShapeError, NotFiniteError, UnknownNameError, MissingValueError. Source: Luh, Walker, Paul 1980; notes 4.6-4.15,
     6.16-6.29.
+
+    Closed chains: the torques of the driven joints (`actuated`: names; default those not passive), zero elsewhere; of
+    more drives than the mechanism needs, the smallest torques. Raises LoopError for a state that its loops do not
+    allow, SingularError where the drives do not determine the motion.
     """
+    if model.loops:
+        return closed.inverse(model, q, qd, qdd, wrenches, actuated)
+    if actuated is not None:
+        raise FreebodyError(
+            f"inverse_dynamics: actuated= chooses among the joints of a closed chain; {model.name!r} has no loops."
+        )
     return evaluate("inverse_dynamics", model, (q, qd, qdd), None, wrenches)
 
 
 def forward_dynamics(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches = None) -> Array:
     """q̈ (..., nv) under joint torques tau (..., nv); other arguments as for `inverse_dynamics` (3.29).
 
-    Raises SingularError naming the joint that moves no inertia.
+    Closed chains: (5.29), with dependent equations and at singular positions, where a motion keeps its branch. Raises
+    SingularError naming the joint that moves no inertia, LoopError for a state that the loops do not allow.
     """
+    if model.loops:
+        return closed.forward(model, q, qd, tau, wrenches)
     refuse_massless(model, "forward_dynamics")
     result = evaluate("forward_dynamics", model, (q, qd, tau), None, wrenches)
     _refuse_singular("forward_dynamics", model, result)
@@ -113,7 +136,10 @@ def static_torque(model: Model, q: Vector, wrenches: Wrenches = None) -> Array:
     """g + springs - Σ Jᵀ w (..., nv): the torque that holds the arm still (2.41-2.49).
 
     wrenches act on the arm, as for `inverse_dynamics`; the notes' (2.52) prints the torque that exerts f, its negative.
+    Closed chains: the torques of the driven joints, as there.
     """
+    if model.loops:
+        return closed.holding(model, q, wrenches)
     return evaluate("static_torque", model, (q,), None, wrenches)
 
 
@@ -124,6 +150,10 @@ def tip_wrench(model: Model, q: Vector, tau: Vector, frame: str | None = None) -
     joints returns the force alone (moment 0). Gravity and springs are not counted. Raises SingularError at a singular
     Jacobian.
     """
+    if model.loops:
+        raise FreebodyError(
+            f"tip_wrench: {model.name!r} is a closed chain; with J = fb.input_output(model, q).J it is J⁻ᵀ tau."
+        )
     J = jacobian(model, q, frame)
     rows = J.shape[-2] if model.nv >= J.shape[-2] else model.dim
     if rows != model.nv:
@@ -157,8 +187,11 @@ def joint_wrenches(
     """Reaction wrench (..., nj, 6) of every joint: force (N), then moment (N m); (..., nj, 3) in the plane.
 
     Row i belongs to joint_names[i]: all that the parent does to the child, at the child's joint origin, world axes or
-    the child's. Arguments as for `inverse_dynamics`.
+    the child's. Arguments as for `inverse_dynamics`. Closed chains: a row for each loop follows, on the second frame's
+    body by the first's; `reactions` also says which components are determined.
     """
+    if model.loops:
+        return reactions(model, q, qd, qdd=qdd, wrenches=wrenches, reference=reference).wrenches
     option = Option(reference=checked_reference(reference, ("world", "child")))
     return evaluate("joint_wrenches", model, (q, qd, qdd), option, wrenches)
 

@@ -328,3 +328,18 @@ FORMULAS: dict[str, Formula] = {
     "potential_energy": Formula(("q",), {"V": ()}, lambda t, o, q: (energy.potential_energy(t, q),)),
     "momentum": Formula(("q", "qd", "point"), {"h": ("six",)}, _momentum),
 }
+
+OF_TREES = (
+    "inverse_dynamics",
+    "joint_wrenches",
+    "static_torque",
+    "inverse_dynamics_derivatives",
+    "inverse_dynamics_second_derivatives",
+    "inverse_dynamics_along",
+    "forward_dynamics_derivatives",
+    "forward_dynamics_parameter_derivatives",
+    "mass_matrix_inverse",
+    "operational_space_inertia",
+    "operational_space_bias",
+)
+"""Formulas that leave loops out, so that a closed chain must not be given to them."""

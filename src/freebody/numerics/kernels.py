@@ -13,7 +13,7 @@ from freebody.compiler import Argument, Kernel, Program, compile_program, trace
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.model import Model
 from freebody.numerics.columns import BY_COLUMNS, LARGEST, ColumnKernel
-from freebody.numerics.formulas import FORMULAS, Option
+from freebody.numerics.formulas import FORMULAS, OF_TREES, Option
 
 
 def kernel(
@@ -57,6 +57,8 @@ def chosen_option(
     for name in listed:
         if name not in FORMULAS:
             raise UnknownNameError("quantity", name, "fb.kernel", FORMULAS)
+        if name in OF_TREES:
+            model.require_tree(f"kernel: {name}")
     if not listed:
         raise FreebodyError("fb.kernel: give at least one quantity.")
     references = ("world", "child") if listed == ("joint_wrenches",) else ("world", "body")

@@ -113,6 +113,7 @@ def study(
     called with a text and the fraction done.
     Raises FreebodyError for a robot without movable joints, MissingValueError for one with open parameters.
     """
+    model.require_tree("study")
     if model.nv == 0:
         raise FreebodyError(f"study: {model.name!r} has no movable joint; there is no motion to study.")
     model.require_values("the study")

@@ -30,6 +30,7 @@ def check(model: Model, answer: Any, names: Mapping[str, str] | None = None) -> 
     comparison is exact: forms that are equal are found equal. The verdict is true when all equations are; `.text`
     says it in words, `.findings` lists the mistakes.
     """
+    model.require_tree("check")
     where = setting(equations(model))
     found = claims(where, text_of(answer), names or {})
     judge = Judge(where, Targets(where, velocity=any(claim.target.family == "h" for claim in found)))

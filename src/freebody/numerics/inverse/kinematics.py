@@ -53,6 +53,7 @@ def inverse_kinematics(
     or with three parallel axes (Elias and Wen 2022). Else Levenberg–Marquardt.
     """
     model.require_values("inverse kinematics")
+    model.require_tree("inverse_kinematics")
     if limits not in LIMITS:
         raise UnknownNameError("choice", limits, "inverse_kinematics: limits=", LIMITS)
     chosen, poses = read_target("inverse_kinematics", model, target, task)

@@ -40,6 +40,7 @@ def inverse_velocity(
     arm's, such as 0.05): then singular values below it are damped, q̇ is exact elsewhere, and a FreebodyWarning says how
     far off V is (Nakamura and Hanafusa 1986; Chiaverini 1997).
     """
+    model.require_tree("inverse_velocity", "fb.input_output(model, q).J")
     return _solved("inverse_velocity", model, q, "V", V, None, frame, task, damping)
 
 
@@ -57,6 +58,7 @@ def inverse_acceleration(
     qd: (..., nv). A: acceleration of the frame, the time derivative of its velocity (m/s², rad/s²). All else as for
     `inverse_velocity`.
     """
+    model.require_tree("inverse_acceleration", "fb.input_output(model, q).J")
     return _solved("inverse_acceleration", model, q, "A", A, qd, frame, task, damping)
 
 

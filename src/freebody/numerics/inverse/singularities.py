@@ -131,6 +131,7 @@ def singularities(
     With another number of joints than rows there is no determinant, only the measure and the search. Raises
     FreebodyError where fewer joints than rows are asked for by name.
     """
+    model.require_tree("singularities", "fb.input_output(model, q).kind")
     name = model.frame(frame).name
     closed = _symbolic(model, name)
     if isinstance(closed, str):

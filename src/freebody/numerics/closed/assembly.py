@@ -1,0 +1,249 @@
+"""Closing the loops: positions, rates and accelerations that satisfy every loop equation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from freebody.arrays import Array, at_sample
+from freebody.errors import FreebodyError, LoopError, UnknownNameError
+from freebody.model.model import Model
+from freebody.numerics.calls import Vector, common_batch, finite_vector
+from freebody.numerics.closed.equations import (
+    backward,
+    gaps,
+    length,
+    rate_scale,
+    refuse_inconsistent,
+    require_closed,
+    require_loops,
+    residual,
+    row_scale,
+    scaled_jacobian,
+)
+from freebody.numerics.formulas import Option
+from freebody.numerics.kernels import fetch
+from freebody.numerics.states import difference, integrate
+
+_CLOSED = 1e-12  # of scaled equations; rounding leaves about 1e-16 of the length
+_STEP = 0.6  # rad: the longest step towards closure
+_ITERATIONS = 60
+_RESTARTS = 32
+
+
+def assemble(model: Model, q: Vector, free: Sequence[str] | None = None) -> Array:
+    """q (..., nq) near the guess q at which every loop is closed, to rounding.
+
+    free: names of the coordinates (`model.velocity_names`) or joints that may move; the others keep the values given.
+    None: all may. Where the way from the guess ends in a gap, other starts are tried and the nearest closed position is
+    taken. Raises LoopError with the loop and the gap when none is found. Levenberg-Marquardt on Φ (5.21).
+    """
+    require_loops(model, "assemble")
+    guess = finite_vector("assemble", model, "q", q)
+    moving = free_coordinates(model, free, "assemble")
+    flat = guess.reshape(-1, model.nq)
+    closed, left = closing(model, flat, moving)
+    for k in np.flatnonzero(~_is_closed(model, closed, left)):
+        closed[k] = _restarted(
+            model, flat[k], moving, closed[k], at_sample((int(k),) if guess.ndim > 1 else ())
+        )
+    return closed.reshape(guess.shape)
+
+
+def assembly_modes(model: Model, q: Vector, free: Sequence[str] | None = None, starts: int = 200) -> Array:
+    """All closed positions (k, nq) that were found with the fixed coordinates of q (nq,), nearest to q first.
+
+    free: as for `assemble`; the coordinates that differ from mode to mode. By Newton's method from `starts` starts
+    spread over the free coordinates' whole range, so completeness is likely, not proved. Where the mechanism can move
+    with the fixed coordinates held, there are infinitely many and FreebodyError is raised.
+    """
+    require_loops(model, "assembly_modes")
+    guess = finite_vector("assembly_modes", model, "q", q)
+    if guess.shape != (model.nq,):
+        raise FreebodyError(
+            f"assembly_modes: q has shape {guess.shape}, expected ({model.nq},): one position."
+        )
+    moving = free_coordinates(model, free, "assembly_modes")
+    found = _solutions(model, guess, moving, starts)
+    modes: list[Array] = []
+    for position in found:
+        if all(np.abs(_wrapped(model, position, other)).max() > 1e-6 for other in modes):
+            modes.append(position)
+    if modes:
+        J = scaled_jacobian(model, modes[0])[:, moving]
+        if np.linalg.matrix_rank(J, tol=1e-9) < len(moving):
+            raise FreebodyError(
+                f"assembly_modes: {model.name!r} still moves with the other coordinates held, so it has infinitely "
+                "many positions; free fewer coordinates."
+            )
+    return np.array(modes).reshape(-1, model.nq)
+
+
+def loop_velocity(model: Model, q: Vector, rates: Vector) -> Array:
+    """Rates qd (..., nv) that keep every loop closed at the closed position q (..., nq) (2.35, 5.22).
+
+    rates: {coordinate: value} for the independent coordinates, or a whole vector (..., nv), from which the nearest
+    consistent one is taken. Raises LoopError when the values given contradict the loops, FreebodyError when they leave
+    the motion open.
+    """
+    require_loops(model, "loop_velocity")
+    at = finite_vector("loop_velocity", model, "q", q)
+    require_closed("loop_velocity", model, at)
+    return _consistent("loop_velocity", model, at, rates, np.zeros((*at.shape[:-1], len(row_scale(model)))))
+
+
+def loop_acceleration(model: Model, q: Vector, qd: Vector, accelerations: Vector) -> Array:
+    """Accelerations qdd (..., nv) consistent with the loops at the closed state q, qd (5.28); arguments as for
+    `loop_velocity`."""
+    require_loops(model, "loop_acceleration")
+    at, rates = (finite_vector("loop_acceleration", model, n, x) for n, x in (("q", q), ("qd", qd)))
+    require_closed("loop_acceleration", model, at, rates)
+    right = fetch(model, ("constraint_bias",), Option())(at, rates)
+    return _consistent("loop_acceleration", model, at, accelerations, right)
+
+
+def free_coordinates(model: Model, names: Sequence[str] | None, function: str) -> list[int]:
+    """Indices of the coordinates named, each by itself or through its joint; None is all."""
+    if names is None:
+        return list(range(model.nv))
+    if isinstance(names, str):
+        names = (names,)
+    of_joint = {
+        body.joint.name: list(at.v)
+        for body, at in zip(model.bodies, model.coordinates, strict=True)
+        if body.joint.mimic is None
+    }
+    of_name = {name: [k] for k, name in enumerate(model.velocity_names)} | of_joint
+    for name in names:
+        if name not in of_name:
+            raise UnknownNameError("coordinate", name, f"{function}: {model.name!r}", of_name)
+    return sorted({k for name in names for k in of_name[name]})
+
+
+# ---------------------------------------------------------------- positions
+def closing(model: Model, q: Array, moving: Sequence[int]) -> tuple[Array, Array]:
+    """(positions (N, nq) as closed as they get from q (N, nq), largest scaled equation left (N,))."""
+    scale, stretch = row_scale(model), rate_scale(model)
+    q = np.array(q)
+    phi = scale * residual(model, q)
+    damping = np.full(len(q), 1e-2)
+    for _ in range(_ITERATIONS):
+        size = np.abs(phi).max(axis=-1, initial=0.0)
+        active = np.flatnonzero((size > 1e-15) & (damping < 1e6))
+        if not len(active):
+            break
+        J = scaled_jacobian(model, q[active])[..., list(moving)]
+        step = _levenberg(J, phi[active], damping[active] * np.linalg.norm(phi[active], axis=-1))
+        full = np.zeros((len(active), model.nv))
+        full[:, list(moving)] = step
+        trial = integrate(model, q[active], full * stretch)
+        left = scale * residual(model, trial)
+        better = np.linalg.norm(left, axis=-1) < np.linalg.norm(phi[active], axis=-1)
+        q[active[better]], phi[active[better]] = trial[better], left[better]
+        damping[active] = np.where(better, np.maximum(damping[active] * 0.1, 1e-12), damping[active] * 10.0)
+    return q, np.abs(phi).max(axis=-1, initial=0.0)
+
+
+def _levenberg(J: Array, phi: Array, damping: Array) -> Array:
+    """The step -Jᵀ (J Jᵀ + μ)⁻¹ φ (N, k), no longer than a sensible turn."""
+    U, s, Vt = np.linalg.svd(J, full_matrices=False)
+    floor = 1e-10 * s.max(axis=-1, keepdims=True, initial=1e-300)
+    gain = np.where(s > floor, s / (s * s + damping[:, None]), 0.0)
+    step = -np.einsum("nkj,nk->nj", Vt, gain * np.einsum("nmk,nm->nk", U, phi))
+    longest = np.abs(step).max(axis=-1, initial=0.0)
+    return step * np.minimum(1.0, _STEP / np.maximum(longest, 1e-300))[:, None]
+
+
+def _is_closed(model: Model, q: Array, left: Array) -> NDArray[np.bool_]:
+    return (left < _CLOSED) & ~backward(model, q).any(axis=-1)
+
+
+def _restarted(model: Model, guess: Array, moving: Sequence[int], best: Array, sample: str) -> Array:
+    """The closed position nearest to the guess among those reached from starts around it."""
+    found = _solutions(model, guess, moving, _RESTARTS)
+    if len(found):
+        return found[0]
+    gap = gaps(model, residual(model, best))
+    worst = int(np.argmax(gap))
+    name = model.loops[worst].name
+    if gap[worst] < CLOSE_ENOUGH * length(model):
+        raise LoopError(
+            f"assemble: loop {name!r} of {model.name!r} closes only the wrong way round{sample}: its frames face "
+            "opposite ways. Start from another guess, or turn one frame."
+        )
+    fixed = [name for k, name in enumerate(model.velocity_names) if k not in moving]
+    remedy = f"let one of {', '.join(fixed)} move too" if fixed else "check lengths and frames"
+    raise LoopError(
+        f"assemble: loop {name!r} of {model.name!r} stays open by {gap[worst]:.3g} m{sample}, at the nearest position "
+        f"found; its links may be too short or too long to meet. Start from another guess, or {remedy}."
+    )
+
+
+CLOSE_ENOUGH = 1e-9
+
+
+def _solutions(model: Model, guess: Array, moving: Sequence[int], starts: int) -> Array:
+    """Closed positions (k, nq) reached from starts spread about the guess, the nearest first."""
+    rng = np.random.default_rng(1)
+    near = np.concatenate([np.geomspace(0.02, 1.0, starts // 2), np.ones(starts - starts // 2)])
+    spread = rng.uniform(-np.pi, np.pi, size=(starts, model.nv)) * near[:, None]
+    spread[0] = 0.0
+    held = np.setdiff1d(np.arange(model.nv), moving)
+    spread[:, held] = 0.0
+    begun = integrate(model, np.broadcast_to(guess, (starts, model.nq)), spread * rate_scale(model))
+    closed, left = closing(model, begun, moving)
+    good = closed[_is_closed(model, closed, left)]
+    distance = np.linalg.norm(_wrapped(model, np.broadcast_to(guess, good.shape), good), axis=-1)
+    return good[np.argsort(distance)]
+
+
+def _wrapped(model: Model, a: Array, b: Array) -> Array:
+    """The way from a to b (..., nv), in angles, whole turns left out."""
+    way = difference(model, a, b) / rate_scale(model)
+    turns = rate_scale(model) == 1.0
+    return np.where(turns, (way + np.pi) % (2.0 * np.pi) - np.pi, way)
+
+
+# ---------------------------------------------------------------- rates
+def _consistent(
+    function: str, model: Model, q: Array, given: ArrayLike | Mapping[str, float], right: Array
+) -> Array:
+    """x (..., nv) with Φ_q x = right: with the values given, or nearest to the vector given."""
+    if isinstance(given, Mapping):
+        held = free_coordinates(model, tuple(given), function)
+        values = np.zeros(model.nv)
+        for name, value in given.items():
+            values[free_coordinates(model, (name,), function)] = value
+        x = np.broadcast_to(values, (*q.shape[:-1], model.nv))
+    else:
+        held = []
+        x = finite_vector(function, model, "rates", given)
+    batch = common_batch(function, {"q": q, "rates": x})
+    q, x, right = (np.broadcast_to(a, (*batch, a.shape[-1])).reshape(-1, a.shape[-1]) for a in (q, x, right))
+    J = scaled_jacobian(model, q)
+    scale, stretch = row_scale(model), rate_scale(model)
+    result = x / stretch
+    moving = np.setdiff1d(np.arange(model.nv), held)
+    missing = scale * right - np.einsum("nmk,nk->nm", J, result)
+    step = np.einsum("nkm,nm->nk", np.linalg.pinv(J[..., moving], rcond=1e-10), missing)
+    result[:, moving] += step
+    left = scale * right - np.einsum("nmk,nk->nm", J, result)
+    bad = np.flatnonzero(
+        np.abs(left).max(axis=-1, initial=0.0) > 1e-8 * (1.0 + np.abs(result).max(axis=-1, initial=0.0))
+    )
+    if len(bad):
+        sample = at_sample((int(bad[0]),) if batch else ())
+        refuse_inconsistent(
+            function,
+            model,
+            left[bad[0]] / scale,
+            f"does not allow the values given{sample}: they contradict its equations",
+        )
+    if held and np.linalg.matrix_rank(J[0][:, moving], tol=1e-9) < len(moving):
+        raise FreebodyError(
+            f"{function}: the values given for {', '.join(given)} leave {model.name!r} free to move; "  # type: ignore[arg-type]
+            "give one for every independent coordinate: fb.mobility(model, q).independent names a choice."
+        )
+    return (result * stretch).reshape(*batch, model.nv)

@@ -1,0 +1,194 @@
+"""Motion from forces and forces from motion, of closed chains."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from freebody.arrays import Array, at_sample
+from freebody.errors import SingularError
+from freebody.model.model import Model
+from freebody.numerics.calls import Vector, Wrenches, checked_inputs
+from freebody.numerics.closed.assembly import free_coordinates
+from freebody.numerics.closed.equations import (
+    null_space,
+    rate_scale,
+    refuse_inconsistent,
+    require_closed,
+    row_scale,
+    scaled_jacobian,
+)
+from freebody.numerics.closed.mobility import dependent_rows, regular_jacobian
+from freebody.numerics.closed.solving import RANK, Jerk, Solution, solve
+from freebody.numerics.formulas import Option
+from freebody.numerics.kernels import fetch
+
+_PIVOT = 1e-6
+"""The smallest pivot of the quick solution relative to the largest; below, the careful solution takes over."""
+_REGULAR = 1e-2  # of the same, from which stages of an integration need no care
+_LEFT = 1e-6  # of an equation, relative to its terms: more is no rounding
+
+
+def forward(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches) -> Array:
+    """See `fb.forward_dynamics`."""
+    frames, (at, rates, drive, *loads) = checked_inputs(
+        "forward_dynamics", model, {"q": q, "qd": qd, "tau": tau}, wrenches
+    )
+    require_closed("forward_dynamics", model, at, rates)
+    qdd = accelerations(model, frames, at, rates, drive, *loads)
+    _require_consistent(
+        "forward_dynamics",
+        model,
+        at,
+        rates,
+        qdd,
+        "cannot stay closed at these rates{}: the mechanism is stuck",
+    )
+    return qdd
+
+
+def accelerations(
+    model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
+) -> Array:
+    """q̈ (..., nv), of states taken as closed: by the compiled solution where equations are independent."""
+    kept = independent_rows(model, q)
+    quick = fetch(model, ("constrained_dynamics",), Option(wrench_frames=frames, rows=kept))
+    qdd, _, pivots = quick(q, qd, tau, *loads)
+    poor = ~(_smallest(model, kept, pivots) > _PIVOT)
+    if len(kept) < model.tree.constraints:
+        poor |= _left(model, q, qd, qdd) > _LEFT
+    for at in np.argwhere(poor):
+        sample = tuple(at)
+        part = [np.broadcast_to(x, (*poor.shape, x.shape[-1]))[sample] for x in (q, qd, tau, *loads)]
+        qdd[sample] = careful(model, frames, *part).qdd
+    return qdd
+
+
+def regular(model: Model, q: Array) -> bool:
+    """Whether the loop equations at q (nq,) are far from losing rank."""
+    kept = independent_rows(model, q)
+    quick = fetch(model, ("constrained_dynamics",), Option(rows=kept))
+    still = np.zeros(model.nv)
+    return bool(_smallest(model, kept, quick(q, still, still)[2]) > _REGULAR)
+
+
+def _smallest(model: Model, kept: tuple[int, ...], pivots: Array) -> Array:
+    """(...): the smallest of the pivots (..., len(kept)) relative to the largest, NaN as it is."""
+    if not kept:
+        return np.ones(pivots.shape[:-1])
+    scaled = pivots * row_scale(model)[list(kept)] ** 2
+    return scaled.min(axis=-1) / scaled.max(axis=-1)
+
+
+def independent_rows(model: Model, q: Array) -> tuple[int, ...]:
+    """Equations that do not follow from others near the first of the positions q (..., nq); found once a model."""
+    kept = model.compiled.get("independent_rows")
+    if kept is None:
+        first = q.reshape(-1, model.nq)[:1]
+        if not len(first):
+            return tuple(range(model.tree.constraints))
+        dropped = dependent_rows(regular_jacobian(model, first[0])[0])
+        kept = tuple(k for k in range(model.tree.constraints) if k not in dropped)
+        model.compiled["independent_rows"] = kept
+    return kept
+
+
+def careful(
+    model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
+) -> Solution:
+    """q̈ and λ of one state, whatever the rank."""
+    option = Option(wrench_frames=frames)
+    terms = fetch(model, ("mass_matrix", "constraint_jacobian", "constraint_bias"), Option())
+    M, phi, c = terms(q, qd)
+    bias = fetch(model.opened, ("inverse_dynamics",), option)(q, qd, np.zeros(model.nv), *loads)
+    rates = rate_scale(model)
+    speed = float(np.abs(qd / rates).max(initial=0.0))
+    return solve(M, tau - bias, phi, c, row_scale(model), rates, _jerk(model, q, qd), speed)
+
+
+def _jerk(model: Model, q: Array, qd: Array) -> Jerk:
+    def at(x: Array) -> Array:
+        return fetch(model, ("constraint_jerk",), Option())(q, qd, x)
+
+    return at
+
+
+def inverse(
+    model: Model, q: Vector, qd: Vector, qdd: Vector, wrenches: Wrenches, actuated: Sequence[str] | None
+) -> Array:
+    """See `fb.inverse_dynamics`."""
+    frames, (at, rates, second, *loads) = checked_inputs(
+        "inverse_dynamics", model, {"q": q, "qd": qd, "qdd": qdd}, wrenches
+    )
+    require_closed("inverse_dynamics", model, at, rates)
+    needed = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))(
+        at, rates, second, *loads
+    )
+    _require_consistent(
+        "inverse_dynamics",
+        model,
+        at,
+        rates,
+        second,
+        "would open{} under these accelerations; make them consistent with "
+        "fb.loop_acceleration(model, q, qd, qdd)",
+    )
+    return drive_torques("inverse_dynamics", model, at, needed, actuated)
+
+
+def holding(model: Model, q: Vector, wrenches: Wrenches) -> Array:
+    """See `fb.static_torque`."""
+    frames, (at, *loads) = checked_inputs("static_torque", model, {"q": q}, wrenches)
+    require_closed("static_torque", model, at)
+    needed = fetch(model.opened, ("static_torque",), Option(wrench_frames=frames))(at, *loads)
+    return drive_torques("static_torque", model, at, needed)
+
+
+def drive_torques(
+    function: str, model: Model, q: Array, needed: Array, actuated: Sequence[str] | None = None
+) -> Array:
+    """Torques (..., nv) of the driven joints, zero elsewhere, with the power of `needed` in every motion that the loops
+    allow.
+
+    needed (..., nv): torques of the tree that is left when all loops are cut. Least norm where too many drive.
+    """
+    driven = free_coordinates(model, model.actuated if actuated is None else actuated, function)
+    rates = rate_scale(model)
+    q = np.broadcast_to(q, (*needed.shape[:-1], model.nq))
+    tau = np.zeros_like(needed)
+    for at in np.ndindex(needed.shape[:-1]):
+        N, _ = null_space(scaled_jacobian(model, q[at]), RANK)
+        asked = N.T @ (rates * needed[at])
+        U, s, Vt = np.linalg.svd(N[driven].T, full_matrices=False)
+        kept = s > 1e-9
+        found = Vt[kept].T @ ((U[:, kept].T @ asked) / s[kept])
+        if np.abs(N[driven].T @ found - asked).max(initial=0.0) > 1e-9 * (
+            1.0 + np.abs(asked).max(initial=0.0)
+        ):
+            names = ", ".join(model.velocity_names[k] for k in driven) or "none"
+            raise SingularError(
+                f"{function}: the driven joints of {model.name!r} ({names}) cannot force this motion{at_sample(at)}: "
+                "it moves though they stand still (too few drives, or a singular position of the second type). "
+                "Drive another joint: actuated=[...]."
+            )
+        tau[(*at, driven)] = found / rates[driven]
+    return tau
+
+
+def _left(model: Model, q: Array, qd: Array, qdd: Array) -> Array:
+    """(...): the largest equation, scaled to angles, that accelerations leave unsatisfied, relative to its terms."""
+    phi, c = fetch(model, ("constraint_jacobian", "constraint_bias"), Option())(q, qd)
+    rows, rates = row_scale(model), rate_scale(model)
+    size = 1.0 + np.abs(qdd / rates).max(axis=-1, initial=0.0) + np.abs(rows * c).max(axis=-1)
+    return np.abs(rows * (np.einsum("...mk,...k->...m", phi, qdd) - c)).max(axis=-1) / size
+
+
+def _require_consistent(function: str, model: Model, q: Array, qd: Array, qdd: Array, problem: str) -> None:
+    """Refuse accelerations that would open a loop, with a problem that has a place for the sample."""
+    bad = np.argwhere(_left(model, q, qd, qdd) > _LEFT)
+    if len(bad):
+        at = tuple(map(int, bad[0]))
+        q, qd, qdd = (x[at] for x in (q, qd, qdd))
+        phi, c = fetch(model, ("constraint_jacobian", "constraint_bias"), Option())(q, qd)
+        refuse_inconsistent(function, model, phi @ qdd - c, problem.format(at_sample(at)))

@@ -1,0 +1,187 @@
+"""Every reaction of a mechanism, of joints and of loops: which components are determined, and whether all balance."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError
+from freebody.model.model import Model
+from freebody.numerics.balance import cross, inertia_forces
+from freebody.numerics.calls import Vector, Wrenches, checked_inputs
+from freebody.numerics.closed.dynamics import accelerations, careful, drive_torques
+from freebody.numerics.closed.equations import require_closed
+from freebody.numerics.formulas import Option
+from freebody.numerics.kernels import fetch
+from freebody.numerics.kinematics import checked_reference, forward_kinematics
+
+_DETERMINED = 1e-7  # part of a wrench, relative to the largest, that undetermined multipliers may add
+
+
+@dataclass(frozen=True)
+class Reactions:
+    """Reaction wrenches of a mechanism in motion; arrays have the batch of the inputs in front."""
+
+    names: tuple[str, ...]
+    """Joints, then loops."""
+    wrenches: Array
+    """(..., k, six): force, then moment. Of a joint on its child by its parent at the child's joint origin; of a loop
+    on the second frame's body by the first's, at the second frame's origin. World axes, or those of child and second
+    frame."""
+    determined: Array
+    """(..., k, six) bool: whether the equations determine the component; others are the smallest possible."""
+    multipliers: Array
+    """λ (..., m) of (5.23), one a loop equation; -Φ_qᵀ λ is what the loops do."""
+    qdd: Array
+    """(..., nv)."""
+    tau: Array
+    """(..., nv): of the drives."""
+    balance: float
+    """Largest of ΣF - m a (N) and (ΣM - Ḣ) / length (N) over all bodies, relative to the largest force: it checks the
+    wrenches against accelerations found from the poses alone."""
+
+    def __getitem__(self, name: str) -> Array:
+        """The wrench (..., six) of one joint or loop."""
+        if name not in self.names:
+            raise FreebodyError(f"no reaction {name!r}; there are {', '.join(self.names)}.")
+        return self.wrenches[..., self.names.index(name), :]
+
+
+def reactions(
+    model: Model,
+    q: Vector,
+    qd: Vector,
+    *,
+    tau: Vector | None = None,
+    qdd: Vector | None = None,
+    wrenches: Wrenches = None,
+    actuated: Sequence[str] | None = None,
+    reference: Literal["world", "child"] = "world",
+) -> Reactions:
+    """All reactions of a tree or closed chain at the state q (..., nq), qd (..., nv).
+
+    Give tau (..., nv), the drives' torques, and the motion follows; or qdd (..., nv), and the torques of the driven
+    joints (`actuated`) follow. wrenches: as for `inverse_dynamics`. Raises LoopError for a state that the loops do not
+    allow. Source: (5.23), (5.29); Newton and Euler body by body (3.1, 3.2, 6.1, 6.2).
+    """
+    if (tau is None) == (qdd is None):
+        raise FreebodyError("reactions: give either tau=, the torques, or qdd=, the accelerations.")
+    checked_reference(reference, ("world", "child"))
+    name, third = ("tau", tau) if qdd is None else ("qdd", qdd)
+    frames, (at, rates, given, *loads) = checked_inputs(
+        "reactions", model, {"q": q, "qd": qd, name: third}, wrenches
+    )
+    if model.loops:
+        require_closed("reactions", model, at, rates)
+    needed = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))
+    if qdd is not None:
+        second = given
+        tree_torque = needed(at, rates, given, *loads)
+        drive = drive_torques("reactions", model, at, tree_torque, actuated) if model.loops else tree_torque
+    else:
+        drive = given
+        second = (
+            accelerations(model, frames, at, rates, drive, *loads)
+            if model.loops
+            else fetch(model, ("forward_dynamics",), Option(wrench_frames=frames))(at, rates, drive, *loads)
+        )
+    return _found(model, frames, at, rates, second, drive, loads, reference)
+
+
+def _found(
+    model: Model,
+    frames: tuple[str, ...],
+    q: Array,
+    qd: Array,
+    qdd: Array,
+    tau: Array,
+    loads: list[Array],
+    reference: str,
+) -> Reactions:
+    batch, m = q.shape[:-1], model.tree.constraints
+    multipliers = np.zeros((*batch, m))
+    loose: dict[tuple[int, ...], Array] = {}
+    if m:
+        for at in np.ndindex(batch):
+            found = careful(model, frames, q[at], qd[at], tau[at], *(load[at] for load in loads))
+            multipliers[at] = found.multipliers
+            loose[at] = found.loose
+    names = (*model.joint_names, *(loop.name for loop in model.loops))
+    option = Option(reference="world", wrench_frames=frames)
+    kernel = fetch(model, ("closed_wrenches",), option)
+
+    def wrench_of(sample: tuple[int, ...], weights: Array) -> Array:
+        """(k, reactions, six) for multipliers (k, m)."""
+        return kernel(q[sample], qd[sample], qdd[sample], weights, *(load[sample] for load in loads))
+
+    found_wrenches = kernel(q, qd, qdd, multipliers, *loads)
+    determined = np.ones(found_wrenches.shape, dtype=bool)
+    for sample, combinations in loose.items():
+        if combinations.shape[1]:
+            still = wrench_of(sample, np.zeros((1, m)))
+            change = np.abs(wrench_of(sample, combinations.T) - still).max(axis=0)
+            determined[sample] = change < _DETERMINED * max(float(change.max()), 1e-300)
+    left = _balance(model, q, qd, qdd, found_wrenches, frames, loads)
+    turned = found_wrenches if reference == "world" else _in_child_axes(model, q, found_wrenches)
+    return Reactions(names, turned, determined, multipliers, qdd, tau, left)
+
+
+def _in_child_axes(model: Model, q: Array, wrenches: Array) -> Array:
+    """Wrenches in the axes of the child, of loops in those of the second frame."""
+    result = wrenches.copy()
+    child = [body.name for body in model.bodies] + [loop.frames[1] for loop in model.loops]
+    for k, frame in enumerate(child):
+        R = forward_kinematics(model, q, frame)[..., : model.dim, : model.dim]
+        result[..., k, : model.dim] = np.einsum("...ji,...j->...i", R, wrenches[..., k, : model.dim])
+        if model.dim == 3:
+            result[..., k, 3:] = np.einsum("...ji,...j->...i", R, wrenches[..., k, 3:])
+    return result
+
+
+def _balance(
+    model: Model,
+    q: Array,
+    qd: Array,
+    qdd: Array,
+    wrenches: Array,
+    frames: tuple[str, ...],
+    loads: list[Array],
+) -> float:
+    """Largest miss of ΣF = m a and ΣM = Ḣ over all bodies, relative to the largest force that enters."""
+    dim = model.dim
+    flat = [np.reshape(x, (-1, x.shape[-1])) for x in (q, qd, qdd)]
+    force, moment, origin = inertia_forces(model, *flat)
+    reaction = wrenches.reshape(len(flat[0]), -1, wrenches.shape[-1])
+    left_force, left_moment = -force, -moment
+    reach = max(float(np.abs(origin).max(initial=0.0)), 1e-300)
+    largest = max(float(np.abs(force).max(initial=0.0)), float(np.abs(reaction[..., :dim]).max(initial=0.0)))
+
+    def act(body: int, f: Array, n: Array, point: Array) -> None:
+        nonlocal largest
+        if body >= 0:
+            left_force[:, body] += f
+            left_moment[:, body] += n + cross(point - origin[:, body], f)
+            largest = max(largest, float(np.abs(f).max(initial=0.0)))
+
+    for k, body in enumerate(model.bodies):
+        f, n = reaction[:, k, :dim], reaction[:, k, dim:]
+        act(k, f, n, origin[:, k])
+        act(body.parent, -f, -n, origin[:, k])
+    for k, loop in enumerate(model.loops):
+        f, n = reaction[:, len(model.bodies) + k, :dim], reaction[:, len(model.bodies) + k, dim:]
+        first, second = (model.frame(name) for name in loop.frames)
+        point = forward_kinematics(model, flat[0], second.name)[:, :dim, dim]
+        act(second.body, f, n, point)
+        act(first.body, -f, -n, point)
+    for name, load in zip(frames, loads, strict=True):
+        point = forward_kinematics(model, flat[0], name)[:, :dim, dim]
+        each = np.reshape(load, (-1, load.shape[-1]))
+        act(model.frame(name).body, each[:, :dim], each[:, dim:], point)
+    miss = max(
+        float(np.abs(left_force).max(initial=0.0)), float(np.abs(left_moment).max(initial=0.0)) / reach
+    )
+    return miss / largest if largest else 0.0
