@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from freebody.cli import options, terminal
+
+if TYPE_CHECKING:
+    from freebody.derivations.derivation import Derivation
 
 EXAMPLE = "Example: freebody derive 2R --method lagrange"
 
@@ -53,7 +56,7 @@ def derive(
     model = options.load(robot, convention=convention)
     with terminal.progress(f"deriving by {method.value}"):
         first = derivation_of(model, method.value)
-        text = getattr(first, form.value)()
+        text = _markdown(first, out) if form is FormChoice.markdown and out else getattr(first, form.value)()
     if out is None:
         terminal.out().print(text, markup=False, soft_wrap=True)
     else:
@@ -64,3 +67,10 @@ def derive(
         terminal.out().print(f"\n{comparison}", markup=False)
         if not comparison:
             raise typer.Exit(1)
+
+
+def _markdown(derivation: Derivation, out: Path) -> str:
+    """Markdown that refers to drawings in files beside it."""
+    from freebody.figures.illustrate import write_drawings
+
+    return derivation.markdown(write_drawings(derivation, out))

@@ -75,11 +75,11 @@ class Derivation:
 
         return text(self, width)
 
-    def markdown(self) -> str:
-        """The derivation as Markdown, formulas between dollar signs."""
+    def markdown(self, images: Mapping[str, str] | None = None) -> str:
+        """The derivation as Markdown, formulas between dollar signs; images: paths of drawings by figure."""
         from freebody.derivations.render.book import markdown
 
-        return markdown(self)
+        return markdown(self, images)
 
     def latex(self) -> str:
         """A LaTeX document."""

@@ -8,6 +8,8 @@ of the page. `role` says what a thing is and picks its colours; `name` says whic
 from __future__ import annotations
 
 import math
+import re
+import unicodedata
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
@@ -206,9 +208,9 @@ class Drawing:
         self.elements.extend(elements)
 
     def named(self, name: str) -> Element:
-        """The element of that name; KeyError lists the names."""
+        """The element of that name, "s_1" or "s_{1}"; KeyError lists the names."""
         for element in self.elements:
-            if element.name == name:
+            if canonical(element.name) == canonical(name):
                 return element
         raise KeyError(
             f"no {name!r} in the drawing; it has {', '.join(sorted({e.name for e in self.elements}))}"
@@ -241,6 +243,11 @@ def places(element: Element) -> tuple[Point, ...]:
             return tuple(middle + axis), tuple(middle - axis), *map(tuple, rim)
         case _:
             return (element.at,)
+
+
+def canonical(name: str) -> str:
+    """A name without braces around a single letter, its accents composed."""
+    return re.sub(r"_\{(\w)\}", r"_\1", unicodedata.normalize("NFC", name))
 
 
 def point(values: Iterable[float]) -> Point:

@@ -38,7 +38,8 @@ class FreeBodyDiagram:
     @cached_property
     def svg(self) -> str:
         """SVG text that stands alone; several bodies stand in rows of two."""
-        return sheet([picture(drawing, PANEL, TALLEST) for drawing in self.drawings], self.title).text()
+        pictures = [picture(drawing, PANEL, TALLEST) for drawing in self.drawings]
+        return sheet(pictures, self.title, level=0.0).text()
 
     def _repr_svg_(self) -> str:
         return self.svg

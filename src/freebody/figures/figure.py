@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 
 from freebody.errors import FreebodyError, UnknownNameError
-from freebody.figures.drawing import Drawing, Element
+from freebody.figures.drawing import Drawing, Element, canonical
 from freebody.figures.svg import Picture, natural_scale, picture
 
 WIDE, TALL = 400.0, 380.0
@@ -46,7 +46,7 @@ class Figure:
         searched = self.drawings if panel is None else (self.drawings[panel],)
         for drawing in searched:
             for element in drawing.elements:
-                if element.name == name:
+                if canonical(element.name) == canonical(name):
                     return element
         names = sorted({e.name for drawing in searched for e in drawing.elements})
         raise UnknownNameError("element", name, f"{self.title!r}", names)
@@ -59,8 +59,8 @@ class Figure:
         return save(self.svg, path, "a figure")
 
 
-def sheet(pictures: Sequence[Picture], title: str, columns: int = 2) -> Picture:
-    """Pictures of one width in rows, on a common lower edge."""
+def sheet(pictures: Sequence[Picture], title: str, columns: int = 2, level: float = 1.0) -> Picture:
+    """Pictures of one width in rows; level 1: on a common lower edge, where captions are, 0: on an upper one."""
     if len(pictures) == 1:
         return Picture(pictures[0].body, pictures[0].width, pictures[0].height, title)
     body, y, wide = "", 0.0, pictures[0].width
@@ -68,7 +68,7 @@ def sheet(pictures: Sequence[Picture], title: str, columns: int = 2) -> Picture:
         row = pictures[k : k + columns]
         tall = max(p.height for p in row)
         for j, p in enumerate(row):
-            body += p.text(css=False, place=f'x="{j * wide:g}" y="{y + tall - p.height:g}"')
+            body += p.text(css=False, place=f'x="{j * wide:g}" y="{y + level * (tall - p.height):g}"')
         y += tall
     return Picture(body, min(columns, len(pictures)) * wide, y, title)
 

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from freebody.derivations import derive as plain
 from freebody.derivations.derivation import Derivation, Drawings
 from freebody.figures import theme
 from freebody.figures.drawing import Drawing
+from freebody.figures.figure import save
 from freebody.figures.kinematic import view
 from freebody.figures.sketch import arm, forces, frames, space_forces, vectors
 from freebody.figures.sketch.names import Names
@@ -37,6 +39,16 @@ def drawings(derivation: Derivation) -> Drawings:
     """SVG text for "overview" and for every figure that a step asks for and that can be drawn."""
     found = {name: picture(d, WIDE, TALL).inline() for name, d in illustrations(derivation).items()}
     return Drawings(found, theme.style(_DARK))
+
+
+def write_drawings(derivation: Derivation, document: Path) -> dict[str, str]:
+    """Each drawing as an SVG file beside a document; the files' names by figure, for `Derivation.markdown`."""
+    names = {}
+    for name, drawing in illustrations(derivation).items():
+        target = document.with_name(f"{document.stem}-{name.replace(' ', '-')}.svg")
+        save(picture(drawing, WIDE, TALL).text(), target, "a drawing")
+        names[name] = target.name
+    return names
 
 
 def illustrations(derivation: Derivation) -> dict[str, Drawing]:

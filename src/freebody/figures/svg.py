@@ -92,16 +92,22 @@ class Picture:
 
 def picture(drawing: Drawing, width: float = 560.0, tallest: float = 460.0) -> Picture:
     """The drawing on a page `width` pixels wide and as tall as it needs."""
-    page, height = _fit(drawing, width, tallest)
-    for element in drawing.elements:
-        _DRAW[type(element)](page, element)
-    page.body += [_label(drawing, p) for p in page.crowd.settle(page.wanted)]
+    page, height, labels = laid_out(drawing, width, tallest)
+    page.body += [_label(drawing, placed) for placed in labels]
     page.body += _corners(drawing, page, height)
     page.body += [
         _centred("n", width / 2, height + 4 + _NOTE * (k + 0.6), note) for k, note in enumerate(drawing.notes)
     ]
     height += _NOTE * len(drawing.notes) + (8 if drawing.notes else 0)
     return Picture("".join(page.body), width, height, drawing.title)
+
+
+def laid_out(drawing: Drawing, width: float, tallest: float) -> tuple[Page, float, list[Placed]]:
+    """The page with all but the labels, its height, and where the labels go."""
+    page, height = _fit(drawing, width, tallest)
+    for element in drawing.elements:
+        _DRAW[type(element)](page, element)
+    return page, height, page.crowd.settle(page.wanted)
 
 
 def natural_scale(drawing: Drawing, width: float, tallest: float) -> float:
@@ -146,7 +152,9 @@ def _line(page: Page, e: Line) -> None:
         page.body.append(f'<path class="{e.role}" d="{d}"/>')
     if e.role not in ("grid", "shadow", "ghost"):
         for a, b in pairwise(points):
-            page.crowd.keep_clear(a, b, e.width / 2 + 2 if e.width else 0.0)
+            page.crowd.keep_clear(a, b)
+            if e.width:
+                page.crowd.keep_clear(a, b, e.width / 2 + 2)
     if e.label:
         k = len(points) // 2
         page.want(e.label, f"{e.role}-text num", [(*points[k], 1.0, -1.0), (*points[k // 2], 1.0, -1.0)])

@@ -76,16 +76,21 @@ def _meaning(meaning: Meaning) -> str:
 
 
 # ---------------------------------------------------------------- Markdown
-def markdown(derivation: Derivation) -> str:
-    """Markdown with formulas between dollar signs."""
+def markdown(derivation: Derivation, images: Figures | None = None) -> str:
+    """Markdown with formulas between dollar signs; images: paths of drawings by the names of figures."""
+    left = dict(images or {})
     blocks = [f"# {_title(derivation)}"]
     if derivation.given:
         blocks += [markdown_prose(derivation.given), _markdown_table(derivation)]
+    if "overview" in left:
+        blocks.append(f"![]({left.pop('overview')})")
     for number, step in enumerate(derivation.steps, 1):
         blocks += [
             f"## {number}. {step.operation}{_numbers(step, ' — notes {}')}",
             markdown_prose(step.reason),
         ]
+        if step.figure in left:
+            blocks.append(f"![]({left.pop(step.figure)})")
         if step.equations:
             formula = page.latex([step.equations])
             blocks.append(f"$$\n{_boxed(formula) if _fits(step, formula) else formula}\n$$")

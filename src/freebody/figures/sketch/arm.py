@@ -13,6 +13,8 @@ from freebody.figures.skeleton import BodyPlace
 from freebody.figures.sketch.names import Names
 from freebody.figures.sketch.snapshot import Snapshot
 
+_AXIS = 0.3
+"""Length of the world's axes, of the drawing's size."""
 _ARC = 0.15
 """Radius of an angle's arc, of the drawing's size."""
 _NEAR = 1e-6  # metres: places nearer than this are one
@@ -27,7 +29,7 @@ def structure(drawing: Drawing, seen: Snapshot, names: Names, faint: bool = Fals
     """Ground, links and joints of an arm, its axes x and y, and the names of its joints; faint: vectors lie on it."""
     for root in seen.pose.roots:
         support(drawing, root, seen.size)
-    axes(drawing, seen.size)
+    axes(drawing, seen.size, share=_axis_share(seen))
     for body in seen.pose.bodies:
         rod(drawing, body)
         if faint:
@@ -42,7 +44,13 @@ def structure(drawing: Drawing, seen: Snapshot, names: Names, faint: bool = Fals
     points(drawing, seen, names)
 
 
-def axes(drawing: Drawing, size: float, origin: Point = (0.0, 0.0), share: float = 0.3) -> None:
+def _axis_share(seen: Snapshot) -> float:
+    """Length of the axes, of the drawing's size; where the base's slide lies on one, its head stays off the block."""
+    slides = [float(np.linalg.norm(r.origin)) for r in seen.pose.roots if r.kind == "prismatic"]
+    return min([_AXIS, *(0.65 * d / seen.size for d in slides if d > 0.15 * seen.size)])
+
+
+def axes(drawing: Drawing, size: float, origin: Point = (0.0, 0.0), share: float = _AXIS) -> None:
     """World axes x and y from the origin."""
     for name, (u, v) in (("x", (1.0, 0.0)), ("y", (0.0, 1.0))):
         end = (origin[0] + share * size * u, origin[1] + share * size * v)
