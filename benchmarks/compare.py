@@ -18,14 +18,17 @@ import platform
 import sys
 import time
 import xml.etree.ElementTree as ET
+from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 import freebody as fb
 import limit
+import sharing
 
 ROBOTS = {  # name: (file below robots/, tip)
     "ur5": ("ur_description/urdf/ur5_robot.urdf", "ee_link"),
@@ -82,12 +85,15 @@ class Entry:
 
 
 def looped(engine: str, task: str, how: str, call, arguments, order) -> Iterator[Entry]:
-    """A call that takes one sample, in a loop over some of the batch, and alone."""
-    rows = list(zip(*(a[:LOOP] for a in arguments), strict=True))
+    """A call that takes one sample, in a loop over some of the batch, and alone.
+
+    The loop is the quickest that Python has: it runs no code of its own between two calls.
+    """
+    columns = [list(a[:LOOP]) for a in arguments]
+    rows = list(zip(*columns, strict=True))
 
     def loop():
-        for row in rows:
-            call(*row)
+        deque(map(call, *columns), maxlen=0)
 
     def result():
         values = np.array([np.array(first(call(*row))) for row in rows])
@@ -153,24 +159,21 @@ def pinocchio_entries(urdf: str, states: States, tip: str) -> Iterator[Entry]:
         )
     frame = model.getFrameId(tip)
 
-    def pose_and_jacobian(q):
-        pin.computeJointJacobians(model, data, q)
-        return pin.updateFramePlacement(model, data, frame)
+    jacobians, placement = pin.computeJointJacobians, pin.updateFramePlacement
 
-    calls = {
-        "inverse_dynamics": ("rnea", lambda *a: pin.rnea(model, data, *a)),
-        "forward_dynamics": ("aba", lambda *a: pin.aba(model, data, *a)),
-        "mass_matrix": ("crba", lambda q: pin.crba(model, data, q)),
-        "tip_pose_and_jacobian": ("computeJointJacobians, placement", pose_and_jacobian),
-        "inverse_dynamics_derivatives": (
-            "computeRNEADerivatives",
-            lambda *a: pin.computeRNEADerivatives(model, data, *a),
-        ),
-        "forward_dynamics_derivatives": (
-            "computeABADerivatives",
-            lambda *a: pin.computeABADerivatives(model, data, *a),
-        ),
+    def pose_and_jacobian(q):
+        jacobians(model, data, q)
+        return placement(model, data, frame)
+
+    functions = {
+        "inverse_dynamics": pin.rnea,
+        "forward_dynamics": pin.aba,
+        "mass_matrix": pin.crba,
+        "inverse_dynamics_derivatives": pin.computeRNEADerivatives,
+        "forward_dynamics_derivatives": pin.computeABADerivatives,
     }
+    calls = {task: (f.__name__, partial(f, model, data)) for task, f in functions.items()}
+    calls["tip_pose_and_jacobian"] = ("computeJointJacobians, placement", pose_and_jacobian)
     for task, (how, call) in calls.items():
         for entry in looped("Pinocchio", task, how, call, states.arguments(task, order), order):
             if entry.task.endswith("one call") or task not in parallel:
@@ -433,6 +436,8 @@ def main() -> None:
     print(f"batch {options.batch}, median of {options.repeats} interleaved rounds, one thread, float64")
     for robot in options.robots:
         compare(robot, options.batch, options.repeats)
+    file, tip = ROBOTS[options.robots[0]]
+    sharing.print_sharing(str(robots_folder() / file), tip, 100_000, options.repeats)
 
 
 if __name__ == "__main__":

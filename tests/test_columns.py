@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.numerics.columns import BY_COLUMNS, ColumnKernel
+from freebody.numerics.columns import BY_COLUMNS, LARGEST, ColumnKernel
 from freebody.numerics.formulas import FORMULAS, Option
 from freebody.numerics.kernels import arguments, fetch, reference
 from helpers import refused
@@ -51,6 +51,48 @@ def test_refusals_are_those_of_a_kernel():
     assert kernel(q, q, out=out) is out
     with pytest.raises(TypeError, match="same_kind"):
         kernel(q, q, out=np.zeros((2, 2), dtype=int))
+
+
+def long_chain(n: int) -> fb.Model:
+    """A chain in space of n equal links, each turned against the one before it."""
+    row = {
+        "a": 0.02,
+        "d": 0.01,
+        "alpha": 0.7,
+        "m": 0.1,
+        "com": [0.01, 0, 0],
+        "I": np.diag([1e-4, 2e-4, 2e-4]),
+    }
+    return fb.dh([row] * n, convention="modified")
+
+
+@pytest.mark.parametrize("n", [LARGEST + 6, pytest.param(1000, marks=pytest.mark.long)])
+def test_matrices_of_long_chains(n):
+    """Each by columns, and each against another quantity of the same robot."""
+    model = long_chain(n)
+    q, qd, qdd = fb.random_state(model, seed=9)
+    M, bias = fb.mass_matrix(model, q), fb.bias(model, q, qd)
+    tau = fb.inverse_dynamics(model, q, qd, qdd)
+    size = np.abs(tau).max()
+    np.testing.assert_allclose(M, M.T, atol=1e-12 * np.abs(M).max())
+    np.testing.assert_allclose(M @ qdd + bias, tau, atol=1e-9 * size)
+    C = fb.coriolis_matrix(model, q, qd)
+    np.testing.assert_allclose(C @ qd + fb.gravity_torque(model, q), bias, atol=1e-9 * np.abs(bias).max())
+    by_q, by_qd, _ = fb.inverse_dynamics_derivatives(model, q, qd, qdd)
+    ahead, behind = (fb.inverse_dynamics(model, q, qd + s * qdd, qdd) for s in (1, -1))
+    np.testing.assert_allclose(by_qd @ qdd, (ahead - behind) / 2, atol=1e-9 * np.abs(ahead - behind).max())
+    h = 1e-4
+    ahead, behind = (fb.inverse_dynamics(model, q + s * h * qdd / n, qd, qdd) for s in (1, -1))
+    np.testing.assert_allclose(
+        by_q @ qdd / n, (ahead - behind) / (2 * h), atol=1e-5 * np.abs(by_q @ qdd / n).max()
+    )
+    again = fb.forward_dynamics(model, q, qd, tau)
+    condition = np.linalg.cond(M)
+    np.testing.assert_allclose(again, qdd, atol=max(1e-10, 1e-15 * condition) * np.abs(qdd).max())
+    derivatives = fb.forward_dynamics_derivatives(model, q, qd, tau)
+    np.testing.assert_allclose(
+        derivatives[0], -derivatives[2] @ by_q, atol=1e-9 * np.abs(derivatives[0]).max()
+    )
 
 
 @pytest.mark.parametrize("model_name", MODELS)

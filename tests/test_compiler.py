@@ -406,6 +406,15 @@ def test_every_batch_split_gives_the_same_bits(backend, width):
     assert same_bits(compiled(*(a[order] for a in arrays)), tuple(w[order] for w in whole))
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_every_width_gives_the_same_to_rounding(seed):
+    arrays = samples(19, seed)
+    narrow, *wider = (compile_program(random_program(seed), width=width)(*arrays) for width in (2, 4, 8))
+    for results in wider:
+        for found, expected in zip(results, narrow, strict=True):
+            np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
+
+
 @pytest.mark.parametrize("threads", [1, 2, 3, 7, None])
 def test_threads_change_nothing(threads):
     compiled = compile_program(random_program(5))
