@@ -14,6 +14,7 @@ import pytest
 
 import freebody as fb
 from freebody.derivations.derive import compare
+from freebody.derivations.evaluate import evaluate
 from freebody.derivations.expression import Equation, Symbol, nodes
 from freebody.derivations.render.cited import cited
 from freebody.model.model import Model
@@ -26,7 +27,7 @@ WAYS = [
     ("recursive", {"gravity": "base"}),
     ("recursive", {"gravity": "explicit"}),
 ]
-METHODS = ["lagrange", "newton-euler", "recursive", "statics"]
+METHODS = ["lagrange", "newton-euler", "recursive", "statics", "kinematics"]
 
 
 def spatial_arm(seed: int, n: int) -> Model:
@@ -300,3 +301,60 @@ def test_what_is_not_derived_is_refused():
         fb.derive(fb.planar("RR"), "newton-euler", route="left")
     with pytest.raises(fb.FreebodyError, match=r"no gravity 'up' in recursive. Gravities: base, explicit"):
         fb.derive(fb.planar("RR"), "recursive", gravity="up")
+
+
+# ---------------------------------------------------------------- kinematics
+def test_kinematics_of_the_2r_arm_is_the_notes():
+    lines = lines_of(fb.derive(fb.planar("RR"), "kinematics"))
+    for line in (
+        "r_P = s₁ + s₂ = [l₁ cos θ₁ + l₂ cos(θ₁+θ₂), l₁ sin θ₁ + l₂ sin(θ₁+θ₂)]ᵀ",  # (2.10)-(2.13)
+        "ṙ_P = J q̇",  # (2.18)
+        "J = [−l₁ sin θ₁ − l₂ sin(θ₁+θ₂), −l₂ sin(θ₁+θ₂); l₁ cos θ₁ + l₂ cos(θ₁+θ₂), l₂ cos(θ₁+θ₂)]",  # (2.19)
+        "det J = l₁ l₂ sin θ₂",  # (2.22)
+        "θ₂ = 0",
+        "θ₂ = π",  # (2.23)
+        "r̈_P = J q̈ + J̇ q̇",  # (2.24)
+        "q̇ = J⁻¹ ṙ_P",  # (2.25)
+        "q̈ = J⁻¹ (r̈_P − J̇ q̇)",  # (2.26)
+        "cos θ₂ = (x² + y² − (l₁² + l₂²))/(2 l₁ l₂)",  # (2.14)
+        "(x² + y²) sin θ₁ = (l₁ + l₂ cos θ₂) y − l₂ sin(θ₂) x",  # (2.15), with its quadrant
+        "(x² + y²) cos θ₁ = (l₁ + l₂ cos θ₂) x + l₂ sin(θ₂) y",
+    ):
+        assert line in lines
+
+
+@pytest.mark.parametrize("model", [fb.planar("RP"), fb.planar("RRR"), fb.planar("PR"), spatial_arm(5, 3)])
+def test_kinematics_has_the_kernels_values(model):
+    derivation = fb.derive(model, "kinematics")
+    bound = with_values(model)
+    q, qd, qdd = fb.random_state(bound, seed=2, batch=3)
+    known = fb.equations(bound).symbols.values(q, qd, qdd)
+    values = {
+        line.lhs.name: line
+        for step in derivation.steps
+        for line in step.equations
+        if hasattr(line.lhs, "name")
+    }
+    n, dim = model.nv, model.dim
+    J = evaluate(values["J"], known)
+    np.testing.assert_allclose(J, fb.jacobian(bound, q)[..., : J.shape[-2], :], rtol=1e-11, atol=1e-12)
+    J_d = evaluate(values["J_d"], known)
+    np.testing.assert_allclose(
+        J_d, fb.jacobian_dot(bound, q, qd)[..., : J.shape[-2], :], rtol=1e-11, atol=1e-12
+    )
+    position = evaluate(values["r_P"], known)
+    np.testing.assert_allclose(
+        position, fb.forward_kinematics(bound, q)[..., :dim, dim], rtol=1e-11, atol=1e-12
+    )
+    acceleration = evaluate(values["r_P_dd"], known)
+    expected = fb.acceleration(bound, q, qd, qdd)[..., :dim]
+    np.testing.assert_allclose(acceleration, expected, rtol=1e-11, atol=1e-11)
+    if "J_inverse" in values:
+        inverse = evaluate(values["J_inverse"], known)
+        np.testing.assert_allclose(inverse @ J, np.broadcast_to(np.eye(n), J.shape), atol=1e-10)
+
+
+def test_kinematics_ends_in_no_torques():
+    model = fb.planar("RR")
+    with pytest.raises(fb.FreebodyError, match="a derivation of kinematics ends in no torques"):
+        compare(fb.derive(model, "kinematics"), fb.derive(model, "lagrange"))

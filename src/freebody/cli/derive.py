@@ -23,6 +23,7 @@ class MethodChoice(StrEnum):
     recursive = "recursive"
     lagrange = "lagrange"
     statics = "statics"
+    kinematics = "kinematics"
 
 
 class FormChoice(StrEnum):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from freebody.derivations.derivation import Comparison, Derivation
-from freebody.derivations.methods import lagrange, newton_euler, recursive, statics
+from freebody.derivations.methods import kinematics, lagrange, newton_euler, recursive, statics
 from freebody.derivations.methods.setting import Setting, require_chain_of_bodies
 from freebody.derivations.symbols import symbols
 from freebody.errors import FreebodyError, UnknownNameError
@@ -16,6 +16,7 @@ METHODS = {
     "recursive": recursive.derive,
     "lagrange": lagrange.derive,
     "statics": statics.derive,
+    "kinematics": kinematics.derive,
 }
 
 LOADS = {2: ("fx", "fy"), 3: ("fx", "fy", "fz")}
@@ -29,7 +30,7 @@ def derive(
 
     method: "newton-euler" (route="centre": moments about each centre of mass, or "pivot": of all that a joint carries
     about it), "recursive" (gravity="base": as acceleration of the base, or "explicit": as weights), "lagrange",
-    "statics".
+    "statics", "kinematics" (of the tip).
     load: whether a force f, with world components fx, fy (fz), acts on the tip; by default in statics. Raises
     FreebodyError for joints with several axes or followers, and for a load on a model without a tip.
     Source: S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019.
@@ -53,6 +54,8 @@ def compare(first: Derivation, second: Derivation) -> Comparison:
     a, b = first.equations.symbols, second.equations.symbols
     if a.model is not b.model:
         raise FreebodyError("compare: the derivations are of different models.")
+    if not (first.tau and second.tau):
+        raise FreebodyError("compare: a derivation of kinematics ends in no torques.")
     if a.ring != b.ring:
         raise FreebodyError("compare: one derivation has a load on the tip, the other has none.")
     return Comparison(first, second)

@@ -62,6 +62,8 @@ _RULES: dict[type, Any] = {
     Cross: _cross,
     Dot: lambda node, at, _: np.sum(np.asarray(at(node.left)) * np.asarray(at(node.right)), axis=-1),
     Vector: lambda node, at, _: np.stack(np.broadcast_arrays(*map(at, node.entries)), axis=-1),
-    Matrix: lambda node, at, _: np.stack([at(Vector(row)) for row in node.rows], axis=-2),
+    Matrix: lambda node, at, _: np.stack(
+        np.broadcast_arrays(*(at(Vector(row)) for row in node.rows)), axis=-2
+    ),
     Equation: lambda node, at, _: at(node.rhs),
 }

@@ -17,7 +17,8 @@ INERTIA, SPEED, ACCELERATION, JOULE = "kg m²", "m/s", "m/s²", "J"
 
 def glossary(s: Setting, method: str) -> tuple[Meaning, ...]:
     """Coordinates and motors, parameters, then what the method introduces."""
-    rows = [*_coordinates(s), *_parameters(s), *_METHODS[method](s)]
+    moved = method == "kinematics"
+    rows = [*_coordinates(s, not moved), *_parameters(s, moved), *_METHODS[method](s)]
     if s.load:
         rows.append(Meaning((vec("f"),), "force on the tip, by the surroundings", NEWTON))
     return tuple(rows)
@@ -27,7 +28,7 @@ def _span(s: Setting, turning: bool) -> list[int]:
     return [i for i in s.order if s.turns(i) == turning]
 
 
-def _coordinates(s: Setting) -> Iterator[Meaning]:
+def _coordinates(s: Setting, motors: bool) -> Iterator[Meaning]:
     for turning, words, unit, motor, force in (
         (True, "angle", "rad", "torque", MOMENT),
         (False, "displacement", METER, "force", NEWTON),
@@ -43,13 +44,15 @@ def _coordinates(s: Setting) -> Iterator[Meaning]:
             rates = tuple(sym(x + dots) for dots in (RATE, SECOND) for x in names)
             words = "their rates and second rates" if plural else "its rate and second rate"
             yield Meaning(rates, words, f"{unit}/s, {unit}/s²")
-        yield Meaning(tuple(map(s.torque_name, joints)), f"{motor}{plural} of the motor{plural}", force)
+        if motors:
+            yield Meaning(tuple(map(s.torque_name, joints)), f"{motor}{plural} of the motor{plural}", force)
 
 
-def _parameters(s: Setting) -> Iterator[Meaning]:
+def _parameters(s: Setting, moved: bool) -> Iterator[Meaning]:
+    """Those that occur; of motion alone the lengths from joint to joint and to the tip."""
     used = set(s.symbols.ring.names)
     alike: dict[tuple[str, str], list[str]] = {}
-    for parameter, words, unit in _in_model(s):
+    for parameter, words, unit in _in_model(s, moved):
         if parameter.name in used:
             used.remove(parameter.name)
             alike.setdefault((words, unit), []).append(parameter.name)
@@ -59,23 +62,29 @@ def _parameters(s: Setting) -> Iterator[Meaning]:
         )
         yield Meaning(tuple(map(sym, names)), words, unit)
     gravity = s.layout.order.gravity
-    if gravity and s.weighs:
+    if gravity and s.weighs and not moved:
         yield Meaning((sym(gravity),), "acceleration of gravity", ACCELERATION)
 
 
-def _in_model(s: Setting) -> Iterator[tuple[Parameter, str, str]]:
+def _in_model(s: Setting, moved: bool) -> Iterator[tuple[Parameter, str, str]]:
     for i in s.order:
-        yield from _of_body(s, i)
-    if s.load:
+        yield from _of_joint(s, i)
+        if not moved:
+            yield from _of_body(s, i)
+    if s.load or moved:
         frame = s.symbols.model.frame()
         yield from _placed(frame.placement, f"from joint {s.numbers[s.tip]} to the tip")
 
 
-def _of_body(s: Setting, i: int) -> Iterator[tuple[Parameter, str, str]]:
+def _of_joint(s: Setting, i: int) -> Iterator[tuple[Parameter, str, str]]:
     n, parent = s.numbers[i], s.numbers[s.tree.bodies[i].parent]
-    body = s.symbols.model.bodies[n - 1]
     start = f"joint {parent}" if parent else "the base's origin"
-    yield from _placed(body.joint.placement, f"from {start} to joint {n}")
+    yield from _placed(s.symbols.model.bodies[n - 1].joint.placement, f"from {start} to joint {n}")
+
+
+def _of_body(s: Setting, i: int) -> Iterator[tuple[Parameter, str, str]]:
+    n = s.numbers[i]
+    body = s.symbols.model.bodies[n - 1]
     for part in body.inertias:
         for parameter in each_parameter(part.inertia.mass):
             yield parameter, f"mass of body {n}", KILOGRAM
@@ -167,10 +176,20 @@ def _statics(s: Setting) -> Iterator[Meaning]:
     yield Meaning((sym("f_i,k", True),), "force of body i on body k, at joint k", NEWTON)
 
 
+def _kinematics(s: Setting) -> Iterator[Meaning]:
+    yield Meaning((sym("r_P", True),), "the tip, from the base's origin", METER)
+    if s.planar:
+        yield Meaning((sym("s_i", True),), "joint i to the next joint, or to the tip", METER)
+        if len(s.order) > 2:
+            yield Meaning((sym("phi"),), "angle of the last body from the x axis", "rad")
+    yield Meaning((sym("J"),), "Jacobian of the tip", "m or 1")
+
+
 _METHODS = {
     "newton-euler": _newton_euler,
     "pivot": _pivot,
     "recursive": _recursive,
     "lagrange": _lagrange,
     "statics": _statics,
+    "kinematics": _kinematics,
 }

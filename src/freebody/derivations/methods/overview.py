@@ -10,7 +10,10 @@ from freebody.model.parameters import Parameter
 
 def overview(s: Setting, method: str) -> tuple[str, tuple[Meaning, ...]]:
     """(what is given and sought, symbols)."""
-    return " ".join([_arm(s), *_gravity(s), *_axes(s), *_load(s), _sought(s, method)]), glossary(s, method)
+    moved = method == "kinematics"
+    gravity = [] if moved else _gravity(s)
+    axes = ["Vectors have components in the world's axes."] if moved and not s.planar else _axes(s)
+    return " ".join([_arm(s), *gravity, *axes, *_load(s), _sought(s, method)]), glossary(s, method)
 
 
 def _arm(s: Setting) -> str:
@@ -59,6 +62,10 @@ def _sought(s: Setting, method: str) -> str:
     motors = "torques" if all(map(s.turns, s.order)) else "torques and forces"
     if len(s.order) == 1:
         motors = motors.removesuffix("s") if motors == "torques" else "force"
+    if method == "kinematics":
+        return (
+            "Sought: how the tip P moves with the joints, and the joints' motion for a given one of the tip."
+        )
     if method == "statics":
         return f"Sought: the motor {motors} that hold{'s' if len(s.order) == 1 else ''} the arm at rest."
     return f"Given a motion of the joints, the motor {motors} {'is' if len(s.order) == 1 else 'are'} sought."

@@ -51,7 +51,7 @@ def _entries(name: Symbol, array: Vector | Matrix) -> list[Equation]:
 
 def _part(name: Symbol, label: str) -> Symbol:
     """The symbol of an entry: v of c2 becomes v of c2, x."""
-    return Symbol(f"{name.name}_{label}", name.letter, (*name.low, label), name.dots)
+    return Symbol(f"{name.name}_{label}", name.letter, (*name.low, label), name.dots, high=name.high)
 
 
 def _head(equation: Equation) -> tuple[Expression, tuple[Expression, ...]]:

@@ -1,0 +1,226 @@
+"""Kinematics of the tip step by step: position, velocity, Jacobian, singular poses, acceleration (2.10-2.26)."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from itertools import pairwise
+
+from freebody.derivations import expression as ex
+from freebody.derivations.derivation import Derivation, Step
+from freebody.derivations.expression import Equation, Expression, eq
+from freebody.derivations.kinematics import Kinematics
+from freebody.derivations.methods.overview import overview
+from freebody.derivations.methods.positions import inverse_position
+from freebody.derivations.methods.setting import Setting
+from freebody.derivations.names import sym, vec
+from freebody.derivations.singularities import jacobian_determinant
+from freebody.derivations.symbols import RATE, SECOND
+from freebody.scalars.trig import Trig
+
+
+def derive(setting: Setting) -> Derivation:
+    """The derivation; there are no torques in it."""
+    work = _Tip(setting)
+    steps = [
+        work.position(),
+        work.velocity(),
+        work.jacobian(),
+        *work.singular(),
+        work.acceleration(),
+        *work.back(),
+    ]
+    steps += inverse_position(setting)
+    title = "Kinematics of the tip"
+    return Derivation(
+        "kinematics", title, setting.equations, tuple(steps), (), *overview(setting, "kinematics")
+    )
+
+
+class _Tip:
+    """The steps; counted is the motion of the point, and in the plane the turning where there are joints for it."""
+
+    def __init__(self, setting: Setting):
+        self.s = setting
+        self.closed = Kinematics(setting.symbols, setting.symbols.model.frame().name)
+        n, dim = len(setting.order), setting.tree.space.dim
+        self.rows = tuple(range(3)) if dim == 3 or n >= 3 else (0, 1)
+
+    @cached_property
+    def turning(self) -> bool:
+        """Whether the angle φ of the last body is counted."""
+        return self.s.planar and len(self.rows) == 3
+
+    def cited(self, *numbers: str) -> tuple[str, ...]:
+        """Numbers of the notes' 2R arm."""
+        return numbers if self.s.cited == "RR" else ()
+
+    def _named(self, name: str, values: list[Trig]) -> Equation:
+        return eq(vec(name), self.s.column(tuple(values[: self.s.tree.space.dim])))
+
+    # ------------------------------------------------------------ forward
+    def position(self) -> Step:
+        """Sum of the vectors along the arm."""
+        s, closed = self.s, self.closed
+        lines = [*self._along(), *self._sum(), *([self._angle()] if self.turning else [])]
+        reason = "The vectors along the bodies, one after the other, lead from the base to the tip P."
+        if not s.planar:
+            reason = "The poses of the bodies, one after the other, lead from the base to the tip P."
+        position = self._named("r_P", closed.position)
+        last = [] if s.planar else [position]
+        return Step(
+            "Position of the tip",
+            reason,
+            (*lines, *last),
+            self.cited("2.10", "2.11", "2.12", "2.13"),
+            figure="vectors",
+        )
+
+    def _along(self) -> list[Equation]:
+        """The vectors from joint to joint, in the plane."""
+        return [eq(name, self.s.column(value)) for name, value in self._chain()] if self.s.planar else []
+
+    def _sum(self) -> list[Equation]:
+        s = self.s
+        if not s.planar:
+            return []
+        first = s.world[self._path()[0]][1]
+        start: list[Expression] = [] if s.column(first) == ex.ZERO else [vec("r_1")]
+        opening = [eq(vec("r_1"), s.column(first))] if start else []
+        total = ex.add(*start, *(name for name, _ in self._chain()))
+        return [*opening, eq(vec("r_P"), total, s.column(tuple(self.closed.position)))]
+
+    def _chain(self) -> list[tuple[Expression, tuple]]:
+        s, path = self.s, self._path()
+        inner = [(s.reach_name(i, k), s.to_child(i, k)) for i, k in pairwise(path)]
+        return [
+            row
+            for row in [*inner, (s.name("s", path[-1]), s.to_tip(path[-1]))]
+            if s.column(row[1]) != ex.ZERO
+        ]
+
+    def _path(self) -> list[int]:
+        """Bodies from the base to the tip's."""
+        path = [self.s.tip]
+        while self.s.tree.bodies[path[0]].parent >= 0:
+            path.insert(0, self.s.tree.bodies[path[0]].parent)
+        return path
+
+    def _angle(self) -> Equation:
+        turning = [sym(self.s.coordinate(i)) for i in self._path() if self.s.turns(i)]
+        return eq("phi", ex.add(*turning))
+
+    def velocity(self) -> Step:
+        """The derivative of the position."""
+        lines = [eq(ex.d_dt(vec("r_P")), self.s.column(tuple(self.closed.velocity[: self.s.tree.space.dim])))]
+        if not self.turning:
+            return self._velocity(lines)
+        omega = self.s.show_moved(self.closed.velocity[2])
+        return self._velocity([*lines, eq(ex.d_dt("phi"), omega)])
+
+    def _velocity(self, lines: list[Equation]) -> Step:
+        name = vec("r_P_d")
+        first = eq(name, *lines[0].sides)
+        reason = "Differentiating with respect to time; a sine's derivative is the cosine times the rate of its angle."
+        return Step(
+            "Velocity of the tip",
+            reason,
+            (first, *lines[1:]),
+            self.cited("2.16", "2.17"),
+            figure="velocities",
+        )
+
+    def jacobian(self) -> Step:
+        """The factors of the rates."""
+        s = self.s
+        rates = ex.Vector(tuple(sym(s.coordinate(i) + RATE) for i in s.order))
+        J = [[s.show_moved(self.closed.J[r][k]) for k in self._columns()] for r in self.rows]
+        moved = ex.Vector((vec("r_P_d"), sym("phi_d"))) if self.turning else vec("r_P_d")
+        return Step(
+            "The Jacobian",
+            "The velocity is linear in the rates; their factors are the partial derivatives of the position, one "
+            "column a joint.",
+            (eq(moved, ex.mul("J", vec("q_d"))), eq(vec("q_d"), rates), eq("J", ex.matrix(J))),
+            ("2.6", *self.cited("2.18", "2.19")),
+            result=True,
+        )
+
+    def _columns(self) -> list[int]:
+        return [self.s.tree.bodies[i].coordinates.v[0] for i in self.s.order]
+
+    # ------------------------------------------------------------ singular poses
+    def singular(self) -> list[Step]:
+        """Where det J = 0, if J is square."""
+        s = self.s
+        if len(self.rows) != len(s.order):
+            return []
+        found = jacobian_determinant(self.closed, self.rows)
+        expanded = s.show(found.polynomial)
+        name = ex.Function("det", sym("J"))
+        lines = [
+            eq(name, found.expression)
+            if expanded == found.expression
+            else eq(name, expanded, found.expression)
+        ]
+        for condition in found.conditions:
+            lines += condition.solutions or (condition.equation,)
+        where = "It is zero where one of the following holds" if found.conditions else "It is zero nowhere"
+        if found.polynomial.is_zero:
+            where = "It is zero everywhere: the joints cannot move the tip in all directions"
+        reason = f"Where the determinant vanishes the arm loses a direction of motion. {where}."
+        return [
+            Step(
+                "Singular poses",
+                reason,
+                tuple(lines),
+                self.cited("2.20", "2.21", "2.22", "2.23"),
+                result=True,
+            )
+        ]
+
+    def acceleration(self) -> Step:
+        """J q̈ + J̇ q̇."""
+        s = self.s
+        J_dot = [[s.show_moved(self.closed.J_dot[r][k]) for k in self._columns()] for r in self.rows]
+        second = ex.add(ex.mul("J", vec("q_dd")), ex.mul("J_d", vec("q_d")))
+        moved = vec("r_P_dd") if not self.turning else ex.Vector((vec("r_P_dd"), sym("phi_dd")))
+        value = s.column(tuple(self.closed.acceleration[: s.tree.space.dim]))
+        lines = [eq("J_d", ex.matrix(J_dot)), eq(moved, second), eq(vec("r_P_dd"), value)]
+        return Step(
+            "Acceleration of the tip",
+            "Differentiating once more: the rates change, and so does the Jacobian.",
+            tuple(lines),
+            ("2.24",),
+            figure="accelerations",
+        )
+
+    def back(self) -> list[Step]:
+        """Rates and second rates for a wanted motion."""
+        if len(self.rows) != len(self.s.order):
+            return []
+        inverse = ex.power("J", -1)
+        moved, second = (vec(f"r_P{d}") for d in (RATE, SECOND))
+        if self.turning:
+            moved, second = (ex.Vector((x, sym(f"phi{d}"))) for x, d in ((moved, RATE), (second, SECOND)))
+        lines = [
+            eq(vec("q_d"), ex.mul(inverse, moved)),
+            eq(vec("q_dd"), ex.mul(inverse, ex.sub(second, ex.mul("J_d", vec("q_d"))))),
+        ]
+        reason = "Where J is not singular the joints' motion follows from a wanted motion of the tip."
+        return [
+            Step("Inverse velocity and acceleration", reason, (*lines, *self._inverse()), ("2.25", "2.26"))
+        ]
+
+    def _inverse(self) -> list[Equation]:
+        """The inverse of a 2×2 Jacobian."""
+        if len(self.rows) != 2:
+            return []
+        s = self.s
+        (a, b), (c, d) = [[s.show_moved(self.closed.J[r][k]) for k in self._columns()] for r in self.rows]
+        determinant = jacobian_determinant(self.closed, self.rows).expression
+        if determinant == ex.ZERO:
+            return []
+        adjugate = [[d, ex.neg_each(b)], [ex.neg_each(c), a]]
+        if isinstance(determinant, ex.Negative):
+            determinant, adjugate = determinant.operand, [[ex.neg_each(x) for x in row] for row in adjugate]
+        rows = [[x if x == ex.ZERO else ex.div(x, determinant) for x in row] for row in adjugate]
+        return [eq(ex.Symbol("J_inverse", "J", high="-1"), ex.matrix(rows))]
