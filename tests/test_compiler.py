@@ -468,6 +468,33 @@ assert os.waitpid(child, 0)[1] == 0
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60, env=environment())
 
 
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
+def test_a_child_forked_during_a_compilation_can_compile():
+    code = """
+import os, sys, threading, warnings
+import numpy as np
+warnings.simplefilter("ignore", DeprecationWarning)  # fork beside threads is what is tested
+from freebody.compiler import Argument, compile_program, trace
+def program(n):
+    def function(q):
+        x = q[0]
+        for _ in range(n):
+            x = x * q[0] + 1.0
+        return ([x],)
+    return trace(f"f{n}", function, [Argument("q", (1,))], [Argument("r", (1,))])
+ready = [program(n) for n in range(300, 330)]
+work = threading.Thread(target=lambda: [compile_program(p) for p in ready])
+work.start()
+while work.is_alive():
+    child = os.fork()
+    if child == 0:
+        os._exit(0 if compile_program(program(2))(np.ones((1, 1))) == 3.0 else 1)
+    assert os.waitpid(child, 0)[1] == 0
+work.join()
+"""
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60, env=environment())
+
+
 def test_the_gil_is_released():
     compiled = compile_program(random_program(0, 4000))
     arrays = samples(100_000)

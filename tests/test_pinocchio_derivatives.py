@@ -76,9 +76,9 @@ def compare(name: str, base: str, compute) -> None:
 def matrices(theirs: Theirs, compute, q: np.ndarray, *rates: np.ndarray) -> list[np.ndarray]:
     """The three matrices of Pinocchio at each state, in our order of joints."""
     rows = []
-    for state in zip(q, *rates, strict=True):
+    for one in zip(q, *rates, strict=True):
         by_q, by_qd, by_last = compute(
-            theirs.model, theirs.data, theirs.q(state[0]), *map(theirs.rates, state[1:])
+            theirs.model, theirs.data, theirs.q(one[0]), *map(theirs.rates, one[1:])
         )
         found = (by_q, by_qd, symmetric(np.array(by_last)))
         rows.append([np.array(x)[theirs.v][:, theirs.v] for x in found])

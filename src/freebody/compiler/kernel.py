@@ -203,6 +203,8 @@ def _compiled_again(program: Program, backend: str, width: int | None) -> Kernel
 
 
 _lock = threading.Lock()
+if hasattr(os, "register_at_fork"):  # a fork waits, since its child would find the lock taken for ever
+    os.register_at_fork(before=_lock.acquire, after_in_parent=_lock.release, after_in_child=_lock.release)
 _kernels: dict[tuple[str, str, int | None], Kernel] = {}
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import itertools
+import os
 import sys
 import threading
 from collections.abc import Mapping, Sequence
@@ -72,6 +73,10 @@ def host() -> Host:
 
 
 _lock = threading.Lock()  # one compilation or link at a time
+if hasattr(
+    os, "register_at_fork"
+):  # a fork waits, since its child would find this lock and LLVM's taken for ever
+    os.register_at_fork(before=_lock.acquire, after_in_parent=_lock.release, after_in_child=_lock.release)
 _numbers = itertools.count()
 
 
