@@ -227,3 +227,12 @@ def test_derive_prints_writes_and_compares(capsys: pytest.CaptureFixture[str], t
     assert page.read_text(encoding="utf-8").startswith("<!doctype html>")
     assert run(["derive", "quadrotor"]) == 2
     assert "joint 'flight' of 'quadrotor' is free" in capsys.readouterr().err
+
+
+def test_derive_takes_the_options_of_its_methods(capsys: pytest.CaptureFixture[str]):
+    assert run(["derive", "2R", "--method", "recursive", "--gravity", "explicit", "--load"]) == 0
+    assert "f₁₂ = fc₂ − m₂ g − f" in capsys.readouterr().out
+    assert run(["derive", "pendulum", "--route", "pivot"]) == 0
+    assert "I_A = I₁ + m₁ lc₁²" in capsys.readouterr().out
+    assert run(["derive", "2R", "--method", "lagrange", "--route", "pivot"]) == 2
+    assert "--route belongs to --method newton-euler, not to lagrange" in capsys.readouterr().err

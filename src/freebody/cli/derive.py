@@ -35,6 +35,20 @@ class FormChoice(StrEnum):
     html = "html"
 
 
+class RouteChoice(StrEnum):
+    """Points that newton-euler takes moments about."""
+
+    centre = "centre"
+    pivot = "pivot"
+
+
+class GravityChoice(StrEnum):
+    """How the recursion counts gravity."""
+
+    base = "base"
+    explicit = "explicit"
+
+
 Method = Annotated[MethodChoice, typer.Option(help="How the equations are derived.")]
 
 
@@ -48,6 +62,15 @@ def derive(
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write there instead of the terminal.")
     ] = None,
+    route: Annotated[
+        RouteChoice | None, typer.Option(help="Moments about centres of mass or pivots (newton-euler).")
+    ] = None,
+    gravity: Annotated[
+        GravityChoice | None, typer.Option(help="As acceleration of the base, or as weights (recursive).")
+    ] = None,
+    load: Annotated[
+        bool | None, typer.Option("--load/--no-load", help="A force on the tip (default: in statics).")
+    ] = None,
     convention: options.Convention = None,
 ) -> None:
     """Derive a robot's equations of motion step by step. Exit code 1 if two methods were to disagree."""
@@ -55,8 +78,9 @@ def derive(
     from freebody.figures.illustrate import derive as derivation_of
 
     model = options.load(robot, convention=convention)
+    chosen = _options(method, route, gravity)
     with terminal.progress(f"deriving by {method.value}"):
-        first = derivation_of(model, method.value)
+        first = derivation_of(model, method.value, load=load, **chosen)
         text = _markdown(first, out) if form is FormChoice.markdown and out else getattr(first, form.value)()
     if out is None:
         terminal.out().print(text, markup=False, soft_wrap=True)
@@ -64,10 +88,21 @@ def derive(
         out.write_text(text, encoding="utf-8")
         terminal.out().print(f"written: {out}", markup=False)
     if compare is not None:
-        comparison = compared(first, derivation_of(model, compare.value))
+        comparison = compared(first, derivation_of(model, compare.value, load=load))
         terminal.out().print(f"\n{comparison}", markup=False)
         if not comparison:
             raise typer.Exit(1)
+
+
+def _options(
+    method: MethodChoice, route: RouteChoice | None, gravity: GravityChoice | None
+) -> dict[str, str]:
+    """Options of the method, as far as they are given; an error for those of another."""
+    given = {"route": (route, MethodChoice.newton_euler), "gravity": (gravity, MethodChoice.recursive)}
+    for name, (value, owner) in given.items():
+        if value is not None and method is not owner:
+            raise typer.BadParameter(f"--{name} belongs to --method {owner.value}, not to {method.value}.")
+    return {name: value.value for name, (value, _) in given.items() if value is not None}
 
 
 def _markdown(derivation: Derivation, out: Path) -> str:
