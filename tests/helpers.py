@@ -20,6 +20,9 @@ FIRST = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -
 SECOND = np.array([-1 / 560, 8 / 315, -1 / 5, 8 / 5, -205 / 72, 8 / 5, -1 / 5, 8 / 315, -1 / 560])
 STEPS = np.arange(-4, 5)
 
+OPEN_CHAINS = [name for name in fb.models() if not fb.load(name, physical="ignore").loops]
+"""Bundled models without loops."""
+
 
 def numbers(
     model: Model,

@@ -17,6 +17,7 @@ from freebody.model.parts import Description, Joint, Link
 from freebody.motion.motion import motion_of
 from freebody.motion.ranges import position_columns, ranges
 from freebody.motion.table import motion_from_dataset, read_motion
+from helpers import OPEN_CHAINS
 
 pytestmark = pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
 
@@ -26,7 +27,7 @@ def limited(lower: float, upper: float, velocity: float = np.inf, effort: float 
     return fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.1], limits=[limits])
 
 
-@pytest.mark.parametrize("name", fb.models())
+@pytest.mark.parametrize("name", OPEN_CHAINS)
 def test_the_default_motion_is_smooth_within_limits_and_moves_everything(name: str):
     model = fb.load(name)
     motion, allowed = fb.default_motion(model), ranges(model)

@@ -9,7 +9,8 @@ import pytest
 
 import freebody as fb
 
-NAMES = ["2R", "3R", "gyro", "iiwa14", "panda", "pendulum", "puma560", "quadrotor", "RP", "scara", "ur5e"]
+NAMES = ["2R", "3R", "3RRR", "bricard", "double_four_bar", "five_bar", "five_bar_rods", "four_bar", "gyro", "iiwa14", "panda",
+         "pendulum", "puma560", "quadrotor", "RP", "scara", "slider_crank", "stewart", "ur5e"]  # fmt: skip
 NOT_PHYSICAL = {"puma560": ["link1", "link3"]}
 
 
@@ -19,7 +20,7 @@ def test_models_lists_names_and_sources():
     assert all(len(source) > 20 and "\n" not in source for source in models.values())
     lines = str(models).splitlines()
     assert [line.split()[0] for line in lines] == NAMES
-    assert lines[0].startswith("2R         S. Bai, ")
+    assert lines[0].startswith("2R               S. Bai, ")
     assert repr(models) == str(models)
 
 

@@ -14,12 +14,13 @@ import freebody as fb
 from freebody.elementary import cos, sin
 from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
 from freebody.motion.motion import motion_of
+from freebody.numerics.jets import Jet, stacked
 from freebody.numerics.kernels import kernel
 from freebody.report import replay as replays
 from freebody.report.checks import checks
-from freebody.report.jets import Jet, stacked
 from freebody.report.tip import chosen_tip
 from freebody.spatial import space
+from helpers import OPEN_CHAINS
 
 pytestmark = pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
 
@@ -31,7 +32,7 @@ def arm() -> fb.Study:
     return fb.study(fb.load("ur5e"))
 
 
-@pytest.mark.parametrize("name", fb.models())
+@pytest.mark.parametrize("name", OPEN_CHAINS)
 def test_all_checks_pass_on_every_bundled_model(name: str):
     study = fb.study(fb.load(name))
     assert study.passed, [c for c in study.checks if not c.passed]
