@@ -510,3 +510,24 @@ def test_inputs_that_overflow_are_named():
     text = r"inverse_dynamics: qd reaches 1e\+200; the result overflows. Check its units."
     with pytest.raises(fb.FreebodyError, match=text):
         fb.inverse_dynamics(model, [0.1, 0.2], [1e200, 0.0], [0.0, 0.0])
+
+
+def test_the_second_call_checks_what_the_first_did():
+    """A known kernel is tried at once, with wrenches and quaternions too, and gives the same and refuses the same."""
+    fixed = fb.planar("RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1]).to_space()
+    for arm in (fixed, fb.load("ur5e", base="free")):
+        q, qd, qdd = fb.random_state(arm, 1)
+        w, frame = np.arange(6.0), arm.leaves[0]
+        for wrenches in (None, {frame: w}, {frame: w.tolist()}):
+            first, second = (fb.inverse_dynamics(arm, q, qd, qdd, wrenches) for _ in range(2))
+            assert np.array_equal(first, second)
+            many = fb.inverse_dynamics(arm, np.stack([q, q]), qd, qdd, wrenches)
+            assert np.array_equal(many, [first, first])
+        with pytest.raises(fb.FreebodyError, match=r"wrenches\['.*'\] has shape \(5,\)"):
+            fb.inverse_dynamics(arm, q, qd, qdd, {frame: w[:5]})
+        with pytest.raises(fb.FreebodyError, match="nan"):
+            fb.inverse_dynamics(arm, q, qd, qdd, {frame: w * np.nan})
+        if arm.nq > arm.nv:
+            for bad in (1.01 * q, np.stack([q, 1.01 * q])):
+                with pytest.raises(fb.FreebodyError, match=r"the quaternion of joint .* has length 1\.01"):
+                    fb.inverse_dynamics(arm, bad, qd, qdd)

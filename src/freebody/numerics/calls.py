@@ -35,18 +35,35 @@ def evaluate(
     A kernel that was called before is tried at once: it refuses wrong shapes and types by itself, and answers inputs
     that are not finite with NaN. Only then, and on the first call, are the inputs looked at one by one.
     """
-    if wrenches is None:
-        known = model.compiled.get((function, option))
-        if known is not None:
-            kernel, core = known
-            try:
-                result = kernel(*inputs)
-            except (TypeError, ValueError):
-                pass  # explained below
-            else:
-                if _finite(result, core):
-                    return result
+    frames, loads = _given(wrenches)
+    known = model.compiled.get((function, option, frames))
+    if known is not None:
+        kernel, core, quaternions = known
+        try:
+            result = kernel(*inputs, *loads)
+            if _finite(result, core) and (not quaternions or _are_unit(inputs[0], quaternions)):
+                return result
+        except (TypeError, ValueError, AttributeError):
+            pass  # explained below
     return _carefully(function, model, inputs, option, wrenches)
+
+
+def _given(wrenches: Wrenches) -> tuple[tuple[str | None, ...], tuple[ArrayLike, ...]]:
+    """Frames as they were named, None being the tip, and the wrench on each."""
+    if wrenches is None:
+        return (), ()
+    if isinstance(wrenches, Mapping):
+        return tuple(wrenches), tuple(wrenches.values())
+    return (None,), (wrenches,)
+
+
+def _are_unit(q: Array, starts: tuple[int, ...]) -> bool:
+    """Whether the quaternions that begin at `starts` are surely of unit length; AttributeError if q is no array."""
+    if q.ndim == 1:
+        lengths = [sum(x * x for x in q[k : k + 4].tolist()) for k in starts]
+        return all(abs(length - 1.0) < _UNIT for length in lengths)
+    blocks = (q[..., k : k + 4] for k in starts)
+    return all(bool((np.abs(np.vecdot(x, x) - 1.0) < _UNIT).all()) for x in blocks)
 
 
 def _finite(result: Any, core: int) -> bool:
@@ -81,9 +98,18 @@ def _carefully(
         for name, array in named.items():
             refuse_not_finite(function, name, array, 1, labels(model, name))
         _refuse_overflow(function, named)
-    if not loads and model.nq == model.nv:  # quaternions need their length checked at every call
-        model.compiled[function, option] = kernel, len(next(iter(formula.outputs.values())))
+    core = len(next(iter(formula.outputs.values())))
+    model.compiled[function, option, _given(wrenches)[0]] = kernel, core, _quaternions(model)
     return result
+
+
+def _quaternions(model: Model) -> tuple[int, ...]:
+    """Where in q a quaternion begins, for each there is."""
+    return tuple(
+        at.q[body.kind.quaternion]
+        for body, at in zip(model.bodies, model.coordinates, strict=True)
+        if body.kind.quaternion is not None
+    )
 
 
 def checked_inputs(
