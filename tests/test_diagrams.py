@@ -289,16 +289,29 @@ def test_five_bar_closes(figures):
         length = figure.named(name, 0)
         assert isinstance(length, Dimension)
         np.testing.assert_allclose((length.start, length.end), [at[x] for x in ends])
-    assert np.linalg.norm(at["P"] - at["B"]) == pytest.approx(1.5)
-    assert np.linalg.norm(at["P"] - at["D"]) == pytest.approx(1.5)
+    model = fb.load("five_bar")
+    guess = dict(zip(model.joint_names, (2.0, -1.5, 1.0, 1.5), strict=True))
+    q = fb.assemble(model, guess, free=["B", "D"])
+    np.testing.assert_allclose(fb.forward_kinematics(model, q, "P")[:2, 2], at["P"], atol=1e-9)
+    np.testing.assert_allclose(fb.forward_kinematics(model, q, "distal2")[:2, 2], at["D"], atol=1e-9)
     np.testing.assert_allclose(arrow(figure, "CP", 1).end, at["P"])
     other = closed((1, 1, 1.5, 1.5), 1.6, (2.0, 1.0), -1)["P"]
     assert other[1] < at["P"][1]
-    assert np.linalg.norm(other - at["B"]) == pytest.approx(1.5)
+    assert np.linalg.norm(other - closed((1, 1, 1.5, 1.5), 1.6, (2.0, 1.0))["B"]) == pytest.approx(1.5)
     with pytest.raises(
         FreebodyError, match=r"B and D are .* m apart; bars of 0.3 m and 0.3 m meet only from"
     ):
         five_bar((1.0, 1.0, 0.3, 0.3))
+
+
+@pytest.mark.parametrize("name", ["five_bar", "four_bar", "slider_crank"])
+def test_closed_chains_are_drawn_closed(name):
+    model = fb.load(name)
+    figure = fb.kinematic_diagram(model, show=["geometry", "velocities"])
+    for loop in model.loops:
+        pins = [e.at for e in figure.drawings[0].elements if e.name == loop.name and isinstance(e, Mark)]
+        np.testing.assert_allclose(*pins, atol=1e-9)
+    ET.fromstring(figure.svg)
 
 
 def test_pendulum_moves_across_itself(figures):

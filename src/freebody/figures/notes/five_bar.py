@@ -13,21 +13,24 @@ from freebody.figures.drawing import Arc, Dimension, Drawing, Label, Line, Mark,
 from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.sketch.arm import axes, blank
 from freebody.figures.sketch.vectors import position
+from freebody.formats.loading import load
 
 
 def five_bar(
-    lengths: Sequence[float] = (1.0, 1.0, 1.5, 1.5),
-    base: float = 1.6,
+    lengths: Sequence[float] | None = None,
+    base: float | None = None,
     angles: Sequence[float] = (2.0, 1.0),
     assembly: int = 1,
 ) -> Figure:
     """Figure 2.2: A (-d/2, 0), C (d/2, 0), cranks AB and CD, bars BP and DP; lengths, and the vectors of (2.29)-(2.32).
 
-    lengths: l1 (AB), l2 (CD), l3 (BP), l4 (DP), m. base: d, m. angles: of the cranks from x, rad. assembly: 1 for P
-    left of the line from B to D, turned from D to B seen from above it; -1 for the other. Raises FreebodyError where
-    the bars do not meet.
+    lengths: l1 (AB), l2 (CD), l3 (BP), l4 (DP), m, and base: d, m; default: those of the bundled five_bar. angles: of
+    the cranks from x, rad. assembly: 1 for P left of the line from B to D, -1 for the other side. Raises FreebodyError
+    where the bars do not meet.
     """
-    places = closed(lengths, base, angles, assembly)
+    known = load("five_bar").parameters
+    chosen = [known[f"l{k}"] or 0.0 for k in range(1, 5)] if lengths is None else lengths
+    places = closed(chosen, 2 * (known["b"] or 0.0) if base is None else base, angles, assembly)
     first = _robot(places, angles, "(a) lengths and angles")
     _lengths(first, places)
     second = _robot(places, angles, "(b) the vectors of the two limbs")

@@ -51,7 +51,7 @@ def free_bodies(q: Vector | None = None, load: Vector = TIP) -> Figure:
     return Figure("Free-body diagrams of a planar arm with two links", (first, second))
 
 
-def statics(q: Vector = (0.95, 0.5), load: Vector = TIP) -> Figure:
+def statics(q: Vector = (0.9, 0.75), load: Vector = TIP) -> Figure:
     """Figure 2.3: a force f on the tip of the arm, without weights; its links apart: f_1, ∓f_2, f, τ_1, ∓τ_2."""
     seen = two_links(q, wrenches=load)
     seen = snapshot(seen.model.replace(gravity=0.0), seen.q, seen.qd, seen.qdd, load)

@@ -12,6 +12,7 @@ from freebody.figures.plane import add_body
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.sketch.names import Names
 from freebody.figures.sketch.snapshot import Snapshot
+from freebody.numerics.kinematics import forward_kinematics
 
 _AXIS = 0.3
 """Length of the world's axes, of the drawing's size."""
@@ -39,6 +40,7 @@ def structure(drawing: Drawing, seen: Snapshot, names: Names, faint: bool = Fals
             add_body(drawing, body)
     for body in seen.pose.bodies:
         joint(drawing, body)
+    closures(drawing, seen)
     if seen.pose.tip is not None:
         drawing.add(Mark(point(seen.pose.tip), "dot", names.tip, "position-head", size=3.5))
     points(drawing, seen, names)
@@ -58,7 +60,9 @@ def axes(drawing: Drawing, size: float, origin: Point = (0.0, 0.0), share: float
 
 
 def support(drawing: Drawing, root: BodyPlace, size: float) -> None:
-    """The ground: a pedestal under a turn, a hatched guide under a slide."""
+    """The ground: a pedestal under a turn, a hatched guide under a slide; nothing holds what moves freely."""
+    if root.kind in ("planar", "free"):
+        return
     if root.kind == "prismatic" and root.axis is not None:
         half = 0.5 * float(np.linalg.norm(root.origin - root.carrier)) + 0.12 * size
         middle = (root.origin + root.carrier) / 2
@@ -104,7 +108,7 @@ def points(drawing: Drawing, seen: Snapshot, names: Names) -> None:
     taken = [] if seen.pose.tip is None else [seen.pose.tip]
     for body in bodies:
         if all(np.linalg.norm(body.origin - place) > _NEAR for place in taken):
-            text = names.point(body.number)
+            text = letter(seen, names, body.number)
             drawing.add(Label(point(body.origin), text, f"label {text}", direction=clear_way(seen, body)))
             taken.append(body.origin)
     if seen.pose.tip is not None and names.tip:
@@ -112,6 +116,22 @@ def points(drawing: Drawing, seen: Snapshot, names: Names) -> None:
         away = seen.pose.tip - last.origin
         direction = point(away) if np.linalg.norm(away) > _NEAR else (1.0, 1.0)
         drawing.add(Label(point(seen.pose.tip), names.tip, f"label {names.tip}", direction=direction))
+
+
+def letter(seen: Snapshot, names: Names, n: int) -> str:
+    """The name of joint n; O is kept for the origin, so that letters start with A where joint 1 is elsewhere."""
+    at_origin = float(np.linalg.norm(seen.pose.bodies[0].origin)) < _NEAR
+    return names.point(n if at_origin else n + 1)
+
+
+def closures(drawing: Drawing, seen: Snapshot) -> None:
+    """Where loops are closed: a pin, or a rod between two places."""
+    for loop in seen.model.loops:
+        a, b = (forward_kinematics(seen.model, seen.q, name)[:2, 2] for name in loop.frames)
+        if np.linalg.norm(b - a) > _NEAR:
+            drawing.add(Line((point(a), point(b)), loop.name, "rail"))
+        for place in (a, b):
+            drawing.add(Mark(point(place), "joint", loop.name, "joint", size=6.0))
 
 
 def clear_way(seen: Snapshot, body: BodyPlace) -> Point:

@@ -14,7 +14,7 @@ from freebody.figures.loads import Load
 from freebody.figures.plane import add_body, round_down
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.sketch import vectors
-from freebody.figures.sketch.arm import blank, heading, joint, rod
+from freebody.figures.sketch.arm import blank, heading, joint, letter, rod
 from freebody.figures.sketch.names import Names, bold
 from freebody.figures.sketch.snapshot import Snapshot
 from freebody.figures.text import number
@@ -108,7 +108,7 @@ def act(
 
 def _joints(drawing: Drawing, seen: Snapshot, body: BodyPlace, names: Names) -> None:
     joint(drawing, body)
-    _named(drawing, body.origin, names.point(body.number), -heading(seen, body))
+    _named(drawing, body.origin, letter(seen, names, body.number), -heading(seen, body))
     for end in body.ends:
         if end.child is not None:
             child = seen.pose.bodies[end.child]
@@ -116,7 +116,7 @@ def _joints(drawing: Drawing, seen: Snapshot, body: BodyPlace, names: Names) -> 
                 if child.kind == "prismatic":
                     drawing.add(Line((point(end.place), point(child.origin)), f"rod {child.number}", "guide"))
                 drawing.add(Mark(point(child.origin), "joint", f"joint {child.number}", "joint", size=5.0))
-                _named(drawing, child.origin, names.point(child.number), heading(seen, body))
+                _named(drawing, child.origin, letter(seen, names, child.number), heading(seen, body))
         elif end.name == seen.model.tip and names.tip:
             drawing.add(Mark(point(end.place), "dot", names.tip, "position-head", size=3.5))
             _named(drawing, end.place, names.tip, heading(seen, body))

@@ -25,6 +25,8 @@ def rates(drawing: Drawing, seen: Snapshot, names: Names, second: bool = False) 
     if second:
         orders.append(("\u0308", seen.qdd, "acceleration", "/s²"))
     for body, at in zip(seen.pose.bodies, seen.model.coordinates, strict=True):
+        if len(at.v) != 1:
+            continue
         for k, (dots, values, role, per) in enumerate(orders):
             value = float(values[at.v[0]])
             if body.kind == "prismatic" and body.axis is not None:

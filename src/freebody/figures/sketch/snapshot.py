@@ -14,6 +14,7 @@ from freebody.figures.loads import BodyLoads, body_loads
 from freebody.figures.skeleton import BodyPlace, Skeleton, extent, skeleton
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector, Wrenches, vector
+from freebody.numerics.closed.assembly import assemble, loop_acceleration, loop_velocity
 from freebody.numerics.kinematics import acceleration, velocity
 from freebody.numerics.states import neutral
 
@@ -84,16 +85,28 @@ def snapshot(
     """A snapshot; parameters without value and a state that is not given are chosen so that the drawing is clear."""
     shown = with_values(model)
 
-    def given(name: str, value: Vector | None, default: Callable[[Model], Array]) -> Array:
-        return default(shown) if value is None else vector("a drawing", shown, name, value)
+    def given(name: str, value: Vector | None, default: Callable[[], Array]) -> Array:
+        return default() if value is None else vector("a drawing", shown, name, value)
 
-    return Snapshot(
-        shown,
-        given("q", q, clear_pose),
-        given("qd", qd, lambda m: _cycled(m, _RATES)),
-        given("qdd", qdd, lambda m: _cycled(m, _SECOND)),
-        wrenches,
-    )
+    at = given("q", q, lambda: _closed(shown, clear_pose(shown)))
+    rates = given("qd", qd, lambda: _consistent_rates(shown, at))
+    second = given("qdd", qdd, lambda: _consistent_second(shown, at, rates))
+    return Snapshot(shown, at, rates, second, wrenches)
+
+
+def _closed(model: Model, q: Array) -> Array:
+    """q itself, or near it a position at which all loops are closed."""
+    return assemble(model, q) if model.loops else q
+
+
+def _consistent_rates(model: Model, q: Array) -> Array:
+    rates = _cycled(model, _RATES)
+    return loop_velocity(model, q, rates) if model.loops else rates
+
+
+def _consistent_second(model: Model, q: Array, qd: Array) -> Array:
+    second = _cycled(model, _SECOND)
+    return loop_acceleration(model, q, qd, second) if model.loops else second
 
 
 def with_values(model: Model) -> Model:
