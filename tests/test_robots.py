@@ -9,8 +9,8 @@ import pytest
 
 import freebody as fb
 
-NAMES = ["2R", "3R", "3RRR", "bricard", "double_four_bar", "five_bar", "five_bar_rods", "four_bar", "gyro", "iiwa14", "panda",
-         "pendulum", "puma560", "quadrotor", "RP", "scara", "slider_crank", "stewart", "ur5e"]  # fmt: skip
+NAMES = ["2R", "3R", "3RRR", "bricard", "double_four_bar", "five_bar", "five_bar_rods", "four_bar", "gyro", "iiwa14",
+         "panda", "pendulum", "puma560", "quadrotor", "RP", "scara", "slider_crank", "stewart", "ur5e"]  # fmt: skip
 NOT_PHYSICAL = {"puma560": ["link1", "link3"]}
 
 
