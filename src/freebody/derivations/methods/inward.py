@@ -38,22 +38,22 @@ class Inward:
 
     def _reason(self, i: int) -> str:
         s, n = self.s, self.s.numbers[i]
-        passed = " and what it passes on to the next body" if s.tree.children(i) else ""
+        passed = ", and those that it passes on to the next body," if s.tree.children(i) else ""
         weight = ", less its weight," if not self.base else ""
         part = f"the moment about the axis of joint {n}" if s.turns(i) else f"the force along the slide u_{n}"
         if s.turns(i) and s.planar:
-            part = "this moment"
-        return (
-            f"What accelerates body {n}{weight}{passed} must come through joint {n}; the motor gives {part}."
-        )
+            part = "the moment"
+        needed = f"Force and moment that accelerate body {n}{weight}{passed}"
+        return f"{needed} come through joint {n}; the motor gives {part}."
 
     def _inertia(self, i: int) -> list[Equation]:
         s, record = self.s, self.record
         F = record.F[i][0] if record.F[i] else s.tree.space.zero
         N = record.N[i][0] if record.N[i] else s.tree.space.zero_angular
+        spin = s.show_moved(N[0]) if s.planar else s.column(N)
         return [
             eq(s.name("fc", i), s.mass_times(i, s.name("vc", i, "_d")), s.column(s.axes(i, F))),
-            eq(s.angular_name("Mc" if s.planar else "nc", i), s.spin_terms(i), s.angular(N)),
+            eq(s.angular_name("Mc" if s.planar else "nc", i), s.spin_terms(i), spin),
         ]
 
     def _carried(self, i: int) -> list[Equation]:

@@ -152,9 +152,11 @@ def _equation(s: Setting, energies: Energies, i: int, work: Trig) -> tuple[list[
         "brings in the accelerations.",
         lines,
     )
-    reason = "The force along the coordinate is that of its motor"
-    reason += " and of the load" if s.load else ""
-    reason += ", less friction." if not friction.is_zero else "."
+    motor = "torque" if s.turns(i) else "force"
+    reason = f"Lagrange's equation; the generalized force is the {motor} of the joint's motor"
+    if s.load:
+        reason = "Lagrange's equation; the generalized force is that of motor and load, found above"
+    reason += "." if friction.is_zero else ", less friction."
     equation = Step(
         f"The equation of {sym(x)}",
         reason,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from freebody.derivations.expression import (
+    Arguments,
     Cross,
     Derivative,
     Dot,
@@ -144,6 +145,8 @@ def _is_call(node: Expression) -> bool:
 def _call(node: Function, exponent: str, render: Renderer) -> str:
     argument = whole(render(node.argument)).replace(" + ", "+").replace(" - ", "-").replace("\\,", " ")
     name = _NAMES.get(node.name, f"\\operatorname{{{node.name}}}") + exponent
+    if isinstance(node.argument, Arguments):
+        return f"{name}({render(node.argument)})"
     if precedence(node.argument) < PRODUCT or node.name == "sgn":
         return f"{name}({argument})"
     return f"{name} {argument}"
@@ -190,6 +193,7 @@ _RENDER = Renderer(
         Derivative: _derivative,
         Cross: lambda node, render: _pair(node, "\\times", render),
         Dot: lambda node, render: _pair(node, "\\cdot", render),
+        Arguments: lambda node, render: ", ".join(render(x, SUM) for x in node.entries),
         Vector: lambda node, render: _array([whole(render(x)) for x in node.entries]),
         Matrix: lambda node, render: _array([" & ".join(whole(render(x)) for x in row) for row in node.rows]),
         Equation: lambda node, render: " = ".join(render(side, SUM) for side in node.sides),

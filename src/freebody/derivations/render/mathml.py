@@ -6,6 +6,7 @@ import re
 from xml.sax.saxutils import escape
 
 from freebody.derivations.expression import (
+    Arguments,
     Cross,
     Derivative,
     Dot,
@@ -137,6 +138,8 @@ def _is_call(node: Expression) -> bool:
 
 def _call(node: Function, exponent: str, render: Renderer) -> str:
     name = f"<mi>{node.name}</mi>"
+    if isinstance(node.argument, Arguments):
+        return f"<mrow>{name}{_APPLY}{_OPEN}{render(node.argument)}{_CLOSE}</mrow>"
     if exponent:
         name = f"<msup>{name}<mn>{exponent}</mn></msup>"
     argument = render(node.argument)
@@ -191,6 +194,7 @@ _RENDER = Renderer(
         Derivative: _derivative,
         Cross: lambda node, render: _pair(node, "×", render),
         Dot: lambda node, render: _pair(node, "·", render),
+        Arguments: lambda node, render: "<mo>,</mo>".join(render(x, SUM) for x in node.entries),
         Vector: lambda node, render: _array([[render(x)] for x in node.entries]),
         Matrix: lambda node, render: _array([[render(x) for x in entries] for entries in node.rows]),
         Equation: lambda node, render: "<mo>=</mo>".join(render(side, SUM) for side in node.sides),

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from freebody.derivations.expression import Equation, Expression, Matrix, Vector
+from freebody.derivations.expression import (
+    Derivative,
+    Equation,
+    Expression,
+    Matrix,
+    Quotient,
+    Sum,
+    Symbol,
+    Vector,
+)
 from freebody.derivations.render import latex as tex
 from freebody.derivations.render import mathml as web
 from freebody.derivations.render import text as plain
@@ -63,6 +72,13 @@ def span(node: Expression) -> float:
         return sum(max(map(span, column)) + 1.5 for column in zip(*node.rows, strict=True)) + 1
     if isinstance(node, Equation):
         return sum(map(span, node.sides)) + 3 * (len(node.sides) - 1)
+    if isinstance(node, Sum):
+        return sum(map(span, node.terms)) + 2.2 * (len(node.terms) - 1)
+    if isinstance(node, Derivative):
+        above = span(node.of) if isinstance(node.of, Symbol) else 0.0
+        return max(above, span(node.by)) + 1.2 + (0.0 if above else span(node.of) + 1.5)
+    if isinstance(node, Quotient):
+        return max(span(node.above), span(node.below)) + 0.5
     return tex.width(tex.latex(node))
 
 

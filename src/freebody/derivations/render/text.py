@@ -5,6 +5,7 @@ from __future__ import annotations
 from unicodedata import normalize
 
 from freebody.derivations.expression import (
+    Arguments,
     Cross,
     Derivative,
     Dot,
@@ -66,10 +67,17 @@ def _number(node: Number, _: Renderer) -> str:
 
 def _symbol(node: Symbol, _: Renderer) -> str:
     letter = node.letter[0] + _DOTS[node.dots] + node.letter[1:]
-    return normalize("NFC", letter) + _low(node.low) + node.high.translate(_HIGH)
+    return normalize("NFC", letter) + _low(node.low) + _raised(node.high)
+
+
+def _raised(high: str) -> str:
+    """A superscript: digits as such, letters behind a ^."""
+    return f"^{high}" if high and high != "T" and high[0].isalpha() else high.translate(_HIGH)
 
 
 def _low(parts: tuple[str, ...]) -> str:
+    if any("−" in part for part in parts):
+        return f"_{{{','.join(parts)}}}"  # a link's number such as i−1
     word = "_" if parts and parts[0].replace(",", "").isalpha() else ""
     numbers = any(len(part) > 1 and part.isdigit() for part in parts) or any("," in part for part in parts)
     # 1,c2 needs a comma, c2x and 1xx do not
@@ -99,6 +107,8 @@ def _is_call(node: Expression) -> bool:
 
 
 def _call(node: Function, exponent: str, bracket: bool, render: Renderer) -> str:
+    if isinstance(node.argument, Arguments):
+        return f"{node.name}({render(node.argument)})"
     argument = whole(render(node.argument)).replace(" ", "")
     if bracket or precedence(node.argument) < PRODUCT or node.name == "sgn":
         return f"{node.name}{exponent}({argument})"
@@ -146,6 +156,7 @@ _RENDER = Renderer(
         Derivative: _derivative,
         Cross: lambda node, render: _pair(node, "×", render),
         Dot: lambda node, render: _pair(node, "·", render),
+        Arguments: lambda node, render: ", ".join(whole(render(x, SUM)) for x in node.entries),
         Vector: lambda node, render: "[" + ", ".join(whole(render(x, SUM)) for x in node.entries) + "]ᵀ",
         Matrix: lambda node, render: (
             "[" + "; ".join(", ".join(whole(render(x)) for x in row) for row in node.rows) + "]"
