@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import NoReturn
 
 import numpy as np
@@ -11,7 +12,6 @@ from numpy.typing import NDArray
 from freebody.algorithms.kinematics import frame_pose, joint_poses, world_poses
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, LoopError
-from freebody.model.joints.prismatic import Sliding
 from freebody.model.model import Model
 from freebody.numerics.formulas import Option
 from freebody.numerics.kernels import fetch
@@ -54,33 +54,57 @@ def loop_of_row(model: Model) -> tuple[int, ...]:
     return tuple(i for i, loop in enumerate(tree.loops) for _ in range(loop.closure.size(tree.space)))
 
 
-def length(model: Model) -> float:
+@dataclass(frozen=True)
+class Scales:
+    """What makes lengths and angles compare: equations and rates become angles when multiplied by `rows`, divided by
+    `rates`."""
+
+    length: float
     """The mechanism's length (m): the farthest that a joint or frame is placed from the one before."""
+    rows: Array
+    """(m,): 1 / length for equations in metres, 1 for sines of angles."""
+    rates: Array
+    """(nv,): the length for rates in m/s, 1 for angular ones."""
+
+
+def scales(model: Model) -> Scales:
+    """The scales of a model, found once."""
+    known = model.compiled.get("scales")
+    if known is None:
+        known = model.compiled["scales"] = _scales(model)
+    return known
+
+
+def _scales(model: Model) -> Scales:
     tree = model.tree
     offsets = [body.p for body in tree.bodies] + [p for _, _, p in tree.frames.values()]
     offsets += [(loop.distance,) for loop in tree.loops]
-    return max((float(np.linalg.norm(p)) for p in offsets), default=0.0) or 1.0
+    reach = max((float(np.linalg.norm(p)) for p in offsets), default=0.0) or 1.0
+    rows: list[float] = []
+    for loop in tree.loops:
+        turns = len(loop.closure.turns)
+        rows += [1.0 / reach] * (loop.closure.size(tree.space) - turns) + [1.0] * turns
+    rates = np.ones(model.nv)
+    for body in tree.bodies:
+        for k, (_, linear) in zip(body.coordinates.v, body.columns, strict=True):
+            if any(linear):
+                rates[k] = reach
+    return Scales(reach, np.array(rows), rates)
+
+
+def length(model: Model) -> float:
+    """See `Scales`."""
+    return scales(model).length
 
 
 def row_scale(model: Model) -> Array:
-    """(m,) factors that make every equation an angle: 1 / length for those in metres."""
-    space = model.tree.space
-    factors: list[float] = []
-    for loop in model.tree.loops:
-        turns = len(loop.closure.turns)
-        factors += [1.0 / length(model)] * (loop.closure.size(space) - turns) + [1.0] * turns
-    return np.array(factors)
+    """See `Scales`."""
+    return scales(model).rows
 
 
 def rate_scale(model: Model) -> Array:
-    """(nv,) factors that make every rate an angular one: the length for those in m/s."""
-    scale = np.ones(model.nv)
-    for body in model.tree.bodies:
-        slides = isinstance(body.primitive, Sliding)
-        for k, (_, linear) in zip(body.coordinates.v, body.columns, strict=True):
-            if slides or any(linear):
-                scale[k] = length(model)
-    return scale
+    """See `Scales`."""
+    return scales(model).rates
 
 
 def scaled_jacobian(model: Model, q: Array) -> Array:
