@@ -297,6 +297,8 @@ def test_what_is_not_derived_is_refused():
         fb.FreebodyError, match=r"no method 'kane' in fb.derive. Methods: newton-euler, recursive, lagrange"
     ):
         fb.derive(fb.planar("RR"), "kane")
+    with pytest.raises(fb.FreebodyError, match=r"derive 'lagrange': 'four_bar' is a closed chain"):
+        fb.derive(fb.load("four_bar"), "lagrange")
     with pytest.raises(fb.FreebodyError, match=r"no route 'left' in newton-euler. Routes: centre, pivot"):
         fb.derive(fb.planar("RR"), "newton-euler", route="left")
     with pytest.raises(fb.FreebodyError, match=r"no gravity 'up' in recursive. Gravities: base, explicit"):

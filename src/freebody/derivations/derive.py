@@ -37,6 +37,7 @@ def derive(
     """
     if method not in METHODS:
         raise UnknownNameError("method", method, "fb.derive", METHODS)
+    model.require_tree(f"derive {method!r}")
     if load is None:
         load = method == "statics" and _has_moving_tip(model)
     names = LOADS[model.dim] if load else ()

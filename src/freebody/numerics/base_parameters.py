@@ -54,6 +54,7 @@ def base_parameters(model: Model) -> BaseParameters:
 
     In symbols: `fb.equations(model).text("base")`. Raises MissingValueError where a parameter has no value.
     """
+    model.require_tree("base_parameters")
     values = inertial_parameters(model)
     tree = model.tree
     names = tuple(values)
