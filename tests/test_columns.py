@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.numerics.columns import BY_COLUMNS, LARGEST, ColumnKernel
+from freebody.compiler import KernelError
+from freebody.numerics import kernels
+from freebody.numerics.columns import BY_COLUMNS, ColumnKernel, KernelList
 from freebody.numerics.formulas import FORMULAS, Option
 from freebody.numerics.kernels import arguments, fetch, reference
 from helpers import refused
@@ -66,9 +68,10 @@ def long_chain(n: int) -> fb.Model:
     return fb.dh([row] * n, convention="modified")
 
 
-@pytest.mark.parametrize("n", [LARGEST + 6, pytest.param(1000, marks=pytest.mark.long)])
-def test_matrices_of_long_chains(n):
+@pytest.mark.parametrize("n", [12, pytest.param(200, marks=pytest.mark.long)])
+def test_matrices_of_long_chains(n, monkeypatch):
     """Each by columns, and each against another quantity of the same robot."""
+    monkeypatch.setattr(kernels, "LARGEST", 8)
     model = long_chain(n)
     q, qd, qdd = fb.random_state(model, seed=9)
     M, bias = fb.mass_matrix(model, q), fb.bias(model, q, qd)
@@ -93,6 +96,26 @@ def test_matrices_of_long_chains(n):
     np.testing.assert_allclose(
         derivatives[0], -derivatives[2] @ by_q, atol=1e-9 * np.abs(derivatives[0]).max()
     )
+
+
+def test_several_quantities_of_a_long_chain(monkeypatch):
+    """One callable, whose program grows with the chain and not with its square."""
+    monkeypatch.setattr(kernels, "LARGEST", 8)
+    model = long_chain(9)
+    q, qd, _ = fb.random_state(model, seed=9, batch=(2, 3))
+    kernel = fb.kernel(model, ["bias", "mass_matrix", "gravity_torque"])
+    assert isinstance(kernel, KernelList)
+    assert "ColumnKernel(mass_matrix" in repr(kernel)
+    found = kernel(q[0, 0], qd)
+    expected = fb.bias(model, q[0, 0], qd), fb.mass_matrix(model, q[0, 0]), fb.gravity_torque(model, q[0, 0])
+    for ours, alone in zip(found, expected, strict=True):
+        np.testing.assert_allclose(ours, np.broadcast_to(alone, ours.shape), atol=1e-12 * np.abs(alone).max())
+    assert [x.shape[:2] for x in found] == [(2, 3)] * 3
+    out = tuple(map(np.empty_like, found))
+    assert all(a is b for a, b in zip(kernel(q[0, 0], qd, out=out), out, strict=True))
+    assert all(map(np.array_equal, out, found))
+    with pytest.raises(KernelError, match=r"^1 arguments given, expected 2: q\(9\), qd\(9\)\.$"):
+        kernel(q)
 
 
 @pytest.mark.parametrize("model_name", MODELS)

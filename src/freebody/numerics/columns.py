@@ -58,6 +58,41 @@ class ColumnKernel:
         return f"ColumnKernel({self.name}: {', '.join(map(str, self.inputs))}; n = {self.n})"
 
 
+class KernelList:
+    """Several quantities of a large robot behind one call, each part a kernel of its own.
+
+    Called like a `Kernel` of them all; only, a sample has NaN in the quantities whose own inputs are not finite.
+    """
+
+    def __init__(self, inputs: tuple[Argument, ...], parts: list[tuple[Any, list[str], list[int]]]):
+        """parts: kernel, names of its inputs, and which outputs of the whole its outputs are."""
+        self.inputs, self.parts = inputs, parts
+
+    def __call__(
+        self, *arrays: ArrayLike, out: tuple[Array, ...] | None = None, threads: int | None = None
+    ) -> Any:
+        """The outputs in order; refuses what a `Kernel` refuses."""
+        if len(arrays) != len(self.inputs):
+            wanted = ", ".join(map(str, self.inputs))
+            raise KernelError(f"{len(arrays)} arguments given, expected {len(self.inputs)}: {wanted}.")
+        cores = [len(argument.shape) for argument in self.inputs]
+        values = [np.asarray(array) for array in arrays]
+        batch = np.broadcast_shapes(*(x.shape[: x.ndim - n] for x, n in zip(values, cores, strict=True)))
+        given = {
+            argument.name: np.broadcast_to(x, batch + x.shape[x.ndim - len(argument.shape) :])
+            for argument, x in zip(self.inputs, values, strict=True)
+        }
+        results: dict[int, Array] = {}
+        for kernel, names, places in self.parts:
+            into = None if out is None else tuple(out[k] for k in places)
+            found = kernel(*(given[name] for name in names), out=into, threads=threads)
+            results |= zip(places, found if isinstance(found, tuple) else (found,), strict=True)
+        return tuple(results[k] for k in sorted(results))
+
+    def __repr__(self) -> str:
+        return f"KernelList({', '.join(repr(kernel) for kernel, _, _ in self.parts)})"
+
+
 def _mass(given: list[Array], n: int, fetch: Fetch, threads: int | None) -> tuple[Array, ...]:
     (q,) = given
     return (fetch("mass_product")(q, np.eye(n), threads=threads),)

@@ -12,7 +12,7 @@ from freebody.arrays import Array
 from freebody.compiler import Argument, Kernel, Program, compile_program, trace
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.model import Model
-from freebody.numerics.columns import BY_COLUMNS, LARGEST, ColumnKernel
+from freebody.numerics.columns import BY_COLUMNS, LARGEST, ColumnKernel, KernelList
 from freebody.numerics.formulas import FORMULAS, OF_TREES, Option
 
 
@@ -26,7 +26,7 @@ def kernel(
     rows: Sequence[str] | None = None,
     backend: str | None = None,
     width: int | None = None,
-) -> Kernel | ColumnKernel:
+) -> Kernel | ColumnKernel | KernelList:
     """The compiled function for one quantity, or for several that share their work.
 
     model: with all values. names: among "inverse_dynamics", "forward_dynamics", "mass_matrix", "jacobian", … or a list.
@@ -103,7 +103,7 @@ _ORDER = ("q", "qd", "qdd", "tau", "x", "dq", "dqd", "multipliers", "point")
 
 def fetch(
     model: Model, names: tuple[str, ...], option: Option, backend: str | None = None, width: int | None = None
-) -> Kernel | ColumnKernel:
+) -> Kernel | ColumnKernel | KernelList:
     """The kernel, compiled on first use and kept as long as the model."""
     key = (names, option, backend, width)
     found = model.compiled.get(key)
@@ -116,10 +116,33 @@ def fetch(
                 model.nv,
                 lambda part: fetch(model, (part,), Option(), backend, width),
             )
+        elif model.nv > LARGEST and any(name in BY_COLUMNS for name in names):
+            found = _in_parts(model, names, option, lambda some: fetch(model, some, option, backend, width))
         else:
             found = compile_program(program(model, names, option), backend=backend, width=width)
         model.compiled[key] = found
     return found
+
+
+def _in_parts(
+    model: Model, names: tuple[str, ...], option: Option, fetch_some: Callable[[tuple[str, ...]], Any]
+) -> KernelList:
+    """Quantities by columns each alone, all others in one program that shares their work."""
+    together = tuple(name for name in names if name not in BY_COLUMNS)
+    groups = [(name,) for name in names if name in BY_COLUMNS] + ([together] if together else [])
+    first, places = 0, {}
+    for name in names:
+        places[name] = list(range(first, first + len(FORMULAS[name].outputs)))
+        first += len(FORMULAS[name].outputs)
+    parts = [
+        (
+            fetch_some(some),
+            [a.name for a in arguments(model, some, option)],
+            [k for x in some for k in places[x]],
+        )
+        for some in groups
+    ]
+    return KernelList(arguments(model, names, option), parts)
 
 
 def program(model: Model, names: tuple[str, ...], option: Option) -> Program:

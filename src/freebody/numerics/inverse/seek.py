@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -61,7 +62,7 @@ class Seeker:
         return used - int(np.linalg.matrix_rank(J, rtol=1e-9).max())
 
     @cached_property
-    def _kernel(self) -> kernels.Kernel | kernels.ColumnKernel:
+    def _kernel(self) -> Callable[..., tuple[Array, Array]]:
         names = ("forward_kinematics", "jacobian")
         return kernels.fetch(self.model, names, Option(self.frame))
 
