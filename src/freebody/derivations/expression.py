@@ -120,6 +120,13 @@ class Function(Expression):
 
 
 @dataclass(frozen=True)
+class Arguments(Expression):
+    """Several arguments of one function, atan2(y, x)."""
+
+    entries: tuple[Expression, ...]
+
+
+@dataclass(frozen=True)
 class Derivative(Expression):
     """∂ of / ∂ by, or d of / d by; by the time where `by` is the symbol t."""
 

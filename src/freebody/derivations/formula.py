@@ -40,6 +40,9 @@ FUNCTIONS = (
 
 PRINTED = {"sum": "∑"}
 
+SPECIAL: dict[str, tuple] = {"gravity": ("g",), "qd": ("q", (), 1), "qdd": ("q", (), 2)}
+"""Vectors whose names are words: letter, subscripts, dots."""
+
 GENERAL = {"i": "i", "h": "i−1", "k": "i+1"}
 """Endings of names that stand for a link's number."""
 
@@ -70,7 +73,7 @@ def symbol(name: str, bold: bool = False, primed: bool = False) -> Expression:
         return Symbol(name, letter, (GENERAL.get(low, low),), bold=True, high=GENERAL.get(up, up))
     match = re.fullmatch(r"([A-Za-z]+?)(c?)_([ihk]{1,2})(_dd|_d)?", name)
     if match is None:
-        return Symbol(name, "g", bold=True) if name == "gravity" else sym(name, bold)
+        return Symbol(name, *SPECIAL[name], bold=True) if name in SPECIAL else sym(name, bold)
     letters, centre, places, dots = match.groups()
     if letters + centre in GREEK:
         letters, centre = letters + centre, ""
@@ -136,7 +139,7 @@ class _Parser:
     def _call(self, name: str, arguments: list[Expression]) -> Expression:
         rules: dict[str, Callable[..., Expression]] = {
             "cross": ex.cross, "dot": ex.dot, "transpose": ex.transposed, "d_dt": ex.d_dt, "partial": ex.partial,
-            "atan2": lambda y, x: ex.Function("atan2", ex.vector(y, x)),
+            "atan2": lambda y, x: ex.Function("atan2", ex.Arguments((y, x))),
         }  # fmt: skip
         rules |= {f: lambda x, f=f: ex.Function(PRINTED.get(f, f), x) for f in FUNCTIONS}
         if name not in rules:

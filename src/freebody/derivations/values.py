@@ -12,6 +12,7 @@ import numpy as np
 
 from freebody import elementary
 from freebody.derivations.expression import (
+    Arguments,
     Cross,
     Derivative,
     Dot,
@@ -275,6 +276,7 @@ _RULES: dict[type, Any] = {
     Cross: lambda node, v: crossed(value(node.left, v), value(node.right, v)),
     Derivative: _derivative,
     Dot: lambda node, v: dotted(value(node.left, v), value(node.right, v)),
+    Arguments: lambda node, v: tuple(value(x, v) for x in node.entries),
     Vector: lambda node, v: _stacked([value(x, v) for x in node.entries]),
     Matrix: lambda node, v: tuple(tuple(value(x, v) for x in row) for row in node.rows),
 }

@@ -59,10 +59,16 @@ class Answer:
         try:
             verdict = fb.check(made(self.model), "\n".join(parts(form)))
         except AnswerError as problem:
-            return Outcome(False, (problem.problem, *problem.context.splitlines()))
-        lines = tuple(line.strip() for line in verdict.text.splitlines())
-        examples = [equation.example_text for equation in verdict.equations if equation.example_text]
-        return Outcome(bool(verdict), tuple(x for x in lines if x not in examples), " ".join(examples))
+            return Outcome(False, (problem.problem,))
+        lines = []
+        for equation in verdict.equations:
+            lines += [*equation.causes, *(f"{equation.name}: {x.message}" for x in equation.findings)]
+        lines = lines or [
+            f"{equation.name}, {equation.title}: equal, term by term." for equation in verdict.equations
+        ]
+        example = next((e.example_text for e in verdict.equations if e.example_text), "")
+        example = example.replace("For example, at", "At").replace("yours is", "the printed form gives")
+        return Outcome(bool(verdict), tuple(lines), example)
 
 
 # ---------------------------------------------------------------- as a relation
@@ -77,6 +83,8 @@ class Related:
     values: str | Callable[[], Mapping[str, Any]] = f"fb.quantities({ARM})"
     links: tuple[int, ...] = ()
     also: str = ""
+    calls: str = ""
+    """The call that gives the values, where their function holds more than that."""
 
     @cached_property
     def _values(self) -> Mapping[str, Any]:
@@ -99,16 +107,20 @@ class Related:
         return of_link(self._values, n)
 
     def call(self, form: str) -> str:
-        values = self.values if isinstance(self.values, str) else f"{self.values.__name__}()"
+        if isinstance(self.values, str):
+            values, first = self.values, []
+        else:
+            values = "values" if self.calls else f"{self.values.__name__}()"
+            first = [f"values = {self.calls}" if self.calls else source(self.values), ""]
         remark = f"  # i = {_listed(self.links)}" * bool(self.links)
         lines = [f"fb.relation({values}, {part!r}){remark}" for part in [*parts(form), *parts(self.also)]]
-        return "\n".join(lines if isinstance(self.values, str) else [source(self.values), "", *lines])
+        return "\n".join([*first, *lines])
 
     def run(self, form: str) -> Outcome:
         if not parts(form):
             return NOTHING
         whole = [*parts(form), *parts(self.also)]
-        outcomes = [self._named(part, len(whole) > 1) for part in whole]
+        outcomes = [self._named(part, len(whole) > 1 and not self.links) for part in whole]
         chosen = [outcome for outcome in outcomes if not outcome.holds] or outcomes
         return Outcome(
             all(outcome.holds for outcome in outcomes),
@@ -236,9 +248,11 @@ class Run:
 
     function: Callable[[str], Outcome]
     bold: Collection[str] = ()
+    calls: str = ""
+    """What a user types to see the same."""
 
     def call(self, form: str) -> str:
-        return source(self.function)
+        return f"{self.calls}\n\n{source(self.function)}".lstrip()
 
     def run(self, form: str) -> Outcome:
         return self.function(form)

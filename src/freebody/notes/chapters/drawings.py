@@ -266,7 +266,7 @@ ITEMS = (
     ),
     Item(
         "uf-2.10-figref", "2.2.1", "Which figure", "definition", "The tip's position vector is said to be found in a figure.",
-        "Fig. 2.2", Run(which_figure), "misprint", "Fig. 2.1", "Figure 2.2 is the parallel robot; the arm is figure 2.1.",
+        "Fig. 2.2", Run(which_figure, calls='fb.notes_figure("2.1").named("s_1")'), "misprint", "Fig. 2.1", "Figure 2.2 is the parallel robot; the arm is figure 2.1.",
         figure="2.1",
     ),
     Item(
@@ -291,7 +291,7 @@ ITEMS = (
     ),
     Item(
         "fig-3.2", "3.3", "Dynamics of an arm", "figure", "Angles, rates and velocities of the centres of mass; and the free links. In print the "
-        "velocities at both centres carry the same label.", "v_c1 at the inner link, v_c1 at the outer link", Run(velocity_labels), "misprint",
+        "velocities at both centres carry the same label.", "v_c1 at the inner link, v_c1 at the outer link", Run(velocity_labels, calls='fb.notes_figure("3.2").named("v_{c2}")'), "misprint",
         "v_c1 at the inner link, v_c2 at the outer link", "The velocity of the outer link's centre of mass is v_c2.", figure="3.2",
     ),
     Item(

@@ -50,7 +50,7 @@ def guided_arm():
     rise = [fb.acceleration(arm, q, qd, qdd)[1] for qdd in pushed]
     force = -rise[0] / (rise[1] - rise[0])
     rates = {name: free[f"{name}_d"] for name in ("theta1", "theta2")}
-    at = {k: v for k, v in arm.parameters.items()} | {
+    at = dict(arm.parameters) | {
         "theta1": q[0],
         "theta2": q[1],
         "theta1_d": qd[0],

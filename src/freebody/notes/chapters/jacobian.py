@@ -115,6 +115,12 @@ def where_singular(printed: str) -> Outcome:
 
 TIP = Related(f"fb.quantities({ARM})")
 MAP, ANGLES, RATES = Related(a_map), Related(two_angles), Related(inverse_rates)
+
+
+def _proved(also: str) -> Related:
+    return Related(f"fb.quantities({ARM})", also=also)
+
+
 _C = "(x^2 + y^2 - (l1^2 + l2^2))/(2*l1*l2)"
 _ABOVE, _BELOW = "-l2*sin(theta2)*x + (l1 + l2*cos(theta2))*y", "l2*sin(theta2)*y + (l1 + l2*cos(theta2))*x"
 
@@ -166,7 +172,7 @@ ITEMS = (
     Item(
         "eq-2.14", "2.2.1", "The elbow's angle from the tip", "derivation",
         "The law of cosines gives cos θ₂.",
-        f"theta2 = arccos({_C})", Run(elbow), "incomplete",
+        f"theta2 = arccos({_C})", Run(elbow, calls='fb.inverse_kinematics(fb.load("2R"), [x, y])  # at the tips of random poses'), "incomplete",
         f"theta2 = arccos({_C}); theta2 = -arccos({_C})",
         "The arc cosine gives angles from 0 to π only: the arm with its elbow on the other side is lost. There are two "
         "branches, real for |l₁ − l₂| ≤ √(x² + y²) ≤ l₁ + l₂ only, and one where the arm is stretched or folded.",
@@ -174,18 +180,18 @@ ITEMS = (
     Item(
         "eq-2.15", "2.2.1", "The shoulder's angle from the tip", "derivation",
         "With θ₂ known, two linear equations in cos θ₁ and sin θ₁.",
-        f"theta1 = arctan(({_ABOVE})/({_BELOW}))", Run(shoulder), "incomplete",
+        f"theta1 = arctan(({_ABOVE})/({_BELOW}))", Run(shoulder, calls='fb.forward_kinematics(fb.load("2R"), q)[:2, 2]  # at random poses; the formula has to give q back'), "incomplete",
         f"theta1 = atan2({_ABOVE}, {_BELOW})",
         "The signs are right, but the plain arc tangent loses the quadrant: it is off by π wherever cos θ₁ < 0. atan2 of "
         "numerator and denominator, once for each θ₂, is right except at x = y = 0, where θ₁ is free.",
     ),
     Item(
         "eq-2.16", "2.2.2", "Velocity of the tip, x", "derivation", "The position differentiated.",
-        "d_dt(x) = -l1*theta1_d*sin(theta1) - l2*(theta1_d+theta2_d)*sin(theta1+theta2)", TIP,
+        "x_d = -l1*theta1_d*sin(theta1) - l2*(theta1_d+theta2_d)*sin(theta1+theta2)", _proved("x_d = d_dt(x)"),
     ),
     Item(
         "eq-2.17", "2.2.2", "Velocity of the tip, y", "derivation", "The position differentiated.",
-        "d_dt(y) = l1*theta1_d*cos(theta1) + l2*(theta1_d+theta2_d)*cos(theta1+theta2)", TIP,
+        "y_d = l1*theta1_d*cos(theta1) + l2*(theta1_d+theta2_d)*cos(theta1+theta2)", _proved("y_d = d_dt(y)"),
     ),
     Item(
         "eq-2.18", "2.2.2", "Velocity as a linear map", "derivation",
@@ -211,7 +217,7 @@ ITEMS = (
     ),
     Item(
         "eq-2.23", "2.2.3", "Singular poses", "derivation", "The zeros of sin θ₂.",
-        "theta2 = 0; theta2 = pi", Run(where_singular),
+        "theta2 = 0; theta2 = pi", Run(where_singular, calls='print(fb.singularities(fb.planar("RR")))'),
     ),
     Item(
         "uf-2.23-collinear", "2.2.3", "Links in line", "identity",

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import freebody as fb
 from freebody.notes.chapters.pendulum import pendulum
-from freebody.notes.chapters.two_link import PRINTED_M, RIGHT_M, unit_rods
+from freebody.notes.chapters.two_link import MATRIX, PRINTED_M, RIGHT_M, unit_rods
 from freebody.notes.checks import ARM, Answer, Related, Run
 from freebody.notes.item import Item
 
@@ -88,7 +88,7 @@ ITEMS = (
     Item(
         "uf-5.2-claim", "5.3", "The same as in chapter 3", "identity",
         "The equations that come out are said to be those of chapter 3: its mass matrix against that of the energies.",
-        PRINTED_M, Run(unit_rods), "inconsistent", RIGHT_M,
+        PRINTED_M, Run(unit_rods, calls=MATRIX), "inconsistent", RIGHT_M,
         "Not those printed there: (3.22), (3.23) and (3.24) have slips that the energies do not share. With these "
         "corrected it is true.",
     ),

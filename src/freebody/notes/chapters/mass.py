@@ -36,7 +36,7 @@ def bar():
     pieces = np.linspace(0, l, 20001)[1::2]  # the middles of ten thousand equal pieces
     return {
         "m": m, "l": l, "r_G": body.com, "I_G": body.tensor[0], "I_O": body.about([0, 0])[0, 0],
-        "pieces": (pieces.mean(), 0.0),
+        "r_pieces": (pieces.mean(), 0.0),
     }  # fmt: skip
 
 
@@ -45,7 +45,7 @@ def bar_in_pieces():
     m, l, n = 1.3, 0.7, 200_000
     rho = (np.arange(n) + 0.5) * l / n - l / 2
     body = fb.integrated_inertia(lambda u: (u, 0 * u), [(0, l)], m)
-    return {"I_G": body.tensor[0], "pieces_rho2": float(np.mean(rho**2)) * m}
+    return {"I_G": body.tensor[0], "I_pieces": float(np.mean(rho**2)) * m}
 
 
 def disc():
@@ -99,7 +99,7 @@ ITEMS = (
     Item(
         "eq-1.16", "1.2.2", "Centre of mass of a continuum", "definition",
         "For a continuous body the sum becomes an integral over its mass: here of a uniform bar, against ten thousand pieces.",
-        "r_G = pieces = [l/2, 0]", BAR,
+        "r_G = r_pieces = [l/2, 0]", BAR,
     ),
     Item(
         "uf-1.16-com-zero", "1.2.2", "Origin in the centre of mass", "identity",
@@ -117,7 +117,7 @@ ITEMS = (
     Item(
         "eq-1.18", "1.2.2", "Moment of inertia of a continuum", "definition",
         "The integral of ρ² over the mass; here of a uniform bar, against many small pieces.",
-        "I_G = pieces_rho2", Related(bar_in_pieces),
+        "I_G = I_pieces", Related(bar_in_pieces),
     ),
     Item(
         "uf-1.18-disc", "1.2.2", "Disc", "definition",
@@ -138,7 +138,7 @@ ITEMS = (
         "eq-1.19", "1.2.2", "Parallel axes", "identity",
         "The inertia about an axis at the distance d from the centre of mass; the right side has to start from the centre "
         "of mass and no other point.",
-        "I_O = I_G + m*d^2", Run(parallel_axes),
+        "I_O = I_G + m*d^2", Run(parallel_axes, calls="fb.inertia_from(m, r_G, I_O, about=O).tensor"),
     ),
     Item(
         "ex-1.3-bar-pin", "1.2.2", "Example: a bar on a pin", "worked-example",

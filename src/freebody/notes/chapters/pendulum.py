@@ -25,8 +25,8 @@ def bodies():
     """How many coordinates a body has, free, on a pin, and on slides; and what a pin transmits."""
     pinned = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.1])
     return {
-        "free": fb.planar("PPR").nv, "pinned": pinned.nv, "translating": fb.planar("PP").nv,
-        "with_reactions": fb.joint_wrenches(pinned, [0.3], [1.0], [2.0]).size,
+        "n_free": fb.planar("PPR").nv, "n_pin": pinned.nv, "n_slides": fb.planar("PP").nv,
+        "n_all": fb.joint_wrenches(pinned, [0.3], [1.0], [2.0]).size,
     }  # fmt: skip
 
 
@@ -38,7 +38,7 @@ ITEMS = (
     Item(
         "uf-3.1-equation-count", "3.1", "How many equations", "definition",
         "A body in the plane has three; on a pin one is enough, on slides two; with the reactions again all three.",
-        "free = 3; pinned = 1; translating = 2; with_reactions = 3", Related(bodies),
+        "n_free = 3; n_pin = 1; n_slides = 2; n_all = 3", Related(bodies),
     ),
     Item(
         "ex-3.1-pendulum", "3.2", "Example 1: an arm of one link", "worked-example",

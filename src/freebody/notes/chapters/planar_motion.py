@@ -58,6 +58,7 @@ def rounded_circle(printed: str) -> Outcome:
     return Outcome(fits, tuple(lines))
 
 
+CIRCLE = 'fb.trajectory("5*cos(3.14*t)", "5*sin(3.14*t)").velocity.expressions'
 TIP = Related(f"fb.quantities({ARM})")
 
 ITEMS = (
@@ -96,7 +97,7 @@ ITEMS = (
         "ex-1.1a", "1.2.1", "Example 1a: motion on a circle", "worked-example",
         "Velocity and acceleration of x = 5 cos 3.14 t, y = 5 sin 3.14 t (m, s).",
         "r_d = [-15.7*sin(3.14*t), 15.7*cos(3.14*t)]; r_dd = [-49.3*cos(3.14*t), -49.3*sin(3.14*t)]",
-        Run(rounded_circle, ("r_d", "r_dd")),
+        Run(rounded_circle, ("r_d", "r_dd"), calls=CIRCLE),
     ),
     Item(
         "eq-1.6", "1.2.1", "Velocity on the circle", "worked-example",
@@ -106,7 +107,7 @@ ITEMS = (
     Item(
         "eq-1.7", "1.2.1", "Acceleration on the circle", "worked-example",
         "The amplitude of the acceleration is radius times the square of the rate, 49.298, rounded to three digits.",
-        "r_dd = [-49.3*cos(3.14*t), -49.3*sin(3.14*t)]", Run(rounded_circle, ("r_dd",)),
+        "r_dd = [-49.3*cos(3.14*t), -49.3*sin(3.14*t)]", Run(rounded_circle, ("r_dd",), calls=CIRCLE),
     ),
     Item(
         "ex-1.1b", "1.2.1", "Example 1b: a polynomial path", "worked-example",
@@ -153,7 +154,7 @@ ITEMS = (
     Item(
         "eq-1.13", "1.2.1", "Velocity as a column", "definition",
         "The velocity of the tip has the components ẋ and ẏ.",
-        "r_d = [d_dt(x), d_dt(y)]", TIP,
+        "r_d = [x_d, y_d]", Related(f"fb.quantities({ARM})", also="x_d = d_dt(x); y_d = d_dt(y)"),
     ),
     Item(
         "eq-1.14", "1.2.1", "Velocity of the tip", "derivation",

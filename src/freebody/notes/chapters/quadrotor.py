@@ -67,6 +67,7 @@ def turning(form: str) -> Outcome:
     )
 
 
+FLIGHT_CALL = 'fb.forward_dynamics(fb.load("quadrotor").replace(gravity=[0, 0, -9.8]), q, qd, np.zeros(6), wrenches=thrusts)'
 FLIGHT = Related(flight)
 PRINTED_I = "[[5.02483, -0.02489, 0.35119], [-0.02489, 5.02483, -0.35119], [0.35119, -0.35119, 9.95008]]"
 _RIGHT_I = (
@@ -111,7 +112,7 @@ ITEMS = (
     ),
     Item(
         "eq-6.12", "6.1", "Inertia in global axes", "worked-example", "(6.3), from the principal moments in the data.",
-        f"I = R*diag([I_x, I_y, I_z])*transpose(R); I = {PRINTED_I}", Run(inertia, ("I", "R")), "incomplete",
+        f"I = R*diag([I_x, I_y, I_z])*transpose(R); I = {PRINTED_I}", Run(inertia, ("I", "R"), calls="R = fb.rotation('ZXZ', [np.pi/4, 0.1, 0.2]); R @ np.diag([5, 5, 10]) @ R.T"), "incomplete",
         f"I = R*diag([5, I_y, I_z])*transpose(R) = {_RIGHT_I}",
         "I_x is blank in the data; the printed numbers come from I_x = 5 kg m², with rounding errors in their last digits.",
     ),
@@ -122,7 +123,7 @@ ITEMS = (
     ),
     Item(
         "eq-6.14", "6.1", "Angular acceleration", "worked-example", "Euler's equation solved.",
-        "omega_d = I^-1*(n - cross(omega, I*omega)) = [-0.063869, -0.15480, -0.001131]", Run(turning, ("omega_d", "I", "n", "omega")),
+        "omega_d = I^-1*(n - cross(omega, I*omega)) = [-0.063869, -0.15480, -0.001131]", Run(turning, ("omega_d", "I", "n", "omega"), calls=FLIGHT_CALL),
         "inconsistent", "omega_d = I^-1*(n - cross(omega, I*omega)) = [-0.064561, -0.155539, -0.006455]",
         "The printed numbers come from moments of thrusts that were already turned into global axes, turned once more.",
     ),

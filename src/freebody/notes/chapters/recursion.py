@@ -65,6 +65,7 @@ def both_ways():
     return swept | {"lagrange": fb.derive(arm, "lagrange").tau}
 
 
+WEIGHTS = 'fb.relation(fb.quantities(fb.planar("RRR")), form)  # i = 1, 2, 3; and with gravity="base"'
 THREE = 'fb.planar("RRR")'
 TWO, VECTORS = Related(two_links), Related(as_vectors)
 EXPLICIT = Related(f"fb.quantities({THREE})", links=(1, 2, 3))
@@ -91,7 +92,7 @@ ITEMS = (
     Item(
         "uf-4.4-crossref", "4.2.2", "Which equations are vectorial", "definition",
         "Two equations are said to be between three-dimensional vectors.",
-        "(4.2) and (4.3)", Run(which_are_vectors), "misprint", "(4.3) and (4.5)",
+        "(4.2) and (4.3)", Run(which_are_vectors, calls='fb.quantities(fb.planar("RR"))["omega2_d"]  # a scalar'), "misprint", "(4.3) and (4.5)",
         "(4.2) is between the scalars of the plane; the vectorial ones are (4.3) and (4.5).",
     ),
     Item(
@@ -132,14 +133,14 @@ ITEMS = (
     Item("eq-4.13", "4.3.1", "Moment of inertia", "definition", "What their moments add up to.", "Mc_i = I_i*omega_i_d", EXPLICIT),
     Item(
         "eq-4.14", "4.3.1", "Inward: joint force", "algorithm", "A joint carries what accelerates its link, and what the next one needs.",
-        "f_hi = fc_i + f_ik", Run(with_weights), "incomplete", "f_hi = fc_i - m_i*gravity + f_ik",
+        "f_hi = fc_i + f_ik", Run(with_weights, calls=WEIGHTS), "incomplete", "f_hi = fc_i - m_i*gravity + f_ik",
         "Without the weights this is right only if the base is given the acceleration v̇₀ = −g, which the notes do not say; "
         "with v̇₀ = 0 the arm weighs nothing.",
         figure="4.2",
     ),
     Item(
         "eq-4.15", "4.3.1", "Inward: joint moment", "algorithm", "The same for moments about the joint.",
-        "M_i = Mc_i + M_k + cross(sc_i, fc_i) + cross(s_i, f_ik)", Run(with_weights), "incomplete",
+        "M_i = Mc_i + M_k + cross(sc_i, fc_i) + cross(s_i, f_ik)", Run(with_weights, calls=WEIGHTS), "incomplete",
         "M_i = Mc_i + M_k + cross(sc_i, fc_i - m_i*gravity) + cross(s_i, f_ik)",
         "As (4.14): right with v̇₀ = −g; with v̇₀ = 0 exactly the gravity torques are missing. The motor's torque is M_i.",
         figure="4.2",

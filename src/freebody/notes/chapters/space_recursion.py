@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -115,9 +116,29 @@ STANDARD = (
 
 
 def standard_frames():
-    """The recursion in standard frames, link 2 slides: its lines as in the form, torques those of fb.inverse_dynamics."""
+    """A turning, a sliding and a turning joint in standard frames: motion of each frame from fb.velocity and
+    fb.acceleration in its own axes, torques from fb.inverse_dynamics and from the recursion written out."""
     chain = fb.dh(STANDARD, convention="standard", gravity=GRAVITY)
     q, qd, qdd = (x[0] for x in fb.random_state(chain, 7, 1))
+    found, before = {"z": np.array([0.0, 0.0, 1.0])}, np.eye(4)
+    for n in (1, 2, 3):
+        T = fb.forward_kinematics(chain, q, f"frame{n}")
+        R, v = T[:3, :3], fb.velocity(chain, q, qd, f"frame{n}")
+        a = fb.acceleration(chain, q, qd, qdd, f"frame{n}")
+        found |= {
+            f"E{n}": R.T @ before[:3, :3],
+            f"p{n}": R.T @ (T[:3, 3] - before[:3, 3]),
+            f"v{n}": R.T @ v[:3],
+        }
+        found |= {f"omega{n}": R.T @ v[3:], f"v{n}_d": R.T @ a[:3], f"omega{n}_d": R.T @ a[3:]}
+        before = T
+    rates = {"d2_d": qd[1], "d2_dd": qdd[1], "theta3_d": qd[2], "theta3_dd": qdd[2]}
+    swept = _swept_standard(q, qd, qdd)
+    return found | rates | {"tau": fb.inverse_dynamics(chain, q, qd, qdd), "tau_swept": swept}
+
+
+def _swept_standard(q, qd, qdd):
+    """Torques by the recursion in standard frames, gravity as acceleration of the base."""
     swept = _outward_standard(q, qd, qdd)
     f = n = np.zeros(3)
     tau, E_next = np.zeros(3), np.eye(3)
@@ -135,7 +156,7 @@ def standard_frames():
         )
         f, E_next = fc + carried, link["E"]
         tau[k] = (n if row["joint"] == "R" else f) @ link["E"][:, 2]
-    return {"tau": fb.inverse_dynamics(chain, q, qd, qdd), "recursion": tau}
+    return tau
 
 
 def _outward_standard(q, qd, qdd):
@@ -156,12 +177,14 @@ def _outward_standard(q, qd, qdd):
     return links
 
 
-REVOLUTE, PRISMATIC = Related(explicit, links=(1, 3)), Related(explicit, links=(2, 4))
-BOTH = Related(explicit, links=(1, 2, 3, 4))
+SWEPT = 'fb.quantities(chain, gravity="base"); fb.derive(chain, "lagrange").tau'
+CHAIN = 'fb.quantities(fb.dh(rows, convention="modified", gravity=[0.3, -1.2, -9.7]))  # R P R P'
+REVOLUTE, PRISMATIC = (Related(explicit, links, calls=CHAIN) for links in ((1, 3), (2, 4)))
+BOTH = Related(explicit, (1, 2, 3, 4), calls=CHAIN)
 
 
 def _proved(test: Related, also: str) -> Related:
-    return Related(test.values, test.links, also)
+    return replace(test, also=also)
 
 
 _C = "v_i_d + cross(omega_i_d, sc_i) + cross(omega_i, cross(omega_i, sc_i))"
@@ -182,7 +205,7 @@ ITEMS = (
     Item(
         "uf-6.16-dh", "6.3.1.1", "Denavit and Hartenberg's frames", "definition",
         "The frames are said to follow the convention of Denavit and Hartenberg; no matrix is given.",
-        "by the convention of Denavit and Hartenberg", Run(frames, ("Rh_i", "ph_i")), "incomplete",
+        "by the convention of Denavit and Hartenberg", Run(frames, ("Rh_i", "ph_i"), calls='fb.forward_kinematics(fb.dh([row], convention="modified"), [theta])  # and "standard"'), "incomplete",
         "Rh_i = [[cos(theta), -sin(theta), 0], [sin(theta)*cos(alpha), cos(theta)*cos(alpha), -sin(alpha)], "
         "[sin(theta)*sin(alpha), cos(theta)*sin(alpha), cos(alpha)]]; ph_i = [a, -sin(alpha)*d, cos(alpha)*d]",
         "The formulas put joint i on z of the frame that is fixed to link i: that is the modified convention (a and α those "
@@ -204,7 +227,7 @@ ITEMS = (
     Item(
         "uf-6.18-defs", "6.3.1.1", "Which way the matrix turns", "definition",
         "The matrix is called the one that relates links i−1 and i.",
-        "the rotation matrix relating link i−1 and link i", Run(direction, ("Ri_h", "R_i", "R_h")), "incomplete",
+        "the rotation matrix relating link i−1 and link i", Run(direction, ("Ri_h", "R_i", "R_h"), calls=CHAIN), "incomplete",
         "Ri_h = transpose(R_i)*R_h",
         "Only one of two readings fits (6.18): it takes components of frame i−1 to frame i.",
     ),
@@ -271,7 +294,7 @@ ITEMS = (
     Item(
         "uf-6.29-inward-missing", "6.3.2", "Inward recursion", "algorithm",
         "The section of this title stops before its equations, and refers to the literature for sliding joints.",
-        "", Related(accelerated, (1, 2, 3, 4), "tau = lagrange"), "incomplete",
+        "", Related(accelerated, (1, 2, 3, 4), "tau = lagrange", SWEPT), "incomplete",
         "f_hi = fc_i + Ri_k*f_ik; n_i = nc_i + Ri_k*n_k + cross(sc_i, fc_i) + cross(pi_k, Ri_k*f_ik); "
         "tau1 = dot(n1, z); tau2 = dot(f12, z); tau3 = dot(n3, z); tau4 = dot(f34, z)",
         "With v̇₀ = −g. A turning joint's motor gives the moment about z, a sliding one's the force along z; the other five "
@@ -285,9 +308,13 @@ ITEMS = (
     Item(
         "uf-6.29-classic-dh", "6.3.2", "The same in standard frames", "algorithm",
         "For frames by the standard convention, where joint i acts along z of frame i−1, the recursion reads differently.",
-        "", Related(standard_frames), "incomplete", "recursion = tau",
-        "With E = (R_z(θ_i) R_x(α_i))ᵀ and p* = (a, d sin α, d cos α): ω_i = E(ω_{i−1} + θ̇ z₀), "
-        "v̇_i = E(v̇_{i−1} + d̈ z₀) + ω̇_i × p* + 2 ω_i × E ḋ z₀ + ω_i × (ω_i × p*), and inward "
-        "n_i = n_Ci + Rⁱ_{i+1} n_{i+1} + (p* + s′_Ci) × f_Ci + p* × Rⁱ_{i+1} f_{i+1}.",
+        "", Related(standard_frames), "incomplete",
+        "omega2 = E2*omega1; omega2_d = E2*omega1_d; v2 = E2*(v1 + d2_d*z) + cross(omega2, p2); "
+        "v2_d = E2*(v1_d + d2_dd*z) + cross(omega2_d, p2) + 2*cross(omega2, E2*(d2_d*z)) + cross(omega2, cross(omega2, p2)); "
+        "omega3 = E3*(omega2 + theta3_d*z); omega3_d = E3*(omega2_d + theta3_dd*z + cross(omega2, theta3_d*z)); "
+        "v3 = E3*v2 + cross(omega3, p3); v3_d = E3*v2_d + cross(omega3_d, p3) + cross(omega3, cross(omega3, p3)); tau_swept = tau",
+        "E takes components of the link before to those of the link, p leads from the frame before to this one, (a, d sin α, d cos α); "
+        "here joint 2 slides and joint 3 turns. Inward the moment gains (p + s_C) × f_C and p × what the next link passes on; "
+        "the motor's part of it is along E z.",
     ),
 )  # fmt: skip

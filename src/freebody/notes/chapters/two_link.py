@@ -71,6 +71,7 @@ def unit_rods(printed: str) -> Outcome:
 
 FREE, FORM, DEFINED = Related(f"fb.quantities({ARM})"), Related(closed_form), Related(as_defined)
 
+MATRIX = 'fb.check(fb.planar("RR"), "H11 = …"); np.linalg.eigvalsh(M)'
 H11 = "H11 = m1*lc1^2 + I1 + {}m2*(l1^2 + lc2^2 + 2*l1*lc2*cos(theta2)) + I2"
 PRINTED_M = f"{H11.format('I2 + ')}; H22 = m1*lc2^2 + I2; H12 = m2*(lc2^2 + 2*l1*lc2*cos(theta2)) + I2"
 RIGHT_M = f"{H11.format('')}; H22 = m2*lc2^2 + I2; H12 = m2*(lc2^2 + l1*lc2*cos(theta2)) + I2"
@@ -80,7 +81,7 @@ ITEMS = (
     Item(
         "ex-3.2-2dof", "3.3", "Example: an arm of two links", "worked-example",
         "From the two free bodies to torques in closed form; its mass matrix.",
-        PRINTED_M, Run(unit_rods), "inconsistent", RIGHT_M,
+        PRINTED_M, Run(unit_rods, calls=MATRIX), "inconsistent", RIGHT_M,
         "Each of the three entries has a slip; with them the mass matrix is indefinite, so some motions would have a "
         "negative kinetic energy.",
         figure="3.2",
@@ -140,7 +141,7 @@ ITEMS = (
     Item(
         "eq-3.23", "3.3", "H₂₂", "derivation", "Inertia of the second link about the elbow.",
         "H22 = m1*lc2^2 + I2", Answer(ARM), "misprint", "H22 = m2*lc2^2 + I2",
-        "The mass is that of link 2; m₁ is nowhere near the elbow's far side.",
+        "It is the inertia of link 2 about the elbow, so the mass is m₂.",
     ),
     Item(
         "eq-3.24", "3.3", "H₁₂", "derivation", "What an acceleration of one joint asks of the other.",

@@ -1,0 +1,160 @@
+"""`freebody notes`: the table, one item, the errata, the page; and the solutions of the exercises."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+
+from freebody.cli.app import run as program
+from freebody.derivations.formula import as_printed
+from freebody.notes.errata import errata
+from freebody.notes.exercises import EXERCISES, solution
+from freebody.notes.page import CHAPTERS, SECTIONS, page
+from freebody.notes.registry import item, items
+from freebody.notes.run import run, run_all
+from freebody.notes.steps import place_of
+from freebody.notes.text import item_text
+from notes_verdicts import VERDICTS
+
+
+@pytest.fixture(scope="module")
+def findings():
+    return run_all(items())
+
+
+@pytest.fixture(scope="module")
+def html(findings):
+    return page(findings)
+
+
+def said(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    assert program(["notes", *arguments]) == 0
+    out = capsys.readouterr()
+    assert out.err == ""
+    return out.out
+
+
+def test_the_table_lists_every_item_with_its_verdict(capsys):
+    text = said(capsys)
+    for name, verdict in VERDICTS.items():
+        assert re.search(rf"^{re.escape(name)} +{verdict} ", text, re.MULTILINE), name
+    assert "254 items executed: 196 hold, 20 misprints, 22 inconsistent, 16 incomplete." in text
+    assert "2 of them are words alone, which are read and not executed." in text
+
+
+def test_the_table_of_a_chapter_and_of_a_verdict(capsys):
+    text = said(capsys, "--chapter", "4", "--verdict", "incomplete")
+    shown = re.findall(r"^((?:eq|uf|ex|alg|fig|def)-\S+) ", text, re.MULTILINE)
+    assert shown == ["eq-4.14", "eq-4.15", "uf-4.15-boundary"]
+
+
+def test_one_item_says_all_about_it(capsys):
+    text = said(capsys, "3.22")
+    for words in (
+        "H₁₁ — equation (3.22)",
+        "printed     H₁₁ = m₁ lc₁² + I₁ + I₂ + m₂ (l₁² + lc₂² + 2 l₁ lc₂ cos θ₂) + I₂",
+        "corrected   H₁₁ = m₁ lc₁² + I₁ + m₂ (l₁² + lc₂² + 2 l₁ lc₂ cos θ₂) + I₂",
+        "‘I2’ is too much",
+        "the printed form gives 1.031",
+        'fb.check(fb.planar("RR")',
+        "“The closed form”",
+    ):
+        assert words in text or words in " ".join(text.split())
+    assert text.rstrip().endswith("misprint")
+
+
+def test_one_item_writes_its_figure(capsys, tmp_path: Path):
+    assert "written" in said(capsys, "fig-2.2", "--out", str(tmp_path / "five.svg"))
+    ET.fromstring((tmp_path / "five.svg").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("nonsense",), "no item 'nonsense' in the notes."),
+        (("eq-3.21x",), "Did you mean 'eq-3.21'?"),
+        (("eq-2.44", "--out", "a.txt"), "name one, such as"),
+        (("eq-1.4", "--out", "a.svg"), "eq-1.4 has no figure; leave out --out."),
+        (("--chapter", "7"), "less than or equal to 6"),
+    ],
+)
+def test_what_is_wrong_is_one_line_and_exit_code_2(capsys, arguments, words):
+    assert program(["notes", *arguments]) == 2
+    err = capsys.readouterr().err
+    assert err.startswith("error: ")
+    assert err.count("\n") == 1
+    assert words in err
+
+
+def test_errata_name_every_place_that_needs_one(findings, capsys, tmp_path: Path):
+    text = errata(findings)
+    wrong = [name for name, verdict in VERDICTS.items() if verdict != "holds"]
+    assert text.count("\n### ") == len(wrong) == 58
+    for name in wrong:
+        assert f"`{name}`" in text
+    assert "$H_{11}" in text
+    assert said(capsys, "--errata", "--out", str(tmp_path / "errata.md")).startswith("written: ")
+    assert (tmp_path / "errata.md").read_text(encoding="utf-8") == text
+
+
+def test_the_page_holds_every_item_and_figure_and_fetches_nothing(html):
+    for name in VERDICTS:
+        assert f'id="{name}"' in html, name
+    assert html.count("<figure>") >= 21
+    assert not re.search(r"<script|<link (?!rel=\"icon\" href=\"data:,\")|@import|url\(|src=", html)
+    addresses = set(re.findall(r"https?://[^\"'<> ]+", html))
+    assert addresses <= {"http://www.w3.org/1998/Math/MathML", "http://www.w3.org/2000/svg"}
+    assert len(re.findall("<details>", html)) == len(VERDICTS) + 2 * len(EXERCISES)
+    assert set(re.findall(r'href="#([^"]+)"', html)) <= set(re.findall(r'id="([^"]+)"', html))
+
+
+def test_formulas_of_the_page_are_sound(html):
+    for formula in re.findall(r"<math.*?</math>", html, re.DOTALL):
+        ET.fromstring(formula)
+
+
+def test_sections_and_chapters_have_titles():
+    assert {x.section for x in items()} == set(SECTIONS)
+    assert {x.chapter for x in items()} == set(CHAPTERS)
+
+
+@pytest.mark.parametrize("exercise", EXERCISES, ids=lambda e: e.id)
+def test_exercises_are_solved(exercise):
+    found = solution(exercise)
+    assert "<math" in found
+    assert exercise.hint not in found
+
+
+def test_solutions_prove_themselves():
+    text = {e.id: solution(e) for e in EXERCISES}
+    assert text["five-bar"].count("<li>") == 4
+    assert "Both are the same polynomials" in text["ex-4.5-verify"]
+    assert "identical" in text["lagrange-2r"]
+    assert "which is what fb.joint_wrenches gives" in text["first-kind"]
+
+
+def test_derivations_are_found_for_equations_of_every_chapter_but_the_first():
+    there = {x.chapter for x in items() if place_of(x) is not None}
+    assert there == {2, 3, 4, 5, 6}
+
+
+def test_terminal_text_of_all_items_has_no_broken_signs(findings):
+    for finding in findings:
+        text = item_text(finding)
+        assert finding.item.title in text
+        assert "None" not in text
+
+
+def test_superscripts_and_general_links_print_as_such():
+    node = as_printed("Ri_h*omega_h + ph_i", ["omega_h", "ph_i"])
+    assert str(node) == "R_{i−1}^i ω_{i−1} + p_i^i−1"
+    assert "{R}_{i−1}^i" in node.latex()
+    assert str(as_printed("theta1 = atan2(y, x)")) == "θ₁ = atan2(y, x)"
+    assert str(as_printed("qdd")) == "q̈"
+
+
+def test_an_item_runs_alone():
+    assert run(item("eq-6.14")).verdict == "inconsistent"

@@ -1,0 +1,194 @@
+"""Quantities by name, relations between them, functions given as formulas, mass by integration, rotations by angles."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import freebody as fb
+from freebody.derivations.formula import FormulaError, parse
+from freebody.derivations.quantities import of_link
+from freebody.derivations.relation import agrees, printed_numbers
+from freebody.derivations.values import Each, value
+from freebody.errors import FreebodyError, ModelError, ShapeError, UnknownNameError
+
+
+@pytest.fixture(scope="module")
+def arm():
+    return fb.quantities(fb.planar("RR"))
+
+
+# ---------------------------------------------------------------- quantities
+@pytest.mark.parametrize("word", ["R", "RR", "RPR", "PRP"])
+def test_quantities_are_those_of_the_numeric_functions(word: str):
+    n = len(word)
+    model = fb.planar(word, l=[0.4] * n, lc=[0.2] * n, m=[1.5] * n, I=[0.02] * n)
+    q, qd, qdd = (x[0] for x in fb.random_state(model, 3, 1))
+    free = fb.quantities(model)
+    symbols = free.layout.symbols
+
+    def numbers(name):
+        return symbols.evaluate([*free[name]], q, qd, qdd)
+
+    np.testing.assert_allclose(numbers("tau"), fb.inverse_dynamics(model, q, qd, qdd), atol=1e-12)
+    np.testing.assert_allclose(numbers("r_dd"), fb.acceleration(model, q, qd, qdd)[:2], atol=1e-12)
+    w = fb.joint_wrenches(model, q, qd, qdd)
+    for k in range(n):
+        np.testing.assert_allclose(numbers(f"f{k}{k + 1}"), w[k, :2], atol=1e-12)
+        np.testing.assert_allclose(symbols.evaluate(free[f"M{k + 1}"], q, qd, qdd), w[k, 2], atol=1e-12)
+    np.testing.assert_allclose(
+        symbols.evaluate(free["T"], q, qd), fb.kinetic_energy(model, q, qd), atol=1e-12
+    )
+
+
+def test_a_load_acts_on_the_tip():
+    free = fb.quantities(fb.planar("RR", g=[0, 0]), load=True, at_rest=True)
+    assert fb.relation(free, "tau = -transpose(J)*f")
+    assert fb.relation(free, "f23 = -f")
+
+
+def test_gravity_by_the_base_or_by_weights_gives_the_same_torques():
+    model = fb.planar("RP")
+    explicit, base = fb.quantities(model), fb.quantities(model, gravity="base")
+    assert explicit["tau"] == base["tau"]
+    assert fb.relation(base, "v0_d = -gravity")
+
+
+def test_links_in_letters(arm):
+    second = of_link(arm, 2)
+    assert second["omega_i"] is arm["omega2"]
+    assert second["omega_h"] is arm["omega1"]
+    assert second["f_hi"] is arm["f12"]
+    assert fb.relation(second, "omega_i_d = omega_h_d + theta_i_dd")
+
+
+def test_quantities_refuse_what_they_have_no_names_for():
+    with pytest.raises(FreebodyError, match="is free"):
+        fb.quantities(fb.load("quadrotor"))
+
+
+# ---------------------------------------------------------------- relations
+def test_a_relation_is_true_or_says_by_how_much_not(arm):
+    assert fb.relation(arm, "f12 + m2*gravity = m2*vc2_d")
+    wrong = fb.relation(arm, "f12 - m2*gravity = m2*vc2_d")
+    assert not wrong
+    assert wrong.exact
+    at, (left, right) = wrong.example()
+    assert np.subtract(left, right) == pytest.approx([0.0, 2 * at["m2"] * at["g"]])
+
+
+@pytest.mark.parametrize(
+    ("formula", "words"),
+    [("s1 = l1", "never equal"), ("s1 + l1 = 0", "cannot be added"), ("s1*s2 = 0", "have no product")],
+)
+def test_shapes_that_do_not_fit(arm, formula, words):
+    found = fb.relation(arm, formula)
+    assert not found
+    assert words in found.problem
+
+
+def test_a_relation_needs_an_equals_sign_and_known_names(arm):
+    with pytest.raises(FormulaError, match="has no ="):
+        fb.relation(arm, "s1 + s2")
+    with pytest.raises(UnknownNameError, match="no quantity 's9'"):
+        fb.relation(arm, "s9 = s1")
+
+
+def test_time_and_partial_derivatives(arm):
+    assert fb.relation(arm, "d_dt(r) = r_d")
+    assert fb.relation(arm, "d_dt(partial(L, theta2_d)) - partial(L, theta2) = tau2")
+    with pytest.raises(FormulaError, match="by a coordinate"):
+        value(parse("partial(L, l1*l2)"), arm)
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.lists(st.floats(-10, 10), min_size=6, max_size=6))
+def test_vector_algebra_is_that_of_numpy(x):
+    a, b = x[:3], x[3:]
+    at = {"a": a, "b": b, "c": np.cross(a, b), "d": float(np.dot(a, b)), "n": float(np.linalg.norm(a))}
+    assert fb.relation(at, "cross(a, b) = c")
+    assert fb.relation(at, "dot(a, b) = d")
+    assert fb.relation(at, "cross(b, a) = -c")
+    assert fb.relation(at, "a^2 = n^2")
+
+
+def test_matrices():
+    at = {"A": [[2.0, 1.0], [0.5, 3.0]], "b": [1.0, -2.0]}
+    at |= {"x": np.linalg.solve(at["A"], at["b"]), "D": float(np.linalg.det(at["A"]))}
+    assert fb.relation(at, "x = A^-1*b")
+    assert fb.relation(at, "det(A) = D = 2*3 - 1*0.5")
+    assert fb.relation(at, "transpose(A)*[1, 0] = [2, 1]")
+
+
+def test_sums_over_bodies():
+    at = {"m": 3.0, "m_i": Each((1.0, 2.0)), "r_i": Each(((1.0, 0.0), (0.0, 1.0)))}
+    assert fb.relation(at, "m = sum(m_i)")
+    assert fb.relation(at, "sum(m_i*r_i) = [1, 2]")
+
+
+def test_printed_numbers_and_their_last_digits():
+    assert printed_numbers("[5.97, −7.190]") == [(5.97, 0.01), (-7.19, pytest.approx(0.001))]
+    assert agrees([5.9731, -7.1896], "[5.97, -7.190]")
+    assert not agrees([5.99, -7.1896], "[5.97, -7.190]")
+
+
+# ---------------------------------------------------------------- functions
+def test_trajectory_derivatives_and_numbers():
+    path = fb.trajectory("3*t^3 + 2*t^2 + 1", "sin(2*t)*exp(t)")
+    t = np.linspace(0, 1, 5)
+    r, v, a = path.at(t)
+    np.testing.assert_allclose(r[:, 1], np.sin(2 * t) * np.exp(t))
+    np.testing.assert_allclose(v[:, 0], 9 * t**2 + 4 * t)
+    np.testing.assert_allclose(a[:, 1], np.exp(t) * (4 * np.cos(2 * t) - 3 * np.sin(2 * t)))
+    assert str(path.velocity.expressions[0]) == "9 t² + 4 t"
+
+
+def test_vector_function_jacobian():
+    f = fb.vector_function(["x*y", "sqrt(x) + y^2"], ["x", "y"])
+    np.testing.assert_allclose(f.jacobian_at([4.0, 3.0]), [[3.0, 4.0], [0.25, 6.0]])
+    assert f.jacobian_at(np.ones((5, 2))).shape == (5, 2, 2)
+    with pytest.raises(ShapeError, match=r"expected \(\.\.\., 2\)"):
+        f([1.0, 2.0, 3.0])
+    with pytest.raises(UnknownNameError, match="no variable 'z'"):
+        fb.vector_function(["x + z"], ["x"])
+    with pytest.raises(FormulaError, match="one scalar formula"):
+        fb.vector_function(["[x, x]"], ["x"])
+
+
+# ---------------------------------------------------------------- mass
+def test_shapes_by_integration_are_those_of_the_library():
+    m, r, h = 2.0, 0.3, 0.5
+    solid = fb.integrated_inertia(
+        lambda s, a, z: (s * np.cos(a), s * np.sin(a), z), [(0, r), (0, 2 * np.pi), (-h / 2, h / 2)], m
+    )
+    np.testing.assert_allclose(solid.numbers()[2], fb.Inertia.cylinder(m, r, h).numbers()[2], atol=1e-12)
+    ball = fb.integrated_inertia(
+        lambda s, a, b: (s * np.cos(a) * np.cos(b), s * np.sin(a) * np.cos(b), s * np.sin(b)),
+        [(0, r), (0, 2 * np.pi), (-np.pi / 2, np.pi / 2)],
+        m,
+    )
+    np.testing.assert_allclose(ball.numbers()[2], fb.Inertia.sphere(m, r).numbers()[2], atol=1e-12)
+    rod = fb.integrated_inertia(lambda u: (u, 0 * u), [(0.2, 0.8)], m)
+    np.testing.assert_allclose(rod.com, [0.5, 0.0], atol=1e-14)
+    with pytest.raises(ModelError, match="covers nothing"):
+        fb.integrated_inertia(lambda u, v: (u + v, u + v, u + v), [(0, 1), (0, 1)])
+
+
+def test_inertia_from_another_point_and_back():
+    body = fb.Inertia.of(2.0, [0.1, 0.2, -0.3], [0.3, 0.02, 0.01, 0.4, -0.03, 0.5])
+    O = [0.5, -0.4, 0.2]
+    back = fb.inertia_from(2.0, body.com, body.about(O), O)
+    np.testing.assert_allclose(back.tensor, body.tensor, atol=1e-12)
+    with pytest.raises(ModelError, match="is too small: moment of inertia -1 kg m² is negative"):
+        fb.inertia_from(2.0, [0.0, 0.0], 1.0, [1.0, 0.0])
+
+
+# ---------------------------------------------------------------- rotations
+def test_rotation_by_named_axes():
+    R = fb.rotation("ZXZ", [np.pi / 2, 0.0, 0.0])
+    np.testing.assert_allclose(R @ [1, 0, 0], [0, 1, 0], atol=1e-15)
+    w, x, y, z = fb.quat_wxyz(R)
+    np.testing.assert_allclose([w, x, y, z], [np.sqrt(0.5), 0, 0, np.sqrt(0.5)], atol=1e-15)
+    for bad in (("ZXQ", [1, 2, 3]), ("ZX", [1, 2, 3])):
+        with pytest.raises(FreebodyError, match="one angle for each of the letters"):
+            fb.rotation(*bad)
