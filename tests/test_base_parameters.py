@@ -121,3 +121,23 @@ def test_base_parameters_in_words():
     assert (
         str(found).splitlines()[0] == f"{found.names[0]}: 2 = +1 {found.names[0]} +1 {model.bodies[1].name}.m"
     )
+
+
+def test_a_derivation_ends_in_base_parameters_where_only_they_are_short():
+    rows = [
+        {
+            "alpha": alpha,
+            "a": f"a{i}",
+            "d": f"d{i}",
+            "m": f"m{i}",
+            "com": [f"c{i}{x}" for x in "xyz"],
+            "I": [f"I{i}{xy}" for xy in ("xx", "xy", "xz", "yy", "yz", "zz")],
+        }
+        for i, alpha in enumerate((np.pi / 2, -np.pi / 2, 0.0), 1)
+    ]
+    model = fb.dh(rows, convention="standard", name="arm")
+    assert not fb.equations(model).is_short
+    last = fb.derive(model, "lagrange").steps[-1]
+    assert "base parameters" in last.reason
+    names = {line.lhs.name for line in last.equations}  # type: ignore[attr-defined]
+    assert {"tau1", "H11", "J3zz", "kappa3x"} <= names

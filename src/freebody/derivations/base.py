@@ -14,7 +14,7 @@ import numpy as np
 from freebody.algorithms.regressor import body_parameters, driven, regressor
 from freebody.algorithms.regroup import kept, regrouped
 from freebody.derivations import expression as ex
-from freebody.derivations.equations import Equations
+from freebody.derivations.equations import SHORT, Equations
 from freebody.derivations.expression import Equation
 from freebody.derivations.names import sym
 from freebody.derivations.order import Order
@@ -200,6 +200,14 @@ class BaseEquations(Equations):
     def definitions(self, layout: Equations) -> list[Equation]:
         """Each base parameter by the model's own; `layout` prints them."""
         return [ex.eq(sym(base.name), layout.form(base.value)) for base in self.bases]
+
+
+def short_by_base(equations: Equations) -> list[list[Equation]] | None:
+    """The view in base parameters, if that fits on about a page."""
+    if not by_base_parameters(equations).is_short:
+        return None
+    groups = equations.groups("base")
+    return groups if sum(ex.size(line) for group in groups for line in group) <= SHORT else None
 
 
 def by_base_parameters(equations: Equations) -> BaseEquations:

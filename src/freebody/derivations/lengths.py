@@ -19,10 +19,9 @@ Inner = dict[tuple[Monomial, Wave], Fraction]
 
 
 def by_lengths(layout: Layout, x: Trig) -> Expression:
-    """A polynomial in the layout described above, or sorted by rates where that is shorter."""
+    """A polynomial in the layout described above."""
     groups = layout.by_inertia(raw(x))
-    mine = ex.add(*(_times_mass(layout, name, terms) for name, terms in groups.items()))
-    return min(mine, layout.form(x), key=ex.size)
+    return ex.add(*(_times_mass(layout, name, terms) for name, terms in groups.items()))
 
 
 def _times_mass(layout: Layout, name: str, terms: Terms) -> Expression:

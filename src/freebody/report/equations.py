@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from freebody.derivations.base import by_base_parameters
-from freebody.derivations.equations import SHORT, Equations, equations
-from freebody.derivations.expression import size
+from freebody.derivations.base import short_by_base
+from freebody.derivations.equations import equations
+from freebody.derivations.render import page
 from freebody.model.model import Model
 
 JOINTS = 4
@@ -26,10 +26,10 @@ def shown(model: Model) -> Shown | None:
     if not _has_closed_form(model):
         return None
     closed = equations(model)
-    view = next((view for view in ("named", "base") if _is_short(closed, view)), None)
-    if view is None:
-        return None
-    return Shown(closed.mathml(view), view == "base")
+    if closed.is_short:
+        return Shown(closed.mathml("named"), base=False)
+    groups = short_by_base(closed)
+    return None if groups is None else Shown(page.html(groups), base=True)
 
 
 def _has_closed_form(model: Model) -> bool:
@@ -37,11 +37,3 @@ def _has_closed_form(model: Model) -> bool:
     bodies = model.bodies
     simple = all(body.kind.name in ("revolute", "continuous", "prismatic") for body in bodies)
     return len(bodies) <= JOINTS and simple and all(b.joint.mimic is None for b in bodies) and not model.loops
-
-
-def _is_short(closed: Equations, view: str) -> bool:
-    if view == "named":
-        return closed.is_short
-    by_base = by_base_parameters(closed)
-    lines = [line for group in closed.groups("base") for line in group]
-    return by_base.is_short and sum(map(size, lines)) <= SHORT

@@ -2,31 +2,56 @@
 
 from __future__ import annotations
 
+from freebody.derivations.base import short_by_base
 from freebody.derivations.derivation import Step
 from freebody.derivations.methods import wording
 from freebody.derivations.methods.setting import Setting
+
+FEW = 4
+"""Joints up to which base parameters are looked for."""
+
+
+_BASE = (
+    " Written by base parameters, the fewest combinations of masses (μ), first moments (κ) and inertias (J) that "
+    "motion depends on, they are short enough to read; what these are stands below."
+)
 
 
 def closed_form(setting: Setting) -> Step:
     """Torques sorted by accelerations, rates and gravity; with a load on the tip, those of the arm without it."""
     equations = setting.equations
-    parts = ["accelerations", "products of rates", *(["gravity"] if setting.weighs else [])]
-    sorting = f"Sorting by {', '.join(parts[:-1])} and {parts[-1]}"
     numbers = {"RR": tuple(f"3.{k}" for k in range(20, 29))}.get(setting.cited, ("3.28",))
-    if not equations.is_short:
-        counts = equations.count()
-        long = (
-            f"{sorting} the closed form has {counts['M']} terms in the mass matrix, {counts['c']} in the velocity "
-            f"terms and {counts['g']} in gravity: too long to read, but exact; fb.equations gives it."
-        )
-        return Step("The closed form", long, (), numbers, result=True)
-    found = ["the mass matrix H"]
-    found += ["the velocity terms h"] if any(not x.is_zero for x in equations.c) else []
-    found += ["gravity G"] if any(not x.is_zero for x in equations.g) else []
-    reason = f"{sorting} gives {wording.listed(found)}."
+    groups = equations.groups("named") if equations.is_short else None
+    if groups is None and len(setting.order) <= FEW:
+        groups = short_by_base(equations)
+    if groups is None:
+        return Step("The closed form", _told(setting), (), numbers, result=True)
+    reason = _sorted(setting) + ("" if equations.is_short else _BASE)
     if setting.cited == "RR":
         reason += " The notes' (3.22) to (3.24) are printed with slips; these are the corrected ones."
     if setting.load:
         reason += " The load's part, found above, comes on top."
-    lines = tuple(line for group in equations.groups("named") for line in group)
+    lines = tuple(line for group in groups for line in group)
     return Step("The closed form", reason, lines, numbers, result=True)
+
+
+def _by(setting: Setting) -> str:
+    """What torques are sorted by."""
+    return wording.listed(["accelerations", "products of rates", *(["gravity"] if setting.weighs else [])])
+
+
+def _sorted(setting: Setting) -> str:
+    equations = setting.equations
+    found = ["the mass matrix H"]
+    found += ["the velocity terms h"] if any(not x.is_zero for x in equations.c) else []
+    found += ["gravity G"] if any(not x.is_zero for x in equations.g) else []
+    return f"Sorting by {_by(setting)} gives {wording.listed(found)}."
+
+
+def _told(setting: Setting) -> str:
+    """How long equations are that nobody reads."""
+    counts = setting.equations.count()
+    return (
+        f"Sorted by {_by(setting)}, the torques have {counts['M']} terms in the mass matrix, {counts['c']} in the "
+        f"velocity terms and {counts['g']} in gravity: too long to read, but exact; fb.equations gives them."
+    )

@@ -26,7 +26,7 @@ from freebody.model.tree import Mass, Tree
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, add, sub, times, transposed
 
-MOST = 400
+MOST = 200
 """Terms that will not fit whatever their form."""
 LONGEST = 160
 """Numbers and symbols up to which an expression is written out; a longer one is told by its length."""
