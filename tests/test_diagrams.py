@@ -290,7 +290,7 @@ def test_five_bar_closes(figures):
         assert isinstance(length, Dimension)
         np.testing.assert_allclose((length.start, length.end), [at[x] for x in ends])
     model = fb.load("five_bar")
-    guess = dict(zip(model.joint_names, (2.0, -1.5, 1.0, 1.5), strict=True))
+    guess = {"theta1": 2.0, "theta2": 1.0, "B": -1.5, "D": 1.5}
     q = fb.assemble(model, guess, free=["B", "D"])
     np.testing.assert_allclose(fb.forward_kinematics(model, q, "P")[:2, 2], at["P"], atol=1e-9)
     np.testing.assert_allclose(fb.forward_kinematics(model, q, "distal2")[:2, 2], at["D"], atol=1e-9)

@@ -81,6 +81,7 @@ _PLACES = {
     "freebody.numerics.kernels": ("kernel",),
     "freebody.numerics.exports": ("source", "to_jax"),
     "freebody.derivations.equations": ("equations",),
+    "freebody.derivations.closed.loops": ("loop_equations",),
     "freebody.figures.illustrate": ("derive",),
     "freebody.derivations.check.check": ("check",),
     "freebody.derivations.quantities": ("quantities",),

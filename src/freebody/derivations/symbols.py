@@ -163,8 +163,9 @@ def symbols(
 
 
 def coordinate_names(model: Model) -> tuple[str, ...]:
-    """theta_i and d_i by joint; x_i, y_i, theta_i of a planar joint."""
+    """theta_i and d_i by joint, the name itself of a slide called x, y or z; x_i, y_i, theta_i of a planar joint."""
     names: list[str] = []
+    parameters = {p.name for p in each_parameter(model)}
     for i, body in enumerate((b for b in model.bodies if b.joint.mimic is None), 1):
         kind = body.kind.name
         if kind in ("spherical", "free"):
@@ -172,7 +173,9 @@ def coordinate_names(model: Model) -> tuple[str, ...]:
                 f"joint {body.joint.name!r} of {model.name!r} is {kind}: closed forms need coordinates that are "
                 "numbers; put three revolute joints (Euler angles) and three prismatic ones in its place."
             )
-        names += {"prismatic": [f"d{i}"], "planar": [f"x{i}", f"y{i}", f"theta{i}"]}.get(kind, [f"theta{i}"])
+        own = body.joint.name in ("x", "y", "z") and body.joint.name not in parameters
+        slide = body.joint.name if own else f"d{i}"
+        names += {"prismatic": [slide], "planar": [f"x{i}", f"y{i}", f"theta{i}"]}.get(kind, [f"theta{i}"])
     return tuple(names)
 
 
