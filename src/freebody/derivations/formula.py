@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Collection
 from dataclasses import replace
 from fractions import Fraction
+from typing import Any
 
 from freebody.derivations import expression as ex
 from freebody.derivations.expression import Equation, Expression, Symbol
@@ -40,7 +41,9 @@ FUNCTIONS = (
 
 PRINTED = {"sum": "∑"}
 
-SPECIAL: dict[str, tuple] = {"gravity": ("g",), "qd": ("q", (), 1), "qdd": ("q", (), 2)}
+SPECIAL: dict[str, tuple] = {
+    "gravity": ("g",), "qd": ("q", (), 1), "qdd": ("q", (), 2), "qdd_back": ("q", ("back",), 2),
+}  # fmt: skip
 """Vectors whose names are words: letter, subscripts, dots."""
 
 GENERAL = {"i": "i", "h": "i−1", "k": "i+1"}
@@ -62,7 +65,7 @@ def parse(text: str, bold: Collection[str] = (), primed: Collection[str] = ()) -
     return sides[0] if len(sides) == 1 else Equation(tuple(sides))
 
 
-def symbol(name: str, bold: bool = False, primed: bool = False) -> Expression:
+def symbol(name: str, bold: bool = False, primed: bool = False) -> Any:
     """The symbol of a name, those of links with letters for numbers included; omega_prime is ω with a prime."""
     if primed or "_prime" in name:
         plain = symbol(name.replace("_prime", ""), bold)
@@ -71,6 +74,8 @@ def symbol(name: str, bold: bool = False, primed: bool = False) -> Expression:
     if high:
         letter, up, low = high.groups()
         return Symbol(name, letter, (GENERAL.get(low, low),), bold=True, high=GENERAL.get(up, up))
+    if re.fullmatch(r"w(\d|_[ihk])", name):
+        return replace(symbol("omega" + name[1:], bold), name=name)  # ω with components in the world
     match = re.fullmatch(r"([A-Za-z]+?)(c?)_([ihk]{1,2})(_dd|_d)?", name)
     if match is None:
         return Symbol(name, *SPECIAL[name], bold=True) if name in SPECIAL else sym(name, bold)

@@ -38,7 +38,11 @@ class Relation:
     @property
     def differences(self) -> list[Value]:
         """First side minus the last, entry by entry."""
-        return list(_entries(plus(self.sides[0], minus(self.sides[-1])))) if not self.problem else []
+        return (
+            [_short(x) for x in _entries(plus(self.sides[0], minus(self.sides[-1])))]
+            if not self.problem
+            else []
+        )
 
     def at(self, values: Mapping[str, float]) -> tuple[Any, ...]:
         """The sides at numbers for the symbols of exact polynomials."""
@@ -97,6 +101,15 @@ def _filled(side: Value, sides: tuple[Value, ...]) -> Value:
 
 def _is_zero(x: Value) -> bool:
     return bool(x.is_zero) if hasattr(x, "is_zero") else bool(np.all(np.asarray(x) == 0))
+
+
+def _short(x: Value) -> Value:
+    """A SymPy expression simplified, anything else as it is."""
+    if not hasattr(x, "free_symbols"):
+        return x
+    import sympy
+
+    return sympy.simplify(x)
 
 
 def _shape(x: Value) -> tuple[int, ...]:

@@ -19,7 +19,7 @@ from freebody.derivations.functions import printed
 from freebody.derivations.names import sym
 from freebody.derivations.quantities import Quantities, of_link
 from freebody.derivations.relation import Relation, agrees, relation
-from freebody.derivations.values import plain, rank, value
+from freebody.derivations.values import Each, plain, rank, value
 from freebody.errors import UnknownNameError
 from freebody.notes.item import Outcome
 from freebody.scalars.trig import Trig
@@ -27,6 +27,9 @@ from freebody.scalars.trig import Trig
 ARM = 'fb.planar("RR")'
 """The notes' arm of two links."""
 
+
+ROUNDING = 1e-12
+"""Numbers below are shown as 0."""
 
 _OWN_AXES = re.compile(r"(omega|v|vc|sc|f|n|fc|nc)_?[\dihk]")
 
@@ -93,7 +96,7 @@ class Related:
     @property
     def bold(self) -> Collection[str]:
         values = self._at(self.links[0]) if self.links else self._values
-        return frozenset(name for name, x in values.items() if rank(plain(x)))
+        return _vectors(values)
 
     @property
     def primed(self) -> Collection[str]:
@@ -152,6 +155,12 @@ class Related:
         return outcome
 
 
+def _vectors(values: Mapping[str, Any]) -> Collection[str]:
+    """Names of vectors and matrices, also of those given for each of several bodies."""
+    made_plain = {name: plain(x) for name, x in values.items()}
+    return frozenset(name for name, x in made_plain.items() if rank(x[0] if isinstance(x, Each) else x))
+
+
 def _listed(numbers: tuple[int, ...]) -> str:
     return ", ".join(map(str, numbers))
 
@@ -172,11 +181,14 @@ def told(found: Relation, values: Mapping[str, Any]) -> Outcome:
     line = "The sides differ" + (f" by {text}" if 0 < len(text) <= LONGEST else "") + "."
     example = found.example()
     if example is None:
-        sides = " against ".join(number(side) for side in found.sides)
-        return Outcome(False, (line,), f"{sides}.")
+        return Outcome(False, (line,), f"{_sides(found.sides)}.")
     at, sides = example
-    where = ", ".join(f"{sym(name)} = {x:g}" for name, x in at.items())
-    return Outcome(False, (line,), f"At {where}: {' against '.join(map(number, sides))}.")
+    where = ", ".join(f"{sym(name)} = {number(x)}" for name, x in at.items())
+    return Outcome(False, (line,), f"At {where}: {_sides(sides)}.")
+
+
+def _sides(sides: tuple[Any, ...]) -> str:
+    return f"left {number(sides[0])}, right {number(sides[-1])}"
 
 
 def form(x: Any, values: Mapping[str, Any]) -> Any:
@@ -208,7 +220,8 @@ def number(x: Any, digits: int = 6) -> str:
         return f"[{', '.join(number(y, digits) for y in x)}]"
     if hasattr(x, "free_symbols"):
         return str(printed(x, decimal=False))
-    return f"{float(x):.{digits}g}".replace("-", "−")
+    x = float(x)
+    return f"{0.0 if abs(x) < ROUNDING else x:.{digits}g}".replace("-", "−")
 
 
 # ---------------------------------------------------------------- against printed digits
@@ -220,7 +233,7 @@ class Digits:
 
     @property
     def bold(self) -> Collection[str]:
-        return frozenset(name for name, x in self.values().items() if rank(plain(x)))
+        return _vectors(self.values())
 
     def call(self, form: str) -> str:
         left = form.partition("=")[0].strip()

@@ -15,9 +15,8 @@ from freebody.derivations.expression import eq
 from freebody.derivations.formula import parse, symbol
 from freebody.derivations.quantities import Quantities
 from freebody.derivations.render import page
-from freebody.figures.notes.five_bar import closed
 from freebody.notes.chapters.first_kind import pinned_bar
-from freebody.notes.chapters.five_bar import ANGLES, BASE, LENGTHS, limbs
+from freebody.notes.chapters.five_bar import limbs, robot
 from freebody.notes.chapters.recursion import as_vectors
 from freebody.notes.checks import number
 from freebody.notes.steps import ROWS
@@ -71,15 +70,17 @@ def point_acceleration() -> str:
 
 
 def five_bar() -> str:
-    """Inverse and forward position by circles, and where either fails."""
-    l1, l2, l3, l4 = LENGTHS
-    P = closed(LENGTHS, BASE, ANGLES)["P"]
-    left, right = (fb.planar("RR", l=l, lc=[0, 0], m=[0, 0], I=[0, 0]) for l in ([l1, l3], [l2, l4]))
+    """Inverse and forward position, and where either fails."""
+    model, q = robot()
+    lengths = model.parameters
+    limbs_ = {side: fb.planar("RR", l=[lengths[x] for x in l], lc=[0, 0], m=[0, 0], I=[0, 0])
+              for side, l in ((-1, ("l1", "l3")), (1, ("l2", "l4")))}  # fmt: skip
     cranks = [
-        fb.inverse_kinematics(arm, P - [side * BASE / 2, 0]).q[:, 0] for arm, side in ((left, -1), (right, 1))
+        fb.inverse_kinematics(arm, q[2:] - [side * lengths["b"], 0]).q[:, 0] for side, arm in limbs_.items()
     ]
     pairs = [f"θ₁ = {a:.4f}, θ₂ = {b:.4f}".replace("-", "−") for a in cranks[0] for b in cranks[1]]
-    modes = [closed(LENGTHS, BASE, ANGLES, side)["P"] for side in (1, -1)]
+    modes = fb.assembly_modes(model, q, free=["x", "y"])[:, 2:]
+    io = fb.input_output(model, q)
     symbols = limbs()
     J_a, J_b = symbols["J_a"], symbols["J_b"]
     show = fb.vector_function(["0"], ["x"]).form
@@ -90,13 +91,14 @@ def five_bar() -> str:
     ]  # fmt: skip
     return "".join([
         _paragraph("Inverse: each limb is an arm of two links with its base at A or C, so fb.inverse_kinematics gives two "
-                   f"angles for each crank; in all four combinations for P = {number(P, 4)}:"),
+                   f"angles for each crank; in all four combinations for P = {number(q[2:], 4)}:"),
         "<ul>" + "".join(f"<li>{escape(pair)}</li>" for pair in pairs) + "</ul>",
-        _paragraph("Forward: with the cranks' angles B and D are known, and P lies where the circles about them meet, "
-                   f"in two assembly modes: {number(modes[0], 4)} and {number(modes[1], 4)} for θ = {number(ANGLES)}."),
-        _paragraph("Singular poses of the first kind, where a crank's j_b vanishes: AB and BP in line (or CD and DP), and P at "
-                   "the edge of its workspace. Of the second kind, where det J_a vanishes: BP and DP in line, and the "
-                   "cranks cannot hold P."),
+        _paragraph("Forward: with the cranks' angles B and D are known, and P lies where the circles about them meet. "
+                   f"fb.assembly_modes finds {len(modes)} places for θ = {number(q[:2])}: {' and '.join(number(x, 4) for x in modes)}."),
+        _paragraph("Singular poses of the first type, where a crank's entry of J_b vanishes: AB and BP in line (or CD and DP), "
+                   "and P at the edge of its workspace. Of the second type, where det J_a vanishes: BP and DP in line, and the "
+                   f"cranks cannot hold P. Here fb.input_output says: {io.kind}, {io.first:.3f} from the first type and "
+                   f"{io.second:.3f} from the second."),
         page.html([singular]),
     ])  # fmt: skip
 
@@ -122,9 +124,8 @@ def lagrange() -> str:
 
 
 def bar_on_a_pin() -> str:
-    """The first kind on a bar, in numbers."""
+    """The first kind on a bar."""
     found = pinned_bar()
-    M = np.diag([3.0, 3.0, 0.25])
     lines = [
         eq(parse("Phi", ["Phi"]), parse("[x - r*cos(theta), y - r*sin(theta)]")),
         eq(parse("Phi_q", ["Phi_q"]), parse("[[1, 0, r*sin(theta)], [0, 1, -r*cos(theta)]]")),
@@ -132,19 +133,20 @@ def bar_on_a_pin() -> str:
         eq(parse("c", ["c"]), parse("[-r*cos(theta)*theta_d^2, -r*sin(theta)*theta_d^2]")),
         eq(parse("n", ["n"]), parse("[0, -m*g, tau]")),
     ]
-    qd, Phi_q = found["qd"], found["Phi_q"]
-    c = np.array([-found["x"], -found["y"]]) * qd[2] ** 2
-    n = np.array([0.0, -3.0 * 9.81, 4.0])
-    K = np.block([[M, Phi_q.T], [Phi_q, np.zeros((2, 2))]])
-    solved = np.linalg.solve(K, np.concatenate([n, c]))
-    agree = np.allclose(solved[3:], found["lam"])
+    agree = np.allclose(found["f_pin"], found["f_hinged"]) and np.isclose(
+        found["alpha"], found["alpha_hinged"]
+    )
     text = (
         f"For m = 3 kg, I_c = 0.25 kg m², r = 0.5 m, τ = 4 N m at θ = 0.7, θ̇ = 1.9 rad/s the system (5.29) gives "
-        f"θ̈ = {solved[2]:.5f} rad/s² and λ = {number(solved[3:])}; the pin's force on the bar is −λ = {number(-solved[3:])} N"
-        f"{', which is what fb.joint_wrenches gives for a bar on a revolute joint.' if agree else '.'}"
+        f"θ̈ = {number(found['alpha'])} rad/s² and λ = {number(found['lam'])}; the pin's force on the bar is −λ."
+        f"{' A bar on a revolute joint, which needs no multipliers, has the same acceleration and the same force.' if agree else ''}"
     )
     first = "A free bar has the coordinates x, y of its middle and θ; the pin holds its end at the origin:"
-    return _paragraph(first) + page.html([lines]) + _paragraph(text)
+    how = (
+        'fb.planar("PPR", …).with_loop("pin", "point", ("base", "tip")) is this bar; fb.forward_dynamics and fb.reactions '
+        "solve it, and fb.simulate keeps its end on the pin."
+    )
+    return _paragraph(first) + page.html([lines]) + _paragraph(text) + _paragraph(how)
 
 
 def sliding_joint() -> str:

@@ -139,11 +139,14 @@ def _form(item: Item, form: str) -> Markup:
     equations = [node for node in nodes if isinstance(node, Equation)]
     if nodes and len(equations) == len(nodes):
         return Markup(formulas.html([equations]))
-    rows = [
-        f'<p class="quote">{html.escape(node.text)}</p>' if isinstance(node, Words) else mathml(node)
-        for node in nodes
-    ]
+    rows = [_words(node.text) if isinstance(node, Words) else mathml(node) for node in nodes]
     return Markup("".join(rows))
+
+
+def _words(text: str) -> str:
+    """Words in italics; a formula that cannot be read as it was typed."""
+    inside = html.escape(text)
+    return f'<p class="quote">{f"<code>{inside}</code>" if "=" in text else inside}</p>'
 
 
 @cache

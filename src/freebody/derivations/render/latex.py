@@ -145,6 +145,8 @@ def _is_call(node: Expression) -> bool:
 def _call(node: Function, exponent: str, render: Renderer) -> str:
     argument = whole(render(node.argument)).replace(" + ", "+").replace(" - ", "-").replace("\\,", " ")
     name = _NAMES.get(node.name, f"\\operatorname{{{node.name}}}") + exponent
+    if node.name == "norm":
+        return f"\\left|{render(node.argument)}\\right|"
     if isinstance(node.argument, Arguments):
         return f"{name}({render(node.argument)})"
     if precedence(node.argument) < PRODUCT or node.name == "sgn":

@@ -138,6 +138,8 @@ def _is_call(node: Expression) -> bool:
 
 def _call(node: Function, exponent: str, render: Renderer) -> str:
     name = f"<mi>{node.name}</mi>"
+    if node.name == "norm":
+        return f"<mrow><mo>|</mo>{render(node.argument)}<mo>|</mo></mrow>"
     if isinstance(node.argument, Arguments):
         return f"<mrow>{name}{_APPLY}{_OPEN}{render(node.argument)}{_CLOSE}</mrow>"
     if exponent:

@@ -107,6 +107,8 @@ def _is_call(node: Expression) -> bool:
 
 
 def _call(node: Function, exponent: str, bracket: bool, render: Renderer) -> str:
+    if node.name == "norm":
+        return f"|{whole(render(node.argument))}|"
     if isinstance(node.argument, Arguments):
         return f"{node.name}({render(node.argument)})"
     argument = whole(render(node.argument)).replace(" ", "")

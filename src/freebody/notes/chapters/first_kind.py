@@ -10,29 +10,30 @@ from freebody.notes.item import Item
 
 
 def pinned_bar():
-    """A bar as a free body with coordinates x, y of its middle and θ, held by two constraints at its end.
+    """A bar as a free body with coordinates x, y of its middle and θ, whose end a loop holds at the origin.
 
-    The pin's force and the acceleration are those of a bar on a revolute joint, where no multiplier is needed.
+    Its acceleration and the pin's force are compared with those of a bar on a revolute joint, which has no multipliers.
     """
-    m, I, r, tau = 3.0, 0.25, 0.5, 4.0
-    hinged = fb.planar("R", l=[2 * r], lc=[r], m=[m], I=[I])
+    r, tau, theta, omega = 0.5, 4.0, 0.7, 1.9
+    hinged = fb.planar("R", l=[2 * r], lc=[r], m=[3.0], I=[0.25])
     free = fb.planar(
-        "PPR", l=[0, 0, r], lc=[0, 0, 0], m=[0, 0, m], I=[0, 0, I], angles=[0, np.pi / 2, -np.pi / 2]
+        "PPR", l=[0, 0, -r], lc=[0, 0, 0], m=[0, 0, 3.0], I=[0, 0, 0.25], angles=[0, np.pi / 2, -np.pi / 2]
     )
-    theta, omega = 0.7, 1.9
-    alpha = fb.forward_dynamics(hinged, [theta], [omega], [tau])[0]
-    pin = fb.joint_wrenches(hinged, [theta], [omega], [alpha])[0, :2]
-    phi = fb.vector_function(["x - r*cos(theta)", "y - r*sin(theta)"], ["x", "y", "theta", "r"])
+    held = free.with_loop("pin", "point", ("base", "tip"))
     c, s = np.cos(theta), np.sin(theta)
-    q, qd = np.array([r * c, r * s, theta]), np.array([-r * s * omega, r * c * omega, omega])
-    qdd = np.array([-r * s * alpha - r * c * omega**2, r * c * alpha - r * s * omega**2, alpha])
-    steps = 1e-3 * np.array([0, 1, -1, 2, -2])
-    along = phi([[*(q + h * qd), r] for h in steps])
-    Phi_q = phi.jacobian_at([*q, r])[:, :3]
+    q, qd = np.array([r * c, r * s, theta]), omega * np.array([-r * s, r * c, 1.0])
+    Q_ex = np.array([0.0, 0.0, tau])
+    qdd = fb.forward_dynamics(held, q, qd, Q_ex)
+    phi = fb.vector_function(["x - r*cos(theta)", "y - r*sin(theta)"], ["x", "y", "theta", "r"])
+    along = phi([[*(q + h * qd), r] for h in 1e-3 * np.array([0, 1, -1, 2, -2])])
+    alpha = fb.forward_dynamics(hinged, [theta], [omega], [tau])
+    pin = fb.joint_wrenches(hinged, [theta], [omega], alpha)[0, :2]
     return {
-        "Phi": along[0], "Phi_q": Phi_q, "Phi_d": (8 * (along[1] - along[2]) - (along[3] - along[4])) / 12e-3, "qd": qd,
-        "euler": fb.inverse_dynamics(free, q, qd, qdd), "lam": -pin, "Q_ex": np.array([0.0, 0.0, tau]),
-        "x": q[0], "y": q[1], "theta": theta, "r": r, "f": hinged.nv, "n": free.nv, "m": len(Phi_q),
+        "Phi": along[0], "Phi_q": phi.jacobian_at([*q, r])[:, :3], "qd": qd, "x": q[0], "y": q[1], "theta": theta, "r": r,
+        "Phi_d": (8 * (along[1] - along[2]) - (along[3] - along[4])) / 12e-3, "lam": -pin, "Q_ex": Q_ex,
+        "E_L": fb.inverse_dynamics(free, q, qd, qdd), "alpha": qdd[2], "alpha_hinged": alpha[0],
+        "f_pin": fb.reactions(held, q, qd, tau=Q_ex)["pin"][:2], "f_hinged": pin,
+        "f": fb.mobility(held, q).generic, "n": free.nv, "m": len(phi.rows),
     }  # fmt: skip
 
 
@@ -88,8 +89,8 @@ ITEMS = (
     ),
     Item(
         "eq-5.23", "5.4", "Lagrange's equations of the first kind", "identity",
-        "Multipliers stand for the forces that hold the constraints: what the constraint does to the bar is −Φ_qᵀ λ.",
-        "euler + transpose(Phi_q)*lam = Q_ex", PINNED,
+        "Multipliers stand for the forces that hold the constraints: what the constraint does to the bar is −Φ_qᵀ λ. E_L stands for d/dt ∂L/∂q̇ − ∂L/∂q.",
+        "E_L + transpose(Phi_q)*lam = Q_ex", Related(pinned_bar, also="alpha = alpha_hinged; f_pin = f_hinged; lam = -f_hinged"),
     ),
     Item(
         "eq-5.24", "5.4", "The second kind", "identity", "With independent coordinates there are no multipliers; here of the arm of two links.",

@@ -5,12 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 import freebody as fb
-from freebody.figures.notes.five_bar import closed
 from freebody.notes.checks import Related
 from freebody.notes.item import Item
 
-LENGTHS, BASE, ANGLES = (1.0, 1.1, 1.5, 1.633), 1.6, (2.0, 0.9)
-"""l1, l2 (cranks), l3, l4 (bars to P); d; θ₁, θ₂, counted from x."""
+CRANKS = (2.0, 0.9)
+"""θ₁ and θ₂, counted from x (rad)."""
+
+
+def robot():
+    """The bundled robot as section 2.3 writes it, P held by rods, with limbs of different lengths; closed at CRANKS."""
+    model = fb.load("five_bar_rods").bind(l2=0.45, l3=0.62, l4=0.55)
+    start = {"theta1": CRANKS[0], "theta2": CRANKS[1], "x": 0.0, "y": 0.8}
+    return model, fb.assemble(model, start, free=["x", "y"])
 
 
 def limbs():
@@ -43,25 +49,21 @@ def limbs():
 
 
 def closed_pose():
-    """A pose in which the bars meet, from the cranks' angles."""
-    at = closed(LENGTHS, BASE, ANGLES)
-    x, y = at["P"]
-    lengths = dict(zip(("l1", "l2", "l3", "l4"), LENGTHS, strict=True))
-    arms = {a + b: at[b] - at[a] for a, b in ("AB", "CD", "AP", "CP")}
-    return lengths | arms | {"d": BASE, "x": x, "y": y, "theta1": ANGLES[0], "theta2": ANGLES[1]}
+    """A pose in which the rods have their lengths, found from the cranks' angles; A and C are b = d/2 from the middle."""
+    model, q = robot()
+    lengths = model.parameters
+    A, C, P = np.array([-lengths["b"], 0.0]), np.array([lengths["b"], 0.0]), q[2:]
+    B, D = (fb.forward_kinematics(model, q, name)[:2, 2] for name in "BD")
+    arms = {"AB": B - A, "CD": D - C, "AP": P - A, "CP": P - C}
+    known = {name: lengths[name] for name in ("l1", "l2", "l3", "l4")}
+    return known | arms | {"d": 2 * lengths["b"], "theta1": q[0], "theta2": q[1], "x": q[2], "y": q[3]}
 
 
 def moving():
-    """How P moves with the cranks, by differences of closed poses; the matrices of (2.37) and (2.38) at one pose."""
+    """The same in motion: rates that keep the loops closed, and the Jacobian from the loops; J_a and J_b by limbs()."""
+    model, q = robot()
+    rates = fb.loop_velocity(model, q, {"theta1": 0.7, "theta2": -1.2})
     pose, symbols = closed_pose(), limbs()
-    h = 1e-3
-
-    def tip(k, step):
-        angles = [angle + step * (i == k) for i, angle in enumerate(ANGLES)]
-        return closed(LENGTHS, BASE, angles)["P"]
-
-    columns = [(8 * (tip(k, h) - tip(k, -h)) - (tip(k, 2 * h) - tip(k, -2 * h))) / (12 * h) for k in range(2)]
-    J, rates = np.column_stack(columns), np.array([0.7, -1.2])
     at = {
         symbol: pose[name]
         for name, symbol in symbols.items()
@@ -70,7 +72,8 @@ def moving():
     J_a, J_b = (
         np.array([[float(x.subs(at)) for x in row] for row in symbols[name]]) for name in ("J_a", "J_b")
     )
-    return {"J": J, "J_a": J_a, "J_b": J_b, "theta_d": rates, "x_d": J @ rates}
+    J = fb.input_output(model, q).J
+    return {"J": J, "J_a": J_a, "J_b": J_b, "theta_d": rates[:2], "x_d": rates[2:]}
 
 
 LIMBS, POSE, MOVING = Related(limbs), Related(closed_pose), Related(moving)

@@ -21,7 +21,7 @@ def a_map():
     y = f(x)
     return {
         "x1": x[0], "x2": x[1], "x3": x[2], "y": y, "y1": y[0], "y2": y[1], "y3": y[2],
-        "J": f.jacobian_at(x), "slopes": slopes.T,
+        "J": f.jacobian_at(x), "J_differences": slopes.T,
     }  # fmt: skip
 
 
@@ -140,7 +140,7 @@ ITEMS = (
     Item(
         "eq-2.6", "2.1.1", "Jacobian matrix", "definition",
         "Entry i, j of the Jacobian is the derivative of function i by variable j; here also found by differences.",
-        "J = [[x2, x1, 0], [1, 0, cos(x3)], [2*x1, 0, 3*x3^2]] = slopes", MAP,
+        "J = [[x2, x1, 0], [1, 0, cos(x3)], [2*x1, 0, 3*x3^2]]", Related(a_map, also="J = J_differences"),
     ),
     Item(
         "ex-2.1-jacobian", "2.1.1", "Example: two angles", "worked-example",

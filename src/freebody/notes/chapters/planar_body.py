@@ -50,7 +50,7 @@ def pinned_body():
 
     return {
         "m": m, "I_G": I, "I_O": I + m * lc**2, "alpha": alpha[0], "a_G": a_G, "F": F, "f": f,
-        "M_O": cross(P, F), "M_G": cross(P - G, F) + cross(-G, f), "sumF": m * a_G,
+        "M_O": Each((cross(P, F), 0.0)), "M_G": Each((cross(P - G, F), cross(-G, f))), "F_j": Each((F, f)),
     }  # fmt: skip
 
 
@@ -58,8 +58,8 @@ def cut_free():
     """The free bodies of the arm: every joint force twice, with opposite signs."""
     free = fb.quantities(fb.planar("RR"), load=True)
     return free | {
-        "on1": [a - b + w for a, b, w in zip(free["f01"], free["f12"], _weight(free, 1), strict=True)],
-        "on2": [a + w + f for a, w, f in zip(free["f12"], _weight(free, 2), free["f"], strict=True)],
+        "F_1": [a - b + w for a, b, w in zip(free["f01"], free["f12"], _weight(free, 1), strict=True)],
+        "F_2": [a + w + f for a, w, f in zip(free["f12"], _weight(free, 2), free["f"], strict=True)],
     }  # fmt: skip
 
 
@@ -81,7 +81,7 @@ ITEMS = (
         "uf-1.3-newton3", "1.3", "Action and reaction", "identity",
         "A force in a joint acts on both bodies with opposite signs, so it drops out of the sum over both; directions of "
         "unknown forces may be drawn at will.",
-        "on1 + on2 = f01 + m1*gravity + m2*gravity + f", Related(cut_free), figure="1.4",
+        "F_1 + F_2 = f01 + m1*gravity + m2*gravity + f", Related(cut_free), figure="1.4",
     ),
     Item(
         "eq-1.21", "1.4", "Newton", "identity",
@@ -106,21 +106,21 @@ ITEMS = (
     Item(
         "eq-1.25", "1.4.2", "Rotation about a fixed axis", "identity",
         "Moments about the axis, to which the pin's force contributes nothing.",
-        "M_O = I_O*alpha", PIN, figure="1.5",
+        "sum(M_O) = I_O*alpha", PIN, figure="1.5",
     ),
     Item(
         "eq-1.26", "1.4.2", "With the pin's force", "identity",
         "Where the reaction of the axis is wanted, Newton's law gives it.",
-        "sumF = m*a_G", PIN, figure="1.5",
+        "sum(F_j) = m*a_G", PIN, figure="1.5",
     ),
     Item(
         "eq-1.27", "1.4.2", "With the pin's force: moments", "identity",
         "Moments about the centre of mass, with that of the reaction.",
-        "M_G = I_G*alpha", PIN, figure="1.5",
+        "sum(M_G) = I_G*alpha", PIN, figure="1.5",
     ),
     Item(
         "uf-1.27-resultant", "1.4.2", "All forces", "definition",
         "The applied force and the pin's together; the weight too, where there is one.",
-        "sumF = F + f", PIN, figure="1.5",
+        "sum(F_j) = F + f", PIN, figure="1.5",
     ),
 )  # fmt: skip

@@ -17,7 +17,7 @@ def round_trip():
     arm = fb.load("2R")
     q, qd, qdd = [0.4, 0.9], [1.2, -0.7], [2.0, 1.5]
     tau = fb.inverse_dynamics(arm, q, qd, qdd)
-    return {"qdd": qdd, "forward": fb.forward_dynamics(arm, q, qd, tau)}
+    return {"qdd": qdd, "qdd_back": fb.forward_dynamics(arm, q, qd, tau)}
 
 
 def curve():
@@ -66,7 +66,7 @@ ITEMS = (
         "def-1.1-inverse-forward", "1.1", "Inverse and forward dynamics", "definition",
         "Inverse dynamics takes a motion to the joint forces that cause it, forward dynamics takes forces to accelerations: "
         "the one undoes the other.",
-        "forward = qdd", Related(round_trip),
+        "qdd_back = qdd", Related(round_trip),
     ),
     Item(
         "eq-1.1", "1.2.1", "Position of a point", "definition",
@@ -90,7 +90,7 @@ ITEMS = (
     ),
     Item(
         "eq-1.5", "1.2.1", "A number without an equation", "text", "An equation number on an empty line.",
-        "(1.5)", Reading("", "the line between (1.4) and example 1 holds nothing but this number."), "incomplete", "",
+        "(1.5), on a line by itself", Reading("", "the line between (1.4) and example 1 holds nothing but this number."), "incomplete", "",
         "The number (1.5) stands on an empty line; it can be deleted.",
     ),
     Item(

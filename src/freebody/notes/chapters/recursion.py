@@ -27,7 +27,7 @@ def as_vectors():
     vectors = {
         name: tuple(k * free[name] if k else flat * 0 + 0.0 for k in z) for name in ("omega", "omega_d")
     }
-    return free | vectors | {"rate": flat}
+    return free | vectors | {"w": flat}
 
 
 def which_are_vectors(printed: str) -> Outcome:
@@ -62,9 +62,10 @@ def both_ways():
     """The torques of the recursion, and of Lagrange's equations."""
     arm = fb.planar("RR")
     swept = fb.quantities(arm, gravity="base")
-    return swept | {"lagrange": fb.derive(arm, "lagrange").tau}
+    return swept | {"tau_L": fb.derive(arm, "lagrange").tau}
 
 
+VECTORIAL = ("f_hi", "fc_i", "f_ik", "sc_i", "s_i")
 WEIGHTS = 'fb.relation(fb.quantities(fb.planar("RRR")), form)  # i = 1, 2, 3; and with gravity="base"'
 THREE = 'fb.planar("RRR")'
 TWO, VECTORS = Related(two_links), Related(as_vectors)
@@ -86,7 +87,7 @@ ITEMS = (
     ),
     Item(
         "eq-4.4", "4.2.2", "Angular velocity as a vector", "definition", "In the plane it points along z.",
-        "omega = rate*[0, , 0, 1]", VECTORS, "misprint", "omega = rate*[0, 0, 1]",
+        "omega = w*[0, , 0, 1]", VECTORS, "misprint", "omega = w*[0, 0, 1]",
         "z is printed with an empty entry; it is the unit vector [0, 0, 1].",
     ),
     Item(
@@ -133,14 +134,14 @@ ITEMS = (
     Item("eq-4.13", "4.3.1", "Moment of inertia", "definition", "What their moments add up to.", "Mc_i = I_i*omega_i_d", EXPLICIT),
     Item(
         "eq-4.14", "4.3.1", "Inward: joint force", "algorithm", "A joint carries what accelerates its link, and what the next one needs.",
-        "f_hi = fc_i + f_ik", Run(with_weights, calls=WEIGHTS), "incomplete", "f_hi = fc_i - m_i*gravity + f_ik",
+        "f_hi = fc_i + f_ik", Run(with_weights, VECTORIAL, WEIGHTS), "incomplete", "f_hi = fc_i - m_i*gravity + f_ik",
         "Without the weights this is right only if the base is given the acceleration v̇₀ = −g, which the notes do not say; "
         "with v̇₀ = 0 the arm weighs nothing.",
         figure="4.2",
     ),
     Item(
         "eq-4.15", "4.3.1", "Inward: joint moment", "algorithm", "The same for moments about the joint.",
-        "M_i = Mc_i + M_k + cross(sc_i, fc_i) + cross(s_i, f_ik)", Run(with_weights, calls=WEIGHTS), "incomplete",
+        "M_i = Mc_i + M_k + cross(sc_i, fc_i) + cross(s_i, f_ik)", Run(with_weights, VECTORIAL, WEIGHTS), "incomplete",
         "M_i = Mc_i + M_k + cross(sc_i, fc_i - m_i*gravity) + cross(s_i, f_ik)",
         "As (4.14): right with v̇₀ = −g; with v̇₀ = 0 exactly the gravity torques are missing. The motor's torque is M_i.",
         figure="4.2",
@@ -156,6 +157,6 @@ ITEMS = (
     Item(
         "ex-4.3-2dof", "4.3.1", "The arm of two links by recursion", "worked-example",
         "Out over both links and in again; the torques are those of Lagrange's equations.",
-        "tau1 = M1; tau2 = M2; tau = lagrange", Related(both_ways), figure="4.3",
+        "tau1 = M1; tau2 = M2; tau = tau_L", Related(both_ways), figure="4.3",
     ),
 )  # fmt: skip

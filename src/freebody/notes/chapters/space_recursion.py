@@ -52,7 +52,7 @@ def accelerated():
     """Gravity as acceleration −g of the base; and the torques of Lagrange's equations."""
     free = arm("base")
     chain = fb.dh(ROWS, convention="modified", gravity=GRAVITY)
-    return free | {"lagrange": fb.derive(chain, "lagrange").tau}
+    return free | {"tau_L": fb.derive(chain, "lagrange").tau}
 
 
 def upright():
@@ -294,7 +294,7 @@ ITEMS = (
     Item(
         "uf-6.29-inward-missing", "6.3.2", "Inward recursion", "algorithm",
         "The section of this title stops before its equations, and refers to the literature for sliding joints.",
-        "", Related(accelerated, (1, 2, 3, 4), "tau = lagrange", SWEPT), "incomplete",
+        "", Related(accelerated, (1, 2, 3, 4), "tau = tau_L", SWEPT), "incomplete",
         "f_hi = fc_i + Ri_k*f_ik; n_i = nc_i + Ri_k*n_k + cross(sc_i, fc_i) + cross(pi_k, Ri_k*f_ik); "
         "tau1 = dot(n1, z); tau2 = dot(f12, z); tau3 = dot(n3, z); tau4 = dot(f34, z)",
         "With v̇₀ = −g. A turning joint's motor gives the moment about z, a sliding one's the force along z; the other five "
