@@ -69,4 +69,6 @@ def _moved(layout: Layout, lengths: Poly, inner: Inner) -> Expression:
         return ex.neg(ex.mul(ex.neg_each(front), motion))
     if front in (ex.ONE, ex.num(-1)) and isinstance(motion, ex.Sum):
         return motion if front == ex.ONE else ex.neg_each(motion)
+    if motion == ex.ONE and isinstance(front, ex.Negative):
+        return ex.neg_each(front.operand)
     return ex.mul(front, motion)
