@@ -93,7 +93,8 @@ def _table(found: Study) -> Table:
     for title in ("peak torque", "at", "RMS torque", "peak speed", "peak power", "of effort limit"):
         table.add_column(title, justify="right", no_wrap=True)
     values = found.summary
-    for k, name in enumerate(found.model.velocity_names):
+    for name in found.model.driven_names:
+        k = found.model.velocity_names.index(name)
         unit, effort = str(values["unit"].values[k]), str(values["effort_unit"].values[k])
         entry = {key: float(values[key].values[k]) for key in _SHOWN}
         share = entry["effort_fraction"]

@@ -36,7 +36,7 @@ class Load:
     force: Array
     moment: Array
     joint: int | None = None
-    """Index of the joint whose reaction it is; None for weights and external wrenches."""
+    """Index among `model.reaction_names` of what it is a reaction of; None for weights and external wrenches."""
 
 
 @dataclass(frozen=True)
@@ -81,11 +81,13 @@ def body_loads(
     first, second, third = (tuple(map(float, x)) for x in state)
     recursion = rnea(model.tree, first, second, third, gravity="explicit")
     external = _external(model, state[0], wrenches)
+    closing = _loops(model, pose, state[0], reactions)
     return tuple(
         BodyLoads(
             body,
             (
                 *_reactions(model, pose, body, reactions),
+                *(load for on, load in closing if on == body.index),
                 *_weight(model, body),
                 *(load for on, load in external if on == body.index),
             ),
@@ -111,6 +113,32 @@ def _reactions(model: Model, pose: Skeleton, body: BodyPlace, wrenches: Array) -
                 Load(name, moment_name, "counter", child.name, child.origin, w[:d], w[d:], child.index)
             )
     return loads
+
+
+def _loops(model: Model, pose: Skeleton, q: Array, wrenches: Array) -> list[tuple[int, Load]]:
+    """(body, load) of both sides of each loop, at the origin of its second frame."""
+    d, found = model.dim, []
+    names = {body.index: body.name for body in pose.bodies}
+    for k, loop in enumerate(model.loops):
+        first, second = (model.frame(frame).body for frame in loop.frames)
+        place = np.asarray(forward_kinematics(model, q, loop.frames[1]))[:d, -1]
+        index = len(model.bodies) + k
+        for body, other, sign, role in ((second, first, 1.0, "reaction"), (first, second, -1.0, "counter")):
+            if body >= 0:
+                w, minus = sign * wrenches[index], "−" if sign < 0 else ""
+                by = names.get(other, "the ground")
+                load = Load(
+                    f"{minus}f_{{{loop.name}}}",
+                    f"{minus}n_{{{loop.name}}}",
+                    role,
+                    by,
+                    place,
+                    w[:d],
+                    w[d:],
+                    index,
+                )
+                found.append((body, load))
+    return found
 
 
 def _weight(model: Model, body: BodyPlace) -> list[Load]:

@@ -30,7 +30,9 @@ def save(model: Model, path: str | os.PathLike[str]) -> None:
 def as_toml(model: Model) -> str:
     """The model as TOML text."""
     writer = _Writer(model)
-    return "\n\n".join(filter(None, (writer.head(), writer.parameters(), *writer.parts()))) + "\n"
+    return (
+        "\n\n".join(filter(None, (writer.head(), writer.parameters(), writer.home(), *writer.parts()))) + "\n"
+    )
 
 
 class _Writer:
@@ -64,6 +66,10 @@ class _Writer:
     def parameters(self) -> str:
         values = {name: repr(value) for name, value in self.model.parameters.items() if value is not None}
         return f"[parameters]\n{_entries(values)}" if values else ""
+
+    def home(self) -> str:
+        entries = {_key(name): repr(value) for name, value in self.model.home}
+        return f"[home]\n{_entries(entries)}" if entries else ""
 
     def parts(self) -> list[str]:
         frames = {frame.name: frame for frame in self.model.frames}
@@ -226,6 +232,11 @@ def _matrix(rows: Sequence[Sequence[float]]) -> str:
 def _text(value: str) -> str:
     # JSON's escapes are TOML's, except that TOML wants the delete character escaped too
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")
+
+
+def _key(name: str) -> str:
+    """A bare key where TOML allows it."""
+    return name if name.replace("_", "").replace("-", "").isalnum() and name.isascii() else _text(name)
 
 
 def _inline(entries: dict[str, str]) -> str:

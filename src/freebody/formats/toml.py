@@ -16,7 +16,19 @@ from freebody.model import dh, planar
 from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
 from freebody.model.parts import Description, Link
 
-_GENERAL = ("name", "dim", "source", "gravity", "tip", "base", "parameters", "frame", "payload", "loop")
+_GENERAL = (
+    "name",
+    "dim",
+    "source",
+    "gravity",
+    "tip",
+    "base",
+    "parameters",
+    "frame",
+    "payload",
+    "loop",
+    "home",
+)
 _TREE = ("link", "joint")
 
 
@@ -45,6 +57,7 @@ def describe(file: str, text: str, *, name: str) -> Description:
         loops=tuple(parts.loop(t, described.dim) for t in top.tables("loop")),
         payloads=tuple(parts.payload(t, described.dim, names) for t in top.tables("payload")),
         base=top.choice("base", ("fixed", "free"), "fixed"),  # type: ignore[arg-type]
+        home=parts.home(top),
         tip=top.choice("tip", names, described.tip) if "tip" in top else described.tip,
         source=top.text("source", ""),
         file=file,

@@ -278,6 +278,15 @@ def loop(table: Table, dim: int) -> Loop:
     )
 
 
+def home(top: Table) -> tuple[tuple[str, float], ...]:
+    """[home]: positions by name."""
+    inner = top.table("home")
+    if inner is None:
+        return ()
+    inner = inner.called("[home]")
+    return tuple((name, inner.number(name, "angle")) for name in inner.data)
+
+
 def gravity(top: Table, dim: int) -> tuple[Quantity, tuple[float, ...]]:
     """A size, a name, a vector, or { size, direction }; 9.81 m/s² downwards, called g, where the file says nothing."""
     down = (0.0,) * (dim - 1) + (-1.0,)

@@ -296,6 +296,7 @@ class _Assembly:
             tuple(frames),
             *d.gravity,
             base_inertias=tuple(parts[-1]),
+            home=d.home,
             source=d.source,
             notices=tuple(self.notices),
         )
@@ -304,6 +305,9 @@ class _Assembly:
                 model = changes.with_loop(model, loop)
             except (ModelError, UnknownNameError) as error:
                 self.refuse(str(error), loop.line)
+        for name, _ in d.home:
+            if name not in model.position_names:
+                self.refuse(str(UnknownNameError("position", name, "home", model.position_names)))
         for payload in d.payloads:
             model = model.with_payload(payload.inertia, frame=payload.frame, name=payload.name)
         chosen = tip or d.tip or (model.leaves[0] if len(model.leaves) == 1 else None)

@@ -35,6 +35,8 @@ class Model:
     gravity_direction: tuple[float, ...]
     base_inertias: tuple[Attached, ...] = ()
     loops: tuple[Loop, ...] = ()
+    home: tuple[tuple[str, float], ...] = ()
+    """(position name, value): where closing the loops starts from; others are neutral."""
     tip: str | None = None
     source: str = ""
     notices: tuple[Notice, ...] = ()
@@ -95,6 +97,22 @@ class Model:
             if body.joint.mimic is None
             for component in components(body.kind)
         )
+
+    @property
+    def driven_names(self) -> tuple[str, ...]:
+        """Of `velocity_names` those whose joints are not passive."""
+        passive = {
+            k
+            for body, at in zip(self.bodies, self.coordinates, strict=True)
+            if body.joint.passive and body.joint.mimic is None
+            for k in at.v
+        }
+        return tuple(name for k, name in enumerate(self.velocity_names) if k not in passive)
+
+    @property
+    def reaction_names(self) -> tuple[str, ...]:
+        """Names of all that exchange wrenches: joints, then loops."""
+        return (*self.joint_names, *(loop.name for loop in self.loops))
 
     @property
     def actuated(self) -> tuple[str, ...]:

@@ -129,7 +129,7 @@ class Loop:
     frames: tuple[str, str]
     axis: tuple[float, ...] = ()
     distance: Quantity | None = None
-    line: int | None = None
+    line: int | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)
@@ -163,6 +163,8 @@ class Description:
     base: Literal["fixed", "free"] = "fixed"
     """Whether the root link is held or free, where the caller does not say."""
     tip: str | None = None
+    home: tuple[tuple[str, float], ...] = ()
+    """(position name, value): where closing the loops starts from; others are neutral."""
     source: str = ""
     notices: tuple[Notice, ...] = field(default=())
     file: str | None = None

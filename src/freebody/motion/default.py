@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError
+from freebody.errors import FreebodyError, LoopError
 from freebody.model.model import Model
+from freebody.motion.closing import consistent_rates, followed, home, leaders, outside, regularity
 from freebody.motion.motion import Motion, derivatives
 from freebody.motion.ranges import Ranges, ranges
 from freebody.numerics.coordinates import layout, state_of
@@ -20,6 +21,8 @@ _MARGIN = 0.08  # of the range, kept free at each limit
 _SPEED = 0.6  # of the speed limit that is used
 _MODEST = 0.7, 0.15  # amplitude (rad, m) where the limits allow more
 _OFF = 0.8, 0.3  # from the middle of the range, where many arms are stretched (rad, m)
+_CLEAR = 0.25  # of the regularity of a closed chain at its start that is left all along
+_HALVINGS = 12
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
 
@@ -30,7 +33,6 @@ def default_motion(model: Model, duration: float = DURATION, samples: int = SAMP
     periods, under a window that brings rate and acceleration to zero at both ends; at most 0.7 rad or 0.15 m,
     8 % clear of the limits and at 60 % of the speed limit. Free and spherical joints do likewise.
     """
-    model.require_tree("default_motion")
     if duration <= 0:
         raise FreebodyError(f"default_motion: duration is {duration}, expected seconds above 0.")
     if samples < 8:
@@ -38,6 +40,8 @@ def default_motion(model: Model, duration: float = DURATION, samples: int = SAMP
     if model.nv == 0:
         raise FreebodyError(f"default_motion: {model.name!r} has no movable joint.")
     t = np.linspace(0.0, duration, samples)
+    if model.loops:
+        return _of_closed_chain(model, t)
     allowed = ranges(model)
     waves, speeds = _waves(model.nv, samples)
     middle, amplitude = _swing(allowed, speeds / duration)
@@ -47,6 +51,36 @@ def default_motion(model: Model, duration: float = DURATION, samples: int = SAMP
     q, qd, qdd = state_of(where, x, *derivatives(t, x, at_rest=True))
     text = f"default motion: every joint swings within its limits, from rest to rest in {duration:g} s"
     return Motion(t, q, qd, qdd, text, where, allowed.notices)
+
+
+def _of_closed_chain(model: Model, t: Array) -> Motion:
+    """The driven joints swing about a position from which the mechanism moves well, as far as its loops let them."""
+    start = home(model)
+    leading = leaders(model, start)
+    least = _CLEAR * regularity(model, start, leading)
+    waves, _ = _waves(len(leading), len(t))
+    allowed = ranges(model)
+    amplitude = np.where(allowed.turns, *_MODEST)[leading]
+    for _ in range(_HALVINGS):
+        try:
+            q = followed(model, start, leading, amplitude * waves)
+        except LoopError:
+            q = None
+        if q is not None and all(_clear(model, p, leading, least) for p in q[::8]):
+            break
+        amplitude = 0.6 * amplitude
+    else:
+        raise LoopError(
+            f"default_motion: {model.name!r} hardly moves from {start}; give a motion of its driven joints."
+        )
+    names = ", ".join(model.velocity_names[k] for k in leading)
+    text = f"default motion: {names} swing from rest to rest in {t[-1]:g} s, the loops lead the other joints"
+    return Motion(t, *consistent_rates(model, t, q, at_rest=True), text, layout(model), allowed.notices)
+
+
+def _clear(model: Model, q: Array, leading: list[int], least: float) -> bool:
+    """Whether a position is clear of singular ones and of the limits."""
+    return regularity(model, q, leading) > least and not outside(model, q)
 
 
 def _waves(n: int, samples: int) -> tuple[Array, Array]:

@@ -24,6 +24,14 @@ def neutral(model: Model) -> Array:
     return q
 
 
+def home_guess(model: Model) -> Array:
+    """q (nq,) from which a closed chain is assembled: neutral, but for what the model's `home` says."""
+    q = neutral(model)
+    for name, value in model.home:
+        q[model.position_names.index(name)] = value
+    return q
+
+
 def random_state(
     model: Model, seed: int | None = None, batch: int | tuple[int, ...] = ()
 ) -> tuple[Array, Array, Array]:

@@ -10,19 +10,26 @@ from freebody.arrays import Array
 from freebody.errors import SingularError
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
+from freebody.motion.ranges import ranges
+from freebody.motion.simulate import simulate
 from freebody.numerics import dynamics
+from freebody.numerics.closed.assembly import assemble, loop_velocity
+from freebody.numerics.closed.equations import gaps, length, residual
+from freebody.numerics.states import difference
 from freebody.report.balance import balance
 from freebody.report.results import Check, Replay
 
 if TYPE_CHECKING:
     import xarray as xr
 
+_STRETCH = 0.4, 0.5  # of the duration: errors of a longer simulation grow too far
 _PARTS = ("inertial", "coriolis", "gravity", "friction", "springs", "rotors")
 
 
 def checks(model: Model, motion: Motion, data: xr.Dataset, replay: Replay | None) -> tuple[Check, ...]:
     """All checks of a study."""
-    found = [_parts(data), _energy(data), *_bodies(model, motion, data), *_along_axes(model, data)]
+    found = [_parts(data), _energy(data), *_bodies(model, motion, data)]
+    found += _closed(model, motion) if model.loops else _along_axes(model, data)
     forward = _forward(model, motion, data)
     if forward is not None:
         found.append(forward)
@@ -83,6 +90,37 @@ def _bodies(model: Model, motion: Motion, data: xr.Dataset) -> list[Check]:
             relative(moment, np.array([largest_moment])),
             1e-10,
             f"The same for moments and the rate of angular momentum; {how}; over the largest moment.",
+        ),
+    ]
+
+
+def _closed(model: Model, motion: Motion) -> list[Check]:
+    """How well the motion keeps the loops closed, and whether the torques of a stretch of it simulate back to it."""
+    gap = gaps(model, residual(model, motion.q)).max()
+    start, end = motion.t[0] + _STRETCH[0] * motion.duration, motion.t[0] + _STRETCH[1] * motion.duration
+    q, qd, _ = motion.at(start)
+    q = assemble(model, q)
+    back = simulate(
+        model,
+        q,
+        loop_velocity(model, q, qd),
+        [start, end],
+        lambda t, *_: dynamics.inverse_dynamics(model, *motion.at(t)),
+    )
+    miss = difference(model, motion.at(end)[0], back["q"].values[-1]) / ranges(model).width
+    return [
+        check(
+            "loops",
+            gap / length(model),
+            1e-9,
+            "Largest gap of a loop along the motion, over the robot's length.",
+        ),
+        check(
+            "simulation",
+            np.abs(miss).max(),
+            1e-6,
+            f"Where the torques drive the model from t = {start:.3g} s to {end:.3g} s, from the motion, over the joint "
+            "range.",
         ),
     ]
 

@@ -143,7 +143,7 @@ def _reactions(study: Study) -> tuple[list[str], np.ndarray]:
     """World axes."""
     data = study.data
     header, columns = ["t (s)"], [study.motion.t]
-    for k, joint in enumerate(study.model.joint_names):
+    for k, joint in enumerate(study.model.reaction_names):
         for variable, dim, letter, unit in (
             ("reaction_force", "axis", "F", "N"),
             ("reaction_moment", "moment_axis", "M", "N m"),

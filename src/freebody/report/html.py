@@ -17,6 +17,7 @@ import freebody
 from freebody.figures import theme
 from freebody.formats.loading import SUFFIXES
 from freebody.motion.ranges import ranges
+from freebody.numerics.closed.mobility import mobility
 from freebody.report import equations
 from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
@@ -97,6 +98,7 @@ def _facts(study: Study) -> dict[str, Any]:
         "source": source,
         "path": path,
         "gravity": ", ".join(significant(float(x)) for x in model.gravity),
+        "freedom": mobility(model, motion.q[0]).generic,
         "samples": len(motion.t),
         "parts": [words for words in figures.parts(study).values() if words != "total"],
         "limited": bool(np.isfinite(ranges(model).effort).any()),

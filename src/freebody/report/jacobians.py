@@ -10,6 +10,8 @@ from freebody.arrays import Array
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
 from freebody.numerics import kinematics
+from freebody.numerics.closed.equations import null_space, rate_scale, scaled_jacobian
+from freebody.numerics.closed.solving import RANK
 from freebody.report.results import Singularity
 from freebody.report.tip import coordinates_before
 
@@ -29,6 +31,9 @@ def task(model: Model, tip: str, q: Array) -> tuple[int, str]:
     six, d = (6, 3) if model.dim == 3 else (3, 2)
     columns = coordinates_before(model, tip)
     everything = six, "position and orientation"
+    if model.loops:
+        freedom = null_space(scaled_jacobian(model, q[len(q) // 2]), RANK)[0].shape[1]
+        return everything if freedom >= six else (d, "position")
     if len(columns) >= six or not columns:
         return everything
     ranks = np.linalg.matrix_rank(kinematics.jacobian(model, q, tip)[..., :d, columns], rtol=1e-9)
@@ -56,11 +61,18 @@ def coordinates_first(model: Model, tip: str) -> int:
 def scaled(model: Model, tip: str, q: Array) -> Array:
     """The counted rows of J (..., rows, n), without units: lengths over the characteristic length.
 
-    Columns are those that move the tip; sliding ones are multiplied by the length, so that all are per radian.
+    Columns are those that move the tip; sliding ones are multiplied by the length, so that all are per radian. Of a
+    closed chain they are the motions that the loops allow.
     """
     rows, _ = task(model, tip, q)
     length = characteristic_length(model, tip, q)
     columns = coordinates_before(model, tip)
+    if model.loops:
+        J = kinematics.jacobian(model, q, tip)[..., :rows, :] * rate_scale(model)
+        J[..., : model.dim, :] /= length
+        return np.stack(
+            [j @ null_space(A, RANK)[0] for j, A in zip(J, scaled_jacobian(model, q), strict=True)]
+        )
     J = kinematics.jacobian(model, q, tip)[..., :rows, columns].copy()
     J[..., : model.dim, :] /= length
     J[..., :, ~angular(model)[columns]] *= length

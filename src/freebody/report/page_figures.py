@@ -85,7 +85,8 @@ def torques(study: Study) -> Iterator[Figure]:
     data, limits = study.data, allowed(study.model).effort
     shown = parts(study)
     units = data["effort_unit"].values
-    for k, name in enumerate(study.model.velocity_names):
+    for name in study.model.driven_names:
+        k = study.model.velocity_names.index(name)
         curves = {words: data[variable].values[:, k] for variable, words in shown.items()}
         bounds = (-float(limits[k]), float(limits[k])) if np.isfinite(limits[k]) else ()
         yield _plot(study, name, curves, str(units[k]), limits=bounds, peaks=True)
@@ -103,7 +104,7 @@ def parts(study: Study) -> dict[str, str]:
 def powers(study: Study) -> Iterator[Figure]:
     """Mechanical power of the drives, and of all together."""
     data = study.data
-    for group in _groups(study.model.velocity_names):
+    for group in _groups(study.model.driven_names):
         curves = {short: data["power"].sel(coordinate=name).values for name, short in group}
         yield _plot(study, "Power of each drive", curves, "W")
     yield _plot(
@@ -162,7 +163,7 @@ def reactions(study: Study) -> Iterator[Figure]:
         ("reaction_moment", "Reaction moment", "N m"),
     ):
         size = np.linalg.norm(study.data[variable].values, axis=-1)
-        names = study.model.joint_names
+        names = study.model.reaction_names
         for group in _groups(names):
             curves = {short: size[:, names.index(name)] for name, short in group}
             yield _plot(study, what, curves, unit)

@@ -59,7 +59,9 @@ class Printed:
 
 def drives(study: Study) -> Table:
     """What motors and gears are chosen by."""
-    efforts, rates = _units(study, "effort_unit"), _rates(study)
+    names = study.model.driven_names
+    at = [study.model.velocity_names.index(name) for name in names]
+    efforts, rates = ([units[k] for k in at] for units in (_units(study, "effort_unit"), _rates(study)))
     title = _EFFORTS.get(efforts[0], "") if len(set(efforts)) == 1 else "Peak torque, force"
     columns = [
         Printed(title, "peak_torque", efforts, "largest in magnitude, with its sign"),
@@ -72,7 +74,7 @@ def drives(study: Study) -> Table:
         Printed("Peak power", "peak_power", "W", "torque times speed; negative where the drive brakes"),
         Printed("Mean power", "mean_power", "W", "over the motion"),
     ]
-    return _by_coordinate("What each drive must give", study, study.model.velocity_names, columns)
+    return _by_coordinate("What each drive must give", study, names, columns)
 
 
 def ranges(study: Study) -> Table | None:
@@ -148,7 +150,7 @@ def reactions(study: Study) -> Table:
         Printed("Peak moment", "peak_moment", "N m", "about the joint's origin, the drive's torque included"),
         Printed("at", "peak_moment_time", "s"),
     ]
-    names = study.model.joint_names
+    names = study.model.reaction_names
     listed = [p.column(study.summary, "joint", names) for p in columns]
     return _listed("What each joint transmits", "Joint", names, listed)
 
@@ -207,7 +209,7 @@ def _reaction(study: Study, variable: str, load: Load, axis: dict[str, str | int
     assert load.joint is not None
     at: dict[str, str | int] = {
         "time": study.worst.index,
-        "joint": study.model.joint_names[load.joint],
+        "joint": study.model.reaction_names[load.joint],
         **axis,
     }
     return Number(sign * value, variable, at, scale=sign)

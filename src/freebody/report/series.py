@@ -13,6 +13,7 @@ from freebody.model.tree import Tree
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import angular
 from freebody.numerics import dynamics, kinematics
+from freebody.numerics.closed.dynamics import drive_torques
 from freebody.report import energy, jacobians
 from freebody.spatial import add, scale, times
 
@@ -52,7 +53,7 @@ def coordinates(model: Model, t: Array | None = None) -> dict[str, Any]:
     named: dict[str, Any] = {
         "coordinate": list(model.velocity_names),
         "position": list(model.position_names),
-        "joint": list(model.joint_names),
+        "joint": list(model.reaction_names),
         "body": [body.name for body in model.bodies],
         "axis": axes,
         "moment_axis": axes if model.dim == 3 else ["z"],
@@ -82,6 +83,7 @@ def torques(model: Model, motion: Motion) -> dict[str, Any]:
     M = dynamics.mass_matrix(model, q)
     C = dynamics.coriolis_matrix(model, q, qd)
     gravity = dynamics.gravity_torque(model, q)
+    springs = dynamics.static_torque(model.opened, q) - gravity
     rotors = rotor * qdd
     parts = {
         "tau": (dynamics.inverse_dynamics(model, q, qd, qdd), "torque or force of the drive"),
@@ -92,9 +94,15 @@ def torques(model: Model, motion: Motion) -> dict[str, Any]:
         "tau_coriolis": (np.einsum("tij,tj->ti", C, qd), "Coriolis and centrifugal part, C q̇"),
         "tau_gravity": (gravity, "gravity part, g"),
         "tau_friction": (viscous * qd + _coulomb(model, qd), "friction, viscous and Coulomb"),
-        "tau_springs": (dynamics.static_torque(model, q) - gravity, "springs"),
+        "tau_springs": (springs, "springs"),
         "tau_rotors": (rotors, "inertia of the rotors seen through their gears"),
     }
+    if model.loops:  # what the drives feel of each part through the loops
+        parts |= {
+            name: (drive_torques("study", model, q, value), text)
+            for name, (value, text) in parts.items()
+            if name != "tau"
+        }
     return {name: (("time", "coordinate"), value, _TORQUE, text) for name, (value, text) in parts.items()}
 
 

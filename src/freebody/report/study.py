@@ -36,10 +36,10 @@ class Study:
     """A robot's dynamic study: everything a report shows, as data.
 
     Names of dimensions: `time` (T samples), `coordinate` (nv; model.velocity_names), `position` (nq; position_names),
-    `joint` (model.joint_names; joint i carries body i), `body` (names of the bodies), `axis` (x, y, z; x, y in the
-    plane), `moment_axis` (x, y, z; z in the plane). Every variable has the attributes `units` and `long_name`; where
-    units differ by coordinate they are "rad|m" and the like, and the coordinate arrays `unit` (rad or m) and
-    `effort_unit` (N m or N) along `coordinate` say which.
+    `joint` (model.joint_names; joint i carries body i; then the loops), `body` (names of the bodies), `axis` (x, y, z;
+    x, y in the plane), `moment_axis` (x, y, z; z in the plane). Every variable has the attributes `units` and
+    `long_name`; where units differ by coordinate they are "rad|m" and the like, and the coordinate arrays `unit`
+    (rad or m) and `effort_unit` (N m or N) along `coordinate` say which.
     """
 
     model: Model
@@ -113,7 +113,6 @@ def study(
     called with a text and the fraction done.
     Raises FreebodyError for a robot without movable joints, MissingValueError for one with open parameters.
     """
-    model.require_tree("study")
     if model.nv == 0:
         raise FreebodyError(f"study: {model.name!r} has no movable joint; there is no motion to study.")
     model.require_values("the study")
@@ -125,7 +124,7 @@ def study(
         data = series(model, frame, followed)
         found = summary(model, followed, data)
     with clock.part("worst poses", 0.4):
-        poses = worst_poses(model)
+        poses = () if model.loops else worst_poses(model)
     with clock.part("replay", 0.5):
         replay, skipped = _replay(model, followed)
     with clock.part("checks", 0.9):
@@ -153,7 +152,8 @@ def study(
 
 def _driven(model: Model) -> tuple[str, ...]:
     """A sentence on joints that have no motor in life."""
-    free = [body.joint.name for body in model.bodies if body.joint.kind in ("free", "planar", "spherical")]
+    several = ("free", "planar", "spherical")
+    free = [b.joint.name for b in model.bodies if b.joint.kind in several and not b.joint.passive]
     if not free:
         return ()
     return (
@@ -179,6 +179,11 @@ def _motion(model: Model, motion: Motion | xr.Dataset | str | os.PathLike[str] |
 
 def _replay(model: Model, motion: Motion) -> tuple[Replay | None, str]:
     """(the replay, empty), or (None, why there is none)."""
+    if model.loops:
+        return (
+            None,
+            "There is no replay of a closed chain; a stretch of the motion is simulated among the checks.",
+        )
     try:
         return replayed(model, motion), ""
     except SingularError as problem:

@@ -123,11 +123,12 @@ def worst(model: Model, data: xr.Dataset) -> Worst:
     allowed = ranges(model)
     tau, t = data["tau"].values, data["time"].values
     units = np.asarray(data["effort_unit"].values)
-    limited = np.isfinite(allowed.effort)
+    driven = np.isin(model.velocity_names, model.driven_names)
+    limited = np.isfinite(allowed.effort) & driven
     if limited.any():
         load = np.where(limited, np.abs(tau) / allowed.effort, 0.0)
     else:
-        alike = units == ("N m" if (units == "N m").any() else "N")
+        alike = driven & (units == ("N m" if (units == "N m")[driven].any() else "N"))
         load = np.where(alike, np.abs(tau), 0.0)
     k, j = (int(i) for i in np.unravel_index(np.argmax(load), load.shape))
     name, value, unit = model.velocity_names[j], float(tau[k, j]), str(units[j])

@@ -25,7 +25,7 @@ from freebody.numerics.closed.equations import (
 )
 from freebody.numerics.formulas import Option
 from freebody.numerics.kernels import fetch
-from freebody.numerics.states import difference, integrate
+from freebody.numerics.states import difference, home_guess, integrate
 
 _CLOSED = 1e-12  # of scaled equations; rounding leaves about 1e-16 of the length
 _STEP = 0.6  # rad: the longest step towards closure
@@ -33,15 +33,15 @@ _ITERATIONS = 60
 _RESTARTS = 32
 
 
-def assemble(model: Model, q: Vector, free: Sequence[str] | None = None) -> Array:
-    """q (..., nq) near the guess q at which every loop is closed, to rounding.
+def assemble(model: Model, q: Vector | None = None, free: Sequence[str] | None = None) -> Array:
+    """q (..., nq) near the guess q (default: the model's home) at which every loop is closed, to rounding.
 
     free: names of the coordinates (`model.velocity_names`) or joints that may move; the others keep the values given.
     None: all may. Where the way from the guess ends in a gap, other starts are tried and the nearest closed position is
     taken. Raises LoopError with the loop and the gap when none is found. Levenberg-Marquardt on Φ (5.21).
     """
     require_loops(model, "assemble")
-    guess = finite_vector("assemble", model, "q", q)
+    guess = finite_vector("assemble", model, "q", home_guess(model) if q is None else q)
     moving = free_coordinates(model, free, "assemble")
     flat = guess.reshape(-1, model.nq)
     closed, left = closing(model, flat, moving)

@@ -1,0 +1,128 @@
+"""Motions of closed chains: some coordinates lead, the loops say where the others are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import LoopError
+from freebody.model.model import Model
+from freebody.motion.motion import derivatives
+from freebody.motion.ranges import position_columns, ranges
+from freebody.numerics.closed.assembly import (
+    assemble,
+    closing,
+    free_coordinates,
+    loop_acceleration,
+    loop_velocity,
+)
+from freebody.numerics.closed.equations import backward, null_space, rate_scale, scaled_jacobian
+from freebody.numerics.closed.mobility import mobility
+from freebody.numerics.closed.solving import RANK
+from freebody.numerics.coordinates import continuous, layout, state_of
+from freebody.numerics.states import difference, integrate, neutral, random_state
+
+_SEEDS = 24
+_JUMP = 0.5  # rad: between samples nothing moves so far but by changing to another way of closing
+_GOOD = 0.15  # regularity at which a home is as good as any
+
+
+def leaders(model: Model, q: Array) -> list[int]:
+    """Coordinates that determine all others near the closed position q (nq,): the driven joints' if they do, else the
+    choice of `mobility`."""
+    N, _ = null_space(scaled_jacobian(model, q), RANK)
+    driven = free_coordinates(model, model.actuated, "leaders")
+    if len(driven) == N.shape[1] and np.linalg.matrix_rank(N[driven], tol=1e-6) == len(driven):
+        return driven
+    return free_coordinates(model, mobility(model, q).independent, "leaders")
+
+
+def home(model: Model) -> Array:
+    """The closed position (nq,) next to the model's home; without one, a position within the limits from which the
+    mechanism moves well: the first good one, else the best."""
+    if model.home:
+        return assemble(model)
+    starts = [neutral(model), *(random_state(model, seed=k)[0] for k in range(_SEEDS))]
+    best, quality = None, (-model.nv - 1, 0, 0.0)
+    for start in starts:
+        try:
+            q = assemble(model, start)
+        except LoopError:
+            continue
+        if mobility(model, q).singular:
+            continue
+        N, _ = null_space(scaled_jacobian(model, q), RANK)
+        moving = int((np.linalg.norm(N, axis=1) > 1e-6).sum())  # in a folded position parts stand still
+        found = -outside(model, q), moving, min(regularity(model, q, leaders(model, q)), _GOOD)
+        if found > quality:
+            best, quality = q, found
+        if quality == (0, model.nv, _GOOD):
+            break
+    if best is None:
+        raise LoopError(
+            f"no closed position of {model.name!r} was found from {len(starts)} starts; give a motion, or close it "
+            "with fb.assemble(model, q) from a better guess."
+        )
+    return best
+
+
+def outside(model: Model, q: Array) -> int:
+    """How many coordinates of q (nq,) are beyond their limits."""
+    iq, iv = position_columns(model)
+    allowed = ranges(model)
+    return int(((q[iq] < allowed.lower[iv]) | (q[iq] > allowed.upper[iv])).sum())
+
+
+def regularity(model: Model, q: Array, leading: Sequence[int]) -> float:
+    """How clearly the leading coordinates tell the others at q: 0 where they do not, 1 at best."""
+    N, _ = null_space(scaled_jacobian(model, q), RANK)
+    if N.shape[1] != len(leading):
+        return 0.0
+    return float(np.linalg.svd(N[list(leading)], compute_uv=False).min(initial=1.0))
+
+
+def followed(model: Model, start: Array, leading: Sequence[int], way: Array) -> Array:
+    """Closed positions (T, nq) from the closed start (nq,), the leading coordinates moved by way (T, len(leading)).
+
+    Raises LoopError with the sample where the loops let them go no further.
+    """
+    others = [k for k in range(model.nv) if k not in leading]
+    q, before = [], start
+    done = np.zeros(len(leading))
+    for k, reached in enumerate(way):
+        step = np.zeros(model.nv)
+        step[list(leading)] = reached - done
+        N, _ = null_space(scaled_jacobian(model, before), RANK)
+        scaled = step / rate_scale(model)
+        if N.shape[1] == len(leading):  # the others go along, to first order
+            scaled = N @ np.linalg.lstsq(N[list(leading)], scaled[list(leading)], rcond=None)[0]
+        guess = integrate(model, before, scaled * rate_scale(model))
+        # the leading ones land exactly
+        guess = integrate(model, guess, _missing(model, start, guess, leading, reached))
+        closed, left = closing(model, guess[None], others)
+        moved = np.abs(difference(model, before, closed[0]) / rate_scale(model)).max()
+        if left[0] > 1e-11 or moved > _JUMP or backward(model, closed).any():
+            raise LoopError(
+                f"the loops of {model.name!r} let the driven joints go no further at sample {k}; make the motion "
+                "smaller, or its samples closer."
+            )
+        before, done = closed[0], reached
+        q.append(before)
+    return np.array(q)
+
+
+def _missing(model: Model, start: Array, q: Array, leading: Sequence[int], reached: Array) -> Array:
+    """The step (nv,) by which the leading coordinates at q miss start + reached."""
+    step = np.zeros(model.nv)
+    step[list(leading)] = reached - difference(model, start, q)[list(leading)]
+    return step
+
+
+def consistent_rates(model: Model, t: Array, q: Array, at_rest: bool) -> tuple[Array, Array, Array]:
+    """(q, qd, qdd) of closed positions q (T, nq) at times t: differentiated, then made consistent with the loops."""
+    where = layout(model)
+    q, qd, qdd = state_of(where, q, *derivatives(t, continuous(where, q), at_rest=at_rest))
+    qd = loop_velocity(model, q, qd)
+    return q, qd, loop_acceleration(model, q, qd, qdd)
