@@ -159,3 +159,9 @@ def test_superscripts_and_general_links_print_as_such():
 
 def test_an_item_runs_alone():
     assert run(item("eq-6.14")).verdict == "inconsistent"
+
+
+def test_the_errata_in_the_docs_are_those_that_come_out(findings):
+    """To update: freebody notes --errata --out docs/errata.md."""
+    written = Path(__file__).parents[1] / "docs" / "errata.md"
+    assert written.read_text(encoding="utf-8") == errata(findings)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from freebody.derivations.expression import Words
+from freebody.derivations.render.prose import markdown_prose
 from freebody.notes.item import SOURCE, Finding
 from freebody.notes.text import shown
 
@@ -22,6 +24,8 @@ def errata(findings: Sequence[Finding]) -> str:
         "# Errata",
         "",
         f"to: {SOURCE}.",
+        "",
+        "With thanks for notes that are a pleasure to compute with.",
         "",
         "Every numbered equation, formula, worked example and figure of chapters 1 to 6 was executed with freebody: "
         f"{len(findings)} items, of which {len(findings) - len(wrong)} hold as printed. The other {len(wrong)} are "
@@ -42,26 +46,27 @@ def errata(findings: Sequence[Finding]) -> str:
 def _entry(number: int, finding: Finding) -> list[str]:
     item = finding.item
     place = item.number[0].upper() + item.number[1:]
+    kind = "Left to the reader" if not item.printed and item.id.startswith("ex-") else _WORDS[finding.verdict]
     rows = [
         f"### {number}. {place}: {item.title}",
         "",
-        f"`{item.id}`, section {item.section}. {_WORDS[finding.verdict]}.",
+        f"`{item.id}`, section {item.section}. {kind}.",
         "",
     ]
-    rows.append(f"- Printed: {_form(finding, item.printed) or 'nothing.'}")
-    rows.append(f"- {item.why}")
+    rows.append(f"- Printed: {_form(finding, item.printed) or 'nothing'}")
+    rows.append(f"- {markdown_prose(item.why)}")
     evidence = " ".join(finding.printed.lines[:3])
     if item.printed and not item.is_text:
         rows.append(f"- Found by execution: {evidence}")
     if finding.printed.example:
         rows.append(f"- Counterexample: {finding.printed.example}")
-    rows.append(f"- Should be: {_form(finding, item.corrected) or 'deleted.'}")
+    rows.append(
+        f"- {'Should be' if item.printed else 'Could be added'}: {_form(finding, item.corrected) or 'deleted.'}"
+    )
     return rows
 
 
 def _form(finding: Finding, form: str) -> str:
     """Formulas between dollar signs, words as they are."""
-    from freebody.derivations.expression import Words
-
     nodes = shown(finding.item, form)
     return "; ".join(node.text if isinstance(node, Words) else f"${node.latex()}$" for node in nodes)

@@ -40,7 +40,9 @@ from freebody.derivations.render.rules import (
 
 _GREEK = {letter: "\\lambda" if name == "lam" else f"\\{name}" for name, letter in GREEK.items()}
 _DOTS = ("{}", "\\dot{{{}}}", "\\ddot{{{}}}")
-_NAMES = {"sin": "\\sin", "cos": "\\cos", "tan": "\\tan", "sgn": "\\operatorname{sgn}"}
+_NAMES = {x: f"\\{x}" for x in ("sin", "cos", "tan", "arcsin", "arccos", "arctan", "det", "exp", "log")} | {
+    "sgn": "\\operatorname{sgn}", "∑": "\\sum ",
+}  # fmt: skip
 
 
 def latex(node: Expression) -> str:
