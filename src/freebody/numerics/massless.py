@@ -14,15 +14,21 @@ _NOTHING = 1e-13  # a pivot this small, relative to what it was subtracted from,
 
 def refuse_massless(model: Model, function: str) -> None:
     """Raise SingularError if some joint moves no inertia at any of a few random configurations."""
-    known = model.compiled.get("massless")
-    if known is None:
-        known = model.compiled["massless"] = _massless(model)
+    known = massless(model)
     if known:
         joints = ", ".join(map(repr, known))
         raise SingularError(
             f"{function}: the mass matrix of {model.name!r} is singular: joint {joints} moves no inertia. "
             "Give what it carries a mass and inertia, or the joint a rotor inertia, or fix it."
         )
+
+
+def massless(model: Model) -> tuple[str, ...]:
+    """Coordinates that move no inertia, the loops of a closed chain being cut; found once a model."""
+    known = model.compiled.get("massless")
+    if known is None:
+        known = model.compiled["massless"] = _massless(model)
+    return known
 
 
 def _massless(model: Model) -> tuple[str, ...]:

@@ -10,8 +10,9 @@ from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector, Wrenches, checked_inputs
-from freebody.numerics.closed.assembly import free_coordinates
+from freebody.numerics.closed.assembly import closing, free_coordinates
 from freebody.numerics.closed.equations import (
+    loop_of_row,
     null_space,
     rate_scale,
     refuse_inconsistent,
@@ -20,13 +21,16 @@ from freebody.numerics.closed.equations import (
     scaled_jacobian,
 )
 from freebody.numerics.closed.mobility import dependent_rows, regular_jacobian
-from freebody.numerics.closed.solving import RANK, Jerk, Solution, solve
+from freebody.numerics.closed.solving import RANK, Idle, Jerk, solve
 from freebody.numerics.formulas import Option
 from freebody.numerics.kernels import fetch
+from freebody.numerics.massless import massless
+from freebody.numerics.states import difference, integrate
 
 _PIVOT = 1e-6
 """The smallest pivot of the quick solution relative to the largest; below, the careful solution takes over."""
 _REGULAR = 1e-2  # of the same, from which stages of an integration need no care
+_SHORT = 0.02  # rad: a motion that shows where accelerations lead
 _LEFT = 1e-6  # of an equation, relative to its terms: more is no rounding
 
 
@@ -51,7 +55,12 @@ def forward(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches
 def accelerations(
     model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
 ) -> Array:
-    """q̈ (..., nv), of states taken as closed: by the compiled solution where equations are independent."""
+    """q̈ (..., nv), of states taken as closed: by the compiled solution where M is regular and equations independent."""
+    if massless(model):
+        qdd = np.empty(qd.shape)
+        for at in np.ndindex(qd.shape[:-1]):
+            qdd[at] = careful(model, frames, *(x[at] for x in (q, qd, tau, *loads)))
+        return qdd
     kept = independent_rows(model, q)
     quick = fetch(model, ("constrained_dynamics",), Option(wrench_frames=frames, rows=kept))
     qdd, _, pivots = quick(q, qd, tau, *loads)
@@ -61,13 +70,16 @@ def accelerations(
     for at in np.argwhere(poor):
         sample = tuple(at)
         part = [np.broadcast_to(x, (*poor.shape, x.shape[-1]))[sample] for x in (q, qd, tau, *loads)]
-        qdd[sample] = careful(model, frames, *part).qdd
+        qdd[sample] = careful(model, frames, *part)
     return qdd
 
 
 def regular(model: Model, q: Array) -> bool:
     """Whether the loop equations at q (nq,) are far from losing rank."""
     kept = independent_rows(model, q)
+    if massless(model):
+        s = np.linalg.svd(scaled_jacobian(model, q)[list(kept)], compute_uv=False)
+        return bool(s.min(initial=1.0) ** 2 > _REGULAR * s.max(initial=0.0) ** 2)
     quick = fetch(model, ("constrained_dynamics",), Option(rows=kept))
     still = np.zeros(model.nv)
     return bool(_smallest(model, kept, quick(q, still, still)[2]) > _REGULAR)
@@ -94,17 +106,44 @@ def independent_rows(model: Model, q: Array) -> tuple[int, ...]:
     return kept
 
 
-def careful(
-    model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
-) -> Solution:
-    """q̈ and λ of one state, whatever the rank."""
+def careful(model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array) -> Array:
+    """q̈ (nv,) of one state, whatever the rank."""
     option = Option(wrench_frames=frames)
     terms = fetch(model, ("mass_matrix", "constraint_jacobian", "constraint_bias"), Option())
     M, phi, c = terms(q, qd)
     bias = fetch(model.opened, ("inverse_dynamics",), option)(q, qd, np.zeros(model.nv), *loads)
     rates = rate_scale(model)
     speed = float(np.abs(qd / rates).max(initial=0.0))
-    return solve(M, tau - bias, phi, c, row_scale(model), rates, _jerk(model, q, qd), speed)
+    try:
+        found = solve(M, tau - bias, phi, c, row_scale(model), rates, _jerk(model, q, qd), speed)
+    except Idle as idle:
+        raise SingularError(
+            f"forward_dynamics: {model.name!r} has no definite acceleration: its loops let "
+            f"{model.velocity_names[idle.coordinate]!r} move without moving any inertia. "
+            "Give what it carries a mass and inertia, or the joint a rotor inertia, or fix it."
+        ) from None
+    if found.rank < len(independent_rows(model, q)) and not _leads_on(model, q, qd, found.qdd):
+        worst = int(np.argmax(np.linalg.norm(found.loose, axis=1)))
+        name = model.loops[loop_of_row(model)[worst]].name
+        raise SingularError(
+            f"forward_dynamics: {model.name!r} is at a singular position, where loop {name!r} no longer tells how the "
+            "motion goes on. Start a little beside this position, or with the rates of the way it shall take."
+        )
+    return found.qdd
+
+
+def _leads_on(model: Model, q: Array, qd: Array, qdd: Array) -> bool:
+    """Whether a short motion with these accelerations stays closed, but for terms of third order."""
+    rates = rate_scale(model)
+    first, second = qd / rates, qdd / rates
+    size = float(np.abs(first).max(initial=0.0)) + float(np.abs(second).max(initial=0.0)) ** 0.5
+    if size == 0.0:
+        return True
+    h = _SHORT / size
+    ahead = integrate(model, q, h * qd + 0.5 * h * h * qdd)
+    closed, left = closing(model, ahead[None], range(model.nv))
+    moved = float(np.abs(difference(model, ahead, closed[0]) / rates).max(initial=0.0))
+    return bool(left[0] < 1e-12) and moved < 0.1 * _SHORT**2
 
 
 def _jerk(model: Model, q: Array, qd: Array) -> Jerk:

@@ -123,7 +123,8 @@ def null_space(A: Array, tolerance: float) -> tuple[Array, Array]:
 
 
 def backward(model: Model, q: Array) -> NDArray[np.bool_]:
-    """(..., loops): whether a loop is closed the wrong way round, an axis turned against its own."""
+    """(..., loops): whether a loop is closed the wrong way round: turned by a half, or where three axes are held, by a
+    third, from which its equations cannot tell it."""
     tree = model.tree
     space = tree.space
     if not any(loop.closure.turns for loop in tree.loops):
@@ -134,7 +135,7 @@ def backward(model: Model, q: Array) -> NDArray[np.bool_]:
         (A, _), (B, _) = (frame_pose(tree, world, frame) for frame in loop.frames)
         for n, u in loop.closure.turns:
             expected = space.turn(A, space.moment(u, n))
-            found[..., i] |= np.asarray(dot(expected, space.moment(times(B, u), times(A, n)))) < 0.0
+            found[..., i] |= np.asarray(dot(expected, space.moment(times(B, u), times(A, n)))) < 0.5
     return found
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -13,8 +14,16 @@ from freebody.errors import FreebodyError
 from freebody.model.model import Model
 from freebody.numerics.balance import cross, inertia_forces
 from freebody.numerics.calls import Vector, Wrenches, checked_inputs
-from freebody.numerics.closed.dynamics import accelerations, careful, drive_torques
-from freebody.numerics.closed.equations import require_closed
+from freebody.numerics.closed.dynamics import accelerations, drive_torques
+from freebody.numerics.closed.equations import (
+    length,
+    null_space,
+    rate_scale,
+    require_closed,
+    row_scale,
+    scaled_jacobian,
+)
+from freebody.numerics.closed.solving import RANK
 from freebody.numerics.formulas import Option
 from freebody.numerics.kernels import fetch
 from freebody.numerics.kinematics import checked_reference, forward_kinematics
@@ -106,11 +115,13 @@ def _found(
     multipliers = np.zeros((*batch, m))
     loose: dict[tuple[int, ...], Array] = {}
     if m:
+        needed = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))(q, qd, qdd, *loads)
+        rows, rates = row_scale(model), rate_scale(model)
+        A, force = scaled_jacobian(model, q), rates * (tau - needed)
         for at in np.ndindex(batch):
-            found = careful(model, frames, q[at], qd[at], tau[at], *(load[at] for load in loads))
-            multipliers[at] = found.multipliers
-            loose[at] = found.loose
-    names = (*model.joint_names, *(loop.name for loop in model.loops))
+            # Φ_qᵀ λ is what the drives do and the motion does not need
+            multipliers[at] = rows * (np.linalg.pinv(A[at].T, rcond=RANK) @ force[at])
+            loose[at] = rows[:, None] * null_space(A[at], RANK)[1]
     option = Option(reference="world", wrench_frames=frames)
     kernel = fetch(model, ("closed_wrenches",), option)
 
@@ -127,7 +138,7 @@ def _found(
             determined[sample] = change < _DETERMINED * max(float(change.max()), 1e-300)
     left = _balance(model, q, qd, qdd, found_wrenches, frames, loads)
     turned = found_wrenches if reference == "world" else _in_child_axes(model, q, found_wrenches)
-    return Reactions(names, turned, determined, multipliers, qdd, tau, left)
+    return Reactions(model.reaction_names, turned, determined, multipliers, qdd, tau, left)
 
 
 def _in_child_axes(model: Model, q: Array, wrenches: Array) -> Array:
@@ -153,11 +164,11 @@ def _balance(
 ) -> float:
     """Largest miss of ΣF = m a and ΣM = Ḣ over all bodies, relative to the largest force that enters."""
     dim = model.dim
-    flat = [np.reshape(x, (-1, x.shape[-1])) for x in (q, qd, qdd)]
+    flat = [x.reshape(math.prod(x.shape[:-1]), x.shape[-1]) for x in (q, qd, qdd)]
     force, moment, origin = inertia_forces(model, *flat)
-    reaction = wrenches.reshape(len(flat[0]), -1, wrenches.shape[-1])
+    reaction = wrenches.reshape(len(flat[0]), *wrenches.shape[-2:])
     left_force, left_moment = -force, -moment
-    reach = max(float(np.abs(origin).max(initial=0.0)), 1e-300)
+    reach = length(model)
     largest = max(float(np.abs(force).max(initial=0.0)), float(np.abs(reaction[..., :dim]).max(initial=0.0)))
 
     def act(body: int, f: Array, n: Array, point: Array) -> None:
@@ -179,7 +190,7 @@ def _balance(
         act(first.body, -f, -n, point)
     for name, load in zip(frames, loads, strict=True):
         point = forward_kinematics(model, flat[0], name)[:, :dim, dim]
-        each = np.reshape(load, (-1, load.shape[-1]))
+        each = load.reshape(len(flat[0]), load.shape[-1])
         act(model.frame(name).body, each[:, :dim], each[:, dim:], point)
     miss = max(
         float(np.abs(left_force).max(initial=0.0)), float(np.abs(left_moment).max(initial=0.0)) / reach
