@@ -22,6 +22,7 @@ class MethodChoice(StrEnum):
     newton_euler = "newton-euler"
     recursive = "recursive"
     lagrange = "lagrange"
+    lagrange_first_kind = "lagrange-first-kind"
     statics = "statics"
     kinematics = "kinematics"
 

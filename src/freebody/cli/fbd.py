@@ -29,7 +29,8 @@ def fbd(
         str | None,
         typer.Option(
             metavar="VALUES",
-            help='Positions in rad and m, or "30 deg", in the joints\' order. Default: a pose that is seen well.',
+            help='Positions in rad and m, or "30 deg", in the joints\' order; loops are closed near them. Default: a pose '
+            "that is seen well.",
         ),
     ] = None,
     qd: Annotated[str | None, typer.Option(metavar="VALUES", help="Velocities. Default: at rest.")] = None,
@@ -49,16 +50,19 @@ def fbd(
     with terminal.progress("free bodies"):
         from freebody.figures.fbd import free_body_diagram
         from freebody.figures.sketch.snapshot import clear_pose
+        from freebody.numerics.closed.assembly import assemble
 
         given = {"qd": _values("qd", qd), "qdd": _values("qdd", qdd)}
         positions = _values("q", q)
-        if positions is None:
+        if model.loops:
+            positions = assemble(model, positions).tolist()
+        elif positions is None:
             positions = clear_pose(model)
         figure = free_body_diagram(model, positions, body, **given)
         path = figure.save(out or Path(f"{model.name}-fbd.svg"))
-    if q is None:
+    if q is None or model.loops:
         shown = ", ".join(f"{x:.3g}" for x in positions)
-        terminal.out().print(f"at q = {shown}; choose another with --q", markup=False)
+        terminal.out().print(f"at q = {shown}; choose another with --q", markup=False, soft_wrap=True)
     terminal.out().print(_table(figure))
     terminal.out().print(f"written: {path}", markup=False, soft_wrap=True)
 

@@ -9,6 +9,7 @@ import typer
 
 from freebody.cli import options, terminal
 from freebody.cli.options import MimicChoice, PhysicalChoice
+from freebody.model.parameters import Parameter
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -55,6 +56,10 @@ def show(
     out.print()
     out.print(_joints(model))
     out.print()
+    if model.loops:
+        out.print(_loops(model))
+        out.print(Text(_mobility(model)), soft_wrap=True)
+        out.print()
     out.print(Text(f"frames: {', '.join(model.frame_names)}"))
     for notice in model.notices:
         if notice.kind != "physical":  # those have been printed in yellow
@@ -107,6 +112,37 @@ def _joints(model: Model) -> Table:
     return table
 
 
+def _loops(model: Model) -> Table:
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for title in ("loop", "kind", "holds", "to", "axis", "distance"):
+        table.add_column(title)
+    for loop in model.loops:
+        distance = loop.distance.name if isinstance(loop.distance, Parameter) else loop.distance
+        length = "" if distance is None else distance if isinstance(distance, str) else f"{distance:.4g} m"
+        axis = " ".join(f"{x:.4g}" for x in loop.axis)
+        table.add_row(
+            *(Text(cell) for cell in (loop.name, loop.kind, loop.frames[1], loop.frames[0], axis, length))
+        )
+    return table
+
+
+def _mobility(model: Model) -> str:
+    """Degrees of freedom where the model is at home."""
+    if model.missing:
+        return f"degrees of freedom need values for {', '.join(model.missing)}"
+    from freebody.errors import LoopError
+    from freebody.numerics.closed.assembly import assemble
+    from freebody.numerics.closed.mobility import mobility
+
+    try:
+        return str(mobility(model, assemble(model)))
+    except LoopError as problem:
+        return f"not closed: {problem}"
+
+
 def _row(body: Body) -> tuple[str, ...]:
     joint, limits = body.joint, body.joint.limits
     length = joint.kind == "prismatic"
@@ -116,7 +152,7 @@ def _row(body: Body) -> tuple[str, ...]:
     mimic = joint.mimic
     return (
         joint.name,
-        joint.kind,
+        f"{joint.kind}, passive" if joint.passive else joint.kind,
         " ".join(f"{x:.4g}" for x in joint.axis),
         f"{limits.lower:.4g} … {limits.upper:.4g} {unit}" if bounded else "",
         f"{limits.velocity:.4g} {unit}/s" if one and math.isfinite(limits.velocity) else "",
