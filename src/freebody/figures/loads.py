@@ -108,7 +108,8 @@ def _reactions(model: Model, pose: Skeleton, body: BodyPlace, wrenches: Array) -
     for child in pose.bodies:
         if child.parent == body.index:
             w, name = -wrenches[child.index], f"−f_{{{n},{child.number}}}"
-            moment_name = f"−{_moment_name(model, child, n)}"
+            named = _moment_name(model, child, n)
+            moment_name = f"−{named}" if named else ""
             loads.append(
                 Load(name, moment_name, "counter", child.name, child.origin, w[:d], w[d:], child.index)
             )
@@ -127,16 +128,9 @@ def _loops(model: Model, pose: Skeleton, q: Array, wrenches: Array) -> list[tupl
             if body >= 0:
                 w, minus = sign * wrenches[index], "−" if sign < 0 else ""
                 by = names.get(other, "the ground")
-                load = Load(
-                    f"{minus}f_{{{loop.name}}}",
-                    f"{minus}n_{{{loop.name}}}",
-                    role,
-                    by,
-                    place,
-                    w[:d],
-                    w[d:],
-                    index,
-                )
+                force = f"{minus}f_{{{loop.name}}}"
+                turning = f"{minus}n_{{{loop.name}}}" if model.tree.loops[k].closure.turns else ""
+                load = Load(force, turning, role, by, place, w[:d], w[d:], index)
                 found.append((body, load))
     return found
 
@@ -154,6 +148,8 @@ def _moment_name(model: Model, body: BodyPlace, before: int) -> str:
         return f"n_{{{before},{body.number}}}"
     drive = model.tree.bodies[model.tree.body_of[body.index]].drive
     turns = body.kind in ("revolute", "continuous") and model.bodies[body.index].joint.mimic is None
+    if turns and drive is None and model.bodies[body.index].joint.passive:
+        return ""  # a pin
     return f"{'τ' if turns and drive is None else 'M'}_{body.number}"
 
 
