@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from freebody.derivations.equations import Equations
 from freebody.derivations.expression import Equation, Expression
 from freebody.scalars.trig import Trig
+
+if TYPE_CHECKING:
+    from freebody.derivations.closed.first_kind import FirstKind
 
 
 @dataclass(frozen=True)
@@ -61,6 +65,8 @@ class Derivation:
     """What is given and what is sought, in words."""
     glossary: tuple[Meaning, ...] = ()
     """The symbols that occur."""
+    system: FirstKind | None = None
+    """Of a closed chain by Lagrange's equations of the first kind: M, Φ_q, c, and the reduction, as polynomials."""
     draw: Callable[[Derivation], Drawings] | None = field(default=None, compare=False, repr=False)
     """What draws them; figures are made above derivations, so that it comes from there."""
 

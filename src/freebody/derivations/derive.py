@@ -4,20 +4,34 @@ from __future__ import annotations
 
 from typing import Any
 
+from freebody.derivations.closed.first_kind import MULTIPLIER
 from freebody.derivations.derivation import Comparison, Derivation
-from freebody.derivations.methods import kinematics, lagrange, newton_euler, recursive, statics
+from freebody.derivations.methods import (
+    first_kind,
+    kinematics,
+    lagrange,
+    newton_euler,
+    recursive,
+    statics,
+)
 from freebody.derivations.methods.setting import Setting, require_chain_of_bodies
 from freebody.derivations.symbols import symbols
 from freebody.errors import FreebodyError, UnknownNameError
+from freebody.model.closures import LOOP_KINDS
 from freebody.model.model import Model
+from freebody.spatial import of_dimension
 
 METHODS = {
     "newton-euler": newton_euler.derive,
     "recursive": recursive.derive,
     "lagrange": lagrange.derive,
+    "lagrange-first-kind": first_kind.derive,
     "statics": statics.derive,
     "kinematics": kinematics.derive,
 }
+
+CLOSED = ("lagrange-first-kind",)
+"""Methods for closed chains."""
 
 LOADS = {2: ("fx", "fy"), 3: ("fx", "fy", "fz")}
 """Names of the components of the force on the tip."""
@@ -30,20 +44,29 @@ def derive(
 
     method: "newton-euler" (route="centre": moments about each centre of mass, or "pivot": of all that a joint carries
     about it), "recursive" (gravity="base": as acceleration of the base, or "explicit": as weights), "lagrange",
-    "statics", "kinematics" (of the tip).
+    "statics", "kinematics" (of the tip); of closed chains "lagrange-first-kind", with multipliers and the reduction to
+    independent coordinates.
     load: whether a force f, with world components fx, fy (fz), acts on the tip; by default in statics. Raises
     FreebodyError for joints with several axes or followers, and for a load on a model without a tip.
     Source: S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019.
     """
     if method not in METHODS:
         raise UnknownNameError("method", method, "fb.derive", METHODS)
-    model.require_tree(f"derive {method!r}")
+    if method not in CLOSED:
+        model.require_tree(f"derive {method!r}", " or ".join(map(repr, CLOSED)))
     if load is None:
         load = method == "statics" and _has_moving_tip(model)
     names = LOADS[model.dim] if load else ()
-    made = symbols(model, extra=names)
+    made = symbols(model, extra=(*names, *_multipliers(model)))
     require_chain_of_bodies(made, f"derive {method!r}")
     return METHODS[method](Setting(made, names, at_rest=method == "statics"), **options)
+
+
+def _multipliers(model: Model) -> tuple[str, ...]:
+    """Names of the multipliers of its loop equations."""
+    space = of_dimension(model.dim)
+    size = sum(LOOP_KINDS[loop.kind].closure(space, loop.axis).size(space) for loop in model.loops)
+    return tuple(f"{MULTIPLIER}{k}" for k in range(1, size + 1))
 
 
 def _has_moving_tip(model: Model) -> bool:

@@ -41,10 +41,15 @@ class Ratio:
         return self.below == 1
 
     def form(self, layout: Layout) -> Expression:
-        """As it is printed, numerator and denominator factored, the denominator without a sign in front."""
-        above, below = product(self.above, layout), product(self.below, layout)
-        if isinstance(below, ex.Negative) or layout.is_negative(self.below):
-            above, below = product(-self.above, layout), product(-self.below, layout)
+        """As it is printed, numerator and denominator factored, a sign in front of the whole."""
+        above = product(self.above, layout)
+        if self.is_polynomial:
+            return above
+        below = product(self.below, layout)
+        if _is_negative(below):
+            above, below = product(-self.above, layout), ex.neg_each(below)
+        if isinstance(above, ex.Sum) and all(isinstance(term, ex.Negative) for term in above.terms):
+            return ex.neg(ex.div(ex.neg_each(above), below))
         return ex.div(above, below)
 
     def evaluate(self, values: Mapping[str, Any]) -> Any:
@@ -53,6 +58,10 @@ class Ratio:
 
     def __str__(self) -> str:
         return str(self.above) if self.is_polynomial else f"({self.above})/({self.below})"
+
+
+def _is_negative(x: Expression) -> bool:
+    return isinstance(x.terms[0] if isinstance(x, ex.Sum) else x, ex.Negative)
 
 
 def ratio(above: Trig, below: Trig) -> Ratio:

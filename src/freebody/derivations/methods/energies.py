@@ -11,6 +11,7 @@ from freebody.derivations.derivation import Step
 from freebody.derivations.expression import Equation, eq
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.names import vec
+from freebody.elementary import Scalar
 from freebody.scalars.trig import Trig
 from freebody.spatial import dot, neg
 
@@ -76,7 +77,7 @@ class Energies:
     def lagrangian(self) -> Trig:
         """T - V."""
         total = self.rotors - self.springs
-        for i in self.s.order:
+        for i in self.s.weighted:
             total = total + self.kinetic(i) - self.potential(i)
         return total
 
@@ -84,11 +85,13 @@ class Energies:
 def kinetic_step(s: Setting, energies: Energies) -> Step:
     """½ m v² + ½ I ω² a body."""
     lines: list[Equation] = []
-    for i in s.order:
-        n, v, w = s.numbers[i], s.name("vc", i), s.angular_name("omega", i)
-        spin = ex.mul(f"I{n}", ex.power(w, 2)) if s.planar else ex.dot(w, ex.mul(f"I{n}", w))
-        rule = ex.add(ex.mul(HALF, f"m{n}", ex.power(v, 2)), ex.mul(HALF, spin))
-        lines.append(eq(f"T{n}", rule, s.show(energies.kinetic(i))))
+    for i in s.weighted:
+        v, w = s.name("vc", i), s.angular_name("omega", i)
+        inertia = s.inertia_name(i)
+        spin = ex.mul(inertia, ex.power(w, 2)) if s.planar else ex.dot(w, ex.mul(inertia, w))
+        turning = ex.ZERO if s.planar and _is_point(s.inertia(i)) else ex.mul(HALF, spin)
+        rule = ex.add(ex.mul(HALF, s.mass_name(i), ex.power(v, 2)), turning)
+        lines.append(eq(f"T{s.numbers[i]}", rule, s.show(energies.kinetic(i))))
     if energies.has_rotors:
         lines.append(eq("T_r", s.show(energies.rotors)))
     reason = "A body has the energy of its mass moving with the centre, and that of turning about the centre"
@@ -97,10 +100,14 @@ def kinetic_step(s: Setting, energies: Energies) -> Step:
     return Step("Kinetic energies", f"{reason}{rotors}.", tuple(lines), numbers)
 
 
+def _is_point(inertia: Scalar) -> bool:
+    return isinstance(inertia, float) and inertia == 0.0
+
+
 def potential_step(s: Setting, energies: Energies) -> Step:
     """Weights, and springs where there are."""
     lines: list[Equation] = []
-    for i in s.order if s.weighs else ():
+    for i in s.weighted if s.weighs else ():
         n = s.numbers[i]
         rule = ex.neg(s.mass_times(i, ex.dot(vec("g"), s.name("rc", i))))
         lines.append(eq(f"V{n}", rule, s.show(energies.potential(i))))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Meaning
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.names import sym, vec
@@ -44,8 +45,10 @@ def _coordinates(s: Setting, motors: bool) -> Iterator[Meaning]:
             rates = tuple(sym(x + dots) for dots in (RATE, SECOND) for x in names)
             words = "their rates and second rates" if plural else "its rate and second rate"
             yield Meaning(rates, words, f"{unit}/s, {unit}/s²")
-        if motors:
-            yield Meaning(tuple(map(s.torque_name, joints)), f"{motor}{plural} of the motor{plural}", force)
+        driven = [i for i in joints if s.motor(i) != ex.ZERO]
+        if motors and driven:
+            plural = "s" if len(driven) > 1 else ""
+            yield Meaning(tuple(map(s.torque_name, driven)), f"{motor}{plural} of the motor{plural}", force)
 
 
 def _parameters(s: Setting, moved: bool) -> Iterator[Meaning]:
@@ -71,9 +74,21 @@ def _in_model(s: Setting, moved: bool) -> Iterator[tuple[Parameter, str, str]]:
         yield from _of_joint(s, i)
         if not moved:
             yield from _of_body(s, i)
+    yield from _of_loops(s)
     if s.load or moved:
         frame = s.symbols.model.frame()
         yield from _placed(frame.placement, f"from joint {s.numbers[s.tip]} to the tip")
+
+
+def _of_loops(s: Setting) -> Iterator[tuple[Parameter, str, str]]:
+    frames = {frame.name: frame for frame in s.symbols.model.frames}
+    for loop in s.symbols.model.loops:
+        for name in loop.frames:
+            body = frames[name].body + 1
+            start = f"joint {body}" if body else "the base's origin"
+            yield from _placed(frames[name].placement, f"from {start} to {name}")
+        for parameter in each_parameter(loop.distance):
+            yield parameter, f"length of the rod {loop.name}", METER
 
 
 def _of_joint(s: Setting, i: int) -> Iterator[tuple[Parameter, str, str]]:
@@ -171,6 +186,16 @@ def _lagrange(s: Setting) -> Iterator[Meaning]:
     yield Meaning((sym("L"),), "Lagrangian", JOULE)
 
 
+def _first_kind(s: Setting) -> Iterator[Meaning]:
+    yield from _lagrange(s)
+    if not s.tree.loops:
+        return
+    yield Meaning((sym("Phi_k"),), "a loop equation, zero where the loop is closed", "")
+    yield Meaning((sym("lam_k"),), "its multiplier: what the loop presses with", "")
+    yield Meaning((sym("f_i,k", True),), "force of body i on body k", NEWTON)
+    yield Meaning((sym("u"), sym("N")), "independent coordinates; rates of all by theirs", "")
+
+
 def _statics(s: Setting) -> Iterator[Meaning]:
     yield from _vectors(s)
     yield Meaning((sym("f_i,k", True),), "force of body i on body k, at joint k", NEWTON)
@@ -190,6 +215,7 @@ _METHODS = {
     "pivot": _pivot,
     "recursive": _recursive,
     "lagrange": _lagrange,
+    "lagrange-first-kind": _first_kind,
     "statics": _statics,
     "kinematics": _kinematics,
 }

@@ -24,11 +24,8 @@ HALF = ex.num(Fraction(1, 2))
 def derive(setting: Setting) -> Derivation:
     """The derivation by energies."""
     s = setting
-    still = tuple(0.0 for _ in s.symbols.qd)
-    moving = outward(s.tree, s.symbols.q, s.symbols.qd, still)
-    energies = Energies(s, moving)
-    steps = [_coordinates(s), _positions(s), _angular_velocities(s, moving), _velocities(s)]
-    steps += [kinetic_step(s, energies), potential_step(s, energies), _lagrangian(s, energies)]
+    energies, found = lagrangian(s)
+    steps = [_coordinates(s), *found]
     load = s.symbols.zero()
     works: dict[int, Trig] = {}
     if s.load:
@@ -42,6 +39,20 @@ def derive(setting: Setting) -> Derivation:
     steps.append(closed_form(s))
     title = "Lagrange's equations of the second kind"
     return Derivation("lagrange", title, s.equations, tuple(steps), tuple(tau), *overview(s, "lagrange"))
+
+
+def lagrangian(s: Setting) -> tuple[Energies, list[Step]]:
+    """The energies, and the steps from the positions to L = T - V."""
+    still = tuple(0.0 for _ in s.symbols.qd)
+    moving = outward(s.tree, s.symbols.q, s.symbols.qd, still)
+    energies = Energies(s, moving)
+    steps = [_positions(s), _angular_velocities(s, moving), _velocities(s)]
+    return energies, [
+        *steps,
+        kinetic_step(s, energies),
+        potential_step(s, energies),
+        _lagrangian(s, energies),
+    ]
 
 
 def _coordinates(s: Setting) -> Step:
@@ -61,7 +72,7 @@ def _coordinates(s: Setting) -> Step:
 
 
 def _positions(s: Setting) -> Step:
-    lines = [eq(s.name("rc", i), s.column(s.centre_position(i))) for i in s.order]
+    lines = [eq(s.name("rc", i), s.column(s.centre_position(i))) for i in s.weighted]
     if s.planar:
         reason = (
             "The energies need where each centre of mass is and how fast it moves; the drawing shows where."
@@ -95,7 +106,7 @@ def _angular_velocities(s: Setting, moving: Motion) -> Step:
 
 def _velocities(s: Setting) -> Step:
     lines = []
-    for i in s.order:
+    for i in s.weighted:
         rate: Expression = ex.d_dt(s.name("rc", i))
         if not s.planar:
             rate = ex.mul(ex.Symbol(f"R0_{i}", "R", ("0",), high=str(s.numbers[i])), rate)
@@ -118,40 +129,47 @@ def _velocities(s: Setting) -> Step:
 
 
 def _lagrangian(s: Setting, energies: Energies) -> Step:
-    numbers = [s.numbers[i] for i in s.order]
+    numbers = [s.numbers[i] for i in s.weighted]
     potential = ex.add(*(f"V{n}" for n in numbers), *(["V_s"] if energies.has_springs else []))
     kinetic = ex.add(*(f"T{n}" for n in numbers), *(["T_r"] if energies.has_rotors else []))
     rule = ex.sub(kinetic, potential) if energies.has_potential else kinetic
     return Step(
         "The Lagrangian",
-        "Kinetic minus potential energy: all that the equations need of the arm.",
+        f"Kinetic minus potential energy: all that the equations need of the {'bodies' if s.tree.loops else 'arm'}.",
         (eq("L", rule, s.show(energies.lagrangian)),),
         ("5.6",),
     )
 
 
-def _equation(s: Setting, energies: Energies, i: int, work: Trig) -> tuple[list[Step], Trig]:
-    """The three derivatives and the equation of one coordinate; work: what the load adds to its force."""
+def derivatives(s: Setting, energies: Energies, i: int) -> tuple[Step, Trig, Trig]:
+    """The three derivatives of L by one coordinate; what they and friction add up to; friction."""
     x, L = s.coordinate(i), energies.lagrangian
     by_rate, by_position = L.derivative(x + RATE), L.derivative(x)
     moved = by_rate.along(s.symbols.rates)
     friction = s.equations.drives[s.tree.bodies[i].coordinates.v[0]] - energies.springs.derivative(x)
-    torque = moved - by_position + friction - work
     slope, d_position = ex.partial("L", x + RATE), ex.partial("L", x)
     lines = (
         eq(slope, s.show(by_rate)),
         eq(ex.d_dt(slope), s.show(moved)),
         eq(d_position, s.show(by_position)),
     )
-    force = s.torque_name(i) if not s.load else sym(f"Q{s.numbers[i]}")
-    right = ex.add(force, ex.neg_each(s.show(friction)))
-    number = {("RR", 1): "5.15", ("RR", 2): "5.16"}.get((s.cited, s.numbers[i]), "" if s.planar else "6.15")
-    derivatives = Step(
+    step = Step(
         f"Derivatives for {sym(x)}",
         "In the partial derivatives coordinates and rates count as independent; the derivative with respect to time "
         "brings in the accelerations.",
         lines,
     )
+    return step, moved - by_position + friction, friction
+
+
+def _equation(s: Setting, energies: Energies, i: int, work: Trig) -> tuple[list[Step], Trig]:
+    """The derivatives and the equation of one coordinate; work: what the load adds to its force."""
+    first, needed, friction = derivatives(s, energies, i)
+    torque, x = needed - work, s.coordinate(i)
+    slope, d_position = ex.partial("L", x + RATE), ex.partial("L", x)
+    force = s.torque_name(i) if not s.load else sym(f"Q{s.numbers[i]}")
+    right = ex.add(force, ex.neg_each(s.show(friction)))
+    number = {("RR", 1): "5.15", ("RR", 2): "5.16"}.get((s.cited, s.numbers[i]), "" if s.planar else "6.15")
     motor = "torque" if s.turns(i) else "force"
     reason = f"Lagrange's equation; the generalized force is the {motor} of the joint's motor"
     if s.load:
@@ -163,4 +181,4 @@ def _equation(s: Setting, energies: Energies, i: int, work: Trig) -> tuple[list[
         (eq(ex.sub(ex.d_dt(slope), d_position), right), eq(s.torque_name(i), s.show(torque))),
         ("5.7", number) if number else ("5.7",),
     )
-    return [derivatives, equation], torque
+    return [first, equation], torque

@@ -13,12 +13,15 @@ def overview(s: Setting, method: str) -> tuple[str, tuple[Meaning, ...]]:
     moved = method == "kinematics"
     gravity = [] if moved else _gravity(s)
     axes = ["Vectors have components in the world's axes."] if moved and not s.planar else _axes(s)
-    return " ".join([_arm(s), *gravity, *axes, *_load(s), _sought(s, method)]), glossary(s, method)
+    return " ".join([_arm(s), *_loops(s), *gravity, *axes, *_load(s), _sought(s, method)]), glossary(
+        s, method
+    )
 
 
 def _arm(s: Setting) -> str:
     count = len(s.order)
-    kind = "A planar arm" if s.planar else "An arm in space"
+    robot = "closed chain" if s.tree.loops else "arm"
+    kind = f"A planar {robot}" if s.planar else f"A{'n' * (robot == 'arm')} {robot} in space"
     bodies = "one moving body" if count == 1 else f"{count} moving bodies"
     return f"{kind} with {bodies}: {'; '.join(_joint(s, i) for i in s.order)}. The ground is body 0."
 
@@ -26,8 +29,31 @@ def _arm(s: Setting) -> str:
 def _joint(s: Setting, i: int) -> str:
     n, parent = s.numbers[i], s.numbers[s.tree.bodies[i].parent]
     below = "the ground" if parent == 0 else f"body {parent}"
-    how = "revolute, angle θ" if s.turns(i) else "prismatic, displacement d"
-    return f"joint {n} ({how}_{n}) joins body {n} to {below}"
+    how = "revolute, angle" if s.turns(i) else "prismatic, displacement"
+    passive = ", passive" if s.tree.loops and not s.driven(i) else ""
+    return f"joint {n} ({how} {_coordinate(s, i)}{passive}) joins body {n} to {below}"
+
+
+def _coordinate(s: Setting, i: int) -> str:
+    """θ_1 or d_1, or the slide's own name."""
+    name, n = s.coordinate(i), s.numbers[i]
+    return f"θ_{n}" if name == f"theta{n}" else f"d_{n}" if name == f"d{n}" else name
+
+
+def _loops(s: Setting) -> list[str]:
+    model = s.symbols.model
+    if not model.loops:
+        return []
+    ends = {frame.name: frame.body for frame in model.frames}
+
+    def end(frame: str) -> str:
+        return f"{frame} of {'the ground' if ends[frame] < 0 else f'body {ends[frame] + 1}'}"
+
+    rows = [
+        f"{loop.name} ({loop.kind}) between {end(loop.frames[0])} and {end(loop.frames[1])}"
+        for loop in model.loops
+    ]
+    return [f"{'A loop closes' if len(rows) == 1 else 'Loops close'} it: {'; '.join(rows)}."]
 
 
 def _gravity(s: Setting) -> list[str]:
@@ -55,7 +81,15 @@ def _axes(s: Setting) -> list[str]:
 
 def _load(s: Setting) -> list[str]:
     axes = "" if s.planar else ", with components in the world's axes"
-    return [f"A force f acts on the arm at its tip P{axes}."] if s.load else []
+    return (
+        [f"A force f acts on the {'robot' if s.tree.loops else 'arm'} at its tip P{axes}."] if s.load else []
+    )
+
+
+_CLOSED = {
+    "lagrange-first-kind": "Given what the motors do, the accelerations and the forces in the loops are sought.",
+    "statics": "Sought: what the motors must give to hold the robot at rest, and the forces in the loops.",
+}
 
 
 def _sought(s: Setting, method: str) -> str:
@@ -66,6 +100,8 @@ def _sought(s: Setting, method: str) -> str:
         return (
             "Sought: how the tip P moves with the joints, and the joints' motion for a given one of the tip."
         )
+    if s.tree.loops and method != "kinematics":
+        return _CLOSED[method]
     if method == "statics":
         return f"Sought: the motor {motors} that hold{'s' if len(s.order) == 1 else ''} the arm at rest."
     return f"Given a motion of the joints, the motor {motors} {'is' if len(s.order) == 1 else 'are'} sought."

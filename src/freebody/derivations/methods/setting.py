@@ -21,7 +21,9 @@ from freebody.derivations.names import sym, vec
 from freebody.derivations.symbols import Symbols
 from freebody.elementary import Scalar
 from freebody.errors import FreebodyError
+from freebody.model.inertia import Inertia
 from freebody.model.joints.revolute import Turning
+from freebody.model.parameters import Parameter, Quantity
 from freebody.model.tree import Mass, Tree
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, add, sub, times, transposed
@@ -91,6 +93,8 @@ class Setting:
     @cached_property
     def cited(self) -> str:
         """ "R" or "RR" where the model is an arm that the notes derive, else ""."""
+        if self.tree.loops:
+            return ""
         bodies = [self.tree.bodies[i] for i in self.order]
         is_chain = all(self.numbers[body.parent] == k for k, body in enumerate(bodies))
         if not self.planar or not is_chain or not all(map(self.turns, self.order)) or len(bodies) > 2:
@@ -242,18 +246,46 @@ class Setting:
         """Direction of joint i, in the axes that are shown."""
         return self.axes(i, self.tree.bodies[i].axis)
 
+    @cached_property
+    def weighted(self) -> tuple[int, ...]:
+        """Bodies with mass, by their number."""
+        return tuple(i for i in self.order if self.tree.bodies[i].masses)
+
+    def mass_name(self, i: int) -> Expression:
+        """The model's name for the mass of body i, else m_i."""
+        return self._named(i, lambda inertia: inertia.mass) or sym(f"m{self.numbers[i]}")
+
+    def inertia_name(self, i: int) -> Expression:
+        """The model's name for the moment of inertia of body i in the plane, else I_i."""
+        own = self._named(i, lambda inertia: inertia.tensor[0]) if self.planar else None
+        return own or sym(f"I{self.numbers[i]}")
+
+    def _named(self, i: int, quantity: Callable[[Inertia], Quantity]) -> Expression | None:
+        parts = self.symbols.model.bodies[self.numbers[i] - 1].inertias
+        values = [quantity(part.inertia) for part in parts]
+        one = values[0] if len(values) == 1 else None
+        return sym(one.name) if isinstance(one, Parameter) and not self.symbols.reader.numbers else None
+
     def mass_times(self, i: int, x: Expression) -> Expression:
         """m_i x."""
-        return ex.mul(f"m{self.numbers[i]}", x)
+        return ex.mul(self.mass_name(i), x)
 
     def spin_terms(self, i: int) -> Expression:
         """I ω̇ (+ ω × I ω in space): what the moments about a body's centre of mass add up to."""
-        inertia = ex.expr(f"I{self.numbers[i]}")
+        inertia = self.inertia_name(i)
         turning = ex.mul(inertia, self.angular_name("omega", i, "_d"))
         if self.planar:
             return turning
         w = self.angular_name("omega", i)
         return ex.add(turning, ex.cross(w, ex.mul(inertia, w)))
+
+    def motor(self, i: int) -> Expression:
+        """τ_i of the motor; 0 of a passive joint in a closed chain."""
+        return self.torque_name(i) if self.driven(i) or not self.tree.loops else ex.ZERO
+
+    def driven(self, i: int) -> bool:
+        """Whether a motor acts on the joint of body i."""
+        return not self.symbols.model.bodies[self.numbers[i] - 1].joint.passive
 
     def joint_words(self, i: int) -> str:
         """ "revolute" or "prismatic"."""

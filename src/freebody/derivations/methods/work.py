@@ -26,7 +26,7 @@ def virtual_work(s: Setting) -> tuple[Step, dict[int, Trig]]:
             work = work + position.derivative(x) * component
         works[i] = work
         part = ex.dot(vec("f"), ex.partial(vec("r_P"), x))
-        motor = s.torque_name(i)
+        motor = s.motor(i)
         lines.append(eq(f"Q{s.numbers[i]}", ex.add(motor, part), ex.add(motor, s.show(work))))
     reason = (
         "The work of motors and load in a small change of the coordinates, Σ τ_i δq_i + f · δr_P, is Σ Q_i δq_i: the "

@@ -1,0 +1,317 @@
+"""Lagrange's equations of the first kind, with multipliers, and their reduction to the second kind (5.21-5.29)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from freebody.derivations import expression as ex
+from freebody.derivations.closed.first_kind import Reduction
+from freebody.derivations.closed.linear import Ratio, product
+from freebody.derivations.derivation import Derivation, Step
+from freebody.derivations.expression import Equation, Expression, eq
+from freebody.derivations.methods import lagrange
+from freebody.derivations.methods.loops import LONG, Loops
+from freebody.derivations.methods.overview import overview
+from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.work import virtual_work
+from freebody.derivations.names import entry, sym
+from freebody.derivations.symbols import RATE, SECOND
+from freebody.scalars.trig import Trig
+
+METHOD = "lagrange-first-kind"
+SHORT = 14
+"""Numbers and symbols up to which a denominator is written in every quotient."""
+TITLE = "Lagrange's equations of the first kind"
+
+
+def derive(setting: Setting) -> Derivation:
+    """The derivation; of an open chain that of the second kind, for there are no multipliers."""
+    if not setting.tree.loops:
+        return _open_chain(setting)
+    loops = Loops(setting)
+    work = _FirstKind(setting, loops)
+    steps = [loops.cut(), loops.closed(), loops.freedom(), loops.rates(), *work.energy_steps]
+    for i in setting.order:
+        steps += work.equation(i)
+    steps += [loops.wrenches(), loops.seconds(), *work.together(), *work.reduced()]
+    return Derivation(
+        METHOD,
+        TITLE,
+        setting.equations,
+        tuple(steps),
+        tuple(work.forces),
+        *overview(setting, METHOD),
+        system=loops.system,
+    )
+
+
+def _open_chain(setting: Setting) -> Derivation:
+    """No loops: Φ is empty and (5.23) is (5.24)."""
+    second = lagrange.derive(setting)
+    reason = (
+        "No loop is closed: there are no equations Φ(q) = 0 between the joint variables, no multipliers, and "
+        "Lagrange's equations of the first kind are those of the second."
+    )
+    step = Step(
+        "No loops, no multipliers",
+        reason,
+        (eq("f", ex.sub("n", "m"), ex.sub(len(setting.order), 0)),),
+        ("5.24",),
+    )
+    return replace(second, method=METHOD, title=TITLE, steps=(step, *second.steps))
+
+
+class _FirstKind:
+    """The steps from the energies on."""
+
+    def __init__(self, setting: Setting, loops: Loops):
+        self.s, self.loops, self.system = setting, loops, loops.system
+        self.energies, self.energy_steps = lagrange.lagrangian(setting)
+        self.works: dict[int, Trig] = {}
+        self._common: Trig | None = None
+        if setting.load:
+            step, self.works = virtual_work(setting)
+            self.energy_steps.append(step)
+
+    @property
+    def forces(self) -> list[Trig]:
+        """What motors must give, by joint: 0 of those without motor; the load's part taken off."""
+        zero = self.s.symbols.zero()
+        at = [self.s.tree.bodies[i].coordinates.v[0] for i in self.s.order]
+        return [
+            self.system.forces[k] - self.works.get(i, zero) for i, k in zip(self.s.order, at, strict=True)
+        ]
+
+    # ------------------------------------------------------------ one coordinate
+    def equation(self, i: int) -> list[Step]:
+        """The derivatives of L and the equation of one coordinate (5.23)."""
+        s, energies = self.s, self.energies
+        derivatives, torque, friction = lagrange.derivatives(s, energies, i)
+        k = s.tree.bodies[i].coordinates.v[0]
+        x = s.coordinate(i)
+        left = ex.add(
+            ex.sub(ex.d_dt(ex.partial("L", x + RATE)), ex.partial("L", x)),
+            *(
+                ex.mul(ex.partial(self.loops.phi(j), x), entry("lam", j))
+                for j, row in enumerate(self.loops.equations.Phi_q, 1)
+                if not row[k].is_zero
+            ),
+        )
+        motor = s.motor(i) if not s.load else sym(f"Q{s.numbers[i]}")
+        right = ex.add(motor, ex.neg_each(s.show(friction)))
+        total = torque + self.system.pressed[k] - self.works.get(i, s.symbols.zero())
+        own = (
+            "Along the coordinate act the joint's motor"
+            if s.driven(i)
+            else "The joint is passive: along it act"
+        )
+        own += ", the load" if s.load else ""
+        reason = f"{own}{' and ' if s.driven(i) or s.load else ' '}the loops, by -Φ_qᵀ λ, which stands on the left."
+        if not friction.is_zero:
+            reason += " Friction opposes."
+        lines = (eq(left, right), eq(s.motor(i), s.show(total)))
+        return [derivatives, Step(f"The equation of {sym(x)}", reason, lines, ("5.23",))]
+
+    # ------------------------------------------------------------ all together
+    def together(self) -> list[Step]:
+        """M, n and the system of both (5.25-5.27, 5.29)."""
+        reason = (
+            "Sorted by accelerations: M is the matrix of the kinetic energy ½ q̇ᵀ M q̇, and n holds the generalized "
+            "forces less all terms without accelerations. Entries that are not listed are 0."
+        )
+        rests = [self._named_rest(k, i) for k, i in self._by_coordinate()]
+        first = Step(
+            "Mass matrix and forces",
+            reason,
+            (*self._masses(), *rests),
+            ("5.25", "5.26", "5.27"),
+        )
+        block = ex.matrix([[sym("M"), ex.transposed(self.loops.phi_q)], [self.loops.phi_q, 0]])
+        unknown = ex.vector(ex.Symbol("q_dd", "q", dots=2), sym("lam"))
+        n, m = len(self.s.symbols.coordinates), len(self.loops.equations.names)
+        both = Step(
+            "Accelerations and multipliers together",
+            f"{n} equations of motion and {m} of the loops, for {n} accelerations and {m} multipliers. The matrix can "
+            "be inverted where Φ_q has full rank and M is positive definite on the motions that the loops allow.",
+            (eq(ex.mul(block, unknown), ex.vector("n", "c")),),
+            ("5.29",),
+            result=True,
+        )
+        return [first, both]
+
+    def _masses(self) -> list[Equation]:
+        """The entries of M that are not 0, the diagonal first."""
+        M, n = self.system.M, len(self.system.M)
+        lines = [eq(entry("M", k + 1, k + 1), self.s.show(M[k][k])) for k in range(n) if not M[k][k].is_zero]
+        for i in range(n):
+            for k in range(i + 1, n):
+                if not M[i][k].is_zero:
+                    names = entry("M", i + 1, k + 1), entry("M", k + 1, i + 1)
+                    lines.append(eq(*names, self.s.show(M[i][k])))
+        return lines
+
+    def _by_coordinate(self) -> list[tuple[int, int]]:
+        """(coordinate, body)."""
+        return sorted((self.s.tree.bodies[i].coordinates.v[0], i) for i in self.s.order)
+
+    def _named_rest(self, k: int, i: int) -> Equation:
+        rest = self.system.rest[k] - self.works.get(i, self.s.symbols.zero())
+        shown = self.s.show(rest)
+        if isinstance(shown, ex.Words):
+            shown = ex.Words(shown.text.strip("()"))  # brackets come with the sign
+        return eq(entry("n", k + 1), ex.add(self.s.motor(i), ex.neg_each(shown)))
+
+    # ------------------------------------------------------------ the second kind
+    def reduced(self) -> list[Step]:
+        """In independent coordinates (5.24)."""
+        reduction = self.system.reduction
+        if reduction is None:
+            reason = (
+                "The count leaves no independent coordinate; a mechanism that moves all the same has dependent "
+                "equations, and only a position tells which. (5.29) holds as it stands, solved by rank."
+            )
+            return [Step("No reduction", reason)]
+        self._common = self._shared(reduction)
+        return [self._allowed(reduction), self._drift(reduction), self._second(reduction)]
+
+    def _shared(self, r: Reduction) -> Trig | None:
+        """The denominator of all quotients, where it is one and too long to be written each time."""
+        below = [x.below for x in (*(x for row in r.N for x in row), *r.drift) if not x.is_polynomial]
+        if not below or ex.size(self.loops.equations.form(below[0])) < SHORT:
+            return None
+        first = below[0] / below[0].leading_coefficient
+        return first if all(x == first * x.leading_coefficient for x in below) else None
+
+    def _allowed(self, r: Reduction) -> Step:
+        chosen = [sym(self.s.symbols.coordinates[k]) for k in r.independent]
+        names = ", ".join(map(str, chosen))
+        lines = [
+            eq(sym("u"), ex.Vector(tuple(chosen)) if len(chosen) > 1 else chosen[0]),
+            eq(ex.Symbol("q_d", "q", dots=1), ex.mul("N", ex.Symbol("u_d", "u", dots=1))),
+            eq(ex.mul(self.loops.phi_q, "N"), ex.ZERO),
+            eq("N", ex.matrix([[self._entry(r, k, j) for j in range(len(chosen))] for k in range(len(r.N))])),
+        ]
+        lines += [
+            eq(self._entry(r, k, j), self._ratio(x))
+            for k in r.dependent
+            for j, x in enumerate(r.N[k])
+            if not _is_plain(x)
+        ]
+        if self._common is not None:
+            lines.append(eq(sym("Delta"), self.loops.equations.form(self._common)))
+        reason = (
+            f"The loop equations on the rates are solved for those of all coordinates but {names}: the columns of N "
+            f"are the motions that the loops allow. It fails where the denominator vanishes; there {names} "
+            f"{'does' if len(chosen) == 1 else 'do'} not determine the motion."
+        )
+        return Step("Independent coordinates", reason, tuple(lines), ("5.22",))
+
+    def _entry(self, r: Reduction, k: int, j: int) -> Expression:
+        """0, 1 or a whole entry of N as it is, else K_kj (K_k with one independent coordinate)."""
+        x = r.N[k][j]
+        if _is_plain(x):
+            return self.loops.equations.form(x.above)
+        return entry("K", k + 1) if len(r.independent) == 1 else entry("K", k + 1, j + 1)
+
+    def _drift(self, r: Reduction) -> Step:
+        lines = [
+            eq(
+                ex.Symbol("q_dd", "q", dots=2),
+                ex.add(ex.mul("N", ex.Symbol("u_dd", "u", dots=2)), sym("gamma")),
+            )
+        ]
+        lines += [
+            eq(entry("gamma", k + 1), self._ratio(r.drift[k])) for k in r.dependent if not r.drift[k].is_zero
+        ]
+        reason = (
+            "So are the equations on the accelerations: γ is what the dependent coordinates have of products of rates "
+            "alone; of the independent ones it is 0."
+        )
+        return Step("Dependent accelerations", reason, tuple(lines), ("5.28",))
+
+    def _second(self, r: Reduction) -> Step:
+        """Nᵀ M N ü = Nᵀ (n - M γ)."""
+        N_t = ex.transposed("N")
+        rule = eq(
+            ex.mul(N_t, "M", "N", ex.Symbol("u_dd", "u", dots=2)),
+            ex.mul(N_t, ex.sub("n", ex.mul("M", "gamma"))),
+        )
+        zero = eq(ex.mul(N_t, ex.transposed(self.loops.phi_q)), ex.ZERO)
+        lines = [zero, rule]
+        written = self._written(r)
+        if sum(map(ex.size, written)) <= 3 * LONG:
+            lines += written
+        reason = (
+            "The loops do no work in the motions they allow: multiplied by Nᵀ the multipliers leave, and what remains "
+            f"{'is one equation' if len(r.independent) == 1 else f'are {len(r.independent)} equations'} in independent "
+            "coordinates, the second kind."
+        )
+        return Step("The second kind", reason, tuple(lines), ("5.24",), result=True)
+
+    def _written(self, r: Reduction) -> list[Equation]:
+        """The reduced equations by entries of M, n, N and γ; the mass matrix H = NᵀM N by its entries if it is one."""
+        f, names = len(r.independent), [self.s.symbols.coordinates[k] + SECOND for k in r.independent]
+        if f == 1:
+            return [eq(ex.mul(self._quadratic(r, 0, 0), names[0]), self._driving(r, 0))]
+        lines = []
+        for j in range(f):
+            left = ex.add(*(ex.mul(entry("H", j + 1, k + 1), name) for k, name in enumerate(names)))
+            lines.append(eq(left, self._driving(r, j)))
+        for j in range(f):
+            for k in range(j, f):
+                both = [entry("H", j + 1, k + 1), *([entry("H", k + 1, j + 1)] if j != k else [])]
+                lines.append(eq(*both, self._quadratic(r, j, k)))
+        return lines
+
+    def _quadratic(self, r: Reduction, j: int, l: int) -> Expression:
+        """Σ M_ik N_ij N_kl, equal terms together."""
+        n = len(r.N)
+        terms: dict[tuple[Expression, ...], int] = {}
+        for i in range(n):
+            for k in range(i, n):
+                if self.system.M[i][k].is_zero:
+                    continue
+                for a, b in {(i, k), (k, i)}:
+                    factors = sorted((self._entry(r, a, j), self._entry(r, b, l)), key=str)
+                    if ex.ZERO not in factors:
+                        key = (entry("M", i + 1, k + 1), *(x for x in factors if x != ex.ONE))
+                        terms[key] = terms.get(key, 0) + 1
+        return ex.add(*(ex.mul(count, *_squared(key)) for key, count in terms.items()))
+
+    def _driving(self, r: Reduction, j: int) -> Expression:
+        """Σ N_ij (n_i - Σ M_ik γ_k)."""
+        total = []
+        for i in range(len(r.N)):
+            weight = self._entry(r, i, j)
+            if weight == ex.ZERO:
+                continue
+            moved = [
+                ex.neg(ex.mul(entry("M", min(i, k) + 1, max(i, k) + 1), entry("gamma", k + 1)))
+                for k in r.dependent
+                if not r.drift[k].is_zero and not self.system.M[i][k].is_zero
+            ]
+            total.append(ex.mul(weight, ex.add(entry("n", i + 1), *moved)))
+        return ex.add(*total)
+
+    def _ratio(self, x: Ratio) -> Expression:
+        layout = self.loops.equations.layout
+        if self._common is not None and not x.is_polynomial:
+            above = product(x.above / x.below.leading_coefficient, layout)
+            shown = ex.div(above, sym("Delta"))
+        else:
+            shown = x.form(layout)
+        return (
+            shown if ex.size(shown) <= 2 * LONG else ex.Words(f"({len(x.above)} terms over {len(x.below)})")
+        )
+
+
+def _squared(factors: tuple[Expression, ...]) -> list[Expression]:
+    """Two equal factors at the end as a power."""
+    if len(factors) == 3 and factors[1] == factors[2]:
+        return [factors[0], ex.power(factors[1], 2)]
+    return list(factors)
+
+
+def _is_plain(x: Ratio) -> bool:
+    """Whether an entry is a number."""
+    return x.is_polynomial and x.above.is_constant

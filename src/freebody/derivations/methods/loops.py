@@ -1,0 +1,279 @@
+"""What derivations of closed chains share: where loops are cut, their equations, and which wrench a multiplier is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from freebody.algorithms import constraints
+from freebody.algorithms.kinematics import frame_pose
+from freebody.derivations import expression as ex
+from freebody.derivations.closed.first_kind import FirstKind, multiplier_names
+from freebody.derivations.closed.loops import LoopEquations
+from freebody.derivations.derivation import Step
+from freebody.derivations.expression import Equation, Expression, eq
+from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.wording import listed
+from freebody.derivations.names import entry, sym
+from freebody.model.tree import TreeLoop
+from freebody.scalars.trig import Trig
+from freebody.spatial import Vector, add, scale
+
+LONG = 90
+"""Numbers and symbols up to which a matrix is written out."""
+
+
+@dataclass(frozen=True)
+class Loops:
+    """The loops of a setting, in words and as steps."""
+
+    s: Setting
+
+    @cached_property
+    def equations(self) -> LoopEquations:
+        """Φ and its derivatives."""
+        return LoopEquations(self.s.symbols)
+
+    @cached_property
+    def system(self) -> FirstKind:
+        """The equations of the first kind."""
+        return FirstKind(self.equations, self.s.equations)
+
+    # ------------------------------------------------------------ words
+    def ends(self, loop: TreeLoop) -> tuple[int, int]:
+        """The bodies of the tree that carry its frames; -1 is the ground."""
+        a, b = (self.s.tree.frames[frame][0] for frame in loop.frames)
+        return a, b
+
+    def body(self, i: int) -> str:
+        """ "body 3", or "the ground"."""
+        return f"body {self.s.numbers[i]}" if i >= 0 else "the ground"
+
+    def points(self, loop: TreeLoop) -> tuple[str, str]:
+        """ "point P of body 3" of both frames."""
+        first, second = (self._point(name, i) for name, i in zip(loop.frames, self.ends(loop), strict=True))
+        return first, second
+
+    def _point(self, frame: str, i: int) -> str:
+        own = self.s.symbols.model.frame(frame)
+        return (
+            f"point {frame} of {self.body(i)}" if own.mounted else f"the origin of {self.body(i)} ({frame})"
+        )
+
+    def holds(self, loop: TreeLoop) -> str:
+        """What a loop does."""
+        first, second = self.points(loop)
+        if loop.closure.distance:
+            return f"{loop.name} is a rod without mass from {first} to {second}"
+        kind = next(x.kind for x in self.s.symbols.model.loops if x.name == loop.name)
+        if kind in ("revolute", "point", "spherical"):
+            return f"{loop.name} holds {first} and {second} together"
+        return f"{loop.name} ({kind}) joins {first} to {second}"
+
+    # ------------------------------------------------------------ steps
+    def cut(self) -> Step:
+        """Dependent coordinates."""
+        s = self.s
+        held = "; ".join(self.holds(loop) for loop in s.tree.loops)
+        cuts = "loop" if len(s.tree.loops) == 1 else "loops"
+        reason = (
+            f"The {cuts} cut open, the bodies hang in a tree, whose joint variables fix every pose; they are not "
+            f"independent, because what was cut must stay closed: {held}."
+        )
+        motors = [s.motor(i) for i in s.order]
+        if any(x == ex.ZERO for x in motors):
+            reason += " A passive joint has no motor and its force is 0."
+        lines = [eq(sym("q"), ex.Vector(tuple(sym(s.coordinate(i)) for i in s.order)))]
+        if not s.load:
+            lines.append(eq(sym("Q"), ex.Vector(tuple(motors))))
+        return Step("Cut the loops: dependent coordinates", reason, tuple(lines))
+
+    def closed(self) -> Step:
+        """Φ(q) = 0."""
+        reason = " ".join(self._written(loop) for loop in self.s.tree.loops)
+        lines = [eq(self.phi(k), shown, ex.ZERO) for k, shown in enumerate(self.equations.expressions(), 1)]
+        numbers = ("2.33", "2.34", "5.21") if self.is_notes_robot else ("5.21",)
+        if self.is_notes_robot:
+            reason += " (The notes print (2.33) and (2.34) with the sign of d = 2b exchanged.)"
+        return Step("The loop equations", reason, tuple(lines), numbers)
+
+    def _written(self, loop: TreeLoop) -> str:
+        rows = [f"Φ_{k + 1}" for k in self.equations.rows(loop)]
+        (a, b), (first, second) = loop.frames, self.points(loop)
+        verb = "say" if len(rows) > 1 else "says"
+        if loop.closure.distance:
+            square = f"the square of the distance from {a} to {b}"
+            return f"{listed(rows)} {verb} that {square} is that of {loop.name}'s length."
+        if not loop.closure.turns and not loop.closure.slides:
+            return f"{listed(rows)} {verb} that the way from {first} to {second} is zero, component by component."
+        return f"{listed(rows)} {verb} that {loop.name} stays closed: {_parts(loop)}."
+
+    @cached_property
+    def is_notes_robot(self) -> bool:
+        """Whether this is the five-bar as section 2.3 writes it: a point that slides freely, on two rods."""
+        s = self.s
+        names = set(s.symbols.coordinates)
+        lengths = {"b", "l1", "l2", "l3", "l4"}
+        rods = len(s.tree.loops) == 2 and all(loop.closure.distance for loop in s.tree.loops)
+        return (
+            s.planar
+            and rods
+            and names == {"theta1", "theta2", "x", "y"}
+            and lengths <= set(s.symbols.ring.names)
+        )
+
+    def freedom(self) -> Step:
+        """f = n - m."""
+        n, m = len(self.s.symbols.coordinates), len(self.equations.names)
+        f = self.equations.gruebler
+        word = "degree" if f == 1 else "degrees"
+        reason = (
+            f"{n} coordinates less {m} equations leave {f} {word} of freedom, by the count that takes all equations as "
+            "independent (Grübler's); whether they are depends on lengths and position."
+        )
+        return Step("Degrees of freedom", reason, (eq("f", ex.sub("n", "m"), ex.sub(n, m), f),))
+
+    def rates(self) -> Step:
+        """Φ_q q̇ = 0."""
+        reason = (
+            "The equations hold at all times, so their time derivatives vanish: the matrix Φ_q of partial derivatives "
+            "takes the rates to zero."
+        )
+        zero = eq(ex.d_dt(sym("Phi")), ex.mul(self.phi_q, _dotted("q", 1)), ex.ZERO)
+        return Step(
+            "Rates under the loops", reason, (zero, *self.matrix(self.phi_q, self.equations.Phi_q)), ("5.22",)
+        )
+
+    def seconds(self) -> Step:
+        """Φ_q q̈ = c."""
+        rate = ex.Symbol("Phi_q_d", "Φ", ("q",), dots=1)
+        rule = eq(ex.mul(self.phi_q, _dotted("q", 2)), ex.neg(ex.mul(rate, _dotted("q", 1))), "c")
+        lines = [eq(entry("c", k), self.s.show(x)) for k, x in enumerate(self.equations.c, 1)]
+        reason = (
+            "Differentiated once more: what the accelerations must satisfy, c holding the products of rates."
+        )
+        return Step("Accelerations under the loops", reason, (rule, *lines), ("5.28",))
+
+    def wrenches(self) -> Step:
+        """Which force is which multiplier."""
+        lines: list[Equation] = []
+        words: list[str] = []
+        for loop in self.s.tree.loops:
+            rows = list(self.equations.rows(loop))
+            names = listed([f"λ_{k + 1}" for k in rows])
+            words.append(f"{names} {'is' if len(rows) == 1 else 'are'} {self._meaning(loop)}.")
+            lines += self.force_lines(loop)
+        reason = (
+            "What a loop does enters as -Φ_qᵀ λ. "
+            + " ".join(words)
+            + " The bodies act on one another with opposite "
+            "wrenches."
+        )
+        return Step("What the multipliers are", reason, tuple(lines))
+
+    def _meaning(self, loop: TreeLoop) -> str:
+        target, other = (self.body(i) for i in self.acting(loop))
+        at = loop.frames[0] if self.ends(loop)[0] >= 0 else loop.frames[1]
+        if loop.closure.distance:
+            return (
+                f"half the rod's tension over its length: positive, it pulls {target} at {at} towards {other}"
+            )
+        parts = "force" if not loop.closure.turns and not loop.closure.slides else "force and the moment"
+        return f"the {parts} of {other} on {target} at {at}, by components"
+
+    # ------------------------------------------------------------ wrenches
+    def acting(self, loop: TreeLoop) -> tuple[int, int]:
+        """(the body that the shown wrench acts on, the one that it comes from): the first frame's unless that is the
+        ground."""
+        a, b = self.ends(loop)
+        return (a, b) if a >= 0 else (b, a)
+
+    def force_name(self, loop: TreeLoop) -> Expression:
+        """f of the wrench, primed where a joint between the same bodies has a force of that name."""
+        target, other = self.acting(loop)
+        return self._primed(loop, self.s.force_name(other, target))
+
+    def moment_name(self, loop: TreeLoop) -> Expression:
+        """n of the wrench."""
+        target, other = self.acting(loop)
+        return self._primed(loop, self.s.moment_name(other, target))
+
+    def _primed(self, loop: TreeLoop, name: Expression) -> Expression:
+        ends = set(self.ends(loop))
+        joined = any({i, self.s.tree.bodies[i].parent} == ends for i in self.s.order)
+        before = [x for x in self.s.tree.loops if set(self.ends(x)) == ends]
+        primes = joined + [x.name for x in before].index(loop.name)
+        if not primes or not isinstance(name, ex.Symbol):
+            return name
+        return ex.Symbol(
+            name.name + "_prime" * primes, name.letter, name.low, name.dots, name.bold, "′" * primes
+        )
+
+    def wrench(self, loop: TreeLoop) -> tuple[Vector, Vector]:
+        """(force, moment) that acts on that body at its frame, world axes, by the multipliers."""
+        own = next(x for x in self.equations.tree.loops if x.name == loop.name)
+        s, space = self.s, self.s.tree.space
+        ends = (frame_pose(s.tree, self.equations.world, frame) for frame in loop.frames)
+        on_first = self.ends(loop)[0] >= 0
+        force, moment = space.zero, space.zero_angular
+        names = multiplier_names(self.equations)
+        for k, e in zip(
+            self.equations.rows(loop), constraints.loop_equations(space, own, *ends), strict=True
+        ):
+            weight = s.symbols.ring[names[k]] * (1.0 if on_first else -1.0)
+            force = add(force, scale(weight, e.f))
+            moment = add(moment, scale(weight, e.n_a if on_first else e.n_b))
+        return force, moment
+
+    def force_lines(self, loop: TreeLoop) -> list[Equation]:
+        """The wrench by its multipliers."""
+        s = self.s
+        if loop.closure.distance:
+            (k,) = self.equations.rows(loop)
+            sign = 1 if self.ends(loop)[0] >= 0 else -1
+            gap = s.column(tuple(x * sign for x in self.equations.gap(loop)))
+            return [eq(self.force_name(loop), ex.mul(2, entry("lam", k + 1), gap))]
+        force, moment = self.wrench(loop)
+        lines = [eq(self.force_name(loop), s.column(force))]
+        if any(not s.symbols.element(x).is_zero for x in moment):
+            lines.append(eq(self.moment_name(loop), s.angular(moment)))
+        return lines
+
+    # ------------------------------------------------------------ symbols
+    @property
+    def phi_q(self) -> Expression:
+        """Φ_q."""
+        return ex.Symbol("Phi_q", "Φ", ("q",))
+
+    def phi(self, k: int) -> Expression:
+        """Φ_k."""
+        return entry("Phi", k)
+
+    def matrix(self, name: Expression, rows: list) -> list[Equation]:
+        """A matrix written out, or row by row where it is wide, or by its entries that are not zero."""
+        shown = ex.matrix([[self._entry(x) for x in row] for row in rows])
+        if ex.size(shown) <= LONG:
+            return [eq(name, shown)]
+        letter = name.letter if isinstance(name, ex.Symbol) else "A"
+        low = name.low if isinstance(name, ex.Symbol) else ()
+        return [
+            eq(ex.Symbol(f"{letter}{i}{j}", letter, (*low, f"{i}{j}")), self._entry(x))
+            for i, row in enumerate(rows, 1)
+            for j, x in enumerate(row, 1)
+            if not x.is_zero
+        ]
+
+    def _entry(self, x: Trig) -> Expression:
+        return min((self.s.show_moved(x), self.s.show(x)), key=ex.size)
+
+
+def _dotted(letter: str, dots: int) -> Expression:
+    return ex.Symbol(letter + ("", "_d", "_dd")[dots], letter, dots=dots)
+
+
+def _parts(loop: TreeLoop) -> str:
+    closure = loop.closure
+    parts = ["the points together"] if closure.point else []
+    parts += ["no motion across the slide"] if closure.slides else []
+    parts += ["directions at right angles that stay so"] if closure.turns else []
+    return ", ".join(parts)
