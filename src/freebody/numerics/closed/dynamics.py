@@ -30,7 +30,8 @@ from freebody.numerics.states import difference, integrate
 _PIVOT = 1e-6
 """The smallest pivot of the quick solution relative to the largest; below, the careful solution takes over."""
 _REGULAR = 1e-2  # of the same, from which stages of an integration need no care
-_SHORT = 0.02  # rad: a motion that shows where accelerations lead
+_SHORT = 0.01  # rad: a motion that shows where accelerations lead
+_ASIDE = 0.03  # part of what accelerations add to it by which it may miss the closed positions: terms of third order
 _LEFT = 1e-6  # of an equation, relative to its terms: more is no rounding
 
 
@@ -136,14 +137,14 @@ def _leads_on(model: Model, q: Array, qd: Array, qdd: Array) -> bool:
     """Whether a short motion with these accelerations stays closed, but for terms of third order."""
     rates = rate_scale(model)
     first, second = qd / rates, qdd / rates
-    size = float(np.abs(first).max(initial=0.0)) + float(np.abs(second).max(initial=0.0)) ** 0.5
-    if size == 0.0:
+    speed, change = (float(np.abs(x).max(initial=0.0)) for x in (first, second))
+    if speed == change == 0.0:
         return True
-    h = _SHORT / size
+    h = min(_SHORT / max(speed, 1e-300), (2.0 * _SHORT / max(change, 1e-300)) ** 0.5)
     ahead = integrate(model, q, h * qd + 0.5 * h * h * qdd)
     closed, left = closing(model, ahead[None], range(model.nv))
     moved = float(np.abs(difference(model, ahead, closed[0]) / rates).max(initial=0.0))
-    return bool(left[0] < 1e-12) and moved < 0.1 * _SHORT**2
+    return bool(left[0] < 1e-12) and moved < _ASIDE * 0.5 * h * h * (change + speed**2)
 
 
 def _jerk(model: Model, q: Array, qd: Array) -> Jerk:

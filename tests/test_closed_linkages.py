@@ -1,0 +1,223 @@
+"""Random planar linkages: each call answers, and the answer passes checks of its own, or it is refused in words."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.errors import SingularError
+from freebody.model.assembly import assemble
+from freebody.model.gravity import gravity_of
+from freebody.model.inertia import Inertia
+from freebody.model.model import Model
+from freebody.model.parts import Description, Drive, Joint, Link
+from freebody.model.placement import Placement, rotate, shift
+from helpers import close, numbers, poses
+
+SPECIAL = (0.0, 1.0, -1.0, 0.5)  # lengths of exercises, with which linkages fold flat and align
+KINDS = ("revolute", "prismatic", "point", "fixed", "distance")
+
+
+def linkage(seed: int) -> tuple[Model, np.ndarray]:
+    """A random planar tree of 2 to 6 links with 1 or 2 loops, and a guess for a closed position.
+
+    In two of three, loops are placed where they close at the guess.
+    """
+    rng = np.random.default_rng([seed, 2024])
+    special = rng.random() < 0.3
+    n = int(rng.integers(2, 7))
+
+    def place() -> Placement:
+        if special:
+            return shift(float(rng.choice(SPECIAL)), float(rng.choice(SPECIAL[:1] * 3 + SPECIAL)))
+        angle = float(rng.uniform(-3, 3))
+        R = ((np.cos(angle), -np.sin(angle)), (np.sin(angle), np.cos(angle)))
+        by = shift(*(float(x) for x in rng.normal(scale=0.5, size=2)))
+        return by.then(rotate(R)) if rng.random() < 0.5 else by
+
+    links, joints = [Link("ground")], []
+    for k in range(n):
+        mass = float(rng.uniform(0.3, 3.0))
+        com = (float(rng.uniform(0, 0.5)), 0.0)
+        inertia = Inertia(mass, com, (float(rng.choice([0.0, mass * rng.uniform(0.01, 0.1)])),))
+        links.append(Link(f"link{k + 1}", None if rng.random() < 0.15 else inertia))
+        parent = "ground" if k == 0 or rng.random() < 0.35 else f"link{rng.integers(1, k + 1)}"
+        kind = str(rng.choice(["revolute", "prismatic"], p=[0.75, 0.25]))
+        axis = (1.0,) if kind == "revolute" else ((1.0, 0.0) if special else tuple(rng.normal(size=2)))
+        drive = Drive()
+        if rng.random() < 0.15:
+            drive = Drive(
+                *(float(x) for x in rng.uniform(0, 0.3, size=2)), stiffness=float(rng.uniform(0, 5))
+            )
+        joints.append(
+            Joint(
+                f"joint{k + 1}",
+                kind,
+                parent,
+                f"link{k + 1}",
+                place(),
+                axis,
+                drive=drive,
+                passive=bool(rng.random() < 0.5),
+            )
+        )
+    gravity = gravity_of((0.0, 0.0) if rng.random() < 0.1 else (0.3, -9.81), 2)
+    model = assemble(Description(f"linkage{seed}", 2, tuple(links), tuple(joints), gravity))
+    guess = (
+        np.where(rng.random(n) < 0.5, 0.0, rng.uniform(-1, 1, size=n)) if special else rng.uniform(-1, 1, n)
+    )
+    closed = rng.random() < 0.67
+    bodies = ["ground", *(f"link{k + 1}" for k in range(n))]
+    for k in range(int(rng.integers(1, 3))):
+        a, b = (str(x) for x in rng.choice(bodies, size=2, replace=False))
+        kind = str(rng.choice(KINDS, p=[0.5, 0.15, 0.1, 0.1, 0.15]))
+        at = place()
+        model = model.with_frame(f"A{k}", frame=a, **_pose(at))
+        if closed:
+            T = poses(model, guess)
+            rel = np.linalg.inv(T[b]) @ T[f"A{k}"]
+            distance = float(rng.uniform(0.2, 1.0))
+            if kind == "distance":
+                rel[:2, 3] += rel[:2, :2] @ [distance, 0.0]
+            model = model.with_frame(f"B{k}", rel[:2, 3], rel[:2, :2], frame=b)
+        else:
+            distance = float(rng.uniform(0.2, 1.0))
+            model = model.with_frame(f"B{k}", frame=b, **_pose(place()))
+        model = model.with_loop(
+            f"loop{k}",
+            kind,
+            (f"A{k}", f"B{k}"),
+            axis=(1.0, 0.5) if kind == "prismatic" else (),
+            distance=distance if kind == "distance" else None,
+        )
+    return model, np.asarray(guess, dtype=float)
+
+
+def _pose(placement: Placement) -> dict:
+    from generate import matrix
+
+    T = matrix(placement, 2)
+    return {"position": T[:2, 2], "rotation": T[:2, :2]}
+
+
+def refusal(model: Model, error: fb.FreebodyError) -> None:
+    """The message names a loop or joint, and says what to do."""
+    text = str(error)
+    assert isinstance(error, fb.LoopError | SingularError)
+    named = [*(loop.name for loop in model.loops), *model.velocity_names]
+    assert any(re.search(rf"\b{name}\b", text) for name in named) or "(none)" in text, text
+    remedies = (
+        "Start",
+        "start",
+        "check lengths",
+        "Drive another",
+        "Give what",
+        "make",
+        "the mechanism is stuck",
+    )
+    assert any(word in text for word in remedies), text
+
+
+def examine(seed: int) -> set[str]:
+    """Everything that can be asked of a linkage; returns what was answered."""
+    model, guess = linkage(seed)
+    answered = set()
+    try:
+        q = fb.assemble(model, guess)
+    except fb.FreebodyError as error:
+        refusal(model, error)
+        return {"open"}
+    answered.add("assemble")
+    gap_is_zero(model, q)
+    found = fb.mobility(model, q)
+    assert 0 <= found.generic <= found.instantaneous
+    assert found.gruebler <= found.instantaneous
+    assert found.gruebler + len(found.redundant) <= found.generic or found.generic == 0
+    assert len(found.independent) == found.instantaneous
+    rng = np.random.default_rng(seed)
+    J = numbers(model, "constraint_jacobian", q)
+    qd = fb.loop_velocity(model, q, rng.normal(size=model.nv))
+    assert np.abs(J @ qd).max() < 1e-9 * (1 + np.abs(qd).max())
+    tau = rng.normal(size=model.nv) * [joint in model.actuated for joint in model.joint_names]
+    load = {"link1": rng.normal(size=3)}
+    try:
+        qdd = fb.forward_dynamics(model, q, qd, tau, load)
+    except fb.FreebodyError as error:
+        refusal(model, error)
+        answered.add("no acceleration")
+        try:
+            qdd = fb.loop_acceleration(model, q, qd, rng.normal(size=model.nv))
+        except fb.FreebodyError as error:
+            refusal(model, error)
+            return answered | {"stuck"}
+    else:
+        answered.add("forward")
+        acceleration_is_right(model, q, qd, qdd, tau, load, found)
+    try:
+        torque = fb.inverse_dynamics(model, q, qd, qdd, load)
+    except fb.FreebodyError as error:
+        refusal(model, error)
+        answered.add("no torque")
+    else:
+        answered.add("inverse")
+        assert not torque[[joint not in model.actuated for joint in model.joint_names]].any()
+        torque_is_right(model, q, qd, qdd, torque, load)
+    return answered
+
+
+def gap_is_zero(model: Model, q: np.ndarray) -> None:
+    """Closed, as seen in the poses of the frames."""
+    T = poses(model, q)
+    for loop in model.loops:
+        A, B = (T[name] for name in loop.frames)
+        rel = np.linalg.inv(A) @ B
+        r, turned = rel[:2, 3], np.abs(rel[:2, :2] - np.eye(2)).max()
+        if loop.kind in ("revolute", "point", "fixed"):
+            assert np.abs(r).max() < 1e-10
+        if loop.kind == "prismatic":
+            assert abs(r[0] * loop.axis[1] - r[1] * loop.axis[0]) < 1e-10
+        if loop.kind in ("prismatic", "fixed"):
+            assert turned < 1e-10
+        if loop.kind == "distance":
+            assert abs(np.linalg.norm(r) - loop.distance) < 1e-10
+
+
+def acceleration_is_right(model, q, qd, qdd, tau, load, found) -> None:
+    assert np.isfinite(qdd).all()
+    J, c = numbers(model, "constraint_jacobian", q), numbers(model, "constraint_bias", q, qd)
+    size = 1.0 + float(np.abs(qdd).max()) + float(np.abs(qd).max()) ** 2
+    assert np.abs(J @ qdd - c).max() < 1e-6 * size
+    if found.instantaneous > found.generic:
+        return  # where the loops lose rank their forces are none of the equations'
+    torque_is_right(model, q, qd, qdd, tau, load)
+    reactions = fb.reactions(model, q, qd, tau=tau, wrenches=load)
+    close(reactions.qdd, qdd, 1e-9, size)
+    assert np.isfinite(reactions.wrenches).all()
+    assert reactions.balance < 1e-8
+
+
+def torque_is_right(model, q, qd, qdd, tau, load) -> None:
+    """In every motion that the loops allow, the power of the torques is what the tree needs: D'Alembert."""
+    needed = numbers(model.opened, "inverse_dynamics", q, qd, qdd, wrenches=load)
+    J = numbers(model, "constraint_jacobian", q)
+    _, s, Vt = np.linalg.svd(J)
+    N = Vt[int((s > 1e-9 * max(s.max(initial=0.0), 1e-300)).sum()) :].T
+    size = 1.0 + float(np.abs(needed).max()) + float(np.abs(tau).max())
+    assert np.abs(N.T @ (tau - needed)).max(initial=0.0) < 1e-7 * size
+
+
+@pytest.mark.parametrize("start", range(0, 240, 40))
+def test_random_linkages(start):
+    answered = [examine(seed) for seed in range(start, start + 40)]
+    assert sum("forward" in a for a in answered) > 8
+    assert sum("inverse" in a for a in answered) > 3
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("start", range(240, 1540, 50))
+def test_a_thousand_random_linkages(start):
+    for seed in range(start, start + 50):
+        examine(seed)
