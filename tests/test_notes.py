@@ -8,7 +8,7 @@ import pytest
 
 from freebody.derivations.formula import FormulaError
 from freebody.errors import FreebodyError, UnknownNameError
-from freebody.notes.checks import Digits, Reading, Related
+from freebody.notes.checks import Answer, Digits, Reading, Related
 from freebody.notes.item import Item, Outcome
 from freebody.notes.registry import item, items
 from freebody.notes.run import NotesError, run
@@ -158,10 +158,10 @@ def test_calls_shown_are_calls_that_run():
     import freebody as fb
 
     for x in items():
-        if isinstance(x.test, Related) and isinstance(x.test.values, str) and not x.test.links and x.printed:
-            for line in x.test.call(x.printed).splitlines():
-                found = eval(line, {"fb": fb})
-                assert found is not None, x.id
+        if isinstance(x.test, Related) and isinstance(x.test.values, str) and x.printed:
+            exec(x.test.call(x.printed), {"fb": fb})
+        if isinstance(x.test, Answer):
+            assert bool(eval(x.test.call(x.corrected or x.printed), {"fb": fb})), x.id
 
 
 @pytest.mark.parametrize(

@@ -59,7 +59,15 @@ def test_links_in_letters(arm):
     assert second["omega_i"] is arm["omega2"]
     assert second["omega_h"] is arm["omega1"]
     assert second["f_hi"] is arm["f12"]
-    assert fb.relation(second, "omega_i_d = omega_h_d + theta_i_dd")
+    for i in (1, 2):
+        assert fb.relation(arm, "omega_i_d = omega_h_d + theta_i_dd", link=i)
+
+
+def test_axes_and_rates_in_the_world():
+    free = fb.quantities(fb.load("scara"))
+    for i in (1, 2):
+        assert fb.relation(free, "w_i = w_h + theta_i_d*z_i", link=i)
+        assert fb.relation(free, "d_dt(R_i) = skew(w_i)*R_i", link=i)
 
 
 def test_quantities_refuse_what_they_have_no_names_for():
@@ -141,6 +149,20 @@ def test_trajectory_derivatives_and_numbers():
     np.testing.assert_allclose(v[:, 0], 9 * t**2 + 4 * t)
     np.testing.assert_allclose(a[:, 1], np.exp(t) * (4 * np.cos(2 * t) - 3 * np.sin(2 * t)))
     assert str(path.velocity.expressions[0]) == "9 t² + 4 t"
+
+
+def test_a_path_through_samples_has_the_derivatives_of_the_curve():
+    exact = fb.trajectory("5*cos(3.14*t)", "5*sin(3.14*t)")
+    t = np.linspace(0, 1, 101)
+    path = fb.sampled_trajectory(t, exact.at(t)[0])
+    for found, right, miss in zip(
+        path.at([0.3, 0.71]), exact.at([0.3, 0.71]), (1e-9, 1e-8, 1e-6), strict=True
+    ):
+        np.testing.assert_allclose(found, right, rtol=0, atol=50 * miss)
+    with pytest.raises(ShapeError, match="one row a time"):
+        fb.sampled_trajectory(t, np.zeros((3, 2)))
+    with pytest.raises(FreebodyError, match="at least 6 samples"):
+        fb.sampled_trajectory(t[::-1], exact.at(t)[0])
 
 
 def test_vector_function_jacobian():

@@ -86,7 +86,7 @@ _PLACES = {
     "freebody.derivations.check.check": ("check",),
     "freebody.derivations.quantities": ("quantities",),
     "freebody.derivations.relation": ("relation",),
-    "freebody.derivations.functions": ("trajectory", "vector_function"),
+    "freebody.derivations.functions": ("sampled_trajectory", "trajectory", "vector_function"),
     "freebody.motion.motion": ("Motion",),
     "freebody.motion.default": ("default_motion",),
     "freebody.motion.table": ("read_motion",),

@@ -23,20 +23,8 @@ LONGEST = 4000
 """Characters that are read."""
 
 FUNCTIONS = (
-    "sin",
-    "cos",
-    "tan",
-    "sqrt",
-    "exp",
-    "log",
-    "arcsin",
-    "arccos",
-    "arctan",
-    "norm",
-    "det",
-    "sum",
-    "diag",
-)
+    "sin", "cos", "tan", "sqrt", "exp", "log", "arcsin", "arccos", "arctan", "norm", "det", "sum", "diag", "skew",
+)  # fmt: skip
 """Functions of one argument; `sum` adds up what is given for each of several bodies."""
 
 PRINTED = {"sum": "∑"}

@@ -105,6 +105,34 @@ class Trajectory:
         return {"t": r.symbols[0], "r": r.rows, "r_d": self.velocity.rows, "r_dd": self.acceleration.rows}
 
 
+@dataclass(frozen=True)
+class SampledTrajectory:
+    """The path of a point through samples, a spline of the fifth degree, and its derivatives."""
+
+    spline: Any
+
+    def at(self, t: ArrayLike) -> tuple[Array, Array, Array]:
+        """Position, velocity, acceleration (..., dim) at the times t (...)."""
+        times = np.asarray(t, dtype=float)
+        r, v, a = (self.spline(times, nu=order) for order in range(3))
+        return r, v, a
+
+
+def sampled_trajectory(t: ArrayLike, points: ArrayLike) -> SampledTrajectory:
+    """The path through points (k, dim) at the times t (k,), rising and at least six of them (1.1-1.3).
+
+    Raises ShapeError, FreebodyError.
+    """
+    from scipy.interpolate import make_interp_spline
+
+    times, places = np.asarray(t, dtype=float), np.asarray(points, dtype=float)
+    if times.ndim != 1 or places.ndim != 2 or len(places) != len(times):
+        raise ShapeError("sampled_trajectory", "points", places.shape, f"({times.size}, dim), one row a time")
+    if len(times) < 6 or not np.all(np.diff(times) > 0) or not np.isfinite(places).all():
+        raise FreebodyError("sampled_trajectory: give at least 6 samples, finite, at rising times.")
+    return SampledTrajectory(make_interp_spline(times, places, k=5))
+
+
 def vector_function(rows: Sequence[str], names: Sequence[str]) -> VectorFunction:
     """A function of several variables from formulas: vector_function(["3*cos(a) + 2*cos(b)"], ["a", "b"]).
 

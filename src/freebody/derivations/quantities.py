@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -55,7 +56,8 @@ def quantities(
     or nc1 (mass times acceleration, rate of spin), T1, V1, tau1. Of the arm: q, qd, qdd, tau, M, H11, c, G, G1, J, J_d,
     x, x_d, y, r, r_d, r_dd, T, V, L, gravity, z; and all its symbols.
     In the plane vectors have world axes, in space those of their own body (as in chapter 6); there R2_1 takes
-    components of body 1 to body 2, R1 those of body 1 to the world, and p1_2 is the origin of frame 2 in frame 1.
+    components of body 1 to body 2, R1 those of body 1 to the world, p1_2 is the origin of frame 2 in frame 1; w1 and z1
+    are the angular velocity and the z axis of body 1 in world axes.
 
     load: a force f = (fx, fy) acts on the tip. at_rest: nothing moves. gravity: "explicit" counts each body's weight
     among its forces; "base" accelerates the base by -g instead, which then is in all accelerations. Raises
@@ -172,10 +174,12 @@ class _Quantities:
         found: Values = {
             f"R{n}_{n - 1}": tuple(map(self._vector, E)), f"R{n - 1}_{n}": tuple(map(self._vector, R)),
             f"R{n}": tuple(map(self._vector, s.world[i][0])),
+            f"w{n}": self._vector(times(s.world[i][0], self.record.motion.w[i])),
+            f"z{n}": self._vector(tuple(row[2] for row in s.world[i][0])),
             f"p{n - 1}_{n}": self._vector(p), f"p{n}_{n - 1}": self._vector(neg(times(E, p))),
         }  # fmt: skip
         if n == 1:
-            found["R0"] = one
+            found |= {"R0": one, "w0": self._vector(s.tree.space.zero)}
         if not s.tree.children(i):
             found |= {f"R{n}_{n + 1}": one, f"p{n}_{n + 1}": self._vector(s.to_tip(i))}
         return found
@@ -217,7 +221,7 @@ class _Quantities:
         return found
 
 
-def of_link(values: Quantities, n: int) -> Quantities:
+def of_link(values: Mapping[str, Any], n: int) -> dict[str, Any]:
     """The same with letters for the numbers of links: omega_i is omega_n, omega_h and omega_k those before and behind.
 
     Forces f_hi and f_ik, matrices R_i of orientation, Ri_h from link n-1 to n.
@@ -236,4 +240,4 @@ def of_link(values: Quantities, n: int) -> Quantities:
             found[f"{letters}{near[first]}_{near[low[1]]}"] = x
         else:
             found[f"{letters}_{''.join(near[d] for d in digits)}{dots}"] = x
-    return Quantities(found, values.layout)
+    return Quantities(found, values.layout) if isinstance(values, Quantities) else found

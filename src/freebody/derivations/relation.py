@@ -12,6 +12,7 @@ import numpy as np
 from freebody.derivations.check.example import typical
 from freebody.derivations.expression import Equation
 from freebody.derivations.formula import FormulaError, names_in, parse
+from freebody.derivations.quantities import of_link
 from freebody.derivations.values import Each, Value, minus, plain, plus, rank, shape_name, value
 from freebody.scalars.trig import Trig
 
@@ -63,17 +64,20 @@ class Relation:
         return (numbers, self.at(numbers)) if names else None
 
 
-def relation(values: Mapping[str, Any], formula: str) -> Relation:
+def relation(values: Mapping[str, Any], formula: str, *, link: int | None = None) -> Relation:
     """Whether an equation holds between quantities given by name; see `fb.quantities` for those of an arm.
 
     formula: "f12 + m2*gravity = m2*vc2_d"; see `freebody.derivations.formula`. values: scalars, vectors and
     matrices of numbers or exact polynomials. Polynomials are compared exactly, numbers to 1e-9 of the largest.
+    link: the number that `i` stands for in names such as omega_i, and omega_h, omega_k of the links before and behind.
     A scalar and a vector are not equal, but a vector may be compared with 0. Raises FormulaError for text that cannot
     be read, UnknownNameError for a name without value.
     """
     node = parse(formula)
     if not isinstance(node, Equation):
         raise FormulaError(f"{formula!r} has no =.")
+    if link is not None:
+        values = of_link(values, link)
     try:
         sides = tuple(plain(value(side, values)) for side in node.sides)
         sides = tuple(_filled(side, sides) for side in sides)

@@ -178,6 +178,12 @@ def _diagonal(x: Value) -> Value:
     return tuple(tuple(d if i == j else 0.0 for j in range(len(x))) for i, d in enumerate(x))
 
 
+def _skew(x: Value) -> Value:
+    """The matrix of x × …"""
+    a, b, c = x
+    return ((0.0, -c, b), (c, 0.0, -a), (-b, a, 0.0))
+
+
 def _elementary(name: str) -> Any:
     """A function of polynomials, SymPy's expressions and numbers."""
 
@@ -194,7 +200,8 @@ def _elementary(name: str) -> Any:
 _FUNCTIONS: dict[str, Any] = {name: _elementary(name) for name in ("sin", "cos", "sqrt", "tan", "exp", "log")} | {
     "sgn": elementary.sign,
     "arcsin": math.asin, "arccos": math.acos, "arctan": math.atan,
-    "norm": _norm, "atan2": lambda yx: math.atan2(*yx), "det": _determinant, "∑": _added, "diag": _diagonal,
+    "norm": _norm, "atan2": lambda yx: math.atan2(*yx), "det": _determinant, "∑": _added,
+    "diag": _diagonal, "skew": _skew,
 }  # fmt: skip
 
 

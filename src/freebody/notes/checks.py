@@ -95,7 +95,7 @@ class Related:
 
     @property
     def bold(self) -> Collection[str]:
-        values = self._at(self.links[0]) if self.links else self._values
+        values = of_link(self._values, self.links[0]) if self.links else self._values
         return _vectors(values)
 
     @property
@@ -105,19 +105,17 @@ class Related:
             return ()
         return frozenset(name for name in self.bold if _OWN_AXES.match(name))
 
-    def _at(self, n: int) -> Mapping[str, Any]:
-        assert isinstance(self._values, Quantities)
-        return of_link(self._values, n)
-
     def call(self, form: str) -> str:
         if isinstance(self.values, str):
             values, first = self.values, []
         else:
             values = "values" if self.calls else f"{self.values.__name__}()"
             first = [f"values = {self.calls}" if self.calls else source(self.values), ""]
-        remark = f"  # i = {_listed(self.links)}" * bool(self.links)
-        lines = [f"fb.relation({values}, {part!r}){remark}" for part in [*parts(form), *parts(self.also)]]
-        return "\n".join([*first, *lines])
+        whole = [*parts(form), *parts(self.also)]
+        if not self.links:
+            return "\n".join([*first, *(f"fb.relation({values}, {part!r})" for part in whole)])
+        lines = [f"    fb.relation({values}, {part!r}, link=i)" for part in whole]
+        return "\n".join([*first, f"for i in {self.links}:", *lines])
 
     def run(self, form: str) -> Outcome:
         if not parts(form):
@@ -141,10 +139,10 @@ class Related:
         return Outcome(outcome.holds, (f"{name}: {first[0].lower()}{first[1:]}", *rest), outcome.example)
 
     def _one(self, form: str) -> Outcome:
-        for n in self.links or (0,):
-            values = self._at(n) if n else self._values
+        values = self._values
+        for n in self.links or (None,):
             try:
-                found = relation(values, form)
+                found = relation(values, form, link=n)
             except (FormulaError, UnknownNameError) as problem:
                 return Outcome(False, (str(problem),))
             outcome = told(found, values)
@@ -297,4 +295,4 @@ def source(function: Callable[..., Any]) -> str:
             k for k in range(start + 1, len(lines)) if '"""' in lines[k]
         )  # fmt: skip
         lines = lines[:start] + lines[end + 1 :]
-    return "\n".join(line for line in lines if not line.startswith("@"))
+    return "\n".join(line.replace("  # fmt: skip", "") for line in lines if not line.startswith("@"))

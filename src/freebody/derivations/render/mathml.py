@@ -24,6 +24,7 @@ from freebody.derivations.expression import (
     Transposed,
     Vector,
     Words,
+    nodes,
 )
 from freebody.derivations.render.lines import broken
 from freebody.derivations.render.rules import (
@@ -157,6 +158,8 @@ def _power(node: Power, render: Renderer) -> str:
         return _call(node.base, exponent, render)
     if isinstance(node.base, Symbol) and not node.base.high:
         return _symbol(node.base, render, f"<mn>{exponent}</mn>")
+    if precedence(node.base) < ATOM and any(isinstance(part, Quotient) for part in nodes(node.base)):
+        return f"<msup><mrow><mo>(</mo>{render(node.base)}<mo>)</mo></mrow><mn>{exponent}</mn></msup>"  # as tall as it
     return f"<msup><mrow>{render(node.base, ATOM)}</mrow><mn>{exponent}</mn></msup>"
 
 

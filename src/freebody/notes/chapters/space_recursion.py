@@ -27,21 +27,12 @@ def arm(gravity: str = "explicit"):
     """The chain R P R P in modified Denavit-Hartenberg frames, gravity in no special direction."""
     chain = fb.dh(ROWS, convention="modified", gravity=GRAVITY)
     free = fb.quantities(chain, gravity=gravity)
-    more = {f"w{n}": _in_world(free, n, f"omega{n}") for n in range(1, 5)}
-    more |= {f"z{n}": tuple(row[2] for row in free[f"R{n}"]) for n in range(1, 5)}
-    more |= {f"S{n}": _skew(more[f"w{n}"]) for n in range(1, 5)}
     # without a prime s has global components
-    more |= {f"s{n - 1}": _in_world(free, n - 1, f"p{n - 1}_{n}") for n in range(1, 5)}
-    return free | more | {"w0": free["omega0"]}
+    return free | {f"s{n - 1}": _in_world(free, n - 1, f"p{n - 1}_{n}") for n in range(1, 5)}
 
 
 def _in_world(free, n, name):
     return tuple(sum((r * x for r, x in zip(row, free[name], strict=True)), 0.0) for row in free[f"R{n}"])
-
-
-def _skew(w):
-    x, y, z = w
-    return ((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0))
 
 
 def explicit():
@@ -179,7 +170,9 @@ def _outward_standard(q, qd, qdd):
 
 SWEPT = 'fb.quantities(chain, gravity="base"); fb.derive(chain, "lagrange").tau'
 CHAIN = 'fb.quantities(fb.dh(rows, convention="modified", gravity=[0.3, -1.2, -9.7]))  # R P R P'
+UNPRIMED = f"{CHAIN}\nvalues['s2'] = R2 @ p2_3  # without a prime s has global components"
 REVOLUTE, PRISMATIC = (Related(explicit, links, calls=CHAIN) for links in ((1, 3), (2, 4)))
+READ_LITERALLY = Related(explicit, (1, 3), calls=UNPRIMED)
 BOTH = Related(explicit, (1, 2, 3, 4), calls=CHAIN)
 
 
@@ -214,7 +207,7 @@ ITEMS = (
     ),
     Item(
         "eq-6.16", "6.3.1.1", "Turning joint: angular velocity", "derivation", "The joint adds its rate about its axis.",
-        "w_i = w_h + theta_i_d*z_i", _proved(REVOLUTE, "d_dt(R_i) = S_i*R_i"), figure="6.4",
+        "w_i = w_h + theta_i_d*z_i", _proved(REVOLUTE, "d_dt(R_i) = skew(w_i)*R_i"), figure="6.4",
     ),
     Item(
         "eq-6.17", "6.3.1.1", "In components", "derivation", "Each vector by its local components.",
@@ -233,7 +226,7 @@ ITEMS = (
     ),
     Item(
         "eq-6.19", "6.3.1.1", "Turning joint: velocity", "derivation", "Joint i is a point of link i−1.",
-        "v_i = Ri_h*(v_h + cross(omega_h, s_h))", _proved(REVOLUTE, "R_i*v_i = d_dt(r_i)"), "misprint",
+        "v_i = Ri_h*(v_h + cross(omega_h, s_h))", _proved(READ_LITERALLY, "R_i*v_i = d_dt(r_i)"), "misprint",
         "v_i = Ri_h*(v_h + cross(omega_h, ph_i))",
         "The prime is missing on s: it needs components in frame i−1, as the p of (6.26) has.",
     ),
@@ -245,7 +238,7 @@ ITEMS = (
     Item(
         "eq-6.21", "6.3.1.1", "Turning joint: acceleration", "derivation", "(6.19) differentiated.",
         "v_i_d = Ri_h*(v_h_d + cross(omega_h_d, pi_h) + cross(omega_h, cross(omega_h, s_h)))",
-        _proved(REVOLUTE, "R_i*v_i_d = d_dt(R_i*v_i)"), "inconsistent",
+        _proved(READ_LITERALLY, "R_i*v_i_d = d_dt(R_i*v_i)"), "inconsistent",
         "v_i_d = Ri_h*(v_h_d + cross(omega_h_d, ph_i) + cross(omega_h, cross(omega_h, ph_i)))",
         "One vector stands under two names, s without a prime and p with its indices exchanged; it is p of (6.26). The dotted "
         "v′ are components of the acceleration, not derivatives of components.",
