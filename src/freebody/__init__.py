@@ -94,7 +94,6 @@ _PLACES = {
     "freebody.figures.fbd": ("free_body_diagram",),
     "freebody.figures.kinematic": ("kinematic_diagram",),
     "freebody.figures.notes.catalogue": ("notes_figure",),
-    "freebody.figures.notes.catalogue": ("notes_figure",),
     "freebody.report.study": ("Study", "study"),
 }
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
