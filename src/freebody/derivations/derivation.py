@@ -12,6 +12,7 @@ from freebody.scalars.trig import Trig
 
 if TYPE_CHECKING:
     from freebody.derivations.closed.first_kind import FirstKind
+    from freebody.derivations.closed.statics import LoopStatics
 
 
 @dataclass(frozen=True)
@@ -65,8 +66,9 @@ class Derivation:
     """What is given and what is sought, in words."""
     glossary: tuple[Meaning, ...] = ()
     """The symbols that occur."""
-    system: FirstKind | None = None
-    """Of a closed chain by Lagrange's equations of the first kind: M, Φ_q, c, and the reduction, as polynomials."""
+    system: FirstKind | LoopStatics | None = None
+    """Of a closed chain, as polynomials: of the first kind M, Φ_q, c and the reduction; of statics multipliers and
+    torques."""
     draw: Callable[[Derivation], Drawings] | None = field(default=None, compare=False, repr=False)
     """What draws them; figures are made above derivations, so that it comes from there."""
 

@@ -198,6 +198,8 @@ def _first_kind(s: Setting) -> Iterator[Meaning]:
 
 def _statics(s: Setting) -> Iterator[Meaning]:
     yield from _vectors(s)
+    if s.tree.loops:
+        yield Meaning((sym("lam_k"),), "multiplier of loop equation k: what the loop presses with", "")
     yield Meaning((sym("f_i,k", True),), "force of body i on body k, at joint k", NEWTON)
 
 

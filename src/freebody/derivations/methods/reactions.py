@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
 
 from freebody.derivations import expression as ex
@@ -31,9 +32,15 @@ class Reactions:
             f_k, n_k = (self.f[k], self.n[k]) if s.planar else (times(R, self.f[k]), space.turn(R, self.n[k]))
             f = add(f, f_k)
             n = add(n, n_k, space.moment(s.to_child(i, k), f_k))
-        if s.loaded(i):
-            f, n = sub(f, s.tip_force()), sub(n, space.moment(s.to_tip(i), s.tip_force()))
+        for force, moment in self.applied(i):
+            f, n = sub(f, force), sub(n, moment)
         self.f[i], self.n[i] = f, n
+
+    def applied(self, i: int) -> Iterable[tuple[Vector, Vector]]:
+        """Forces on body i from outside, weight apart, with their moments about its joint."""
+        s = self.s
+        if s.loaded(i):
+            yield s.tip_force(), s.tree.space.moment(s.to_tip(i), s.tip_force())
 
     def motor(self, i: int) -> Trig:
         """The component of joint i's reaction that its motor gives, and what its drive takes besides."""

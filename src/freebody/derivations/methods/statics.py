@@ -15,9 +15,13 @@ from freebody.derivations.names import sym, vec
 
 
 def derive(setting: Setting) -> Derivation:
-    """The derivation; the setting is at rest."""
+    """The derivation; the setting is at rest. Of a closed chain: see `loop_statics`."""
+    if setting.tree.loops:
+        from freebody.derivations.methods import loop_statics
+
+        return loop_statics.derive(setting)
     reactions = Reactions(setting)
-    work = _Still(setting, reactions)
+    work = Equilibrium(setting, reactions)
     tau = {i: reactions.motor(i) for i in setting.order}
     steps = [work.convention()] if setting.load else []
     steps += [*map(work.body, setting.order)]
@@ -31,7 +35,7 @@ def derive(setting: Setting) -> Derivation:
     )
 
 
-class _Still:
+class Equilibrium:
     """Forces and moments on each body add up to zero; moments are taken about the body's joint."""
 
     def __init__(self, setting: Setting, reactions: Reactions):
@@ -40,10 +44,11 @@ class _Still:
 
     def convention(self) -> Step:
         """What f is."""
+        robot = "robot" if self.s.tree.loops else "arm"
         return Step(
             "The load",
-            "f is the force on the arm at its tip P. What the arm exerts there on its surroundings is -f; formulas for "
-            "the one and for the other differ in sign.",
+            f"f is the force on the {robot} at its tip P. What the {robot} exerts there on its surroundings is -f; "
+            "formulas for the one and for the other differ in sign.",
             (eq(vec("f"), ex.Vector(tuple(sym(name) for name in self.s.load))),),
         )
 
@@ -51,8 +56,7 @@ class _Still:
         """Equilibrium of one body."""
         s, n, children = self.s, self.s.numbers[i], self.s.tree.children(i)
         forces = [s.force_name(s.tree.bodies[i].parent, i), *(ex.neg(s.force_name(i, k)) for k in children)]
-        forces += [s.mass_times(i, vec("g"))] if s.weighs else []
-        forces += [vec("f")] if s.loaded(i) else []
+        forces += [force for force, _ in self.outer(i)]
         moments = [self.joint_moment(i), *map(ex.neg, map(self.joint_moment, children)), *self.about(i)]
         reason = (
             f"The forces on body {n} add up to zero, and so do the moments; taken about joint {n} the reaction "
@@ -71,23 +75,25 @@ class _Still:
             return s.torque_name(i)
         return s.moment_name(s.tree.bodies[i].parent, i)
 
+    def outer(self, i: int) -> list[tuple[Expression, Expression]]:
+        """Forces on body i from outside, each with the way from its joint to where it acts."""
+        s = self.s
+        heavy = s.weighs and i in s.weighted
+        weight = [(s.mass_times(i, vec("g")), s.name("sc", i))] if heavy else []
+        return [*weight, *([(vec("f"), s.name("s", i))] if s.loaded(i) else [])]
+
     def about(self, i: int) -> list[Expression]:
-        """Moments of the outer forces on body i about its joint."""
+        """Moments of all other forces on body i about its joint."""
         s = self.s
         terms = [ex.neg(ex.cross(s.reach_name(i, k), s.force_name(i, k))) for k in s.tree.children(i)]
-        if s.weighs:
-            terms.append(ex.cross(s.name("sc", i), s.mass_times(i, vec("g"))))
-        if s.loaded(i):
-            terms.append(ex.cross(s.name("s", i), vec("f")))
-        return terms
+        return [*terms, *(ex.cross(arm, force) for force, arm in self.outer(i))]
 
     def solved(self, i: int) -> Step:
         """Reaction and torque of joint i, in terms of those before it."""
         s, n, children = self.s, self.s.numbers[i], self.s.tree.children(i)
         force = ex.add(
             *(s.force_name(i, k) for k in children),
-            ex.neg(s.mass_times(i, vec("g"))) if s.weighs else ex.ZERO,
-            ex.neg(vec("f")) if s.loaded(i) else ex.ZERO,
+            *(ex.neg(force) for force, _ in self.outer(i)),
         )
         moment = ex.add(*map(self.joint_moment, children), *map(ex.neg, self.about(i)))
         name = self.joint_moment(i)

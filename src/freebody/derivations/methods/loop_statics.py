@@ -1,0 +1,219 @@
+"""Equilibrium of a closed chain, free body by free body, what the loops do being forces sought (2.41-2.49)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cached_property
+
+from freebody.algorithms import constraints
+from freebody.derivations import expression as ex
+from freebody.derivations.closed.linear import Ratio, product
+from freebody.derivations.closed.statics import LoopStatics
+from freebody.derivations.derivation import Derivation, Step
+from freebody.derivations.expression import Equation, Expression, eq
+from freebody.derivations.methods.geometry import geometry
+from freebody.derivations.methods.loops import LONG, Loops
+from freebody.derivations.methods.overview import overview
+from freebody.derivations.methods.reactions import Reactions
+from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.statics import Equilibrium
+from freebody.derivations.methods.wording import listed
+from freebody.derivations.names import entry, sym
+from freebody.errors import FreebodyError
+from freebody.model.tree import TreeLoop
+from freebody.spatial import Vector
+
+
+def derive(setting: Setting) -> Derivation:
+    """The derivation; planar chains only."""
+    if not setting.planar:
+        raise FreebodyError(
+            f"derive 'statics': {setting.symbols.model.name!r} is a closed chain in space, for which statics is not "
+            "written out; fb.static_torque and fb.reactions give its numbers."
+        )
+    loops = Loops(setting)
+    work = _Balance(setting, loops, _LoopReactions(setting, loops))
+    steps = [work.convention()] if setting.load else []
+    steps += [work.forces(), *map(work.body, setting.order), work.geometry()]
+    steps += [*work.passive(), work.torques(), work.reactions_step()]
+    torques = tuple(work.reactions.motor(i) for i in setting.order)
+    return Derivation(
+        "statics",
+        "Statics",
+        setting.equations,
+        tuple(steps),
+        torques,
+        *overview(setting, "statics"),
+        system=work.system,
+    )
+
+
+class _LoopReactions(Reactions):
+    """Reactions with the loops' wrenches on the bodies."""
+
+    def __init__(self, setting: Setting, loops: Loops):
+        self.loads = constraints.loop_loads(
+            loops.equations.tree, setting.symbols.q, tuple(loops.system.multipliers)
+        )
+        super().__init__(setting)
+
+    def applied(self, i: int) -> Iterable[tuple[Vector, Vector]]:
+        yield from super().applied(i)
+        for body, force, moment in self.loads:
+            if body == i:
+                yield self.s.axes(i, force), moment
+
+
+class _Balance(Equilibrium):
+    """Forces and moments on each body add up to zero."""
+
+    def __init__(self, setting: Setting, loops: Loops, reactions: Reactions):
+        super().__init__(setting, reactions)
+        self.loops = loops
+
+    @cached_property
+    def system(self) -> LoopStatics:
+        """The equations of the joints."""
+        s = self.s
+        at = {i: s.tree.bodies[i].coordinates.v[0] for i in s.order}
+        needed = {at[i]: self.reactions.motor(i) for i in s.order}
+        return LoopStatics(self.loops.equations, needed, tuple(at[i] for i in s.order if not s.driven(i)))
+
+    # ------------------------------------------------------------ the bodies
+    def forces(self) -> Step:
+        """What replaces each loop."""
+        lines = [line for loop in self.s.tree.loops for line in self.loops.force_lines(loop)]
+        held = "; ".join(self.loops.holds(loop) for loop in self.s.tree.loops)
+        rods = any(loop.closure.distance for loop in self.s.tree.loops)
+        along = (
+            " A rod without mass pulls along itself; λ is half its tension over its length." if rods else ""
+        )
+        reason = (
+            f"The loops are cut: {held}. In place of each stands the force of the one body on the other, and its "
+            f"opposite on that; its components are sought.{along}"
+        )
+        return Step("Cut the loops: their forces are sought", reason, tuple(lines))
+
+    def outer(self, i: int) -> list[tuple[Expression, Expression]]:
+        """Those of the tree, and the loops' forces."""
+        found = super().outer(i)
+        for loop in self.s.tree.loops:
+            for frame, end in zip(loop.frames, self.loops.ends(loop), strict=True):
+                if end == i:
+                    force = self.loops.force_name(loop)
+                    acts = self.loops.acting(loop)[0] == i
+                    found.append((force if acts else ex.neg(force), self.arm(i, frame)))
+        return found
+
+    def about(self, i: int) -> list[Expression]:
+        """Moments about the joint, those of loops that carry moments included; forces at the joint have none."""
+        s = self.s
+        terms = [ex.neg(ex.cross(s.reach_name(i, k), s.force_name(i, k))) for k in s.tree.children(i)]
+        for force, arm in self.outer(i):
+            negative = isinstance(force, ex.Negative)
+            moment = ex.ZERO if arm == ex.ZERO else ex.cross(arm, force.operand if negative else force)
+            terms.append(ex.neg(moment) if negative and moment != ex.ZERO else moment)
+        for loop in s.tree.loops:
+            if i in self.loops.ends(loop) and self._turns(loop):
+                moment = self.loops.moment_name(loop)
+                terms.append(moment if self.loops.acting(loop)[0] == i else ex.neg(moment))
+        return terms
+
+    def _turns(self, loop: TreeLoop) -> bool:
+        _, moment = self.loops.wrench(loop)
+        return any(not self.s.symbols.element(x).is_zero for x in moment)
+
+    def arm(self, i: int, frame: str) -> Expression:
+        """The way from joint i to a frame of body i: 0 where it is the joint's own place."""
+        if all(self.s.symbols.element(x).is_zero for x in self._way(i, frame)):
+            return ex.ZERO
+        low = (f"{self.s.numbers[i]}", frame.replace("_", "-"))
+        return ex.Symbol(f"s{self.s.numbers[i]}_{frame}", "s", low, bold=True)
+
+    def _way(self, i: int, frame: str) -> Vector:
+        _, _, at = self.s.tree.frames[frame]
+        return self.s.axes(i, at)
+
+    def joint_moment(self, i: int) -> Expression:
+        """Nothing at a passive joint without spring."""
+        s = self.s
+        if s.turns(i) and not s.driven(i):
+            spring = self.reactions.drives[i]
+            return ex.ZERO if spring.is_zero else ex.neg_each(s.show(spring))
+        return super().joint_moment(i)
+
+    def geometry(self) -> Step:
+        """The vectors, those to the loops' frames included."""
+        step = geometry(self.s, inertias=False)
+        lines: list[Equation] = list(step.equations)
+        for loop in self.s.tree.loops:
+            for frame, i in zip(loop.frames, self.loops.ends(loop), strict=True):
+                if i >= 0 and self.arm(i, frame) != ex.ZERO:
+                    lines.append(eq(self.arm(i, frame), self.s.column(self._way(i, frame))))
+        reason = f"s_i,P leads from joint i to a point P where a loop acts; {step.reason}"
+        return Step(step.operation, reason, tuple(dict.fromkeys(lines)), step.notes, step.figure)
+
+    # ------------------------------------------------------------ solved
+    def passive(self) -> list[Step]:
+        """What passive joints do not carry gives the loops' forces."""
+        s = self.s
+        free = [i for i in s.order if not s.driven(i)]
+        if not free:
+            return []
+        joints = listed([f"joint {s.numbers[i]}" for i in free])
+        lines = [eq(s.show(self.reactions.motor(i)), ex.ZERO) for i in free]
+        reason = (
+            f"Nothing drives {joints}: of all that hangs on such a joint, the moments about it (along a slide, the "
+            "forces) add up to zero, with springs where there are. No other unknown is in these equations."
+        )
+        return [Step("Passive joints carry none", reason, tuple(lines)), self._loop_forces()]
+
+    def _loop_forces(self) -> Step:
+        system, names = self.system, [entry("lam", k) for k in range(1, len(self.loops.equations.names) + 1)]
+        if system.multipliers is None:
+            reason = (
+                f"They are {len(system.passive)} for {len(names)} multipliers: the drives are more than the degrees of "
+                "freedom and may press against one another. As a system: A λ = k."
+            )
+            lines = [*self.loops.matrix(sym("A"), system.A), eq(ex.mul("A", "lam"), "k")]
+            lines += [eq("k", ex.Vector(tuple(map(self.s.show, system.right))))]
+            return Step("The forces in the loops", reason, tuple(lines))
+        lines = [eq(name, self._ratio(x)) for name, x in zip(names, system.multipliers, strict=True)]
+        reason = (
+            "Linear equations, solved by determinants. Where the denominator vanishes the robot gives way though its "
+            "drives hold (a singular position of the second type), and no finite forces balance."
+        )
+        return Step("The forces in the loops", reason, tuple(lines), result=True)
+
+    def torques(self) -> Step:
+        """τ of the motors."""
+        s = self.s
+        lines = []
+        for i in s.order:
+            if not s.driven(i):
+                continue
+            sides = [s.show(self.reactions.motor(i))]
+            found = self.system.torque(s.tree.bodies[i].coordinates.v[0])
+            if found is not None:
+                shown = self._ratio(found)
+                sides += [shown] if not isinstance(shown, ex.Words) and ex.size(shown) <= 2 * LONG else []
+            lines.append(eq(s.torque_name(i), *dict.fromkeys(sides)))
+        reason = "The balance about the driven joints, first by the multipliers, then with these put in where that is short."
+        return Step("What the motors give", reason, tuple(lines), result=True)
+
+    def reactions_step(self) -> Step:
+        """Forces in the joints."""
+        s = self.s
+        lines = [eq(s.force_name(s.tree.bodies[i].parent, i), s.column(self.reactions.f[i])) for i in s.order]
+        reason = "The balance of forces, from the last body inward: what the body before does to each."
+        return Step("The forces in the joints", reason, tuple(lines))
+
+    def _ratio(self, x: Ratio) -> Expression:
+        shown = x.form(self.loops.equations.layout)
+        if ex.size(shown) <= 2 * LONG:
+            return shown
+        below = product(x.below, self.loops.equations.layout)
+        short = ex.size(below) <= LONG
+        return ex.div(
+            ex.Words(f"{len(x.above)} terms"), below if short else ex.Words(f"{len(x.below)} terms")
+        )
