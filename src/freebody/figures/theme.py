@@ -37,6 +37,7 @@ _RULES = """
 .fig .grid{fill:none;stroke:@hair;stroke-width:1}
 .fig .shadow{fill:none;stroke:@shadow;stroke-linecap:round;stroke-linejoin:round}
 .fig .ghost{fill:none;stroke:@ghost;stroke-width:2.5;stroke-linecap:round;stroke-linejoin:round}
+.fig .locus-first{fill:none;stroke:@z;stroke-width:1.6}.fig .locus-second{fill:none;stroke:@x;stroke-width:1.6}
 .fig .tippath{fill:none;stroke:@path;stroke-width:1.6}.fig .tipdot{fill:@path}
 .fig .edge{fill:none;stroke:@link-edge;stroke-linecap:round;stroke-linejoin:round}
 .fig .bar{fill:none;stroke:@link;stroke-linecap:round;stroke-linejoin:round}

@@ -1,0 +1,74 @@
+"""`singularity_diagram`: a planar parallel robot with the curves on which its tip stands at singular positions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from freebody.errors import FreebodyError
+from freebody.figures.drawing import Drawing, Line, Mark, point
+from freebody.figures.figure import Figure, to_one_scale
+from freebody.figures.sketch import arm
+from freebody.figures.sketch.names import Names
+from freebody.figures.sketch.snapshot import snapshot
+from freebody.model.model import Model
+from freebody.numerics.closed.loci import Locus, singularity_loci
+from freebody.numerics.kinematics import forward_kinematics
+
+WIDE, TALL = 560.0, 520.0
+_KINDS = ("first", "second")
+_POINT = 1e-6  # m: a curve shorter than this is one place
+
+
+def singularity_diagram(
+    model: Model,
+    *,
+    frame: str | None = None,
+    rows: Sequence[str] | None = None,
+    hold: Mapping[str, float] | None = None,
+) -> Figure:
+    """The robot at home, and where its tip is when singular: type 1 and type 2, each curve an element of its name.
+
+    Arguments as for `singularity_loci`. `.named("type 1, curve 1")` is a polyline in world coordinates.
+    """
+    if model.dim != 2:
+        raise FreebodyError(
+            f"singularity_diagram: {model.name!r} is in space; loci are drawn in the plane only."
+        )
+    drawing = arm.blank(f"Singular positions of {model.name}")
+    for kind, name in zip(_KINDS, ("type 1", "type 2"), strict=True):
+        loci = singularity_loci(model, kind, frame=frame, rows=rows, hold=hold)  # type: ignore[arg-type]
+        _curves(drawing, model, loci, name, kind, frame)
+    arm.structure(drawing, snapshot(model), Names())
+    drawing.notes = [
+        "type 1, blue: the tip stands still in some direction though the drives turn",
+        "type 2, red: the tip gives way though the drives stand still",
+    ]
+    to_one_scale((drawing,), WIDE, TALL)
+    return Figure(f"Singular positions of {model.name}", (drawing,), 1, WIDE, TALL)
+
+
+def _curves(
+    drawing: Drawing, model: Model, loci: Sequence[Locus], name: str, kind: str, frame: str | None
+) -> None:
+    """The tip's path along each locus; one that several working modes share is drawn once."""
+    drawn: list[np.ndarray] = []
+    for locus in loci:
+        tip = forward_kinematics(model, locus.q, frame)[:, :2, 2]
+        if any(_same(tip, other) for other in drawn):
+            continue
+        drawn.append(tip)
+        role = f"locus-{kind}"
+        label = f"{name}, curve {len(drawn)}"
+        if np.ptp(tip, axis=0).max() < _POINT:
+            drawing.add(Mark(point(tip[0]), "dot", label, role, size=4.0))
+        else:
+            drawing.add(Line(tuple(point(p) for p in tip), label, role))
+
+
+def _same(a: np.ndarray, b: np.ndarray) -> bool:
+    """Whether every fifth point of a lies on b, to half the spacing of b's."""
+    spacing = np.linalg.norm(np.diff(b, axis=0), axis=1).max(initial=_POINT)
+    away = np.linalg.norm(a[::5, None] - b[None], axis=-1).min(axis=1)
+    return len(b) > 1 and bool((away < spacing).all())
