@@ -13,7 +13,7 @@ from freebody.model.placement import about, rotation_matrix
 
 
 def rotation(axes: str, angles: Sequence[float] | ArrayLike) -> Array:
-    """R_WB (3, 3) of turns about the body's own axes, one after the other: rotation("ZXZ", [a, b, c]) = Rz(a) Rx(b) Rz(c).
+    """R_WB (3, 3) of turns about the body's own axes: rotation("ZXZ", [a, b, c]) is Rz(a) Rx(b) Rz(c).
 
     axes: letters X, Y, Z, one an angle (rad). It takes components in the turned frame to those in the first (6.8).
     """
