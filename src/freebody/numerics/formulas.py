@@ -53,7 +53,9 @@ class Option(NamedTuple):
     wrench_frames: tuple[str, ...] = ()
     point: bool = False
     rows: tuple[int, ...] = ()
-    """Rows of a frame's motion, for operational space; of loop equations, for constrained dynamics."""
+    """Rows of a frame's motion, for the quantities of operational space."""
+    equations: tuple[int, ...] | None = None
+    """Loop equations that count; None: all. The others follow from them."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,7 @@ class Formula:
 
     inputs: names among q, qd, qdd, tau, x, dq, dqd (nv each but q), multipliers, point, wrenches.
     outputs: name -> dimensions: numbers, or names among nv, nj, six, dim, pose (dim + 1), rows, parameters,
-    constraints (loop equations), reactions (joints and loops).
+    constraints (loop equations), equations (those that count), reactions (joints and loops).
     evaluate(tree, option, **inputs): a tuple of nested sequences of scalars; wrenches is a tuple of vectors, one for
     each of option.wrench_frames. another: a second way to the same values; for robots of few joints both are traced and
     the shorter program is compiled.
@@ -110,7 +112,7 @@ def _forward(
     tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector, wrenches: Any = ()
 ) -> tuple[Any, ...]:
     if tree.loops:
-        return (constrained_dynamics(tree, q, qd, tau, _external(tree, o, q, wrenches)).qdd,)
+        return (constrained_dynamics(tree, q, qd, tau, _external(tree, o, q, wrenches), o.equations).qdd,)
     method = aba if prefers_articulated_bodies(tree) else forward_dynamics
     return (method(tree, q, qd, tau, _external(tree, o, q, wrenches)),)
 
@@ -140,7 +142,7 @@ def _wrenches(
 def _constrained(
     tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector, wrenches: Any = ()
 ) -> tuple[Any, ...]:
-    found = constrained_dynamics(tree, q, qd, tau, _external(tree, o, q, wrenches), o.rows)
+    found = constrained_dynamics(tree, q, qd, tau, _external(tree, o, q, wrenches), o.equations)
     return found.qdd, found.multipliers, found.pivots
 
 
@@ -318,7 +320,7 @@ FORMULAS: dict[str, Formula] = {
     "constraint_jerk": Formula(("q", "qd", "x"), {"jerk": ("constraints",)}, _constraint_jerk),
     "constrained_dynamics": Formula(
         ("q", "qd", "tau", "wrenches"),
-        {"qdd": ("nv",), "multipliers": ("rows",), "pivots": ("rows",)},
+        {"qdd": ("nv",), "multipliers": ("equations",), "pivots": ("equations",)},
         _constrained,
     ),
     "closed_wrenches": Formula(

@@ -35,11 +35,17 @@ def kernel(
     wrench_frames: frames that carry external wrenches; each becomes a further input (..., 6).
     Returns k(q, qd, …, out=None, threads=None), which broadcasts like a NumPy ufunc, lets NaN through and checks no
     names; its inputs are those of the quantities, in the order q, qd, qdd, tau, wrenches, and its outputs in the order
-    of `names`. Raises UnknownNameError.
+    of `names`. The forward dynamics of a closed chain takes its state to be closed, and is not defined at singular
+    positions, where `fb.forward_dynamics` is. Raises UnknownNameError.
     """
     listed, option = chosen_option(
         model, names, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows
     )
+    if model.loops and "forward_dynamics" in listed:
+        # one kernel has to do for all positions: equations that depend on others at home are left out
+        from freebody.numerics.closed.dynamics import equations_that_count  # which imports this module
+
+        option = option._replace(equations=equations_that_count(model))
     return fetch(model, listed, option, backend, width)
 
 
@@ -226,6 +232,7 @@ def _shape(model: Model, dims: tuple[str | int, ...], option: Option) -> tuple[i
         "dim": lambda: model.dim,
         "pose": lambda: model.dim + 1,
         "rows": lambda: len(option.rows),
+        "equations": lambda: model.tree.constraints if option.equations is None else len(option.equations),
         "constraints": lambda: model.tree.constraints,
         "reactions": lambda: len(model.bodies) + len(model.loops),
         "parameters": lambda: len(parameter_values(model.tree)),

@@ -11,6 +11,7 @@ from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, LoopError, UnknownNameError
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector, common_batch, finite_vector
+from freebody.numerics.closed.decompose import decomposed
 from freebody.numerics.closed.equations import (
     backward,
     gaps,
@@ -55,9 +56,10 @@ def assemble(model: Model, q: Vector | None = None, free: Sequence[str] | None =
 def assembly_modes(model: Model, q: Vector, free: Sequence[str] | None = None, starts: int = 200) -> Array:
     """All closed positions (k, nq) that were found with the fixed coordinates of q (nq,), nearest to q first.
 
-    free: as for `assemble`; the coordinates that differ from mode to mode. By Newton's method from `starts` starts
-    spread over the free coordinates' whole range, so completeness is likely, not proved. Where the mechanism can move
-    with the fixed coordinates held, there are infinitely many and FreebodyError is raised.
+    free: as for `assemble`; the coordinates that differ from mode to mode. Planar mechanisms that come apart into dyads
+    (two unknown joints a loop) are solved in closed form, and these are all. Others by Newton's method from `starts`
+    starts spread over the free coordinates' whole range, so completeness is likely, not proved. Where the mechanism can
+    move with the fixed coordinates held, there are infinitely many and FreebodyError is raised.
     """
     require_loops(model, "assembly_modes")
     guess = finite_vector("assembly_modes", model, "q", q)
@@ -66,12 +68,15 @@ def assembly_modes(model: Model, q: Vector, free: Sequence[str] | None = None, s
             f"assembly_modes: q has shape {guess.shape}, expected ({model.nq},): one position."
         )
     moving = free_coordinates(model, free, "assembly_modes")
-    found = _solutions(model, guess, moving, starts)
+    found = _by_dyads(model, guess, moving)
+    in_closed_form = found is not None
+    if found is None:
+        found = _solutions(model, guess, moving, starts)
     modes: list[Array] = []
     for position in found:
         if all(np.abs(_wrapped(model, position, other)).max() > 1e-6 for other in modes):
             modes.append(position)
-    if modes:
+    if modes and not in_closed_form:
         J = scaled_jacobian(model, modes[0])[:, moving]
         if np.linalg.matrix_rank(J, tol=1e-9) < len(moving):
             raise FreebodyError(
@@ -184,6 +189,18 @@ def _restarted(model: Model, guess: Array, moving: Sequence[int], best: Array, s
 CLOSE_ENOUGH = 1e-9
 
 
+def _by_dyads(model: Model, guess: Array, moving: Sequence[int]) -> Array | None:
+    """Closed positions (k, nq) in closed form, the nearest first; None where the mechanism is no row of dyads."""
+    plan = decomposed(model, moving) if model.nq == model.nv else None
+    found = None if plan is None else plan.solve(guess[None])
+    if found is None:
+        return None
+    closed, left = closing(model, found[0][np.isfinite(found[0]).all(axis=-1)], moving)
+    good = closed[_is_closed(model, closed, left)]
+    way = _wrapped(model, np.broadcast_to(guess, good.shape), good)
+    return (good + way - difference(model, guess, good))[np.argsort(np.linalg.norm(way, axis=-1))]
+
+
 def _solutions(model: Model, guess: Array, moving: Sequence[int], starts: int) -> Array:
     """Closed positions (k, nq) reached from starts spread about the guess, the nearest first."""
     rng = np.random.default_rng(1)
@@ -239,11 +256,13 @@ def _consistent(
             function,
             model,
             left[bad[0]] / scale,
-            f"does not allow the values given{sample}: they contradict its equations",
+            f"does not allow the values given{sample}: they contradict its equations; give fewer of them"
+            if held
+            else f"cannot stay closed{sample}, whatever the values: the mechanism is stuck",
         )
-    if held and np.linalg.matrix_rank(J[0][:, moving], tol=1e-9) < len(moving):
+    if isinstance(given, Mapping) and (np.linalg.matrix_rank(J[..., moving], tol=1e-9) < len(moving)).any():
         raise FreebodyError(
-            f"{function}: the values given for {', '.join(given)} leave {model.name!r} free to move; "  # type: ignore[arg-type]
+            f"{function}: the values given for {', '.join(given) or 'nothing'} leave {model.name!r} free to move; "
             "give one for every independent coordinate: fb.mobility(model, q).independent names a choice."
         )
     return (result * stretch).reshape(*batch, model.nv)

@@ -10,10 +10,9 @@ from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector, Wrenches, checked_inputs
-from freebody.numerics.closed.assembly import closing, free_coordinates
+from freebody.numerics.closed.assembly import assemble, closing, free_coordinates
 from freebody.numerics.closed.equations import (
     loop_of_row,
-    null_space,
     rate_scale,
     refuse_inconsistent,
     require_closed,
@@ -63,7 +62,7 @@ def accelerations(
             qdd[at] = careful(model, frames, *(x[at] for x in (q, qd, tau, *loads)))
         return qdd
     kept = independent_rows(model, q)
-    quick = fetch(model, ("constrained_dynamics",), Option(wrench_frames=frames, rows=kept))
+    quick = fetch(model, ("constrained_dynamics",), Option(wrench_frames=frames, equations=kept))
     qdd, _, pivots = quick(q, qd, tau, *loads)
     poor = ~(_smallest(model, kept, pivots) > _PIVOT)
     if len(kept) < model.tree.constraints:
@@ -81,7 +80,7 @@ def regular(model: Model, q: Array) -> bool:
     if massless(model):
         s = np.linalg.svd(scaled_jacobian(model, q)[list(kept)], compute_uv=False)
         return bool(s.min(initial=1.0) ** 2 > _REGULAR * s.max(initial=0.0) ** 2)
-    quick = fetch(model, ("constrained_dynamics",), Option(rows=kept))
+    quick = fetch(model, ("constrained_dynamics",), Option(equations=kept))
     still = np.zeros(model.nv)
     return bool(_smallest(model, kept, quick(q, still, still)[2]) > _REGULAR)
 
@@ -105,6 +104,11 @@ def independent_rows(model: Model, q: Array) -> tuple[int, ...]:
         kept = tuple(k for k in range(model.tree.constraints) if k not in dropped)
         model.compiled["independent_rows"] = kept
     return kept
+
+
+def equations_that_count(model: Model) -> tuple[int, ...]:
+    """`independent_rows` at the model's home."""
+    return independent_rows(model, assemble(model))
 
 
 def careful(model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array) -> Array:
@@ -195,25 +199,30 @@ def drive_torques(
     """
     driven = free_coordinates(model, model.actuated if actuated is None else actuated, function)
     rates = rate_scale(model)
-    q = np.broadcast_to(q, (*needed.shape[:-1], model.nq))
-    tau = np.zeros_like(needed)
-    for at in np.ndindex(needed.shape[:-1]):
-        N, _ = null_space(scaled_jacobian(model, q[at]), RANK)
-        asked = N.T @ (rates * needed[at])
-        U, s, Vt = np.linalg.svd(N[driven].T, full_matrices=False)
-        kept = s > 1e-9
-        found = Vt[kept].T @ ((U[:, kept].T @ asked) / s[kept])
-        if np.abs(N[driven].T @ found - asked).max(initial=0.0) > 1e-9 * (
-            1.0 + np.abs(asked).max(initial=0.0)
-        ):
+    batch = needed.shape[:-1]
+    q = np.broadcast_to(q, (*batch, model.nq)).reshape(-1, model.nq)
+    asked = (rates * needed).reshape(-1, model.nv)
+    tau = np.zeros_like(asked)
+    _, s, Vt = np.linalg.svd(scaled_jacobian(model, q))
+    ranks = (s > RANK * s.max(axis=-1, keepdims=True, initial=1e-300)).sum(axis=-1)
+    for rank in np.unique(ranks):
+        at = np.flatnonzero(ranks == rank)
+        N = np.swapaxes(Vt[at, rank:], -1, -2)
+        motions = np.swapaxes(N[:, driven], -1, -2)
+        power = np.einsum("nkf,nk->nf", N, asked[at])
+        found = np.einsum("nkf,nf->nk", np.linalg.pinv(motions, rcond=1e-9), power)
+        missed = np.abs(np.einsum("nfk,nk->nf", motions, found) - power).max(axis=-1, initial=0.0)
+        bad = np.flatnonzero(missed > 1e-9 * (1.0 + np.abs(power).max(axis=-1, initial=0.0)))
+        if len(bad):
             names = ", ".join(model.velocity_names[k] for k in driven) or "none"
+            where = at_sample(tuple(map(int, np.unravel_index(at[bad[0]], batch))) if batch else ())
             raise SingularError(
-                f"{function}: the driven joints of {model.name!r} ({names}) cannot force this motion{at_sample(at)}: "
-                "it moves though they stand still (too few drives, or a singular position of the second type). "
+                f"{function}: the driven joints of {model.name!r} ({names}) cannot force this motion{where}: it moves "
+                "though they stand still (too few drives, or a singular position of the second type). "
                 "Drive another joint: actuated=[...]."
             )
-        tau[(*at, driven)] = found / rates[driven]
-    return tau
+        tau[np.ix_(at, driven)] = found / rates[driven]
+    return tau.reshape(needed.shape)
 
 
 def _left(model: Model, q: Array, qd: Array, qdd: Array) -> Array:
