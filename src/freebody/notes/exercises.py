@@ -82,13 +82,12 @@ def five_bar() -> str:
     modes = fb.assembly_modes(model, q, free=["x", "y"])[:, 2:]
     io = fb.input_output(model, q)
     symbols = limbs()
-    J_a, J_b = symbols["J_a"], symbols["J_b"]
-    show = fb.vector_function(["0"], ["x"]).form
+    J_a = symbols["J_a"]
     across = (J_a[0][0] * J_a[1][1] - J_a[0][1] * J_a[1][0]) / 4
     singular = [
-        eq(symbol("j_b1"), show(J_b[0][0].simplify())), eq(symbol("j_b2"), show(J_b[1][1].simplify())),
-        eq(parse("det(J_a)/4"), show(across.expand())),
-    ]  # fmt: skip
+        *(eq(symbol(name), symbols.form(symbols[name])) for name in ("j_b1", "j_b2")),
+        eq(parse("det(J_a)/4"), symbols.form(across)),
+    ]
     return "".join([
         _paragraph("Inverse: each limb is an arm of two links with its base at A or C, so fb.inverse_kinematics gives two "
                    f"angles for each crank; in all four combinations for P = {number(q[2:], 4)}:"),
@@ -144,7 +143,8 @@ def bar_on_a_pin() -> str:
     first = "A free bar has the coordinates x, y of its middle and θ; the pin holds its end at the origin:"
     how = (
         'fb.planar("PPR", …).with_loop("pin", "point", ("base", "tip")) is this bar; fb.forward_dynamics and fb.reactions '
-        "solve it, and fb.simulate keeps its end on the pin."
+        "solve it, and fb.simulate keeps its end on the pin. fb.derive(fb.load('five_bar_rods'), 'lagrange-first-kind') "
+        "derives the robot of section 2.3 in this way, step by step."
     )
     return _paragraph(first) + page.html([lines]) + _paragraph(text) + _paragraph(how)
 

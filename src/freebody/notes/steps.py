@@ -19,11 +19,12 @@ class Place:
     step: Step
 
 
+FIRST_KIND = 'fb.derive(fb.load("five_bar_rods"), "lagrange-first-kind")'
 _CALLS = {
-    2: ('fb.derive(fb.planar("RR"), "statics")',),
+    2: ('fb.derive(fb.planar("RR"), "statics")', FIRST_KIND),
     3: ('fb.derive(fb.planar("RR"), "newton-euler")',),
     4: ('fb.derive(fb.planar("RR"), "recursive")',),
-    5: ('fb.derive(fb.planar("RR"), "lagrange")',),
+    5: ('fb.derive(fb.planar("RR"), "lagrange")', FIRST_KIND),
     6: ('fb.derive(fb.dh(rows, convention="modified"), "recursive")',),
 }
 ROWS = (

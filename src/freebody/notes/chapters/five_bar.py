@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 import freebody as fb
+from freebody.derivations.forms import Layout
+from freebody.derivations.kinematics import Kinematics
+from freebody.derivations.quantities import Quantities
 from freebody.notes.checks import Related
 from freebody.notes.item import Item
 
@@ -20,32 +23,20 @@ def robot():
 
 
 def limbs():
-    """Both limbs in symbols, A at (−d/2, 0), C at (d/2, 0) as in figure 2.2; Φ says that the outer bars keep their length."""
-    names = ["x", "y", "theta1", "theta2", "d", "l1", "l2", "l3", "l4"]
-    points = fb.vector_function(
-        [
-            "-d/2",
-            "0",
-            "d/2",
-            "0",
-            "-d/2 + l1*cos(theta1)",
-            "l1*sin(theta1)",
-            "d/2 + l2*cos(theta2)",
-            "l2*sin(theta2)",
-        ],
-        names,
-    )
-    places = dict(zip("ACBD", zip(points.rows[::2], points.rows[1::2], strict=True), strict=True))
-    values = dict(zip(names, points.symbols, strict=True))
-    places["P"] = (values["x"], values["y"])
+    """Both limbs in symbols, from the model's loop equations: A at (−d/2, 0), C at (d/2, 0) as in figure 2.2."""
+    loops = fb.loop_equations(fb.load("five_bar_rods"))
+    symbols = loops.symbols
+    known = {name: symbols.ring[name] for name in symbols.ring.names}
+    b, zero = known["b"], symbols.zero()
+    places = {"A": (-b, zero), "C": (b, zero), "P": (known["x"], known["y"])}
+    places |= {name: tuple(Kinematics(symbols, name).position) for name in "BD"}
     arms = {
-        a + b: tuple(q - p for p, q in zip(places[a], places[b], strict=True))
-        for a, b in ("AB", "CD", "AP", "CP", "BP", "DP")
+        p + q: tuple(y - x for x, y in zip(places[p], places[q], strict=True))
+        for p, q in ("AB", "CD", "AP", "CP")
     }
-    phi = [sum(x * x for x in arms[bar]) - values[l] ** 2 for bar, l in (("BP", "l3"), ("DP", "l4"))]
-    slopes = [[row.diff(values[name]) for name in names[:4]] for row in phi]
-    J_a, J_b = ([row[:2] for row in slopes], [row[2:] for row in slopes])
-    return values | arms | {"Phi": phi, "J_a": J_a, "J_b": J_b, "j_b1": J_b[0][0], "j_b2": J_b[1][1]}
+    J_a, J_b = loops.J_a(), loops.J_b()
+    more = {"d": 2 * b, "Phi": tuple(loops.Phi), "J_a": J_a, "J_b": J_b, "j_b1": J_b[0][0], "j_b2": J_b[1][1]}
+    return Quantities(known | arms | more, Layout(symbols))
 
 
 def closed_pose():
@@ -60,24 +51,17 @@ def closed_pose():
 
 
 def moving():
-    """The same in motion: rates that keep the loops closed, and the Jacobian from the loops; J_a and J_b by limbs()."""
+    """The same in motion: rates that keep the loops closed, the Jacobian from numbers, J_a and J_b from closed forms."""
     model, q = robot()
     rates = fb.loop_velocity(model, q, {"theta1": 0.7, "theta2": -1.2})
-    pose, symbols = closed_pose(), limbs()
-    at = {
-        symbol: pose[name]
-        for name, symbol in symbols.items()
-        if name in pose and hasattr(symbol, "is_Symbol")
-    }
-    J_a, J_b = (
-        np.array([[float(x.subs(at)) for x in row] for row in symbols[name]]) for name in ("J_a", "J_b")
-    )
-    J = fb.input_output(model, q).J
-    return {"J": J, "J_a": J_a, "J_b": J_b, "theta_d": rates[:2], "x_d": rates[2:]}
+    loops = fb.loop_equations(model)
+    J_a, J_b = (loops.symbols.evaluate(x, q) for x in (loops.J_a(), loops.J_b()))
+    return {"J": fb.input_output(model, q).J, "J_a": J_a, "J_b": J_b, "theta_d": rates[:2], "x_d": rates[2:]}
 
 
 LIMBS, POSE, MOVING = Related(limbs), Related(closed_pose), Related(moving)
 _SIGN = "By figure 2.2, (2.29) and (2.31) A is at −d/2 and C at +d/2; the printed sign of d exchanges them."
+_HALF = "In the numbers b is d/2."
 
 ITEMS = (
     Item(
@@ -114,7 +98,7 @@ ITEMS = (
         "J_a = [[-d - 2*l1*cos(theta1) + 2*x, -2*l1*sin(theta1) + 2*y], [d - 2*l2*cos(theta2) + 2*x, -2*l2*sin(theta2) + 2*y]]", LIMBS,
         "inconsistent",
         "J_a = [[d - 2*l1*cos(theta1) + 2*x, -2*l1*sin(theta1) + 2*y], [-d - 2*l2*cos(theta2) + 2*x, -2*l2*sin(theta2) + 2*y]]",
-        f"{_SIGN} (It fits the printed (2.33) and (2.34), which have the same fault.)",
+        f"{_SIGN} {_HALF} (It fits the printed (2.33) and (2.34), which have the same fault.)",
     ),
     Item(
         "eq-2.38", "2.3", "J_b", "derivation", "Each crank moves its own limb only.", "J_b = [[j_b1, 0], [0, j_b2]]", LIMBS,
@@ -122,11 +106,11 @@ ITEMS = (
     Item(
         "eq-2.39", "2.3", "First entry of J_b", "derivation", "Derivative of the left limb's constraint by θ₁.",
         "j_b1 = -l1*sin(theta1)*d + 2*l1*sin(theta1)*x - 2*l1*cos(theta1)*y", LIMBS, "inconsistent",
-        "j_b1 = l1*sin(theta1)*d + 2*l1*sin(theta1)*x - 2*l1*cos(theta1)*y", _SIGN,
+        "j_b1 = l1*sin(theta1)*d + 2*l1*sin(theta1)*x - 2*l1*cos(theta1)*y", f"{_SIGN} {_HALF}",
     ),
     Item(
         "eq-2.40", "2.3", "Second entry of J_b", "derivation", "Derivative of the right limb's constraint by θ₂.",
         "j_b2 = l2*sin(theta2)*d + 2*l2*sin(theta2)*x - 2*l2*cos(theta2)*y", LIMBS, "inconsistent",
-        "j_b2 = -l2*sin(theta2)*d + 2*l2*sin(theta2)*x - 2*l2*cos(theta2)*y", _SIGN,
+        "j_b2 = -l2*sin(theta2)*d + 2*l2*sin(theta2)*x - 2*l2*cos(theta2)*y", f"{_SIGN} {_HALF}",
     ),
 )  # fmt: skip
