@@ -198,7 +198,7 @@ class _Balance(Equilibrium):
                 shown = self._ratio(found)
                 sides += [shown] if not isinstance(shown, ex.Words) and ex.size(shown) <= 2 * LONG else []
             lines.append(eq(s.torque_name(i), *dict.fromkeys(sides)))
-        reason = "The balance about the driven joints, first by the multipliers, then with these put in where that is short."
+        reason = "The balance about the driven joints, by the multipliers, then with these put in where that is short."
         return Step("What the motors give", reason, tuple(lines), result=True)
 
     def reactions_step(self) -> Step:

@@ -198,7 +198,7 @@ def _by_dyads(model: Model, guess: Array, moving: Sequence[int]) -> Array | None
     closed, left = closing(model, found[0][np.isfinite(found[0]).all(axis=-1)], moving)
     good = closed[_is_closed(model, closed, left)]
     way = _wrapped(model, np.broadcast_to(guess, good.shape), good)
-    return (good + way - difference(model, guess, good))[np.argsort(np.linalg.norm(way, axis=-1))]
+    return (guess + way * rate_scale(model))[np.argsort(np.linalg.norm(way, axis=-1))]
 
 
 def _solutions(model: Model, guess: Array, moving: Sequence[int], starts: int) -> Array:

@@ -2,18 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
+from freebody.arrays import Array
 from freebody.numerics.inverse.closed import Displacement, Form
 from freebody.numerics.inverse.problem import Found, Problem
 from freebody.numerics.inverse.solutions import Solutions, Verified, within
 from freebody.numerics.inverse.workspace import distances
 
+Away = Callable[[Array], tuple[Array, list[str]]]
+"""Targets (N, …) -> their distances (N,) from what can be reached, and a sentence for each."""
+
 
 def gathered(
-    problem: Problem, form: Form | None, X: Displacement | None, found: Found, batch: tuple[int, ...]
+    problem: Problem,
+    form: Form | None,
+    X: Displacement | None,
+    found: Found,
+    batch: tuple[int, ...],
+    away: Away | None = None,
 ) -> Solutions:
-    """The solutions of all targets in arrays of the batch, those out of reach with their distance and a sentence."""
+    """The solutions of all targets in arrays of the batch, those out of reach with their distance and a sentence.
+
+    away: how far targets are out of reach; by default as of an open chain.
+    """
     seeker, N = problem.seeker, len(problem.target)
     fine = [within(seeker, s.q) for s in found.solutions]
     chosen = [f if problem.limits == "drop" else np.ones(len(f), dtype=bool) for f in fine]
@@ -30,7 +44,8 @@ def gathered(
     distance = np.zeros(N)
     if lost:
         part = None if X is None else Displacement(X.R[lost], X.p[lost])
-        distance[lost], sentences = distances(seeker, form, part, problem.target[lost])
+        goals = problem.target[lost]
+        distance[lost], sentences = away(goals) if away else distances(seeker, form, part, goals)
         notes += _each_once(sentences, lost, N)
     notes += _each_once(*_dropped(problem, found.solutions, chosen), N)
     return Solutions(

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector, finite_vector
+from freebody.numerics.closed.inverse import of_closed_chain
 from freebody.numerics.inverse.answer import gathered
 from freebody.numerics.inverse.closed import Displacement, Form
 from freebody.numerics.inverse.fitting import can_serve, displacement, displacement_to_points, fitting
@@ -48,12 +49,14 @@ def inverse_kinematics(
     Returns Solutions. Out of reach: k = 0, the distance (m) to the workspace, and a sentence in `notes`. Every solution
     has been put through forward kinematics. Raises ShapeError, NotFiniteError, UnknownNameError, MissingValueError.
 
+    Of a closed chain these are the working modes, at which the loops are closed too: all of them, and named by the
+    sides on which elbows lie, where a planar robot comes apart into dyads, else those found from many starts.
+
     Closed forms, whatever frames, base and tool: planar arms of up to three joints (2.14, 2.15, by atan2 and with both
     elbows), SCARA robots, three joints that place a point, three that orient, six with a spherical wrist (Pieper 1968)
     or with three parallel axes (Elias and Wen 2022). Else Levenberg–Marquardt.
     """
     model.require_values("inverse kinematics")
-    model.require_tree("inverse_kinematics")
     if limits not in LIMITS:
         raise UnknownNameError("choice", limits, "inverse_kinematics: limits=", LIMITS)
     chosen, poses = read_target("inverse_kinematics", model, target, task)
@@ -63,6 +66,8 @@ def inverse_kinematics(
     if start is not None and start.ndim != 1:
         raise FreebodyError(f"inverse_kinematics: q0 has shape {start.shape}, expected ({model.nq},).")
     problem = Problem(seeker, flat, start, limits, starts, seed)
+    if model.loops:
+        return of_closed_chain(problem, poses.shape[:-2])
     form = fitting(model, seeker.frame, chosen)
     X = None
     if form is not None:
