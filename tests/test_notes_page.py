@@ -152,7 +152,8 @@ def test_terminal_text_of_all_items_has_no_broken_signs(findings):
 def test_superscripts_and_general_links_print_as_such():
     node = as_printed("Ri_h*omega_h + ph_i", ["omega_h", "ph_i"])
     assert str(node) == "R_{i−1}^i ω_{i−1} + p_i^i−1"
-    assert "{R}_{i−1}^i" in node.latex()
+    assert "{R}_{i-1}^i" in node.latex()
+    assert as_printed("transpose(J)^-1*f").latex() == "J^{-\\mathsf{T}} f"
     assert str(as_printed("theta1 = atan2(y, x)")) == "θ₁ = atan2(y, x)"
     assert str(as_printed("qdd")) == "q̈"
 

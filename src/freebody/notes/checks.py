@@ -62,7 +62,7 @@ class Answer:
         try:
             verdict = fb.check(made(self.model), "\n".join(parts(form)))
         except AnswerError as problem:
-            return Outcome(False, (problem.problem,))
+            return Outcome(False, (_sentence(problem.problem.removeprefix("check: ")),))
         lines = []
         for equation in verdict.equations:
             lines += [*equation.causes, *(f"{equation.name}: {x.message}" for x in equation.findings)]
@@ -143,8 +143,10 @@ class Related:
         for n in self.links or (None,):
             try:
                 found = relation(values, form, link=n)
-            except (FormulaError, UnknownNameError) as problem:
-                return Outcome(False, (str(problem),))
+            except UnknownNameError as problem:
+                return Outcome(False, (str(problem).split(".")[0] + ": it is used, and defined nowhere.",))
+            except FormulaError as problem:
+                return Outcome(False, (_sentence(str(problem)),))
             outcome = told(found, values)
             if not outcome.holds:
                 return outcome if not n else Outcome(False, (f"i = {n}:", *outcome.lines), outcome.example)
@@ -170,7 +172,7 @@ LONGEST, MOST_TERMS, SHORT = 160, 24, 70
 def told(found: Relation, values: Mapping[str, Any]) -> Outcome:
     """A relation in words."""
     if found.problem:
-        return Outcome(False, (found.problem + ".",) if not found.problem.endswith(".") else (found.problem,))
+        return Outcome(False, (_sentence(found.problem),))
     if found.equal:
         how = "the same polynomials" if found.exact else "the same numbers"
         return Outcome(True, (f"Both sides are {how}{_shown(found.sides[0], values)}.",))
@@ -183,6 +185,11 @@ def told(found: Relation, values: Mapping[str, Any]) -> Outcome:
     at, sides = example
     where = ", ".join(f"{sym(name)} = {number(x)}" for name, x in at.items())
     return Outcome(False, (line,), f"At {where}: {_sides(sides)}.")
+
+
+def _sentence(text: str) -> str:
+    """With a capital in front and a full stop behind."""
+    return text[:1].upper() + text[1:].rstrip(".") + "."
 
 
 def _sides(sides: tuple[Any, ...]) -> str:
@@ -248,7 +255,7 @@ class Digits:
         *left, right = form.split("=")
         computed = value(parse(left[0]), values)
         same = len(left) == 1 or bool(relation(values, "=".join(left)))
-        line = f"{left[0].strip()}: computed {number(computed, 8)}, printed {right.strip()}."
+        line = f"{as_printed(left[0])}: computed {number(computed, 8)}, printed {right.strip()}."
         return Outcome(same and agrees(computed, right), (line,))
 
 

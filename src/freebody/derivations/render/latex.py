@@ -99,7 +99,8 @@ def _symbol(node: Symbol, _: Renderer) -> str:
     low = ",".join(
         f"\\mathrm{{{_escaped(x)}}}" if x.isalpha() and len(x) > 2 else _escaped(x) for x in node.low
     )
-    return letter + _script("_", low) + _script("^", node.high)
+    low, high = low.replace("−", "-"), node.high.replace("−", "-").replace("′", "\\prime")
+    return letter + _script("_", low) + _script("^", high)
 
 
 def _script(mark: str, text: str) -> str:
@@ -159,6 +160,8 @@ def _call(node: Function, exponent: str, render: Renderer) -> str:
 def _power(node: Power, render: Renderer) -> str:
     if isinstance(node.base, Function):
         return _call(node.base, _script("^", str(node.exponent)), render)
+    if isinstance(node.base, Transposed) and node.exponent == -1:
+        return render(node.base.operand, ATOM) + "^{-\\mathsf{T}}"
     return render(node.base, ATOM) + _script("^", str(node.exponent))
 
 

@@ -158,6 +158,8 @@ def _power(node: Power, render: Renderer) -> str:
         return _call(node.base, exponent, render)
     if isinstance(node.base, Symbol) and not node.base.high:
         return _symbol(node.base, render, f"<mn>{exponent}</mn>")
+    if isinstance(node.base, Transposed) and node.exponent == -1:
+        return f"<msup><mrow>{render(node.base.operand, ATOM)}</mrow><mrow><mo>−</mo><mi>T</mi></mrow></msup>"
     if precedence(node.base) < ATOM and any(isinstance(part, Quotient) for part in nodes(node.base)):
         return f"<msup><mrow><mo>(</mo>{render(node.base)}<mo>)</mo></mrow><mn>{exponent}</mn></msup>"  # as tall as it
     return f"<msup><mrow>{render(node.base, ATOM)}</mrow><mn>{exponent}</mn></msup>"

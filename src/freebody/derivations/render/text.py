@@ -126,6 +126,8 @@ def _power(node: Power, render: Renderer, bracket: bool = False) -> str:
     exponent = str(node.exponent).translate(_HIGH)
     if isinstance(node.base, Function):
         return _call(node.base, exponent, bracket, render)
+    if isinstance(node.base, Transposed) and node.exponent == -1:
+        return render(node.base.operand, ATOM) + "⁻ᵀ"
     return render(node.base, ATOM) + exponent
 
 

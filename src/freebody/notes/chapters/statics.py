@@ -94,7 +94,7 @@ ITEMS = (
         "ex-2.4-statics", "2.4", "Example: a force on the tip", "worked-example",
         "The torques that keep an arm with links of 3.5 m and 3 m, both angles 30°, in equilibrium under f = (−4.5, −3) N.",
         "tau = [5.97, 7.19]", EXAMPLE, "inconsistent", "tau = [-5.9731, -7.1913]",
-        "The numbers are those of Jᵀ f. The torques that hold the arm against f have the other sign: " + _F,
+        "The numbers are those of Jᵀ f. The torques that hold the arm against f have the other sign. " + _F,
         figure="2.3",
     ),
     Item(
