@@ -195,6 +195,7 @@ def acceleration_is_right(model, q, qd, qdd, tau, load, found) -> None:
     torque_is_right(model, q, qd, qdd, tau, load)
     reactions = fb.reactions(model, q, qd, tau=tau, wrenches=load)
     close(reactions.qdd, qdd, 1e-9, size)
+    assert np.abs(reactions.multipliers).max(initial=0.0) < 1e10
     assert np.isfinite(reactions.wrenches).all()
     assert reactions.balance < 1e-8
 
@@ -209,15 +210,23 @@ def torque_is_right(model, q, qd, qdd, tau, load) -> None:
     assert np.abs(N.T @ (tau - needed)).max(initial=0.0) < 1e-7 * size
 
 
-@pytest.mark.parametrize("start", range(0, 240, 40))
+FOUND_WANTING = (828,)  # a rod that only its extreme fits, and a link of no inertia: once an answer of 1e16
+
+
+@pytest.mark.parametrize("start", range(0, 40, 10))
 def test_random_linkages(start):
-    answered = [examine(seed) for seed in range(start, start + 40)]
-    assert sum("forward" in a for a in answered) > 8
-    assert sum("inverse" in a for a in answered) > 3
+    answered = [examine(seed) for seed in range(start, start + 10)]
+    assert sum("forward" in a for a in answered) >= 4
+    assert sum("inverse" in a for a in answered) >= 3
+
+
+@pytest.mark.parametrize("seed", FOUND_WANTING)
+def test_linkages_that_once_failed(seed):
+    examine(seed)
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("start", range(240, 1540, 50))
+@pytest.mark.parametrize("start", range(40, 1540, 50))
 def test_a_thousand_random_linkages(start):
     for seed in range(start, start + 50):
         examine(seed)

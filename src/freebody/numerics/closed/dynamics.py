@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
@@ -12,6 +13,7 @@ from freebody.model.model import Model
 from freebody.numerics.calls import Vector, Wrenches, checked_inputs
 from freebody.numerics.closed.assembly import assemble, closing, free_coordinates
 from freebody.numerics.closed.equations import (
+    length,
     loop_of_row,
     rate_scale,
     refuse_inconsistent,
@@ -29,6 +31,7 @@ from freebody.numerics.states import difference, integrate
 _PIVOT = 1e-6
 """The smallest pivot of the quick solution relative to the largest; below, the careful solution takes over."""
 _REGULAR = 1e-2  # of the same, from which stages of an integration need no care
+_LIGHT = 1e10  # the mechanism's inertia over that which resists a loop; rad/s²
 _SHORT = 0.01  # rad: a motion that shows where accelerations lead
 _ASIDE = 0.03  # part of what accelerations add to it by which it may miss the closed positions: terms of third order
 _LEFT = 1e-6  # of an equation, relative to its terms: more is no rounding
@@ -64,7 +67,7 @@ def accelerations(
     kept = independent_rows(model, q)
     quick = fetch(model, ("constrained_dynamics",), Option(wrench_frames=frames, equations=kept))
     qdd, _, pivots = quick(q, qd, tau, *loads)
-    poor = ~(_smallest(model, kept, pivots) > _PIVOT)
+    poor = ~(_smallest(model, kept, pivots) > _PIVOT) | _light(model, kept, pivots, qdd)
     if len(kept) < model.tree.constraints:
         poor |= _left(model, q, qd, qdd) > _LEFT
     for at in np.argwhere(poor):
@@ -93,6 +96,13 @@ def _smallest(model: Model, kept: tuple[int, ...], pivots: Array) -> Array:
     return scaled.min(axis=-1) / scaled.max(axis=-1)
 
 
+def _light(model: Model, kept: tuple[int, ...], pivots: Array, qdd: Array) -> NDArray[np.bool_]:
+    """(...): whether so little inertia resists some motion that the quick solution divides by rounding."""
+    scaled = pivots * row_scale(model)[list(kept)] ** 2 * model.mass * length(model) ** 2
+    fastest = np.abs(qdd / rate_scale(model)).max(axis=-1, initial=0.0)
+    return (scaled.max(axis=-1, initial=0.0) > _LIGHT) | (fastest > _LIGHT)
+
+
 def independent_rows(model: Model, q: Array) -> tuple[int, ...]:
     """Equations that do not follow from others near the first of the positions q (..., nq); found once a model."""
     kept = model.compiled.get("independent_rows")
@@ -114,13 +124,13 @@ def equations_that_count(model: Model) -> tuple[int, ...]:
 def careful(model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array) -> Array:
     """q̈ (nv,) of one state, whatever the rank."""
     option = Option(wrench_frames=frames)
-    terms = fetch(model, ("mass_matrix", "constraint_jacobian", "constraint_bias"), Option())
-    M, phi, c = terms(q, qd)
+    M, c = fetch(model, ("mass_matrix", "constraint_bias"), Option())(q, qd)
+    A = scaled_jacobian(model, q)
     bias = fetch(model.opened, ("inverse_dynamics",), option)(q, qd, np.zeros(model.nv), *loads)
     rates = rate_scale(model)
     speed = float(np.abs(qd / rates).max(initial=0.0))
     try:
-        found = solve(M, tau - bias, phi, c, row_scale(model), rates, _jerk(model, q, qd), speed)
+        found = solve(M, tau - bias, A, c, row_scale(model), rates, _jerk(model, q, qd), speed)
     except Idle as idle:
         raise SingularError(
             f"forward_dynamics: {model.name!r} has no definite acceleration: its loops let "

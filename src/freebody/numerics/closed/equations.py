@@ -20,6 +20,8 @@ from freebody.spatial import dot, times
 CLOSED = 1e-6
 """Gap, relative to the mechanism's length, from which a loop counts as open."""
 
+_NOTHING = 1e-13  # an equation that holds wherever the mechanism goes
+
 
 def require_loops(model: Model, function: str) -> None:
     """Refuse a model without loops."""
@@ -108,8 +110,10 @@ def rate_scale(model: Model) -> Array:
 
 
 def scaled_jacobian(model: Model, q: Array) -> Array:
-    """Φ_q (..., m, nv) over angular rates, in angles."""
-    return row_scale(model)[:, None] * jacobian_of_loops(model, q) * rate_scale(model)
+    """Φ_q (..., m, nv) over angular rates, in angles; rows that hold nothing but rounding are zero."""
+    A = row_scale(model)[:, None] * jacobian_of_loops(model, q) * rate_scale(model)
+    A[np.abs(A).max(axis=-1, initial=0.0) < _NOTHING] = 0.0
+    return A
 
 
 def null_space(A: Array, tolerance: float) -> tuple[Array, Array]:

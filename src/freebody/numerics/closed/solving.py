@@ -50,15 +50,14 @@ Jerk = Callable[[Array], Array]
 
 
 def solve(
-    M: Array, n: Array, phi: Array, c: Array, rows: Array, rates: Array, jerk: Jerk, speed: float
+    M: Array, n: Array, A: Array, c: Array, rows: Array, rates: Array, jerk: Jerk, speed: float
 ) -> Solution:
     """q̈ of one state. Raises Idle.
 
-    M (nv, nv), n (nv,), Φ_q (m, nv), c (m,); rows (m,), rates (nv,): the scales of `equations`; speed: of the fastest
-    scaled rate.
+    M (nv, nv), n (nv,), c (m,); A (m, nv): Φ_q scaled by rows (m,) and rates (nv,) as in `equations`; speed: of the
+    fastest scaled rate.
     """
-    A, right = rows[:, None] * phi * rates, rows * c
-    mass, force = rates[:, None] * M * rates, rates * n
+    mass, force, right = rates[:, None] * M * rates, rates * n, rows * c
     U, s, Vt = np.linalg.svd(A)
     rank = int((s > _BLURRED * s.max(initial=1e-300)).sum())
     loose, null = U[:, rank:], Vt[rank:].T
