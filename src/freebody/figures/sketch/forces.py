@@ -181,6 +181,9 @@ def called(seen: Snapshot, body: BodyPlace, load: Load, names: Names) -> tuple[s
         return f"{names.on('m', n)} g", ""
     if load.role == "external":
         return names.load, ""
+    joints = len(seen.pose.bodies)
+    if load.joint is not None and load.joint >= joints:
+        return _of_loop(seen, n, load, load.joint - joints, names)
     first, second = (body.parent + 1, n) if load.role == "reaction" else (n, (load.joint or 0) + 1)
     sign = "" if load.role == "reaction" else "−"
     kind = seen.pose.bodies[second - 1].kind
@@ -191,6 +194,16 @@ def called(seen: Snapshot, body: BodyPlace, load: Load, names: Names) -> tuple[s
     else:
         moment = f"n_{{{names.force(names.index(first), names.index(second))}}}"
     return sign + names.reaction(first, second), sign + moment
+
+
+def _of_loop(seen: Snapshot, n: int, load: Load, k: int, names: Names) -> tuple[str, str]:
+    """Force and moment of a loop: on the body of its first frame by that of the second, as derivations call them."""
+    target, other = (seen.model.frame(name).body + 1 for name in seen.model.loops[k].frames)
+    if target == 0:
+        target, other = other, target
+    sign = "" if n == target else "−"
+    moment = f"{sign}n_{{{names.force(names.index(other), names.index(target))}}}" if load.moment_name else ""
+    return sign + names.reaction(other, target), moment
 
 
 def _scale(seen: Snapshot) -> float:

@@ -81,7 +81,7 @@ class Posture:
     def heading(self, frame: str) -> Array:
         """Angle of a frame's x axis."""
         R, _ = frame_pose(self.tree, self.world, frame)
-        return np.angle(self._complex((R[0][0], R[1][0])))
+        return np.asarray(np.angle(self._complex((R[0][0], R[1][0]))), dtype=float)
 
     def pivot(self, body: int) -> Complex:
         """Where a joint is."""
