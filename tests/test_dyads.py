@@ -1,0 +1,173 @@
+"""Positions of closed chains: assembly modes and working modes, in closed form and by search."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.numerics.closed.assembly import _solutions
+from freebody.numerics.closed.decompose import decomposed
+from freebody.numerics.closed.equations import residual
+
+
+def distinct(q):
+    """Positions up to whole turns."""
+    return {tuple(np.round(np.concatenate([np.cos(x), np.sin(x)]), 6) + 0.0) for x in q}
+
+
+@pytest.mark.parametrize(
+    ("name", "free", "steps"),
+    [
+        ("five_bar", ["B", "D"], ["Triangle"]),
+        ("five_bar_rods", ["x", "y"], ["TwoCircles"]),
+        ("five_bar_rods", ["theta1", "theta2"], ["Swing", "Swing"]),
+        ("four_bar", ["coupler_pin", "rocker_pin"], ["Triangle"]),
+        ("four_bar", ["crank_pin", "coupler_pin"], ["Triangle"]),
+        ("slider_crank", ["rod_pin", "guide"], ["TurnAndSlide"]),
+        ("slider_crank", ["crank_pin", "rod_pin"], ["Triangle"]),
+        ("slider_crank", ["crank_pin", "guide"], ["TurnAndSlide"]),
+        ("3RRR", ["drive1", "elbow1", "drive2", "elbow2", "drive3", "elbow3"], ["Triangle"] * 3),
+    ],
+)
+def test_dyads_find_what_a_search_finds(name, free, steps):
+    model = fb.load(name)
+    start = np.linspace(0.3, 0.9, model.nq) if name != "3RRR" else np.linspace(0.02, 0.06, model.nq)
+    q = fb.assemble(model, start)
+    moving = [model.position_names.index(x) for x in free]
+    plan = decomposed(model, moving)
+    assert plan is not None
+    assert [type(step).__name__ for step in plan.steps] == steps
+    found = fb.assembly_modes(model, q, free=free)
+    assert len(found) == 2 ** len(steps)
+    np.testing.assert_allclose(residual(model, found), 0, atol=1e-12)
+    np.testing.assert_allclose(
+        np.delete(found, moving, axis=1), np.delete(np.tile(q, (len(found), 1)), moving, axis=1)
+    )
+    assert len(set(plan.branches(found))) == len(found)
+    assert distinct(_solutions(model, q, moving, 200)) == distinct(found)
+    np.testing.assert_allclose(found[0], q, atol=1e-9)  # nearest first
+
+
+def test_five_bar_has_four_working_and_two_assembly_modes():
+    model = fb.load("five_bar")
+    target = np.array([0.05, 0.6])
+    found = fb.inverse_kinematics(model, target)
+    assert found.method == "dyads, in closed form"
+    assert set(found.branches) == {f"B {a}, D {b}" for a, b in product(("left", "right"), repeat=2)}
+    assert found.residual.max() < 1e-12
+    np.testing.assert_allclose(
+        fb.forward_kinematics(model, found.q)[:, :2, 2], np.tile(target, (4, 1)), atol=1e-12
+    )
+    np.testing.assert_allclose(residual(model, found.q), 0, atol=1e-12)
+    # the names say where the elbows are
+    for q, name in zip(found.q, found.branches, strict=True):
+        for pivot, elbow, frame in ((-0.25, "B", "distal1"), (0.25, "D", "distal2")):
+            at = fb.forward_kinematics(model, q, frame)[:2, 2] - [pivot, 0]
+            way = target - [pivot, 0]
+            assert (f"{elbow} left" in name) == (way[0] * at[1] - way[1] * at[0] > 0)
+        # and each working mode has two assembly modes, one of them itself
+        modes = fb.assembly_modes(model, q, free=["B", "D"])
+        assert len(modes) == 2
+        np.testing.assert_allclose(modes[0], q, atol=1e-9)
+    # both models of the robot agree
+    rods = fb.inverse_kinematics(fb.load("five_bar_rods"), target)
+    assert set(rods.branches) == set(found.branches)
+    for name in found.branches:
+        one, two = (x.q[list(x.branches).index(name), :2] for x in (found, rods))
+        np.testing.assert_allclose(np.exp(1j * one), np.exp(1j * two), atol=1e-12)
+
+
+def test_three_legs_have_eight_working_modes():
+    model = fb.load("3RRR")
+    c, s = np.cos(0.2), np.sin(0.2)
+    target = np.array([[c, -s, 0.05], [s, c, 0.03], [0, 0, 1]])
+    found = fb.inverse_kinematics(model, target)
+    assert len(found) == 8
+    assert len(set(found.branches)) == 8
+    np.testing.assert_allclose(fb.forward_kinematics(model, found.q), np.tile(target, (8, 1, 1)), atol=1e-12)
+    np.testing.assert_allclose(residual(model, found.q), 0, atol=1e-12)
+
+
+def test_batches_and_limits():
+    model = fb.load("five_bar")
+    targets = np.array([[0.05, 0.6], [0.0, 3.0], [-0.1, 0.5]])
+    found = fb.inverse_kinematics(model, targets)
+    assert found.q.shape == (3, 4, 4)
+    assert found.count.tolist() == [4, 0, 4]
+    assert np.isnan(found.q[1]).all()
+    assert found.distance[1] > 2.0
+    assert fb.inverse_kinematics(model, np.zeros((0, 2))).q.shape[0] == 0
+
+
+def test_out_of_reach_says_how_far_and_why():
+    model = fb.load("five_bar_rods")
+    found = fb.inverse_kinematics(model, [1.4, 0.3])
+    assert len(found) == 0
+    # P reaches 1 m from A, and no farther: the nearest point is on the circle about A where C allows it
+    away = np.hypot(1.65, 0.3) - 1.0
+    assert found.distance == pytest.approx(away, rel=1e-6)
+    (note,) = found.notes
+    assert f"about {away:.6g} m" in note
+    assert "theta1 and P would be 1.67705 m apart; the links between them span 0.2 to 1 m" in note
+    assert "0.188 m too short" in note
+    slider = fb.inverse_kinematics(fb.load("slider_crank"), [0.55, 0.1])
+    assert len(slider) == 0
+    assert slider.distance == pytest.approx(0.1, rel=1e-6)
+    # half a turn stretches all three legs in the middle, and nowhere else is possible
+    half = np.diag([-1.0, -1.0, 1.0])
+    straight = fb.inverse_kinematics(fb.load("3RRR"), half)
+    assert straight.branches.tolist() == ["elbow1 straight, elbow2 straight, elbow3 straight"]
+    half[0, 2] = 0.1
+    assert len(fb.inverse_kinematics(fb.load("3RRR"), half)) == 0
+
+
+def test_without_closed_form_by_search():
+    found = fb.inverse_kinematics(fb.load("slider_crank"), [0.55, 0.0])
+    assert found.method.startswith("Levenberg")
+    p = fb.load("slider_crank").parameters
+    crank = np.arccos((0.55**2 + p["l1"] ** 2 - p["l2"] ** 2) / (2 * 0.55 * p["l1"]))
+    assert sorted(found.q[:, 0]) == pytest.approx([-crank, crank])
+    four_bar = fb.load("four_bar")
+    q = fb.assemble(four_bar, [1.0, -0.5, 1.5])
+    there = fb.forward_kinematics(four_bar, q)[:2, 2]
+    assert distinct([q]) <= distinct(fb.inverse_kinematics(four_bar, there).q)
+    loose = fb.inverse_kinematics(fb.load("five_bar"), [0.05, 0.6], task=["vy"])
+    assert "still moves with its tip held" in loose.notes[0]
+    np.testing.assert_allclose(fb.forward_kinematics(fb.load("five_bar"), loose.q)[:, 1, 2], 0.6, atol=1e-9)
+
+
+def test_stewart_platform_is_held_at_a_pose():
+    model = fb.load("stewart")
+    target = np.eye(4)
+    target[:3, 3] = [0.02, 0.03, 0.5]
+    found = fb.inverse_kinematics(model, target, starts=12)
+    assert len(found)
+    np.testing.assert_allclose(residual(model, found.q), 0, atol=1e-10)
+    np.testing.assert_allclose(
+        fb.forward_kinematics(model, found.q), np.tile(target, (len(found), 1, 1)), atol=1e-9
+    )
+
+
+def test_rhombs_have_three_modes():
+    """Of the four combinations two coincide: crank 2 folded back puts its pin as far from the third as links reach."""
+    model = fb.load("double_four_bar")
+    found = fb.assembly_modes(model, [1.0, -1.0, 1.0, -1.0, 1.0], free=["A1", "O2", "A2", "O3"])
+    assert len(found) == 3
+    np.testing.assert_allclose(residual(model, found), 0, atol=1e-12)
+
+
+def test_pins_on_one_another_are_left_to_the_search():
+    model = fb.load("double_four_bar")
+    with pytest.raises(fb.FreebodyError, match="still moves with the other coordinates held"):
+        fb.assembly_modes(model, np.zeros(5), free=["A1", "O2", "A2", "O3"])
+
+
+def test_what_is_no_row_of_dyads():
+    assert decomposed(fb.load("3RRR"), [0, 1, 2, 4, 6, 8]) is None  # all legs at once
+    assert decomposed(fb.load("bricard"), range(5)) is None
+    assert decomposed(fb.load("2R"), [0, 1]) is None
+    four_bar = fb.load("four_bar")
+    assert decomposed(four_bar, [0, 1, 2]) is None  # one too many
