@@ -30,7 +30,7 @@ METHODS = {
     "kinematics": kinematics.derive,
 }
 
-CLOSED = ("lagrange-first-kind", "statics")
+CLOSED = ("lagrange-first-kind", "statics", "kinematics")
 """Methods for closed chains."""
 
 LOADS = {2: ("fx", "fy"), 3: ("fx", "fy", "fz")}

@@ -71,7 +71,7 @@ def _shown(derivation: Derivation) -> Snapshot:
     symbols = derivation.equations.symbols
     model = with_values(symbols.model)
     still = np.zeros(model.nv) if derivation.method == "statics" else None
-    return snapshot(model, None, still, still, _tip_load(model) if symbols.extra else None)
+    return snapshot(model, None, still, still, _tip_load(model) if "fx" in symbols.extra else None)
 
 
 def _tip_load(model: Model) -> list[float]:

@@ -19,6 +19,8 @@ from freebody.derivations.symbols import Symbols
 from freebody.scalars.trig import Trig
 
 Entries = list[list[Trig]]
+_WIDE = 24
+"""Numbers and symbols up to which a numerator is written over its denominator."""
 _FACTORED = 120
 """Terms up to which numerator and denominator are factored to find what cancels."""
 
@@ -48,9 +50,7 @@ class Ratio:
         below = product(self.below, layout)
         if _is_negative(below):
             above, below = product(-self.above, layout), ex.neg_each(below)
-        if isinstance(above, ex.Sum) and all(isinstance(term, ex.Negative) for term in above.terms):
-            return ex.neg(ex.div(ex.neg_each(above), below))
-        return ex.div(above, below)
+        return quotient(above, below)
 
     def evaluate(self, values: Mapping[str, Any]) -> Any:
         """Its value; infinite or NaN where the denominator vanishes."""
@@ -58,6 +58,15 @@ class Ratio:
 
     def __str__(self) -> str:
         return str(self.above) if self.is_polynomial else f"({self.above})/({self.below})"
+
+
+def quotient(above: Expression, below: Expression) -> Expression:
+    """A fraction; a long numerator stands behind 1 / below, where a line can be broken."""
+    if isinstance(above, ex.Sum) and all(isinstance(term, ex.Negative) for term in above.terms):
+        return ex.neg(quotient(ex.neg_each(above), below))
+    if isinstance(above, ex.Negative):
+        return ex.neg(quotient(above.operand, below))
+    return ex.div(above, below) if ex.size(above) <= _WIDE else ex.mul(ex.div(ex.ONE, below), above)
 
 
 def _is_negative(x: Expression) -> bool:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
 
 from freebody.derivations import expression as ex
 from freebody.derivations.closed.first_kind import Reduction
-from freebody.derivations.closed.linear import Ratio, product
+from freebody.derivations.closed.linear import Ratio, product, quotient
 from freebody.derivations.derivation import Derivation, Step
 from freebody.derivations.expression import Equation, Expression, eq
 from freebody.derivations.methods import lagrange
@@ -19,6 +20,7 @@ from freebody.derivations.symbols import RATE, SECOND
 from freebody.scalars.trig import Trig
 
 METHOD = "lagrange-first-kind"
+HALF = ex.num(Fraction(1, 2))
 SHORT = 14
 """Numbers and symbols up to which a denominator is written in every quotient."""
 TITLE = "Lagrange's equations of the first kind"
@@ -116,14 +118,15 @@ class _FirstKind:
     def together(self) -> list[Step]:
         """M, n and the system of both (5.25-5.27, 5.29)."""
         reason = (
-            "Sorted by accelerations: M is the matrix of the kinetic energy ½ q̇ᵀ M q̇, and n holds the generalized "
-            "forces less all terms without accelerations. Entries that are not listed are 0."
+            "Sorted by accelerations: M is the matrix of the kinetic energy, a quadratic form of the rates, and n holds "
+            "the generalized forces less all terms without accelerations. Entries that are not listed are 0."
         )
+        rate = ex.Symbol("q_d", "q", dots=1)
         rests = [self._named_rest(k, i) for k, i in self._by_coordinate()]
         first = Step(
             "Mass matrix and forces",
             reason,
-            (*self._masses(), *rests),
+            (eq("T", ex.mul(HALF, ex.transposed(rate), "M", rate)), *self._masses(), *rests),
             ("5.25", "5.26", "5.27"),
         )
         block = ex.matrix([[sym("M"), ex.transposed(self.loops.phi_q)], [self.loops.phi_q, 0]])
@@ -297,7 +300,7 @@ class _FirstKind:
         layout = self.loops.equations.layout
         if self._common is not None and not x.is_polynomial:
             above = product(x.above / x.below.leading_coefficient, layout)
-            shown = ex.div(above, sym("Delta"))
+            shown = quotient(above, sym("Delta"))
         else:
             shown = x.form(layout)
         return (

@@ -19,7 +19,11 @@ from freebody.scalars.trig import Trig
 
 
 def derive(setting: Setting) -> Derivation:
-    """The derivation; there are no torques in it."""
+    """The derivation; there are no torques in it. Of a closed chain: see `loop_kinematics`."""
+    if setting.tree.loops:
+        from freebody.derivations.methods import loop_kinematics
+
+        return loop_kinematics.derive(setting)
     work = _Tip(setting)
     steps = [
         work.position(),

@@ -7,7 +7,7 @@ import re
 
 from freebody.derivations.names import GREEK
 
-_NAMES = {letter: name for name, letter in GREEK.items()}
+_NAMES = {letter: "lambda" if name == "lam" else name for name, letter in GREEK.items()}
 
 _SYMBOL = re.compile(r"(?<![\w.])(-?)([A-Za-zα-ωΑ-Ω])_([A-Za-z0-9]+(?:,[A-Za-z0-9]+)?)")
 """A letter with a subscript, such as f_0,1."""

@@ -177,23 +177,21 @@ class _Problem:
     def _one_way(self, start: Array, sense: float) -> tuple[list[Array], bool]:
         """(positions after the start, whether they lead back to it)."""
         model, rates = self.model, rate_scale(self.model)
-        q, direction, step = start, None, _STEP
+        q, step, direction = start, _STEP, np.zeros(model.nv)
         done: list[Array] = []
         while len(done) < _MOST and step > 1e-3 * _STEP:
             tangent = np.linalg.svd(self.slope(q))[2][-1]
-            if direction is None:
-                tangent = sense * tangent
-            elif tangent @ direction < 0.0:
-                tangent = -tangent
+            tangent = tangent * (sense if not direction.any() else 1.0 if tangent @ direction > 0.0 else -1.0)
             there = self.reached(integrate(model, q, step * tangent * rates), rounds=8)
-            moved = None if there is None else difference(model, q, there) / rates
-            if moved is None or np.linalg.norm(moved - step * tangent) > 0.5 * step:
+            if (
+                there is None
+                or np.linalg.norm(difference(model, q, there) / rates - step * tangent) > 0.5 * step
+            ):
                 step *= 0.5
                 continue
-            done.append(there)  # type: ignore[arg-type]
-            q, direction, step = there, tangent, min(_STEP, 1.5 * step)  # type: ignore[assignment]
-            home = _apart(model, start, q[None])
-            if len(done) > 5 and home[0] < _STEP:
+            done.append(there)
+            q, direction, step = there, tangent, min(_STEP, 1.5 * step)
+            if len(done) > 5 and _apart(model, start, q[None])[0] < _STEP:
                 return done, True
         return done, False
 
