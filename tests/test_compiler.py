@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+import weakref
 from fractions import Fraction
 
 import numpy as np
@@ -29,6 +30,7 @@ from freebody.compiler import (
 )
 from freebody.compiler.segments import segment
 from freebody.compiler.target import Target
+from freebody.compiler.threads import run_split
 from freebody.elementary import cos, sign, sin, sqrt
 from freebody.errors import ShapeError
 
@@ -415,6 +417,28 @@ def test_every_width_gives_the_same_to_rounding(seed):
             np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
 
 
+def test_long_programs_run_their_pieces_in_groups(monkeypatch):
+    """As a whole and in functions of a few pieces: the same bits."""
+    program, arrays = random_program(17, 4000), samples(37, 17)
+    whole = compile_program(program).ufunc(*arrays)
+    monkeypatch.setattr(emit_llvm, "PIECES", 3)
+    monkeypatch.setattr(kernel, "_kernels", {})
+    cut = compile_program(program)
+    assert "@compute1(" in cut.ir
+    assert same_bits(cut.ufunc(*arrays), whole)
+
+
+@pytest.mark.parametrize("width", [2, 4, 8])
+@pytest.mark.parametrize("count", [127, 128, 129, 256, 300])
+def test_each_of_many_inputs_is_looked_at(count, width):
+    program = trace("few", lambda q: ([q[0] + 1.0],), [Argument("q", (count,))], [Argument("r", (1,))])
+    compiled = compile_program(program, width=width)
+    q = np.ones((count + 1, count))
+    q[np.arange(count), np.arange(count)] = np.where(np.arange(count) % 2, np.nan, np.inf)
+    assert np.isnan(compiled(q)[:-1]).all()
+    assert compiled(q)[-1] == 2.0
+
+
 @pytest.mark.parametrize("threads", [1, 2, 3, 7, None])
 def test_threads_change_nothing(threads):
     compiled = compile_program(random_program(5))
@@ -449,6 +473,64 @@ def test_threads_with_out_over_input():
     expected = compiled(q)
     compiled(q, out=q, threads=4)
     np.testing.assert_array_equal(q, expected)
+
+
+@pytest.mark.parametrize("count", [1, 15, 16, 17, 100, 1001, 100_000])
+@pytest.mark.parametrize("threads", [1, 2, 5])
+def test_every_sample_is_in_one_part(count, threads):
+    hits, parts = np.zeros((count, 1)), []
+
+    def ufunc(x, out):
+        parts.append(len(x))
+        out[0][:] += x
+
+    run_split(ufunc, [np.ones((count, 1))], [hits], [1, 1], (count,), threads)
+    assert (hits == 1.0).all()
+    assert sum(parts) == count
+    assert len(parts) <= 3 * threads
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError, KeyboardInterrupt])
+@pytest.mark.parametrize("where", [0, 500, 999])
+def test_what_a_part_raises_is_raised_when_all_are_done(error, where):
+    finished = np.zeros(1000, dtype=bool)
+
+    def ufunc(x, out):
+        time.sleep(0.01)
+        if where in x:
+            raise error
+        finished[x.astype(int)] = True
+
+    x = np.arange(1000.0)
+    for _ in range(2):  # the helpers are there afterwards
+        with pytest.raises(error):
+            run_split(ufunc, [x], [x.copy()], [0, 0], (1000,), 2)
+    assert 0 < finished.sum() < 1000
+
+
+def test_several_callers_at_once_and_nothing_is_kept():
+    compiled = compile_program(random_program(5))
+    arrays = samples(3001, 9)
+    whole, wrong = compiled.ufunc(*arrays), []
+
+    def call():
+        wrong.extend(not same_bits(compiled(*arrays, threads=3), whole) for _ in range(50))
+
+    callers = [threading.Thread(target=call) for _ in range(4)]
+    for caller in callers:
+        caller.start()
+    for caller in callers:
+        caller.join()
+    assert len(wrong) == 200
+    assert not any(wrong)
+    q = np.ones((1000, 3))
+    kept = weakref.ref(q)
+    compile_program(swap_program())(q, threads=2)
+    del q
+    deadline = time.monotonic() + 10.0  # a helper lets go when its thread comes to it
+    while kept() is not None:
+        assert time.monotonic() < deadline
+        time.sleep(0.001)
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="fork")

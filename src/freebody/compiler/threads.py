@@ -1,24 +1,35 @@
-"""Share a batch among threads: one pool a process, made when first needed, forgotten in a forked child.
+"""Share a batch among threads, which a process starts when first needed and a forked child anew.
 
 The batch is cut along its longest axis. Every sample is computed by the same code whatever its place in the
-batch, so the result does not depend on the cut.
+batch, so the result does not depend on the cut. Parts wait in a queue from which the caller and the helpers
+take them: first a large one each, then small ones, so that a thread that woke late has fewer of these.
 """
 
 from __future__ import annotations
 
 import os
 import threading
+from collections import deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
+from queue import SimpleQueue
 from typing import Any
 
 import numpy as np
 
-GRAIN = 64
+GRAIN = 16
 """Parts begin at multiples of this many samples, so that all but the last consist of whole vectors."""
 
+_LARGE = 0.9
+"""Share of the batch that is cut into one part for each thread."""
+
+_SMALL = 1
+"""Parts for each thread that the rest is cut into; each costs some microseconds, for the GIL is asked for."""
+
+_Jobs = SimpleQueue[Callable[[], None]]
 _lock = threading.Lock()
-_pool: ThreadPoolExecutor | None = None
+_jobs: _Jobs = SimpleQueue()
+_helpers = 0
 
 
 def cpus() -> int:
@@ -36,7 +47,9 @@ def run_split(
     batch: tuple[int, ...],
     threads: int,
 ) -> None:
-    """Run `ufunc` on parts of the batch at the same time; the caller's thread takes the first part.
+    """Run `ufunc` on parts of the batch at the same time; what a part raises is raised when all are done.
+
+    An interrupt outside a part drops the parts that nobody has begun; what is being computed keeps its arrays.
 
     Args:
         ufunc: releases the GIL.
@@ -44,25 +57,46 @@ def run_split(
         outs: outputs, of the whole batch shape, that overlap nothing.
         cores: number of core axes of each input, then of each output.
         batch: the broadcast batch shape, at least one axis.
-        threads: how many parts at most.
+        threads: how many at most, the caller's among them.
     """
     axis = batch.index(max(batch))
-    from_end = len(batch) - axis
-    size = -(-batch[axis] // threads)
-    size = -(-size // GRAIN) * GRAIN if size > GRAIN else size
-    operands = [*arrays, *outs]
+    operands = [(x, core + len(batch) - axis) for x, core in zip((*arrays, *outs), cores, strict=True)]
+    inputs, parts = len(arrays), _parts(batch[axis], threads)
+    todo, done = deque(parts), SimpleQueue[BaseException | None]()
 
-    def part(start: int) -> None:
-        cut = [_cut(x, core + from_end, start, start + size) for x, core in zip(operands, cores, strict=True)]
-        ufunc(*cut[: len(arrays)], out=tuple(cut[len(arrays) :]))
+    def work() -> None:
+        while True:
+            try:
+                start, stop = todo.popleft()
+            except IndexError:
+                return
+            problem = None
+            try:
+                cut = [_cut(x, from_end, start, stop) for x, from_end in operands]
+                ufunc(*cut[:inputs], out=tuple(cut[inputs:]))
+            except BaseException as raised:
+                problem = raised
+            done.put(problem)
 
-    starts = range(0, batch[axis], size)
-    pending = [_executor().submit(part, start) for start in starts[1:]]
+    for _ in range(_start(min(threads, len(parts)) - 1)):
+        _jobs.put(work)
     try:
-        part(0)
-    finally:
-        for future in pending:
-            future.result()
+        work()
+        problems = [problem for _ in parts if (problem := done.get())]
+    except BaseException:
+        todo.clear()
+        raise
+    if problems:
+        raise problems[0]
+
+
+def _parts(count: int, threads: int) -> list[tuple[int, int]]:
+    """Starts and stops."""
+    large = int(_LARGE * count / threads) // GRAIN * GRAIN
+    rest = count - large * threads
+    small = -(-rest // (_SMALL * threads * GRAIN)) * GRAIN
+    starts = [large * k for k in range(threads) if large]
+    return list(pairwise([*starts, *range(large * threads, count, small), count]))
 
 
 def _cut(array: np.ndarray, from_end: int, start: int, stop: int) -> np.ndarray:
@@ -72,18 +106,28 @@ def _cut(array: np.ndarray, from_end: int, start: int, stop: int) -> np.ndarray:
     return array[(slice(None),) * axis + (slice(start, stop),)]
 
 
-def _executor() -> ThreadPoolExecutor:
-    global _pool
+def _start(wanted: int) -> int:
+    """Have as many helpers as that, or as many as the system gives; how many may be asked."""
+    global _helpers
     with _lock:
-        if _pool is None:
-            _pool = ThreadPoolExecutor(max(32, cpus()), thread_name_prefix="freebody")
-        return _pool
+        try:
+            while _helpers < wanted:
+                threading.Thread(target=_serve, args=(_jobs,), name="freebody", daemon=True).start()
+                _helpers += 1
+        except RuntimeError:  # no more threads, or the interpreter is ending: the caller does the rest
+            pass
+        return min(_helpers, wanted)
+
+
+def _serve(jobs: _Jobs) -> None:
+    while True:
+        jobs.get()()
 
 
 def _forget() -> None:
-    """The threads of a pool do not survive a fork, and its lock may have been held."""
-    global _pool, _lock
-    _pool, _lock = None, threading.Lock()
+    """Threads do not survive a fork, and the lock may have been held."""
+    global _helpers, _jobs, _lock
+    _helpers, _jobs, _lock = 0, SimpleQueue(), threading.Lock()
 
 
 if hasattr(os, "register_at_fork"):
