@@ -42,9 +42,9 @@ def test_a_name_is_a_bundled_model(tmp_path, monkeypatch):
 def test_unknown_names(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert message("ur5") == (
-        "load: no model 'ur5' in the bundled models. Did you mean 'ur5e'? Models: 2R, 3R, gyro, iiwa14, panda, "
-        "pendulum, "
-        "puma560, quadrotor, RP, scara, ur5e. A file needs its suffix: .urdf, .toml, .csv."
+        "load: no model 'ur5' in the bundled models. Did you mean 'ur5e'? Models: 2R, 3R, 3RRR, bricard, "
+        "double_four_bar, five_bar, five_bar_rods, four_bar, gyro, iiwa14, panda, pendulum, puma560, quadrotor, RP, "
+        "scara, slider_crank, stewart, ur5e. A file needs its suffix: .urdf, .toml, .csv."
     )
     (tmp_path / "robot").write_text("x")
     assert message("robot") == (

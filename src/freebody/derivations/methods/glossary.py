@@ -204,6 +204,11 @@ def _statics(s: Setting) -> Iterator[Meaning]:
 
 
 def _kinematics(s: Setting) -> Iterator[Meaning]:
+    if s.tree.loops:
+        yield Meaning((sym("Phi_k"),), "a loop equation, zero where the loop is closed", "")
+        yield Meaning((vec("v"),), "rates of the tip", "m/s, rad/s")
+        yield Meaning((sym("J"),), "Jacobian of the tip by the driven joints", "m or 1")
+        return
     yield Meaning((sym("r_P", True),), "the tip, from the base's origin", METER)
     if s.planar:
         yield Meaning((sym("s_i", True),), "joint i to the next joint, or to the tip", METER)
