@@ -350,3 +350,17 @@ def test_every_form_is_written(name, method):
     for text in (derivation.text(), derivation.markdown(), derivation.latex(), derivation.html()):
         assert "λ" in text or r"\lambda" in text
     assert "/work" not in derivation.html()
+
+
+def test_kinematics_of_parallel_robots():
+    text = " ".join(fb.derive(fb.load("five_bar_rods"), "kinematics").text().split())
+    for line in (
+        "J_a v + J_b θ̇ = 0",
+        "det J_b = 4 l₁ l₂",
+        "tan θ₁ = y/(x + b)",
+        "(2.35), (2.37)–(2.40)",
+    ):
+        assert line in text
+    text = " ".join(fb.derive(fb.load("five_bar"), "kinematics").text().split())
+    assert "J₂₂ = −(l₂ cos(θ₁+θ₃) sin θ₄)/Δ" in text
+    assert "θ₁ − θ₂ + θ₃ − θ₄ = 0" in text

@@ -118,8 +118,8 @@ class _FirstKind:
     def together(self) -> list[Step]:
         """M, n and the system of both (5.25-5.27, 5.29)."""
         reason = (
-            "Sorted by accelerations: M is the matrix of the kinetic energy, a quadratic form of the rates, and n holds "
-            "the generalized forces less all terms without accelerations. Entries that are not listed are 0."
+            "Sorted by accelerations: M is the matrix of the kinetic energy, a quadratic form of the rates, and n "
+            "holds the generalized forces less all terms without accelerations. Entries that are not listed are 0."
         )
         rate = ex.Symbol("q_d", "q", dots=1)
         rests = [self._named_rest(k, i) for k, i in self._by_coordinate()]

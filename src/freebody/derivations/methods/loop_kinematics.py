@@ -1,0 +1,118 @@
+"""How the tip of a closed chain moves with its drives: loop equations, J_a, J_b, J, singular positions (2.27-2.40)."""
+
+from __future__ import annotations
+
+from freebody.derivations import expression as ex
+from freebody.derivations.closed.input_output import ClosedInputOutput
+from freebody.derivations.closed.linear import product, quotient
+from freebody.derivations.derivation import Derivation, Step
+from freebody.derivations.expression import Equation, Expression, eq
+from freebody.derivations.methods.loops import LONG, Loops
+from freebody.derivations.methods.overview import overview
+from freebody.derivations.methods.setting import Setting
+from freebody.derivations.names import entry, sym, vec
+from freebody.derivations.singularities import Determinant
+from freebody.derivations.symbols import RATE
+
+
+def derive(setting: Setting) -> Derivation:
+    """The derivation; drives and rows of the tip's motion as many as there are freedoms."""
+    loops = Loops(setting)
+    work = _TipAndDrives(setting, loops, loops.equations.input_output())
+    steps = [loops.cut(), loops.closed(), loops.freedom(), loops.rates()]
+    steps += [work.between(), work.jacobian(), work.singular()]
+    title = "Kinematics"
+    return Derivation(
+        "kinematics", title, setting.equations, tuple(steps), (), *overview(setting, "kinematics")
+    )
+
+
+class _TipAndDrives:
+    """J_a ẋ + J_b θ̇ = 0 and what follows."""
+
+    def __init__(self, setting: Setting, loops: Loops, found: ClosedInputOutput):
+        self.s, self.loops, self.io = setting, loops, found
+
+    @property
+    def _numbered(self) -> bool:
+        return self.loops.is_notes_robot
+
+    def between(self) -> Step:
+        """J_a and J_b (2.35, 2.37-2.40)."""
+        x, theta = vec("v"), ex.Symbol("theta_d", "θ", dots=1, bold=True)
+        lines: list[Equation] = [
+            eq(x, ex.Vector(tuple(map(_component, self.io.rows)))),
+            eq(theta, ex.Vector(tuple(sym(name + RATE) for name in self.io.driven))),
+            eq(ex.add(ex.mul(_j("a"), x), ex.mul(_j("b"), theta)), ex.ZERO),
+            *self.loops.matrix(_j("a"), self.io.J_a),
+            *self.loops.matrix(_j("b"), self.io.J_b),
+        ]
+        coordinates = self.s.symbols.coordinates
+        direct = set(self.io.driven) | {"x", "y", "z"} >= set(coordinates)
+        how = (
+            "The rates of the tip and those of the drives stand in different columns."
+            if direct
+            else "The equations are combined so that the passive joints' rates leave, as one multiplies with the "
+            "direction of a bar to be rid of its turning."
+        )
+        slips = (
+            " (The notes print (2.37), (2.39), (2.40) with the sign of d = 2b exchanged.)"
+            if self._numbered
+            else ""
+        )
+        reason = f"The equations on the rates tie the tip's velocity to the driven rates. {how}{slips}"
+        numbers = ("2.35", "2.37", "2.38", "2.39", "2.40") if self._numbered else ("2.35",)
+        return Step("The tip and the drives", reason, tuple(lines), numbers)
+
+    def jacobian(self) -> Step:
+        """J = -J_a⁻¹ J_b (2.36)."""
+        J = self.io.J
+        rule = eq(sym("J"), ex.neg(ex.mul(ex.power(_j("a"), -1), _j("b"))))
+        below = [x.below for row in J for x in row if not x.is_polynomial]
+        layout = self.loops.equations.layout
+        common = below[0] if below and all(x == below[0] for x in below) else None
+        sign = -1 if common is not None and layout.is_negative(common) else 1
+        lines = [rule]
+        for i, row in enumerate(J, 1):
+            for k, x in enumerate(row, 1):
+                if x.is_zero:
+                    continue
+                shared = common is not None and not x.is_polynomial
+                shown = quotient(product(x.above * sign, layout), sym("Delta")) if shared else x.form(layout)
+                small = ex.size(shown) <= 2 * LONG
+                lines.append(eq(entry("J", i, k), shown if small else ex.Words(f"({len(x.above)} terms)")))
+        if common is not None:
+            lines.append(eq(sym("Delta"), product(common * sign, layout)))
+        reason = "Solved for the tip's velocity where J_a can be inverted."
+        return Step("The robot's Jacobian", reason, tuple(lines), ("2.36",), result=True)
+
+    def singular(self) -> Step:
+        """Where det J_b or det J_a vanishes."""
+        lines = [*self._where(self.io.first, "b"), *self._where(self.io.second, "a")]
+        reason = (
+            "First type, det J_b = 0: some drive turns and the tip stands still in a direction, as at the edge of the "
+            "workspace. Second type, det J_a = 0: the tip gives way though the drives hold; near it the forces in the "
+            "robot grow without bound."
+        )
+        return Step("Singular positions", reason, tuple(lines))
+
+    def _where(self, found: Determinant, low: str) -> list[Equation]:
+        shown = found.expression
+        if ex.size(shown) > 2 * LONG:
+            shown = ex.Words(f"({len(found.polynomial)} terms)")
+        lines = [eq(ex.Function("det", _j(low)), shown)]
+        for condition in found.conditions:
+            if all(ex.size(e) <= LONG for e in condition.solutions):
+                lines += condition.solutions
+        return lines
+
+
+def _component(row: str) -> Expression:
+    """ẋ for "vx", ω for "w"."""
+    if row[0] == "v":
+        return ex.Symbol(f"{row[1]}_d", row[1], dots=1)
+    return ex.Symbol(f"omega{row[1:]}", "ω", tuple(row[1:]))
+
+
+def _j(low: str) -> Expression:
+    return ex.Symbol(f"J_{low}", "J", (low,))
