@@ -69,6 +69,18 @@ def test_double_four_bar_stretched(theta):
     close(qdd, expected, 2e-6 if 0 < abs(theta) < 1e-4 and theta != np.pi else 1e-9)
 
 
+@pytest.mark.parametrize("theta", [0.0, np.pi])
+def test_double_four_bar_from_its_stretched_position(theta):
+    model = fb.load("double_four_bar")
+    motion = fb.simulate(model, *cranks(theta, 3.0), np.linspace(0.0, 1.0, 11))
+    energy = (motion.kinetic_energy + motion.potential_energy).values
+    assert np.abs(energy - energy[0]).max() < 1e-8
+    q = motion.q.values
+    close(q[:, [2, 4]], q[:, [0, 0]], 1e-9, 1.0)
+    with pytest.raises(SingularError, match="no longer tells how the motion goes on"):
+        fb.simulate(model, *cranks(theta), [0.0, 1.0])
+
+
 def test_stretched_and_at_rest_no_way_is_told():
     model = fb.load("double_four_bar")
     q, qd = cranks(0.0)

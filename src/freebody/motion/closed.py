@@ -6,6 +6,8 @@ the loops by their local error; they are moved back, positions and rates, by the
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from scipy.integrate import DOP853, RK45
 
@@ -34,6 +36,10 @@ def integrated_closed(
         on = y if regular(system.model, system.split(y)[0]) else settled(system, y)
         return system.rate(np.asarray(now), on, drive(np.asarray(now), *system.split(on)))
 
+    now, state = np.asarray(t[0]), system.split(y0)
+    partial(system.forward, passing=False)(
+        *state, drive(now, *state), *system.loads(now)
+    )  # a start that tells a way
     # an angle of many turns is worth no less than a small one, so errors are not relative to the positions
     scale = np.concatenate([np.ones(system.layout.nq), rate_scale(system.model)])
     solver = METHODS[method](rate, t[0], y0, t[-1], rtol=_LEAST, atol=tolerance * scale)

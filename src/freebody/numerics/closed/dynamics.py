@@ -56,13 +56,23 @@ def forward(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches
 
 
 def accelerations(
-    model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
+    model: Model,
+    frames: tuple[str, ...],
+    q: Array,
+    qd: Array,
+    tau: Array,
+    *loads: Array,
+    passing: bool = False,
 ) -> Array:
-    """q̈ (..., nv), of states taken as closed: by the compiled solution where M is regular and equations independent."""
+    """q̈ (..., nv), of states taken as closed: by the compiled solution where M is regular and equations independent.
+
+    passing: whether these are stages of a motion, which say nothing of where it goes; else a singular position from
+    which no way leads on is refused.
+    """
     if massless(model):
         qdd = np.empty(qd.shape)
         for at in np.ndindex(qd.shape[:-1]):
-            qdd[at] = careful(model, frames, *(x[at] for x in (q, qd, tau, *loads)))
+            qdd[at] = careful(model, frames, *(x[at] for x in (q, qd, tau, *loads)), passing=passing)
         return qdd
     kept = independent_rows(model, q)
     quick = fetch(model, ("constrained_dynamics",), Option(wrench_frames=frames, equations=kept))
@@ -73,7 +83,7 @@ def accelerations(
     for at in np.argwhere(poor):
         sample = tuple(at)
         part = [np.broadcast_to(x, (*poor.shape, x.shape[-1]))[sample] for x in (q, qd, tau, *loads)]
-        qdd[sample] = careful(model, frames, *part)
+        qdd[sample] = careful(model, frames, *part, passing=passing)
     return qdd
 
 
@@ -121,7 +131,15 @@ def equations_that_count(model: Model) -> tuple[int, ...]:
     return independent_rows(model, assemble(model))
 
 
-def careful(model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array) -> Array:
+def careful(
+    model: Model,
+    frames: tuple[str, ...],
+    q: Array,
+    qd: Array,
+    tau: Array,
+    *loads: Array,
+    passing: bool = False,
+) -> Array:
     """q̈ (nv,) of one state, whatever the rank."""
     option = Option(wrench_frames=frames)
     M, c = fetch(model, ("mass_matrix", "constraint_bias"), Option())(q, qd)
@@ -137,7 +155,8 @@ def careful(model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Arr
             f"{model.velocity_names[idle.coordinate]!r} move without moving any inertia. "
             "Give what it carries a mass and inertia, or the joint a rotor inertia, or fix it."
         ) from None
-    if found.rank < len(independent_rows(model, q)) and not _leads_on(model, q, qd, found.qdd):
+    lost = not passing and found.rank < len(independent_rows(model, q))
+    if lost and not _leads_on(model, q, qd, found.qdd):
         worst = int(np.argmax(np.linalg.norm(found.loose, axis=1)))
         name = model.loops[loop_of_row(model)[worst]].name
         raise SingularError(
@@ -231,7 +250,7 @@ def drive_torques(
                 "though they stand still (too few drives, or a singular position of the second type). "
                 "Drive another joint: actuated=[...]."
             )
-        tau[np.ix_(at, driven)] = found / rates[driven]
+        tau[at[:, None], driven] = found / rates[driven]
     return tau.reshape(needed.shape)
 
 
