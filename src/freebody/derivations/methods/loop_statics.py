@@ -127,8 +127,23 @@ class _Balance(Equilibrium):
         """The way from joint i to a frame of body i: 0 where it is the joint's own place."""
         if all(self.s.symbols.element(x).is_zero for x in self._way(i, frame)):
             return ex.ZERO
+        if self._is_only_end(i, frame):
+            return self.s.name("s", i)
         low = (f"{self.s.numbers[i]}", frame.replace("_", "-"))
         return ex.Symbol(f"s{self.s.numbers[i]}_{frame}", "s", low, bold=True)
+
+    def _is_only_end(self, i: int, frame: str) -> bool:
+        """Whether loops and load act on body i at one point, and no further joint: s_i leads there."""
+        ends = [
+            f
+            for loop in self.s.tree.loops
+            for f, k in zip(loop.frames, self.loops.ends(loop), strict=True)
+            if k == i
+        ]
+        ends += [self.s.symbols.model.frame().name] if self.s.loaded(i) else []
+        places = [tuple(map(self.s.symbols.element, self._way(i, f))) for f in ends]
+        here = tuple(map(self.s.symbols.element, self._way(i, frame)))
+        return not self.s.tree.children(i) and all(place == here for place in places)
 
     def _way(self, i: int, frame: str) -> Vector:
         _, _, at = self.s.tree.frames[frame]
@@ -150,7 +165,9 @@ class _Balance(Equilibrium):
             for frame, i in zip(loop.frames, self.loops.ends(loop), strict=True):
                 if i >= 0 and self.arm(i, frame) != ex.ZERO:
                     lines.append(eq(self.arm(i, frame), self.s.column(self._way(i, frame))))
-        reason = f"s_i,P leads from joint i to a point P where a loop acts; {step.reason}"
+        others = any(len(getattr(line.lhs, "low", ())) > 1 for line in lines)
+        more = "s_i,P leads from joint i to a point P where a loop acts; " if others else ""
+        reason = more + step.reason.replace("(or the tip)", "(or the tip, or where a loop acts)")
         return Step(step.operation, reason, tuple(dict.fromkeys(lines)), step.notes, step.figure)
 
     # ------------------------------------------------------------ solved
