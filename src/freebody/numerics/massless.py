@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from freebody.algorithms.crba import crba, factor
+from freebody.algorithms.crba import crba, supports
+from freebody.arrays import Array
 from freebody.errors import SingularError
 from freebody.model.model import Model
+from freebody.model.tree import Tree
 from freebody.numerics.states import random_state
 
 _NOTHING = 1e-13  # a pivot this small, relative to what it was subtracted from, is rounding
@@ -40,9 +42,8 @@ def _massless(model: Model) -> tuple[str, ...]:
     if idle:
         return tuple(model.velocity_names[k] for k in idle)
     with np.errstate(all="ignore"):
-        _, inverse = factor(tree, M)  # type: ignore[arg-type]
+        pivots = _pivots(tree, M)
         largest = max((np.abs(M[k][k]).max() for k in range(model.nv)), default=0.0)
-        pivots = {k: np.abs(1.0 / inverse[k]) for k in inverse}
     bad = []
     for k, pivot in pivots.items():
         floor = np.maximum(_NOTHING * np.abs(M[k][k]), 1e-16 * largest)
@@ -50,3 +51,15 @@ def _massless(model: Model) -> tuple[str, ...]:
             bad.append(k)
             break  # pivots of the joints before it are of no use
     return tuple(model.velocity_names[k] for k in bad)
+
+
+def _pivots(tree: Tree, M: list[list[Array]]) -> dict[int, Array]:
+    """Sizes of D in M = Lᵀ D L, the leaves' first; by whole rows, since a long chain has cubically many products."""
+    order = list(supports(tree))
+    left = np.array([[M[i][j] for j in order] for i in order]).reshape(len(order), len(order), -1)
+    pivots = {}
+    for i in reversed(range(len(order))):
+        row = left[i, :i]
+        left[:i, :i] -= (row / left[i, i])[:, None] * row
+        pivots[order[i]] = np.abs(left[i, i])
+    return pivots
