@@ -88,15 +88,17 @@ def snapshot(
     def given(name: str, value: Vector | None, default: Callable[[], Array]) -> Array:
         return default() if value is None else vector("a drawing", shown, name, value)
 
-    at = given("q", q, lambda: _closed(shown, clear_pose(shown)))
+    at = given("q", q, lambda: _seen_well(shown))
     rates = given("qd", qd, lambda: _consistent_rates(shown, at))
     second = given("qdd", qdd, lambda: _consistent_second(shown, at, rates))
     return Snapshot(shown, at, rates, second, wrenches)
 
 
-def _closed(model: Model, q: Array) -> Array:
-    """q itself, or near it a position at which all loops are closed."""
-    return assemble(model, q) if model.loops else q
+def _seen_well(model: Model) -> Array:
+    """A pose that shows all parts; of a closed chain its home, or near that pose one at which all loops are closed."""
+    if not model.loops:
+        return clear_pose(model)
+    return assemble(model) if model.home else assemble(model, clear_pose(model))
 
 
 def _consistent_rates(model: Model, q: Array) -> Array:
