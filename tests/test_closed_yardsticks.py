@@ -72,11 +72,11 @@ def test_double_four_bar_stretched(theta):
 @pytest.mark.parametrize("theta", [0.0, np.pi])
 def test_double_four_bar_from_its_stretched_position(theta):
     model = fb.load("double_four_bar")
-    motion = fb.simulate(model, *cranks(theta, 3.0), np.linspace(0.0, 1.0, 11))
+    motion = fb.simulate(model, *cranks(theta, 3.0), np.linspace(0.0, 4.0, 11))  # and through it again
     energy = (motion.kinetic_energy + motion.potential_energy).values
-    assert np.abs(energy - energy[0]).max() < 1e-8
+    assert np.abs(energy - energy[0]).max() < 1e-7
     q = motion.q.values
-    close(q[:, [2, 4]], q[:, [0, 0]], 1e-9, 1.0)
+    close(q[:, [2, 4]], q[:, [0, 0]], 1e-8, 1.0)
     with pytest.raises(SingularError, match="no longer tells how the motion goes on"):
         fb.simulate(model, *cranks(theta), [0.0, 1.0])
 

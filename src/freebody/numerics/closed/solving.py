@@ -20,7 +20,7 @@ from freebody.arrays import Array
 
 RANK = 1e-9
 """Singular values, relative to the largest, that count as zero."""
-_BLURRED = 1e-6  # the same for accelerations, in which rounding is divided by the square of a singular value
+_BLURRED = 1e-5  # the same for accelerations, in which rounding is divided by the square of a singular value
 _BRANCH = 1e-7  # the same for the conditions at a singular position, relative to the speed
 _IDLE = 1e-13  # of the largest inertia: none
 
