@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import count, islice
 
 import numpy as np
 
@@ -111,6 +112,11 @@ def points(drawing: Drawing, seen: Snapshot, names: Names) -> None:
             text = letter(seen, names, body.number)
             drawing.add(Label(point(body.origin), text, f"label {text}", direction=clear_way(seen, body)))
             taken.append(body.origin)
+    for name in filter(_is_letter, seen.model.frame_names):
+        place = np.asarray(forward_kinematics(seen.model, seen.q, name))[:2, 2]
+        if all(np.linalg.norm(place - other) > _NEAR for other in taken):
+            drawing.add(Label(point(place), name, f"label {name}", direction=(-0.6, 0.8)))
+            taken.append(place)
     if seen.pose.tip is not None and names.tip:
         last = bodies[-1]
         away = seen.pose.tip - last.origin
@@ -119,9 +125,23 @@ def points(drawing: Drawing, seen: Snapshot, names: Names) -> None:
 
 
 def letter(seen: Snapshot, names: Names, n: int) -> str:
-    """The name of joint n; O is kept for the origin, so that letters start with A where joint 1 is elsewhere."""
+    """The name of joint n: its own where that is a capital letter, else the next that nothing else in the model has.
+
+    O is kept for the origin, so that letters start with A where joint 1 is elsewhere.
+    """
+    own = [body.joint.name for body in seen.model.bodies]
+    given = {seen.pose.bodies[k].number: name for k, name in enumerate(own) if _is_letter(name)}
+    if n in given:
+        return given[n]
+    taken = {*given.values(), *filter(_is_letter, seen.model.frame_names)}
     at_origin = float(np.linalg.norm(seen.pose.bodies[0].origin)) < _NEAR
-    return names.point(n if at_origin else n + 1)
+    free = (name for k in count(1 if at_origin else 2) if (name := names.point(k)) not in taken)
+    before = sum(body.number not in given for body in seen.pose.bodies if body.number < n)
+    return next(islice(free, before, None))
+
+
+def _is_letter(name: str) -> bool:
+    return len(name) == 1 and name.isupper()
 
 
 def closures(drawing: Drawing, seen: Snapshot) -> None:
