@@ -134,18 +134,92 @@ def test_names_shapes_and_numbers(four_bar, q):
         lambda: fb.assembly_modes(four_bar, [q, q]),
     )
     refused(
+        "assembly_modes: starts is 0, expected at least 1.",
+        lambda: fb.assembly_modes(four_bar, q, free=["coupler_pin"], starts=0),
+    )
+    refused(
         "reactions: give either tau=, the torques, or qdd=, the accelerations.",
         lambda: fb.reactions(four_bar, q, STILL),
     )
-    with pytest.raises(fb.FreebodyError, match="no reaction 'pin'; there are crank_pin, coupler_pin"):
+    with pytest.raises(
+        fb.FreebodyError, match=r"no reaction 'pin' in this mechanism\. Reactions: crank_pin, coupler_pin"
+    ):
         fb.reactions(four_bar, q, STILL, tau=STILL)["pin"]
     tree = four_bar.opened
+    refused(
+        "reactions: actuated= chooses among the joints of a closed chain; 'four_bar' has no loops.",
+        lambda: fb.reactions(tree, q, STILL, tau=STILL, actuated=["crank_pin"]),
+    )
+    for bad in (0.0, -1.0, np.nan):
+        with pytest.raises(fb.FreebodyError, match=r"simulate: tolerance is .*, expected more than 0"):
+            fb.simulate(four_bar, q, STILL, [0.0, 1.0], tolerance=bad)
     for name, call in (
         ("assemble", lambda: fb.assemble(tree, q)),
         ("loop_velocity", lambda: fb.loop_velocity(tree, q, STILL)),
         ("input_output", lambda: fb.input_output(tree, q)),
     ):
         refused(f"{name}: 'four_bar' has no loops; add one with model.with_loop(...).", call)
+
+
+def test_rates_by_name_are_looked_at(four_bar, q):
+    rates = fb.loop_velocity(four_bar, q, {"crank_pin": [1.0, 2.0]})
+    close(rates[1], fb.loop_velocity(four_bar, q, {"crank_pin": 2.0}), 0.0)
+    with pytest.raises(NotFiniteError, match=r"loop_velocity: rates\['crank_pin'\] is nan"):
+        fb.loop_velocity(four_bar, q, {"crank_pin": np.nan})
+    with pytest.raises(
+        fb.FreebodyError, match=r"rates\['crank_pin'\] holds <U1 values, expected real numbers"
+    ):
+        fb.loop_velocity(four_bar, q, {"crank_pin": "a"})
+
+
+def test_reactions_of_accelerations_that_would_open_a_loop(four_bar, q):
+    for call in (
+        lambda: fb.reactions(four_bar, q, STILL, qdd=[1.0, 0.0, 0.0]),
+        lambda: fb.joint_wrenches(four_bar, q, STILL, [1.0, 0.0, 0.0]),
+    ):
+        with pytest.raises(LoopError, match=r"would open under these accelerations; make them consistent"):
+            call()
+
+
+def test_what_singularity_loci_refuse():
+    five_bar = fb.load("five_bar")
+    refused(
+        "singularity_loci: 3 rows are chosen and 'five_bar' has 2 degrees of freedom; these must be equal.",
+        lambda: fb.singularity_loci(five_bar, "first", rows=["vx", "vy", "w"]),
+    )
+    with pytest.raises(NotFiniteError, match=r"singularity_loci: hold\['theta1'\] is nan"):
+        fb.singularity_loci(five_bar, "first", hold={"theta1": np.nan})
+
+
+def test_a_mechanism_that_cannot_move_has_no_study():
+    arm = fb.planar("RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1])
+    rigid = arm.with_frame("pin", [1.0, 0.0], frame="base").with_loop("hold", "point", ("pin", "tip"))
+    refused(
+        "default_motion: the loops of 'RR' let nothing move; fb.mobility(model, q) counts its freedom.",
+        lambda: fb.study(rigid),
+    )
+
+
+def test_the_axis_and_the_distance_of_a_loop_are_numbers():
+    arm = fb.planar("RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1]).with_frame(
+        "pin", [1, 0], frame="base"
+    )
+    for axis in ("x", 3, [[1.0, 0.0]]):
+        with pytest.raises(fb.FreebodyError, match=r"loop 'a': axis .* must be 2 finite numbers"):
+            arm.with_loop("a", "prismatic", ("pin", "tip"), axis=axis)
+    rod = arm.with_loop("rod", "distance", ["pin", "tip"], distance="d")
+    assert hash(rod.loops) == hash(arm.with_loop("rod", "distance", ("pin", "tip"), distance="d").loops)
+    for d in (0.0, -1.0):
+        with pytest.raises(fb.FreebodyError, match=r"loop 'rod': distance is .* m, expected more than 0"):
+            rod.bind(d=d)
+
+
+def test_metres_are_not_wrapped_as_angles_are():
+    """With a longest link of 1 m lengths and angles have the same scale; a slide of 2π m is still no whole turn."""
+    crank = fb.load("slider_crank").bind(l1=1.0, l2=0.99)
+    guess = {"crank_pin": 0.3, "rod_pin": -1.0, "guide": -4.0}
+    modes = fb.assembly_modes(crank, guess, free=["rod_pin", "guide"])
+    assert [fb.mobility(crank, q).generic for q in modes] == [1, 1]
 
 
 def test_rates_that_say_too_little_or_too_much(four_bar, q):

@@ -46,6 +46,7 @@ def without(model: Model, features: Sequence[str]) -> Model:
 
 def actuated(model: Model, names: Sequence[str]) -> tuple[Body, ...]:
     """The bodies, their joints passive but for those named."""
+    names = (names,) if isinstance(names, str) else names
     free = [body.joint.name for body in model.bodies if body.joint.mimic is None]
     for name in names:
         if name not in free:

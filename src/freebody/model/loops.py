@@ -37,7 +37,9 @@ def checked_loop(loop: Loop, dim: int, body_of: Mapping[str, int], taken: Iterab
             f"{where}: frames {loop.frames[0]!r} and {loop.frames[1]!r} are on the same body, so the loop closes "
             "nothing; name frames of two bodies."
         )
-    return replace(loop, axis=_axis(loop, dim, where), distance=_distance(loop, where))
+    return replace(
+        loop, frames=tuple(loop.frames), axis=_axis(loop, dim, where), distance=checked_distance(loop)
+    )
 
 
 def _axis(loop: Loop, dim: int, where: str) -> tuple[float, ...]:
@@ -46,14 +48,19 @@ def _axis(loop: Loop, dim: int, where: str) -> tuple[float, ...]:
         raise ModelError(f"{where}: a {loop.kind} loop has no axis in dimension {dim}; remove it.")
     if not needed:
         return ()
-    axis = np.array(loop.axis, dtype=float)
+    try:
+        axis = np.array(loop.axis, dtype=float)
+    except (TypeError, ValueError):
+        axis = np.zeros(0)
     if axis.shape != (dim,) or not np.isfinite(axis).all() or not axis.any():
         raise ModelError(f"{where}: axis {loop.axis} must be {dim} finite numbers, not all zero.")
     unit = np.sign(axis) if np.count_nonzero(axis) == 1 else axis / np.linalg.norm(axis)
     return tuple(map(float, unit))
 
 
-def _distance(loop: Loop, where: str) -> float | Parameter | None:
+def checked_distance(loop: Loop) -> float | Parameter | None:
+    """The distance of a loop, refused where its kind has none, where it is missing, or not above 0."""
+    where = f"loop {loop.name!r}"
     if not LOOP_KINDS[loop.kind].needs_distance:
         if loop.distance is not None:
             raise ModelError(f"{where}: a {loop.kind} loop has no distance; remove it.")

@@ -17,6 +17,7 @@ from freebody.model.bodies import Body, Frame, JointLimits
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import JointKind
+from freebody.model.loops import checked_distance
 from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
 from freebody.model.parts import Loop, Notice
 from freebody.model.reading import VALUES
@@ -256,6 +257,8 @@ class Model:
                 fault = new.inertia.fault()
                 if fault:
                     raise ModelError(f"{self.name!r}: link {new.link!r}: {fault}. Bind a physical value.")
+        for loop in bound.loops:
+            checked_distance(loop)
         return bound
 
     def replace(
@@ -345,7 +348,8 @@ class Model:
         the plane), "spherical" (space), "point" (plane), "fixed", or "distance" (the origins stay `distance` m apart).
         Raises ModelError, UnknownNameError.
         """
-        return changed.with_loop(self, Loop(name, kind, frames, tuple(axis), distance))  # type: ignore[arg-type]
+        along = tuple(np.atleast_1d(axis).tolist())
+        return changed.with_loop(self, Loop(name, kind, frames, along, distance))  # type: ignore[arg-type]
 
     def to_space(self) -> Model:
         """The twin in space of a planar model: its plane is xy, z points to the reader."""

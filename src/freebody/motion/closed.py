@@ -29,7 +29,7 @@ def integrated_closed(
 ) -> Array:
     """States (T, nq + nv) at the times t."""
     if method not in METHODS:
-        raise UnknownNameError("method", method, "simulate, for closed chains,", METHODS)
+        raise UnknownNameError("method", method, "simulate of a closed chain", METHODS)
 
     def rate(now: float, y: Array) -> Array:
         # near a singular position the loops would pull back a stage that has left them, with great force

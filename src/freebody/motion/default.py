@@ -57,6 +57,10 @@ def _of_closed_chain(model: Model, t: Array) -> Motion:
     """The driven joints swing about a position from which the mechanism moves well, as far as its loops let them."""
     start = home(model)
     leading = leaders(model, start)
+    if not leading:
+        raise FreebodyError(
+            f"default_motion: the loops of {model.name!r} let nothing move; fb.mobility(model, q) counts its freedom."
+        )
     least = _CLEAR * regularity(model, start, leading)
     waves, _ = _waves(len(leading), len(t))
     allowed = ranges(model)

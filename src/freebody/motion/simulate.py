@@ -62,6 +62,8 @@ def simulate(
         refuse_not_finite("simulate", name, value, 1)
     if method not in METHODS:
         raise UnknownNameError("method", method, "simulate", METHODS)
+    if not tolerance > 0.0:
+        raise FreebodyError(f"simulate: tolerance is {tolerance:g}, expected more than 0.")
     frames, loads = constant_loads(_wrenches(model, wrenches))
     whole = system(model, friction_width, frames, loads)
     drive = _drive(model, times, torque)

@@ -81,10 +81,8 @@ def scaled(model: Model, tip: str, q: Array) -> Array:
 
 def measures(model: Model, tip: str, q: Array) -> dict[str, Any]:
     """Singular values of the scaled Jacobian along q (T, nq), and their product (Yoshikawa's manipulability)."""
-    if not coordinates_before(model, tip):
-        values = np.zeros((len(q), 1))
-    else:
-        values = np.linalg.svd(scaled(model, tip, q), compute_uv=False)
+    J = scaled(model, tip, q) if coordinates_before(model, tip) else np.zeros((len(q), 1, 0))
+    values = np.linalg.svd(J, compute_uv=False) if J.shape[-1] else np.zeros((len(q), 1))
     what = "singular value of the tip's Jacobian, lengths over the characteristic length"
     return {
         "smallest_singular_value": (("time",), values[:, -1], "1", f"smallest {what}"),

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from freebody.arrays import Array, at_sample
+from freebody.arrays import Array, as_floats, at_sample, refuse_not_finite
 from freebody.errors import FreebodyError, LoopError, UnknownNameError
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector, common_batch, finite_vector
@@ -23,12 +23,14 @@ from freebody.numerics.closed.equations import (
     residual,
     row_scale,
     scaled_jacobian,
+    shortest_way,
 )
 from freebody.numerics.formulas import Option
 from freebody.numerics.kernels import fetch
-from freebody.numerics.states import difference, home_guess, integrate
+from freebody.numerics.states import home_guess, integrate
 
 _CLOSED = 1e-12  # of scaled equations; rounding leaves about 1e-16 of the length
+_HELD = 1e-9  # gap, relative to the mechanism's length, of a loop that is closed, if the wrong way round
 _STEP = 0.6  # rad: the longest step towards closure
 _ITERATIONS = 60
 _RESTARTS = 32
@@ -67,6 +69,8 @@ def assembly_modes(model: Model, q: Vector, free: Sequence[str] | None = None, s
         raise FreebodyError(
             f"assembly_modes: q has shape {guess.shape}, expected ({model.nq},): one position."
         )
+    if starts < 1:
+        raise FreebodyError(f"assembly_modes: starts is {starts}, expected at least 1.")
     moving = free_coordinates(model, free, "assembly_modes")
     found = _by_dyads(model, guess, moving)
     in_closed_form = found is not None
@@ -74,7 +78,7 @@ def assembly_modes(model: Model, q: Vector, free: Sequence[str] | None = None, s
         found = _solutions(model, guess, moving, starts)
     modes: list[Array] = []
     for position in found:
-        if all(np.abs(_wrapped(model, position, other)).max() > 1e-6 for other in modes):
+        if all(np.abs(shortest_way(model, position, other)).max() > 1e-6 for other in modes):
             modes.append(position)
     if modes and not in_closed_form:
         J = scaled_jacobian(model, modes[0])[:, moving]
@@ -173,7 +177,7 @@ def _restarted(model: Model, guess: Array, moving: Sequence[int], best: Array, s
     gap = gaps(model, residual(model, best))
     worst = int(np.argmax(gap))
     name = model.loops[worst].name
-    if gap[worst] < CLOSE_ENOUGH * length(model):
+    if gap[worst] < _HELD * length(model):
         raise LoopError(
             f"assemble: loop {name!r} of {model.name!r} closes only the wrong way round{sample}: its frames face "
             "opposite ways. Start from another guess, or turn one frame."
@@ -186,9 +190,6 @@ def _restarted(model: Model, guess: Array, moving: Sequence[int], best: Array, s
     )
 
 
-CLOSE_ENOUGH = 1e-9
-
-
 def _by_dyads(model: Model, guess: Array, moving: Sequence[int]) -> Array | None:
     """Closed positions (k, nq) in closed form, the nearest first; None where the mechanism is no row of dyads."""
     plan = decomposed(model, moving) if model.nq == model.nv else None
@@ -197,7 +198,7 @@ def _by_dyads(model: Model, guess: Array, moving: Sequence[int]) -> Array | None
         return None
     closed, left = closing(model, found[0][np.isfinite(found[0]).all(axis=-1)], moving)
     good = closed[_is_closed(model, closed, left)]
-    way = _wrapped(model, np.broadcast_to(guess, good.shape), good)
+    way = shortest_way(model, np.broadcast_to(guess, good.shape), good)
     return (guess + way * rate_scale(model))[np.argsort(np.linalg.norm(way, axis=-1))]
 
 
@@ -212,31 +213,34 @@ def _solutions(model: Model, guess: Array, moving: Sequence[int], starts: int) -
     begun = integrate(model, np.broadcast_to(guess, (starts, model.nq)), spread * rate_scale(model))
     closed, left = closing(model, begun, moving)
     good = closed[_is_closed(model, closed, left)]
-    distance = np.linalg.norm(_wrapped(model, np.broadcast_to(guess, good.shape), good), axis=-1)
+    distance = np.linalg.norm(shortest_way(model, np.broadcast_to(guess, good.shape), good), axis=-1)
     return good[np.argsort(distance)]
 
 
-def _wrapped(model: Model, a: Array, b: Array) -> Array:
-    """The way from a to b (..., nv), in angles, whole turns left out."""
-    way = difference(model, a, b) / rate_scale(model)
-    turns = rate_scale(model) == 1.0
-    return np.where(turns, (way + np.pi) % (2.0 * np.pi) - np.pi, way)
-
-
 # ---------------------------------------------------------------- rates
+def _given(
+    function: str, model: Model, given: ArrayLike | Mapping[str, ArrayLike]
+) -> tuple[list[int], Array]:
+    """(coordinates that are held to their values, the values (..., nv), 0 for coordinates that are not given)."""
+    if not isinstance(given, Mapping):
+        return [], finite_vector(function, model, "rates", given)
+    names, columns = model.velocity_names, {}
+    for name, value in given.items():
+        if name not in names:
+            raise UnknownNameError("coordinate", name, f"{function}: {model.name!r}", names)
+        columns[name] = as_floats(function, f"rates[{name!r}]", value)
+        refuse_not_finite(function, f"rates[{name!r}]", columns[name], 0)
+    values = np.zeros((*common_batch(function, {n: x[..., None] for n, x in columns.items()}), model.nv))
+    for name, column in columns.items():
+        values[..., names.index(name)] = column
+    return sorted(map(names.index, columns)), values
+
+
 def _consistent(
-    function: str, model: Model, q: Array, given: ArrayLike | Mapping[str, float], right: Array
+    function: str, model: Model, q: Array, given: ArrayLike | Mapping[str, ArrayLike], right: Array
 ) -> Array:
     """x (..., nv) with Φ_q x = right: with the values given, or nearest to the vector given."""
-    if isinstance(given, Mapping):
-        held = free_coordinates(model, tuple(given), function)
-        values = np.zeros(model.nv)
-        for name, value in given.items():
-            values[free_coordinates(model, (name,), function)] = value
-        x = np.broadcast_to(values, (*q.shape[:-1], model.nv))
-    else:
-        held = []
-        x = finite_vector(function, model, "rates", given)
+    held, x = _given(function, model, given)
     batch = common_batch(function, {"q": q, "rates": x})
     q, x, right = (np.broadcast_to(a, (*batch, a.shape[-1])).reshape(-1, a.shape[-1]) for a in (q, x, right))
     J = scaled_jacobian(model, q)

@@ -35,6 +35,9 @@ _LIGHT = 1e10  # the mechanism's inertia over that which resists a loop; rad/s²
 _SHORT = 0.01  # rad: a motion that shows where accelerations lead
 _ASIDE = 0.03  # part of what accelerations add to it by which it may miss the closed positions: terms of third order
 _LEFT = 1e-6  # of an equation, relative to its terms: more is no rounding
+WOULD_OPEN = "would open{} under these accelerations; make them consistent with fb.loop_acceleration(model, q, qd, qdd)"
+STUCK = "cannot stay closed at these rates{}: the mechanism is stuck"
+"""What `require_consistent` says of accelerations that were given, and of those that were found."""
 
 
 def forward(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches) -> Array:
@@ -44,14 +47,7 @@ def forward(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches
     )
     require_closed("forward_dynamics", model, at, rates)
     qdd = accelerations(model, frames, at, rates, drive, *loads)
-    _require_consistent(
-        "forward_dynamics",
-        model,
-        at,
-        rates,
-        qdd,
-        "cannot stay closed at these rates{}: the mechanism is stuck",
-    )
+    require_consistent("forward_dynamics", model, at, rates, qdd, STUCK)
     return qdd
 
 
@@ -198,15 +194,7 @@ def inverse(
     needed = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))(
         at, rates, second, *loads
     )
-    _require_consistent(
-        "inverse_dynamics",
-        model,
-        at,
-        rates,
-        second,
-        "would open{} under these accelerations; make them consistent with "
-        "fb.loop_acceleration(model, q, qd, qdd)",
-    )
+    require_consistent("inverse_dynamics", model, at, rates, second, WOULD_OPEN)
     return drive_torques("inverse_dynamics", model, at, needed, actuated)
 
 
@@ -262,7 +250,7 @@ def _left(model: Model, q: Array, qd: Array, qdd: Array) -> Array:
     return np.abs(rows * (np.einsum("...mk,...k->...m", phi, qdd) - c)).max(axis=-1) / size
 
 
-def _require_consistent(function: str, model: Model, q: Array, qd: Array, qdd: Array, problem: str) -> None:
+def require_consistent(function: str, model: Model, q: Array, qd: Array, qdd: Array, problem: str) -> None:
     """Refuse accelerations that would open a loop, with a problem that has a place for the sample."""
     bad = np.argwhere(_left(model, q, qd, qdd) > _LEFT)
     if len(bad):

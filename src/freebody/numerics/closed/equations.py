@@ -15,6 +15,7 @@ from freebody.errors import FreebodyError, LoopError
 from freebody.model.model import Model
 from freebody.numerics.formulas import Option
 from freebody.numerics.kernels import fetch
+from freebody.numerics.states import difference
 from freebody.spatial import dot, times
 
 CLOSED = 1e-6
@@ -67,6 +68,8 @@ class Scales:
     """(m,): 1 / length for equations in metres, 1 for sines of angles."""
     rates: Array
     """(nv,): the length for rates in m/s, 1 for angular ones."""
+    turns: NDArray[np.bool_]
+    """(nv,): whether a whole turn of the coordinate changes nothing."""
 
 
 def scales(model: Model) -> Scales:
@@ -86,12 +89,14 @@ def _scales(model: Model) -> Scales:
     for loop in tree.loops:
         turns = len(loop.closure.turns)
         rows += [1.0 / reach] * (loop.closure.size(tree.space) - turns) + [1.0] * turns
-    rates = np.ones(model.nv)
+    rates, turns = np.ones(model.nv), np.ones(model.nv, dtype=bool)
     for body in tree.bodies:
+        ratio = body.coordinates.ratio
         for k, (_, linear) in zip(body.coordinates.v, body.columns, strict=True):
             if any(linear):
                 rates[k] = reach
-    return Scales(reach, np.array(rows), rates)
+            turns[k] &= not any(linear) and ratio == round(ratio)
+    return Scales(reach, np.array(rows), rates, turns)
 
 
 def length(model: Model) -> float:
@@ -107,6 +112,12 @@ def row_scale(model: Model) -> Array:
 def rate_scale(model: Model) -> Array:
     """See `Scales`."""
     return scales(model).rates
+
+
+def shortest_way(model: Model, a: Array, b: Array) -> Array:
+    """The way from positions a to b (..., nq) as angles (..., nv), whole turns left out."""
+    way = difference(model, a, b) / rate_scale(model)
+    return np.where(scales(model).turns, (way + np.pi) % (2.0 * np.pi) - np.pi, way)
 
 
 def scaled_jacobian(model: Model, q: Array) -> Array:

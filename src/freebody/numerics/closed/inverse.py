@@ -20,13 +20,14 @@ from freebody.numerics.closed.equations import (
     residual,
     row_scale,
     scaled_jacobian,
+    shortest_way,
 )
 from freebody.numerics.inverse.answer import gathered
 from freebody.numerics.inverse.descent import descend
 from freebody.numerics.inverse.problem import Found, Problem
 from freebody.numerics.inverse.seek import EXACT, Seeker
 from freebody.numerics.inverse.solutions import ALIKE, APART, Solutions, Verified, wrapped
-from freebody.numerics.states import difference, integrate, random_state
+from freebody.numerics.states import integrate, random_state
 
 _SHOWN = 8
 """How many of infinitely many solutions are returned."""
@@ -230,7 +231,4 @@ class _Held:
 
 def _apart(model: Model, a: Array, b: Array) -> float:
     """The largest difference of two positions, as rates, whole turns left out."""
-    way = difference(model, a, b)
-    turning = rate_scale(model) == 1.0
-    way[turning] -= 2 * np.pi * np.round(way[turning] / (2 * np.pi))
-    return float(np.abs(way).max(initial=0.0))
+    return float(np.abs(rate_scale(model) * shortest_way(model, a, b)).max(initial=0.0))

@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from freebody.arrays import Array
+from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.model import Model
 from freebody.numerics.closed.assembly import assemble, free_coordinates
@@ -26,10 +26,11 @@ from freebody.numerics.closed.equations import (
     residual,
     row_scale,
     scaled_jacobian,
+    shortest_way,
 )
 from freebody.numerics.kernels import motion_rows
 from freebody.numerics.kinematics import jacobian
-from freebody.numerics.states import difference, integrate, random_state
+from freebody.numerics.states import difference, integrate, neutral, random_state
 
 Measure = Callable[[Array], Array]
 """A signed number (...) of positions (..., nq), zero where singular."""
@@ -105,6 +106,15 @@ def _problem(
             "coordinates with hold={name: value}, so that a curve is left."
         )
     chosen = list(motion_rows(model, rows))[: freedom if rows is None else None]
+    if len(chosen) != freedom:
+        raise FreebodyError(
+            f"singularity_loci: {len(chosen)} rows are chosen and {model.name!r} has {freedom} degrees of freedom; "
+            "these must be equal."
+        )
+    for name, value in hold.items():
+        refuse_not_finite(
+            "singularity_loci", f"hold[{name!r}]", as_floats("singularity_loci", name, value), 0
+        )
     passive = np.setdiff1d(np.arange(model.nv), driven)
     size, rates = length(model), rate_scale(model)
 
@@ -136,9 +146,7 @@ class _Problem:
         """(m + 1 + h,): what q (nq,) leaves unsatisfied, scaled."""
         model = self.model
         phi = (row_scale(model) * residual(model, q))[self.kept]
-        off = (difference(model, np.zeros(model.nq), q)[self.held] - self.values) / rate_scale(model)[
-            self.held
-        ]
+        off = (difference(model, neutral(model), q)[self.held] - self.values) / rate_scale(model)[self.held]
         return np.concatenate([phi, [float(self.measure(q))], off])
 
     def slope(self, q: Array) -> Array:
@@ -198,9 +206,7 @@ class _Problem:
 
 def _apart(model: Model, q: Array, others: Array) -> Array:
     """Distances (k,) from q (nq,) to others (k, nq) in angles, whole turns left out."""
-    way = difference(model, np.broadcast_to(q, others.shape), others) / rate_scale(model)
-    turns = rate_scale(model) == 1.0
-    return np.linalg.norm(np.where(turns, (way + np.pi) % (2.0 * np.pi) - np.pi, way), axis=-1)
+    return np.linalg.norm(shortest_way(model, np.broadcast_to(q, others.shape), others), axis=-1)
 
 
 def _on(model: Model, locus: Locus, q: Array) -> bool:

@@ -20,8 +20,9 @@ from freebody.numerics.closed.equations import (
 )
 from freebody.numerics.states import difference, integrate
 
-RANK = 1e-8
-"""Singular values of the scaled Φ_q, relative to the largest, that count as zero."""
+_RANK = (
+    1e-8  # singular values of the scaled Φ_q, relative to the largest, that count as zero at positions found
+)
 _STEPS = (0.05, 0.13, 0.31)  # rad: lengths of the ways along which the neighbourhood is explored
 
 
@@ -75,7 +76,7 @@ def mobility(model: Model, q: Vector) -> Mobility:
         n = model.nv
         return Mobility(model.name, n, n, n, 0, 0, (), model.velocity_names)
     require_closed("mobility", model, at)
-    here, _ = null_space(scaled_jacobian(model, at), RANK)
+    here, _ = null_space(scaled_jacobian(model, at), _RANK)
     regular, moves = regular_jacobian(model, at)
     finite = model.nv - _rank(regular) if moves else 0
     names = row_names(model)
@@ -94,13 +95,13 @@ def mobility(model: Model, q: Vector) -> Mobility:
 def regular_jacobian(model: Model, q: Array) -> tuple[Array, bool]:
     """(the scaled Φ_q (m, nv) of largest rank at q (nq,) and at positions reached from it, whether any is reached)."""
     J = scaled_jacobian(model, q)
-    reached = _neighbours(model, q, null_space(J, RANK)[0])
+    reached = _neighbours(model, q, null_space(J, _RANK)[0])
     return max([J, *(scaled_jacobian(model, p) for p in reached)], key=_rank), len(reached) > 0
 
 
 def _rank(J: Array) -> int:
     s = np.linalg.svd(J, compute_uv=False)
-    return int((s > RANK * s.max(initial=1e-300)).sum())
+    return int((s > _RANK * s.max(initial=1e-300)).sum())
 
 
 def _neighbours(model: Model, q: Array, directions: Array) -> Array:

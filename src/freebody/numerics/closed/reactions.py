@@ -10,11 +10,17 @@ from typing import Literal
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError
+from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.model import Model
 from freebody.numerics.balance import cross, inertia_forces
 from freebody.numerics.calls import Vector, Wrenches, checked_inputs
-from freebody.numerics.closed.dynamics import accelerations, drive_torques
+from freebody.numerics.closed.dynamics import (
+    STUCK,
+    WOULD_OPEN,
+    accelerations,
+    drive_torques,
+    require_consistent,
+)
 from freebody.numerics.closed.equations import (
     length,
     null_space,
@@ -56,7 +62,7 @@ class Reactions:
     def __getitem__(self, name: str) -> Array:
         """The wrench (..., six) of one joint or loop."""
         if name not in self.names:
-            raise FreebodyError(f"no reaction {name!r}; there are {', '.join(self.names)}.")
+            raise UnknownNameError("reaction", name, "this mechanism", self.names)
         return self.wrenches[..., self.names.index(name), :]
 
 
@@ -77,6 +83,10 @@ def reactions(
     joints (`actuated`) follow. wrenches: as for `inverse_dynamics`. Raises LoopError for a state that the loops do not
     allow. Source: (5.23), (5.29); Newton and Euler body by body (3.1, 3.2, 6.1, 6.2).
     """
+    if actuated is not None and not model.loops:
+        raise FreebodyError(
+            f"reactions: actuated= chooses among the joints of a closed chain; {model.name!r} has no loops."
+        )
     if (tau is None) == (qdd is None):
         raise FreebodyError("reactions: give either tau=, the torques, or qdd=, the accelerations.")
     checked_reference(reference, ("world", "child"))
@@ -98,6 +108,8 @@ def reactions(
             if model.loops
             else fetch(model, ("forward_dynamics",), Option(wrench_frames=frames))(at, rates, drive, *loads)
         )
+    if model.loops:
+        require_consistent("reactions", model, at, rates, second, STUCK if qdd is None else WOULD_OPEN)
     return _found(model, frames, at, rates, second, drive, loads, reference)
 
 
