@@ -2,7 +2,7 @@
 
 The batch is cut along its longest axis. Every sample is computed by the same code whatever its place in the
 batch, so the result does not depend on the cut. Parts wait in a queue from which the caller and the helpers
-take them: first a large one each, then small ones, so that a thread that woke late has fewer of these.
+take them: who comes late finds it empty.
 """
 
 from __future__ import annotations
@@ -19,12 +19,6 @@ import numpy as np
 
 GRAIN = 16
 """Parts begin at multiples of this many samples, so that all but the last consist of whole vectors."""
-
-_LARGE = 0.9
-"""Share of the batch that is cut into one part for each thread."""
-
-_SMALL = 1
-"""Parts for each thread that the rest is cut into; each costs some microseconds, for the GIL is asked for."""
 
 _Jobs = SimpleQueue[Callable[[], None]]
 _lock = threading.Lock()
@@ -91,12 +85,9 @@ def run_split(
 
 
 def _parts(count: int, threads: int) -> list[tuple[int, int]]:
-    """Starts and stops."""
-    large = int(_LARGE * count / threads) // GRAIN * GRAIN
-    rest = count - large * threads
-    small = -(-rest // (_SMALL * threads * GRAIN)) * GRAIN
-    starts = [large * k for k in range(threads) if large]
-    return list(pairwise([*starts, *range(large * threads, count, small), count]))
+    """Starts and stops, one part a thread: a part more costs its thread ten microseconds, for it asks for the GIL."""
+    size = -(-count // (threads * GRAIN)) * GRAIN
+    return list(pairwise([*range(0, count, size), count]))
 
 
 def _cut(array: np.ndarray, from_end: int, start: int, stop: int) -> np.ndarray:
