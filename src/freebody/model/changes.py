@@ -13,6 +13,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import ModelError, UnknownNameError
 from freebody.model.bodies import Body, Frame
+from freebody.model.closures import LOOP_KINDS
 from freebody.model.inertia import Inertia
 from freebody.model.loops import checked_loop
 from freebody.model.parameters import finite
@@ -147,8 +148,9 @@ def _body_in_space(body: Body) -> Body:
 
 def _loop_in_space(loop: Loop) -> Loop:
     """A pin of the plane holds in space too: revolute stays so about z, a point becomes a ball."""
-    if loop.kind == "point":
-        return replace(loop, kind="spherical")
+    kind = LOOP_KINDS[loop.kind]
+    if 3 not in kind.dimensions:
+        return replace(loop, kind=kind.elsewhere)
     return replace(
         loop, axis={"revolute": (0.0, 0.0, 1.0), "prismatic": (*loop.axis, 0.0)}.get(loop.kind, ())
     )

@@ -57,6 +57,8 @@ class LoopKind:
     axis_in: tuple[int, ...] = ()
     """The spaces in which it has an axis."""
     needs_distance: bool = False
+    elsewhere: str = ""
+    """What it is called in the space in which this name does not exist."""
 
 
 def normals(axis: Vector) -> tuple[Vector, ...]:
@@ -96,8 +98,8 @@ LOOP_KINDS: dict[str, LoopKind] = {
     for kind in (
         LoopKind("revolute", lambda s, a: Closure(point=True, turns=_parallel(s, a)), axis_in=(3,)),
         LoopKind("prismatic", lambda s, a: Closure(slides=normals(a), turns=_aligned(s)), axis_in=(2, 3)),
-        LoopKind("spherical", lambda s, a: Closure(point=True), (3,)),
-        LoopKind("point", lambda s, a: Closure(point=True), (2,)),
+        LoopKind("spherical", lambda s, a: Closure(point=True), (3,), elsewhere="point"),
+        LoopKind("point", lambda s, a: Closure(point=True), (2,), elsewhere="spherical"),
         LoopKind("fixed", lambda s, a: Closure(point=True, turns=_aligned(s))),
         LoopKind("distance", lambda s, a: Closure(distance=True), needs_distance=True),
     )

@@ -25,8 +25,7 @@ def checked_loop(loop: Loop, dim: int, body_of: Mapping[str, int], taken: Iterab
         raise UnknownNameError("loop kind", loop.kind, where, LOOP_KINDS)
     kind = LOOP_KINDS[loop.kind]
     if dim not in kind.dimensions:
-        other = {"point": "spherical", "spherical": "point"}[kind.name]
-        raise ModelError(f"{where}: {kind.name} is no loop of dimension {dim}; write {other}.")
+        raise ModelError(f"{where}: {kind.name} is no loop of dimension {dim}; write {kind.elsewhere}.")
     if len(loop.frames) != 2:
         raise ModelError(f"{where}: frames must be the names of two frames.")
     for name in loop.frames:

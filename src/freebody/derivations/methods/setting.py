@@ -298,11 +298,15 @@ def require_chain_of_bodies(symbols: Symbols, what: str) -> None:
     model = symbols.model
     for body in model.bodies:
         if body.kind.nv != 1 or body.joint.mimic is not None:
+            instead = (
+                "fb.loop_equations gives those of its loops"
+                if model.loops
+                else "fb.equations gives the closed form"
+            )
             raise FreebodyError(
                 f"{what}: joint {body.joint.name!r} of {model.name!r} is {body.kind.name}"
-                f"{' and follows another' if body.joint.mimic else ''}; derivations are written for "
-                f"independent revolute "
-                "and prismatic joints. fb.equations gives the closed form."
+                f"{' and follows another' if body.joint.mimic else ''}; derivations are written for independent "
+                f"revolute and prismatic joints. {instead}."
             )
     for i, k in enumerate(symbols.tree.body_of):
         if len(symbols.tree.bodies[k].masses) > 1:

@@ -54,22 +54,6 @@ def pairs(p: Panel, on1="−F_{2}", on2="F_{2}", base="F_{1}"):
     }  # fmt: skip
 
 
-def static_pairs(p: Panel):
-    """The same without weights, and f drawn at P."""
-    found = {
-        "on1": p.span("−f_{2}", 1),
-        "on2": p.span("f_{2}", 1),
-        "turn1": p.of("−τ_2", 1),
-        "turn2": p.of("τ_2", 1),
-    }
-    return found | {
-        "f1": p.of("f_{1}", 1),
-        "f": p.of("f", 1),
-        "f_start": p.start("f", 0),
-        "P": p.start("P", 0),
-    }
-
-
 def dynamic_pairs(p: Panel):
     return pairs(p, "−f_{1,2}", "f_{1,2}", "f_{0,1}")
 
