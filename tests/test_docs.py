@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 import typer
 
+import freebody as fb
 from freebody.cli.app import app
 
 ROOT = Path(__file__).parents[1]
@@ -76,3 +77,10 @@ def test_help_has_an_example_that_runs(command: str, tmp_path: Path):
     assert examples, f"freebody {command} --help shows no example"
     for example in examples:
         freebody(example, tmp_path)
+
+
+def test_every_public_name_is_in_the_list_of_functions():
+    listed = re.findall(
+        r"^\| `fb\.(\w+)` \|", (ROOT / "docs/functions.md").read_text(encoding="utf-8"), re.MULTILINE
+    )
+    assert sorted(listed) == sorted(set(fb.__all__) - {"__version__"})
