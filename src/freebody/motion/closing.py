@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import LoopError
 from freebody.model.model import Model
-from freebody.motion.motion import derivatives
+from freebody.motion.motion import Motion, derivatives
 from freebody.motion.ranges import position_columns, ranges
 from freebody.numerics.closed.assembly import (
     assemble,
@@ -18,13 +18,21 @@ from freebody.numerics.closed.assembly import (
     loop_acceleration,
     loop_velocity,
 )
-from freebody.numerics.closed.equations import backward, null_space, rate_scale, scaled_jacobian
+from freebody.numerics.closed.equations import (
+    backward,
+    length,
+    null_space,
+    rate_scale,
+    scaled_jacobian,
+)
 from freebody.numerics.closed.mobility import mobility
 from freebody.numerics.closed.solving import RANK
 from freebody.numerics.coordinates import continuous, layout, state_of
 from freebody.numerics.states import difference, integrate, neutral, random_state
 
 _SEEDS = 24
+_TELLING = 1e-6  # regularity below which some coordinates do not tell the others
+_AGREE = 1e-4  # of the length: how far a column that is not needed may be off
 _JUMP = 0.5  # rad: between samples nothing moves so far but by changing to another way of closing
 _GOOD = 0.15  # regularity at which a home is as good as any
 
@@ -118,6 +126,46 @@ def _missing(model: Model, start: Array, q: Array, leading: Sequence[int], reach
     step = np.zeros(model.nv)
     step[list(leading)] = reached - difference(model, start, q)[list(leading)]
     return step
+
+
+def completed(model: Model, t: Array, columns: Mapping[str, Array], source: str) -> Motion:
+    """The motion (T samples) in which the positions named follow their columns (T,) and the loops lead the others.
+
+    The positions named must determine the others; those that they do not need are held against what the loops say.
+    Raises LoopError.
+    """
+    given = [name for name in model.position_names if name in columns]
+    iq, iv = position_columns(model)
+    rate_of = {model.position_names[a]: int(b) for a, b in zip(iq, iv, strict=True)}
+    start = home(model)
+    for name in given:
+        start[model.position_names.index(name)] = columns[name][0]
+    own = leaders(model, assemble(model, start))
+    leading = (
+        own
+        if {model.velocity_names[k] for k in own} <= set(given)
+        else [rate_of[name] for name in given if name in rate_of]
+    )
+    names = [model.velocity_names[k] for k in leading]
+    others = [name for k, name in enumerate(model.velocity_names) if k not in leading]
+    start = assemble(model, start, free=others)
+    if regularity(model, start, leading) < _TELLING:
+        raise LoopError(
+            f"the positions of {', '.join(names)} do not determine those of the other joints of {model.name!r}; give "
+            f"those of {', '.join(model.driven_names)}."
+        )
+    way = np.stack([columns[name] - columns[name][0] for name in names], axis=-1)
+    q = followed(model, start, leading, way)
+    for name in given:
+        off = np.abs(q[:, model.position_names.index(name)] - columns[name])
+        if off.max() > _AGREE * length(model):
+            k = int(np.argmax(off))
+            raise LoopError(
+                f"{name!r} is {columns[name][k]:.6g} at t = {t[k]:.6g} s, where the loops of {model.name!r} and "
+                f"{', '.join(names)} put it at {q[k, model.position_names.index(name)]:.6g}; leave the column out."
+            )
+    text = f"{source}; {', '.join(names)} as given, the others by the loops, rates by a spline through the positions"
+    return Motion(t, *consistent_rates(model, t, q, at_rest=False), text, layout(model))
 
 
 def consistent_rates(model: Model, t: Array, q: Array, at_rest: bool) -> tuple[Array, Array, Array]:

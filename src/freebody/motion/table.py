@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FileError, FreebodyError, UnknownNameError
+from freebody.errors import FileError, FreebodyError, LoopError, UnknownNameError
 from freebody.model.model import Model
+from freebody.motion.closing import completed
 from freebody.motion.motion import FEWEST, Motion, derivatives, motion_of
 from freebody.motion.ranges import position_columns
 from freebody.numerics.coordinates import layout, state_of
@@ -142,15 +143,34 @@ def _check_names(model: Model, header: list[str], problem: Any) -> None:
             )
         raise problem(str(UnknownNameError("column", name, f"a motion of {model.name!r}", known)))
     missing = [name for name in model.position_names if name not in header]
-    if missing:
+    if model.loops:
+        _check_leaders(model, header, problem)
+    elif missing:
         raise problem(
             f"there is no column for {_listed(missing)}; a motion gives every position of {model.name!r}."
         )
 
 
+def _check_leaders(model: Model, header: list[str], problem: Any) -> None:
+    """Of a closed chain some positions suffice; rates follow from the loops."""
+    rates = [name for name in header if name[-2:] in (".v", ".a") and name not in model.position_names]
+    if rates:
+        raise problem(
+            f"column {rates[0]!r}: the rates of a closed chain are found from its positions; remove the column."
+        )
+    if not set(header) & set(model.position_names):
+        drives = ", ".join(model.driven_names)
+        raise problem(f"there is no position; a motion gives at least those of the driven joints: {drives}.")
+
+
 def _motion(model: Model, t: Array, columns: dict[str, Array], source: str, problem: Any) -> Motion:
     if len(t) < FEWEST:
         raise problem(f"{len(t)} samples; a motion needs at least {FEWEST}.")
+    if model.loops:
+        try:
+            return completed(model, t, columns, source)
+        except LoopError as error:
+            raise problem(str(error)) from None
     q = _unit(model, np.stack([columns[name] for name in model.position_names], axis=-1), problem)
     plain = motion_of(model, t, q, source=source)
     iq, iv = position_columns(model)

@@ -343,5 +343,6 @@ OF_TREES = (
     "mass_matrix_inverse",
     "operational_space_inertia",
     "operational_space_bias",
+    "regressor",
 )
 """Formulas that leave loops out, so that a closed chain must not be given to them."""

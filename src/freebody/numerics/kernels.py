@@ -43,9 +43,9 @@ def kernel(
     )
     if model.loops and "forward_dynamics" in listed:
         # one kernel has to do for all positions: equations that depend on others at home are left out
-        from freebody.numerics.closed.dynamics import equations_that_count  # which imports this module
+        from freebody.numerics.closed.dynamics import independent_rows  # which imports this module
 
-        option = option._replace(equations=equations_that_count(model))
+        option = option._replace(equations=independent_rows(model, np.empty((0, model.nq))))
     return fetch(model, listed, option, backend, width)
 
 

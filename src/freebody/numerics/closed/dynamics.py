@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array, at_sample
-from freebody.errors import SingularError
+from freebody.errors import LoopError, SingularError
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector, Wrenches, checked_inputs
 from freebody.numerics.closed.assembly import assemble, closing, free_coordinates
@@ -110,21 +110,22 @@ def _light(model: Model, kept: tuple[int, ...], pivots: Array, qdd: Array) -> ND
 
 
 def independent_rows(model: Model, q: Array) -> tuple[int, ...]:
-    """Equations that do not follow from others near the first of the positions q (..., nq); found once a model."""
+    """Equations that do not follow from others near the model's home; found once a model.
+
+    Where no home is found, near the first of the positions q (..., nq).
+    """
     kept = model.compiled.get("independent_rows")
     if kept is None:
-        first = q.reshape(-1, model.nq)[:1]
-        if not len(first):
-            return tuple(range(model.tree.constraints))
-        dropped = dependent_rows(regular_jacobian(model, first[0])[0])
+        try:
+            at = assemble(model)
+        except LoopError:
+            if not q.size:
+                return tuple(range(model.tree.constraints))
+            at = q.reshape(-1, model.nq)[0]
+        dropped = dependent_rows(regular_jacobian(model, at)[0])
         kept = tuple(k for k in range(model.tree.constraints) if k not in dropped)
         model.compiled["independent_rows"] = kept
     return kept
-
-
-def equations_that_count(model: Model) -> tuple[int, ...]:
-    """`independent_rows` at the model's home."""
-    return independent_rows(model, assemble(model))
 
 
 def careful(

@@ -1,0 +1,86 @@
+"""Motions of closed chains from files: the drives' positions suffice."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.errors import FileError
+
+
+def written(path: Path, header: str, *columns: np.ndarray) -> Path:
+    rows = [",".join(f"{x:.12g}" for x in row) for row in zip(*columns, strict=True)]
+    path.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def swing() -> tuple[fb.Model, np.ndarray, np.ndarray, np.ndarray]:
+    model = fb.load("five_bar")
+    start = dict(zip(model.position_names, fb.assemble(model), strict=True))
+    t = np.linspace(0.0, 2.0, 81)
+    return model, t, start["theta1"] + 0.3 * np.sin(t) ** 2, start["theta2"] - 0.2 * np.sin(t) ** 2
+
+
+def test_the_drives_positions_suffice(tmp_path, swing):
+    model, t, first, second = swing
+    motion = fb.read_motion(model, written(tmp_path / "pick.csv", "t,theta1,theta2", t, first, second))
+    at = dict(zip(model.position_names, motion.q.T, strict=True))
+    np.testing.assert_allclose(at["theta1"], first, atol=1e-11)
+    np.testing.assert_allclose(at["theta2"], second, atol=1e-11)
+    np.testing.assert_allclose(fb.assemble(model, motion.q), motion.q, atol=1e-10)
+    study = fb.study(model, motion)
+    assert study.passed, [c for c in study.checks if not c.passed]
+
+
+def test_any_determining_positions_will_do(tmp_path):
+    model = fb.load("slider_crank")
+    t = np.linspace(0.0, 1.0, 41)
+    guide = 0.7 + 0.03 * np.sin(2 * t) ** 2
+    motion = fb.read_motion(model, written(tmp_path / "slide.csv", "t,guide", t, guide))
+    np.testing.assert_allclose(motion.q[:, model.position_names.index("guide")], guide, atol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("header", "text"),
+    [
+        ("t,theta1,theta2.v", "column 'theta2.v': the rates of a closed chain are found from its positions"),
+        ("t,theta1,elbow", "no column 'elbow' in a motion of 'five_bar'"),
+        (
+            "t,theta1.v,theta2.v",
+            "the rates of a closed chain are found from its positions; remove the column",
+        ),
+    ],
+)
+def test_refused(tmp_path, swing, header, text):
+    model, t, first, second = swing
+    with pytest.raises(FileError, match=text):
+        fb.read_motion(model, written(tmp_path / "m.csv", header, t, first, second))
+
+
+def test_where_the_loops_end_is_said(tmp_path, swing):
+    model, t, first, second = swing
+    apart = t / t[-1]  # both cranks outwards: farther than the distal links span
+    path = written(
+        tmp_path / "m.csv",
+        "t,theta1,theta2",
+        t,
+        first[0] + apart * (np.pi - first[0]),
+        second[0] * (1.0 - apart),
+    )
+    with pytest.raises(
+        FileError, match=r"the loops of 'five_bar' let the driven joints go no further at sample \d+"
+    ):
+        fb.read_motion(model, path)
+
+
+def test_a_column_that_contradicts_the_loops_is_named(tmp_path, swing):
+    model, t, first, second = swing
+    path = written(tmp_path / "m.csv", "t,theta1,theta2,B", t, first, second, np.zeros_like(t))
+    with pytest.raises(
+        FileError, match=r"'B' is 0 at t = \S+ s, where the loops of 'five_bar' and theta1, theta2 put it"
+    ):
+        fb.read_motion(model, path)
