@@ -56,7 +56,7 @@ def test_a_slider_crank_has_dead_centres():
 
 def test_three_degrees_of_freedom_need_one_held():
     model = fb.load("3RRR")
-    with pytest.raises(fb.FreebodyError, match=r"has 3 degrees of freedom; hold 1 coordinates with hold="):
+    with pytest.raises(fb.FreebodyError, match=r"has 3 degrees of freedom; hold 1 coordinate with hold="):
         fb.singularity_loci(model, "second")
     locus = fb.singularity_loci(model, "second", hold={"pose.theta": 0.2})[0]
     np.testing.assert_allclose(columns(model, locus.q)["pose.theta"], 0.2, atol=1e-9)

@@ -360,6 +360,6 @@ class Model:
         return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
 
     def __repr__(self) -> str:
-        loops = f", {len(self.loops)} loops" if self.loops else ""
+        loops = f", {len(self.loops)} loop{'s' if len(self.loops) > 1 else ''}" if self.loops else ""
         sizes = f"{len(self.bodies)} bodies, nq = {self.nq}, nv = {self.nv}, dim {self.dim}"
         return f"<Model {self.name!r}: {sizes}{loops}>"

@@ -101,9 +101,10 @@ def _problem(
         )
     held = [free_coordinates(model, (name,), "singularity_loci") for name in hold]
     if freedom - len(hold) not in (1, 2) or any(len(k) != 1 for k in held):
+        spare = max(freedom - 2, 0)
         raise FreebodyError(
-            f"singularity_loci: {model.name!r} has {freedom} degrees of freedom; hold {max(freedom - 2, 0)} "
-            "coordinates with hold={name: value}, so that a curve is left."
+            f"singularity_loci: {model.name!r} has {freedom} degrees of freedom; hold {spare} coordinate"
+            f"{'' if spare == 1 else 's'} with hold={{name: value}}, so that a curve is left."
         )
     chosen = list(motion_rows(model, rows))[: freedom if rows is None else None]
     if len(chosen) != freedom:
