@@ -12,6 +12,7 @@ from freebody.model.tree import Tree
 from freebody.numerics.states import random_state
 
 _NOTHING = 1e-13  # a pivot this small, relative to what it was subtracted from, is rounding
+_SAMPLES = 4  # configurations that are looked at
 
 
 def refuse_massless(model: Model, function: str) -> None:
@@ -35,9 +36,9 @@ def massless(model: Model) -> tuple[str, ...]:
 
 def _massless(model: Model) -> tuple[str, ...]:
     tree = model.tree
-    q, _, _ = random_state(model, seed=1, batch=4)
+    q, _, _ = random_state(model, seed=1, batch=_SAMPLES)
     samples = tuple(np.moveaxis(q, -1, 0))
-    M = [[x + np.zeros(4) for x in row] for row in crba(tree, samples)]
+    M = [[x + np.zeros(_SAMPLES) for x in row] for row in crba(tree, samples)]
     idle = [k for k in range(model.nv) if not np.any(M[k][k])]
     if idle:
         return tuple(model.velocity_names[k] for k in idle)
@@ -56,7 +57,7 @@ def _massless(model: Model) -> tuple[str, ...]:
 def _pivots(tree: Tree, M: list[list[Array]]) -> dict[int, Array]:
     """Sizes of D in M = Lᵀ D L, the leaves' first; by whole rows, since a long chain has cubically many products."""
     order = list(supports(tree))
-    left = np.array([[M[i][j] for j in order] for i in order]).reshape(len(order), len(order), -1)
+    left = np.array([[M[i][j] for j in order] for i in order]).reshape(len(order), len(order), _SAMPLES)
     pivots = {}
     for i in reversed(range(len(order))):
         row = left[i, :i]
