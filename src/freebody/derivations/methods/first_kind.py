@@ -213,7 +213,7 @@ class _FirstKind:
         """0, 1 or a whole entry of N as it is, else K_kj (K_k with one independent coordinate)."""
         x = r.N[k][j]
         if _is_plain(x):
-            return self.loops.equations.form(x.above)
+            return ex.Number(x.above.fraction)
         return entry("K", k + 1) if len(r.independent) == 1 else entry("K", k + 1, j + 1)
 
     def _drift(self, r: Reduction) -> Step:
