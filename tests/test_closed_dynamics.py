@@ -10,6 +10,7 @@ import pytest
 import freebody as fb
 from freebody.errors import SingularError
 from freebody.model.model import Model
+from freebody.numerics.balance import balance
 from helpers import FIRST, STEPS, close, numbers
 
 ALL = (
@@ -285,3 +286,16 @@ def test_five_bar_third_type():
     assert found.singular
     with pytest.raises(fb.FreebodyError, match="but they and the 2 rows move in 3 ways"):
         fb.input_output(model, q)
+
+
+@pytest.mark.parametrize("name", ["five_bar", "stewart"])
+def test_the_balance_sees_every_wrong_wrench(name):
+    model = fb.load(name)
+    q, still = fb.assemble(model)[None], np.zeros((1, model.nv))
+    found = fb.reactions(model, q, still, tau=fb.static_torque(model, q))
+    assert np.abs(balance(model, q, still, found.qdd, found.wrenches, {}).force).max() < 1e-9
+    for k in range(len(found.names)):
+        wrong = found.wrenches.copy()
+        wrong[0, k, 0] += 1.0
+        off = balance(model, q, still, found.qdd, wrong, {}).force
+        np.testing.assert_allclose(np.abs(off).max(), 1.0, atol=1e-9)

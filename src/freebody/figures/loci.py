@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Literal
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from freebody.numerics.closed.loci import Locus, singularity_loci
 from freebody.numerics.kinematics import forward_kinematics
 
 WIDE, TALL = 560.0, 520.0
-_KINDS = ("first", "second")
+_KINDS: tuple[tuple[Literal["first", "second"], str], ...] = (("first", "type 1"), ("second", "type 2"))
 _POINT = 1e-6  # m: a curve shorter than this is one place
 
 
@@ -37,8 +38,8 @@ def singularity_diagram(
             f"singularity_diagram: {model.name!r} is in space; loci are drawn in the plane only."
         )
     drawing = arm.blank(f"Singular positions of {model.name}")
-    for kind, name in zip(_KINDS, ("type 1", "type 2"), strict=True):
-        loci = singularity_loci(model, kind, frame=frame, rows=rows, hold=hold)  # type: ignore[arg-type]
+    for kind, name in _KINDS:
+        loci = singularity_loci(model, kind, frame=frame, rows=rows, hold=hold)
         _curves(drawing, model, loci, name, kind, frame)
     arm.structure(drawing, snapshot(model), Names())
     drawing.notes = [

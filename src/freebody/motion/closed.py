@@ -6,15 +6,13 @@ the loops by their local error; they are moved back, positions and rates, by the
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 from scipy.integrate import DOP853, RK45
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.motion.system import Drive, System
-from freebody.numerics.closed.dynamics import regular
+from freebody.numerics.closed.dynamics import regular, require_way
 from freebody.numerics.closed.equations import rate_scale, residual, row_scale, scaled_jacobian
 from freebody.numerics.states import integrate
 
@@ -37,9 +35,7 @@ def integrated_closed(
         return system.rate(np.asarray(now), on, drive(np.asarray(now), *system.split(on)))
 
     now, state = np.asarray(t[0]), system.split(y0)
-    partial(system.forward, passing=False)(
-        *state, drive(now, *state), *system.loads(now)
-    )  # a start that tells a way
+    require_way(system.model, *state, system.acceleration(now, *state, drive(now, *state)))
     # an angle of many turns is worth no less than a small one, so errors are not relative to the positions
     scale = np.concatenate([np.ones(system.layout.nq), rate_scale(system.model)])
     solver = METHODS[method](rate, t[0], y0, t[-1], rtol=_LEAST, atol=tolerance * scale)

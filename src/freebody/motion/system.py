@@ -88,7 +88,7 @@ def system(
     """The system of a model; Coulomb friction is smoothed over `width`. Raises SingularError if M is singular."""
     smooth, friction = smooth_friction(model, width)
     if model.loops:
-        forward: Callable[..., Array] = partial(accelerations, smooth, wrench_frames, passing=True)
+        forward: Callable[..., Array] = partial(accelerations, smooth, wrench_frames)
     else:
         refuse_massless(model, "simulate")
         forward = kernel(smooth, "forward_dynamics", wrench_frames=wrench_frames)

@@ -7,6 +7,9 @@ Newton-Euler recursion enters, so this checks reactions by other means than thos
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+
 import numpy as np
 
 from freebody.algorithms.kinematics import joint_poses, world_poses
@@ -15,6 +18,7 @@ from freebody.model.model import Model
 from freebody.model.tree import TreeBody
 from freebody.numerics.coordinates import layout, position_acceleration, position_rate
 from freebody.numerics.jets import Jet, stacked
+from freebody.numerics.kinematics import forward_kinematics
 
 
 def inertia_forces(model: Model, q: Array, qd: Array, qdd: Array) -> tuple[Array, Array, Array]:
@@ -51,6 +55,53 @@ def _needed(
         force += f
         moment += cross(R[0] @ c, f) + axial(R[2] @ second @ np.swapaxes(R[0], -1, -2))
     return force, moment
+
+
+@dataclass(frozen=True)
+class Balance:
+    """ΣF - m a (T, nj, dim) and ΣM - Ḣ (T, nj, 3 or 1) of every body, and the largest force and moment that entered."""
+
+    force: Array
+    moment: Array
+    largest_force: float
+    largest_moment: float
+
+
+def balance(
+    model: Model, q: Array, qd: Array, qdd: Array, wrenches: Array, external: Mapping[str, Array]
+) -> Balance:
+    """How well reactions and external wrenches, world axes, explain a motion q (T, nq), qd, qdd (T, nv).
+
+    wrenches: (T, joints and loops, six), as `reactions` gives them; external: {frame: (T, six)}.
+    """
+    dim = model.dim
+    force, moment, origin = inertia_forces(model, q, qd, qdd)
+    left_force, left_moment = -force, -moment
+    forces, moments = [force], [moment]
+
+    def act(body: int, f: Array, n: Array, place: Array) -> None:
+        if body >= 0:
+            turned = cross(place - origin[:, body], f)
+            left_force[:, body] += f
+            left_moment[:, body] += n + turned
+            forces.append(f)
+            moments.extend((n, turned))
+
+    def place_of(frame: str) -> Array:
+        return forward_kinematics(model, q, frame)[:, :dim, dim]
+
+    links = [(k, body.parent, origin[:, k]) for k, body in enumerate(model.bodies)]
+    for loop in model.loops:
+        first, second = (model.frame(name).body for name in loop.frames)
+        links.append((second, first, place_of(loop.frames[1])))
+    for k, (on, by, place) in enumerate(links):
+        f, n = wrenches[:, k, :dim], wrenches[:, k, dim:]
+        act(on, f, n, place)
+        act(by, -f, -n, place)
+    for name, load in external.items():
+        act(model.frame(name).body, load[:, :dim], load[:, dim:], place_of(name))
+    sizes = (max(float(np.abs(x).max(initial=0.0)) for x in kind) for kind in (forces, moments))
+    return Balance(left_force, left_moment, *sizes)
 
 
 def axial(A: Array) -> Array:

@@ -13,10 +13,10 @@ from freebody.motion.motion import Motion
 from freebody.motion.ranges import ranges
 from freebody.motion.simulate import simulate
 from freebody.numerics import dynamics
+from freebody.numerics.balance import balance
 from freebody.numerics.closed.assembly import assemble, loop_velocity
 from freebody.numerics.closed.equations import gaps, length, residual
 from freebody.numerics.states import difference
-from freebody.report.balance import balance
 from freebody.report.results import Check, Replay
 
 if TYPE_CHECKING:
@@ -76,18 +76,19 @@ def _energy(data: xr.Dataset) -> Check:
 
 
 def _bodies(model: Model, motion: Motion, data: xr.Dataset) -> list[Check]:
-    force, moment, largest_force, largest_moment = balance(model, motion, data)
+    wrenches = np.concatenate([data["reaction_force"].values, data["reaction_moment"].values], axis=-1)
+    found = balance(model, motion.q, motion.qd, motion.qdd, wrenches, {})
     how = "accelerations from the poses differentiated twice, not from the recursion"
     return [
         check(
             "forces on each body",
-            relative(force, np.array([largest_force])),
+            relative(found.force, np.array([found.largest_force])),
             1e-10,
             f"Joint reactions and weight against mass times acceleration of every body; {how}; over the largest force.",
         ),
         check(
             "moments on each body",
-            relative(moment, np.array([largest_moment])),
+            relative(found.moment, np.array([found.largest_moment])),
             1e-10,
             f"The same for moments and the rate of angular momentum; {how}; over the largest moment.",
         ),

@@ -15,6 +15,7 @@ from freebody.numerics.closed.assembly import assemble, closing, free_coordinate
 from freebody.numerics.closed.equations import (
     length,
     loop_of_row,
+    null_space,
     rate_scale,
     refuse_inconsistent,
     require_closed,
@@ -22,7 +23,7 @@ from freebody.numerics.closed.equations import (
     scaled_jacobian,
 )
 from freebody.numerics.closed.mobility import dependent_rows, regular_jacobian
-from freebody.numerics.closed.solving import RANK, Idle, Jerk, solve
+from freebody.numerics.closed.solving import BLURRED, RANK, Idle, Jerk, solve
 from freebody.numerics.formulas import Option
 from freebody.numerics.kernels import fetch
 from freebody.numerics.massless import massless
@@ -46,30 +47,38 @@ def forward(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches
         "forward_dynamics", model, {"q": q, "qd": qd, "tau": tau}, wrenches
     )
     require_closed("forward_dynamics", model, at, rates)
-    qdd = accelerations(model, frames, at, rates, drive, *loads)
+    qdd = definite_accelerations(model, frames, at, rates, drive, *loads)
     require_consistent("forward_dynamics", model, at, rates, qdd, STUCK)
     return qdd
 
 
-def accelerations(
-    model: Model,
-    frames: tuple[str, ...],
-    q: Array,
-    qd: Array,
-    tau: Array,
-    *loads: Array,
-    passing: bool = False,
+def definite_accelerations(
+    model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
 ) -> Array:
-    """q̈ (..., nv), of states taken as closed: by the compiled solution where M is regular and equations independent.
+    """The same as `accelerations`; refuses singular positions from which no way leads on."""
+    qdd, with_care = _solved(model, frames, q, qd, tau, *loads)
+    for index in np.argwhere(with_care):
+        at = tuple(index)
+        require_way(model, q[at], qd[at], qdd[at])
+    return qdd
 
-    passing: whether these are stages of a motion, which say nothing of where it goes; else a singular position from
-    which no way leads on is refused.
-    """
+
+def accelerations(
+    model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
+) -> Array:
+    """q̈ (..., nv), of states taken as closed: the stages of a motion, which by themselves do not tell where it goes."""
+    return _solved(model, frames, q, qd, tau, *loads)[0]
+
+
+def _solved(
+    model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
+) -> tuple[Array, NDArray[np.bool_]]:
+    """(q̈ (..., nv), which samples took care): compiled where M is regular and the equations are independent."""
     if massless(model):
         qdd = np.empty(qd.shape)
         for at in np.ndindex(qd.shape[:-1]):
-            qdd[at] = careful(model, frames, *(x[at] for x in (q, qd, tau, *loads)), passing=passing)
-        return qdd
+            qdd[at] = careful(model, frames, *(x[at] for x in (q, qd, tau, *loads)))
+        return qdd, np.ones(qd.shape[:-1], dtype=bool)
     kept = independent_rows(model, q)
     quick = fetch(model, ("constrained_dynamics",), Option(wrench_frames=frames, equations=kept))
     qdd, _, pivots = quick(q, qd, tau, *loads)
@@ -79,8 +88,8 @@ def accelerations(
     for at in np.argwhere(poor):
         sample = tuple(at)
         part = [np.broadcast_to(x, (*poor.shape, x.shape[-1]))[sample] for x in (q, qd, tau, *loads)]
-        qdd[sample] = careful(model, frames, *part, passing=passing)
-    return qdd
+        qdd[sample] = careful(model, frames, *part)
+    return qdd, poor
 
 
 def regular(model: Model, q: Array) -> bool:
@@ -128,15 +137,7 @@ def independent_rows(model: Model, q: Array) -> tuple[int, ...]:
     return kept
 
 
-def careful(
-    model: Model,
-    frames: tuple[str, ...],
-    q: Array,
-    qd: Array,
-    tau: Array,
-    *loads: Array,
-    passing: bool = False,
-) -> Array:
+def careful(model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array) -> Array:
     """q̈ (nv,) of one state, whatever the rank."""
     option = Option(wrench_frames=frames)
     M, c = fetch(model, ("mass_matrix", "constraint_bias"), Option())(q, qd)
@@ -145,22 +146,26 @@ def careful(
     rates = rate_scale(model)
     speed = float(np.abs(qd / rates).max(initial=0.0))
     try:
-        found = solve(M, tau - bias, A, c, row_scale(model), rates, _jerk(model, q, qd), speed)
+        return solve(M, tau - bias, A, c, row_scale(model), rates, _jerk(model, q, qd), speed)
     except Idle as idle:
         raise SingularError(
             f"forward_dynamics: {model.name!r} has no definite acceleration: its loops let "
             f"{model.velocity_names[idle.coordinate]!r} move without moving any inertia. "
             "Give what it carries a mass and inertia, or the joint a rotor inertia, or fix it."
         ) from None
-    lost = not passing and found.rank < len(independent_rows(model, q))
-    if lost and not _leads_on(model, q, qd, found.qdd):
-        worst = int(np.argmax(np.linalg.norm(found.loose, axis=1)))
+
+
+def require_way(model: Model, q: Array, qd: Array, qdd: Array) -> None:
+    """Refuse a singular position (nq,) from which the rates and accelerations found (nv,) lead nowhere."""
+    _, loose = null_space(scaled_jacobian(model, q), BLURRED)
+    lost = model.tree.constraints - loose.shape[1] < len(independent_rows(model, q))
+    if lost and not _leads_on(model, q, qd, qdd):
+        worst = int(np.argmax(np.linalg.norm(loose, axis=1)))
         name = model.loops[loop_of_row(model)[worst]].name
         raise SingularError(
             f"forward_dynamics: {model.name!r} is at a singular position, where loop {name!r} no longer tells how the "
             "motion goes on. Start a little beside this position, or with the rates of the way it shall take."
         )
-    return found.qdd
 
 
 def _leads_on(model: Model, q: Array, qd: Array, qdd: Array) -> bool:

@@ -12,12 +12,12 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.model import Model
-from freebody.numerics.balance import cross, inertia_forces
+from freebody.numerics.balance import balance
 from freebody.numerics.calls import Vector, Wrenches, checked_inputs
 from freebody.numerics.closed.dynamics import (
     STUCK,
     WOULD_OPEN,
-    accelerations,
+    definite_accelerations,
     drive_torques,
     require_consistent,
 )
@@ -104,7 +104,7 @@ def reactions(
     else:
         drive = given
         second = (
-            accelerations(model, frames, at, rates, drive, *loads)
+            definite_accelerations(model, frames, at, rates, drive, *loads)
             if model.loops
             else fetch(model, ("forward_dynamics",), Option(wrench_frames=frames))(at, rates, drive, *loads)
         )
@@ -148,7 +148,7 @@ def _found(
             still = wrench_of(sample, np.zeros((1, m)))
             change = np.abs(wrench_of(sample, combinations.T) - still).max(axis=0)
             determined[sample] = change < _DETERMINED * max(float(change.max()), 1e-300)
-    left = _balance(model, q, qd, qdd, found_wrenches, frames, loads)
+    left = _miss(model, q, qd, qdd, found_wrenches, frames, loads)
     turned = found_wrenches if reference == "world" else _in_child_axes(model, q, found_wrenches)
     return Reactions(model.reaction_names, turned, determined, multipliers, qdd, tau, left)
 
@@ -165,7 +165,7 @@ def _in_child_axes(model: Model, q: Array, wrenches: Array) -> Array:
     return result
 
 
-def _balance(
+def _miss(
     model: Model,
     q: Array,
     qd: Array,
@@ -175,36 +175,9 @@ def _balance(
     loads: list[Array],
 ) -> float:
     """Largest miss of ΣF = m a and ΣM = Ḣ over all bodies, relative to the largest force that enters."""
-    dim = model.dim
-    flat = [x.reshape(math.prod(x.shape[:-1]), x.shape[-1]) for x in (q, qd, qdd)]
-    force, moment, origin = inertia_forces(model, *flat)
-    reaction = wrenches.reshape(len(flat[0]), *wrenches.shape[-2:])
-    left_force, left_moment = -force, -moment
-    reach = length(model)
-    largest = max(float(np.abs(force).max(initial=0.0)), float(np.abs(reaction[..., :dim]).max(initial=0.0)))
-
-    def act(body: int, f: Array, n: Array, point: Array) -> None:
-        nonlocal largest
-        if body >= 0:
-            left_force[:, body] += f
-            left_moment[:, body] += n + cross(point - origin[:, body], f)
-            largest = max(largest, float(np.abs(f).max(initial=0.0)))
-
-    for k, body in enumerate(model.bodies):
-        f, n = reaction[:, k, :dim], reaction[:, k, dim:]
-        act(k, f, n, origin[:, k])
-        act(body.parent, -f, -n, origin[:, k])
-    for k, loop in enumerate(model.loops):
-        f, n = reaction[:, len(model.bodies) + k, :dim], reaction[:, len(model.bodies) + k, dim:]
-        first, second = (model.frame(name) for name in loop.frames)
-        point = forward_kinematics(model, flat[0], second.name)[:, :dim, dim]
-        act(second.body, f, n, point)
-        act(first.body, -f, -n, point)
-    for name, load in zip(frames, loads, strict=True):
-        point = forward_kinematics(model, flat[0], name)[:, :dim, dim]
-        each = load.reshape(len(flat[0]), load.shape[-1])
-        act(model.frame(name).body, each[:, :dim], each[:, dim:], point)
-    miss = max(
-        float(np.abs(left_force).max(initial=0.0)), float(np.abs(left_moment).max(initial=0.0)) / reach
-    )
-    return miss / largest if largest else 0.0
+    samples = math.prod(q.shape[:-1])
+    flat = [x.reshape(samples, x.shape[-1]) for x in (q, qd, qdd)]
+    external = {name: load.reshape(samples, load.shape[-1]) for name, load in zip(frames, loads, strict=True)}
+    found = balance(model, *flat, wrenches.reshape(samples, *wrenches.shape[-2:]), external)
+    force, moment = (float(np.abs(x).max(initial=0.0)) for x in (found.force, found.moment))
+    return max(force, moment / length(model)) / (found.largest_force or 1.0)

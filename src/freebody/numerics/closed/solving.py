@@ -12,7 +12,6 @@ besides, so that a motion through a singular position stays on its branch.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,7 +19,8 @@ from freebody.arrays import Array
 
 RANK = 1e-9
 """Singular values, relative to the largest, that count as zero."""
-_BLURRED = 1e-5  # the same for accelerations, in which rounding is divided by the square of a singular value
+BLURRED = 1e-5
+"""The same for accelerations, in which rounding is divided by the square of a singular value."""
 _BRANCH = 1e-7  # the same for the conditions at a singular position, relative to the speed
 _IDLE = 1e-13  # of the largest inertia: none
 
@@ -33,33 +33,21 @@ class Idle(Exception):
         self.coordinate = coordinate
 
 
-@dataclass(frozen=True)
-class Solution:
-    """One state's solution."""
-
-    qdd: Array
-    """(nv,)."""
-    rank: int
-    """Of Φ_q."""
-    loose: Array
-    """(m, m - rank): combinations of the scaled equations that change nothing."""
-
-
 Jerk = Callable[[Array], Array]
 """x (k, nv) -> Φ's third derivative at q̈ = x (k, m), unscaled."""
 
 
 def solve(
     M: Array, n: Array, A: Array, c: Array, rows: Array, rates: Array, jerk: Jerk, speed: float
-) -> Solution:
-    """q̈ of one state. Raises Idle.
+) -> Array:
+    """q̈ (nv,) of one state. Raises Idle.
 
     M (nv, nv), n (nv,), c (m,); A (m, nv): Φ_q scaled by rows (m,) and rates (nv,) as in `equations`; speed: of the
     fastest scaled rate.
     """
     mass, force, right = rates[:, None] * M * rates, rates * n, rows * c
     U, s, Vt = np.linalg.svd(A)
-    rank = int((s > _BLURRED * s.max(initial=1e-300)).sum())
+    rank = int((s > BLURRED * s.max(initial=1e-300)).sum())
     loose, null = U[:, rank:], Vt[rank:].T
     x = Vt[:rank].T @ ((U[:, :rank].T @ right) / s[:rank])
     if null.shape[1]:
@@ -67,7 +55,7 @@ def solve(
         x = x + ways @ (ways.T @ (force - mass @ x))
         if loose.shape[1] and speed > 0.0:
             x = x + ways @ _onto_branch(x, ways, loose.T, rows, rates, jerk, speed)
-    return Solution(rates * x, rank, loose)
+    return rates * x
 
 
 def _unit_root(null: Array, mass: Array) -> Array:
