@@ -176,8 +176,8 @@ def _miss(
 ) -> float:
     """Largest miss of ΣF = m a and ΣM = Ḣ over all bodies, relative to the largest force that enters."""
     samples = math.prod(q.shape[:-1])
-    flat = [x.reshape(samples, x.shape[-1]) for x in (q, qd, qdd)]
+    q, qd, qdd = (x.reshape(samples, x.shape[-1]) for x in (q, qd, qdd))
     external = {name: load.reshape(samples, load.shape[-1]) for name, load in zip(frames, loads, strict=True)}
-    found = balance(model, *flat, wrenches.reshape(samples, *wrenches.shape[-2:]), external)
+    found = balance(model, q, qd, qdd, wrenches.reshape(samples, *wrenches.shape[-2:]), external)
     force, moment = (float(np.abs(x).max(initial=0.0)) for x in (found.force, found.moment))
     return max(force, moment / length(model)) / (found.largest_force or 1.0)
