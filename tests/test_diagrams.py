@@ -144,6 +144,26 @@ def test_symbols_without_values_are_drawn():
     assert with_values(fb.load("2R")).parameters == fb.load("2R").parameters, "known values stay"
 
 
+@pytest.mark.parametrize("method", [None, "newton-euler", "recursive", "statics", "kinematics"])
+def test_arm_with_only_one_moment_of_inertia_named_is_drawn(method):
+    """Typical values of Izz beside Ixx = Iyy = 0 are of no rigid body; nothing of that is drawn."""
+    rows = [
+        {"a": a, "m": 1.0, "com": [0, 0, 0], "I": [0, 0, 0, 0, 0, f"Izz{k}"]} for k, a in ((1, 0.3), (2, 0.2))
+    ]
+    scara = fb.dh(
+        [*rows, {"joint": "P", "m": 1.0, "com": [0, 0, 0], "I": [0, 0, 0, 0, 0, "Izz3"]}],
+        convention="standard",
+    )
+    if method is None:
+        figures = fb.kinematic_diagram(scara).drawings
+    else:
+        derivation = fb.derive(scara, method)
+        assert "<svg" in derivation.html()
+        figures = illustrations(derivation).values()
+    for drawing in figures:
+        assert_legible(drawing, 460.0, 400.0)
+
+
 def test_velocities_and_accelerations_are_the_models(arm):
     qd, qdd = [0.9, 1.1], [1.5, 1.0]
     figure = fb.kinematic_diagram(arm, Q, ["velocities", "accelerations"], qd, qdd)

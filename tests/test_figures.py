@@ -8,11 +8,15 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody.cli.app import run
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.figures.drawing import Arc, Arrow, Line, Mark, Turn
 from freebody.figures.labels import Crowd, Wanted, _overlap
 from freebody.figures.plots import Plot, plot, thin, ticks
 from freebody.figures.robot import robot_drawing, robot_svg
+from freebody.figures.sketch import forces
+from freebody.figures.sketch.names import Names
+from freebody.figures.sketch.snapshot import snapshot
 from freebody.figures.svg import picture
 from freebody.figures.text import number, plain
 
@@ -184,6 +188,28 @@ def test_plane_and_its_twin_in_space_show_the_same_forces(arm, diagram):
             assert isinstance(other, Arrow)
             assert len(arrow.value) == len(arrow.start) == 2, "nothing planar is padded"
             np.testing.assert_allclose(other.value, [*arrow.value, 0.0], atol=1e-9)
+
+
+@pytest.mark.parametrize("q", ["90 deg,0", "90 deg,180 deg", "-90 deg,0"])
+def test_rounding_is_no_load(q, tmp_path, capsys, monkeypatch):
+    """An arm that stands upright: the moments of 1e-16 N m at its joints are rounding, drawn and listed nowhere."""
+    monkeypatch.chdir(tmp_path)
+    assert run(["fbd", "2R", "--q", q]) == 0
+    assert "10⁻" not in capsys.readouterr().out
+    at = [math.radians(float(x.removesuffix("deg"))) for x in q.split(",")]
+    arm = fb.load("2R")
+    figure = fb.free_body_diagram(arm, at)
+    assert not [e for d in figure.drawings for e in d.elements if isinstance(e, Turn)]
+    assert "τ_1" in figure.drawings[0].notes[0], "it is said to be 0"
+    seen = snapshot(arm, at, [0, 0], [0, 0])
+    sketches = [forces.alone(seen, body, Names()) for body in seen.pose.bodies]
+    assert not [e for d in sketches for e in d.elements if isinstance(e, Turn)]
+
+
+def test_small_loads_are_shown():
+    """A millionth of the weight is no rounding."""
+    feather = fb.free_body_diagram(fb.load("2R"), Q2, body=1, wrenches=[3e-6, 0.0, 0.0])
+    assert feather.drawing.named("f_e").value == (3e-6, 0.0)
 
 
 def test_what_vanishes_is_said_to(arm):

@@ -255,3 +255,28 @@ def test_no_fault_of_a_body_in_any_axes(seed: int):
         random_inertia(rng),
     ):
         assert inertia.placed(random_rotation(rng), rng.normal(size=3)).fault() is None
+
+
+# ---------------------------------------------------------------- how much rounding is forgiven
+def diagonal(mass: float, *moments: float) -> Inertia:
+    x, y, z = moments
+    return Inertia(mass, (0.0, 0.0, 0.0), (x, 0.0, 0.0, y, 0.0, z))
+
+
+@pytest.mark.parametrize(("mass", "largest", "counts"), [(1.0, 4.0, 4.0), (2.0, 1e-3, 2.0)])
+def test_a_billionth_of_the_largest_is_rounding_and_no_more(mass: float, largest: float, counts: float):
+    """Second moments (largest, largest / 4, -s): rounded files have s of the size of their last digit."""
+
+    def flat(s: float) -> Inertia:
+        x, y, z = largest, largest / 4, -s
+        return diagonal(mass, y + z, x + z, x + y)
+
+    assert flat(0.9e-9 * counts).fault() is None
+    fault = flat(1.1e-9 * counts).fault()
+    assert fault is not None
+    assert "break the triangle inequality" in fault
+
+
+def test_a_moment_is_called_negative_beyond_a_billionth_of_the_largest():
+    for small, words in ((0.9e-9, "break the triangle inequality"), (1.1e-9, "is negative")):
+        assert words in (diagonal(1.0, -3.0 * small, 1.0, 3.0).fault() or "none")

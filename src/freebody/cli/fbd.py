@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 EXAMPLE = 'Example: freebody fbd 2R --q "0.5, 60 deg" --body link2 --out link2.svg'
 
-_ROUNDING = 1e-12
-
 
 def fbd(
     robot: options.Robot,
@@ -89,11 +87,6 @@ def _table(figure: FreeBodyDiagram) -> Table:
 
     from freebody.figures.text import plain
 
-    loads = [load for item in figure.bodies for load in item.loads]
-    force, moment = (
-        max(float(abs(x).max()) for x in kind)
-        for kind in ([load.force for load in loads], [load.moment for load in loads])
-    )
     flat = len(figure.bodies[0].body.origin) == 2
     table = Table(box=None, pad_edge=False, header_style="bold")
     for title in ("body", "by", "force", "components, N", "moment", "N m"):
@@ -105,15 +98,14 @@ def _table(figure: FreeBodyDiagram) -> Table:
                 Text(item.body.name if k == 0 else ""),
                 Text(load.other),
                 Text(plain(load.name)),
-                Text(_components(load.force, force)),
+                Text(_components(load.force)),
                 Text(plain(load.moment_name) if turning else ""),
-                Text(_components(load.moment, moment) if turning else ""),
+                Text(_components(load.moment) if turning else ""),
             )
     return table
 
 
-def _components(values: Array, largest: float) -> str:
-    """Numbers; what is only rounding beside the largest of the table is 0."""
+def _components(values: Array) -> str:
     from freebody.figures.text import number
 
-    return "  ".join(number(float(x) if abs(x) > _ROUNDING * largest else 0.0, 4) for x in values)
+    return "  ".join(number(float(x), 4) for x in values)

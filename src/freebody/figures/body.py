@@ -15,7 +15,6 @@ from freebody.figures.text import number
 PANEL, TALLEST = 430.0, 400.0
 """Size of one diagram, pixels."""
 
-_NOTHING = 1e-6  # of the largest in the figure: not drawn, said to be 0
 _SHORTEST = 0.07  # of the longest arrow
 _ALIKE = 6.0  # bodies and forces that differ by less than this factor are drawn to one scale
 _ROLES = {"reaction": "reaction", "counter": "reaction", "weight": "weight", "external": "external"}
@@ -88,7 +87,7 @@ def _reach(drawing: Drawing, loads: BodyLoads, load: Load) -> None:
 
 def _force(drawing: Drawing, load: Load, scale: float, longest: float) -> None:
     size = float(np.linalg.norm(load.force))
-    if size <= _NOTHING * longest:
+    if not size:
         return
     length = max(size * scale, _SHORTEST * longest * scale)
     end = load.place + load.force / size * length
@@ -120,7 +119,7 @@ def _inertia(drawing: Drawing, loads: BodyLoads, scale: float, longest: float) -
 
 def _moment(drawing: Drawing, load: Load, peak: float, size: float, k: int) -> None:
     value = float(np.linalg.norm(load.moment))
-    if not load.moment_name or value <= _NOTHING * peak:
+    if not load.moment_name or not value:
         return
     if len(load.moment) == 1:
         label = f"{load.moment_name} = {number(float(load.moment[0]))} N m"
@@ -153,12 +152,9 @@ def _moment(drawing: Drawing, load: Load, peak: float, size: float, k: int) -> N
 
 
 def _notes(loads: BodyLoads) -> list[str]:
-    """What is too small to draw, and the balance."""
-    longest, peak = _longest(loads), _peak(loads)
-    small = [x.name for x in loads.loads if np.linalg.norm(x.force) <= _NOTHING * longest]
-    small += [
-        x.moment_name for x in loads.loads if x.moment_name and np.linalg.norm(x.moment) <= _NOTHING * peak
-    ]
+    """What is nothing, and the balance."""
+    small = [x.name for x in loads.loads if not any(x.force)]
+    small += [x.moment_name for x in loads.loads if x.moment_name and not any(x.moment)]
     n = loads.body.number
     force, moment = number(loads.force_residual, 2), number(loads.moment_residual, 2)
     balance = f"|ΣF − m_{n} a_{n}| = {force} N,\u2003|ΣM − Ḣ_{n}| = {moment} N m"

@@ -7,18 +7,21 @@ and their moment about the centre of mass the rate of angular momentum there (4.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from freebody.algorithms.rnea import Recursion, rnea
 from freebody.arrays import Array
-from freebody.figures.skeleton import BodyPlace, Skeleton, skeleton
+from freebody.figures.skeleton import BodyPlace, Skeleton, extent, skeleton
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector, Wrenches, vector
 from freebody.numerics.dynamics import joint_wrenches
 from freebody.numerics.kinematics import forward_kinematics
+
+NOISE = 1e-9
+"""Of the largest force or moment on the mechanism: components below are rounding, and 0 in all drawings and tables."""
 
 
 @dataclass(frozen=True)
@@ -49,17 +52,10 @@ class BodyLoads:
     """m a_c (dim,)."""
     inertial_moment: Array
     """Rate of the angular momentum about the centre of mass."""
-
-    @property
-    def force_residual(self) -> float:
-        """|Σ F - m a_c| (N)."""
-        return float(np.linalg.norm(sum(load.force for load in self.loads) - self.inertial_force))
-
-    @property
-    def moment_residual(self) -> float:
-        """|Σ M - Ḣ| about the centre of mass (N m)."""
-        total = sum(load.moment + moment(load.place - self.body.com, load.force) for load in self.loads)
-        return float(np.linalg.norm(total - self.inertial_moment))
+    force_residual: float
+    """|Σ F - m a_c| (N), rounding included."""
+    moment_residual: float
+    """|Σ M - Ḣ| about the centre of mass (N m)."""
 
 
 def moment(arm: Array, force: Array) -> Array:
@@ -82,19 +78,44 @@ def body_loads(
     recursion = rnea(model.tree, first, second, third, gravity="explicit")
     external = _external(model, state[0], wrenches)
     closing = _loops(model, pose, state[0], reactions)
-    return tuple(
-        BodyLoads(
-            body,
-            (
-                *_reactions(model, pose, body, reactions),
-                *(load for on, load in closing if on == body.index),
-                *_weight(model, body),
-                *(load for on, load in external if on == body.index),
-            ),
-            *_rates(model, body, recursion),
+    acting = [
+        (
+            *_reactions(model, pose, body, reactions),
+            *(load for on, load in closing if on == body.index),
+            *_weight(model, body),
+            *(load for on, load in external if on == body.index),
         )
         for body in pose.bodies
+    ]
+    rates = [_rates(model, body, recursion) for body in pose.bodies]
+    cleared = _without_noise(acting, extent([pose]))
+    return tuple(
+        BodyLoads(body, shown, *rate, *_residuals(body, loads, *rate))
+        for body, loads, shown, rate in zip(pose.bodies, acting, cleared, rates, strict=True)
     )
+
+
+def _without_noise(acting: Sequence[Sequence[Load]], size: float) -> list[tuple[Load, ...]]:
+    """The loads on each body of a mechanism of `size` metres, with 0 for what is only rounding beside the largest."""
+    loads = [load for loads in acting for load in loads]
+    force = max((float(np.linalg.norm(load.force)) for load in loads), default=0.0)
+    turning = max((float(np.linalg.norm(load.moment)) for load in loads), default=0.0)
+    least = NOISE * max(force, turning / size)
+
+    def cleared(load: Load) -> Load:
+        return replace(
+            load,
+            force=np.where(abs(load.force) > least, load.force, 0.0),
+            moment=np.where(abs(load.moment) > least * size, load.moment, 0.0),
+        )
+
+    return [tuple(map(cleared, loads)) for loads in acting]
+
+
+def _residuals(body: BodyPlace, loads: Sequence[Load], force: Array, turning: Array) -> tuple[float, float]:
+    """What is left of force and moment when the body's motion is taken off."""
+    total = sum((load.moment + moment(load.place - body.com, load.force) for load in loads), -turning)
+    return float(np.linalg.norm(sum((load.force for load in loads), -force))), float(np.linalg.norm(total))
 
 
 def _reactions(model: Model, pose: Skeleton, body: BodyPlace, wrenches: Array) -> list[Load]:

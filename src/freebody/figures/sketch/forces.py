@@ -152,7 +152,7 @@ def _force(drawing: Drawing, seen: Snapshot, body: BodyPlace, load: Load, names:
     """The arrow of a force, and that of the moment that goes with it."""
     name, moment_name = called(seen, body, load, names)
     size = float(np.linalg.norm(load.force))
-    if size * scale > _NOTHING * seen.size:
+    if size:
         length = max(size * scale, _SHORTEST * seen.size)
         end = load.place + load.force / size * length
         label = weight_label(name) if load.role == "weight" else bold(name)
@@ -160,7 +160,7 @@ def _force(drawing: Drawing, seen: Snapshot, body: BodyPlace, load: Load, names:
             Arrow(point(load.place), point(end), name, _ROLES[load.role], label, point(load.force), "N")
         )
     value = float(load.moment[0])
-    if moment_name and abs(value) > _NOTHING * _peak(seen):
+    if moment_name and value:
         outward = heading(seen, body) * (1.0 if load.role == "counter" else -1.0)
         facing = math.degrees(math.atan2(outward[1], outward[0]))
         radius = (
@@ -214,10 +214,6 @@ def _scale(seen: Snapshot) -> float:
 
 def _most(seen: Snapshot) -> float:
     return max((float(np.linalg.norm(x.force)) for b in seen.loads for x in b.loads), default=0.0)
-
-
-def _peak(seen: Snapshot) -> float:
-    return max((abs(float(x.moment[0])) for b in seen.loads for x in b.loads), default=0.0)
 
 
 def _force_bar(drawing: Drawing, seen: Snapshot) -> None:

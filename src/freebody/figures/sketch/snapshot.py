@@ -13,6 +13,7 @@ from freebody.arrays import Array
 from freebody.figures.loads import BodyLoads, body_loads
 from freebody.figures.skeleton import BodyPlace, Skeleton, extent, skeleton
 from freebody.model.model import Model
+from freebody.model.parameters import Parameter, with_parameters
 from freebody.numerics.calls import Vector, Wrenches, vector
 from freebody.numerics.closed.assembly import assemble, loop_acceleration, loop_velocity
 from freebody.numerics.kinematics import acceleration, velocity
@@ -112,9 +113,13 @@ def _consistent_second(model: Model, q: Array, qd: Array) -> Array:
 
 
 def with_values(model: Model) -> Model:
-    """The model with a value for each parameter that has none, by what its name says it is."""
-    missing = model.missing
-    return model.bind(**{name: _typical(name) for name in missing}) if missing else model
+    """The model with a value for each parameter that has none, by what its name says it is.
+
+    Not `bind`, which asks for inertias that a rigid body may have: beside given ones typical values need not be, and a
+    drawing of places and forces is none the worse for it.
+    """
+    missing = set(model.missing)
+    return with_parameters(model, lambda p: Parameter(p.name, _typical(p.name)) if p.name in missing else p)
 
 
 def _typical(name: str) -> float:

@@ -15,7 +15,6 @@ from freebody.figures.sketch.vectors import arrow, position
 
 _FORCE, _MOMENT, _AXIS = 0.6, 0.5, 0.34  # of the body's size: the longest of each
 _SHORTEST = 0.12
-_NOTHING = 1e-6
 
 
 def alone(seen: Snapshot, body: BodyPlace, names: Names, view: View, rates: bool = False) -> Drawing:
@@ -84,11 +83,11 @@ def act(drawing: Drawing, seen: Snapshot, loads: BodyLoads, names: Names, size: 
         role = "reaction" if load.role in ("reaction", "counter") else load.role
         label = force.removesuffix("g") + "*g*" if load.role == "weight" else None
         value = float(np.linalg.norm(load.force))
-        if value > _NOTHING * longest:
+        if value:
             end = load.place + max(value / longest, _SHORTEST) * _FORCE * size * load.force / value
             arrow(drawing, load.place, end, force, role, load.force, "N", label=label)
         value = float(np.linalg.norm(load.moment))
-        if moment and value > _NOTHING * peak:
+        if moment and value:
             end = load.place + max(value / peak, _SHORTEST) * _MOMENT * size * load.moment / value
             arrow(drawing, load.place, end, moment, "moment", load.moment, "N m", heads=2)
 
