@@ -76,7 +76,7 @@ def _has_moving_tip(model: Model) -> bool:
 def compare(first: Derivation, second: Derivation) -> Comparison:
     """Two derivations of one model, subtracted term by term; true when they are identical polynomials."""
     a, b = first.equations.symbols, second.equations.symbols
-    if a.model is not b.model:
+    if a.given is not b.given:
         raise FreebodyError("compare: the derivations are of different models.")
     if not (first.tau and second.tau):
         raise FreebodyError("compare: a derivation of kinematics ends in no torques.")

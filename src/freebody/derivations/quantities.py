@@ -154,10 +154,13 @@ class _Quantities:
     def _motion(self, i: int) -> Values:
         n, s = self.s.numbers[i], self.s
         motion = self.record.motion
+        centres = self.record.vd_com[i] or [
+            motion.vd[i]
+        ]  # a body without mass: its joint's origin stands for it
         found: Values = {
             f"omega{n}": self._angular(motion.w[i]), f"omega{n}_d": self._angular(motion.wd[i]),
             f"v{n}": self._axes(i, motion.v[i]), f"v{n}_d": self._axes(i, motion.vd[i]),
-            f"vc{n}": self._vector(s.centre_velocity(i)), f"vc{n}_d": self._axes(i, self.record.vd_com[i][0]),
+            f"vc{n}": self._vector(s.centre_velocity(i)), f"vc{n}_d": self._axes(i, centres[0]),
         }  # fmt: skip
         nothing = self._vector(s.tree.space.zero)
         if n == 1:
@@ -205,10 +208,12 @@ class _Quantities:
         height = sum(
             (a * b for a, b in zip(s.tree.gravity, s.centre_position(i), strict=True)), s.symbols.zero()
         )
+        space = s.tree.space
+        force, moment = (record.F[i] or [space.zero])[0], (record.N[i] or [space.zero_angular])[0]
         found: Values = {
             f"m{n}": self._element(s.mass(i)),
             f"f{n - 1}{n}": self._axes(i, record.f[i]), f"{spin}{n}": self._angular(record.n[i]),
-            f"fc{n}": self._axes(i, record.F[i][0]), f"{spin}c{n}": self._angular(record.N[i][0]),
+            f"fc{n}": self._axes(i, force), f"{spin}c{n}": self._angular(moment),
             f"T{n}": self._element(twice) * Fraction(1, 2), f"V{n}": -self._element(s.mass(i) * height),
         }  # fmt: skip
         found[f"I{n}"] = self._element(s.inertia(i)) if s.planar else tuple(map(self._vector, s.inertia(i)))

@@ -14,7 +14,7 @@ from freebody.arrays import Array
 from freebody.elementary import Scalar
 from freebody.errors import FreebodyError
 from freebody.model.model import Model
-from freebody.model.parameters import Parameter, Quantity, each_parameter
+from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
 from freebody.model.placement import Turn
 from freebody.model.reading import Reader
 from freebody.model.tree import Tree, lower
@@ -75,6 +75,8 @@ class Symbols:
     """Further symbols, such as the components of a load."""
     inertial: Mapping[str, tuple[int, int]] = field(default_factory=dict)
     """Further symbols that stand for masses (0) and inertias (1) of bodies: name and (body, which)."""
+    given: Model | None = None
+    """The model as it was given; `model` is that with parameters of value 0 put in."""
 
     @cached_property
     def tree(self) -> Tree:
@@ -142,8 +144,10 @@ def symbols(
 ) -> Symbols:
     """The model in symbols; `numbers` puts in the values of parameters that have one.
 
-    extra, inertial: further symbols, see `Symbols`.
+    A parameter whose value is 0 is no symbol: it is 0, in whatever is written about the model. extra, inertial: further
+    symbols, see `Symbols`.
     """
+    given, model = model, with_parameters(model, lambda p: 0.0 if p.value == 0 else p)
     _require_whole_ratios(model)
     coordinates = coordinate_names(model)
     turning = [x for x in coordinates if x.startswith("theta")]
@@ -159,7 +163,7 @@ def symbols(
         *(inertial or ()),
     ]
     ring = TrigRing([*turning, *angles], others)
-    return Symbols(model, ring, coordinates, TrigReader(ring, numbers), extra, inertial or {})
+    return Symbols(model, ring, coordinates, TrigReader(ring, numbers), extra, inertial or {}, given)
 
 
 def coordinate_names(model: Model) -> tuple[str, ...]:

@@ -199,6 +199,7 @@ class _Reading:
                 continue
             if (
                 name in self.vocabulary.waves
+                or name in self.setting.zeros
                 or not self.vocabulary.symbols.get(name, self.setting.zero).is_zero
             ):
                 self.source.fail(

@@ -31,7 +31,8 @@ def check(model: Model, answer: Any, names: Mapping[str, str] | None = None) -> 
     says it in words, `.findings` lists the mistakes.
     """
     model.require_tree("check")
-    where = setting(equations(model))
+    zeros = [name for name, value in model.parameters.items() if value == 0]
+    where = setting(equations(model), zeros)
     found = claims(where, text_of(answer), names or {})
     judge = Judge(where, Targets(where, velocity=any(claim.target.family == "h" for claim in found)))
     judged, wrong = [], 0

@@ -18,11 +18,13 @@ from freebody.derivations.check.residues import Point, random_point
 from freebody.derivations.check.setting import Setting
 from freebody.derivations.check.source import Source
 from freebody.derivations.check.targets import Targets
+from freebody.derivations.check.tree import Symbol, nodes
 from freebody.derivations.check.units import misfit, unit_text
 from freebody.derivations.check.verdict import Equation, Finding
 from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.check.wording import Wording, quoted
 from freebody.derivations.check.workspace import Workspace
+from freebody.derivations.names import sym
 from freebody.errors import FreebodyError
 from freebody.scalars.trig import Trig
 
@@ -54,7 +56,7 @@ class Judge:
         right = claim.target.compute()
         title = claim.target.title
         if claim.value == right:
-            return Equation(claim.label, title, True)
+            return Equation(claim.label, title, True, note=self._zeros(claim))
         if claim.target.family in ("V", "L", "Vi") and self._is_constant(claim.value - right):
             note = (
                 f"It differs by the constant {self.setting.form(claim.value - right)}: the zero of V is free."
@@ -66,6 +68,15 @@ class Judge:
         shown = example.example(self.setting, claim.value, right)
         text = example.sentence(shown) if shown else ""
         return Equation(claim.label, title, False, tuple(findings), tuple(causes), shown, text)
+
+    def _zeros(self, claim: Claim) -> str:
+        """A sentence about parameters in the answer that are 0 in this model."""
+        names = {x.name: sym(x.name) for x in nodes(claim.node) if isinstance(x, Symbol)}
+        found = [str(names[name]) for name in names if name in self.setting.zeros]
+        if not found:
+            return ""
+        model = self.setting.symbols.model.name
+        return f"({' and '.join(found)} {'are' if len(found) > 1 else 'is'} 0 in {model!r}.)"
 
     def _is_constant(self, x: Trig) -> bool:
         """Whether no coordinate or rate occurs."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -24,6 +25,8 @@ class Setting:
     symbols: Symbols
     foreign: frozenset[str]
     """Symbols of the notes that this model does not have, such as l2 of a link that slides."""
+    zeros: frozenset[str] = frozenset()
+    """Parameters of the model whose value is 0: an answer may name them."""
 
     @cached_property
     def layout(self) -> Layout:
@@ -59,13 +62,19 @@ class Setting:
         """A polynomial of the equations in the wider ring."""
         return self.ring.polynomial(x.terms())
 
+    def parameter(self, name: str) -> Trig | None:
+        """What a parameter's name stands for: its symbol, or 0 where that is its value; None of no parameter."""
+        if name in self.zeros:
+            return self.zero
+        return self.ring[name] if name in self.ring.index else None
+
     def form(self, x: Trig) -> str:
         """A polynomial as one prints it."""
         return str(self.layout.form(x))
 
 
-def setting(equations: Equations) -> Setting:
-    """The setting of a model's equations."""
+def setting(equations: Equations, zeros: Collection[str] = ()) -> Setting:
+    """The setting of a model's equations; `zeros`: names of parameters that are 0 in them."""
     symbols = equations.symbols
     ring = symbols.ring
     foreign: list[str] = []
@@ -73,8 +82,8 @@ def setting(equations: Equations) -> Setting:
         numbers = [re.sub(r"\D", "", x) for x in symbols.coordinates]
         family = [f"{letter}{k}" for k in numbers for letter in FAMILIES]
         family += [f"{x}{k}{e}" for k in numbers for x in ("theta", "d") for e in ("", RATE, SECOND)]
-        foreign = [name for name in dict.fromkeys(family) if name not in ring.index]
+        foreign = [name for name in dict.fromkeys(family) if name not in ring.index and name not in zeros]
     angles = [name for name in foreign if re.fullmatch(r"theta\d+", name)]
     others = [name for name in foreign if name not in angles]
     wide = TrigRing([*ring.angles, *angles], [*ring.names[len(ring.angles) :], *others])
-    return Setting(equations, replace(symbols, ring=wide), frozenset(foreign))
+    return Setting(equations, replace(symbols, ring=wide), frozenset(foreign), frozenset(zeros))

@@ -114,6 +114,8 @@ class Vocabulary:
             yield from self._coordinate(name)
         for name in ring.names:
             yield name.replace("_", ""), ring[name]
+        for name in self.setting.zeros:
+            yield name.replace("_", ""), self.setting.zero
         yield from self._families()
         if self.setting.is_planar:
             yield from self._absolute_rates()
@@ -141,17 +143,17 @@ class Vocabulary:
 
     def _families(self) -> Iterator[tuple[str, Trig]]:
         """Synonyms of a planar arm's parameters; without number where there is one link."""
-        ring = self.setting.ring
         alone = self.setting.joints == 1
         for family in FAMILIES:
             for k in range(1, self.setting.joints + 1):
-                if f"{family}{k}" not in ring.index:
+                value = self.setting.parameter(f"{family}{k}")
+                if value is None:
                     continue
                 letters = (family, *_SYNONYMS[family])
                 for spelling in (*(f"{x}{k}" for x in letters), *(letters if alone else ())):
-                    yield spelling, ring[f"{family}{k}"]
+                    yield spelling, value
                 if family == "lc":
-                    yield f"l{k}c", ring[f"lc{k}"]
+                    yield f"l{k}c", value
 
     def _absolute_rates(self) -> Iterator[tuple[str, Trig]]:
         """ω_i = θ̇_1 + … + θ̇_i, (3.16) and (3.17), and its time derivative."""

@@ -11,7 +11,6 @@ from freebody.derivations.derivation import Step
 from freebody.derivations.expression import Equation, eq
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.names import vec
-from freebody.elementary import Scalar
 from freebody.scalars.trig import Trig
 from freebody.spatial import dot, neg
 
@@ -89,7 +88,7 @@ def kinetic_step(s: Setting, energies: Energies) -> Step:
         v, w = s.name("vc", i), s.angular_name("omega", i)
         inertia = s.inertia_name(i)
         spin = ex.mul(inertia, ex.power(w, 2)) if s.planar else ex.dot(w, ex.mul(inertia, w))
-        turning = ex.ZERO if s.planar and _is_point(s.inertia(i)) else ex.mul(HALF, spin)
+        turning = ex.ZERO if s.is_point(i) else ex.mul(HALF, spin)
         rule = ex.add(ex.mul(HALF, s.mass_name(i), ex.power(v, 2)), turning)
         lines.append(eq(f"T{s.numbers[i]}", rule, s.show(energies.kinetic(i))))
     if energies.has_rotors:
@@ -98,10 +97,6 @@ def kinetic_step(s: Setting, energies: Energies) -> Step:
     rotors = "; the motors' rotors add T_r" if energies.has_rotors else ""
     numbers = {"RR": ("5.3", "5.11", "5.13", "5.17", "5.19")}.get(s.cited, ("5.3",))
     return Step("Kinetic energies", f"{reason}{rotors}.", tuple(lines), numbers)
-
-
-def _is_point(inertia: Scalar) -> bool:
-    return isinstance(inertia, float) and inertia == 0.0
 
 
 def potential_step(s: Setting, energies: Energies) -> Step:

@@ -51,9 +51,10 @@ class Inward:
         F = record.F[i][0] if record.F[i] else s.tree.space.zero
         N = record.N[i][0] if record.N[i] else s.tree.space.zero_angular
         spin = s.show_moved(N[0]) if s.planar else s.column(N)
+        sides = (ex.ZERO,) if s.is_point(i) else (s.spin_terms(i), spin)
         return [
             eq(s.name("fc", i), s.mass_times(i, s.name("vc", i, "_d")), s.column(s.axes(i, F))),
-            eq(s.angular_name("Mc" if s.planar else "nc", i), s.spin_terms(i), spin),
+            eq(s.angular_name("Mc" if s.planar else "nc", i), *sides),
         ]
 
     def _carried(self, i: int) -> list[Equation]:

@@ -30,7 +30,8 @@ def _fixed_axis(s: Setting, drive: Expression) -> Step:
     if s.loaded(i):
         moments.append(ex.cross(s.name("s", i), vec("f")))
     length = dot(s.centre(i), s.centre(i))
-    about = ex.add("I1", s.mass_times(i, s.show(length)))
+    own = ex.ZERO if s.is_point(i) else "I1"
+    about = ex.add(own, s.mass_times(i, s.show(length)))
     return Step(
         "Moments about the pivot",
         "The body turns about a fixed pivot, where the reaction has no moment: one equation gives the torque, with "

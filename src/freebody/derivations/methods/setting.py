@@ -266,12 +266,20 @@ class Setting:
         one = values[0] if len(values) == 1 else None
         return sym(one.name) if isinstance(one, Parameter) and not self.symbols.reader.numbers else None
 
+    def is_point(self, i: int) -> bool:
+        """Whether all of body i's mass is in its centre: it has no moment of inertia."""
+        inertia = self.inertia(i)
+        entries = (inertia,) if self.planar else (x for row in inertia for x in row)
+        return all(isinstance(x, float) and x == 0.0 for x in entries)
+
     def mass_times(self, i: int, x: Expression) -> Expression:
         """m_i x."""
         return ex.mul(self.mass_name(i), x)
 
     def spin_terms(self, i: int) -> Expression:
-        """I ω̇ (+ ω × I ω in space): what the moments about a body's centre of mass add up to."""
+        """I ω̇ (+ ω × I ω in space): what the moments about a body's centre of mass add up to; 0 of a point mass."""
+        if self.is_point(i):
+            return ex.ZERO
         inertia = self.inertia_name(i)
         turning = ex.mul(inertia, self.angular_name("omega", i, "_d"))
         if self.planar:
