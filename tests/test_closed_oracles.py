@@ -10,6 +10,7 @@ import pytest
 
 import freebody as fb
 from freebody.model.model import Model
+from freebody.numerics.passive import all_driven
 from helpers import close, numbers
 
 if sys.platform == "linux":
@@ -162,7 +163,7 @@ MECHANISMS = ("four_bar", "five_bar", "slider_crank", "stewart", "bricard")
 @lru_cache(maxsize=8)
 def closed_state(name: str) -> tuple[Model, np.ndarray, np.ndarray, np.ndarray]:
     """The mechanism in space, a state, torques of all joints."""
-    model = fb.load(name).to_space()
+    model = all_driven(fb.load(name)).to_space()
     rng = np.random.default_rng(4)
     q = fb.neutral(model)
     if name == "stewart":

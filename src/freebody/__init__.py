@@ -15,6 +15,7 @@ _PLACES = {
         "FreebodyError",
         "FreebodyWarning",
         "LoopError",
+        "PassiveJointError",
         "PhysicalWarning",
     ),
     "freebody.model.inertia": ("Inertia",),

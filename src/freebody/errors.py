@@ -81,6 +81,10 @@ class LoopError(FreebodyError, ValueError):
     """A closed chain that does not close, or would not stay closed; names the loop and the gap."""
 
 
+class PassiveJointError(FreebodyError, ValueError):
+    """A torque at a joint that nothing drives; names the joint."""
+
+
 class FileError(FreebodyError, ValueError):
     """Something in a file, with the file and, where known, the line."""
 

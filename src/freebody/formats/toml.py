@@ -96,7 +96,7 @@ def _planar(top: Table) -> Description:
     if "dim" in top and top.data["dim"] != 2:
         top.refuse("a [planar] arm has dim = 2; remove dim.", "dim")
     inner = top.inner(top.data["planar"], "planar").called("[planar]")
-    inner.only("word", "l", "lc", "m", "I", "angles", "limits", "drives")
+    inner.only("word", "l", "lc", "m", "I", "angles", "limits", "drives", "passive")
     word = inner.text("word")
     given: dict[str, Any] = {
         key: inner.quantities(key, len(word), default=None) for key in ("l", "lc", "m", "I")
@@ -109,9 +109,18 @@ def _planar(top: Table) -> Description:
         angles=inner.vector("angles", len(word), "angle", None),
         limits=limits or None,
         drives=drives or None,
+        passive=_texts(inner, "passive"),
     )
     links = tuple(_on_line(link, inner.line) for link in described.links)
     return replace(described, links=links, gravity=parts.gravity(top, 2))
+
+
+def _texts(table: Table, key: str) -> list[str]:
+    """A list of names, empty where nothing is said."""
+    names = table.data.get(key, [])
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        table.refuse(f'{key} is {names!r}, expected a list of names such as ["joint2"].', key)
+    return names
 
 
 def _dh(top: Table) -> Description:

@@ -100,6 +100,9 @@ def joint(table: Table, dim: int) -> Joint:
     unused = [key for key in ("axis", "limits", *DRIVE, "mimic") if key in table and KINDS[kind].nv != 1]
     if unused:
         table.refuse(f"a {kind} joint has no {unused[0]}; remove it.", unused[0])
+    if table.flag("passive") and (KINDS[kind].nv == 0 or "mimic" in table):
+        reason = "has nothing to drive" if KINDS[kind].nv == 0 else "follows another, which may be passive"
+        table.refuse(f"passive: the joint {reason}; remove it.", "passive")
     letter = "P" if kind == "prismatic" else "R"
     return Joint(
         table.text("name"),
@@ -315,7 +318,7 @@ DH_NUMBERS = {
     "gear": "number",
     "m": "number",
 }
-DH_ROW = ("joint", "name", "joint_name", *DH_NUMBERS, "com", "I", "friction", "limits")
+DH_ROW = ("joint", "name", "joint_name", *DH_NUMBERS, "com", "I", "friction", "limits", "passive")
 
 
 def dh_row(table: Table) -> dict[str, Any]:
@@ -339,4 +342,5 @@ def dh_row(table: Table) -> dict[str, Any]:
         )
     if "limits" in table:
         row["limits"] = limits(table, row["joint"])
+    row["passive"] = table.flag("passive")
     return row

@@ -46,14 +46,16 @@ def without(model: Model, features: Sequence[str]) -> Model:
 
 
 def actuated(model: Model, names: Sequence[str]) -> tuple[Body, ...]:
-    """The bodies, their joints passive but for those named."""
+    """The bodies, their joints passive but for those named; what follows another joint is neither."""
     names = (names,) if isinstance(names, str) else names
     free = [body.joint.name for body in model.bodies if body.joint.mimic is None]
     for name in names:
         if name not in free:
             raise UnknownNameError("joint", name, f"{model.name!r}", free)
     return tuple(
-        replace(body, joint=replace(body.joint, passive=body.joint.name not in names))
+        replace(
+            body, joint=replace(body.joint, passive=body.joint.name in free and body.joint.name not in names)
+        )
         for body in model.bodies
     )
 

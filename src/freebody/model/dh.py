@@ -23,7 +23,10 @@ from freebody.model.parts import Description, Drive, Joint, Limits, Link, Mount
 from freebody.model.placement import Placement, shift, turn
 
 Convention = Literal["standard", "modified"]
-KEYS = ("joint", "name", "theta", "d", "a", "alpha", "m", "com", "I", "rotor", "gear", "friction", "limits")
+KEYS = (
+    *("joint", "name", "theta", "d", "a", "alpha", "m", "com", "I"),
+    *("rotor", "gear", "friction", "limits", "passive"),
+)
 
 
 def dh(
@@ -39,7 +42,7 @@ def dh(
     Row keys: joint ("R" by default, or "P"), theta, d (constants; the joint variable's one is its offset), a, alpha
     (m, rad), m (kg), com (3) and I (6: ixx, ixy, ixz, iyy, iyz, izz, or 3×3; about the com), both in DH frame i of the
     convention, rotor (kg m²) and gear, friction (viscous, or (viscous, coulomb)), limits (lower, upper) or
-    Limits, name.
+    Limits, passive (True: nothing drives the joint), name.
     A name instead of a number is a parameter. Raises ModelError naming the row.
     """
     return assemble(describe(rows, convention=convention, gravity=gravity, name=name), physical=physical)
@@ -123,8 +126,15 @@ def _row(
         Limits.of(row.get("limits"), where),
         _drive(row, where),
         line=line,
+        passive=_flag(row.get("passive", False), where),
     )
     return link, joint, frame
+
+
+def _flag(value: object, where: str) -> bool:
+    if not isinstance(value, bool):
+        raise ModelError(f"{where}: passive is {value!r}, expected True or False.")
+    return value
 
 
 def _inertia(row: Mapping[str, Any], where: str) -> Inertia | None:

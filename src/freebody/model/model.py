@@ -99,16 +99,25 @@ class Model:
             for component in components(body.kind)
         )
 
-    @property
-    def driven_names(self) -> tuple[str, ...]:
-        """Of `velocity_names` those whose joints are not passive."""
-        passive = {
+    @cached_property
+    def passive(self) -> tuple[int, ...]:
+        """Coordinates, as entries of q̇ and tau, that nothing drives: those of passive joints."""
+        return tuple(
             k
             for body, at in zip(self.bodies, self.coordinates, strict=True)
             if body.joint.passive and body.joint.mimic is None
             for k in at.v
-        }
-        return tuple(name for k, name in enumerate(self.velocity_names) if k not in passive)
+        )
+
+    @property
+    def passive_names(self) -> tuple[str, ...]:
+        """Of `velocity_names` those whose joints are passive."""
+        return tuple(self.velocity_names[k] for k in self.passive)
+
+    @property
+    def driven_names(self) -> tuple[str, ...]:
+        """Of `velocity_names` those whose joints are not passive."""
+        return tuple(name for k, name in enumerate(self.velocity_names) if k not in self.passive)
 
     @property
     def reaction_names(self) -> tuple[str, ...]:

@@ -86,7 +86,7 @@ class Joint:
     mimic: Mimic | None = None
     line: int | None = None
     passive: bool = False
-    """Nothing drives it: in closed chains the other joints carry the load."""
+    """Nothing drives it: it is moved by the others, and no torque acts there but friction and a spring."""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from freebody.errors import ModelError
+from freebody.errors import ModelError, UnknownNameError
 from freebody.model.assembly import Policy, assemble
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
@@ -32,6 +32,7 @@ def planar(
     angles: Sequence[float] | None = None,
     limits: Sequence[tuple[float, float] | Limits | None] | None = None,
     drives: Sequence[Drive | None] | None = None,
+    passive: Sequence[str] = (),
     name: str | None = None,
     physical: Policy = "refuse",
 ) -> Model:
@@ -41,10 +42,21 @@ def planar(
     number, a name or None; without them parameters l1, lc1, m1, I1, … that have no value yet (a P link has l = 0
     unless given). g: gravity along -y (m/s²), a name, or a vector. angles: constant turn of each joint's frame from the
     frame before (rad); default 0 for R, 0 for P after an R or at the base, +π/2 for P after a P.
-    limits: (lower, upper) or Limits a joint. drives: friction, rotors and springs a joint.
+    limits: (lower, upper) or Limits a joint. drives: friction, rotors and springs a joint. passive: names of the joints
+    that nothing drives, such as ["joint2"] of a cart with a pendulum.
     """
     description = describe(
-        word, l=l, lc=lc, m=m, I=I, g=g, angles=angles, limits=limits, drives=drives, name=name
+        word,
+        l=l,
+        lc=lc,
+        m=m,
+        I=I,
+        g=g,
+        angles=angles,
+        limits=limits,
+        drives=drives,
+        passive=passive,
+        name=name,
     )
     return assemble(description, physical=physical)
 
@@ -60,6 +72,7 @@ def describe(
     angles: Sequence[float] | None = None,
     limits: Sequence[tuple[float, float] | Limits | None] | None = None,
     drives: Sequence[Drive | None] | None = None,
+    passive: Sequence[str] = (),
     name: str | None = None,
 ) -> Description:
     """The links and joints of a planar word; arguments as in `planar`."""
@@ -73,6 +86,11 @@ def describe(
     turns = _constant_turns(word, angles)
     ranges = _optional("limits", limits, n)
     drives_ = _optional("drives", drives, n)
+    names = [f"joint{i + 1}" for i in range(n)]
+    idle = (passive,) if isinstance(passive, str) else tuple(passive)
+    for joint in idle:
+        if joint not in names:
+            raise ModelError(str(UnknownNameError("joint", joint, "planar: passive", names)))
     links, joints = [Link("base")], []
     reach: Quantity = 0.0
     for i, letter in enumerate(word):
@@ -84,7 +102,7 @@ def describe(
         links.append(Link(f"link{i + 1}", Inertia(masses[i], (centres[i], 0.0), (inertias[i],))))
         joints.append(
             Joint(
-                f"joint{i + 1}",
+                names[i],
                 "revolute" if letter == "R" else "prismatic",
                 links[i].name,
                 links[i + 1].name,
@@ -92,6 +110,7 @@ def describe(
                 (1.0,) if letter == "R" else (1.0, 0.0),
                 Limits.of(ranges[i], f"planar: limits[{i}]"),
                 drive,
+                passive=names[i] in idle,
             )
         )
         reach = lengths[i]

@@ -19,6 +19,7 @@ from freebody.motion.system import Drive, System, constant_loads, suited_method,
 from freebody.numerics import dynamics
 from freebody.numerics.calls import Vector, Wrenches, vector
 from freebody.numerics.closed.equations import gaps, rate_of_loops, require_closed, residual
+from freebody.numerics.passive import refuse_passive
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,7 +53,8 @@ def simulate(
     (positions and rates), so that there is no drift; loop_gap (m) and loop_rate (m/s) are part of the result.
 
     Returns a dataset over `time` with q, qd, qdd, tau, energies and powers, units as attributes; what was used stands
-    in its attributes. Raises SingularError for joints without inertia, FreebodyError when the integration cannot go on.
+    in its attributes. Raises SingularError for joints without inertia, PassiveJointError for a torque at a joint that
+    nothing drives, FreebodyError when the integration cannot go on.
     """
     times = _times(t)
     start = vector("simulate", model, "q", q), vector("simulate", model, "qd", qd)
@@ -140,6 +142,7 @@ def _drive(model: Model, t: Array, torque: Torque) -> Drive:
             f"simulate: torque has shape {table.shape}, expected ({model.nv},), ({len(t)}, {model.nv}) or a function."
         )
     refuse_not_finite("simulate", "torque", table, 1, model.velocity_names)
+    refuse_passive("simulate", model, table)
     if table.ndim == 1:
         return lambda now, q, qd: table
     return lambda now, q, qd: _between(t, table, now)
@@ -149,6 +152,7 @@ def _returned(model: Model, value: ArrayLike) -> Array:
     tau = np.asarray(value, dtype=float)
     if tau.shape != (model.nv,):
         check_core("simulate", "what torque(t, q, qd) returns", tau, (model.nv,), f"model {model.name!r}")
+    refuse_passive("simulate", model, tau)
     return tau
 
 

@@ -18,6 +18,7 @@ from freebody.numerics.closed.reactions import reactions
 from freebody.numerics.formulas import Option
 from freebody.numerics.kinematics import checked_reference, jacobian
 from freebody.numerics.massless import refuse_massless
+from freebody.numerics.passive import refuse_passive
 
 
 def inverse_dynamics(
@@ -34,6 +35,9 @@ def inverse_dynamics(
     then moment, that act on the arm at the frame's origin, world axes ((..., 3): fx, fy, m in the plane). Raises
     ShapeError, NotFiniteError, UnknownNameError, MissingValueError. Source: Luh, Walker, Paul 1980; notes 4.6-4.15,
     6.16-6.29.
+
+    Of an open chain the entries of passive joints (`model.passive`) are what is missing: the torque that would be
+    needed there; the motion is possible where they are zero.
 
     Closed chains: the torques of the driven joints (`actuated`: names; default those not passive), zero elsewhere; of
     more drives than the mechanism needs, the smallest torques. Raises LoopError for a state that its loops do not
@@ -52,8 +56,10 @@ def forward_dynamics(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches:
     """q̈ (..., nv) under joint torques tau (..., nv); other arguments as for `inverse_dynamics` (3.29).
 
     Closed chains: (5.29), with dependent equations and at singular positions, where a motion keeps its branch. Raises
-    SingularError naming the joint that moves no inertia, LoopError for a state that the loops do not allow.
+    SingularError naming the joint that moves no inertia, LoopError for a state that the loops do not allow,
+    PassiveJointError for a torque at a joint that nothing drives.
     """
+    refuse_passive("forward_dynamics", model, tau)
     if model.loops:
         return closed.forward(model, q, qd, tau, wrenches)
     refuse_massless(model, "forward_dynamics")
@@ -101,8 +107,9 @@ def forward_dynamics_derivatives(
 ) -> tuple[Array, Array, Array]:
     """(∂q̈/∂q, ∂q̈/∂q̇, ∂q̈/∂tau = M⁻¹), each (..., nv, nv), on the tangent space; arguments as for `forward_dynamics`.
 
-    Raises SingularError naming the joint that moves no inertia.
+    Raises SingularError naming the joint that moves no inertia, PassiveJointError for a torque at a passive joint.
     """
+    refuse_passive("forward_dynamics_derivatives", model, tau)
     refuse_massless(model, "forward_dynamics_derivatives")
     result = evaluate("forward_dynamics_derivatives", model, (q, qd, tau))
     _refuse_singular("forward_dynamics_derivatives", model, np.diagonal(result[2], axis1=-2, axis2=-1))
@@ -136,7 +143,8 @@ def static_torque(model: Model, q: Vector, wrenches: Wrenches = None) -> Array:
     """g + springs - Σ Jᵀ w (..., nv): the torque that holds the arm still (2.41-2.49).
 
     wrenches act on the arm, as for `inverse_dynamics`; the notes' (2.52) prints the torque that exerts f, its negative.
-    Closed chains: the torques of the driven joints, as there.
+    An open chain rests where the entries of its passive joints are zero; elsewhere they are the holding torque that is
+    missing. Closed chains: the torques of the driven joints, as for `inverse_dynamics`.
     """
     if model.loops:
         return closed.holding(model, q, wrenches)
@@ -148,8 +156,9 @@ def tip_wrench(model: Model, q: Vector, tau: Vector, frame: str | None = None) -
 
     In the plane (..., 3). With fewer joints than rows the least-squares solution is not taken: a planar arm of two
     joints returns the force alone (moment 0). Gravity and springs are not counted. Raises SingularError at a singular
-    Jacobian.
+    Jacobian, PassiveJointError for a torque at a joint that nothing drives.
     """
+    refuse_passive("tip_wrench", model, tau)
     if model.loops:
         raise FreebodyError(
             f"tip_wrench: {model.name!r} is a closed chain; with J = fb.input_output(model, q).J it is J⁻ᵀ tau."

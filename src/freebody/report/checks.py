@@ -16,6 +16,7 @@ from freebody.numerics import dynamics
 from freebody.numerics.balance import balance
 from freebody.numerics.closed.assembly import assemble, loop_velocity
 from freebody.numerics.closed.equations import gaps, length, residual
+from freebody.numerics.passive import all_driven
 from freebody.numerics.states import difference
 from freebody.report.results import Check, Replay
 
@@ -153,7 +154,7 @@ def _along_axes(model: Model, data: xr.Dataset) -> list[Check]:
 def _forward(model: Model, motion: Motion, data: xr.Dataset) -> Check | None:
     """Forward dynamics of the torques against the accelerations; None where the mass matrix is singular."""
     try:
-        back = dynamics.forward_dynamics(model, motion.q, motion.qd, data["tau"].values)
+        back = dynamics.forward_dynamics(all_driven(model), motion.q, motion.qd, data["tau"].values)
     except SingularError:
         return None
     M = dynamics.mass_matrix(model, motion.q)

@@ -33,6 +33,7 @@ from freebody.numerics.closed.solving import RANK
 from freebody.numerics.formulas import Option
 from freebody.numerics.kernels import fetch
 from freebody.numerics.kinematics import checked_reference, forward_kinematics
+from freebody.numerics.passive import refuse_passive
 
 _DETERMINED = 1e-7  # part of a wrench, relative to the largest, that undetermined multipliers may add
 
@@ -81,7 +82,8 @@ def reactions(
 
     Give tau (..., nv), the drives' torques, and the motion follows; or qdd (..., nv), and the torques of the driven
     joints (`actuated`) follow. wrenches: as for `inverse_dynamics`. Raises LoopError for a state that the loops do not
-    allow. Source: (5.23), (5.29); Newton and Euler body by body (3.1, 3.2, 6.1, 6.2).
+    allow, PassiveJointError for a torque at a joint that nothing drives.
+    Source: (5.23), (5.29); Newton and Euler body by body (3.1, 3.2, 6.1, 6.2).
     """
     if actuated is not None and not model.loops:
         raise FreebodyError(
@@ -90,6 +92,8 @@ def reactions(
     if (tau is None) == (qdd is None):
         raise FreebodyError("reactions: give either tau=, the torques, or qdd=, the accelerations.")
     checked_reference(reference, ("world", "child"))
+    if tau is not None:
+        refuse_passive("reactions", model, tau)
     name, third = ("tau", tau) if qdd is None else ("qdd", qdd)
     frames, (at, rates, given, *loads) = checked_inputs(
         "reactions", model, {"q": q, "qd": qd, name: third}, wrenches
