@@ -182,6 +182,32 @@ def test_reactions_of_accelerations_that_would_open_a_loop(four_bar, q):
             call()
 
 
+@pytest.mark.parametrize("speed", [0.0, 30.0])
+@pytest.mark.parametrize("size", [1.0, 1e4])
+def test_fast_and_large_accelerations_that_would_open_a_loop(four_bar, q, speed, size):
+    """What an equation misses is compared with its own terms, so that a miss of a thousandth is seen at any size,
+    rounding at none."""
+    qd = fb.loop_velocity(four_bar, q, {"crank_pin": speed})
+    right = fb.loop_acceleration(four_bar, q, qd, {"crank_pin": size})
+    wrong = right + [0.0, 1e-3 * float(np.abs(right).max()), 0.0]
+    for call in (fb.inverse_dynamics, fb.joint_wrenches):
+        call(four_bar, q, qd, right * (1.0 + 1e-10))
+        with pytest.raises(LoopError, match="would open under these accelerations"):
+            call(four_bar, q, qd, wrong)
+    if speed:  # what the rates ask for is a term as well
+        with pytest.raises(LoopError, match="would open under these accelerations"):
+            fb.inverse_dynamics(four_bar, q, qd, 0.0 * right)
+
+
+def test_a_tree_moves_in_all_its_coordinates():
+    """Without loops there is no equation to count, and every coordinate is independent."""
+    found = fb.mobility(fb.load("2R"), [0.3, 0.4])
+    assert (found.instantaneous, found.generic, found.gruebler) == (2, 2, 2)
+    assert (found.equations, found.rank, found.redundant) == (0, 0, ())
+    assert found.independent == ("joint1", "joint2")
+    assert not found.singular
+
+
 def test_what_singularity_loci_refuse():
     five_bar = fb.load("five_bar")
     refused(

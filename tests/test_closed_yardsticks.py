@@ -146,6 +146,27 @@ def energy_is_kept(model, q, qd):
     assert float(motion.loop_rate.max()) < 1e-10
 
 
+def test_bricard_determines_the_moment_about_every_joints_own_axis_in_that_joints_axes():
+    """No motor acts, so the moment about each joint's own axis is zero whatever the redundant equation carries: in the
+    child's axes that is one component, determined; in the world's axes it is a mixture, mostly not."""
+    model = fb.load("bricard")
+    q = fb.assemble(model, fb.random_state(model, 3)[0])
+    qd = fb.loop_velocity(model, q, np.ones(5))
+    child, world = (
+        fb.reactions(model, q, qd, tau=np.zeros(5), reference=axes) for axes in ("child", "world")
+    )
+    assert [body.joint.axis for body in model.bodies] == [(0.0, 0.0, 1.0)] * 5
+    assert model.loops[0].axis == (0.0, 0.0, 1.0)
+    assert child.determined[:, 5].all()
+    assert not child.determined[:, :5].all(axis=-1).any()  # one self-stress runs through every joint
+    size = float(np.abs(child.wrenches).max())
+    close(child.wrenches[:, 5], np.zeros(6), 1e-10, size)
+    assert not world.determined.all(axis=-1).any()
+    # a batch says what its samples say
+    both = fb.reactions(model, [q, q], [qd, 0 * qd], tau=np.zeros((2, 5)), reference="child")
+    assert np.array_equal(both.determined[0], child.determined)
+
+
 # ---------------------------------------------------------------- Stewart platform
 @dataclass(frozen=True)
 class Leg:

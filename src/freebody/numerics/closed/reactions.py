@@ -49,7 +49,8 @@ class Reactions:
     on the second frame's body by the first's, at the second frame's origin. World axes, or those of child and second
     frame."""
     determined: Array
-    """(..., k, six) bool: whether the equations determine the component; others are the smallest possible."""
+    """(..., k, six) bool: whether the equations determine the component, in the axes of `wrenches`; others are the
+    smallest possible."""
     multipliers: Array
     """λ (..., m) of (5.23), one a loop equation; -Φ_qᵀ λ is what the loops do."""
     qdd: Array
@@ -142,8 +143,13 @@ def _found(
     kernel = fetch(model, ("closed_wrenches",), option)
 
     def wrench_of(sample: tuple[int, ...], weights: Array) -> Array:
-        """(k, reactions, six) for multipliers (k, m)."""
-        return kernel(q[sample], qd[sample], qdd[sample], weights, *(load[sample] for load in loads))
+        """(k, reactions, six) for multipliers (k, m), in the axes asked for."""
+        return turned(
+            q[sample], kernel(q[sample], qd[sample], qdd[sample], weights, *(load[sample] for load in loads))
+        )
+
+    def turned(at: Array, world: Array) -> Array:
+        return world if reference == "world" else _in_child_axes(model, at, world)
 
     found_wrenches = kernel(q, qd, qdd, multipliers, *loads)
     determined = np.ones(found_wrenches.shape, dtype=bool)
@@ -151,10 +157,12 @@ def _found(
         if combinations.shape[1]:
             still = wrench_of(sample, np.zeros((1, m)))
             change = np.abs(wrench_of(sample, combinations.T) - still).max(axis=0)
+            change[:, model.dim :] /= length(model)  # forces and moments compare
             determined[sample] = change < _DETERMINED * max(float(change.max()), 1e-300)
     left = _miss(model, q, qd, qdd, found_wrenches, frames, loads)
-    turned = found_wrenches if reference == "world" else _in_child_axes(model, q, found_wrenches)
-    return Reactions(model.reaction_names, turned, determined, multipliers, qdd, tau, left)
+    return Reactions(
+        model.reaction_names, turned(q, found_wrenches), determined, multipliers, qdd, tau, left
+    )
 
 
 def _in_child_axes(model: Model, q: Array, wrenches: Array) -> Array:
