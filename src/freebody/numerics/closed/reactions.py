@@ -160,9 +160,7 @@ def _found(
             change[:, model.dim :] /= length(model)  # forces and moments compare
             determined[sample] = change < _DETERMINED * max(float(change.max()), 1e-300)
     left = _miss(model, q, qd, qdd, found_wrenches, frames, loads)
-    return Reactions(
-        model.reaction_names, turned(q, found_wrenches), determined, multipliers, qdd, tau, left
-    )
+    return Reactions(model.reaction_names, turned(q, found_wrenches), determined, multipliers, qdd, tau, left)
 
 
 def _in_child_axes(model: Model, q: Array, wrenches: Array) -> Array:
