@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 EXAMPLE = "Example: freebody show ur5e"
 
+_DEEPEST = 24
+"""Levels that the tree indents by; what is deeper says what it is on."""
+
 
 def show(
     robot: options.Robot,
@@ -84,18 +87,17 @@ def _tree(model: Model) -> Tree:
     from rich.tree import Tree
 
     root = Tree(Text("base"))
-    branches = {-1: root}
-    waiting = list(enumerate(model.bodies))
+    carried: dict[int, list[int]] = {}
+    for k, body in enumerate(model.bodies):
+        carried.setdefault(body.parent, []).append(k)
+    waiting = [(k, 0, root) for k in reversed(carried.get(-1, []))]
     while waiting:
-        later = []
-        for k, body in waiting:
-            if body.parent in branches:
-                branches[k] = branches[body.parent].add(
-                    Text(f"{body.name}  ({body.joint.name}, {body.joint.kind})")
-                )
-            else:
-                later.append((k, body))
-        waiting = later
+        k, depth, above = waiting.pop()
+        body = model.bodies[k]
+        where = f" on {model.bodies[body.parent].name}" if depth > _DEEPEST else ""
+        branch = above.add(Text(f"{body.name}  ({body.joint.name}, {body.joint.kind}){where}"))
+        outer = branch if depth < _DEEPEST else above
+        waiting += [(child, depth + 1, outer) for child in reversed(carried.get(k, []))]
     return root
 
 

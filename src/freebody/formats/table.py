@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
@@ -91,10 +91,10 @@ class Table:
             self.refuse(f"{key} is {value!r}, expected true or false.", key)
         return value
 
-    def choice(self, key: str, allowed: Iterable[str], default: Any = _REQUIRED) -> str:
+    def choice(self, key: str, allowed: Collection[str], default: Any = _REQUIRED) -> str:
         """One of some words."""
         value = self.text(key, default)
-        if value not in tuple(allowed):
+        if value not in (tuple(allowed) if isinstance(allowed, str) else allowed):
             self.unknown(key, value, allowed, key)
         return value
 

@@ -44,12 +44,13 @@ def describe(file: str, text: str, *, name: str) -> Description:
     except ModelError as error:
         top.refuse(str(error), *forms)
     frames = list(described.mounts)
-    names = [*(link.name for link in described.links), *(mount.name for mount in frames)]
+    # a dict for its order: an error lists the names in the order of the file
+    names = dict.fromkeys(part.name for part in (*described.links, *frames))
     for table in top.tables("frame"):
         frames.append(parts.mount(table, described.dim, names))
         if frames[-1].name in names:
             table.refuse(f"frame {frames[-1].name!r}: the name is taken; rename it.", "name")
-        names.append(frames[-1].name)
+        names[frames[-1].name] = None
     extra = replace(
         described,
         name=top.text("name", name),

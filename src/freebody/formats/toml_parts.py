@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from typing import Any
 
 import numpy as np
@@ -252,13 +252,13 @@ def _step(table: Table, dim: int) -> Shift | Turn | Rotate:
     return Rotate(table.matrix("matrix", dim))
 
 
-def mount(table: Table, dim: int, parents: Iterable[str]) -> Mount:
+def mount(table: Table, dim: int, parents: Collection[str]) -> Mount:
     """[[frame]]"""
     table = table.called(f"frame {table.text('name')!r}").only("name", "parent", *PLACE)
     return Mount(table.text("name"), table.choice("parent", parents), placement(table, dim))
 
 
-def payload(table: Table, dim: int, frames: Iterable[str]) -> Payload:
+def payload(table: Table, dim: int, frames: Collection[str]) -> Payload:
     """[[payload]]"""
     table = table.called(f"payload {table.text('name')!r}").only("name", "frame", *MASS)
     return Payload(table.text("name"), table.choice("frame", frames), inertia(table, dim))

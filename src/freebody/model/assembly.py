@@ -15,12 +15,15 @@ from freebody.errors import FileError, ModelError, PhysicalWarning, UnknownNameE
 from freebody.model import changes
 from freebody.model.bodies import Body, Frame
 from freebody.model.joints import KINDS
+from freebody.model.loops import checked_loop
 from freebody.model.model import Model
-from freebody.model.parts import Description, Drive, Joint, Limits, Link, Mimic, Notice
+from freebody.model.parts import Description, Drive, Joint, Limits, Link, Loop, Mimic, Notice
 from freebody.model.placement import Placement
 from freebody.model.tree import Attached
+from freebody.spatial import of_dimension
 
 Policy = Literal["warn", "refuse", "ignore"]
+_MOST_STEPS = 1000
 _Part = TypeVar("_Part", Link, Joint)
 MimicPolicy = Literal["follow", "free"]
 BasePolicy = Literal["fixed", "free"]
@@ -187,19 +190,22 @@ class _Assembly:
     def root(self, above: dict[str, Joint]) -> str:
         """The one link without a joint above it; every other link must lead to it."""
         roots = [link.name for link in self.description.links if link.name not in above]
+        rooted: set[str] = set()
         for link in self.description.links:
-            seen: list[str] = []
+            path: dict[str, None] = {}  # in the order walked
             name = link.name
-            while name in above:
-                if name in seen:
-                    cycle = " -> ".join([*seen[seen.index(name) :], name])
+            while name in above and name not in rooted:
+                if name in path:
+                    walked = list(path)
+                    cycle = " -> ".join(_cut([*walked[walked.index(name) :], name]))
                     self.refuse(
                         f"the links form a cycle, {cycle} (child -> parent); a tree has none: "
                         "write one joint as a loop between two frames, or remove it.",
                         above[name].line,
                     )
-                seen.append(name)
+                path[name] = None
                 name = above[name].parent
+            rooted.update(path)
         if len(roots) > 1:
             self.refuse(
                 f"links {', '.join(map(repr, roots[:6]))} have no joint above them; only one link can be the base: "
@@ -215,46 +221,66 @@ class _Assembly:
         above: dict[str, Joint],
         index: dict[str, int],
         carrier: dict[str, tuple[int, Placement]],
-    ) -> tuple[int, Placement]:
-        """The body that a link is part of, and the link's frame in it: found by walking its parents."""
-        if link not in carrier:
+    ) -> None:
+        """Notes the body that a link is part of, and the link's frame in it: found by walking its parents."""
+        walked = []
+        while link not in carrier:
             if link not in above:
                 carrier[link] = (-1, Placement())
             elif link in index:
                 carrier[link] = (index[link], Placement())
             else:
-                joint = above[link]
-                body, placement = self.carry(joint.parent, above, index, carrier)
-                carrier[link] = (body, placement.then(joint.placement))
-        return carrier[link]
+                walked.append(link)
+                link = above[link].parent
+        body, placement = carrier[link]
+        for link in reversed(walked):
+            placement = self.placed(link, placement, above[link].placement)
+            carrier[link] = (body, placement)
+
+    def placed(self, name: str, outer: Placement, inner: Placement) -> Placement:
+        """A frame's placement in its body, by way of the frame that it is fixed to."""
+        placement = outer.then(inner).folded(of_dimension(self.description.dim))
+        if len(placement.steps) > _MOST_STEPS:
+            self.refuse(
+                f"{name!r} hangs on more than {_MOST_STEPS} fixed steps with names for numbers; give them values."
+            )
+        return placement
 
     def leaders(self, joints: list[Joint]) -> dict[str, Mimic]:
         """Mimics resolved to an independent leader: ratios multiply along a chain of mimics."""
         named = {joint.name: joint for joint in joints}
         resolved: dict[str, Mimic] = {}
         for joint in joints:
-            if joint.mimic is None:
-                continue
-            ratio, offset, leader, seen = 1.0, 0.0, joint, [joint.name]
-            while leader.mimic is not None:
-                offset += ratio * leader.mimic.offset
-                ratio *= leader.mimic.ratio
+            path: dict[str, Joint] = {}  # followers on the way to what is known, in the order walked
+            leader = joint
+            while leader.mimic is not None and leader.name not in resolved:
+                path[leader.name] = leader
                 name = leader.mimic.joint
                 if name not in named:
-                    problem = UnknownNameError("joint", name, f"the mimic of {joint.name!r}", named)
-                    self.refuse(f"{problem} Correct it, or load with mimic='free'.", joint.line)
-                if name in seen:
+                    problem = UnknownNameError("joint", name, f"the mimic of {leader.name!r}", named)
+                    self.refuse(f"{problem} Correct it, or load with mimic='free'.", leader.line)
+                if name in path:
                     self.refuse(
                         f"joint {joint.name!r}: its mimics go round in a circle; remove one.", joint.line
                     )
-                seen.append(name)
                 leader = named[name]
-            if KINDS[leader.kind].nv != 1 or KINDS[joint.kind].nv != 1:
-                self.refuse(
-                    f"joint {joint.name!r}: only one-axis joints can mimic or be mimicked.", joint.line
-                )
-            resolved[joint.name] = Mimic(leader.name, ratio, offset)
+            for follower in reversed(path.values()):
+                resolved[follower.name] = self.follower(follower, leader, resolved.get(leader.name))
+                leader = follower
         return resolved
+
+    def follower(self, joint: Joint, above: Joint, of: Mimic | None) -> Mimic:
+        """The mimic of an independent joint that a joint is: it follows `above`, which may be a follower itself."""
+        given = joint.mimic
+        assert given is not None
+        if KINDS[above.kind].nv != 1 or KINDS[joint.kind].nv != 1:
+            self.refuse(f"joint {joint.name!r}: only one-axis joints can mimic or be mimicked.", joint.line)
+        if of is None:
+            return Mimic(above.name, given.ratio, given.offset)
+        try:
+            return Mimic(of.joint, given.ratio * of.ratio, given.offset + given.ratio * of.offset)
+        except ModelError as error:
+            self.refuse(f"joint {joint.name!r}: {error}", joint.line)
 
     def finished(
         self,
@@ -270,6 +296,15 @@ class _Assembly:
             body, placement = carrier[link.name]
             if link.inertia is not None:
                 parts[body].append(Attached(link.name, link.inertia, placement.then(link.placement)))
+        frames = self.frames(joints, carrier)
+        for load in d.payloads:
+            if load.frame not in carrier:
+                self.refuse(str(UnknownNameError("frame", load.frame, f"payload {load.name!r}", carrier)))
+            body, placement = carrier[load.frame]
+            try:
+                parts[body].append(changes.attached(load.inertia, placement, load.name, d.dim, d.name))
+            except ModelError as error:
+                self.refuse(str(error))
         bodies = []
         for joint in joints:
             if joint.kind == "fixed":
@@ -279,6 +314,28 @@ class _Assembly:
                 joint, placement=placement.then(joint.placement), mimic=followers.get(joint.name)
             )
             bodies.append(Body(joint.child, mounted, parent, tuple(parts[index[joint.child]])))
+        model = Model(
+            d.name,
+            d.dim,
+            tuple(bodies),
+            tuple(frames),
+            *d.gravity,
+            base_inertias=tuple(parts[-1]),
+            loops=self.loops(joints, carrier),
+            home=d.home,
+            source=d.source,
+            notices=tuple(self.notices),
+        )
+        known = set(model.position_names)
+        for name, _ in d.home:
+            if name not in known:
+                self.refuse(str(UnknownNameError("position", name, "home", model.position_names)))
+        chosen = tip or d.tip or (model.leaves[0] if len(model.leaves) == 1 else None)
+        return model if chosen is None else model.replace(tip=chosen)
+
+    def frames(self, joints: list[Joint], carrier: dict[str, tuple[int, Placement]]) -> list[Frame]:
+        """The frames of links, then those mounted on them, which the carriers are completed with."""
+        d = self.description
         fixed_to = {joint.child: joint.parent for joint in joints if joint.kind == "fixed"}
         frames = [Frame(link.name, *carrier[link.name], fixed_to.get(link.name, "")) for link in d.links]
         for mount in d.mounts:
@@ -287,28 +344,24 @@ class _Assembly:
             if mount.name in carrier:
                 self.refuse(f"frame {mount.name!r}: the name is taken; rename it.")
             body, placement = carrier[mount.link]
-            carrier[mount.name] = body, placement.then(mount.placement)
+            carrier[mount.name] = body, self.placed(mount.name, placement, mount.placement)
             frames.append(Frame(mount.name, *carrier[mount.name], mount.link, mounted=True))
-        model = Model(
-            d.name,
-            d.dim,
-            tuple(bodies),
-            tuple(frames),
-            *d.gravity,
-            base_inertias=tuple(parts[-1]),
-            home=d.home,
-            source=d.source,
-            notices=tuple(self.notices),
-        )
-        for loop in d.loops:
+        return frames
+
+    def loops(self, joints: list[Joint], carrier: dict[str, tuple[int, Placement]]) -> tuple[Loop, ...]:
+        """The loops, each checked."""
+        body_of = {name: body for name, (body, _) in carrier.items()}
+        taken = {joint.name for joint in joints if joint.kind != "fixed"}
+        checked = []
+        for loop in self.description.loops:
             try:
-                model = changes.with_loop(model, loop)
+                checked.append(checked_loop(loop, self.description.dim, body_of, taken))
             except (ModelError, UnknownNameError) as error:
                 self.refuse(str(error), loop.line)
-        for name, _ in d.home:
-            if name not in model.position_names:
-                self.refuse(str(UnknownNameError("position", name, "home", model.position_names)))
-        for payload in d.payloads:
-            model = model.with_payload(payload.inertia, frame=payload.frame, name=payload.name)
-        chosen = tip or d.tip or (model.leaves[0] if len(model.leaves) == 1 else None)
-        return model if chosen is None else model.replace(tip=chosen)
+            taken.add(loop.name)
+        return tuple(checked)
+
+
+def _cut(names: list[str], most: int = 12) -> list[str]:
+    """The names, those in the middle left out where there are many."""
+    return names if len(names) <= most else [*names[: most - 2], "…", names[-1]]

@@ -77,17 +77,22 @@ def load(
 def with_payload(model: Model, inertia: Inertia, frame: str | None, name: str) -> Model:
     """See `Model.with_payload`."""
     at = model.frame(frame)
-    if inertia.dim != model.dim:
-        raise ModelError(f"with_payload: the inertia is {inertia.dim}D but {model.name!r} is {model.dim}D.")
+    added = attached(inertia, at.placement, name, model.dim, model.name)
+    if at.body < 0:
+        return replace(model, base_inertias=(*model.base_inertias, added))
+    bodies = list(model.bodies)
+    bodies[at.body] = replace(bodies[at.body], inertias=(*bodies[at.body].inertias, added))
+    return replace(model, bodies=tuple(bodies))
+
+
+def attached(inertia: Inertia, placement: Placement, name: str, dim: int, owner: str) -> Attached:
+    """A load at a place in a body; refuses one that no rigid body is."""
+    if inertia.dim != dim:
+        raise ModelError(f"with_payload: the inertia is {inertia.dim}D but {owner!r} is {dim}D.")
     fault = inertia.fault()
     if fault:
         raise ModelError(f"with_payload: {name!r}: {fault}.")
-    attached = Attached(name, inertia, at.placement, load=True)
-    if at.body < 0:
-        return replace(model, base_inertias=(*model.base_inertias, attached))
-    bodies = list(model.bodies)
-    bodies[at.body] = replace(bodies[at.body], inertias=(*bodies[at.body].inertias, attached))
-    return replace(model, bodies=tuple(bodies))
+    return Attached(name, inertia, placement, load=True)
 
 
 def with_frame(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +13,7 @@ from freebody.model.parameters import Parameter, quantity
 from freebody.model.parts import Loop
 
 
-def checked_loop(loop: Loop, dim: int, body_of: Mapping[str, int], taken: Iterable[str]) -> Loop:
+def checked_loop(loop: Loop, dim: int, body_of: Mapping[str, int], taken: Container[str]) -> Loop:
     """The loop with a unit axis and a distance where it has one; refuses what closes nothing.
 
     body_of: the body of each frame; taken: names of joints and other loops.

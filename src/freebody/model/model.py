@@ -145,12 +145,19 @@ class Model:
         """The movable frames at the ends of the tree: links that carry nothing, or what is mounted on them."""
         carry = {body.joint.parent for body in self.bodies} | {f.parent for f in self.frames if not f.mounted}
 
-        def ends(frame: Frame) -> tuple[str, ...]:
-            mounted = [f for f in self.frames if f.mounted and f.parent == frame.name]
-            return tuple(end for f in mounted for end in ends(f)) or (frame.name,)
-
-        links = [f for f in self.frames if not f.mounted and f.body >= 0 and f.name not in carry]
-        return tuple(end for link in links for end in ends(link))
+        mounted: dict[str, list[str]] = {}
+        for frame in self.frames:
+            if frame.mounted:
+                mounted.setdefault(frame.parent, []).append(frame.name)
+        links = [f.name for f in self.frames if not f.mounted and f.body >= 0 and f.name not in carry]
+        ends, waiting = [], links[::-1]
+        while waiting:  # depth first, in the order of the file
+            name = waiting.pop()
+            if name in mounted:
+                waiting += reversed(mounted[name])
+            else:
+                ends.append(name)
+        return tuple(ends)
 
     def frame(self, name: str | None = None) -> Frame:
         """The frame of that name; None is the tip."""

@@ -6,6 +6,7 @@ import dataclasses
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 from freebody.errors import ModelError
@@ -70,12 +71,19 @@ def each_parameter(thing: Any) -> Iterator[Parameter]:
     """All parameters inside a tree of dataclasses, tuples and dicts, in order."""
     if isinstance(thing, Parameter):
         yield thing
-    elif dataclasses.is_dataclass(thing):
-        for field in dataclasses.fields(thing):
-            yield from each_parameter(getattr(thing, field.name))
     elif isinstance(thing, tuple):
         for item in thing:
-            yield from each_parameter(item)
+            if type(item) is not float:  # most are
+                yield from each_parameter(item)
+    else:
+        for name in _fields(type(thing)):
+            yield from each_parameter(getattr(thing, name))
+
+
+@cache
+def _fields(kind: type) -> tuple[str, ...]:
+    """The names of a dataclass's fields, of anything else none."""
+    return tuple(field.name for field in dataclasses.fields(kind)) if dataclasses.is_dataclass(kind) else ()
 
 
 def with_parameters(thing: Any, change: Callable[[Parameter], Any]) -> Any:

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby
 
 import numpy as np
 
 from freebody.elementary import Scalar
 from freebody.errors import ModelError
-from freebody.model.parameters import Quantity
-from freebody.model.reading import EXACT, Reader, exact_sin_cos
+from freebody.model.parameters import Quantity, each_parameter
+from freebody.model.reading import EXACT, VALUES, Reader, exact_sin_cos
 from freebody.spatial import AnySpace, Matrix, Vector, add, identity, product, times
+
+_LONGEST = 24
+"""Steps that a placement keeps one by one. Links fixed to one another in a row would otherwise, each with all the steps
+to it, take time and memory that grow with their number squared."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +51,16 @@ class Placement:
         """T_AB T_BC."""
         return Placement(self.steps + other.steps)
 
+    def folded(self, space: AnySpace) -> Placement:
+        """The same pose in few steps: where there are many, numbers in a row become one shift and one rotation."""
+        if len(self.steps) <= _LONGEST:
+            return self
+        steps: list[Shift | Turn | Rotate] = []
+        for named, together in groupby(self.steps, key=lambda step: any(each_parameter(step))):
+            run = tuple(together)
+            steps += run if named else _as_numbers(Placement(run), space)
+        return Placement(tuple(steps))
+
     def lower(self, space: AnySpace, reader: Reader) -> tuple[Matrix, Vector]:
         """(R_AB, p_AB) in scalars."""
         R: Matrix = identity(space.dim)
@@ -59,6 +74,11 @@ class Placement:
                 s, c = reader.sin_cos(step.angle)
                 R = product(R, ((c, -s), (s, c)) if space.dim == 2 else about(step.axis, s, c))
         return R, p
+
+
+def _as_numbers(placement: Placement, space: AnySpace) -> tuple[Shift | Rotate, ...]:
+    R, p = placement.lower(space, VALUES)
+    return (Shift(p), Rotate(R))
 
 
 def about(axis: str, s: Scalar, c: Scalar) -> Matrix:

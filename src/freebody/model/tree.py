@@ -192,14 +192,14 @@ def lower(model: Model, reader: Reader) -> Tree:
 
 def _parents_first(model: Model) -> list[int]:
     """Indices of the model's bodies, each after its parent, otherwise in the file's order."""
+    carried: dict[int, list[int]] = {}
+    for i, body in enumerate(model.bodies):
+        carried.setdefault(body.parent, []).append(i)
     order: list[int] = []
-    waiting = list(range(len(model.bodies)))
-    placed = {-1}
-    while waiting:
-        ready = [i for i in waiting if model.bodies[i].parent in placed]
-        order += ready
-        placed.update(ready)
-        waiting = [i for i in waiting if i not in placed]
+    level = carried.get(-1, [])
+    while level:
+        order += level
+        level = sorted(child for i in level for child in carried.get(i, ()))
     return order
 
 
