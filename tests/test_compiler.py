@@ -673,7 +673,9 @@ def test_a_kernel_is_a_gufunc_that_can_be_read():
     assert compiled.ufunc.__name__ == "random0"
     assert "define void @kernel" in compiled.ir == compiled.source
     assert "kernel:" in compiled.assembly()
-    assert "def evaluate(x, y):" in compile_program(random_program(0), backend="numpy").source
+    assert compile_program(random_program(0), backend="numpy").source.startswith(
+        "random0: x(3), A(2, 5), s() ->"
+    )
     assert compile_program(random_program(0), backend="llvm", width=4) is compiled
     assert "random0: x(3), A(2, 5), s()" in repr(compiled)
 

@@ -1,6 +1,6 @@
 """From a function over scalars to machine code that runs on batches.
 
-trace -> Program -> passes -> LLVM or NumPy text -> Kernel. LLVM is imported when the first kernel is
+trace -> Program -> passes -> LLVM text, or NumPy node by node -> Kernel. LLVM is imported when the first kernel is
 compiled.
 """
 

@@ -2,30 +2,49 @@
 
 from __future__ import annotations
 
-import re
-
-from freebody.compiler.emit_numpy import EXPRESSION
-from freebody.compiler.program import Argument, Program, scalar_names
+from freebody.compiler.program import Argument, Program, verify
+from freebody.identifiers import identifiers
 from freebody.scalars.expr import ARITY
 
 MODULES = {"numpy": "numpy", "jax": "jax.numpy"}
 """Module that the text imports as `xp`, by language."""
 
+EXPRESSION = {
+    "neg": "-{a}",
+    "sqrt": "sqrt({a})",
+    "sin": "sin({a})",
+    "cos": "cos({a})",
+    "sign": "sign({a})",
+    "add": "{a} + {b}",
+    "sub": "{a} - {b}",
+    "mul": "{a} * {b}",
+    "div": "{a} / {b}",
+}
 
-def emit(program: Program, language: str, function: str) -> str:
-    """Text of `function(*inputs)`: arrays (..., *core) that broadcast in, one array or a tuple of arrays out."""
+_OWN = ("xp", "cos", "sign", "sin", "sqrt", "batch")
+
+
+def emit(program: Program, language: str) -> str:
+    """Text of a function with the program's name: arrays (..., *core) that broadcast in, an array or a tuple out."""
+    verify(program)  # its names are words
+    own = {*_OWN, program.name, *(f"v{index}" for index in range(len(program)))}
+    words = identifiers((argument.name for argument in program.inputs), own)
     names = {}
     lines = [
         f'"""{program}"""',
         "",
         f"import {MODULES[language]} as xp",
-        "from " + MODULES[language] + " import cos, sign, sin, sqrt",
+        f"from {MODULES[language]} import cos, sign, sin, sqrt",
         "",
         "",
-        f"def {function}({', '.join(map(_variable, program.inputs))}):",
+        f"def {program.name}({', '.join(words.values())}):",
     ]
     entries = [
-        _entry(argument, scalar) for argument in program.inputs for scalar in scalar_names((argument,))
+        f"{words[argument.name]}[..., {', '.join(map(str, index))}]"
+        if argument.shape
+        else words[argument.name]
+        for argument in program.inputs
+        for index in argument.indices()
     ]
     for index, op in enumerate(program.op):
         if op == "const":
@@ -38,7 +57,7 @@ def emit(program: Program, language: str, function: str) -> str:
             a, b = program.a[index], program.b[index]
             text = EXPRESSION[op].format(a=names[a], b=names[b] if ARITY[op] == 2 else "")
         lines.append(f"    {names[index]} = {text}")
-    batches = ", ".join(_batch(argument) for argument in program.inputs)
+    batches = ", ".join(_batch(argument, words[argument.name]) for argument in program.inputs)
     lines.append(f"    batch = xp.broadcast_shapes({batches})")
     returned, position = [], 0
     for argument in program.outputs:
@@ -49,20 +68,8 @@ def emit(program: Program, language: str, function: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _variable(argument: Argument) -> str:
-    """The argument's name as a Python one; a wrench's is that of its frame, which may be any text."""
-    return argument.name if argument.name.isidentifier() else re.sub(r"\W", "_", argument.name)
-
-
-def _entry(argument: Argument, scalar: str) -> str:
-    """`q[..., 2]` for the scalar `q[2]`."""
-    name = _variable(argument)
-    return f"{name}[..., {scalar[scalar.rindex('[') + 1 :]}" if argument.shape else name
-
-
-def _batch(argument: Argument) -> str:
-    name = _variable(argument)
-    return f"{name}.shape[:-{len(argument.shape)}]" if argument.shape else f"xp.shape({name})"
+def _batch(argument: Argument, word: str) -> str:
+    return f"{word}.shape[:-{len(argument.shape)}]" if argument.shape else f"xp.shape({word})"
 
 
 def _array(argument: Argument, scalars: list[str]) -> str:

@@ -18,10 +18,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.compiler import cache, emit_llvm, emit_numpy, fastcall, target
+from freebody.compiler import cache, emit_llvm, fastcall, target
 from freebody.compiler.gufunc import make_gufunc, signature
+from freebody.compiler.interpret import BlockedFunction
 from freebody.compiler.passes import optimise
-from freebody.compiler.program import Argument, Program
+from freebody.compiler.program import Argument, Program, verify
 from freebody.compiler.threads import cpus, run_split
 from freebody.errors import FreebodyError, ShapeError
 
@@ -128,11 +129,8 @@ class Kernel:
 
     @cached_property
     def source(self) -> str:
-        """The text that was compiled: LLVM or Python."""
-        program = optimise(self.program)
-        if self.backend == "numpy":
-            return emit_numpy.emit(program)
-        return emit_llvm.emit(program, target.host().target(self.width))
+        """What runs, as text: LLVM, or the program's own listing, which NumPy runs node by node."""
+        return optimise(self.program).listing() if self.backend == "numpy" else self.ir
 
     @property
     def ir(self) -> str:
@@ -194,7 +192,7 @@ def compile_program(program: Program, *, backend: str | None = None, width: int 
         key = (program.digest, backend, width)
         kernel = _kernels.get(key)
         if kernel is None:
-            kernel = _kernels[key] = _COMPILE[backend](program, width)
+            kernel = _kernels[key] = _COMPILE[backend](verify(program), width)
     return kernel
 
 
@@ -209,9 +207,7 @@ _kernels: dict[tuple[str, str, int | None], Kernel] = {}
 
 
 def _compile_numpy(program: Program, width: int | None) -> Kernel:
-    return Kernel(
-        program, "numpy", 1, emit_numpy.BlockedFunction(program, emit_numpy.emit(optimise(program)))
-    )
+    return Kernel(program, "numpy", 1, BlockedFunction(optimise(program)))
 
 
 def _compile_llvm(program: Program, width: int | None) -> Kernel:

@@ -5,11 +5,14 @@ from __future__ import annotations
 import hashlib
 import struct
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from math import isfinite, prod
 
 from freebody.errors import FreebodyError
+from freebody.identifiers import is_identifier
 from freebody.scalars.expr import ARITY
 
 
@@ -19,7 +22,10 @@ class ProgramError(FreebodyError, ValueError):
 
 @dataclass(frozen=True)
 class Argument:
-    """Name and core shape of an input or output; () is a scalar."""
+    """Name and core shape of an input or output; () is a scalar.
+
+    The name is a word of freebody's own, never one from a file: it stands in generated text.
+    """
 
     name: str
     shape: tuple[int, ...]
@@ -28,6 +34,10 @@ class Argument:
     def size(self) -> int:
         """Number of scalars."""
         return prod(self.shape)
+
+    def indices(self) -> Iterator[tuple[int, ...]]:
+        """The index of each scalar, in C order."""
+        return product(*map(range, self.shape))
 
     def __str__(self) -> str:
         return f"{self.name}({', '.join(map(str, self.shape))})"
@@ -108,13 +118,11 @@ class Program:
 
 def scalar_names(arguments: tuple[Argument, ...]) -> list[str]:
     """`q[0]`, `M[0,1]`, … for each scalar of the arguments, in C order."""
-    names = []
-    for argument in arguments:
-        indices = [()]
-        for size in argument.shape:
-            indices = [(*index, i) for index in indices for i in range(size)]
-        names += [f"{argument.name}[{','.join(map(str, i))}]" if i else argument.name for i in indices]
-    return names
+    return [
+        f"{argument.name}[{','.join(map(str, index))}]" if index else argument.name
+        for argument in arguments
+        for index in argument.indices()
+    ]
 
 
 def verify(program: Program) -> Program:
@@ -122,13 +130,17 @@ def verify(program: Program) -> Program:
 
     Raises:
         ProgramError: naming the first broken rule: known operations, operands that precede, positions in range,
-            finite constants, one result for each output scalar, sizes of at least 0, names used once.
+            finite constants, one result for each output scalar, sizes of at least 0, names used once, and names that
+            are words: they stand in generated text, so that a name from outside must not get here.
     """
 
     def demand(truth: bool, rule: str) -> None:
         if not truth:
             raise ProgramError(f"{program.name}: {rule}.")
 
+    for name in (program.name, *(argument.name for argument in program.inputs + program.outputs)):
+        if not is_identifier(name):
+            raise ProgramError(f"the name {name!r} in a program is no word of letters a-z, digits and _.")
     for kind, arguments in (("inputs", program.inputs), ("outputs", program.outputs)):
         names = [argument.name for argument in arguments]
         demand(len(set(names)) == len(names), f"the names of {kind} are used once: {', '.join(names)}")

@@ -69,7 +69,7 @@ class VectorFunction:
         x = np.asarray(x, dtype=float)
         if not x.ndim or x.shape[-1] != len(self.names):
             raise ShapeError("VectorFunction", "x", x.shape, f"(..., {len(self.names)})")
-        columns = sympy.lambdify(self.symbols, list(rows), "numpy")(*np.moveaxis(x, -1, 0))
+        columns = sympy.lambdify(self.symbols, list(rows), "numpy", dummify=True)(*np.moveaxis(x, -1, 0))
         return np.stack([np.broadcast_to(np.asarray(c, dtype=float), x.shape[:-1]) for c in columns], axis=-1)
 
 

@@ -132,7 +132,7 @@ def _equal(a: Value, b: Value, scale: list[Value]) -> bool:
     if hasattr(a, "free_symbols") or hasattr(b, "free_symbols"):
         import sympy
 
-        return sympy.simplify(sympy.sympify(a) - sympy.sympify(b)) == 0
+        return sympy.simplify(sympy.sympify(a, strict=True) - sympy.sympify(b, strict=True)) == 0
     if isinstance(a, Trig) or isinstance(b, Trig):
         return (a - b).is_zero if isinstance(a, Trig) else (b - a).is_zero
     numbers = [x for x in (a, b, *scale) if not isinstance(x, Trig)]

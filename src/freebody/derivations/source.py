@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import keyword
 import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -20,12 +19,13 @@ from freebody.derivations.expression import (
 )
 from freebody.derivations.render.code import code
 from freebody.derivations.symbols import RATE, SECOND
+from freebody.identifiers import identifiers, in_words
 
 if TYPE_CHECKING:
     from freebody.derivations.equations import Equations
 
 _C_WORDS = frozenset(
-    {
+    [
         "auto",
         "break",
         "case",
@@ -38,8 +38,6 @@ _C_WORDS = frozenset(
         "else",
         "enum",
         "extern",
-    }
-    | {
         "float",
         "for",
         "goto",
@@ -52,8 +50,20 @@ _C_WORDS = frozenset(
         "return",
         "short",
         "signed",
-    }
-    | {"sizeof", "static", "struct", "switch", "typedef", "union", "unsigned", "void", "volatile", "while"}
+        "sizeof",
+        "static",
+        "struct",
+        "switch",
+        "typedef",
+        "union",
+        "unsigned",
+        "void",
+        "volatile",
+        "while",
+        "INFINITY",
+        "NAN",
+        "HUGE_VAL",
+    ]
 )
 _OWN = {"q", "qd", "qdd", "M", "c", "G", "tau", "p", "math", "dynamics", "sin", "cos", "sgn", "parameters"}
 
@@ -77,13 +87,13 @@ def entries(equations: Equations) -> list[Entry]:
 
 
 class Names:
-    """Names of code: parameters that would clash get an underscore; functions of angles become variables."""
+    """Names of code: parameters as words that clash with none; functions of angles become variables."""
 
     def __init__(self, equations: Equations, words: frozenset[str], of_parameter: Callable[[str], str]):
         self.coordinates = equations.symbols.coordinates
         self.values = equations.parameters
         self.of_parameter = of_parameter
-        self.words = words | _OWN
+        self.words = identifiers(self.values, words | _OWN)
         self.waves: dict[Function, str] = {}
 
     def __call__(self, name: str) -> str:
@@ -94,19 +104,17 @@ class Names:
 
     def parameter(self, name: str) -> str:
         """The parameter's name in code."""
-        return name + "_" if name in self.words else name
+        return self.words[name]
 
     def collect(self, rows: list[Entry]) -> None:
         """Gives each sine and cosine a variable: cos_12 is cos(θ1 + θ2)."""
+        taken = {*self.words.values(), *_OWN}
         for row in rows:
             for part in nodes(row.value):
                 if isinstance(part, Function) and part.name != "sgn" and part not in self.waves:
-                    self.waves[part] = self._free(f"{part.name}_{_spelt(part.argument)}")
-
-    def _free(self, name: str) -> str:
-        while name in self.values or name in self.waves.values():
-            name += "_"
-        return name
+                    wanted = f"{part.name}_{_spelt(part.argument)}"
+                    self.waves[part] = identifiers([wanted], taken)[wanted]
+                    taken.add(self.waves[part])
 
 
 def _spelt(argument: Expression) -> str:
@@ -123,7 +131,7 @@ def _spelt(argument: Expression) -> str:
 
 def python(equations: Equations) -> str:
     """Source of dynamics(q, qd, qdd, parameters…) -> M, c, G, tau, with nothing but `math`."""
-    names = Names(equations, frozenset(keyword.kwlist), lambda name: name)
+    names = Names(equations, frozenset(), lambda name: name)
     rows = entries(equations)
     names.collect(rows)
     plain = code(names, {"sin": "math.sin", "cos": "math.cos", "sgn": "sgn"})
@@ -201,11 +209,11 @@ def c(equations: Equations) -> str:
 
 
 def _title(equations: Equations) -> str:
-    return f"Equations of motion of {equations.symbols.model.name!r} in closed form."
+    return f"Equations of motion of {in_words(equations.symbols.model.name)} in closed form."
 
 
 def _summary(equations: Equations) -> str:
-    meaning = ", ".join(equations.symbols.coordinates)
+    meaning = ", ".join(map(in_words, equations.symbols.coordinates))
     return f"M q'' + c + G + friction and springs = tau; q = ({meaning}) in rad and m."
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from freebody.compiler.emit_function import MODULES, emit
+from freebody.compiler.interpret import array_function
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.model import Model
 from freebody.numerics.kernels import chosen_option, program
@@ -21,7 +21,7 @@ def source(model: Model, names: str | Sequence[str], language: str = "numpy", **
     if language not in MODULES:
         raise UnknownNameError("language", language, "fb.source", MODULES)
     listed, option = chosen_option(model, names, **options)
-    return emit(program(model, listed, option), language, "_".join(listed))
+    return emit(program(model, listed, option), language)
 
 
 def to_jax(model: Model, names: str | Sequence[str], **options: Any) -> Callable[..., Any]:
@@ -30,10 +30,8 @@ def to_jax(model: Model, names: str | Sequence[str], **options: Any) -> Callable
     64-bit floats are the caller's choice: jax.config.update("jax_enable_x64", True).
     """
     try:
-        importlib.import_module("jax")
+        import jax.numpy
     except ImportError:
         raise FreebodyError("to_jax: JAX is not installed; pip install 'freebody[jax]'.") from None
-    listed, _ = chosen_option(model, names, **options)
-    scope: dict[str, Any] = {}
-    exec(compile(source(model, names, "jax", **options), f"<freebody {model.name}>", "exec"), scope)
-    return scope["_".join(listed)]
+    listed, option = chosen_option(model, names, **options)
+    return array_function(program(model, listed, option), jax.numpy)

@@ -32,7 +32,8 @@ def kernel(
     model: with all values. names: among "inverse_dynamics", "forward_dynamics", "mass_matrix", "jacobian", … or a list.
     frame: for kinematic quantities (default: the tip). reference: "world" or "body" axes (for joint wrenches "child").
     rows: of operational space, among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy", "w"; default all).
-    wrench_frames: frames that carry external wrenches; each becomes a further input (..., 6).
+    wrench_frames: frames that carry external wrenches; each becomes a further input (..., 6): wrench0, wrench1, … in
+    their order.
     Returns k(q, qd, …, out=None, threads=None), which broadcasts like a NumPy ufunc, lets NaN through and checks no
     names; its inputs are those of the quantities, in the order q, qd, qdd, tau, wrenches, and its outputs in the order
     of `names`. The forward dynamics of a closed chain takes its state to be closed, and is not defined at singular
@@ -157,7 +158,7 @@ def program(model: Model, names: tuple[str, ...], option: Option) -> Program:
     inputs = arguments(model, names, option)
     labels = [a.name for a in inputs]
     outputs = tuple(
-        Argument(f"{name}.{label}" if len(names) > 1 else label, _shape(model, dims, option))
+        Argument(f"{name}_{label}" if len(names) > 1 else label, _shape(model, dims, option))
         for name in names
         for label, dims in FORMULAS[name].outputs.items()
     )
@@ -169,7 +170,7 @@ def program(model: Model, names: tuple[str, ...], option: Option) -> Program:
                 x for name in names for x in ways[name](tree, option, **_chosen(name, given, option))
             )
 
-        return trace("+".join(names), evaluate, inputs, outputs)
+        return trace("_".join(names), evaluate, inputs, outputs)
 
     first = traced({name: FORMULAS[name].evaluate for name in names})
     others = {name: FORMULAS[name].another or FORMULAS[name].evaluate for name in names}
@@ -213,14 +214,20 @@ def arguments(model: Model, names: tuple[str, ...], option: Option) -> tuple[Arg
         if x in wanted and (x != "point" or option.point)
     ]
     loads = option.wrench_frames if "wrenches" in wanted else ()
-    return (*plain, *(Argument(f"wrench {frame}", _shape(model, ("six",), option)) for frame in loads))
+    # by index: the frames' names come from outside, and a program's names stand in generated text
+    return (*plain, *(Argument(_wrench(k), _shape(model, ("six",), option)) for k in range(len(loads))))
+
+
+def _wrench(k: int) -> str:
+    """Name of the input that acts at frame k of `wrench_frames`."""
+    return f"wrench{k}"
 
 
 def _chosen(name: str, given: dict[str, Any], option: Option) -> dict[str, Any]:
     """Of the given inputs those that a formula takes."""
     taken = {x: given[x] for x in FORMULAS[name].inputs if x in given}
     if "wrenches" in FORMULAS[name].inputs:
-        taken["wrenches"] = tuple(given[f"wrench {frame}"] for frame in option.wrench_frames)
+        taken["wrenches"] = tuple(given[_wrench(k)] for k in range(len(option.wrench_frames)))
     return taken
 
 

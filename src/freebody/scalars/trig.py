@@ -32,7 +32,8 @@ class TrigRing:
         self.angles = tuple(angles)
         self.names = tuple(names)
         generators = [f"{f}_{x}" for x in angles for f in ("sin", "cos")] + names
-        self.context = flint.fmpq_mpoly_ctx.get(generators, "lex")
+        ascii_names = [name.encode("ascii", "backslashreplace").decode() for name in generators]
+        self.context = flint.fmpq_mpoly_ctx.get(ascii_names, "lex")
         self.generators = self.context.gens()
         self.index = {name: i for i, name in enumerate(generators)}
         self.relations = [

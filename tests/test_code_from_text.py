@@ -1,0 +1,206 @@
+"""Whatever turns text or data into code: every place, with the reason why nothing from outside reaches it.
+
+Names in robot files are data. This test walks the syntax tree of every module; a new place fails it until someone has
+written down here why it is safe.
+"""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import keyword
+import string
+import unicodedata
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import freebody
+import freebody as fb
+from freebody.compiler import Argument, ProgramError, compile_program, trace
+from freebody.compiler.emit_function import emit
+from freebody.identifiers import identifiers, in_words, is_identifier
+from freebody.notes import registry, steps
+
+SOURCE = Path(freebody.__file__).parent
+
+EXECUTES = {
+    # Python
+    "exec", "eval", "compile", "__import__", "import_module", "FunctionType", "CodeType", "run_path", "run_module",
+    "exec_module", "execfile", "sympy.S",
+    # LLVM
+    "parse_assembly", "parse_bitcode", "add_object_file", "add_object_img", "add_ir", "add_module", "add_file",
+    # SymPy
+    "sympify", "parse_expr", "lambdify", "autowrap", "ufuncify", "sympy.symbols", "sympy.var",
+    # objects that carry code
+    "pickle", "load_module", "dill", "marshal", "shelve", "joblib",
+    # programs
+    "subprocess", "os.system", "popen", "Popen", "run_command", "startfile", "execv", "execve", "spawnv", "posix_spawn",
+    # templates made from strings, text that is not escaped, arrays that hold objects
+    "Template", "from_string", "compile_expression", "Markup", "safe_load", "fromfile", "allow_pickle", "save_module",
+    # the interpreter's own objects
+    "make_dataclass", "setattr", "from_address", "CDLL", "PYFUNCTYPE", "CFUNCTYPE",
+}  # fmt: skip
+
+KNOWN = {
+    ("__init__.py", "import_module"): "modules of the table of public names",
+    ("compiler/fastcall.py", "import_module"): "a constant: NumPy's own module",
+    ("compiler/gufunc.py", "import_module"): "a constant: NumPy's own module",
+    ("notes/registry.py", "import_module"): "the chapters, listed there",
+    (
+        "compiler/target.py",
+        "parse_assembly",
+    ): "LLVM text of a verified Program: its names are words of freebody's own",
+    (
+        "compiler/target.py",
+        "add_object_img",
+    ): "what was compiled from that text, or found in the user's own cache",
+    ("compiler/target.py", "CDLL"): "a constant: the C library",
+    ("compiler/fastcall.py", "from_address"): "the address of a global that the linker gave",
+    ("compiler/gufunc.py", "PYFUNCTYPE"): "functions of NumPy's table",
+    ("notes/checks.py", "eval"): "calls that stand in freebody.notes; held to that below",
+    ("notes/steps.py", "eval"): "calls that stand in freebody.notes; held to that below",
+    ("report/html.py", "Markup"): "our own style, and drawings, whose text is escaped",
+    ("report/tables.py", "Markup"): "text that has just been escaped",
+    ("notes/page.py", "Markup"): "formulas and drawings of the notes' own items",
+    ("report/page_tables.py", "Markup"): "cells that were escaped there",
+    ("notes/exercises.py", "Markup"): "solutions are put together from the notes' own items",
+    ("derivations/functions.py", "lambdify"): "arguments are dummies; the formula was read by our own parser",
+    ("derivations/relation.py", "sympify"): "strict: refuses text",
+}
+"""(file, what) -> why nothing from outside reaches it."""
+
+
+def names_used(tree: ast.AST) -> set[str]:
+    """Names that are called, imported, read as attributes or passed by keyword; methods of `re` are none of them."""
+    found = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute):
+            owner = node.value.id if isinstance(node.value, ast.Name) else ""
+            if (owner, node.attr) != ("re", "compile"):
+                found |= {node.attr, f"{owner}.{node.attr}"}
+        elif isinstance(node, ast.Name):
+            found.add(node.id)
+        elif isinstance(node, ast.keyword) and node.arg:
+            found.add(node.arg)
+        elif isinstance(node, (ast.Import, ast.ImportFrom)):
+            found |= {part for alias in node.names for part in alias.name.split(".")}
+            found |= set((getattr(node, "module", None) or "").split("."))
+    return found
+
+
+def places() -> set[tuple[str, str]]:
+    found = set()
+    for path in sorted(SOURCE.rglob("*.py")):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        called = names_used(tree) & EXECUTES
+        found |= {(path.relative_to(SOURCE).as_posix(), name) for name in called}
+    return found
+
+
+def test_whatever_executes_or_compiles_text_is_known_with_its_reason():
+    assert places() == set(KNOWN)
+    assert all(KNOWN.values())
+
+
+def test_the_walk_sees_what_it_looks_for():
+    tree = ast.parse(
+        "import subprocess\nfrom pickle import loads as l\nf = eval\nt = jinja2.Template(x)\nnp.load(f, allow_pickle=1)"
+    )
+    assert {"subprocess", "pickle", "eval", "Template", "allow_pickle"} <= names_used(tree) & EXECUTES
+
+
+def test_a_class_made_at_run_time_has_a_constant_name():
+    for path in sorted(SOURCE.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "type":
+                assert len(node.args) == 1 or isinstance(node.args[0], ast.Constant), path
+
+
+def test_templates_are_files_and_escape():
+    for path in sorted(SOURCE.rglob("*.py")):
+        text = path.read_text(encoding="utf-8")
+        if "jinja2.Environment(" in text:
+            assert "autoescape=True" in text, path
+
+
+def test_calls_that_the_notes_execute_are_made_with_the_package():
+    """The items are put together when their modules are imported; their calls name nothing but freebody and NumPy."""
+    calls = [call for chapter in steps._CALLS.values() for call in chapter]
+    for item in registry.items():
+        calls += [x for name in ("model", "values") if isinstance(x := getattr(item.test, name, None), str)]
+    assert len(calls) > 60
+    for call in calls:
+        tree = ast.parse(call, mode="eval")
+        assert {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)} <= {"fb", "np", "rows"}, (
+            call
+        )
+
+
+# ---------------------------------------------------------------- a program holds no name from outside
+@pytest.mark.parametrize(
+    "name", ["tool tip", "a\nb", '"""', "θ", "", "lambda", "__class__", "1st", "x\x00", "a.b", "a+b"]
+)
+def test_a_name_from_outside_is_refused_in_a_program(name):
+    inner = Argument("q", (1,))
+    with pytest.raises(ProgramError, match="is no word of letters a-z, digits and _"):
+        trace("f", lambda x: ([x[0]],), [Argument(name, (1,))], [inner])
+    with pytest.raises(ProgramError, match="is no word"):
+        trace(name, lambda x: ([x[0]],), [inner], [inner])
+    made = trace("f", lambda x: ([x[0]],), [inner], [Argument("y", (1,))])
+    for backend in ("llvm", "numpy"):
+        with pytest.raises(ProgramError, match="is no word"):
+            compile_program(dataclasses.replace(made, name=name), backend=backend)
+    with pytest.raises(ProgramError, match="is no word"):
+        emit(dataclasses.replace(made, outputs=(Argument(name, (1,)),)), "numpy")
+
+
+def test_inputs_that_are_called_like_the_emitted_texts_own_words_are_renamed():
+    inputs = [Argument(x, (1,)) for x in ("batch", "xp", "sin", "v0", "f", "q")]
+    program = trace("f", lambda *x: ([sum(y[0] for y in x)],), inputs, [Argument("y", (1,))])
+    scope: dict = {}
+    exec(emit(program, "numpy"), scope)
+    assert scope["f"](*(np.array([float(k)]) for k in range(6))).tolist() == [15.0]
+
+
+# ---------------------------------------------------------------- words from names
+NAMES = [
+    "tool0", "tool0 ", "tool-0", "θ₁", "θ1", "关节", "left/joint1", "left_joint1", "lambda", "__debug__", "_Bool", "",
+    "\x00", "2nd", '"""\nimport os', "é", "e", "\u202eevil", "a" * 5000, "a" * 4999, "Ω", "ω", "self", "𝐪", "q",
+    "__class__", "if", "{}", "%s", "\\",
+]  # fmt: skip
+
+
+def test_words_made_from_names_are_identifiers_and_unique():
+    words = identifiers(NAMES, {"self", "left_joint1"})
+    assert list(words) == NAMES
+    assert all(is_identifier(word) and word.isascii() and word.isidentifier() for word in words.values())
+    assert len(set(words.values())) == len(NAMES)
+    assert not {"self", "left_joint1"} & set(words.values())
+    assert all(not keyword.iskeyword(word) and len(word) < 300 for word in words.values())
+    assert (words["tool0"], words["θ₁"], words["q"], words["lambda"]) == ("tool0", "theta1", "q", "lambda_")
+    assert words["θ1"] == "theta1_2"
+    # what Python makes of an identifier before it compares
+    assert len({unicodedata.normalize("NFKC", word) for word in words.values()}) == len(NAMES)
+
+
+def test_ten_thousand_equal_words_take_no_time():
+    assert len(set(identifiers(("关" * n for n in range(1, 10_000)), ()).values())) == 9_999
+
+
+def test_comments_hold_words_only():
+    for name in NAMES:
+        assert set(in_words(f"{name} */ {name}")) <= set(string.ascii_letters + string.digits + "_ ")
+
+
+def test_parameters_of_emitted_equations_are_words():
+    model = fb.planar("RR", l=["θ", "l2"], lc=["q", "lambda_"], m=["关", "m2"], I=["cos_1", "q_"])
+    values = {"θ": 0.4, "q": 0.2, "关": 1.5, "cos_1": 0.1, "l2": 0.3, "lambda_": 0.1, "m2": 0.7, "q_": 0.05}
+    bound = model.bind(**values)
+    scope: dict = {}
+    text = fb.equations(bound).python()
+    exec(text, scope)
+    M, *_ = scope["dynamics"]([0.3, -0.4], [0.0, 0.0], [0.0, 0.0])
+    np.testing.assert_allclose(M, fb.mass_matrix(bound, [0.3, -0.4]), rtol=1e-14)
+    assert text.isascii()

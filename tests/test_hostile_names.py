@@ -1,0 +1,170 @@
+"""Hostile names through every way out: they never run, never break a file's format, and come back as they were."""
+
+from __future__ import annotations
+
+import builtins
+import json
+import pickle
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.numerics.kernels import chosen_option, program
+
+CODE = "__import__('builtins').__dict__.__setitem__('hacked', True)"
+HOSTILE = {
+    "docstring": f'tool"""\n{CODE}\nx = """',
+    "quote": f"'+{CODE}+'",
+    "newline": f"a\n{CODE}\n",
+    "module asm": 'x\nmodule asm "ud2"\ndefine void @kernel() { ret void }',
+    "backslash": '\\\\" \\n \\x00 \\N{BULLET} \\',
+    "theta": "θ₁",
+    "nul": "a\x00b",
+    "control": "a\x0b\x1b[31m\x7fb",
+    "right to left": "\u202egnp.exe\u202c",
+    "long": "n" * 5000,
+    "formula": "=cmd|' /C calc'!A0",
+    "plus": "+1+1",
+    "at": "@SUM(A1)",
+    "script": "<script>hacked()</script>",
+    "attribute": '"><img src=x onerror=hacked()>',
+    "cdata": "]]></style></svg><script>hacked()</script>",
+    "latex": r"\input{/etc/passwd}$^_%&#{}~",
+    "comment": "*/ int x; /*",
+    "percent": "%s %(x)s {0} {x!r} {{x}} {% raw %}",
+    "slash": "left/joint1",
+    "dot dot": "../../etc/passwd",
+    "spaces": "  two  words  ",
+    "chinese": "关节",
+    "markup": "[red]x[/red] [link=file:///etc]y[/link]",
+}
+
+
+def text_of(name: str, planar: bool = True) -> str:
+    """TOML of an arm of two joints in which everything is called so; TOML escapes as JSON does."""
+
+    def q(ending: str) -> str:
+        return json.dumps(name + ending, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+    links = "".join(
+        f"[[link]]\nname = {q(f' link{k}')}\nmass = 1.5\ncom = [0.2, 0]\ninertia = 0.05\n" for k in (1, 2)
+    )
+    limits = "limits = { lower = -2, upper = 2, velocity = 4, effort = 80 }\n"
+    return (
+        f"name = {q('')}\nsource = {q(' source')}\ndim = 2\ntip = {q(' tip')}\n"
+        f"[[link]]\nname = {q(' base')}\n{links}"
+        f"[[joint]]\nname = {q(' joint1')}\nkind = 'revolute'\nparent = {q(' base')}\nchild = {q(' link1')}\n{limits}"
+        f"[[joint]]\nname = {q(' joint2')}\nkind = 'revolute'\nparent = {q(' link1')}\nchild = {q(' link2')}\n"
+        f"origin = [0.4, 0]\n{limits}"
+        f"[[frame]]\nname = {q(' tip')}\nparent = {q(' link2')}\norigin = [0.4, 0]\n"
+    )
+
+
+def arm(name: str, folder: Path) -> fb.Model:
+    path = folder / "arm.toml"
+    path.write_text(text_of(name), encoding="utf-8")
+    return fb.load(path)
+
+
+@pytest.fixture(params=list(HOSTILE))
+def hostile(request: pytest.FixtureRequest) -> str:
+    return HOSTILE[request.param]
+
+
+@pytest.fixture
+def model(hostile: str, tmp_path: Path) -> fb.Model:
+    return arm(hostile, tmp_path)
+
+
+@pytest.fixture
+def tame(tmp_path: Path) -> fb.Model:
+    return arm("arm", tmp_path)
+
+
+@pytest.fixture(autouse=True)
+def nothing_ran():
+    yield
+    assert not hasattr(builtins, "hacked")
+
+
+STATE = (np.array([0.3, -0.7]), np.array([0.5, 0.2]), np.array([-1.0, 2.0]))
+LOAD = np.array([1.0, -2.0, 0.5])
+QUANTITIES = ("inverse_dynamics", "forward_dynamics", "joint_wrenches", "static_torque")
+
+
+# ---------------------------------------------------------------- code
+def test_programs_and_kernels_do_not_know_names(model, tame):
+    for quantity in QUANTITIES:
+        made = []
+        for m in (model, tame):
+            names, option = chosen_option(m, quantity, wrench_frames=[m.tip])
+            made.append(program(m, names, option))
+        assert made[0].digest == made[1].digest
+        for backend in ("llvm", "numpy"):
+            one, two = (fb.kernel(m, quantity, wrench_frames=[m.tip], backend=backend) for m in (model, tame))
+            assert one is two, "a renamed robot is not compiled again"
+
+
+@pytest.mark.parametrize("backend", ["llvm", "numpy"])
+def test_a_wrench_at_a_tip_of_any_name(model, tame, backend, monkeypatch):
+    monkeypatch.setenv("FREEBODY_BACKEND", backend)
+    taus = [fb.inverse_dynamics(m, *STATE, {m.tip: LOAD}) for m in (model, tame)]
+    assert np.array_equal(*taus)
+    assert np.array_equal(*(fb.joint_wrenches(m, *STATE, wrenches={m.tip: LOAD}) for m in (model, tame)))
+    J = fb.jacobian(tame, STATE[0])
+    np.testing.assert_allclose(taus[0], fb.inverse_dynamics(tame, *STATE) - J.T @ LOAD)
+
+
+@pytest.mark.parametrize("language", ["numpy", "jax"])
+def test_source_text_is_that_of_a_robot_with_plain_names(model, tame, language):
+    texts = [fb.source(m, QUANTITIES[:2], language, wrench_frames=[m.tip]) for m in (model, tame)]
+    assert texts[0] == texts[1]
+    if language == "numpy":
+        scope: dict = {}
+        exec(texts[0], scope)
+        tau, _ = scope["_".join(QUANTITIES[:2])](*STATE, np.zeros(2), LOAD)
+        np.testing.assert_allclose(tau, fb.inverse_dynamics(tame, *STATE, LOAD))
+
+
+def test_jax(tame, tmp_path):
+    jax = pytest.importorskip("jax", reason="JAX is an extra: pip install 'freebody[jax]'")
+    for name in (HOSTILE["docstring"], HOSTILE["nul"]):
+        model = arm(name, tmp_path)
+        with jax.enable_x64(True):
+            tau = fb.to_jax(model, "inverse_dynamics", wrench_frames=[model.tip])(*STATE, LOAD)
+        np.testing.assert_allclose(tau, fb.inverse_dynamics(tame, *STATE, LOAD), rtol=1e-12)
+
+
+def test_equations_as_source(model, tame):
+    equations = fb.equations(model)
+    text = equations.python()
+    scope: dict = {}
+    exec(text, scope)
+    M, *_ = scope["dynamics"](*(x.tolist() for x in STATE))
+    np.testing.assert_allclose(M, fb.mass_matrix(tame, STATE[0]))
+    assert text.splitlines()[1:] == fb.equations(tame).python().splitlines()[1:], "names in the title alone"
+    c = equations.c_source()
+    assert c.splitlines()[1:] == fb.equations(tame).c_source().splitlines()[1:]
+    assert c.splitlines()[0].count("*/") == c.splitlines()[0].count("/*") == 1
+    assert c.isascii()
+
+
+# ---------------------------------------------------------------- files that come back
+def test_toml_round_trip(model, hostile, tmp_path):
+    assert (model.name, model.tip) == (hostile, hostile + " tip")
+    path = tmp_path / "saved.toml"
+    fb.save(model, path)
+    tomllib.loads(path.read_text(encoding="utf-8"))
+    again = fb.load(path)
+    assert (again.name, again.joint_names, again.frame_names, again.tip) == (
+        model.name, model.joint_names, model.frame_names, model.tip,
+    )  # fmt: skip
+
+
+def test_pickle_round_trip(model):
+    again = pickle.loads(pickle.dumps(model))
+    assert again.joint_names == model.joint_names
+    assert np.array_equal(fb.mass_matrix(again, STATE[0]), fb.mass_matrix(model, STATE[0]))
