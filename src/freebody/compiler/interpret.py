@@ -74,7 +74,7 @@ class Interpreter:
             steps.append((known[op], place[index], tuple(place[i] for i in operands)))
         return cls(tuple(steps), tuple(held), tuple(inputs), tuple(place[i] for i in program.results))
 
-    def __call__(self, scalars: Sequence[Any]) -> list[Any]:
+    def __call__(self, scalars: Sequence[Any] | np.ndarray) -> list[Any]:
         """The scalars of all outputs from those of all inputs, each an array or a number, in C order."""
         held: list[Any] = list(self.registers)
         for register, position in self.inputs:
