@@ -286,7 +286,8 @@ def test_loops():
          "base, arm."),
         (LINKS + "[[frame]]\nname = 'arm'\nparent = 'arm'\n", "arm.toml:6: frame 'arm': the name is taken; rename it."),
         ("tip = 'hand'\n" + LINKS, "arm.toml:1: no tip 'hand' in the file. Tips: base, arm."),
-        (LINKS + "mass = 'm'\n[parameters]\nM = 3\n", "arm.toml:7: no parameter 'M' in the model. Parameters: g, m."),
+        (LINKS + "mass = 'm'\n[parameters]\nM = 3\n", "arm.toml:7: no parameter 'M' in the model. Did you "
+         "mean 'm'? Parameters: g, m."),
         (LINKS + "mass = { name = 'm', value = 2 }\n[parameters]\nm = 3\n", "arm.toml:7: 'm' has two values, 3 and "
          "2; keep one."),
         ("[planar]\nword = 'RX'\n", "arm.toml:1: planar: the word 'RX' must be made of the letters R and P, such as "

@@ -3,9 +3,63 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
+
+
+def likely(name: str, known: Iterable[str], most: int = 1) -> list[str]:
+    """Known names that a wrong one may be meant for, the likeliest first; none rather than an absurd one.
+
+    They differ in capitals or underscores, in their number (link3), in what is left out behind (ur5), or, from three
+    letters on, in one letter of three.
+    """
+    if len(name) > _LONGEST:
+        return []
+    names = [x for x in known if x != name]
+    same = [x for x in names if _bare(x) == _bare(name)]
+    numbered = [x for x in names if _DIGITS.sub("", x) == _DIGITS.sub("", name) != ""]
+    close = difflib.get_close_matches(name, names, n=8, cutoff=0.6)
+    spelt = [x for x in close if min(len(x), len(name)) >= 3 and _is_misspelt(name, x)]
+    rest = sorted((*numbered, *spelt), key=lambda x: _apart(x, name))
+    return list(dict.fromkeys((*same, *rest)))[:most]
+
+
+_LONGEST = 80
+"""Letters of a name that others are compared with."""
+_DIGITS = re.compile(r"[0-9]+")
+
+
+def _apart(a: str, b: str) -> tuple[float, int]:
+    """How unlike two names are: in letters, and in their numbers."""
+    numbers = zip(*([int(x) for x in _DIGITS.findall(name)] for name in (a, b)), strict=False)
+    return -difflib.SequenceMatcher(None, a, b).ratio(), sum(abs(x - y) for x, y in numbers)
+
+
+def _bare(name: str) -> str:
+    """Without what is easily overlooked."""
+    return re.sub(r"[_\s-]", "", name).casefold()
+
+
+def _is_misspelt(a: str, b: str) -> bool:
+    """Whether one begins with the other, or few letters are wrong, missing, too many or swapped."""
+    a, b = a.casefold(), b.casefold()
+    return a.startswith(b) or b.startswith(a) or _distance(a, b) <= (max(len(a), len(b)) + 1) // 3
+
+
+def _distance(a: str, b: str) -> int:
+    """Letters to change, leave out, put in, or swap with their neighbour (Damerau and Levenshtein)."""
+    before: list[int] = []
+    row = list(range(len(b) + 1))
+    for i, x in enumerate(a, 1):
+        before, last, row = row, before, [i]
+        for j, y in enumerate(b, 1):
+            cost = min(before[j] + 1, row[j - 1] + 1, before[j - 1] + (x != y))
+            if i > 1 and j > 1 and x == b[j - 2] and a[i - 2] == y:
+                cost = min(cost, last[j - 2] + 1)
+            row.append(cost)
+    return row[-1]
 
 
 class FreebodyError(Exception):
@@ -48,7 +102,7 @@ class UnknownNameError(FreebodyError, KeyError):
 
     def __init__(self, what: str, name: object, owner: str, names: Iterable[str]):
         known = list(names)
-        near = difflib.get_close_matches(str(name), known, n=1)
+        near = likely(str(name), known)
         hint = f" Did you mean {near[0]!r}?" if near else ""
         plural = f"{what[:-1]}ies" if what.endswith("y") and what[-2:-1] not in "aeou" else f"{what}s"
         listed = f" {plural[0].upper()}{plural[1:]}: {_listing(known)}." if known else f" It has no {plural}."

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 from importlib import resources
 from pathlib import Path
 
-from freebody.errors import FileError
+from freebody.errors import FileError, likely
 
 LARGEST = 64 * 2**20  # bytes; the longest robot description known has less than one megabyte
 
@@ -65,6 +64,6 @@ def _missing(path: Path) -> str:
     folder = path.parent
     if not folder.is_dir():
         return f"there is no such file: folder {os.fspath(folder)!r} does not exist."
-    near = difflib.get_close_matches(path.name, [p.name for p in folder.iterdir()], n=3)
+    near = likely(path.name, sorted(p.name for p in folder.iterdir()), most=3)
     hint = f" Near it: {', '.join(near)}." if near else ""
     return f"there is no such file.{hint}"

@@ -23,6 +23,8 @@ class Reading:
     new: dict[Node, Node]
     text: str
     right: str
+    is_doubtful: bool = True
+    """Whether to say so also where it does not make the answer right."""
 
 
 def misread(
@@ -30,14 +32,19 @@ def misread(
 ) -> tuple[Finding | None, str]:
     """A finding where another reading makes the answer right; else what is to be said about a doubtful one."""
     doubt = ""
-    for reading in (*_velocity_terms(targets, claim, work), *_numbers(setting, claim, work)):
+    readings = (
+        *_velocity_terms(targets, claim, work),
+        *_cosines(setting, targets, claim, work),
+        *_numbers(setting, claim, work),
+    )
+    for reading in readings:
         if work.point.at(replaced(work.root, reading.new)) == right:
             node = next(iter(reading.new))
             line, column = claim.source.place(node.start)
             text = f"{reading.text} With that the equation is right."
             yours, context = claim.source[node.span], claim.source.caret(node.span)
             return Finding("symbol", text, yours, reading.right, line, column, context), ""
-        doubt = doubt or (reading.text if reading.right.startswith("v") else "")
+        doubt = doubt or (reading.text if reading.is_doubtful else "")
     return None, doubt
 
 
@@ -64,6 +71,23 @@ def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator
         yield Reading(found, text, name.name)
 
 
+def _cosines(setting: Setting, targets: Targets, claim: Claim, work: Workspace) -> Iterator[Reading]:
+    """C2, C12 on the right: read as quantities of the dynamics, where cosines may be meant."""
+    found: dict[Node, Node] = {}
+    for node in work.values:
+        index = re.fullmatch(r"C([1-9]+)", node.name) if isinstance(node, Symbol) else None
+        angle = tuple((f"theta{k}", 1) for k in index[1]) if index else ()
+        if index and node.name in targets.single and all(x in setting.ring.angles for x, _ in angle):
+            found[node] = Wave(*node.span, "cos", angle)
+    if found:
+        node = next(iter(found))
+        assert isinstance(node, Symbol)
+        written, right = claim.source[node.span], claim.source[node.span].replace("C", "c", 1)
+        title = targets.single[node.name].title
+        text = f"‘{written}’ on the right is read as {title}; write {right} for the cosine."
+        yield Reading(found, text, right)
+
+
 def _numbers(setting: Setting, claim: Claim, work: Workspace) -> Iterator[Reading]:
     """9.81 for g."""
     g = setting.order.gravity
@@ -74,4 +98,6 @@ def _numbers(setting: Setting, claim: Claim, work: Workspace) -> Iterator[Readin
     }
     if found:
         written = claim.source[next(iter(found)).span]
-        yield Reading(found, f"‘{written}’ must be the symbol {g}: answers are compared in symbols.", g)
+        yield Reading(
+            found, f"‘{written}’ must be the symbol {g}: answers are compared in symbols.", g, False
+        )

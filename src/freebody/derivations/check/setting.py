@@ -81,7 +81,9 @@ def setting(equations: Equations, zeros: Collection[str] = ()) -> Setting:
     if symbols.model.dim == 2:
         numbers = [re.sub(r"\D", "", x) for x in symbols.coordinates]
         family = [f"{letter}{k}" for k in numbers for letter in FAMILIES]
-        family += [f"{x}{k}{e}" for k in numbers for x in ("theta", "d") for e in ("", RATE, SECOND)]
+        moving = [f"{x}{k}" for k in numbers for x in ("theta", "d")]
+        still = set(ring.index) - set(symbols.coordinates)  # a length may be called d1
+        family += [x + e for x in moving if x not in still for e in ("", RATE, SECOND)]
         foreign = [name for name in dict.fromkeys(family) if name not in ring.index and name not in zeros]
     angles = [name for name in foreign if re.fullmatch(r"theta\d+", name)]
     others = [name for name in foreign if name not in angles]

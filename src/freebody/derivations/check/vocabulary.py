@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import itertools
 import re
 from collections.abc import Iterable, Iterator
@@ -14,6 +13,7 @@ from freebody.derivations.check.source import Source, Span
 from freebody.derivations.check.tree import Angle
 from freebody.derivations.check.words import DOT, PRIME
 from freebody.derivations.symbols import RATE, SECOND
+from freebody.errors import likely
 from freebody.scalars.trig import Trig
 
 FUNCTIONS = {
@@ -85,10 +85,11 @@ class Vocabulary:
         if plain in _NOT_POLYNOMIAL:
             source.fail(f"{plain} does not occur in these equations: write them with sin and cos", span)
         names = self.listed
-        near = [name for name in names if name.lower() == plain.lower()]
-        if not near and len(plain) < 30:
-            near = difflib.get_close_matches(plain, names, n=1, cutoff=0.5)
+        near = likely(plain, names)
         hint = f"Did you mean {near[0]!r}? " if near else ""
+        if (wave := plain.lower()) in self.waves:
+            hint = f"The {self.waves[wave][0]}e of the angle is written {wave}. "
+            near = []
         shown = word if len(word) <= 30 else word[:30] + "…"
         renaming = (
             f" For a name of your own: names={{{plain!r}: {near[0]!r}}}, --name {plain}={near[0]}."
@@ -110,7 +111,8 @@ class Vocabulary:
     # ------------------------------------------------------------ symbols
     def _all_symbols(self) -> Iterator[tuple[str, Trig]]:
         ring, s = self.setting.ring, self.setting.symbols
-        for name in [*s.coordinates, *(x for x in ring.names if re.fullmatch(r"theta\d+|d\d+", x))]:
+        moving = (x for x in ring.names if re.fullmatch(r"theta\d+|d\d+", x) and x + RATE in ring.index)
+        for name in [*s.coordinates, *moving]:
             yield from self._coordinate(name)
         for name in ring.names:
             yield name.replace("_", ""), ring[name]
