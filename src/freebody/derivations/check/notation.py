@@ -75,9 +75,11 @@ def _cosines(setting: Setting, targets: Targets, claim: Claim, work: Workspace) 
     """C2, C12 on the right: read as quantities of the dynamics, where cosines may be meant."""
     found: dict[Node, Node] = {}
     for node in work.values:
-        index = re.fullmatch(r"C([1-9]+)", node.name) if isinstance(node, Symbol) else None
+        if not isinstance(node, Symbol) or node.name not in targets.single:
+            continue
+        index = re.fullmatch(r"C([1-9]+)", node.name)
         angle = tuple((f"theta{k}", 1) for k in index[1]) if index else ()
-        if index and node.name in targets.single and all(x in setting.ring.angles for x, _ in angle):
+        if angle and all(x in setting.ring.angles for x, _ in angle):
             found[node] = Wave(*node.span, "cos", angle)
     if found:
         node = next(iter(found))
