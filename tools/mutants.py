@@ -1,0 +1,227 @@
+"""Mutation testing: change the source in one place, and see whether the tests notice.
+
+    python tools/mutants.py --seed 1 --count 60            # the drawn mutants, each with its verdict
+    python tools/mutants.py --only src/freebody/spatial.py:120:8
+
+Mutants are drawn by a seeded generator, the same share from every area, from the places that decide something: signs,
+operators, comparisons, conditions, small numbers, indices. Each runs in a copy of the source, against the area's own
+tests in the order given here, until the first that fails. Exit status 1 if one survives.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+LIMIT = 1200.0
+"""Seconds for one mutant's tests; one that hangs them is killed, in both senses."""
+
+
+@dataclass(frozen=True)
+class Area:
+    """Where mutants are drawn from, and the tests that have to see them."""
+
+    name: str
+    sources: tuple[str, ...]
+    tests: tuple[str, ...]
+
+
+AREAS = (
+    Area(
+        "algorithms",
+        ("algorithms/*.py", "spatial.py", "model/joints/*.py"),
+        ("laws", "yardsticks", "operational", "derivatives", "closed_three_ways", "pinocchio", "equations"),
+    ),
+    Area(
+        "kernels",
+        ("compiler/*.py", "scalars/*.py", "numerics/kernels.py", "numerics/formulas.py", "numerics/columns.py"),
+        ("compiler", "trig", "fastcall", "columns", "expr", "operational", "laws", "equations", "numerics_errors"),
+    ),
+    Area(
+        "closed chains",
+        ("numerics/closed/*.py", "model/closures.py", "model/loops.py", "motion/clos*.py", "numerics/balance.py"),
+        ("closed_*", "dyads", "simulate"),
+    ),
+    Area(
+        "derivations",
+        ("derivations/*.py", "derivations/methods/*.py", "derivations/closed/*.py", "derivations/render/*.py"),
+        ("derive", "equations", "closed_equations", "closed_derivations", "relation", "expression", "singularities",
+         "notes", "diagrams", "inverse_kinematics"),
+    ),
+    Area("check", ("derivations/check/*.py",), ("check", "check_random", "notes")),
+)  # fmt: skip
+
+BINARY = {
+    ast.Add: "-",
+    ast.Sub: "+",
+    ast.Mult: "/",
+    ast.Div: "*",
+    ast.FloorDiv: "*",
+    ast.Mod: "*",
+    ast.MatMult: "@ -",
+}
+COMPARED = {
+    ast.Lt: "<=", ast.LtE: "<", ast.Gt: ">=", ast.GtE: ">", ast.Eq: "!=", ast.NotEq: "==",
+    ast.Is: "is not", ast.IsNot: "is", ast.In: "not in", ast.NotIn: "in",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """Text that replaces a span of a file."""
+
+    path: Path
+    line: int
+    column: int
+    start: int
+    stop: int
+    text: str
+    was: str
+
+    def __str__(self) -> str:
+        place = f"{self.path.relative_to(ROOT)}:{self.line}:{self.column}"
+        return f"{place}  {self.was!r} -> {self.text!r}"
+
+
+def mutants(path: Path) -> Iterator[Mutant]:
+    """Every mutant of a file."""
+    source = path.read_text(encoding="utf-8")
+    offsets = [0]
+    for line in source.splitlines(keepends=True):
+        offsets.append(offsets[-1] + len(line.encode()))
+    raw = source.encode()
+
+    def span(node: ast.AST) -> tuple[int, int]:
+        return (
+            offsets[node.lineno - 1] + node.col_offset,  # type: ignore[attr-defined]
+            offsets[node.end_lineno - 1] + node.end_col_offset,  # type: ignore[attr-defined]
+        )
+
+    def changed(node: ast.AST, start: int, stop: int, text: str) -> Mutant:
+        return Mutant(path, node.lineno, node.col_offset, start, stop, text, raw[start:stop].decode())  # type: ignore[attr-defined]
+
+    for node in ast.walk(ast.parse(source)):
+        if not hasattr(node, "lineno"):
+            continue
+        start, stop = span(node)
+        if isinstance(node, ast.BinOp) and type(node.op) in BINARY:
+            between = span(node.left)[1], span(node.right)[0]
+            if raw[slice(*between)].strip().decode() in ("+", "-", "*", "/", "//", "%", "@"):
+                yield changed(node, *between, f" {BINARY[type(node.op)]} ")
+        elif isinstance(node, ast.Compare) and len(node.ops) == 1:
+            between = span(node.left)[1], span(node.comparators[0])[0]
+            if b"(" not in raw[slice(*between)] and b")" not in raw[slice(*between)]:
+                yield changed(node, *between, f" {COMPARED[type(node.ops[0])]} ")
+        elif isinstance(node, ast.BoolOp):
+            between = span(node.values[0])[1], span(node.values[1])[0]
+            word = "or" if isinstance(node.op, ast.And) else "and"
+            if b"(" not in raw[slice(*between)] and b")" not in raw[slice(*between)]:
+                yield changed(node, *between, f" {word} ")
+        elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not | ast.USub):
+            yield changed(node, start, span(node.operand)[0], "")
+        elif isinstance(node, ast.Constant) and node.value in (0, 1, 2) and not isinstance(node.value, str):
+            if isinstance(node.value, bool):
+                yield changed(node, start, stop, str(not node.value))
+            else:
+                yield changed(node, start, stop, str(node.value + 1))
+        elif isinstance(node, ast.If | ast.IfExp):
+            test = span(node.test)
+            yield changed(node, *test, f"not ({raw[slice(*test)].decode()})")
+
+
+def drawn(seed: int, count: int, only: str | None) -> list[tuple[Area, Mutant]]:
+    """The same number from each area, drawn without replacement."""
+    generator = random.Random(seed)
+    found = []
+    for k, area in enumerate(AREAS):
+        files = sorted(p for pattern in area.sources for p in (ROOT / "src/freebody").glob(pattern))
+        every = [mutant for path in files for mutant in mutants(path)]
+        share = count // len(AREAS) + (k < count % len(AREAS))
+        some = generator.sample(every, share)
+        found += [(area, mutant) for mutant in some if only in (None, area.name)]
+    return found
+
+
+def survives(area: Area, mutant: Mutant) -> tuple[bool, str]:
+    """Whether all tests of the area pass with the mutant, and the first that does not."""
+    with tempfile.TemporaryDirectory() as folder:
+        work = Path(folder)
+        for part in ("src", "tests"):
+            shutil.copytree(ROOT / part, work / part, ignore=shutil.ignore_patterns("__pycache__"))
+        for name in ("pyproject.toml", "README.md"):
+            shutil.copy(ROOT / name, work / name)
+        target = work / mutant.path.relative_to(ROOT)
+        raw = target.read_bytes()
+        target.write_bytes(raw[: mutant.start] + mutant.text.encode() + raw[mutant.stop :])
+        tests = [
+            str(path) for name in area.tests for path in sorted((work / "tests").glob(f"test_{name}.py"))
+        ]
+        environment = {**os.environ, "PYTHONPATH": str(work / "src"), "FREEBODY_CACHE": str(work / "cache")}
+        command = [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-x",
+            "-q",
+            "-n0",
+            "--no-header",
+            "-p",
+            "no:cacheprovider",
+            *tests,
+        ]
+        try:
+            run = subprocess.run(
+                command, cwd=work, env=environment, capture_output=True, text=True, timeout=LIMIT, check=False
+            )
+        except subprocess.TimeoutExpired:
+            return False, "the tests hang"
+        failed = [x for x in run.stdout.splitlines() if x.startswith(("FAILED", "ERROR"))]
+        return run.returncode == 0, failed[0][:150] if failed else run.stdout[-150:].strip()
+
+
+def main() -> int:
+    """Draw, run, tell."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--count", type=int, default=60)
+    parser.add_argument("--area", choices=[area.name for area in AREAS], help="of those drawn, this area's")
+    parser.add_argument("--only", help="FILE:LINE:COLUMN of one mutant")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--list", action="store_true", help="say what would be run")
+    options = parser.parse_args()
+    chosen = drawn(options.seed, options.count, options.area)
+    if options.only:
+        chosen = [(area, m) for area in AREAS for p in area.sources for f in (ROOT / "src/freebody").glob(p)
+                  for m in mutants(f) if str(m).startswith(options.only + " ")]  # fmt: skip
+    if options.list:
+        print("\n".join(f"{area.name}: {mutant}" for area, mutant in chosen))
+        return 0
+    alive = 0
+    with ThreadPoolExecutor(options.jobs) as pool:
+        for (area, mutant), (lives, why) in zip(
+            chosen, pool.map(lambda x: survives(*x), chosen), strict=True
+        ):
+            alive += lives
+            print(
+                f"{'SURVIVES' if lives else 'killed  '}  {area.name}: {mutant}   {'' if lives else why}",
+                flush=True,
+            )
+    print(f"{len(chosen) - alive} of {len(chosen)} killed")
+    return 1 if alive else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
