@@ -459,7 +459,7 @@ def test_threads_change_nothing(threads):
 def test_large_batches_are_shared_by_default(monkeypatch):
     parts = []
     compiled = compile_program(swap_program())
-    monkeypatch.setattr(kernel, "run_split", lambda *a: parts.append(a[-1]))
+    monkeypatch.setattr(kernel, "run_split", lambda *a: parts.append(a[-2]))
     monkeypatch.setattr(kernel, "cpus", lambda: 4)
     compiled(np.ones((100, 3)))
     assert parts == []
@@ -505,7 +505,8 @@ def test_what_a_part_raises_is_raised_when_all_are_done(error, where):
     for _ in range(2):  # the helpers are there afterwards
         with pytest.raises(error):
             run_split(ufunc, [x], [x.copy()], [0, 0], (1000,), 2)
-    assert 0 < finished.sum() < 1000
+    assert finished.sum() < 1000
+    assert finished.any() or error is KeyboardInterrupt  # what nobody has begun is dropped
 
 
 def test_several_callers_at_once_and_nothing_is_kept():

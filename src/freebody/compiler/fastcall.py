@@ -2,7 +2,8 @@
 
 NumPy's ufunc machinery takes longer than the arithmetic of one robot. So each kernel also has a function of CPython's
 fast calling convention that looks at its arguments itself: exact float64 arrays of the core shapes, contiguous and
-aligned. It makes the outputs, runs the loop once and returns; anything else goes to the general way, unchanged.
+aligned. It makes the outputs, or takes those given as `out=` if they are such arrays too and overlap nothing, runs the
+loop once and returns; anything else goes to the general way, unchanged.
 
 It knows where CPython and NumPy keep the fields of an object and an array: both layouts are part of their stable binary
 interfaces on 64-bit builds with the GIL, and `available` is false elsewhere.
@@ -27,8 +28,11 @@ from freebody.compiler.program import Argument, Program
 _NEW = 93  # position of PyArray_New in the table of __multiarray_api.h
 _FASTCALL_KEYWORDS = 0x0080 | 0x0002
 _CONTIGUOUS_ALIGNED = 0x0001 | 0x0100
+_WRITEABLE = 0x0400
 _DOUBLE = 12  # NPY_DOUBLE
 _TYPE, _DATA, _ND, _DIMS, _DESCR, _FLAGS = 8, 16, 24, 32, 56, 64  # offsets in PyObject and PyArrayObject
+_COUNT, _ITEMS = 16, 24  # offsets in PyTupleObject
+_OUT = sys.intern("out")  # as the name of a keyword is
 
 
 class _MethodDef(ctypes.Structure):
@@ -59,10 +63,13 @@ def text(program: Program) -> str:
         "@PyArray_Type = external global i8",
         "@double_descr = external global i8",
         "@general = global ptr null, align 8  ; the Python callable for everything else, set after linking",
+        "@PyTuple_Type = external global i8",
+        "@name.out = external global i8",
         "declare ptr @PyObject_Vectorcall(ptr, ptr, i64, ptr)",
         "declare ptr @PyArray_New(ptr, i32, ptr, i32, ptr, ptr, i32, i32, ptr)",
         "declare ptr @PyTuple_New(i64)",
         "declare i32 @PyTuple_SetItem(ptr, i64, ptr)",
+        "declare void @Py_IncRef(ptr)",
         _numbers("fast.dims", [1, *(n for a in arguments for n in a.shape)]),
         _numbers("fast.steps", [8 * a.size for a in arguments] + [s for a in arguments for s in _strides(a)]),
         *(_numbers(f"fast.shape{k}", list(a.shape)) for k, a in enumerate(outputs)),
@@ -71,12 +78,25 @@ def text(program: Program) -> str:
         f"  %data = alloca [{len(arguments)} x ptr], align 16",
         f"  %right.count = icmp eq i64 %nargs, {len(inputs)}",
         "  %no.names = icmp eq ptr %kwnames, null",
-        "  %plain = and i1 %right.count, %no.names",
-        "  br i1 %plain, label %look0, label %general",
+        "  br i1 %right.count, label %counted, label %general",
+        *_named_out(len(inputs), len(outputs)),
     ]
     for k, argument in enumerate(inputs):
-        lines += _look(k, argument)
-    lines.append(f"look{len(inputs)}:")
+        lines += _look(k, argument, f"%args, i64 {k}", _CONTIGUOUS_ALIGNED)
+    lines += [f"look{len(inputs)}:", "  br i1 %no.names, label %make, label %taken"]
+    lines += _taken(len(outputs))
+    lines.append(f"  br label %look{len(inputs) + 1}")
+    for k, argument in enumerate(outputs, len(inputs) + 1):
+        lines += _look(k, argument, f"%outs, i64 {k - len(inputs) - 1}", _CONTIGUOUS_ALIGNED | _WRITEABLE, -1)
+    lines += [
+        f"look{len(arguments) + 1}:",
+        *_apart(arguments, len(inputs)),
+        "run:",
+        "  call void @kernel(ptr %data, ptr @fast.dims, ptr @fast.steps, ptr null)",
+        "  call void @Py_IncRef(ptr %given)",
+        "  ret ptr %given",
+        "make:",
+    ]
     for k, argument in enumerate(outputs):
         lines += _make(k, len(inputs) + k, argument, len(outputs))
     lines.append("  call void @kernel(ptr %data, ptr @fast.dims, ptr @fast.steps, ptr null)")
@@ -99,10 +119,12 @@ def symbols() -> dict[str, int]:
     python = ctypes.pythonapi
     named = {
         name: ctypes.cast(getattr(python, name), ctypes.c_void_p).value or 0
-        for name in ("PyObject_Vectorcall", "PyTuple_New", "PyTuple_SetItem")
+        for name in ("PyObject_Vectorcall", "PyTuple_New", "PyTuple_SetItem", "Py_IncRef")
     }
     return named | {
         "PyArray_Type": id(np.ndarray),
+        "PyTuple_Type": id(tuple),
+        "name.out": id(_OUT),
         "double_descr": id(np.dtype(np.float64)),
         "PyArray_New": _array_api(_NEW),
     }
@@ -141,12 +163,80 @@ def _strides(argument: Argument) -> list[int]:
     return strides[::-1]
 
 
-def _look(k: int, argument: Argument) -> list[str]:
-    """Input k: on to the next if it is a plain array of its core shape, else the general way."""
+def _named_out(inputs: int, outputs: int) -> list[str]:
+    """No keyword, or the one that is `out`: its value `%given`, and where the arrays in it stand, `%outs`."""
+    lines = [
+        "counted:",
+        f"  %given.at = getelementptr ptr, ptr %args, i64 {inputs}",
+        "  br i1 %no.names, label %look0, label %named",
+        "named:",
+        f"  %names.at = getelementptr i8, ptr %kwnames, i64 {_COUNT}",
+        "  %names = load i64, ptr %names.at, align 8",
+        "  %one.name = icmp eq i64 %names, 1",
+        f"  %name.at = getelementptr i8, ptr %kwnames, i64 {_ITEMS}",
+        "  %name = load ptr, ptr %name.at, align 8",
+        "  %is.out = icmp eq ptr %name, @name.out",
+        "  %only.out = and i1 %one.name, %is.out",
+    ]
+    if outputs == 1:
+        lines.append("  br i1 %only.out, label %look0, label %general")
+    else:
+        lines += [
+            "  br i1 %only.out, label %several, label %general",
+            "several:",
+            "  %tuple.given = load ptr, ptr %given.at, align 8",
+            f"  %kind.at = getelementptr i8, ptr %tuple.given, i64 {_TYPE}",
+            "  %kind = load ptr, ptr %kind.at, align 8",
+            "  %is.tuple = icmp eq ptr %kind, @PyTuple_Type",
+            "  br i1 %is.tuple, label %counting, label %general",
+            "counting:",
+            f"  %length.at = getelementptr i8, ptr %tuple.given, i64 {_COUNT}",
+            "  %length = load i64, ptr %length.at, align 8",
+            f"  %as.many = icmp eq i64 %length, {outputs}",
+            "  br i1 %as.many, label %look0, label %general",
+        ]
+    return lines
+
+
+def _taken(outputs: int) -> list[str]:
+    """What was given as `out`, and where its arrays stand."""
+    lines = ["taken:", "  %given = load ptr, ptr %given.at, align 8"]
+    if outputs == 1:
+        return [*lines, "  %outs = getelementptr ptr, ptr %given.at, i64 0"]
+    return [*lines, f"  %outs = getelementptr i8, ptr %given, i64 {_ITEMS}"]
+
+
+def _apart(arguments: tuple[Argument, ...], inputs: int) -> list[str]:
+    """On to `run` if no output lies where another argument does, else the general way."""
+    lines, apart = [], "true"
+    for k, argument in enumerate(arguments):
+        lines += [
+            f"  %start.at{k} = getelementptr ptr, ptr %data, i64 {k}",
+            f"  %start{k} = load ptr, ptr %start.at{k}, align 8",
+            f"  %stop{k} = getelementptr i8, ptr %start{k}, i64 {8 * argument.size}",
+        ]
+    for k in range(inputs, len(arguments)):
+        for other in range(k):
+            pair = f"{k}.{other}"
+            lines += [
+                f"  %before{pair} = icmp ule ptr %stop{k}, %start{other}",
+                f"  %after{pair} = icmp uge ptr %start{k}, %stop{other}",
+                f"  %beside{pair} = or i1 %before{pair}, %after{pair}",
+                f"  %apart{pair} = and i1 {apart}, %beside{pair}",
+            ]
+            apart = f"%apart{pair}"
+    return [*lines, f"  br i1 {apart}, label %run, label %general"]
+
+
+def _look(k: int, argument: Argument, place: str, flags: int, shift: int = 0) -> list[str]:
+    """Argument k, found at `place`: on to the next if it is a plain array of its core shape, else the general way.
+
+    Its data become entry k + shift of those that the loop takes.
+    """
     nd = len(argument.shape)
     lines = [
         f"look{k}:",
-        f"  %slot{k} = getelementptr ptr, ptr %args, i64 {k}",
+        f"  %slot{k} = getelementptr ptr, ptr {place}",
         f"  %object{k} = load ptr, ptr %slot{k}, align 8",
         *_field(k, "type", _TYPE, "ptr"),
         f"  %is{k} = icmp eq ptr %type{k}, @PyArray_Type",
@@ -155,10 +245,10 @@ def _look(k: int, argument: Argument) -> list[str]:
         *_field(k, "nd", _ND, "i32"),
         *_field(k, "descr", _DESCR, "ptr"),
         *_field(k, "flags", _FLAGS, "i32"),
-        f"  %masked{k} = and i32 %flags{k}, {_CONTIGUOUS_ALIGNED}",
+        f"  %masked{k} = and i32 %flags{k}, {flags}",
         f"  %a{k} = icmp eq i32 %nd{k}, {nd}",
         f"  %b{k} = icmp eq ptr %descr{k}, @double_descr",
-        f"  %c{k} = icmp eq i32 %masked{k}, {_CONTIGUOUS_ALIGNED}",
+        f"  %c{k} = icmp eq i32 %masked{k}, {flags}",
         f"  %ab{k} = and i1 %a{k}, %b{k}",
         f"  %abc{k} = and i1 %ab{k}, %c{k}",
         f"  br i1 %abc{k}, label %shape{k}, label %general",
@@ -177,7 +267,7 @@ def _look(k: int, argument: Argument) -> list[str]:
     return [
         *lines,
         *_field(k, "buffer", _DATA, "ptr"),
-        f"  %entry{k} = getelementptr ptr, ptr %data, i64 {k}",
+        f"  %entry{k} = getelementptr ptr, ptr %data, i64 {k + shift}",
         f"  store ptr %buffer{k}, ptr %entry{k}, align 8",
         f"  br i1 {fits}, label %look{k + 1}, label %general",
     ]

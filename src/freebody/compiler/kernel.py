@@ -7,10 +7,9 @@ import hashlib
 import importlib.metadata
 import importlib.util
 import os
-import sys
 import threading
 from collections.abc import Callable
-from functools import cached_property
+from itertools import combinations
 from math import prod
 from pathlib import Path
 from typing import Any
@@ -18,19 +17,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.compiler import cache, emit_llvm, fastcall, target
+from freebody.compiler import cache, emit_llvm, fastcall, memory, target
 from freebody.compiler.gufunc import make_gufunc, signature
 from freebody.compiler.interpret import BlockedFunction
 from freebody.compiler.passes import optimise
 from freebody.compiler.program import Argument, Program, verify
 from freebody.compiler.threads import cpus, run_split
 from freebody.errors import FreebodyError, ShapeError
+from freebody.lazy import cached_property
 
 BACKENDS = ("llvm", "numpy")
 
 
 _WORTH = 4e6
 """Operations (per vector lane) that a thread is woken for: about 0.1 ms."""
+
+_SLICE = 50 * _WORTH
+"""Operations that one call of the compiled loop may take: milliseconds, so that an interrupt does not wait for long."""
+
+_MOVE = 4.0
+"""What an entry read or written costs where a batch does not fit into the processor's caches."""
 
 _COST = {"sin": 15.0, "cos": 15.0, "div": 8.0, "sqrt": 8.0}
 """What is dearer than an addition."""
@@ -66,8 +72,12 @@ class Kernel:
         self.ufunc = ufunc
         self.signature = signature(program.inputs, program.outputs)
         self._cost = sum(_COST.get(op, 1.0) * count for op, count in program.operations.items()) + 1.0
-        # entries that an array may have and surely be too small for threads
-        self._small = int(2 * _WORTH / self._cost) if backend == "llvm" else sys.maxsize
+        self._cores = [len(argument.shape) for argument in program.inputs + program.outputs]
+        moved = _MOVE * (program.input_size + program.output_size)
+        self._longest = max(1, int(_SLICE / (self._cost + moved)))
+        # samples that are surely neither worth threads nor memory from the store
+        largest = max((argument.size for argument in program.outputs), default=1) or 1
+        self._small = min(int(2 * _WORTH / self._cost), memory.SMALLEST // (8 * largest))
 
     def __call__(self, *arrays: ArrayLike, out: Any = None, threads: int | None = None) -> Any:
         """The output, or the tuple of outputs.
@@ -83,42 +93,59 @@ class Kernel:
             KernelError: wrong number or type of arguments.
         """
         try:
-            if threads == 1 or (threads is None and self._is_small(arrays)):
+            if (threads is None or threads == 1) and self._is_small(arrays):
                 return self.ufunc(*arrays) if out is None else self.ufunc(*arrays, out=out)
-            return self._shared(arrays, out, threads)
+            return self._long(arrays, out, threads)
         except (TypeError, ValueError) as problem:
             raise self._explained(arrays, problem) from None
 
     def _is_small(self, arrays: tuple[ArrayLike, ...]) -> bool:
-        """Whether the batch is surely not worth threads, by one look at one argument: a call takes a microsecond."""
-        first = arrays[0] if arrays else None
-        return isinstance(first, np.ndarray) and first.size < self._small
+        """Whether the batch is surely short, by a look at the arrays: a call takes a microsecond."""
+        for array, core in zip(arrays, self._cores, strict=False):
+            if not isinstance(array, np.ndarray):
+                return False
+            axes = array.ndim - core
+            if axes > 1 or (axes == 1 and array.shape[0] > self._small):
+                return False
+        return True
 
-    def _shared(self, arrays: tuple[ArrayLike, ...], out: Any, threads: int | None) -> Any:
-        """Call with the batch shared among threads, if it is worth it and outputs overlap no input."""
-        inputs, outputs = self.program.inputs, self.program.outputs
+    def _long(self, arrays: tuple[ArrayLike, ...], out: Any, threads: int | None) -> Any:
+        """Call part by part, so that an interrupt need not wait, the parts shared among threads where it is worth it.
+
+        At once where there is no batch, or where NumPy has something to say about the arrays.
+        """
         values = [np.asarray(array) for array in arrays]
         if threads is not None and (not isinstance(threads, int) or threads < 1):
             raise KernelError(f"{self.program.name}: threads={threads!r}, expected a whole number from 1 up.")
-        cores = [len(argument.shape) for argument in inputs + outputs]
-        batch = np.broadcast_shapes(
-            *(value.shape[: value.ndim - core] for value, core in zip(values, cores, strict=False))
-        )
+        shapes = {x.shape[: x.ndim - core] for x, core in zip(values, self._cores, strict=False)}
+        batch = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
         count = prod(batch)
-        if threads is None:
-            threads = min(cpus(), int(count * self._cost / _WORTH))
         given = () if out is None else out if isinstance(out, tuple) else (out,)
-        overlapping = any(np.may_share_memory(x, y) for x in given for y in (*values, *given) if x is not y)
-        if threads < 2 or not batch or count == 0 or overlapping or self.backend == "numpy":
+        if not batch or not count or self.backend == "numpy" or not self._fits(values, given, batch):
             return self.ufunc(*values) if out is None else self.ufunc(*values, out=out)
-        for value, argument in zip(values, inputs, strict=True):
-            if value.shape[value.ndim - len(argument.shape) :] != argument.shape:
-                raise ValueError(argument.name)  # explained by the caller
-        outs = given or tuple(np.empty(batch + argument.shape) for argument in outputs)
-        if any(x.shape != batch + argument.shape for x, argument in zip(outs, outputs, strict=True)):
-            return self.ufunc(*values, out=out)  # NumPy says what is wrong
-        run_split(self.ufunc, values, outs, cores, batch, threads)
+        if threads is None:
+            threads = max(1, min(cpus(), int(count * self._cost / _WORTH)))
+        outs = given or tuple(memory.empty(batch + argument.shape) for argument in self.program.outputs)
+        if given:  # of what is written over, a copy is read, as NumPy does
+            values = [x.copy() if any(np.may_share_memory(x, y) for y in given) else x for x in values]
+        if threads == 1 and count <= self._longest:
+            self.ufunc(*values, out=outs)
+        else:
+            run_split(self.ufunc, values, outs, self._cores, batch, threads, self._longest)
         return outs[0] if len(outs) == 1 else outs
+
+    def _fits(self, values: list[np.ndarray], outs: tuple[Any, ...], batch: tuple[int, ...]) -> bool:
+        """Whether arrays have the core shapes, and those to write to the whole shape and no memory in common."""
+        inputs, outputs = self.program.inputs, self.program.outputs
+        if len(values) != len(inputs) or len(outs) not in (0, len(outputs)):
+            return False
+        for x, argument in zip(values, inputs, strict=True):
+            if x.shape[x.ndim - len(argument.shape) :] != argument.shape:
+                return False
+        for x, argument in zip(outs, outputs, strict=False):
+            if not isinstance(x, np.ndarray) or x.shape != batch + argument.shape:
+                return False
+        return not any(np.may_share_memory(x, y) for x, y in combinations(outs, 2))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Another process compiles the program for itself, or finds it in the cache."""

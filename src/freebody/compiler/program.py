@@ -7,12 +7,12 @@ import struct
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import product
 from math import isfinite, prod
 
 from freebody.errors import FreebodyError
 from freebody.identifiers import is_identifier
+from freebody.lazy import cached_property
 from freebody.scalars.expr import ARITY
 
 

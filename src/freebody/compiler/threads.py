@@ -7,11 +7,14 @@ take them: who comes late finds it empty.
 
 from __future__ import annotations
 
+import contextlib
 import os
+import sys
 import threading
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
+from math import prod
 from queue import SimpleQueue
 from typing import Any
 
@@ -40,10 +43,12 @@ def run_split(
     cores: Sequence[int],
     batch: tuple[int, ...],
     threads: int,
+    longest: int = sys.maxsize,
 ) -> None:
-    """Run `ufunc` on parts of the batch at the same time; what a part raises is raised when all are done.
+    """Run `ufunc` on parts of the batch, by several threads at a time; what a part raises is raised when all are done.
 
-    An interrupt outside a part drops the parts that nobody has begun; what is being computed keeps its arrays.
+    An interrupt drops the parts that nobody has begun, and waits no longer than a part takes; what is being computed
+    keeps its arrays.
 
     Args:
         ufunc: releases the GIL.
@@ -52,24 +57,31 @@ def run_split(
         cores: number of core axes of each input, then of each output.
         batch: the broadcast batch shape, at least one axis.
         threads: how many at most, the caller's among them.
+        longest: samples that a part may have.
     """
-    axis = batch.index(max(batch))
-    operands = [(x, core + len(batch) - axis) for x, core in zip((*arrays, *outs), cores, strict=True)]
-    inputs, parts = len(arrays), _parts(batch[axis], threads)
+    inputs, parts = len(arrays), list(_parts(batch, threads, longest))
     todo, done = deque(parts), SimpleQueue[BaseException | None]()
+
+    def drop() -> None:
+        with contextlib.suppress(IndexError):
+            while True:
+                todo.popleft()
+                done.put(None)
 
     def work() -> None:
         while True:
             try:
-                start, stop = todo.popleft()
+                part = todo.popleft()
             except IndexError:
                 return
             problem = None
             try:
-                cut = [_cut(x, from_end, start, stop) for x, from_end in operands]
+                cut = [_cut(x, x.ndim - core, part) for x, core in zip((*arrays, *outs), cores, strict=True)]
                 ufunc(*cut[:inputs], out=tuple(cut[inputs:]))
             except BaseException as raised:
                 problem = raised
+            if isinstance(problem, KeyboardInterrupt):
+                drop()
             done.put(problem)
 
     for _ in range(_start(min(threads, len(parts)) - 1)):
@@ -84,17 +96,32 @@ def run_split(
         raise problems[0]
 
 
-def _parts(count: int, threads: int) -> list[tuple[int, int]]:
-    """Starts and stops, one part a thread: a part more costs its thread ten microseconds, for it asks for the GIL."""
-    size = -(-count // (threads * GRAIN)) * GRAIN
-    return list(pairwise([*range(0, count, size), count]))
+def _parts(batch: tuple[int, ...], threads: int, longest: int) -> Iterator[tuple[slice, ...]]:
+    """Pieces of the batch, cut along its longest axis; of what is too long there, further along the others.
+
+    One part a thread where that is short enough: a part more costs its thread ten microseconds, as it asks for the GIL.
+    """
+    axis = batch.index(max(batch))
+    others = prod(batch) // batch[axis]
+    count = max(threads, -(-batch[axis] * others // longest))
+    size = min(-(-batch[axis] // count), max(1, longest // others))
+    if GRAIN * others <= longest:
+        size = -(-size // GRAIN) * GRAIN
+    for start, stop in pairwise([*range(0, batch[axis], size), batch[axis]]):
+        shorter = (*batch[:axis], 1, *batch[axis + 1 :])
+        inner = _parts(shorter, 1, longest) if size == 1 and others > longest else [_whole(shorter)]
+        for part in inner:
+            yield (*part[:axis], slice(start, stop), *part[axis + 1 :])
 
 
-def _cut(array: np.ndarray, from_end: int, start: int, stop: int) -> np.ndarray:
-    axis = array.ndim - from_end
-    if axis < 0 or array.shape[axis] == 1:  # broadcast along the cut
-        return array
-    return array[(slice(None),) * axis + (slice(start, stop),)]
+def _whole(batch: tuple[int, ...]) -> tuple[slice, ...]:
+    return (slice(None),) * len(batch)
+
+
+def _cut(array: np.ndarray, axes: int, part: tuple[slice, ...]) -> np.ndarray:
+    """The piece of an array whose first `axes` axes broadcast to the last ones of the batch."""
+    own = part[len(part) - axes :]
+    return array[tuple(slice(None) if n == 1 else s for n, s in zip(array.shape, own, strict=False))]
 
 
 def _start(wanted: int) -> int:

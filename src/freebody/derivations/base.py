@@ -7,7 +7,6 @@ joint), a rotor's J_r; each is defined by the model's own.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from freebody.derivations.expression import Equation
 from freebody.derivations.names import sym
 from freebody.derivations.order import Order
 from freebody.derivations.symbols import RATE, SECOND, Symbols, symbols
+from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 TOLERANCE = 1e-9

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from freebody.algorithms.crba import crba
@@ -19,6 +18,7 @@ from freebody.derivations.render import page
 from freebody.derivations.render.sympy import to_sympy
 from freebody.derivations.symbols import Symbols, symbols
 from freebody.errors import UnknownNameError
+from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.model.parameters import finite, with_parameters
 from freebody.scalars.trig import Trig

@@ -13,7 +13,6 @@ from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 
 from freebody.derivations import expression as ex
 from freebody.derivations.expression import Expression
@@ -22,6 +21,7 @@ from freebody.derivations.order import Order
 from freebody.derivations.pairs import paired
 from freebody.derivations.symbols import SECOND, Symbols
 from freebody.derivations.waves import Monomial, Raw, Terms, Wave, as_products, gathered, raw
+from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 Poly = dict[Monomial, Fraction]

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from freebody.derivations.formula import FormulaError, parse
 from freebody.derivations.names import sym
 from freebody.derivations.render.sympy import to_sympy
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
+from freebody.lazy import cached_property
 
 
 @dataclass(frozen=True)

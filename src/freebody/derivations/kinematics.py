@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from freebody.algorithms import kinematics as algorithms
@@ -21,6 +20,7 @@ from freebody.derivations.expression import Expression
 from freebody.derivations.forms import Layout
 from freebody.derivations.symbols import Symbols, symbols
 from freebody.errors import FreebodyError
+from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.scalars.trig import Trig
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, fields, is_dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import Any
 
 from freebody.derivations import expression as ex
 from freebody.derivations.expression import Expression
 from freebody.derivations.symbols import RATE, SECOND, Symbols
 from freebody.derivations.waves import Blocks
+from freebody.lazy import cached_property
 from freebody.model.bodies import Body
 from freebody.model.joints.revolute import Turning
 from freebody.model.parameters import Parameter, each_parameter

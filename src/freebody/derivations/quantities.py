@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from fractions import Fraction
-from functools import cached_property
 from typing import Any
 
 from freebody.algorithms.kinematics import frame_motion, jacobian
@@ -19,6 +18,7 @@ from freebody.derivations.methods.setting import Setting, require_chain_of_bodie
 from freebody.derivations.symbols import symbols
 from freebody.derivations.values import time_rates
 from freebody.errors import FreebodyError
+from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, neg, times, transposed

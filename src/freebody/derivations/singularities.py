@@ -6,7 +6,6 @@ from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 
 from freebody.derivations import expression as ex
 from freebody.derivations.determinant import shortest_determinant
@@ -15,6 +14,7 @@ from freebody.derivations.factors import factored
 from freebody.derivations.kinematics import Kinematics
 from freebody.derivations.names import sym
 from freebody.derivations.waves import Monomial, gathered, raw
+from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.elementary import Scalar
 from freebody.errors import FreebodyError
+from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
 from freebody.model.placement import Turn

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 from freebody.derivations import expression as ex
@@ -13,6 +12,7 @@ from freebody.derivations.expression import Equation, Expression, Symbol
 from freebody.derivations.forms import Layout
 from freebody.derivations.names import entry
 from freebody.derivations.symbols import RATE, SECOND
+from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 if TYPE_CHECKING:

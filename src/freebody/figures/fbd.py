@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 
 from freebody.errors import FreebodyError, UnknownNameError
@@ -13,6 +12,7 @@ from freebody.figures.drawing import Drawing
 from freebody.figures.figure import save, sheet
 from freebody.figures.loads import BodyLoads, body_loads
 from freebody.figures.svg import picture
+from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector, Wrenches
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.figures.drawing import Drawing, Element, canonical
 from freebody.figures.svg import Picture, natural_scale, picture
+from freebody.lazy import cached_property
 
 WIDE, TALL = 400.0, 380.0
 """Size of one drawing on a sheet, pixels."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, MissingValueError, ModelError, UnknownNameError
+from freebody.lazy import cached_property
 from freebody.model import changes as changed
 from freebody.model.bodies import Body, Frame, JointLimits
 from freebody.model.gravity import gravity_of

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.numerics.coordinates import Index
 

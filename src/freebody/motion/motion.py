@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +10,7 @@ from scipy.interpolate import PPoly, make_interp_spline
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
+from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.numerics.calls import vector
 from freebody.numerics.coordinates import (

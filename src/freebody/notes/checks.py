@@ -7,7 +7,7 @@ import re
 import textwrap
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from freebody.derivations.quantities import Quantities, of_link
 from freebody.derivations.relation import Relation, agrees, relation
 from freebody.derivations.values import Each, plain, rank, value
 from freebody.errors import UnknownNameError
+from freebody.lazy import cached_property
 from freebody.notes.item import Outcome
 from freebody.scalars.trig import Trig
 

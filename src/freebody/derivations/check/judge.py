@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 
 from freebody.derivations.check import example
 from freebody.derivations.check.answer import Claim
@@ -26,6 +25,7 @@ from freebody.derivations.check.wording import Wording, quoted
 from freebody.derivations.check.workspace import Workspace
 from freebody.derivations.names import sym
 from freebody.errors import FreebodyError
+from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 MOST_FINDINGS = 6

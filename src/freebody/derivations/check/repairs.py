@@ -10,7 +10,6 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from itertools import combinations
 
 from freebody.derivations.check.residues import PRIME, rational
@@ -29,6 +28,7 @@ from freebody.derivations.check.tree import (
     replaced,
 )
 from freebody.derivations.check.workspace import Workspace
+from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 MOST_NODES = 2500

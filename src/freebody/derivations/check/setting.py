@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 from freebody.derivations.equations import Equations
 from freebody.derivations.forms import Layout
 from freebody.derivations.order import Order
 from freebody.derivations.symbols import RATE, SECOND, Symbols
+from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig, TrigRing
 
 FAMILIES = ("l", "lc", "m", "I")

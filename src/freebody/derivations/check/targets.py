@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from freebody.algorithms.kinematics import frame_pose, jacobian, joint_poses, world_poses
@@ -13,6 +12,7 @@ from freebody.derivations import expression as ex
 from freebody.derivations.check.setting import Setting
 from freebody.derivations.check.vocabulary import spellings
 from freebody.derivations.expression import Expression
+from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 Values = list[Trig] | list[list[Trig]]

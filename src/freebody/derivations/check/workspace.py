@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cached_property
 
 from freebody.derivations.check.residues import PRIME, Point
 from freebody.derivations.check.tree import Negative, Node, Power, Product, Quotient, Sum, nodes
+from freebody.lazy import cached_property
 
 
 class Workspace:

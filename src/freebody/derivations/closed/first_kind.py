@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import combinations
 
 from freebody.derivations.closed.linear import Entries, Ratio, inner, ratio, solved, times
@@ -17,6 +16,7 @@ from freebody.derivations.closed.loops import LoopEquations
 from freebody.derivations.determinant import determinant
 from freebody.derivations.equations import Equations
 from freebody.derivations.symbols import Symbols
+from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 MULTIPLIER = "lam"

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from freebody.algorithms.kinematics import jacobian
@@ -20,6 +19,7 @@ from freebody.derivations.determinant import determinant
 from freebody.derivations.kinematics import Kinematics
 from freebody.derivations.singularities import Determinant
 from freebody.errors import FreebodyError, UnknownNameError
+from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 ROWS = {2: ("vx", "vy", "w"), 3: ("vx", "vy", "vz", "wx", "wy", "wz")}

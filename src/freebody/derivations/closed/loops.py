@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 from freebody.algorithms import constraints
@@ -19,6 +18,7 @@ from freebody.derivations.expression import Expression
 from freebody.derivations.forms import Layout
 from freebody.derivations.symbols import Symbols, symbols
 from freebody.errors import FreebodyError
+from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.model.tree import Tree, TreeLoop
 from freebody.scalars.trig import Trig

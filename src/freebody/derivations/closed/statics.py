@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 
 from freebody.derivations.closed.first_kind import multiplier_names
 from freebody.derivations.closed.linear import Entries, Ratio, ratio, solved
 from freebody.derivations.closed.loops import LoopEquations
 from freebody.derivations.determinant import determinant
+from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 

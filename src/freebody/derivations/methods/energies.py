@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from functools import cached_property
 
 from freebody.algorithms.kinematics import Motion
 from freebody.derivations import expression as ex
@@ -11,6 +10,7 @@ from freebody.derivations.derivation import Step
 from freebody.derivations.expression import Equation, eq
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.names import vec
+from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import dot, neg
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from itertools import pairwise
 
 from freebody.derivations import expression as ex
@@ -15,6 +14,7 @@ from freebody.derivations.methods.setting import Setting
 from freebody.derivations.names import sym, vec
 from freebody.derivations.singularities import jacobian_determinant
 from freebody.derivations.symbols import RATE, SECOND
+from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 

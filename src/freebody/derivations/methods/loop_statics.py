@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import cached_property
 
 from freebody.algorithms import constraints
 from freebody.derivations import expression as ex
@@ -20,6 +19,7 @@ from freebody.derivations.methods.statics import Equilibrium
 from freebody.derivations.methods.wording import listed
 from freebody.derivations.names import entry, sym
 from freebody.errors import FreebodyError
+from freebody.lazy import cached_property
 from freebody.model.tree import TreeLoop
 from freebody.spatial import Vector
 

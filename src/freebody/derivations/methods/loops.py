@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 from freebody.algorithms import constraints
 from freebody.algorithms.kinematics import frame_pose
@@ -15,6 +14,7 @@ from freebody.derivations.expression import Equation, Expression, eq
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.wording import listed
 from freebody.derivations.names import entry, sym
+from freebody.lazy import cached_property
 from freebody.model.tree import TreeLoop
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, add, scale

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import cached_property
 
 from freebody.derivations import expression as ex
 from freebody.derivations.expression import Expression
 from freebody.derivations.methods.setting import Setting
+from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, add, dot, scale, sub, times
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from freebody.algorithms.kinematics import Motion, Pose, outward, world_poses
@@ -21,6 +20,7 @@ from freebody.derivations.names import sym, vec
 from freebody.derivations.symbols import Symbols
 from freebody.elementary import Scalar
 from freebody.errors import FreebodyError
+from freebody.lazy import cached_property
 from freebody.model.inertia import Inertia
 from freebody.model.joints.revolute import Turning
 from freebody.model.parameters import Parameter, Quantity

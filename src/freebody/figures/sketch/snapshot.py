@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from freebody.arrays import Array
 from freebody.figures.loads import BodyLoads, body_loads
 from freebody.figures.skeleton import BodyPlace, Skeleton, extent, skeleton
+from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, with_parameters
 from freebody.numerics.calls import Vector, Wrenches, vector

@@ -11,13 +11,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from freebody.algorithms.kinematics import ancestors, frame_pose, joint_poses, world_poses
 from freebody.arrays import Array
+from freebody.lazy import cached_property
 from freebody.model.joints.revolute import Turning
 from freebody.model.tree import Tree
 from freebody.numerics.inverse.subproblems import by_triangle

@@ -4,11 +4,11 @@ is a working mode."""
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.numerics.closed.assembly import closing
 from freebody.numerics.closed.decompose import Decomposition, decomposed

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from freebody.algorithms.kinematics import ancestors
 from freebody.arrays import Array
+from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.numerics import kernels
 from freebody.numerics.formulas import Option

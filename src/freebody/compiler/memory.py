@@ -1,0 +1,79 @@
+"""Memory for long results: that of results which are gone is used again.
+
+The system hands out memory page by page, when a page is first written, and that takes up to five times as long as the
+arithmetic that fills it. So what a result leaves behind is kept for the next one of about its size.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections import deque
+from math import prod
+
+import numpy as np
+
+from freebody.arrays import Array
+
+SMALLEST = 2**17
+"""Bytes from which it is worth it: the C library keeps shorter pieces itself."""
+
+LARGEST = 2**25
+"""Bytes up to which a piece is kept."""
+
+LIMIT = 2**26
+"""Bytes that are kept in all, in pieces that nobody uses."""
+
+_kept: dict[int, deque[tuple[Array, int]]] = {}
+"""Bytes of a piece -> pieces and their addresses; what was used last comes last."""
+
+
+def empty(shape: tuple[int, ...]) -> Array:
+    """An array of float64 whose values are whatever they are, C order."""
+    size = 8 * prod(shape)
+    if not SMALLEST <= size <= LARGEST:
+        return np.empty(shape)
+    step = 1 << (size.bit_length() - 3)  # pieces of few different lengths
+    return np.asarray(_Piece(shape, -(-size // step) * step))
+
+
+class _Piece:
+    """Memory that lives as long as an array that lies in it, and is then kept.
+
+    No lock guards what is kept: this may happen at any moment of any thread, and each step is one operation.
+    """
+
+    __slots__ = ("__array_interface__", "address", "memory")
+
+    def __init__(self, shape: tuple[int, ...], size: int):
+        try:
+            self.memory, self.address = _kept[size].pop()
+        except (KeyError, IndexError):
+            self.memory = np.empty(size // 8)
+            self.address = self.memory.ctypes.data
+        self.__array_interface__ = {
+            "data": (self.address, False),
+            "shape": shape,
+            "typestr": _FLOAT,
+            "version": 3,
+        }
+
+    def __del__(self) -> None:
+        with contextlib.suppress(AttributeError, TypeError):  # the interpreter is ending
+            _keep(self.memory, self.address)
+
+
+_FLOAT = np.dtype(np.float64).str
+
+
+def _keep(memory: Array, address: int) -> None:
+    """Keep a piece, and let go of those that were used least lately."""
+    size = memory.nbytes
+    pieces = _kept.pop(size, None) or deque()
+    pieces.append((memory, address))
+    _kept[size] = pieces
+    total = sum(size * len(pieces) for size, pieces in tuple(_kept.items()))
+    for size, pieces in tuple(_kept.items()):
+        while total > LIMIT and pieces:
+            with contextlib.suppress(IndexError):
+                pieces.popleft()
+            total -= size

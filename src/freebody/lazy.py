@@ -1,0 +1,36 @@
+"""Values found when they are first asked for, and kept in the instance; without a lock."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Generic, TypeVar, overload
+
+T = TypeVar("T")
+
+
+class cached_property(Generic[T]):
+    """A property computed once an instance, as `functools.cached_property`, which before Python 3.12 holds one lock for
+    all instances while it computes: a process forked meanwhile by another thread would find it taken for ever.
+
+    Two threads that ask at the same moment may both compute; both get the value that was kept first. The value is of a
+    frozen instance, so it does not matter which.
+    """
+
+    def __init__(self, function: Callable[[Any], T]):
+        self.function = function
+        self.__doc__ = function.__doc__
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    @overload
+    def __get__(self, instance: None, owner: type) -> cached_property[T]: ...
+
+    @overload
+    def __get__(self, instance: object, owner: type) -> T: ...
+
+    def __get__(self, instance: object | None, owner: type) -> cached_property[T] | T:
+        if instance is None:
+            return self
+        # the instance's own entry is found before this descriptor from now on
+        return instance.__dict__.setdefault(self.name, self.function(instance))

@@ -1,0 +1,185 @@
+"""A process that forks, or is stopped by Ctrl-C, in the middle of the work of another thread or of a long call."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.compiler import Argument, Kernel, compile_program, kernel, trace
+
+SRC = Path(fb.__file__).parents[1]
+
+
+def run(code: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", code],
+        timeout=60,
+        env={**os.environ, "PYTHONPATH": str(SRC), **environment},
+        capture_output=True,
+        text=True,
+    )
+
+
+FORK_DURING_A_TRACE = """
+import os, signal, threading, time, warnings
+warnings.simplefilter("ignore", DeprecationWarning)  # fork beside threads is what is tested
+import numpy as np
+import freebody as fb
+from freebody.compiler.kernel import Kernel
+from freebody.model import model as models, tree
+from freebody.numerics import kernels
+small, large = fb.planar("RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1]), fb.load("ur5e")
+inside, go_on, lower = threading.Event(), threading.Event(), models.lower
+def slow(model, values):  # what a large robot takes seconds for
+    if model.name == "ur5e":
+        inside.set()
+        go_on.wait(20)
+    return lower(model, values)
+models.lower = slow
+tracing = threading.Thread(target=lambda: large.tree)
+tracing.start()
+inside.wait(20)
+child = os.fork()
+if child == 0:
+    signal.alarm(5)  # a child that waits for ever ends by this
+    os._exit(0 if fb.mass_matrix(small, np.zeros(2)).shape == (2, 2) else 1)
+status = os.waitpid(child, 0)[1]
+go_on.set()
+tracing.join()
+assert status == 0, status
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
+@pytest.mark.parametrize("backend", ["llvm", "numpy"])
+def test_a_child_forked_while_another_thread_traces_goes_on(backend):
+    done = run(FORK_DURING_A_TRACE, FREEBODY_BACKEND=backend)
+    assert done.returncode == 0, done.stderr
+
+
+def test_nothing_in_freebody_holds_a_lock_that_a_fork_would_leave_taken():
+    """`functools.cached_property` holds one for all instances before Python 3.12."""
+    users = [
+        path.relative_to(SRC)
+        for path in SRC.joinpath("freebody").rglob("*.py")
+        if any(
+            "functools" in line and "cached_property" in line and "import" in line
+            for line in path.read_text(encoding="utf-8").splitlines()
+        )
+    ]
+    assert users == []
+
+
+def double() -> Kernel:
+    program = trace("double", lambda q: ([2.0 * q[0]],), [Argument("q", (1,))], [Argument("r", (1,))])
+    return Kernel(program, "llvm", 2, compile_program(program).ufunc)
+
+
+@pytest.mark.parametrize("threads", [1, 4])
+@pytest.mark.parametrize("shape", [(4_000,), (4, 1000), (2,) * 12, (1, 4000, 1)])
+def test_an_interrupt_stops_a_long_call_after_the_part_that_is_being_computed(monkeypatch, threads, shape):
+    """Ctrl-C in the third of many parts: of those that nobody has begun, none is computed."""
+    long, calls = double(), []
+    monkeypatch.setattr(long, "_longest", 16)
+    monkeypatch.setattr(long, "_small", 8)
+    computed = long.ufunc
+
+    def stopped(*arrays, out):
+        calls.append(arrays[0].size)
+        if len(calls) == 3:
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(0.01)  # the main thread may be another
+        return computed(*arrays, out=out)
+
+    monkeypatch.setattr(long, "ufunc", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        long(np.ones((*shape, 1)), threads=threads)
+    assert max(calls) <= 16
+    assert len(calls) < 100  # of 250
+
+
+def test_a_part_takes_milliseconds():
+    """Of the dearest quantities, and of those that do little but move numbers; counted in operations and entries."""
+    arm = fb.load("ur5e")
+    for name in ("potential_energy", "forward_kinematics", "inverse_dynamics_second_derivatives"):
+        long = fb.kernel(arm, name, backend="llvm")
+        entries = long.program.input_size + long.program.output_size
+        assert 0.1 * kernel._SLICE < long._longest * long._cost <= kernel._SLICE
+        assert long._longest * entries <= 5e7
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+@pytest.mark.parametrize("shape", [(1001,), (7, 143), (143, 7), (3, 1, 5, 67), (2,) * 10])
+def test_parts_give_the_bits_of_the_whole(monkeypatch, threads, shape):
+    arm = fb.load("ur5e")
+    whole = fb.kernel(arm, ["inverse_dynamics", "mass_matrix"])
+    parts = Kernel(whole.program, whole.backend, whole.width, whole.ufunc)
+    monkeypatch.setattr(parts, "_longest", 50)
+    monkeypatch.setattr(parts, "_small", 8)
+    q, qd, qdd = fb.random_state(arm, 1, shape)
+    one = qd[(0,) * len(shape)]
+    for given in ((q, qd, qdd), (q, one, qdd), (q[:1], qd, qdd[..., :1, :]), (q.astype(np.float32), qd, qdd)):
+        expected = whole.ufunc(*given)
+        outs = tuple(np.full_like(x, np.nan) for x in expected)
+        for found in (parts(*given, threads=threads), parts(*given, threads=threads, out=outs)):
+            for x, y in zip(found, expected, strict=True):
+                assert x.tobytes() == y.tobytes()
+
+
+def test_output_over_input_part_by_part(monkeypatch):
+    """A part that is written must not be what a later part reads."""
+    parts = double()
+    monkeypatch.setattr(parts, "_longest", 16)
+    monkeypatch.setattr(parts, "_small", 8)
+    buffer = np.arange(1100.0)[:, None]
+    expected = 2.0 * buffer[:1000]
+    parts(buffer[:1000], out=buffer[37:1037])
+    np.testing.assert_array_equal(buffer[37:1037], expected)
+
+
+def test_memory_of_results_that_are_gone_is_used_again_and_of_those_that_are_there_never():
+    arm = fb.load("ur5e")
+    torque = fb.kernel(arm, "inverse_dynamics")
+    q, qd, qdd = fb.random_state(arm, 1, 30_000)
+    first = torque(q, qd, qdd)
+    view, expected = first[5:, 2:4], first.copy()
+    addresses = {torque(q, qd, qdd, threads=1).ctypes.data for _ in range(10)}
+    assert len(addresses) <= 2
+    assert first.ctypes.data not in addresses
+    del first
+    second = torque(qd, q, qdd)
+    np.testing.assert_array_equal(view, expected[5:, 2:4])  # a view keeps the memory
+    assert not np.may_share_memory(view, second)
+    assert second.flags.writeable
+    assert second.flags.c_contiguous
+
+
+def test_threads_that_ask_for_memory_at_once_get_different_pieces():
+    from freebody.compiler import memory
+
+    wrong = []
+
+    def work(value: float) -> None:
+        for _ in range(300):
+            piece = memory.empty((40_000,))
+            piece[::5000] = value
+            time.sleep(0)
+            wrong.append(bool((piece[::5000] != value).any()))
+
+    workers = [threading.Thread(target=work, args=(float(k),)) for k in range(4)]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join()
+    assert len(wrong) == 1200
+    assert not any(wrong)
+    assert sum(size * len(pieces) for size, pieces in memory._kept.items()) <= memory.LIMIT
