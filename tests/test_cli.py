@@ -43,6 +43,9 @@ def test_study_writes_a_report_and_data(capsys: pytest.CaptureFixture[str]):
     said = capsys.readouterr()
     assert said.err == ""
     lines = said.out.splitlines()
+    assert lines.pop(0) == (
+        "Not judged: not given are an effort limit, a speed limit and a position range of joint1 and joint2."
+    )
     assert lines[0] == (
         "2R: 2 coordinates. Default motion: every joint swings within its limits, from rest to rest in 5 s."
     )
@@ -51,7 +54,7 @@ def test_study_writes_a_report_and_data(capsys: pytest.CaptureFixture[str]):
         "peak torque", "at", "RMS torque", "peak speed", "peak power", "of effort limit",
     ]  # fmt: skip
     assert lines[3].startswith("joint1 ")
-    assert re.search(r"All \d checks passed\.", said.out)
+    assert re.search(r"^Self-checks: freebody agrees with itself in all \d\.$", said.out, re.MULTILINE)
     assert lines[-2:] == [
         "report: study-2R/report.html",
         "data:   study-2R/study.nc and CSV tables beside it",
@@ -73,7 +76,7 @@ def test_a_failed_check_gives_exit_code_1(
         checks, "_parts", lambda data: checks.check("equation of motion", 0.5, 1e-10, "Planted.")
     )
     assert run(["study", "pendulum"]) == 1
-    assert "check failed: equation of motion: 0.5, allowed 1e-10. Planted." in capsys.readouterr().out
+    assert "self-check failed: equation of motion: 0.5, allowed 1e-10. Planted." in capsys.readouterr().out
 
 
 def test_doubtful_inertias_are_yellow_lines_and_stand_in_the_report(capsys: pytest.CaptureFixture[str]):
@@ -92,8 +95,12 @@ def test_doubtful_inertias_are_yellow_lines_and_stand_in_the_report(capsys: pyte
 def test_limits_that_are_left_are_yellow_lines(capsys: pytest.CaptureFixture[str]):
     rows = "\n".join(f"{k},0,{k},0,0,0,0" for k in range(8))
     Path("m.csv").write_text(f"t,{','.join(fb.load('ur5e').position_names)}\n{rows}\n")
-    assert run(["study", "ur5e", "--motion", "m.csv"]) == 0
-    said = capsys.readouterr().err
+    assert run(["study", "ur5e", "--motion", "m.csv"]) == 1
+    said = capsys.readouterr()
+    assert said.out.startswith(
+        "Not feasible: shoulder_lift_joint goes to 7 rad at t = 7 s, beyond its limit 6.283 rad"
+    )
+    said = said.err
     assert "warning: shoulder_lift_joint leaves its range: the motion spans 0 to 7 rad" in said
 
 

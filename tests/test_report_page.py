@@ -67,7 +67,7 @@ def test_failed_check_stands_out(study):
     from freebody.report.html import page as written
 
     text = written(page)
-    assert f'class="badge bad" href="#checks">1 of {len(study.checks)} checks failed' in text
+    assert f'class="badge bad" href="#checks">1 of {len(study.checks)} self-checks failed' in text
     assert '<td class="bad">failed</td>' in text
     assert "checks passed" not in text
 

@@ -16,6 +16,14 @@ if TYPE_CHECKING:
 
     from freebody.report.study import Study
 
+_STYLES = {
+    ("feasible", True): "bold green",
+    ("not feasible", False): "bold red",
+    ("not judged", True): "bold yellow",
+    ("not judged", False): "bold red",
+}
+"""By outcome, and whether there is nothing to mend."""
+
 EXAMPLE = "Example: freebody study ur5e --out study-ur5e"
 
 REPORT = "report.html"
@@ -53,14 +61,17 @@ def study(
         progress("report", 0.75)
         report = found.to_html(directory / REPORT)
     _print(found, report, directory)
-    if not found.passed:
+    if found.finding:
         raise typer.Exit(1)
 
 
 def _print(found: Study, report: Path, directory: Path) -> None:
+    from freebody.report.summary import energy_text
+
     out = terminal.out()
     for sentence in found.warnings:
         terminal.warn(sentence)
+    out.print(found.verdict.text, style=_STYLES[found.verdict.outcome, found.verdict.good], markup=False)
     motion = found.motion.source
     replay = found.replay.text if found.replay else found.replay_skipped
     above = (
@@ -69,7 +80,13 @@ def _print(found: Study, report: Path, directory: Path) -> None:
     )
     out.print(*above, sep="\n", markup=False)
     out.print(_table(found))
-    out.print(found.worst.text, found.singularity.text, replay, sep="\n", markup=False)
+    sentences = (
+        found.worst.text,
+        energy_text(found.summary, found.motion.duration),
+        found.singularity.text,
+        replay,
+    )
+    out.print(*sentences, sep="\n", markup=False)
     _print_checks(found)
     below = f"report: {report}", f"data:   {directory / 'study.nc'} and CSV tables beside it"
     out.print(*below, sep="\n", markup=False, soft_wrap=True)
@@ -79,9 +96,9 @@ def _print_checks(found: Study) -> None:
     failed = [check for check in found.checks if not check.passed]
     out = terminal.out()
     if not failed:
-        out.print(f"All {len(found.checks)} checks passed.", style="green")
+        out.print(f"Self-checks: freebody agrees with itself in all {len(found.checks)}.")
     for check in failed:
-        text = f"check failed: {check.name}: {check.value:.3g}, allowed {check.bar:.3g}. {check.text}"
+        text = f"self-check failed: {check.name}: {check.value:.3g}, allowed {check.bar:.3g}. {check.text}"
         out.print(text, style="bold red", markup=False)
 
 

@@ -22,6 +22,7 @@ from freebody.report import equations
 from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
 from freebody.report.study import Study
+from freebody.report.summary import energy_text
 from freebody.report.tables import significant, typeset
 
 
@@ -45,6 +46,8 @@ def page(study: Study) -> str:
             notices=_notices(study),
             robot=figures.robot(study),
             drives=tables.drives(study),
+            work=tables.work(study),
+            energy=energy_text(study.summary, study.motion.duration),
             ranges=tables.ranges(study),
             bodies=tables.bodies(study),
             gravity=tables.gravity(study),

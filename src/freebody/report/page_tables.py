@@ -72,9 +72,23 @@ def drives(study: Study) -> Table:
         Printed("Peak speed", "peak_speed", rates, "largest in magnitude"),
         Printed("Speed / limit", "velocity_fraction", "", _USE, share=True),
         Printed("Peak power", "peak_power", "W", "torque times speed; negative where the drive brakes"),
-        Printed("Mean power", "mean_power", "W", "over the motion"),
     ]
     return _by_coordinate("What each drive must give", study, names, columns)
+
+
+def work(study: Study) -> Table:
+    """What each drive puts in and takes up."""
+    columns = [
+        Printed("Work done", "work_done", "J", "where torque and speed have the same sign"),
+        Printed("Work braked", "work_braked", "J", "where the drive holds the motion back"),
+        Printed("Net", "net_work", "J", "work done less work braked: of a cycle what friction takes"),
+        Printed("Braked / done", "regenerated_share", "%", "what could be fed back", scale=100.0),
+        Printed("Peak power", "peak_power", "W", "negative where the drive brakes"),
+        Printed("at", "peak_power_time", "s"),
+        Printed("Mean power", "mean_power", "W", "braking counted as negative"),
+        Printed("Power / limits", "power_fraction", "", "of effort limit times speed limit", share=True),
+    ]
+    return _by_coordinate("Work of each drive over the motion", study, study.model.driven_names, columns)
 
 
 def ranges(study: Study) -> Table | None:
@@ -144,15 +158,27 @@ def gravity(study: Study) -> Table | None:
 
 def reactions(study: Study) -> Table:
     """What bearings are chosen by."""
-    columns = [
-        Printed("Peak force", "peak_force", "N", "magnitude of all that the parent exerts on the child"),
-        Printed("at", "peak_force_time", "s"),
-        Printed("Peak moment", "peak_moment", "N m", "about the joint's origin, the drive's torque included"),
-        Printed("at", "peak_moment_time", "s"),
-    ]
     names = study.model.reaction_names
-    listed = [p.column(study.summary, "joint", names) for p in columns]
-    return _listed("What each joint transmits", "Joint", names, listed)
+    loads = [
+        ("Force", "peak_force", "N", "magnitude of all that the parent exerts on the child"),
+        ("Axial", "peak_axial_force", "N", "along the axis of a turning joint, with its sign"),
+        ("Radial", "peak_radial_force", "N", "across the axis"),
+        ("Tilting moment", "peak_tilting_moment", "N m", "across the axis, about the joint's origin"),
+        ("Guide moment", "peak_guide_moment", "N m", "about the axis of a sliding joint"),
+        ("Drive", "peak_drive_load", _drive_units(study), "about (along) the axis: the drive's"),
+    ]  # fmt: skip
+    columns: list[Column] = []
+    for title, variable, unit, tip in loads:
+        if np.isfinite(study.summary[variable].values).any():
+            for printed in (Printed(title, variable, unit, tip), Printed("at", f"{variable}_time", "s")):
+                columns.append(printed.column(study.summary, "joint", names))
+    return _listed("What each bearing and guide carries at most, and when", "Joint", names, columns)
+
+
+def _drive_units(study: Study) -> list[str]:
+    """Of each reaction's drive; loops have none."""
+    sliding = {body.joint.name for body in study.model.bodies if body.joint.kind == "prismatic"}
+    return ["N" if name in sliding else "N m" for name in study.model.reaction_names]
 
 
 def checks(study: Study) -> Table:

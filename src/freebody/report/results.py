@@ -3,8 +3,94 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from freebody.arrays import Array
+
+Outcome = Literal["feasible", "not feasible", "not judged"]
+
+
+@dataclass(frozen=True)
+class Use:
+    """How much of one limit a motion uses."""
+
+    quantity: str
+    """position, speed, torque, force, RMS torque, RMS force, or power."""
+    coordinate: str
+    value: float
+    """Where the motion comes nearest to the limit, or goes farthest beyond it."""
+    limit: float
+    fraction: float
+    """Of the limit; of a position, from the middle of the range: 1 at its ends."""
+    time: float
+    """When (s); NaN for a mean over the motion."""
+    unit: str
+
+    @property
+    def exceeded(self) -> bool:
+        """Whether it is beyond the limit; on it is within."""
+        return self.fraction > 1.0 + 1e-9
+
+    @property
+    def text(self) -> str:
+        """What, how much, when, where, in words."""
+        when = f" at t = {self.time:.3g} s" if self.time == self.time else ""
+        if self.quantity == "position":
+            way = "beyond its limit" if self.exceeded else "its nearest limit being"
+            return f"{self.coordinate} goes to {self.value:.4g} {self.unit}{when}, {way} {self.limit:.4g} {self.unit}"
+        return (
+            f"the {self.quantity} of {self.coordinate} is {abs(self.value):.4g} {self.unit}{when}, "
+            f"{percent(self.fraction)} of its {self.limit:.4g} {self.unit}"
+        )
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Whether the robot can make the motion, as far as its description tells; the first line of a study."""
+
+    outcome: Outcome
+    reason: str
+    """Why, in a sentence or a few."""
+    uses: tuple[Use, ...]
+    """Every limit that is given, with what the motion uses of it; most used first."""
+    missing: tuple[str, ...]
+    """What would have to be given, in words, such as "an effort limit of elbow"; empty if all is there."""
+    masses: tuple[str, ...]
+    """What is wrong with the masses: links whose inertia is missing, a placeholder, or implausible."""
+    estimated: str
+    """How inertias were estimated; empty if they are the description's own."""
+    factor: float
+    """Run so many times as fast the motion reaches its first limit of speed or torque: above 1 it can be sped up so
+    far, below 1 it must be slowed down to that. 0: no slowing helps; infinite: no limit depends on it; NaN: unknown."""
+
+    @property
+    def heading(self) -> str:
+        """The outcome as a first word, and whether it rests on estimated inertias."""
+        return self.outcome.capitalize() + (" (estimated)" if self.estimated else "")
+
+    @property
+    def text(self) -> str:
+        """The whole verdict: heading and reason."""
+        return f"{self.heading}: {self.reason}"
+
+    def __str__(self) -> str:
+        return self.text
+
+    @property
+    def good(self) -> bool:
+        """Whether there is nothing to mend: no limit is exceeded and the masses are known, or estimated on demand."""
+        return self.outcome != "not feasible" and not self.masses
+
+    @property
+    def binding(self) -> Use | None:
+        """The limit that the motion uses most of, or exceeds most."""
+        return self.uses[0] if self.uses else None
+
+
+def percent(share: float) -> str:
+    """A share in words that does not round across the limit: 100.4 % is not 100 %."""
+    decimals = 0 if abs(share - 1.0) >= 0.01 else 2
+    return f"{100 * share:.{decimals}f} %"
 
 
 @dataclass(frozen=True)

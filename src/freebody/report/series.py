@@ -15,6 +15,7 @@ from freebody.motion.ranges import angular
 from freebody.numerics import dynamics, kinematics
 from freebody.numerics.closed.dynamics import drive_torques
 from freebody.report import energy, jacobians
+from freebody.report.bearings import bearing_loads
 from freebody.spatial import add, scale, times
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ def series(model: Model, tip: str, motion: Motion) -> xr.Dataset:
     variables |= _tip(model, tip, motion) | jacobians.measures(model, tip, motion.q)
     variables |= energy.powers(variables, motion)
     return xr.Dataset(
-        {name: _variable(*entry) for name, entry in variables.items()},
+        _variables(variables),
         coordinates(model, motion.t),
         {
             "title": f"Dynamic study of {model.name}",
@@ -63,8 +64,19 @@ def coordinates(model: Model, t: Array | None = None) -> dict[str, Any]:
     return named if t is None else {"time": ("time", t, {"units": "s", "long_name": "time"}), **named}
 
 
-def _variable(dims: tuple[str, ...], value: Array, units: str, text: str) -> tuple[Any, ...]:
-    return dims, value, {"units": units, "long_name": text}
+def torque_parts(model: Model, motion: Motion) -> xr.Dataset:
+    """Of the dataset that `Study.data` describes: motion and torques with their parts."""
+    import xarray as xr
+
+    found = _motion(model, motion) | torques(model, motion)
+    return xr.Dataset(_variables(found), coordinates(model, motion.t))
+
+
+def _variables(found: dict[str, Any]) -> dict[str, Any]:
+    return {
+        name: (dims, value, {"units": units, "long_name": text})
+        for name, (dims, value, units, text) in found.items()
+    }
 
 
 def _motion(model: Model, motion: Motion) -> dict[str, Any]:
@@ -94,6 +106,7 @@ def torques(model: Model, motion: Motion) -> dict[str, Any]:
         "tau_coriolis": (np.einsum("tij,tj->ti", C, qd), "Coriolis and centrifugal part, C q̇"),
         "tau_gravity": (gravity, "gravity part, g"),
         "tau_friction": (viscous * qd + _coulomb(model, qd), "friction, viscous and Coulomb"),
+        "tau_viscous": (viscous * qd, "viscous friction, which tau_friction includes"),
         "tau_springs": (springs, "springs"),
         "tau_rotors": (rotors, "inertia of the rotors seen through their gears"),
     }
@@ -134,7 +147,8 @@ def _reactions(model: Model, motion: Motion) -> dict[str, Any]:
         ):
             what = f"{name.replace('_', ' ')} on the child at its joint, {axes}"
             found[name + suffix] = (("time", "joint", dim), part, units, what)
-    return found
+    child = (found[f"reaction_{what}_child"][1] for what in ("force", "moment"))
+    return found | bearing_loads(model, *child)
 
 
 def _bodies(model: Model, motion: Motion) -> dict[str, Any]:

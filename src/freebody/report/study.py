@@ -14,18 +14,24 @@ from freebody.errors import FreebodyError, SingularError
 from freebody.model.model import Model
 from freebody.motion.default import default_motion
 from freebody.motion.motion import Motion
+from freebody.motion.ranges import ranges
 from freebody.motion.table import motion_from_dataset, read_motion
 from freebody.report.checks import checks
 from freebody.report.jacobians import singularity
+from freebody.report.pace import at_pace, pace
 from freebody.report.replay import replayed
-from freebody.report.results import Check, Replay, Singularity, StaticPose, Worst
-from freebody.report.series import series
+from freebody.report.results import Check, Replay, Singularity, StaticPose, Verdict, Worst
+from freebody.report.series import series, torque_parts
 from freebody.report.static import worst_poses
 from freebody.report.summary import limit_notices, summary, worst
 from freebody.report.tip import chosen_tip
+from freebody.report.verdict import effort_limits, verdict
 
 if TYPE_CHECKING:
     import xarray as xr
+
+_SLOWEST = 0.05  # pace; a default motion that must be slower yet hardly moves, and is studied as it is
+_CLEARANCE = 0.95  # of the pace at which a limit is reached
 
 Progress = Callable[[str, float], None]
 """Called with what is being done and the fraction that is done."""
@@ -52,25 +58,33 @@ class Study:
     """Time series.
 
     (time, position): q. (time, coordinate): qd, qdd, tau and its parts tau_inertial (M q̈ of the bodies), tau_coriolis,
-    tau_gravity, tau_friction, tau_springs, tau_rotors, which sum to tau; power. (time, joint, axis | moment_axis):
-    reaction_force, reaction_moment (world axes, on the child, by the parent, at the child's joint origin), and with
-    suffix _child in the child's axes. (time, body, axis): body_origin, body_com. (time, axis | moment_axis):
-    tip_position, tip_velocity, tip_angular_velocity. (time,): kinetic_energy, potential_energy, motor_power,
-    friction_power, supplied_work, energy_residual, smallest_singular_value, largest_singular_value, manipulability.
+    tau_gravity, tau_friction, tau_springs, tau_rotors, which sum to tau; tau_viscous, part of the friction; power.
+    (time, joint, axis | moment_axis): reaction_force, reaction_moment (world axes, on the child, by the parent, at the
+    child's joint origin), and with suffix _child in the child's axes. (time, joint): axial_force, radial_force,
+    tilting_moment, guide_moment, drive_load (`report.bearings`). (time, body, axis): body_origin, body_com.
+    (time, axis | moment_axis): tip_position, tip_velocity, tip_angular_velocity. (time,): kinetic_energy,
+    potential_energy, motor_power, friction_power, supplied_work, energy_residual, smallest_singular_value,
+    largest_singular_value, manipulability.
     """
     summary: xr.Dataset
     """Peaks and means.
 
-    (coordinate,): peak_torque, peak_torque_time, rms_torque, peak_speed, peak_power, peak_power_time, mean_power,
-    lowest, highest, gravity_torque_peak, and with NaN where there is no limit: effort_fraction, velocity_fraction,
-    position_fraction (how far from the middle of the range, 1 at a limit), rms_fraction. (joint,): peak_force,
-    peak_force_time, peak_moment, peak_moment_time, the magnitudes of the reaction.
+    (coordinate,): peak_torque, peak_torque_time, rms_torque, peak_speed, peak_speed_time, peak_power, peak_power_time,
+    mean_power, work_done, work_braked, net_work, regenerated_share, lowest, highest, gravity_torque_peak, and with NaN
+    where there is no limit: effort_fraction, velocity_fraction, position_fraction (how far from the middle of the
+    range, 1 at a limit), rms_fraction, power_fraction (over effort times speed limit). (joint,): peak_force,
+    peak_moment, the magnitudes of the reaction, and peak_axial_force, peak_radial_force, peak_tilting_moment,
+    peak_guide_moment, peak_drive_load, each with its time. Of all drives: total_work_done, total_work_braked,
+    total_net_work, total_regenerated_share, total_peak_power, shared_work_done, shared_work_braked.
     """
     worst: Worst
     static: tuple[StaticPose, ...]
     """For each coordinate that gravity loads."""
     singularity: Singularity
     checks: tuple[Check, ...]
+    """Of freebody on itself: quantities computed in two ways."""
+    verdict: Verdict
+    """Whether the robot can make the motion: feasible, not feasible, or not judged, and why."""
     replay: Replay | None
     replay_skipped: str
     """Why there is no replay; empty if there is one."""
@@ -82,9 +96,20 @@ class Study:
     """How long each part took (s)."""
 
     @property
-    def passed(self) -> bool:
-        """Whether all checks passed."""
+    def checked(self) -> bool:
+        """Whether all `checks` of freebody on itself passed."""
         return all(check.passed for check in self.checks)
+
+    @property
+    def passed(self) -> bool:
+        """Whether the motion is feasible, masses known or estimated on demand, and all `checks` passed."""
+        return self.checked and self.verdict.good and self.verdict.outcome == "feasible"
+
+    @property
+    def finding(self) -> bool:
+        """Whether there is something to mend (the command then exits with 1): a limit exceeded, masses missing or
+        doubtful, a check failed. Limits that are not given are none."""
+        return not (self.checked and self.verdict.good)
 
     def save(self, directory: str | os.PathLike[str]) -> list[Path]:
         """Write study.nc (time series and summary) and CSV tables; the files written. Units stand in the headers."""
@@ -109,8 +134,8 @@ def study(
     """The dynamic study of a robot along a motion.
 
     model: with all values. motion: a Motion, a CSV file or a dataset (see `read_motion`); default a smooth one within
-    the joint limits. tip: frame; default the model's own, else the leaf behind the most movable joints. progress:
-    called with a text and the fraction done.
+    the joint limits, run as slowly as the limits of speed and torque ask. tip: frame; default the model's own, else the
+    leaf behind the most movable joints. progress: called with a text and the fraction done.
     Raises FreebodyError for a robot without movable joints, MissingValueError for one with open parameters.
     """
     if model.nv == 0:
@@ -123,6 +148,7 @@ def study(
     with clock.part("torques, reactions, energies", 0.05):
         data = series(model, frame, followed)
         found = summary(model, followed, data)
+        judged = verdict(model, followed, data, found)
     with clock.part("worst poses", 0.4):
         poses = () if model.loops else worst_poses(model)
     with clock.part("replay", 0.5):
@@ -142,6 +168,7 @@ def study(
         static=poses,
         singularity=singularity(model, frame, data),
         checks=checked,
+        verdict=judged,
         replay=replay,
         replay_skipped=skipped,
         notices=(*map(str, model.notices), *warned),
@@ -164,7 +191,7 @@ def _driven(model: Model) -> tuple[str, ...]:
 
 def _motion(model: Model, motion: Motion | xr.Dataset | str | os.PathLike[str] | None) -> Motion:
     if motion is None:
-        return default_motion(model)
+        return _unhurried(model, default_motion(model))
     if isinstance(motion, Motion):
         if motion.q.shape[-1] != model.nq or motion.qd.shape[-1] != model.nv:
             raise FreebodyError(
@@ -175,6 +202,18 @@ def _motion(model: Model, motion: Motion | xr.Dataset | str | os.PathLike[str] |
     if isinstance(motion, str | os.PathLike):
         return read_motion(model, motion)
     return motion_from_dataset(model, motion)
+
+
+def _unhurried(model: Model, motion: Motion) -> Motion:
+    """The default motion, slowed down where that brings it within the limits of speed and torque."""
+    allowed = ranges(model)
+    data = torque_parts(model, motion)
+    factor = pace(data, allowed.velocity, effort_limits(model, allowed)).factor
+    if factor >= 1.0 or factor < _SLOWEST:
+        return motion
+    factor *= _CLEARANCE
+    words = f", slowed to {motion.duration / factor:.3g} s to keep the limits of speed and torque"
+    return at_pace(motion, factor, words)
 
 
 def _replay(model: Model, motion: Motion) -> tuple[Replay | None, str]:

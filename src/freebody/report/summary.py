@@ -10,6 +10,7 @@ from freebody.arrays import Array
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges
+from freebody.report.bearings import LOADS
 from freebody.report.results import Worst
 from freebody.report.series import coordinates
 
@@ -17,12 +18,15 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+_CANCELLED = 1e-6  # of the work done: a difference that samples do not resolve
+
+
 def summary(model: Model, motion: Motion, data: xr.Dataset) -> xr.Dataset:
     """The dataset that `Study.summary` describes."""
     import xarray as xr
 
     t = motion.t
-    found = _drives(data, t) | _use(model, motion, data) | _reactions(data, t)
+    found = _drives(data, t) | works(data, t) | _use(model, motion, data) | _reactions(data, t)
     variables = {
         name: (dim, value, {"units": units, "long_name": text})
         for name, (dim, value, units, text) in found.items()
@@ -48,9 +52,10 @@ def _drives(data: xr.Dataset, t: Array) -> dict[str, Any]:
         "peak_torque_time": (dim, peak_time, "s", "when the torque is largest"),
         "rms_torque": (dim, np.sqrt(mean(t, tau**2)), "N m|N", "root mean square of the torque"),
         "peak_speed": (dim, np.abs(qd).max(axis=0), "rad/s|m/s", "largest speed"),
+        "peak_speed_time": (dim, _peak(t, qd)[1], "s", "when the speed is largest"),
         "peak_power": (dim, most, "W", "largest mechanical power, with its sign"),
         "peak_power_time": (dim, most_time, "s", "when the power is largest"),
-        "mean_power": (dim, mean(t, power), "W", "mean mechanical power"),
+        "mean_power": (dim, mean(t, power), "W", "mean mechanical power, braking counted as negative"),
         "gravity_torque_peak": (
             dim,
             _peak(t, data["tau_gravity"].values)[0],
@@ -66,11 +71,87 @@ def _peak(t: Array, x: Array) -> tuple[Array, Array]:
     return np.take_along_axis(x, k[None], axis=0)[0], t[k]
 
 
+def works(data: xr.Dataset, t: Array) -> dict[str, Any]:
+    """Work done and braked (J), per coordinate and of all; on one supply, drives that brake feed those that drive."""
+    power = data["power"].values
+    done, braked = parted(t, power)
+    shared = [x[0] for x in parted(t, power.sum(axis=1, keepdims=True))]
+    dim, none = "coordinate", ()
+    return {
+        "work_done": (dim, done, "J", "work that the drive does"),
+        "work_braked": (dim, braked, "J", "work that the drive takes up in braking"),
+        "net_work": (dim, done - braked, "J", "work done less work braked: of a cycle what friction takes"),
+        "regenerated_share": (
+            dim,
+            _share(braked, done),
+            "1",
+            "work braked over work done: what could be fed back",
+        ),
+        "total_work_done": (none, done.sum(), "J", "work done, each drive with a supply of its own"),
+        "total_work_braked": (none, braked.sum(), "J", "work braked, each drive with a supply of its own"),
+        "total_net_work": (none, (done - braked).sum(), "J", "work done less work braked, all drives"),
+        "shared_work_done": (none, shared[0], "J", "work done, all drives on one supply"),
+        "shared_work_braked": (none, shared[1], "J", "work braked, all drives on one supply"),
+        "total_regenerated_share": (
+            none,
+            _share(braked.sum(), done.sum()),
+            "1",
+            "work braked over work done",
+        ),
+        "total_peak_power": (
+            none,
+            _peak(t, power.sum(axis=1, keepdims=True))[0][0],
+            "W",
+            "peak of the summed power",
+        ),
+    }
+
+
+def parted(t: Array, power: Array) -> tuple[Array, Array]:
+    """Integrals (n,) of the positive and of the negative part, sign turned, of samples (T, n), straight between."""
+    h = np.diff(t)[:, None]
+    p0, p1 = power[:-1], power[1:]
+    size = np.abs(p0) + np.abs(p1)
+    up = np.maximum(p0, 0.0) + np.maximum(p1, 0.0)
+    # where the sign changes a triangle is left of each: up²/size of it is positive
+    with np.errstate(invalid="ignore", divide="ignore"):
+        positive = np.where(size > 0, 0.5 * h * up**2 / size, 0.0)
+        negative = np.where(size > 0, 0.5 * h * (size - up) ** 2 / size, 0.0)
+    return positive.sum(axis=0), negative.sum(axis=0)
+
+
+def energy_text(found: xr.Dataset, duration: float) -> str:
+    """Work, braking and peak of all drives together, in a sentence, from `Study.summary`."""
+    done, braked, net, shared, peak = (
+        float(found[name])
+        for name in (
+            "total_work_done",
+            "total_work_braked",
+            "total_net_work",
+            "shared_work_done",
+            "total_peak_power",
+        )
+    )
+    if done == 0:
+        return "The drives do no work."
+    kept = 0.0 if abs(net) < _CANCELLED * done else net
+    return (
+        f"In {duration:.3g} s the drives do {done:.4g} J and brake {braked:.4g} J ({braked / done:.0%}): "
+        f"net {kept:.4g} J. "
+        f"Sharing one supply they take {shared:.4g} J. Peak of all together: {peak:.4g} W."
+    )
+
+
+def _share(part: Array, whole: Array) -> Array:
+    return np.divide(part, whole, out=np.full(np.shape(whole), np.nan), where=np.asarray(whole) > 0)
+
+
 def _use(model: Model, motion: Motion, data: xr.Dataset) -> dict[str, Any]:
     allowed = ranges(model)
     lowest, highest, position = _excursion(model, motion, allowed)
     tau, qd = np.abs(data["tau"].values), np.abs(motion.qd)
     rms = np.sqrt(mean(motion.t, tau**2))
+    power = np.abs(data["power"].values).max(axis=0)
     dim = "coordinate"
     return {
         "lowest": (dim, lowest, "rad|m", "least position"),
@@ -89,6 +170,12 @@ def _use(model: Model, motion: Motion, data: xr.Dataset) -> dict[str, Any]:
             "peak torque over its limit",
         ),
         "rms_fraction": (dim, _fraction(rms, allowed.effort), "1", "RMS torque over the effort limit"),
+        "power_fraction": (
+            dim,
+            _fraction(power, allowed.effort * allowed.velocity),
+            "1",
+            "peak power over effort limit times speed limit",
+        ),
     }
 
 
@@ -110,7 +197,25 @@ def _excursion(model: Model, motion: Motion, allowed: Ranges) -> tuple[Array, Ar
 def _reactions(data: xr.Dataset, t: Array) -> dict[str, Any]:
     force, force_time = _peak(t, np.linalg.norm(data["reaction_force"].values, axis=-1))
     moment, moment_time = _peak(t, np.linalg.norm(data["reaction_moment"].values, axis=-1))
-    return {
+    bearings: dict[str, Any] = {}
+    for name in LOADS:
+        attributes = data[name].attrs
+        peak, time = _peak(t, np.nan_to_num(data[name].values))
+        absent = np.isnan(data[name].values).all(axis=0)
+        what = attributes["long_name"]
+        bearings[f"peak_{name}"] = (
+            "joint",
+            np.where(absent, np.nan, peak),
+            attributes["units"],
+            f"largest {what}",
+        )
+        bearings[f"peak_{name}_time"] = (
+            "joint",
+            np.where(absent, np.nan, time),
+            "s",
+            f"when it is largest: {what}",
+        )
+    return bearings | {
         "peak_force": ("joint", force, "N", "largest reaction force"),
         "peak_force_time": ("joint", force_time, "s", "when the reaction force is largest"),
         "peak_moment": ("joint", moment, "N m", "largest reaction moment at the joint's origin"),

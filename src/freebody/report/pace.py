@@ -1,0 +1,130 @@
+"""How fast a motion may be run: its torques and speeds under uniform scaling of time, exactly.
+
+Run k times as fast, the same path has rates k q̇ and accelerations k² q̈, and each torque is
+
+    τ(k) = a k² + b k + c,   a = M q̈ + C q̇ + rotors,   b = viscous friction,   c = gravity + springs + Coulomb friction,
+
+a, b, c being the parts at k = 1 (Hollerbach 1984, "Dynamic scaling of manipulator trajectories", with friction added).
+Of closed chains too: what the drives feel of each part depends on the position alone. Friction at rest (k = 0) is not
+asked about. Between the samples of the motion nothing is said.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.motion.motion import Motion
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_CLOSE = 1e-9  # of a limit: what is on it is within it
+
+
+@dataclass(frozen=True)
+class Pace:
+    """factor: the motion, run `factor` times as fast, reaches its first limit, of those that depend on speed.
+
+    Above 1 it may be sped up so far, and at every speed between; below 1 it must be slowed down, `factor` being the
+    largest that is within all. 0: no slowing helps. Infinite: no limit is ever reached.
+    """
+
+    factor: float
+    held: Array
+    """(nv,) the largest |c| over the torque limit: what slowing down does not take away; NaN without a limit."""
+    held_time: Array
+    """(nv,) when (s)."""
+
+
+def pace(data: xr.Dataset, velocity: Array, effort: Array) -> Pace:
+    """How fast the motion of `data` (`Study.data`) may be run under limits (nv,), infinite where there are none."""
+    fast = np.abs(data["qd"].values).max(axis=0)
+    with np.errstate(divide="ignore"):
+        quickest = float(np.min(np.where(fast > 0, velocity * (1 + _CLOSE) / fast, np.inf), initial=np.inf))
+    a, b, c = parts(data)
+    limited = np.isfinite(effort)
+    bound = np.where(limited, effort * (1 + _CLOSE), 0.0)
+    low, high = _broken(a[:, limited], b[:, limited], c[:, limited], bound[limited])
+    share = np.where(limited, np.abs(c) / np.where(limited, effort, 1.0), np.nan)
+    k = np.argmax(np.nan_to_num(share), axis=0)
+    t = data["time"].values
+    return Pace(_within(low, high, quickest), np.take_along_axis(share, k[None], axis=0)[0], t[k])
+
+
+def parts(data: xr.Dataset) -> tuple[Array, Array, Array]:
+    """(a, b, c), arrays (T, nv): the torques' parts that grow with the square of the pace, with it, and not."""
+    get = {name: data[f"tau_{name}"].values for name in _PARTS}
+    square = get["inertial"] + get["coriolis"] + get["rotors"]
+    return square, get["viscous"], get["gravity"] + get["springs"] + get["friction"] - get["viscous"]
+
+
+_PARTS = ("inertial", "coriolis", "rotors", "viscous", "friction", "gravity", "springs")
+
+
+def at_pace(motion: Motion, factor: float, words: str) -> Motion:
+    """The same path run `factor` times as fast, from the same start; `words` are added to its source."""
+    start = motion.t[0]
+    return replace(
+        motion,
+        t=start + (motion.t - start) / factor,
+        qd=motion.qd * factor,
+        qdd=motion.qdd * factor**2,
+        source=f"{motion.source}{words}",
+    )
+
+
+def _broken(a: Array, b: Array, c: Array, bound: Array) -> tuple[Array, Array]:
+    """Open intervals of k > 0, arrays (n,) of their ends, in which |a k² + b k + c| is above its bound somewhere."""
+    ends: list[tuple[Array, Array]] = []
+    for sign in (1.0, -1.0):
+        ends += _positive(sign * a, sign * b, sign * c - bound)
+    low, high = (np.concatenate([pair[i].ravel() for pair in ends]) for i in (0, 1))
+    low = np.maximum(low, 0.0)
+    some = high > low
+    return low[some], high[some]
+
+
+def _positive(a: Array, b: Array, c: Array) -> list[tuple[Array, Array]]:
+    """Where a k² + b k + c > 0, as two intervals for each entry; an empty one ends before it starts."""
+    b, c = np.broadcast_arrays(b, c)
+    straight = np.abs(a) <= 1e-14 * (np.abs(b) + np.abs(c))
+    with np.errstate(all="ignore"):
+        root = np.sqrt(b**2 - 4 * a * c)  # NaN: no root, one sign throughout
+        far = -0.5 * (b + np.where(b >= 0, 1.0, -1.0) * root)
+        roots = np.sort(np.stack([far / a, np.where(far == 0, 0.0, c / far)]), axis=0)
+        single = -c / b
+    real = ~np.isnan(root)
+    # parabola: outside its roots where it opens upwards, between them where it opens downwards
+    up, down = ~straight & (a > 0), ~straight & (a < 0) & real
+    rising, falling = straight & (b > 0), straight & (b < 0)
+    level = straight & (b == 0) & (c > 0)
+    first_low = np.select(
+        [up, down, rising, falling, level], [-np.inf, roots[0], single, -np.inf, -np.inf], np.inf
+    )
+    first_high = np.select(
+        [up & real, up, down, rising, falling, level],
+        [roots[0], np.inf, roots[1], np.inf, single, np.inf],
+        -np.inf,
+    )
+    second_low = np.where(up & real, roots[1], np.inf)
+    second_high = np.where(up & real, np.inf, -np.inf)
+    return [(first_low, first_high), (second_low, second_high)]
+
+
+def _within(low: Array, high: Array, quickest: float) -> float:
+    """From k = 1 outwards the end of what is in no interval and not above `quickest`; see `Pace`."""
+    order = np.argsort(low)
+    low, high = low[order], np.maximum.accumulate(high[order]) if len(high) else high
+    inside = bool(np.any((low < 1.0) & (high > 1.0)))
+    if not inside and quickest >= 1.0:
+        return float(min(quickest, low[low >= 1.0].min(initial=np.inf)))
+    # largest k <= 1 (and <= quickest) outside all intervals: go down from interval to interval
+    k = min(1.0, quickest)
+    for lower, upper in zip(low[::-1], high[::-1], strict=True):
+        if lower < k < upper:
+            k = float(lower)
+    return k

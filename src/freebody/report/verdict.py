@@ -1,0 +1,246 @@
+"""The verdict of a study: feasible, not feasible, or not judged, and by which limit.
+
+A verdict is never kinder than the truth. What the description does not tell is named, and nothing is then called
+feasible; masses that are missing, placeholders or implausible make every torque, and so the verdict, void. A limit of 0
+counts as not given (`motion.ranges`). Files give no continuous rating and no power, so that the RMS torque is held
+against the effort limit and the power against effort times speed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from freebody.model.model import Model
+from freebody.motion.motion import Motion
+from freebody.motion.ranges import Ranges, position_columns, ranges
+from freebody.report.pace import Pace, pace
+from freebody.report.results import Outcome, Use, Verdict, percent
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from freebody.model.bodies import Body
+
+DOUBTFUL, ESTIMATED = "inertia", "estimate"
+"""Kinds of `Notice` that tell of masses."""
+
+_UNDRIVEN = 1e-6  # of the largest torque or force: what a passive joint may be asked for
+_TIGHT = 1.001  # a pace below it is called "as fast as it goes"
+
+
+def verdict(model: Model, motion: Motion, data: xr.Dataset, found: xr.Dataset) -> Verdict:
+    """Judge a motion by `Study.data` and `Study.summary`."""
+    allowed = ranges(model)
+    uses = tuple(sorted(_uses(model, motion, allowed, found), key=lambda use: -use.fraction))
+    masses = tuple(notice.text for notice in model.notices if notice.kind == DOUBTFUL)
+    estimated = " ".join(notice.text for notice in model.notices if notice.kind == ESTIMATED)
+    if not masses and _is_massless(model):
+        masses = ("no body has any mass.",)
+    if masses:  # torques mean nothing; what is left is about positions and speeds
+        uses = tuple(use for use in uses if use.quantity in ("position", "speed"))
+    missing = _missing(model, allowed)
+    undriven = () if masses else _undriven(model, data)
+    run = pace(data, allowed.velocity, effort_limits(model, allowed))
+    over = [use for use in uses if use.exceeded]
+    outcome: Outcome = "feasible"
+    if over or undriven:
+        outcome = "not feasible"
+    elif masses or missing:
+        outcome = "not judged"
+    sentences = [*_reasons(outcome, uses, over, undriven, missing, masses)]
+    if not masses and uses:
+        sentences += _paces(model, run, uses, over, bool(undriven), allowed)
+    unphysical = sum(notice.kind == "physical" for notice in model.notices)
+    if unphysical and not masses:
+        sentences.append(
+            f"{unphysical} inertia{'s that no rigid body has are' if unphysical > 1 else ' that no rigid body has is'} "
+            "used as given."
+        )
+    if estimated:
+        sentences.append("The inertias are estimated, and so are all torques.")
+    factor = float("nan") if masses or not uses else run.factor
+    return Verdict(outcome, " ".join(sentences), uses, missing, masses, estimated, factor)
+
+
+def effort_limits(model: Model, allowed: Ranges) -> np.ndarray:
+    """Torque limits (nv,) of what is driven."""
+    return np.where(np.isin(model.velocity_names, model.driven_names), allowed.effort, np.inf)
+
+
+# ------------------------------------------------------------ what is used of each limit
+def _uses(model: Model, motion: Motion, allowed: Ranges, found: xr.Dataset) -> Iterator[Use]:
+    driven = set(model.driven_names)
+    iq, iv = position_columns(model)
+    column = dict(zip(iv.tolist(), iq.tolist(), strict=True))
+    for k, name in enumerate(model.velocity_names):
+        of = {
+            key: float(found[key].values[k]) for key in found.data_vars if found[key].dims == ("coordinate",)
+        }
+        unit, effort_unit = str(found["unit"].values[k]), str(found["effort_unit"].values[k])
+        what = "torque" if effort_unit == "N m" else "force"
+        if k in column:
+            yield from _position(motion, allowed, k, column[k], name, unit, of["position_fraction"])
+        top, most = float(allowed.velocity[k]), float(allowed.effort[k])
+        if np.isfinite(top):
+            fraction, when = of["velocity_fraction"], of["peak_speed_time"]
+            yield Use("speed", name, of["peak_speed"], top, fraction, when, f"{unit}/s")
+        if name not in driven or not np.isfinite(most):
+            continue
+        yield Use(
+            what, name, of["peak_torque"], most, of["effort_fraction"], of["peak_torque_time"], effort_unit
+        )
+        yield Use(f"RMS {what}", name, of["rms_torque"], most, of["rms_fraction"], float("nan"), effort_unit)
+        if np.isfinite(top):
+            fraction, when = of["power_fraction"], of["peak_power_time"]
+            yield Use("power", name, of["peak_power"], most * top, fraction, when, "W")
+
+
+def _position(
+    motion: Motion, allowed: Ranges, k: int, column: int, name: str, unit: str, fraction: float
+) -> Iterator[Use]:
+    """The nearest approach to, or the farthest excess of, a position limit; one-sided ranges count when left."""
+    q, lower, upper = motion.q[:, column], float(allowed.lower[k]), float(allowed.upper[k])
+    low, high = int(np.argmin(q)), int(np.argmax(q))
+    to_lower, to_upper = q[low] - lower, upper - q[high]
+    at, limit = (low, lower) if to_lower < to_upper else (high, upper)
+    if not np.isfinite(limit):
+        return
+    if np.isnan(fraction):  # the other end is open: within, or beyond by more than rounding
+        beyond = -min(to_lower, to_upper)
+        if beyond <= 1e-9 * max(1.0, abs(limit)):
+            return
+        fraction = 1.0 + beyond / (2 * np.pi if allowed.turns[k] else 1.0)
+    yield Use("position", name, float(q[at]), limit, fraction, float(motion.t[at]), unit)
+
+
+# ------------------------------------------------------------ what is not there
+def _missing(model: Model, allowed: Ranges) -> tuple[str, ...]:
+    """Limits that the description does not give, and joints of which nothing tells what moves them."""
+    single = [
+        (body, at.v[0])
+        for body, at in zip(model.bodies, model.coordinates, strict=True)
+        if body.joint.mimic is None and body.kind.nv == 1
+    ]
+    driven = [(body, k) for body, k in single if not body.joint.passive]
+    absent: dict[tuple[str, ...], list[str]] = {}  # names of joints, and all that is not given of them
+    for what, names in (
+        ("an effort limit", _named(driven, lambda b, k: not np.isfinite(allowed.effort[k]))),
+        ("a speed limit", _named(driven, lambda b, k: not np.isfinite(allowed.velocity[k]))),
+        (
+            "a position range",
+            _named(driven, lambda b, k: b.joint.kind != "continuous" and _unbounded(allowed, k)),
+        ),
+    ):
+        absent.setdefault(names, []).append(what)
+    found = [f"{listed(parts)} of {listed(names)}" for names, parts in absent.items() if names]
+    several = [b.joint.name for b in model.bodies if b.kind.nv > 1 and not b.joint.passive]
+    if several and not model.loops:
+        found.append(f"what moves {listed(several)}, which has no motor of its own")
+    return tuple(found)
+
+
+def _named(joints: Sequence[tuple[Body, int]], absent: Callable[[Body, int], bool]) -> tuple[str, ...]:
+    return tuple(body.joint.name for body, k in joints if absent(body, k))
+
+
+def _unbounded(allowed: Ranges, k: int) -> bool:
+    return not (np.isfinite(allowed.lower[k]) and np.isfinite(allowed.upper[k]))
+
+
+def _undriven(model: Model, data: xr.Dataset) -> tuple[str, ...]:
+    """Passive joints of an open chain that the motion needs a torque at."""
+    if model.loops:
+        return ()
+    tau = np.abs(data["tau"].values)
+    size = float(tau.max(initial=0.0))
+    found = []
+    for k, name in enumerate(model.velocity_names):
+        if name not in model.driven_names and tau[:, k].max() > _UNDRIVEN * size:
+            unit = str(data["effort_unit"].values[k])
+            found.append(f"{name} is passive, and the motion needs {tau[:, k].max():.3g} {unit} there")
+    return tuple(found)
+
+
+def _is_massless(model: Model) -> bool:
+    """Whether nothing that moves has mass or inertia."""
+    return not any(body.masses for body in model.tree.bodies)
+
+
+# ------------------------------------------------------------ in words
+def _reasons(
+    outcome: Outcome,
+    uses: Sequence[Use],
+    over: Sequence[Use],
+    undriven: Sequence[str],
+    missing: Sequence[str],
+    masses: Sequence[str],
+) -> Iterator[str]:
+    if over:
+        more = len(over) - 1
+        others = f"; {more} more limit{'s are' if more > 1 else ' is'} exceeded" if more else ""
+        yield f"{over[0].text}{others}."
+    for sentence in undriven:
+        yield f"{sentence}."
+    if masses:
+        yield f"the torques mean nothing, because {'; '.join(text.rstrip('.') for text in masses)}."
+        return
+    if outcome == "feasible":
+        yield f"the motion stays within every limit; nearest: {uses[0].text}."
+    elif missing:
+        opening = "not given are " if outcome == "not judged" else "Not given, besides: "
+        yield f"{opening}{'; '.join(missing)}."
+        if outcome == "not judged" and uses:
+            yield f"The limits that it gives are kept; nearest: {uses[0].text}."
+
+
+def _paces(
+    model: Model, run: Pace, uses: Sequence[Use], over: Sequence[Use], undriven: bool, allowed: Ranges
+) -> list[str]:
+    """How much faster, or slower."""
+    out = any(use.exceeded and use.quantity == "position" for use in uses)
+    fast = [use for use in over if use.quantity != "position"]
+    if run.factor == 0.0:
+        held = np.where(np.isin(model.velocity_names, model.driven_names), np.nan_to_num(run.held), 0.0)
+        k = int(np.argmax(held))
+        what = "gravity" if not _holds_more(model) else "gravity, springs and friction"
+        return [
+            f"Slowing down does not help: {what} alone ask{'s' if what == 'gravity' else ''} "
+            f"{percent(float(held[k]))} of {model.velocity_names[k]}'s limit at t = {run.held_time[k]:.3g} s."
+        ]
+    if fast:
+        rest = "; what else is wrong stays" if out or undriven else ""
+        return [
+            f"It would keep the limits of speed and torque at {_down(run.factor)} times its speed "
+            f"(in {1 / run.factor:.3g} times the time){rest}."
+        ]
+    if out or undriven:
+        return ["Slowing down does not help."]
+    if not np.isfinite(run.factor):
+        return []
+    if run.factor < _TIGHT:
+        return ["It cannot be run any faster."]
+    return [f"It could be run up to {_down(run.factor)} times as fast."]
+
+
+def _holds_more(model: Model) -> bool:
+    """Whether more than gravity is there at any pace: springs, Coulomb friction."""
+    return any(
+        body.drive is not None and bool(body.drive.coulomb or body.drive.stiffness)
+        for body in model.tree.bodies
+    )
+
+
+def _down(factor: float) -> str:
+    """A factor with three digits, never rounded up."""
+    scale = 10.0 ** (2 - int(np.floor(np.log10(factor))))
+    return f"{np.floor(factor * scale * (1 + 1e-12)) / scale:.3g}"
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names in a sentence, the first few of many."""
+    if len(names) > 4:
+        return f"{', '.join(names[:3])} and {len(names) - 3} more"
+    return ", ".join(names[:-1]) + (" and " if len(names) > 1 else "") + names[-1]

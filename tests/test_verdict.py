@@ -1,0 +1,271 @@
+"""The verdict of a study: never kinder than the truth. Limits, pace, work, and what bearings carry."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.cli.app import run
+from freebody.motion.motion import Motion, motion_of
+from freebody.report.bearings import bearing_loads
+from freebody.report.pace import at_pace, pace
+from freebody.report.summary import parted
+
+ARM = """<robot name="arm">
+  <link name="base"/>
+  <link name="link"><inertial><origin xyz="0.5 0 0"/><mass value="2.13"/>
+    <inertia ixx="0.011" iyy="0.17" izz="0.17" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="lift" type="revolute"><parent link="base"/><child link="link"/><axis xyz="0 1 0"/>
+    <limit lower="-1" upper="1" velocity="{velocity}" effort="{effort}"/></joint>
+</robot>
+"""
+
+
+@pytest.fixture(autouse=True)
+def in_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def arm(velocity: float = 3.0, effort: float = 20.0) -> str:
+    Path("arm.urdf").write_text(ARM.format(velocity=velocity, effort=effort))
+    return "arm.urdf"
+
+
+def swing(model: fb.Model, size: float = 0.5, seconds: float = 2.0) -> Motion:
+    t = np.linspace(0.0, seconds, 201)
+    wave = size * np.sin(np.pi * t / seconds)[:, None] ** 2
+    return motion_of(model, t, wave * np.linspace(1.0, -0.6, model.nv))
+
+
+def full(coulomb: float = 0.4, effort: float = np.inf, velocity: float = np.inf) -> fb.Model:
+    """Two links with everything that acts in a joint."""
+    drive = fb.Drive(viscous=0.7, coulomb=coulomb, rotor=2e-3, gear=10.0, stiffness=1.5, rest=0.1)
+    limits = fb.Limits(-2.0, 2.0, velocity, effort)
+    return fb.planar(
+        "RR", l=[1, 1], lc=[0.5, 0.4], m=[2, 1], I=[0.1, 0.05], drives=[drive, drive], limits=[limits, limits]
+    )
+
+
+# ------------------------------------------------------------ the three outcomes, and what the command exits with
+def test_a_feasible_motion_exits_0_and_says_so_first(capsys: pytest.CaptureFixture[str]):
+    assert run(["study", arm()]) == 0
+    said = capsys.readouterr()
+    assert said.err == ""
+    assert said.out.startswith("Feasible: the motion stays within every limit; nearest: ")
+    assert re.search(r"It could be run up to \S+ times as fast\.", " ".join(said.out.split()))
+
+
+def test_a_motion_beyond_a_limit_exits_1_and_says_which(capsys: pytest.CaptureFixture[str]):
+    file = arm(velocity=1.0)
+    Path("fast.csv").write_text("t,lift\n" + "\n".join(f"{k / 20},{0.5 * (k / 20) ** 2}" for k in range(25)))
+    assert run(["study", file, "--motion", "fast.csv"]) == 1
+    out = " ".join(capsys.readouterr().out.split())
+    assert out.startswith(
+        "Not feasible: the speed of lift is 1.2 rad/s at t = 1.2 s, 120 % of its 1 rad/s. "
+        "It would keep the limits of speed and torque at 0.833 times its speed (in 1.2 times the time)."
+    )
+    assert "passed" not in out
+
+
+def test_limits_of_zero_are_not_given_and_nothing_is_called_feasible(capsys: pytest.CaptureFixture[str]):
+    assert run(["study", arm(velocity=0, effort=0)]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("Not judged: not given are an effort limit and a speed limit of lift.")
+    study = fb.study(fb.load("arm.urdf"))
+    assert not study.passed
+    assert not study.finding
+
+
+def test_gravity_beyond_the_limit_is_not_helped_by_slowing(capsys: pytest.CaptureFixture[str]):
+    assert run(["study", arm(effort=5.0)]) == 1
+    out = " ".join(capsys.readouterr().out.split())
+    assert out.startswith("Not feasible: the torque of lift is 10.")
+    assert "Slowing down does not help: gravity alone asks 2" in out
+
+
+def test_a_motion_on_its_limit_is_within_it():
+    model = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.1], limits=[fb.Limits(0, 1, velocity=1.0, effort=50)])
+    t = np.linspace(0, 1, 41)
+    study = fb.study(model, motion_of(model, t, t[:, None]))
+    assert study.verdict.outcome == "feasible"
+    assert study.verdict.factor == pytest.approx(1.0, abs=1e-6)
+    assert "cannot be run any faster" in study.verdict.text
+
+
+def test_a_position_outside_its_range_is_not_feasible_at_any_speed():
+    model = fb.planar(
+        "R", l=[1], lc=[0.5], m=[1], I=[0.1], limits=[fb.Limits(-1, 0.4, velocity=9, effort=50)]
+    )
+    verdict = fb.study(model, swing(model)).verdict
+    assert verdict.outcome == "not feasible"
+    assert verdict.text.startswith(
+        "Not feasible: joint1 goes to 0.5 rad at t = 1 s, beyond its limit 0.4 rad."
+    )
+    assert "Slowing down does not help." in verdict.text
+    open_below = [fb.Limits(upper=0.4, velocity=9, effort=50)]
+    model = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.1], limits=open_below)
+    assert fb.study(model, swing(model)).verdict.outcome == "not feasible"
+
+
+def test_a_passive_joint_that_needs_a_torque_is_not_feasible():
+    limits = [fb.Limits(-3, 3, 9, 99)] * 2
+    model = fb.planar("RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1], limits=limits)
+    model = model.replace(actuated=["joint1"])
+    verdict = fb.study(model, swing(model)).verdict
+    assert verdict.outcome == "not feasible"
+    assert "joint2 is passive, and the motion needs " in verdict.text
+
+
+# ------------------------------------------------------------ pace
+@pytest.mark.parametrize(("effort", "velocity"), [(60.0, 4.0), (60.0, 99.0), (30.0, 99.0), (60.0, 0.2)])
+def test_at_the_stated_pace_the_first_limit_is_just_reached(effort, velocity):
+    """The factor, against the torque of the same path run at that pace by inverse dynamics, friction included."""
+    model = full(effort=effort, velocity=velocity)
+    motion = swing(model, seconds=0.9)
+    study = fb.study(model, motion)
+    factor = study.verdict.factor
+
+    def used(k: float) -> float:
+        run = at_pace(motion, k, "")
+        tau = fb.inverse_dynamics(model, run.q, run.qd, run.qdd)
+        return max(np.abs(tau).max() / effort, np.abs(run.qd).max() / velocity)
+
+    assert used(factor) == pytest.approx(1.0, abs=1e-7)
+    if factor >= 1:
+        assert max(used(k) for k in np.linspace(1.0, factor, 40)) <= 1 + 1e-7
+        assert study.verdict.outcome == "feasible"
+    else:
+        assert min(used(k) for k in np.linspace(factor * (1 + 1e-6), 1.0, 40)) > 1
+        assert study.verdict.outcome == "not feasible"
+
+
+def test_no_pace_holds_what_gravity_springs_and_friction_ask():
+    model = full(effort=10.0)
+    study = fb.study(model, swing(model))
+    assert study.verdict.factor == 0.0
+    assert "gravity, springs and friction alone ask" in study.verdict.text
+    found = pace(study.data, np.full(2, np.inf), np.full(2, 10.0))
+    tau = fb.static_torque(model, study.motion.q) + 0.4 * np.sign(study.motion.qd)
+    np.testing.assert_allclose(found.held, np.abs(tau).max(axis=0) / 10.0, rtol=1e-9)
+
+
+def test_the_default_motion_is_slowed_until_it_keeps_the_limits():
+    model = fb.planar(
+        "R", l=[0.1], lc=[0.05], m=[1], I=[5.0], limits=[fb.Limits(-1, 1, velocity=9, effort=3)]
+    )
+    tau = fb.inverse_dynamics(model, *(getattr(fb.default_motion(model), x) for x in ("q", "qd", "qdd")))
+    assert np.abs(tau).max() > 3
+    study = fb.study(model)
+    assert study.passed
+    assert study.motion.duration > 5
+    assert ", slowed to " in study.motion.source
+    assert float(study.summary["effort_fraction"][0]) < 1
+
+
+# ------------------------------------------------------------ work
+def test_work_of_a_lift_and_of_a_cycle():
+    model = fb.planar("R", l=[1], lc=[0.5], m=[2], I=[0.1])
+    t = np.linspace(0, 4, 801)
+    up = -np.pi / 2 + np.pi / 2 * np.sin(np.pi * t / 8) ** 2  # from hanging to level, rate 0 at both ends
+    lift = fb.study(model, motion_of(model, t, up[:, None])).summary
+    assert float(lift["net_work"][0]) == pytest.approx(2 * 9.81 * 0.5, rel=1e-5)
+    cycle = -np.pi / 2 + np.pi / 2 * np.sin(np.pi * t / 4) ** 2
+    both = fb.study(model, motion_of(model, t, cycle[:, None])).summary
+    assert float(both["net_work"][0]) == pytest.approx(0.0, abs=1e-4)
+    assert float(both["work_done"][0]) == pytest.approx(2 * 9.81 * 0.5, rel=1e-4)  # slow: nothing is flung
+    assert float(both["regenerated_share"][0]) == pytest.approx(1.0, abs=1e-4)
+    damped = full()
+    kept = fb.study(damped, swing(damped)).summary
+    assert float(kept["total_regenerated_share"]) < 1
+    assert float(kept["shared_work_done"]) <= float(kept["total_work_done"])
+    assert float(kept["shared_work_done"] - kept["shared_work_braked"]) == pytest.approx(
+        float(kept["total_net_work"]), abs=1e-9
+    )
+
+
+def test_work_is_parted_where_the_power_changes_its_sign():
+    done, braked = parted(np.array([0.0, 1.0, 2.0]), np.array([[3.0, 0.0], [-1.0, 0.0], [-1.0, 2.0]]))
+    np.testing.assert_allclose(done, [9 / 8, 1.0])
+    np.testing.assert_allclose(braked, [1 / 8 + 1.0, 0.0])
+
+
+# ------------------------------------------------------------ bearings
+def test_a_bearing_is_told_from_its_drive():
+    """Three kilograms at (0.4, 0.3, 0.2) from joints about y, about z, and along z: statics by hand."""
+    weight = 3.0 * 9.81
+    expected = {
+        ("revolute", "0 1 0"): {"axial_force": 0, "radial_force": weight, "tilting_moment": 0.3 * weight,
+                                "drive_load": -0.4 * weight},
+        ("revolute", "0 0 1"): {"axial_force": weight, "radial_force": 0, "tilting_moment": 0.5 * weight,
+                                "drive_load": 0},
+        ("prismatic", "0 0 1"): {"radial_force": 0, "tilting_moment": 0.5 * weight, "guide_moment": 0,
+                                 "drive_load": weight},
+        ("prismatic", "1 0 0"): {"radial_force": weight, "tilting_moment": 0.4 * weight, "guide_moment": 0.3 * weight,
+                                 "drive_load": 0},
+    }  # fmt: skip
+    for (kind, axis), loads in expected.items():
+        Path("mast.urdf").write_text(
+            ARM.format(velocity=3, effort=99)
+            .replace('type="revolute"', f'type="{kind}"')
+            .replace('axis xyz="0 1 0"', f'axis xyz="{axis}"')
+            .replace('xyz="0.5 0 0"', 'xyz="0.4 0.3 0.2"')
+            .replace("2.13", "3")
+        )
+        model = fb.load("mast.urdf")
+        wrench = fb.joint_wrenches(model, *np.zeros((3, 1, 1)), reference="child")
+        data = bearing_loads(model, wrench[..., :3], wrench[..., 3:])
+        for name in ("axial_force", "radial_force", "tilting_moment", "guide_moment", "drive_load"):
+            want = loads.get(name, np.nan)
+            np.testing.assert_allclose(data[name][1][:, 0], want, atol=1e-9, err_msg=f"{kind} {axis} {name}")
+
+
+# ------------------------------------------------------------ the page
+def test_the_verdict_is_the_first_thing_on_the_page():
+    for effort, tone, words in (
+        (20.0, "good", "Feasible:"),
+        (5.0, "poor", "Not feasible:"),
+        (0, "open", "Not judged:"),
+    ):
+        study = fb.study(fb.load(arm(effort=effort)))
+        text = study.to_html("page.html").read_text(encoding="utf-8")
+        body = text[text.index("<main>") :]
+        first = re.search(r"<p class=\"([^\"]+)\"[^>]*>(.*?)</p>", body, re.DOTALL)
+        assert first
+        assert first[1] == f"ruling {tone}"
+        assert f"<strong>{words}</strong>" in first[2]
+        assert "all 8 checks passed" not in text
+
+
+def test_on_the_page_drive_and_bearing_stand_apart():
+    text = fb.study(fb.load(arm())).to_html("page.html").read_text(encoding="utf-8")
+    for variable in (
+        "peak_axial_force",
+        "peak_radial_force",
+        "peak_tilting_moment",
+        "peak_drive_load",
+        "work_braked",
+    ):
+        assert f'data-var="{variable}"' in text
+    assert 'data-var="peak_moment"' not in text
+
+
+def test_a_share_is_not_rounded_across_its_limit():
+    from freebody.report.results import percent
+
+    assert percent(1.004) == "100.40 %"
+    assert percent(0.9996) == "99.96 %"
+    assert percent(2.391) == "239 %"
+
+
+def test_failed_self_checks_are_a_finding_even_where_the_motion_is_feasible():
+    study = fb.study(fb.load(arm()))
+    assert study.passed
+    bad = replace(study.checks[0], passed=False)
+    worse = replace(study, checks=(bad, *study.checks[1:]))
+    assert worse.finding
+    assert not worse.passed
