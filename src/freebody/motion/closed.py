@@ -6,55 +6,47 @@ the loops by their local error; they are moved back, positions and rates, by the
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
-from scipy.integrate import DOP853, RK45
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody.motion.integration import Scheme
 from freebody.motion.system import Drive, System
 from freebody.numerics.closed.dynamics import regular, require_way
 from freebody.numerics.closed.equations import rate_scale, residual, row_scale, scaled_jacobian
 from freebody.numerics.states import integrate
 
-METHODS = {"auto": DOP853, "DOP853": DOP853, "RK45": RK45}
+EXPLICIT = ("DOP853", "RK45")
 _LEAST = 1e-13  # relative tolerance: rounding
 _SEEN = 1e-7  # singular values, relative to the largest, that a correction acts on
 _STRAIGHT = 0.1  # of a singular value: how far a position may be corrected along its direction
 
 
-def integrated_closed(
-    system: System, drive: Drive, t: Array, y0: Array, method: str, tolerance: float
-) -> Array:
-    """States (T, nq + nv) at the times t."""
-    if method not in METHODS:
-        raise UnknownNameError("method", method, "simulate of a closed chain", METHODS)
+def closed_scheme(system: System, tolerance: float, max_step: float) -> Scheme:
+    """Of a closed chain, tolerance being that of a step: every step is brought back onto the loops."""
 
-    def rate(now: float, y: Array) -> Array:
-        # near a singular position the loops would pull back a stage that has left them, with great force
-        on = y if regular(system.model, system.split(y)[0]) else settled(system, y)
-        return system.rate(np.asarray(now), on, drive(np.asarray(now), *system.split(on)))
+    def rate(drive: Drive) -> Callable[[float, Array], Array]:
+        def at(now: float, y: Array) -> Array:
+            # near a singular position the loops would pull back a stage that has left them, with great force
+            on = y if regular(system.model, system.split(y)[0]) else settled(system, y)
+            return system.rate(np.asarray(now), on, drive(np.asarray(now), *system.split(on)))
 
-    now, state = np.asarray(t[0]), system.split(y0)
-    require_way(system.model, *state, system.acceleration(now, *state, drive(now, *state)))
+        return at
+
     # an angle of many turns is worth no less than a small one, so errors are not relative to the positions
     scale = np.concatenate([np.ones(system.layout.nq), rate_scale(system.model)])
-    solver = METHODS[method](rate, t[0], y0, t[-1], rtol=_LEAST, atol=tolerance * scale)
-    states = [y0]
-    while solver.status == "running":
-        before = solver.t
-        solver.step()
-        if solver.status == "failed" or not np.isfinite(solver.y).all():
-            raise FreebodyError(
-                f"simulate: {method} stopped at t = {before:.6g} s: the motion runs away, or the mechanism reaches a "
-                "position from which its loops let it go no further."
-            )
-        due = t[(t > before) & (t <= solver.t)]
-        if len(due):
-            between = solver.dense_output()
-            states += [settled(system, y) for y in between(due).T]
-        solver.y = settled(system, solver.y)
-        solver.f = rate(solver.t, solver.y)
-    return np.array(states)
+    settings = {"rtol": _LEAST, "atol": tolerance * scale, "max_step": max_step}
+    reason = (
+        "The motion runs away, or the mechanism reaches a position from which its loops let it go no further."
+    )
+
+    def require(drive: Drive, t: float, y0: Array) -> None:
+        now, state = np.asarray(t), system.split(y0)
+        require_way(system.model, *state, system.acceleration(now, *state, drive(now, *state)))
+
+    return Scheme(rate, partial(settled, system), settings, require, True, reason)
 
 
 def settled(system: System, y: Array) -> Array:

@@ -2,30 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.integrate import solve_ivp
 
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.model.model import Model
-from freebody.motion.closed import integrated_closed
+from freebody.motion.closed import EXPLICIT, closed_scheme
 from freebody.motion.friction import WIDTH
+from freebody.motion.integration import METHODS, integrated, open_scheme, step_tolerance
 from freebody.motion.ranges import angular
-from freebody.motion.system import Drive, System, constant_loads, suited_method, system
+from freebody.motion.system import System, constant_loads, suited_method, system
+from freebody.motion.torques import Schedule, Torque, schedule
 from freebody.numerics import dynamics
 from freebody.numerics.calls import Vector, Wrenches, vector
 from freebody.numerics.closed.equations import gaps, rate_of_loops, require_closed, residual
-from freebody.numerics.passive import refuse_passive
 
 if TYPE_CHECKING:
     import xarray as xr
-
-METHODS = ("auto", "DOP853", "RK45", "Radau", "BDF", "LSODA")
-Torque = ArrayLike | Callable[[float, Array, Array], ArrayLike] | None
 
 
 def simulate(
@@ -39,15 +35,22 @@ def simulate(
     *,
     tolerance: float = 1e-10,
     friction_width: float = WIDTH,
+    max_step: float = np.inf,
+    breakpoints: ArrayLike = (),
+    sample_time: float | None = None,
 ) -> xr.Dataset:
     """The motion over the times t (T,) from the state q (nq,), qd (nv,) at t[0].
 
-    torque: of the drives (N m, N): None for none; (nv,) constant; (T, nv) at the times t, straight lines between them;
-    or a function f(t, q, qd) -> (nv,). wrenches: constant, as for `inverse_dynamics`. method: one of scipy's
+    torque: of the drives (N m, N): None for none; (nv,) constant; (T, nv) at the times t, straight lines between them,
+    integrated from row to row; or a function f(t, q, qd) -> (nv,). A function must be smooth but at its `breakpoints`
+    (s), where the integration is halted, so that no jump or bend is stepped over; max_step (s) bounds the steps
+    elsewhere. With sample_time (s) the function is a controller: called once at t[0], t[0] + sample_time, …, with the
+    state there, its torque held until the next. wrenches: constant, as for `inverse_dynamics`. method: one of scipy's
     integrators; "auto" takes DOP853, or Radau (implicit) where friction makes the system stiff: where M⁻¹ times the
-    slope of the friction has an eigenvalue above 1000 over the duration. tolerance: relative error per step; absolute a
-    hundredth of it. friction_width: Coulomb friction acts as c tanh(q̇ / width), rad/s or m/s, so that a joint at rest
-    creeps instead of sticking.
+    slope of the friction has an eigenvalue above 1000 over the duration. tolerance: how near the end is to be, relative
+    to the motion: the relative error of a step is a hundredth of it (of implicit methods, for what damps errors, as
+    much), the absolute one a hundredth of that. friction_width: Coulomb friction acts as c tanh(q̇ / width), rad/s or
+    m/s, so that a joint at rest creeps instead of sticking.
 
     Closed chains: the state must satisfy the loops; explicit methods only, each step projected back onto the loops
     (positions and rates), so that there is no drift; loop_gap (m) and loop_rate (m/s) are part of the result.
@@ -62,43 +65,28 @@ def simulate(
         if value.shape != (size,):
             raise ShapeError("simulate", name, value.shape, f"({size},)", "one state is simulated at a time")
         refuse_not_finite("simulate", name, value, 1)
-    if method not in METHODS:
-        raise UnknownNameError("method", method, "simulate", METHODS)
+    known, of = (EXPLICIT, "simulate of a closed chain") if model.loops else (METHODS, "simulate")
+    if method != "auto" and method not in known:
+        raise UnknownNameError("method", method, of, ("auto", *known))
     if not tolerance > 0.0:
         raise FreebodyError(f"simulate: tolerance is {tolerance:g}, expected more than 0.")
+    if not max_step > 0.0:
+        raise FreebodyError(f"simulate: max_step is {max_step:g}, expected seconds above 0.")
     frames, loads = constant_loads(_wrenches(model, wrenches))
     whole = system(model, friction_width, frames, loads)
-    drive = _drive(model, times, torque)
+    planned = schedule(model, times, torque, breakpoints, sample_time)
+    state = np.concatenate(start)
     if model.loops:
         require_closed("simulate", model, *start)
-        y = integrated_closed(whole, drive, times, np.concatenate(start), method, tolerance)
-        return _dataset(whole, times, y, drive, "DOP853" if method == "auto" else method, tolerance)
-    if method == "auto":
-        method = suited_method(model, whole.friction, start[0], float(times[-1] - times[0]))
-    y = integrated(whole, drive, times, np.concatenate(start), method, tolerance)
-    return _dataset(whole, times, y, drive, method, tolerance)
-
-
-def integrated(system: System, drive: Drive, t: Array, y0: Array, method: str, tolerance: float) -> Array:
-    """States (T, nq + nv) at the times t."""
-
-    def rate(now: float, y: Array) -> Array:
-        return system.rate(np.asarray(now), y, drive(np.asarray(now), *system.split(y)))
-
-    def slope(now: float, y: Array) -> Array:
-        return system.jacobian(np.asarray(now), y, drive(np.asarray(now), *system.split(y)))
-
-    implicit: dict[str, Any] = {"jac": slope} if method in ("Radau", "BDF", "LSODA") else {}
-    found = solve_ivp(
-        rate, (t[0], t[-1]), y0, method=method, t_eval=t, rtol=tolerance, atol=tolerance / 100, **implicit
-    )
-    if not found.success:
-        reached = found.t[-1] if len(found.t) else t[0]
-        raise FreebodyError(
-            f"simulate: {method} stopped after t = {reached:.6g} s ({found.message.rstrip('.')}). The motion may run "
-            "away or pass a state without finite acceleration; shorten the time, or check torques and masses."
-        )
-    return system.normalised(found.y.T)
+        chosen = "DOP853" if method == "auto" else method
+        scheme = closed_scheme(whole, step_tolerance(chosen, tolerance), max_step)
+    else:
+        chosen = method
+        if method == "auto":
+            chosen = suited_method(model, whole.friction, start[0], float(times[-1] - times[0]))
+        scheme = open_scheme(whole, step_tolerance(chosen, tolerance), max_step)
+    y = integrated(whole, scheme, planned, times, state, chosen)
+    return _dataset(whole, times, y, planned, chosen, tolerance)
 
 
 def _times(t: ArrayLike) -> Array:
@@ -127,47 +115,16 @@ def _wrenches(model: Model, wrenches: Wrenches) -> dict[str, Array]:
     return found
 
 
-def _drive(model: Model, t: Array, torque: Torque) -> Drive:
-    """The torque as a function of time and state."""
-    if torque is None:
-        still = np.zeros(model.nv)
-        return lambda now, q, qd: still
-    if callable(torque):
-        function = torque
-        return lambda now, q, qd: _returned(model, function(float(now), q, qd))
-    table = as_floats("simulate", "torque", torque)
-    if table.shape not in ((model.nv,), (len(t), model.nv)):
-        check_core("simulate", "torque", table, (model.nv,), f"model {model.name!r} has nv = {model.nv}")
-        raise FreebodyError(
-            f"simulate: torque has shape {table.shape}, expected ({model.nv},), ({len(t)}, {model.nv}) or a function."
-        )
-    refuse_not_finite("simulate", "torque", table, 1, model.velocity_names)
-    refuse_passive("simulate", model, table)
-    if table.ndim == 1:
-        return lambda now, q, qd: table
-    return lambda now, q, qd: _between(t, table, now)
-
-
-def _returned(model: Model, value: ArrayLike) -> Array:
-    tau = np.asarray(value, dtype=float)
-    if tau.shape != (model.nv,):
-        check_core("simulate", "what torque(t, q, qd) returns", tau, (model.nv,), f"model {model.name!r}")
-    refuse_passive("simulate", model, tau)
-    return tau
-
-
-def _between(t: Array, table: Array, now: Array) -> Array:
-    k = np.clip(np.searchsorted(t, now, side="right") - 1, 0, len(t) - 2)
-    part = (now - t[k]) / (t[k + 1] - t[k])
-    return table[k] + part * (table[k + 1] - table[k])
-
-
-def _dataset(system: System, t: Array, y: Array, drive: Drive, method: str, tolerance: float) -> xr.Dataset:
+def _dataset(
+    system: System, t: Array, y: Array, planned: Schedule, method: str, tolerance: float
+) -> xr.Dataset:
     import xarray as xr
 
     model = system.model
     q, qd = system.split(y)
-    tau = np.stack([drive(now, *state) for now, state in zip(t, zip(q, qd, strict=True), strict=True)])
+    tau = np.stack(
+        [planned.given(now, *state) for now, state in zip(t, zip(q, qd, strict=True), strict=True)]
+    )
     qdd = system.acceleration(t, q, qd, tau)
     turns = angular(model)
     at = ("time", "coordinate")

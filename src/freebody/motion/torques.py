@@ -1,0 +1,144 @@
+"""The torque of a simulation over time: the times between which it is smooth, and what it is there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
+from freebody.errors import FreebodyError
+from freebody.model.model import Model
+from freebody.motion.system import Drive
+from freebody.numerics.passive import refuse_passive
+
+Torque = ArrayLike | Callable[[float, Array, Array], ArrayLike] | None
+
+_MOST = 1_000_000  # sampling instants: beyond these a run would take hours
+_SAME = 1e-9  # of a sampling interval: instants this close to a time are that time
+
+
+@dataclass(frozen=True, eq=False)
+class Schedule:
+    """A torque, in pieces that an integrator can step through without meeting a jump or a bend."""
+
+    edges: Array
+    """(k + 1,) increasing: start, what lies between the pieces, end."""
+    begin: Callable[[int, Array, Array], Drive]
+    """The torque on piece k, from the state (q, qd) at its start."""
+    given: Drive
+    """The torque at any time of the run that is over; at a jump the one after it."""
+
+
+def schedule(
+    model: Model, t: Array, torque: Torque, breakpoints: ArrayLike = (), sample_time: float | None = None
+) -> Schedule:
+    """The schedule of what `simulate` was given; t (T,) are its times."""
+    ends = t[[0, -1]]
+    jumps = _breakpoints(breakpoints)
+    if callable(torque):
+        function = _checked(model, torque)
+        if sample_time is None:
+            return _of_function(function, np.concatenate([ends, jumps[(jumps > t[0]) & (jumps < t[-1])]]))
+        if len(jumps):
+            raise FreebodyError(
+                "simulate: breakpoints= and sample_time= exclude each other; give one of them."
+            )
+        return _sampled(function, *ends, sample_time)
+    for name, told in (("breakpoints", bool(len(jumps))), ("sample_time", sample_time is not None)):
+        if told:
+            raise FreebodyError(
+                f"simulate: {name}= is about a torque that is a function f(t, q, qd); a table is stepped from row to "
+                "row as it is. Leave it out."
+            )
+    table = np.zeros(model.nv) if torque is None else _table(model, t, torque)
+    if table.ndim == 1:
+        return Schedule(ends, lambda k, q, qd: lambda now, q, qd: table, lambda now, q, qd: table)
+    return _of_table(t, table)
+
+
+def _of_table(t: Array, table: Array) -> Schedule:
+    """Straight lines from row to row."""
+    slopes = np.diff(table, axis=0) / np.diff(t)[:, None]
+
+    def line(k: int) -> Drive:
+        return lambda now, q, qd: table[k] + (now - t[k]) * slopes[k]
+
+    def given(now: Array, q: Array, qd: Array) -> Array:
+        return table[np.searchsorted(t, now)]  # asked for at the rows' times alone
+
+    return Schedule(t, lambda k, q, qd: line(k), given)
+
+
+def _of_function(function: Drive, edges: Array) -> Schedule:
+    """A function that is smooth between the edges, on either side of which its value at an edge may count."""
+    edges = np.unique(edges)
+    first, last = edges[:-1].copy(), edges[1:].copy()
+    first[1:], last[:-1] = np.nextafter(first[1:], np.inf), np.nextafter(last[:-1], -np.inf)
+
+    def begin(k: int, q: Array, qd: Array) -> Drive:
+        if len(first) == 1:
+            return function
+        return lambda now, q, qd: function(np.clip(now, first[k], last[k]), q, qd)
+
+    return Schedule(edges, begin, function)
+
+
+def _sampled(function: Drive, start: float, end: float, sample_time: float) -> Schedule:
+    """Called at every sampling instant with the state there, and held until the next."""
+    if not (np.isfinite(sample_time) and sample_time > 0.0):
+        raise FreebodyError(f"simulate: sample_time is {sample_time:g}, expected seconds above 0.")
+    count = (end - start) / sample_time
+    if count > _MOST:
+        raise FreebodyError(
+            f"simulate: sample_time is {sample_time:g} s, {count:.3g} instants in this run; {_MOST} are the most."
+        )
+    instants = start + sample_time * np.arange(max(1, int(np.ceil(count - _SAME))))
+    held: list[Array] = []
+
+    def begin(k: int, q: Array, qd: Array) -> Drive:
+        value = function(instants[k], q, qd)
+        held.append(value)
+        return lambda now, q, qd: value
+
+    def given(now: Array, q: Array, qd: Array) -> Array:
+        return held[int(np.searchsorted(instants, now + _SAME * sample_time, side="right")) - 1]
+
+    return Schedule(np.append(instants, end), begin, given)
+
+
+def _breakpoints(given: ArrayLike) -> Array:
+    times = as_floats("simulate", "breakpoints", given)
+    if times.ndim != 1:
+        raise FreebodyError(f"simulate: breakpoints has shape {times.shape}, expected a list of times.")
+    refuse_not_finite("simulate", "breakpoints", times, 0)
+    return times
+
+
+def _table(model: Model, t: Array, torque: ArrayLike) -> Array:
+    """(nv,) or (T, nv)."""
+    table = as_floats("simulate", "torque", torque)
+    if table.shape not in ((model.nv,), (len(t), model.nv)):
+        check_core("simulate", "torque", table, (model.nv,), f"model {model.name!r} has nv = {model.nv}")
+        raise FreebodyError(
+            f"simulate: torque has shape {table.shape}, expected ({model.nv},), ({len(t)}, {model.nv}) or a function."
+        )
+    refuse_not_finite("simulate", "torque", table, 1, model.velocity_names)
+    refuse_passive("simulate", model, table)
+    return table
+
+
+def _checked(model: Model, function: Callable[[float, Array, Array], ArrayLike]) -> Drive:
+    """The function, what it returns looked at."""
+
+    def drive(now: Array, q: Array, qd: Array) -> Array:
+        tau = np.array(function(float(now), q, qd), dtype=float)
+        if tau.shape != (model.nv,):
+            check_core("simulate", "what torque(t, q, qd) returns", tau, (model.nv,), f"model {model.name!r}")
+        if model.passive and np.isfinite(tau).all():
+            refuse_passive("simulate", model, tau)
+        return tau
+
+    return drive
