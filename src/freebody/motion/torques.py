@@ -46,7 +46,7 @@ def schedule(
             raise FreebodyError(
                 "simulate: breakpoints= and sample_time= exclude each other; give one of them."
             )
-        return _sampled(function, *ends, sample_time)
+        return _sampled(function, float(t[0]), float(t[-1]), sample_time)
     for name, told in (("breakpoints", bool(len(jumps))), ("sample_time", sample_time is not None)):
         if told:
             raise FreebodyError(
