@@ -260,6 +260,7 @@ def test_files_hold_what_was_computed(arm: fb.Study, tmp_path: Path):
         "summary.csv",
         "reactions_summary.csv",
         "checks.csv",
+        "manifest.json",
     ]
     with xr.open_dataset(written[0]) as data:
         for source in (arm.data, arm.summary):

@@ -148,6 +148,16 @@ class FileError(FreebodyError, ValueError):
         super().__init__(f"{place}: {problem}")
 
 
+class OutputError(FreebodyError):
+    """Some files of a run could not be made or written; the others are there."""
+
+    def __init__(self, folder: str | Path, failed: dict[str, str], written: list[str]):
+        self.folder, self.failed, self.written = str(folder), failed, written
+        reasons = "; ".join(f"{name}: {why}" for name, why in failed.items())
+        rest = f"The other {len(written)} are" if len(written) > 1 else "The other one is"
+        super().__init__(f"{folder}: not written: {reasons}.{f' {rest} there.' if written else ''}")
+
+
 def _rebuilt(
     kind: type[FreebodyError], args: tuple[object, ...], attributes: dict[str, Any]
 ) -> FreebodyError:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from freebody.cli import options, terminal
+from freebody.outputs.files import write
 
 if TYPE_CHECKING:
     from freebody.derivations.derivation import Derivation
@@ -86,8 +87,7 @@ def derive(
     if out is None:
         terminal.out().print(text, markup=False, soft_wrap=True)
     else:
-        out.write_text(text, encoding="utf-8")
-        terminal.out().print(f"written: {out}", markup=False)
+        terminal.out().print(f"written: {write(out, text)}", markup=False)
     if compare is not None:
         comparison = compared(first, derivation_of(model, compare.value, load=load))
         terminal.out().print(f"\n{comparison}", markup=False)

@@ -11,6 +11,7 @@ import typer
 
 from freebody.cli import options, terminal
 from freebody.errors import FreebodyError
+from freebody.outputs.files import stem
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -57,7 +58,7 @@ def fbd(
         elif positions is None:
             positions = clear_pose(model)
         figure = free_body_diagram(model, positions, body, **given)
-        path = figure.save(out or Path(f"{model.name}-fbd.svg"))
+        path = figure.save(out or Path(f"{stem(model.name)}-fbd.svg"))
     if q is None or model.loops:
         shown = ", ".join(f"{x:.3g}" for x in positions)
         terminal.out().print(f"at q = {shown}; choose another with --q", markup=False, soft_wrap=True)

@@ -11,6 +11,7 @@ import typer
 
 from freebody.cli import terminal
 from freebody.errors import FreebodyError
+from freebody.outputs.files import write
 
 if TYPE_CHECKING:
     from freebody.notes.item import Finding, Item
@@ -93,9 +94,7 @@ def _page(path: Path) -> None:
     from freebody.notes.registry import items
 
     text = page(_run(items()))
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8")
-    terminal.out().print(f"written: {path}", markup=False)
+    terminal.out().print(f"written: {write(path, text)}", markup=False)
 
 
 def _errata(out: Path | None) -> None:
@@ -106,8 +105,7 @@ def _errata(out: Path | None) -> None:
     if out is None:
         terminal.out().print(text, markup=False, soft_wrap=True, end="")
         return
-    out.write_text(text, encoding="utf-8")
-    terminal.out().print(f"written: {out}", markup=False)
+    terminal.out().print(f"written: {write(out, text)}", markup=False)
 
 
 def _table(chapter: int | None, verdict: VerdictChoice | None) -> None:

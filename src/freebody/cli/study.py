@@ -10,6 +10,8 @@ import typer
 
 from freebody.cli import options, terminal
 from freebody.cli.options import MimicChoice, PhysicalChoice
+from freebody.errors import FreebodyError, OutputError
+from freebody.outputs.folder import prepare
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -25,8 +27,6 @@ _STYLES = {
 """By outcome, and whether there is nothing to mend."""
 
 EXAMPLE = "Example: freebody study ur5e --out study-ur5e"
-
-REPORT = "report.html"
 
 
 def study(
@@ -55,17 +55,28 @@ def study(
         from freebody.report.study import study as study_of
 
         model = options.load(robot, None, base, mimic, physical, snap_angles, convention)
+        prepare(directory)
         found = study_of(model, motion, tip, progress=lambda text, done: progress(text, 0.7 * done))
-        progress("data files", 0.7)
-        found.save(directory)
-        progress("report", 0.75)
-        report = found.to_html(directory / REPORT)
-    _print(found, report, directory)
+        progress("report and data files", 0.7)
+        failure = _saved(found, directory)
+    _print(found, directory, failure)
+    if failure:
+        raise failure
     if found.finding:
         raise typer.Exit(1)
 
 
-def _print(found: Study, report: Path, directory: Path) -> None:
+def _saved(found: Study, directory: Path) -> FreebodyError | None:
+    """What kept files from being written; it is said after what was found."""
+    try:
+        found.save(directory, report=True)
+    except FreebodyError as failure:
+        return failure
+    return None
+
+
+def _print(found: Study, directory: Path, failure: FreebodyError | None) -> None:
+    from freebody.report.files import DATA, REPORT
     from freebody.report.summary import energy_text
 
     out = terminal.out()
@@ -88,8 +99,9 @@ def _print(found: Study, report: Path, directory: Path) -> None:
     )
     out.print(*sentences, sep="\n", markup=False)
     _print_checks(found)
-    below = f"report: {report}", f"data:   {directory / 'study.nc'} and CSV tables beside it"
-    out.print(*below, sep="\n", markup=False, soft_wrap=True)
+    for title, name in (("report: {}", REPORT), ("data:   {} and CSV tables beside it", DATA)):
+        if failure is None or (isinstance(failure, OutputError) and name in failure.written):
+            out.print(title.format(directory / name), markup=False, soft_wrap=True)
 
 
 def _print_checks(found: Study) -> None:

@@ -11,6 +11,7 @@ from freebody.errors import FreebodyError, UnknownNameError
 from freebody.figures.drawing import Drawing, Element, canonical
 from freebody.figures.svg import Picture, natural_scale, picture
 from freebody.lazy import cached_property
+from freebody.outputs.files import write
 
 WIDE, TALL = 400.0, 380.0
 """Size of one drawing on a sheet, pixels."""
@@ -85,5 +86,4 @@ def save(svg: str, path: str | os.PathLike[str], what: str) -> Path:
     target = Path(path)
     if target.suffix.lower() != ".svg":
         raise FreebodyError(f"{what}: {target.name!r} is not an .svg file; name one, such as 'fbd.svg'.")
-    target.write_text(svg, encoding="utf-8")
-    return target
+    return write(target, svg)

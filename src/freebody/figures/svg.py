@@ -28,6 +28,7 @@ from freebody.figures.drawing import (
     places,
 )
 from freebody.figures.labels import Crowd, Placed, Wanted
+from freebody.outputs.text import legal
 
 XMLNS = 'xmlns="http://www.w3.org/2000/svg"'
 _NOTE = 17.0  # height of a line of notes
@@ -80,7 +81,7 @@ class Picture:
         style = f"<style>{theme.style()}</style>" if css else ""
         size = f'width="{self.width:g}" height="{self.height:.0f}"'
         title = escape(self.title, quote=True)
-        return (
+        return legal(
             f'<svg {place or XMLNS} class="fig" viewBox="0 0 {self.width:g} {self.height:.0f}" {size} '
             f'role="img" aria-label="{title}">{style}{self.body}</svg>'
         )

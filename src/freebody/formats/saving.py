@@ -17,6 +17,7 @@ from freebody.model.parameters import Parameter, Quantity
 from freebody.model.parts import Drive, Joint, Limits, Loop
 from freebody.model.placement import Placement, Rotate, Shift
 from freebody.model.tree import Attached
+from freebody.outputs.files import write
 
 
 def save(model: Model, path: str | os.PathLike[str]) -> None:
@@ -24,7 +25,7 @@ def save(model: Model, path: str | os.PathLike[str]) -> None:
     target = Path(path)
     if target.suffix.lower() != ".toml":
         raise FreebodyError(f"save: {os.fspath(path)!r} must end in .toml, the format that is written.")
-    target.write_text(as_toml(model), encoding="utf-8")
+    write(target, as_toml(model))
 
 
 def as_toml(model: Model) -> str:

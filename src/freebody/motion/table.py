@@ -21,6 +21,7 @@ from freebody.motion.closing import completed
 from freebody.motion.motion import FEWEST, Motion, derivatives, motion_of
 from freebody.motion.ranges import position_columns
 from freebody.numerics.coordinates import layout, state_of
+from freebody.outputs.text import as_meant
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -81,7 +82,8 @@ def _table(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
         raise FileError(
             path, None, "the file is empty; a motion has a header, t and joint names, and a row a time."
         )
-    line, header = rows[0]
+    line, cells = rows[0]
+    header = [as_meant(cell) for cell in cells]
     if "t" not in header:
         raise FileError(path, line, f"the header has no column 't' (time in s); it has {_listed(header)}.")
     for k, name in enumerate(header):

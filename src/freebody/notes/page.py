@@ -21,6 +21,7 @@ from freebody.notes.exercises import EXERCISES, solution
 from freebody.notes.item import SOURCE, VERDICTS, Finding, Item
 from freebody.notes.steps import Place, place_of
 from freebody.notes.text import shown
+from freebody.outputs.page import policy
 
 CHAPTERS = {
     1: "Motion, mass, and the laws", 2: "Kinematics and statics", 3: "Newton and Euler, body by body",
@@ -87,6 +88,7 @@ def page(findings: Sequence[Finding]) -> str:
         _templates()
         .get_template("notes.html")
         .render(
+            policy=Markup(policy()),
             source=SOURCE,
             version=freebody.__version__,
             chapters=[_chapter(number, cards) for number in CHAPTERS],

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 def facts(study: Study) -> xr.Dataset:
     """(body,): body_mass. (body, axis): body_com_local, body_weight. (coordinate,): lower_limit, upper_limit,
     velocity_limit, effort_limit (infinite without), worst_gravity_torque, worst_gravity_fraction and (coordinate,
-    position): worst_gravity_pose, NaN where gravity loads nothing. (check,): check_value, check_bar."""
+    position): worst_gravity_pose, NaN where gravity loads nothing. (check,): check_value, check_bar, check_passed
+    (1 or 0)."""
     import xarray as xr
 
     model, axes = study.model, list(study.data["axis"].values)
@@ -60,6 +61,7 @@ def facts(study: Study) -> xr.Dataset:
         ),
         "check_value": (check, [c.value for c in study.checks], "1", "value of the check"),
         "check_bar": (check, [c.bar for c in study.checks], "1", "largest value that passes"),
+        "check_passed": (check, [c.passed for c in study.checks], "1", "1 if the check passed, else 0"),
     }
     return xr.Dataset(
         {

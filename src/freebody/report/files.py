@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from freebody.errors import FileError
+import freebody
 from freebody.motion.ranges import position_columns
+from freebody.outputs.folder import Makers, write_folder
+from freebody.outputs.text import csv_text
 from freebody.report.facts import facts
+from freebody.report.html import page
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from freebody.report.study import Study
+
+DATA, REPORT = "study.nc", "report.html"
+
+_Table = tuple[list[str], Iterable[Iterable[Any]]]
+"""Header and rows."""
 
 _DRIVES = (
     "tau",
@@ -30,36 +39,35 @@ _DRIVES = (
 )
 
 
-def save(study: Study, directory: Path) -> list[Path]:
-    """Write study.nc, motion.csv, torques.csv, reactions.csv, summary.csv, reactions_summary.csv and checks.csv."""
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-    except FileExistsError:
-        raise FileError(directory, None, "there is a file of that name; name a folder with --out.") from None
-    except OSError as failure:
-        raise FileError(directory, None, f"cannot be made: {failure.strerror}.") from None
-    writers = {
-        "study.nc": lambda path: _netcdf(study, path),
-        "motion.csv": lambda path: _write(path, *_motion(study)),
-        "torques.csv": lambda path: _write(path, *_torques(study)),
-        "reactions.csv": lambda path: _write(path, *_reactions(study)),
-        "summary.csv": lambda path: _write(path, *_table(study.summary, "coordinate")),
-        "reactions_summary.csv": lambda path: _write(path, *_table(study.summary, "joint")),
-        "checks.csv": lambda path: _write(path, *_checks(study)),
+def save(study: Study, directory: Path, report: bool) -> list[Path]:
+    """Write what `makers` lists, and the manifest."""
+    about = {
+        "freebody": freebody.__version__,
+        "robot": study.model.name,
+        "motion": study.motion.source,
+        "written": datetime.now(UTC).isoformat(timespec="seconds"),
     }
-    written = []
-    for name, write in writers.items():
-        path = directory / name
-        try:
-            write(path)
-        except OSError as failure:
-            raise FileError(path, None, f"cannot be written: {failure.strerror or failure}.") from None
-        written.append(path)
-    return written
+    return write_folder(directory, makers(study, report), about)
+
+
+def makers(study: Study, report: bool) -> Makers:
+    """What makes study.nc, motion.csv, torques.csv, reactions.csv, summary.csv, reactions_summary.csv, checks.csv, and
+    report.html if asked for."""
+    tables: dict[str, Callable[[], _Table]] = {
+        "motion.csv": lambda: _motion(study),
+        "torques.csv": lambda: _torques(study),
+        "reactions.csv": lambda: _reactions(study),
+        "summary.csv": lambda: _summary(study.summary, "coordinate"),
+        "reactions_summary.csv": lambda: _summary(study.summary, "joint"),
+        "checks.csv": lambda: _checks(study),
+    }
+    made: dict[str, Callable[[], str | bytes]] = {DATA: lambda: netcdf(study)}
+    made |= {name: partial(_csv, table) for name, table in tables.items()}
+    return made | ({REPORT: lambda: page(study)} if report else {})
 
 
 def dataset(study: Study) -> xr.Dataset:
-    """Time series, summary and facts in one dataset, with what the checks found as attributes."""
+    """Time series, summary and facts in one dataset."""
     import xarray as xr
 
     whole = xr.merge(
@@ -67,11 +75,6 @@ def dataset(study: Study) -> xr.Dataset:
     )
     whole.attrs.update(study.data.attrs)
     whole.attrs["notices"] = "\n".join(study.notices)
-    for check in study.checks:
-        verdict = "passed" if check.passed else "FAILED"
-        whole.attrs[f"check_{check.name}".replace(" ", "_")] = (
-            f"{check.value:.3g} <= {check.bar:.3g}: {verdict}"
-        )
     replay = study.replay
     if replay is not None:
         whole["replay_edge"] = (
@@ -95,31 +98,23 @@ def dataset(study: Study) -> xr.Dataset:
             {"units": "rad|m", "long_name": "distance from the motion, open loop"},
         )
         whole = whole.assign_coords(drift_time=("drift_time", replay.drift_time, {"units": "s"}))
-    for pose in study.static:
-        whole.attrs[f"worst_pose_{pose.coordinate}"] = ", ".join(f"{x:.6g}" for x in pose.q)
     return whole
 
 
-def _netcdf(study: Study, path: Path) -> None:
-    dataset(study).to_netcdf(path, engine="scipy")  # NetCDF 3: read everywhere, written without HDF5
+def netcdf(study: Study) -> bytes:
+    """The dataset as NetCDF 3: read everywhere, written without HDF5.
+
+    Names of joints stand in it as values, never as names of its own, which could not hold all of them.
+    """
+    return bytes(dataset(study).to_netcdf(engine="scipy"))
 
 
-def _write(path: Path, header: list[str], rows: Iterable[Iterable[Any]]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(header)
-        writer.writerows([_cell(value) for value in row] for row in rows)
+def _csv(table: Callable[[], _Table]) -> str:
+    header, rows = table()
+    return csv_text([header, *rows])
 
 
-def _cell(value: Any) -> Any:
-    if isinstance(value, bool | np.bool_):
-        return "yes" if value else "no"
-    if isinstance(value, float | np.floating):
-        return "" if np.isnan(value) else repr(float(value))
-    return value
-
-
-def _motion(study: Study) -> tuple[list[str], np.ndarray]:
+def _motion(study: Study) -> _Table:
     """The motion as the command reads it: positions, and rates and accelerations where they have a column."""
     model, motion = study.model, study.motion
     iq, iv = position_columns(model)
@@ -128,7 +123,7 @@ def _motion(study: Study) -> tuple[list[str], np.ndarray]:
     return header, np.column_stack([motion.t, motion.q, motion.qd[:, iv], motion.qdd[:, iv]])
 
 
-def _torques(study: Study) -> tuple[list[str], np.ndarray]:
+def _torques(study: Study) -> _Table:
     data = study.data
     header, columns = ["t (s)"], [study.motion.t]
     for k, name in enumerate(study.model.velocity_names):
@@ -139,7 +134,7 @@ def _torques(study: Study) -> tuple[list[str], np.ndarray]:
     return header, np.column_stack(columns)
 
 
-def _reactions(study: Study) -> tuple[list[str], np.ndarray]:
+def _reactions(study: Study) -> _Table:
     """World axes."""
     data = study.data
     header, columns = ["t (s)"], [study.motion.t]
@@ -154,7 +149,7 @@ def _reactions(study: Study) -> tuple[list[str], np.ndarray]:
     return header, np.column_stack(columns)
 
 
-def _table(summary: xr.Dataset, dim: str) -> tuple[list[str], list[list[Any]]]:
+def _summary(summary: xr.Dataset, dim: str) -> _Table:
     names = [str(name) for name in summary.data_vars if summary[name].dims == (dim,)]
     extra = ["unit", "effort_unit"] if dim == "coordinate" else []
     header = [dim, *extra, *(f"{name} ({summary[name].attrs['units']})" for name in names)]
@@ -169,7 +164,7 @@ def _table(summary: xr.Dataset, dim: str) -> tuple[list[str], list[list[Any]]]:
     ]
 
 
-def _checks(study: Study) -> tuple[list[str], list[list[Any]]]:
+def _checks(study: Study) -> _Table:
     return ["check", "value", "bar", "passed", "what"], [
         [check.name, check.value, check.bar, check.passed, check.text] for check in study.checks
     ]

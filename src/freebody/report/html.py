@@ -18,6 +18,9 @@ from freebody.figures import theme
 from freebody.formats.loading import SUFFIXES
 from freebody.motion.ranges import ranges
 from freebody.numerics.closed.mobility import mobility
+from freebody.outputs import files
+from freebody.outputs.page import policy
+from freebody.outputs.text import legal
 from freebody.report import equations
 from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
@@ -28,18 +31,17 @@ from freebody.report.tables import significant, typeset
 
 def write(study: Study, path: Path) -> Path:
     """Write the page; the path."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(page(study), encoding="utf-8")
-    return path
+    return files.write(path, page(study))
 
 
 def page(study: Study) -> str:
     """The whole page."""
     diagrams, loads = figures.free_bodies(study)
-    return (
+    return legal(
         _templates()
         .get_template("page.html")
         .render(
+            policy=Markup(policy()),
             study=study,
             model=study.model,
             facts=_facts(study),

@@ -111,11 +111,16 @@ class Study:
         doubtful, a check failed. Limits that are not given are none."""
         return not (self.checked and self.verdict.good)
 
-    def save(self, directory: str | os.PathLike[str]) -> list[Path]:
-        """Write study.nc (time series and summary) and CSV tables; the files written. Units stand in the headers."""
+    def save(self, directory: str | os.PathLike[str], *, report: bool = False) -> list[Path]:
+        """Write study.nc (time series and summary), CSV tables and manifest.json into a folder; the files written.
+
+        report: report.html as well. Units stand in the headers. Each file is whole; the manifest, which comes last,
+        lists their checksums. Raises FileError for a folder that cannot be written, OutputError naming the files that
+        could not be, when the others are there; files of another origin are left alone.
+        """
         from freebody.report.files import save
 
-        return save(self, Path(directory))
+        return save(self, Path(directory), report)
 
     def to_html(self, path: str | os.PathLike[str]) -> Path:
         """Write the report as one HTML file that opens offline."""

@@ -35,7 +35,7 @@ class Number:
     @property
     def selector(self) -> str:
         """`at` as JSON."""
-        return json.dumps(dict(self.at), ensure_ascii=False)
+        return json.dumps(dict(self.at))  # in ASCII: names arrive as they are
 
     @property
     def exact(self) -> str:

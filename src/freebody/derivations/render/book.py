@@ -13,6 +13,8 @@ from freebody.derivations.render import text as plain
 from freebody.derivations.render.cited import cited
 from freebody.derivations.render.mathml import mathml
 from freebody.derivations.render.prose import markdown_prose, tex_prose, text_prose, web_prose
+from freebody.outputs.page import policy
+from freebody.outputs.text import legal
 
 if TYPE_CHECKING:
     from freebody.derivations.derivation import Derivation, Meaning, Step
@@ -191,8 +193,8 @@ def _html_table(derivation: Derivation) -> str:
 def html(derivation: Derivation, figures: Figures | None = None, style: str = "") -> str:
     """One page that fetches nothing; `style` is for the figures."""
     title = escape.escape(_title(derivation))
-    return (
-        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+    return legal(
+        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">{policy()}'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         '<meta name="color-scheme" content="light dark"><link rel="icon" href="data:,">'
         f"<title>{title}</title><style>{style}{_STYLE}</style></head>\n<body><main>\n"

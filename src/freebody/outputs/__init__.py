@@ -1,0 +1,1 @@
+"""What leaves freebody: files that are whole or not there, and texts in which a name is only a name."""

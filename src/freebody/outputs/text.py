@@ -1,0 +1,49 @@
+"""Text of others inside our own: characters that no page or drawing may hold, cells that no spreadsheet may run."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import Any
+
+_UNSEEN = re.compile(
+    "[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ufffe\uffff\ud800-\udfff"  # no XML, or no character
+    "\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]"  # turn the direction of what follows
+)
+_RUN = re.compile(r"'*[=+\-@\t\r\n＝＋－＠]")
+_QUOTED = re.compile("""[",;\t\r\n]|^ | $""")
+
+
+def legal(text: str) -> str:
+    """The text of a page or drawing with � for what is not well-formed there or turns the direction of writing.
+
+    A name keeps such characters wherever it is data; what is shown must not change what stands beside it.
+    """
+    return _UNSEEN.sub("\ufffd", text)
+
+
+def harmless(cell: str) -> str:
+    """A cell that a spreadsheet takes for text: what begins like a formula has an apostrophe in front."""
+    return f"'{cell}" if _RUN.match(cell) else cell
+
+
+def as_meant(cell: str) -> str:
+    """The inverse of `harmless`."""
+    return cell[1:] if cell.startswith("'") and _RUN.match(cell) else cell
+
+
+def csv_text(rows: Iterable[Iterable[Any]]) -> str:
+    """Rows as CSV: texts harmless, floats to the last bit and empty where NaN, truths as yes and no."""
+    return "".join(",".join(map(_cell, row)) + "\r\n" for row in rows)
+
+
+def _cell(value: Any) -> str:
+    value = value.item() if hasattr(value, "item") else value  # NumPy's scalars
+    if isinstance(value, str):
+        text = harmless(value)
+        # apart also where a spreadsheet separates cells by semicolons
+        return '"' + text.replace('"', '""') + '"' if _QUOTED.search(text) else text
+    if isinstance(value, int):
+        return ("no", "yes")[value] if isinstance(value, bool) else str(value)
+    number = float(value)
+    return "" if number != number else repr(number)
