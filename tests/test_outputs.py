@@ -150,6 +150,22 @@ def test_a_folder_a_device_and_a_pipe_in_the_place_of_a_file(
     assert error(capsys, "study", "2R", "--out", "/dev/full").endswith("name a folder with --out.")
 
 
+@posix
+@pytest.mark.parametrize(
+    ("shell", "code", "said"),
+    [
+        ("{} >&-", 2, "error: standard output: is closed; there is nowhere to print to.\n"),
+        ("{} >/dev/full", 2, "error: standard output: cannot be written: the disk is full.\n"),
+        ("{} 2>&-", 0, ""),
+        ("{} | true; exit ${{PIPESTATUS[0]}}", 141, ""),
+    ],
+)
+def test_a_stdout_that_is_closed_full_or_unread_is_no_fault_of_freebody(shell: str, code: int, said: str):
+    command = ["bash", "-c", shell.format(f"'{sys.executable}' -m freebody models")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (code, said)
+
+
 def test_a_robots_name_leads_out_of_no_folder(capsys: pytest.CaptureFixture[str], tmp_path: Path):
     (tmp_path / "in").mkdir()
     os.chdir(tmp_path / "in")

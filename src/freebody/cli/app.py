@@ -15,7 +15,8 @@ from freebody.cli import check, derive, fbd, models, notes, show, study, termina
 from freebody.errors import FreebodyError
 
 _INTERRUPTED = 130
-"""128 and the signal, as shells count."""
+_UNREAD = 141
+"""128 and the signal, as shells count: SIGINT, and SIGPIPE where `| head` has read enough."""
 
 app = typer.Typer(
     name="freebody",
@@ -52,10 +53,17 @@ def freebody(
 
 def run(arguments: list[str]) -> int:
     """Run the program on its arguments; the exit code. Every error is one line on stderr."""
+    with terminal.streams():
+        return _run(arguments)
+
+
+def _run(arguments: list[str]) -> int:
     try:
         code = typer.main.get_command(app).main(arguments, prog_name="freebody", standalone_mode=False)
     except FreebodyError as problem:
         return terminal.error(str(problem))
+    except terminal.Gone:
+        return _UNREAD
     except (KeyboardInterrupt, typer.Abort):
         code = _INTERRUPTED
     except Exception as problem:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TextIO, cast
 
-from freebody.errors import FreebodyWarning
+from freebody.errors import FileError, FreebodyWarning
+from freebody.outputs.files import reason
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -35,6 +37,58 @@ def _console(stderr: bool) -> Console:
 
     stream = sys.stderr if stderr else sys.stdout
     return Console(stderr=stderr, highlight=False, width=None if stream.isatty() else _WIDE)
+
+
+class Gone(Exception):
+    """Whoever read stdout has read enough."""
+
+
+class _Stream:
+    """stdout, where what cannot be written is an error of that name; or stderr, where nothing is left to say it to."""
+
+    def __init__(self, stream: TextIO | None, what: str):
+        self._real, self._closed, self._what = stream or open(os.devnull, "w"), stream is None, what  # noqa: SIM115
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._real, name)
+
+    def write(self, text: str) -> int:
+        if self._closed and text and self._what:
+            raise FileError(self._what, None, "is closed; there is nowhere to print to.")
+        return self._tried(self._real.write, text)
+
+    def flush(self) -> None:
+        self._tried(self._real.flush)
+
+    def _tried(self, act: Callable[..., Any], *arguments: str) -> Any:
+        try:
+            return act(*arguments)
+        except OSError as failure:
+            self._forget()
+            if not self._what:
+                return None
+            if isinstance(failure, BrokenPipeError):
+                raise Gone from None
+            raise FileError(self._what, None, f"cannot be written: {reason(failure)}.") from None
+
+    def _forget(self) -> None:
+        """What is still in the buffer would fail again when the interpreter ends."""
+        with suppress(OSError, ValueError):
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, self._real.fileno())
+            os.close(nowhere)
+
+
+@contextmanager
+def streams() -> Iterator[None]:
+    """Within the block a stdout that is closed, full or no longer read is said so."""
+    real = sys.stdout, sys.stderr
+    sys.stdout = cast(TextIO, _Stream(real[0], "standard output"))
+    sys.stderr = cast(TextIO, _Stream(real[1], ""))
+    try:
+        yield
+    finally:
+        sys.stdout, sys.stderr = real
 
 
 def error(text: str) -> int:
