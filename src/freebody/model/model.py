@@ -240,7 +240,7 @@ class Model:
 
     @property
     def limits(self) -> JointLimits:
-        """Limits of the coordinates, arrays (nv,); infinite where there are none."""
+        """Limits of the coordinates, arrays (nv,), as written; infinite where there are none."""
         rows = []
         for body in self.bodies:
             if body.joint.mimic is None:

@@ -27,6 +27,18 @@ class Limits:
         for name, value in tuple(vars(self).items()):
             object.__setattr__(self, name, real(value, f"Limits: {name}"))
 
+    @property
+    def meant(self) -> Limits:
+        """The limits as whatever uses them takes them: files write 0 for "not given", so a position range of no width
+        and a speed or effort of 0 are none."""
+        none = self.lower == self.upper
+        return Limits(
+            -INFINITE if none else self.lower,
+            INFINITE if none else self.upper,
+            self.velocity or INFINITE,
+            self.effort or INFINITE,
+        )
+
     @staticmethod
     def of(given: Sequence[float] | Limits | None, owner: str) -> Limits:
         """Limits as they are, a pair (lower, upper), or None for none; an error names the owner."""

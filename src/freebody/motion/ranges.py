@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array
+from freebody.model.bodies import Body
 from freebody.model.model import Model
 from freebody.numerics.coordinates import Index
 
@@ -19,8 +20,8 @@ Flags = NDArray[np.bool_]
 class Ranges:
     """Per velocity coordinate, arrays (nv,): limits that allow motion, infinite where there are none.
 
-    What a limit of zero means: files write 0 for "not given", so a speed or effort limit of 0 and a position range of
-    no width count as absent, and `notices` say so. The range of a joint that others follow is narrowed to theirs.
+    A speed or effort limit of 0 and a position range of no width count as absent (`Limits.meant`), and `notices` say
+    so. The range of a joint that others follow is narrowed to theirs.
     """
 
     lower: Array
@@ -47,23 +48,28 @@ class Ranges:
 def ranges(model: Model) -> Ranges:
     """The usable ranges of a model's coordinates."""
     limits = model.limits
-    lower, upper = limits.lower.astype(float), limits.upper.astype(float)  # copies; limits may be integers
-    empty = lower == upper
-    lower[empty], upper[empty] = -np.inf, np.inf
-    velocity = np.where(limits.velocity > 0, limits.velocity, np.inf)
-    effort = np.where(limits.effort > 0, limits.effort, np.inf)
+    meant = [body.joint.limits.meant for body in model.bodies for _ in _own(body)]
+    lower, upper, velocity, effort = (
+        np.array([getattr(x, name) for x in meant], dtype=float)
+        for name in ("lower", "upper", "velocity", "effort")
+    )
     _narrow(model, lower, upper, velocity)
     names = model.velocity_names
     notices = [
         f"{what} of {_listed(names, bad)} is zero in the model and is taken as not given."
         for what, bad in (
-            ("the position range", empty),
-            ("the speed limit", limits.velocity <= 0),
-            ("the effort limit", limits.effort <= 0),
+            ("the position range", limits.lower == limits.upper),
+            ("the speed limit", limits.velocity == 0),
+            ("the effort limit", limits.effort == 0),
         )
         if bad.any()
     ]
     return Ranges(lower, upper, velocity, effort, angular(model), tuple(notices))
+
+
+def _own(body: Body) -> range:
+    """One for each coordinate that a body's joint adds."""
+    return range(0 if body.joint.mimic is not None else body.kind.nv)
 
 
 def angular(model: Model) -> Flags:
@@ -96,15 +102,14 @@ _ANGULAR = {
 def _narrow(model: Model, lower: Array, upper: Array, velocity: Array) -> None:
     """Bring the limits of followers to their leaders, where the ranges meet."""
     for body, at in zip(model.bodies, model.coordinates, strict=True):
-        limits, k = body.joint.limits, at.v[0] if at.v else -1
-        if body.joint.mimic is None or at.ratio == 0.0 or limits.lower == limits.upper:
+        limits, k = body.joint.limits.meant, at.v[0] if at.v else -1
+        if body.joint.mimic is None or at.ratio == 0.0:
             continue
         low, high = sorted(((limits.lower - at.offset) / at.ratio, (limits.upper - at.offset) / at.ratio))
         low, high = max(low, lower[k]), min(high, upper[k])
         if low < high:
             lower[k], upper[k] = low, high
-        if limits.velocity > 0:
-            velocity[k] = min(velocity[k], limits.velocity / abs(at.ratio))
+        velocity[k] = min(velocity[k], limits.velocity / abs(at.ratio))
 
 
 def _listed(names: tuple[str, ...], flags: Flags) -> str:

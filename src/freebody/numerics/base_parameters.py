@@ -13,7 +13,7 @@ from freebody.arrays import Array
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.numerics.operational import inertial_parameters
-from freebody.numerics.states import random_state
+from freebody.numerics.states import generic_state
 
 TOLERANCE = 1e-8
 """Relative rest below which a column of the regressor counts as a combination of those before it."""
@@ -113,7 +113,7 @@ def _entries(tree: Tree, composite: Composite) -> list[float]:
 def _samples(model: Model, columns: list[int]) -> Array:
     """The regressor's columns at random states, one below the other."""
     batch = 4 + 3 * len(columns) // max(1, model.nv)
-    q, qd, qdd = (np.moveaxis(x, -1, 0) for x in random_state(model, seed=0, batch=batch))
+    q, qd, qdd = (np.moveaxis(x, -1, 0) for x in generic_state(model, seed=0, batch=batch))
     rows = regressor(model.tree, tuple(q), tuple(qd), tuple(qdd))
     return np.concatenate(
         [np.stack([np.broadcast_to(row[column], batch) for column in columns], axis=-1) for row in rows]

@@ -9,7 +9,7 @@ from freebody.arrays import Array
 from freebody.errors import SingularError
 from freebody.model.model import Model
 from freebody.model.tree import Tree
-from freebody.numerics.states import random_state
+from freebody.numerics.states import generic_state
 
 _NOTHING = 1e-13  # a pivot this small, relative to what it was subtracted from, is rounding
 _SAMPLES = 4  # configurations that are looked at
@@ -36,7 +36,7 @@ def massless(model: Model) -> tuple[str, ...]:
 
 def _massless(model: Model) -> tuple[str, ...]:
     tree = model.tree
-    q, _, _ = random_state(model, seed=1, batch=_SAMPLES)
+    q, _, _ = generic_state(model, seed=1, batch=_SAMPLES)
     samples = tuple(np.moveaxis(q, -1, 0))
     M = [[x + np.zeros(_SAMPLES) for x in row] for row in crba(tree, samples)]
     idle = [k for k in range(model.nv) if not np.any(M[k][k])]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from freebody.arrays import Array
 from freebody.model.joints import JointKind
 from freebody.model.model import Model
+from freebody.model.parts import Limits
 from freebody.numerics.calls import common_batch, finite_vector
 
 _FAR = 1e3  # limits beyond this many rad or m are some file's way to say that there are none
@@ -37,13 +38,29 @@ def random_state(
 ) -> tuple[Array, Array, Array]:
     """(q, qd, qdd) of shapes (*batch, nq), (*batch, nv), (*batch, nv), reproducible with a seed.
 
-    q lies within the limits, or within ±π (rad) and ±1 (m) where there are none; quaternions are uniform; rates and
-    accelerations are normal with deviation 1.
+    q lies within the limits, or within ±π (rad) and ±1 (m) where there are none (a range of no width is none);
+    quaternions are uniform; rates and accelerations are normal with deviation 1.
     """
+    return _states(model, seed, batch, [body.joint.limits.meant for body in model.bodies])
+
+
+def generic_state(
+    model: Model, seed: int | None = None, batch: int | tuple[int, ...] = ()
+) -> tuple[Array, Array, Array]:
+    """A `random_state` regardless of limits, for what depends on the mechanism alone, such as ranks.
+
+    A range, be it narrow, may hold only states that are special.
+    """
+    return _states(model, seed, batch, [Limits()] * len(model.bodies))
+
+
+def _states(
+    model: Model, seed: int | None, batch: int | tuple[int, ...], limits: Sequence[Limits]
+) -> tuple[Array, Array, Array]:
     rng = np.random.default_rng(seed)
     shape = (batch,) if isinstance(batch, int) else tuple(batch)
     q = np.empty((*shape, model.nq))
-    for body, at in zip(model.bodies, model.coordinates, strict=True):
+    for body, at, allowed in zip(model.bodies, model.coordinates, limits, strict=True):
         if body.joint.mimic is not None:
             continue
         start = body.kind.quaternion
@@ -55,7 +72,7 @@ def random_state(
             q[..., at.q] = rng.uniform(-1, 1, size=(*shape, 3)) * [1, 1, np.pi]
         else:
             reach = 1.0 if body.kind.name == "prismatic" else np.pi
-            low, high = body.joint.limits.lower, body.joint.limits.upper
+            low, high = allowed.lower, allowed.upper
             if low < -_FAR:
                 low = max(low, -reach if high > _FAR else min(-reach, high - 2 * reach))
             if high > _FAR:

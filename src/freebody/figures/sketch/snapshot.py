@@ -143,7 +143,7 @@ def clear_pose(model: Model) -> Array:
             value = length
         else:
             value, turn = _TURNS[turn % len(_TURNS)], turn + 1
-        limits = body.joint.limits
+        limits = body.joint.limits.meant
         low, high = limits.lower, limits.upper
         if np.isfinite(low) and np.isfinite(high):
             value = min(max(value, low + 0.25 * (high - low)), high - 0.25 * (high - low))

@@ -30,7 +30,7 @@ from freebody.numerics.closed.equations import (
 )
 from freebody.numerics.kernels import motion_rows
 from freebody.numerics.kinematics import jacobian
-from freebody.numerics.states import difference, integrate, neutral, random_state
+from freebody.numerics.states import difference, generic_state, integrate, neutral
 
 Measure = Callable[[Array], Array]
 """A signed number (...) of positions (..., nq), zero where singular."""
@@ -74,7 +74,7 @@ def singularity_loci(
     problem = _problem(model, kind, frame, rows, dict(hold or {}))
     found: list[Locus] = []
     for seed in range(_SEEDS):
-        start = problem.reached(random_state(model, seed=seed)[0])
+        start = problem.reached(generic_state(model, seed=seed)[0])
         if start is None or any(_on(model, locus, start) for locus in found):
             continue
         locus = problem.followed(start)

@@ -16,7 +16,7 @@ from freebody.numerics.formulas import Option
 from freebody.numerics.inverse.chain import arm_length
 from freebody.numerics.inverse.descent import descend
 from freebody.numerics.inverse.task import Task
-from freebody.numerics.states import integrate, random_state
+from freebody.numerics.states import integrate
 
 EXACT = 1e-10
 """A solution reproduces its target this well (m and rad)."""
@@ -41,7 +41,8 @@ class Seeker:
         low, high = np.full(self.model.nq, -np.inf), np.full(self.model.nq, np.inf)
         for body, at in zip(self.model.bodies, self.model.coordinates, strict=True):
             if body.joint.mimic is None and body.kind.nq == 1:
-                low[at.q[0]], high[at.q[0]] = body.joint.limits.lower, body.joint.limits.upper
+                limits = body.joint.limits.meant
+                low[at.q[0]], high[at.q[0]] = limits.lower, limits.upper
         return low, high
 
     @cached_property
@@ -56,7 +57,7 @@ class Seeker:
     @cached_property
     def freedom(self) -> int:
         """How many coordinates move the frame beyond those that the task takes, at most poses."""
-        q, _, _ = random_state(self.model, 0, 8)
+        q, _, _ = generic_state(self.model, 0, 8)
         J = self.pose_and_jacobian(q)[1] / self.length
         used = int((np.abs(J).max(axis=(0, 1)) > 1e-12).sum())
         return used - int(np.linalg.matrix_rank(J, rtol=1e-9).max())

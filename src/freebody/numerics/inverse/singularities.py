@@ -19,7 +19,7 @@ from freebody.numerics.calls import Vector, finite_vector
 from freebody.numerics.inverse.chain import arm_length
 from freebody.numerics.inverse.task import row_names, rows_of
 from freebody.numerics.kinematics import jacobian, jacobian_derivatives
-from freebody.numerics.states import integrate, random_state
+from freebody.numerics.states import generic_state, integrate
 
 SHORT = 20_000
 """Terms of the Jacobian's entries, all together, above which its determinant is not written out."""
@@ -100,7 +100,7 @@ class Singularities:
         Nothing is said about singularities that were not found. Positions are not kept within the joints' limits.
         """
         model = self.model
-        q, _, _ = random_state(model, seed, starts)
+        q, _, _ = generic_state(model, seed, starts)
         names = row_names(model.dim)
         rows = [names.index(row) for row in self.rows]
         columns = _moving(model, self.frame)
