@@ -16,7 +16,7 @@ from freebody.numerics.formulas import Option
 from freebody.numerics.inverse.chain import arm_length
 from freebody.numerics.inverse.descent import descend
 from freebody.numerics.inverse.task import Task
-from freebody.numerics.states import integrate
+from freebody.numerics.states import generic_state, integrate
 
 EXACT = 1e-10
 """A solution reproduces its target this well (m and rad)."""
