@@ -56,11 +56,12 @@ def test_unknown_names(tmp_path, monkeypatch):
 
 def test_files_that_are_not_read(tmp_path):
     assert message(tmp_path / "arm.xacro", tmp_path) == (
-        "arm.xacro: xacro is not read directly; expand it first with `xacro arm.xacro > arm.urdf`, then load that."
+        "arm.xacro: xacro is not read directly; expand it first, with ROS by `xacro arm.xacro > arm.urdf`, without by "
+        "`pip install xacrodoc`, then `xacrodoc arm.xacro -o arm.urdf`, and load that."
     )
     assert message("arm.urdf.xacro") == (
-        "arm.urdf.xacro: xacro is not read directly; expand it first with `xacro arm.urdf.xacro > arm.urdf`, then "
-        "load that."
+        "arm.urdf.xacro: xacro is not read directly; expand it first, with ROS by `xacro arm.urdf.xacro > arm.urdf`, "
+        "without by `pip install xacrodoc`, then `xacrodoc arm.urdf.xacro -o arm.urdf`, and load that."
     )
     assert message("scene.xml") == (
         "scene.xml: MJCF and other XML are not read; export the robot as URDF, or describe it in freebody's TOML."
@@ -215,7 +216,7 @@ def test_dh_convention_is_never_guessed(tmp_path):
         ("90 deg", "90 dge", "3: dh row 1: alpha is '90 dge', expected a number or a name, or an angle such as 30 "
          "deg."),
         ("0.5", "nan", "4: dh row 2: a is 'nan', expected a number or a name."),
-        ("0.5", "1e999", "4: dh row 2: a is '1e999', expected a number or a name."),
+        ("0.5", "1e999", "4: dh row 2: a is inf, not a finite number."),
         ("alpha,m", "alpha,Ixx", "3: dh row 1: com or I without a mass; add m."),
         ("R,1,90 deg,2\nP,0.5,0,1\n", "", "2: the table has a header but no rows; add one a joint."),
         (TABLE, "# convention: standard\n", " there is no table; the first line names the columns, such as joint, "

@@ -296,7 +296,7 @@ MASSLESS = (
         (joint() + "<link/>", "arm.urdf:5: a link has no name; give it one."),
         (joint('<axis xyz="0 0 0"/>'), "arm.urdf:5: joint 'elbow': the axis is zero; give a direction such as "
          "xyz=\"0 0 1\"."),
-        (joint('<axis xyz="0 1"/>'), "arm.urdf:5: joint 'elbow': xyz=\"0 1\" has 2 entries, expected 3 numbers."),
+        (joint('<axis xyz="0 1"/>'), "arm.urdf:5: joint 'elbow': xyz='0 1' has 2 entries, expected 3 numbers."),
         (joint('<axis xyz="0 nan 1"/>'), "arm.urdf:5: joint 'elbow': xyz of <axis> is 'nan', expected a finite "
          "number."),
         (joint('<origin xyz="0 0 inf"/>'), "arm.urdf:5: joint 'elbow': xyz of <origin> is 'inf', expected a finite "
@@ -305,7 +305,8 @@ MASSLESS = (
          "number."),
         (joint('<origin xyz="${a} 0 0"/>'), "arm.urdf:5: joint 'elbow': xyz of <origin> is '${a}', expected a "
          "finite number; "
-             "it is a xacro expression: expand the file first with `xacro FILE > out.urdf`."),
+             "it is a xacro expression: expand it first, with ROS by `xacro FILE > out.urdf`, without by `pip install "
+             "xacrodoc`, then `xacrodoc FILE -o out.urdf`."),
         (joint('<axis xyz="1 0 0"/><axis xyz="0 1 0"/>'), "arm.urdf:5: joint 'elbow': there are 2 <axis>; keep one."),
         (joint('<limit lower="1" upper="-1"/>'), "arm.urdf:4: joint 'elbow': lower limit 1 is above upper -1; swap "
          "them."),
@@ -341,7 +342,8 @@ def test_refused(tmp_path, body: str, text: str):
         ("<robot name='a'/>", "arm.urdf:1: there are no links; a robot needs at least one."),
         ("<robot xmlns:xacro='x'><xacro:arm/></robot>", "arm.urdf:1: there are no links; a robot needs at least "
          "one; it looks "
-             "like xacro: expand it first with `xacro FILE > out.urdf`."),
+             "like xacro: expand it first, with ROS by `xacro FILE > out.urdf`, without by `pip install xacrodoc`, "
+             "then `xacrodoc FILE -o out.urdf`."),
     ],
 )  # fmt: skip
 def test_not_a_robot(tmp_path, text: str, problem: str):

@@ -131,7 +131,7 @@ def test_rates_that_contradict_the_positions_are_mentioned(tmp_path: Path):
 
 ROWS = "0,0,0\n1,1,1\n2,2,2\n3,3,3\n"
 BAD = {
-    "": ": the file is empty; a motion has a header, t and joint names, and a row a time.",
+    "": ": the file is empty.",
     "time,joint1,joint2\n"
     + ROWS: ":1: the header has no column 't' (time in s); it has 'time', 'joint1', 'joint2'.",
     "t,joint1\n0,0\n1,1\n2,2\n3,3\n": ":1: there is no column for 'joint2'; a motion gives every position of '2R'.",
@@ -141,7 +141,7 @@ BAD = {
     "t,joint1,joint2\n0,0,0\n1,x,1\n": ":1: 2 rows of numbers; a motion needs at least 4.",
     "t,joint1,joint2\n0,0,0\n\n1,x,1\n2,2,2\n3,3,3": ":4: column 'joint1': 'x' is not a number.",
     "t,joint1,joint2\n0,0,0\n1,,1\n2,2,2\n3,3,3": ":3: column 'joint1': there is no number.",
-    "t,joint1,joint2\n0,0,0\n1,1,1\n2,2,nan\n3,3,3": ":4: column 'joint2': nan is not a finite number.",
+    "t,joint1,joint2\n0,0,0\n1,1,1\n2,2,nan\n3,3,3": ":4: column 'joint2': 'nan' is not a finite number.",
     "t,joint1,joint2\n0,0,0\n1,1,1\n1,2,2\n3,3,3": ":4: t = 1 does not come after 1; times must increase.",
     "t,joint1,joint2\n0,0,0\n1,1\n2,2,2\n3,3,3": ":3: 2 values, the header names 3 columns.",
     "t,joint1,joint2\n0,0,0": ":1: 1 row of numbers; a motion needs at least 4.",
@@ -160,9 +160,9 @@ def test_what_is_no_text_file_is_refused(tmp_path: Path):
     model = fb.load("2R")
     (tmp_path / "binary.csv").write_bytes(bytes(range(256)))
     for name, why in (
-        ("binary.csv", "the file is not text; a motion is a CSV file in UTF-8."),
+        ("binary.csv", "the file is binary, not text."),
         ("none.csv", "there is no such file."),
-        (".", "this is a folder; give a CSV file."),
+        (".", "this is a folder; name a file in it, such as binary.csv."),
     ):
         with pytest.raises(FileError) as caught:
             read_motion(model, tmp_path / name)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
+import reprlib
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -106,7 +107,7 @@ class UnknownNameError(FreebodyError, KeyError):
         hint = f" Did you mean {near[0]!r}?" if near else ""
         plural = f"{what[:-1]}ies" if what.endswith("y") and what[-2:-1] not in "aeou" else f"{what}s"
         listed = f" {plural[0].upper()}{plural[1:]}: {_listing(known)}." if known else f" It has no {plural}."
-        super().__init__(f"no {what} {name!r} in {owner}.{hint}{listed}")
+        super().__init__(f"no {what} {shown(name)} in {owner}.{hint}{listed}")
 
     def __str__(self) -> str:  # KeyError would print the repr
         return self.args[0]
@@ -143,6 +144,8 @@ class FileError(FreebodyError, ValueError):
     """Something in a file, with the file and, where known, the line."""
 
     def __init__(self, path: str | Path, line: int | None, problem: str):
+        if len(problem) > _MOST:  # of a file's own text
+            problem = f"{problem[: _MOST // 2]} … {problem[-_MOST // 2 :]}"
         self.path, self.line, self.problem = str(path), line, problem
         place = f"{path}:{line}" if line else f"{path}"
         super().__init__(f"{place}: {problem}")
@@ -167,7 +170,21 @@ def _rebuilt(
     return error
 
 
+def shown(value: object) -> str:
+    """The repr of a value that may be of any size or depth, its middle left out where it is long."""
+    try:
+        return _SHOWN.repr(value)
+    except ValueError:  # Python prints no integer of more than 4300 digits
+        return "an integer of thousands of digits"
+
+
+_SHOWN = reprlib.Repr()
+_SHOWN.maxstring = _SHOWN.maxother = _SHOWN.maxlong = _LONG = 80
+_SHOWN.maxlist = _SHOWN.maxtuple = _SHOWN.maxdict = 12
+_COMPARED, _MOST = 2000, 2000
+
+
 def _listing(names: list[str], most: int = 24) -> str:
     """`a, b, c`, cut after `most` names."""
-    shown = ", ".join(names[:most])
-    return f"{shown}, … ({len(names)} in all)" if len(names) > most else shown
+    listed = ", ".join(name if len(name) <= _LONG else f"{name[: _LONG - 1]}…" for name in names[:most])
+    return f"{listed}, … ({len(names)} in all)" if len(names) > most else listed

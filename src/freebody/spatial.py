@@ -9,6 +9,8 @@ Notation: R = R_PB takes components in B to components in P; p is the origin of 
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from functools import reduce
 from typing import Any
 
@@ -42,6 +44,19 @@ def scale(s: Scalar, a: Vector) -> Vector:
 def dot(a: Vector, b: Vector) -> Scalar:
     """a · b."""
     return reduce(lambda x, y: x + y, (x * y for x, y in zip(a, b, strict=True)))
+
+
+def unit(vector: Iterable[float]) -> tuple[float, ...]:
+    """The unit vector along finite numbers that are not all zero, of any size; along a coordinate axis it is exact."""
+    entries = tuple(float(x) + 0.0 for x in vector)  # no -0
+    length = math.hypot(*entries)
+    if abs(length - 1.0) < 1e-15:
+        return entries
+    if not 1e-150 < length < 1e150:  # where digits are lost, or the length overflows
+        largest = max(map(abs, entries))
+        entries = tuple(x / largest for x in entries)
+        length = math.hypot(*entries)
+    return tuple(x / length for x in entries)
 
 
 def combine(vectors: tuple[Vector, ...], weights: Vector) -> Vector:

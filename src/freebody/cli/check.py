@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -58,21 +57,23 @@ def check(
 
 def _text(answer: str) -> str:
     """What a file, stdin or the argument itself says."""
+    from freebody.formats import source
+
     if answer == "-":
-        return sys.stdin.read(_LARGEST)
+        data = sys.stdin.buffer.read(_LARGEST + 1) if sys.stdin else b""
+        if len(data) > _LARGEST:
+            raise FreebodyError(
+                f"check: standard input gives more than {_LARGEST // 1000} kB, too much for an answer."
+            )
+        return source.decoded("standard input", data)
     if "=" in answer or "\n" in answer:
         return answer
-    path = Path(answer)
     try:
-        with path.open("rb") as file:
-            return file.read(_LARGEST).decode("utf-8")
-    except OSError as problem:
-        reason = (problem.strerror or str(problem)).lower()
-        raise FileError(
-            answer, None, f"{reason}; an answer is a file or an equation such as 'H12 = …'"
-        ) from None
-    except UnicodeDecodeError:
-        raise FileError(answer, None, "this is no text file in UTF-8") from None
+        data = source.read(answer, _LARGEST, "an answer")
+    except FileError as error:
+        hint = "an answer is a file, an equation such as 'H12 = …', or - for what is piped in"
+        raise FileError(answer, None, f"{error.problem.rstrip('.')}; {hint}.") from None
+    return source.decoded(answer, data)
 
 
 def _renaming(text: str) -> tuple[str, str]:

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from freebody.cli import options, terminal
-from freebody.errors import FreebodyError
+from freebody.errors import FreebodyError, shown
+from freebody.formats import numbers
 from freebody.outputs.files import stem
 
 if TYPE_CHECKING:
@@ -72,13 +73,13 @@ def _values(name: str, text: str | None) -> list[float] | None:
         return None
     values = []
     for piece in re.sub(r"\s*(deg|°)", r"deg", text).replace(",", " ").split():
-        number = piece.removesuffix("deg")
-        try:
-            values.append(math.radians(float(number)) if piece.endswith("deg") else float(number))
-        except ValueError:
+        value = numbers.number(piece.removesuffix("deg"))
+        if value is None or numbers.fault(value):
             raise FreebodyError(
-                f'--{name} {text!r}: {piece!r} is not a number; write for example --{name} "0.5, 30 deg".'
-            ) from None
+                f"--{name} {shown(text)}: {shown(piece)} is not a number that can be used; "
+                f'write for example --{name} "0.5, 30 deg".'
+            )
+        values.append(math.radians(value) if piece.endswith("deg") else value)
     return values
 
 

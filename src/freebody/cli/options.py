@@ -43,7 +43,10 @@ class ConventionChoice(StrEnum):
 
 
 Robot = Annotated[
-    str, typer.Argument(help="A .urdf, .toml or .csv (DH table) file, or a bundled model's name.")
+    str,
+    typer.Argument(
+        help="A .urdf, .toml or .csv (DH table) file, a bundled model's name, or letters such as RRP."
+    ),
 ]
 Tip = Annotated[
     str | None, typer.Option(help="Frame to study as the tip; default: the end behind the most joints.")

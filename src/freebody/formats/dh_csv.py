@@ -5,16 +5,15 @@ Comment lines start with #; `# convention: standard` (or modified) says what the
 
 from __future__ import annotations
 
-import csv
-import math
 import re
 from typing import Any, NoReturn
 
-from freebody.errors import FileError, UnknownNameError
+from freebody.errors import FileError, UnknownNameError, shown
+from freebody.formats import numbers, source
 from freebody.formats.table import in_units, is_name
 from freebody.model import dh
 from freebody.model.parameters import Parameter, Quantity
-from freebody.model.parts import INFINITE, Description, Limits
+from freebody.model.parts import INFINITE, MOST_LINKS, Description, Limits
 
 _COM, _TENSOR = ("cx", "cy", "cz"), ("Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz")
 _DIRECT = ("theta", "d", "a", "alpha", "m", "rotor", "gear")
@@ -27,9 +26,13 @@ def describe(file: str, text: str, *, name: str, convention: dh.Convention | Non
     """The description in a DH table. Raises FileError with the line."""
     remarks: dict[str, tuple[int, str]] = {}
     lines: list[tuple[int, str]] = []
-    for number, line in enumerate(text.splitlines(), 1):
+    for number, line in enumerate(source.lines(text), 1):
         if line.lstrip().startswith("#"):
             remark = _REMARK.fullmatch(line.strip())
+            if remark and not remark[2]:
+                raise FileError(
+                    file, number, f"{remark[1]} is empty; write it behind the colon, or remove the line."
+                )
             if remark:
                 remarks[remark[1]] = number, remark[2]
         elif line.strip(" ,;\t"):
@@ -39,6 +42,8 @@ def describe(file: str, text: str, *, name: str, convention: dh.Convention | Non
         raise FileError(
             file, None, f"there is no table; the first line names the columns, such as {example}."
         )
+    if len(lines) > MOST_LINKS:
+        raise FileError(file, None, f"the table has more than {MOST_LINKS} rows, one a joint.")
     header = _Header(file, *lines[0])
     chosen = _convention(file, lines[0][0], remarks.get("convention"), convention)
     rows = [_Row(header, i, number, line).as_dh() for i, (number, line) in enumerate(lines[1:])]
@@ -46,8 +51,8 @@ def describe(file: str, text: str, *, name: str, convention: dh.Convention | Non
         raise FileError(file, lines[0][0], "the table has a header but no rows; add one a joint.")
     number, given = remarks.get("gravity", (None, "9.81"))
     gravity = in_units(given, "number")
-    if gravity is None:
-        raise FileError(file, number, f"gravity is {given!r}, expected a number in m/s².")
+    if gravity is None or numbers.fault(gravity):
+        raise FileError(file, number, f"gravity is {shown(given)}, expected a number in m/s².")
     return dh.describe(
         rows,
         convention=chosen,
@@ -87,16 +92,15 @@ class _Header:
     def __init__(self, file: str, line: int, text: str):
         self.file = file
         self.delimiter = ";" if ";" in text and "," not in text else ","
-        self.columns = self.cells(text)
+        self.columns = self.cells(line, text)
         for i, column in enumerate(self.columns):
             if column not in COLUMNS:
                 raise FileError(file, line, str(UnknownNameError("column", column, "a DH table", COLUMNS)))
             if column in self.columns[:i]:
                 raise FileError(file, line, f"column {column!r} appears twice; keep one.")
 
-    def cells(self, text: str) -> list[str]:
-        cells = next(csv.reader([text], delimiter=self.delimiter, skipinitialspace=True))
-        return [cell.strip() for cell in cells]
+    def cells(self, line: int, text: str) -> list[str]:
+        return source.cells(self.file, line, text, self.delimiter)
 
 
 class _Row:
@@ -104,7 +108,7 @@ class _Row:
 
     def __init__(self, header: _Header, i: int, line: int, text: str):
         self.file, self.line, self.where = header.file, line, f"dh row {i + 1}"
-        cells = header.cells(text)
+        cells = header.cells(line, text)
         if len(cells) != len(header.columns):
             self.refuse(f"it has {len(cells)} cells, the header {len(header.columns)}.")
         self.cells = {column: cell for column, cell in zip(header.columns, cells, strict=True) if cell}
@@ -135,8 +139,8 @@ class _Row:
         if column not in self.cells:
             return default
         value = in_units(self.cells[column], self.unit(column))
-        if value is None or not math.isfinite(value):
-            self.refuse(f"{column} is {self.cells[column]!r}, expected a number{self.hint(column)}.")
+        if value is None or numbers.fault(value, infinite=True):
+            self.refuse(f"{column} is {shown(self.cells[column])}, expected a number{self.hint(column)}.")
         return value
 
     def quantity(self, column: str) -> Quantity:
@@ -144,8 +148,11 @@ class _Row:
         value = in_units(cell, self.unit(column))
         if value is None and is_name(cell):
             return Parameter(cell)
-        if value is None or not math.isfinite(value):
-            self.refuse(f"{column} is {cell!r}, expected a number or a name{self.hint(column)}.")
+        if value is None:
+            self.refuse(f"{column} is {shown(cell)}, expected a number or a name{self.hint(column)}.")
+        problem = numbers.fault(value)
+        if problem:
+            self.refuse(f"{column} is {value:g}, {problem}.")
         return value
 
     def hint(self, column: str) -> str:

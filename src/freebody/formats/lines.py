@@ -9,13 +9,46 @@ import re
 from bisect import bisect_left
 from collections.abc import Mapping
 
+from freebody.errors import FileError
+
 Path = tuple[str | int, ...]
+
+MOST_TEXT, MOST_VALUES, DEEPEST = 16 * 2**20, 2_000_000, 64
 
 _BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
 _INLINE_BLANK = re.compile(r"[ \t]*")
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 _STRING = re.compile(r'"""(?:\\.|[^\\])*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:\\.|[^"\\])*"|\'[^\']*\'', re.DOTALL)
+_MARK = re.compile(rf"{_STRING.pattern}|#[^\n]*|[.,=\n\[\]{{}}]", re.DOTALL)
 _SCALAR = re.compile(r"[^,\]}#\r\n]+")
+
+
+def bounded(file: str, text: str) -> None:
+    """Refuse what takes the parser too long, or too deep: too many values, keys of many parts, nested brackets."""
+    if len(text) > MOST_TEXT:
+        raise FileError(file, None, f"the text has more than {MOST_TEXT >> 20} million characters.")
+    depth = dots = values = 0
+    for match in _MARK.finditer(text):
+        mark = match[0]
+        if mark == ".":
+            dots += 1
+        elif mark in "[{":
+            depth, dots = depth + 1, 0
+        elif mark in "]}":
+            depth, dots = max(0, depth - 1), 0
+        elif len(mark) == 1:  # an end of line, a comma, an equals sign
+            values, dots = values + 1, 0
+        too = (
+            f"brackets are nested more than {DEEPEST} deep"
+            if depth > DEEPEST
+            else f"a key has more than {DEEPEST} parts"
+            if dots > DEEPEST
+            else f"there are more than {MOST_VALUES} lines and values"
+            if values > MOST_VALUES
+            else ""
+        )
+        if too:
+            raise FileError(file, text.count("\n", 0, match.start()) + 1, f"{too}.")
 
 
 def lines(text: str) -> dict[Path, int]:

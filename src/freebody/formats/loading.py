@@ -5,16 +5,18 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from freebody.errors import FileError, FreebodyError, UnknownNameError
+from freebody.errors import FileError, FreebodyError, UnknownNameError, shown
 from freebody.formats import dh_csv, toml, urdf
 from freebody.formats import source as sources
+from freebody.formats.urdf_elements import xacro
+from freebody.model import planar
 from freebody.model.assembly import BasePolicy, MimicPolicy, Policy, assemble
 from freebody.model.dh import Convention
 from freebody.model.model import Model
 from freebody.model.parts import Description
 
 _NOT_READ = {
-    ".xacro": "xacro is not read directly; expand it first with `xacro {name} > {stem}.urdf`, then load that.",
+    ".xacro": "xacro is not read directly; {xacro}, and load that.",
     ".xml": "MJCF and other XML are not read; export the robot as URDF, or describe it in freebody's TOML.",
     ".sdf": "SDF is not read; convert it to URDF, or describe the robot in freebody's TOML.",
 }
@@ -33,6 +35,9 @@ def load(
     convention: Convention | None = None,
 ) -> Model:
     """A model from a .urdf, .toml or .csv (DH table) file, or a bundled model by its name (see `models()`).
+
+    Letters R and P that are no bundled model's name are a planar arm: load("RRP") is planar("RRP"). A file is a regular
+    one of at most 32 MB (TOML: 16) and 50 000 links, and no number in it but a limit is beyond 1e60.
 
     tip: the frame that `frame=None` means; default: the file's, else the only leaf.
     base: "fixed" or "free" (a free joint carries the root link); default: the file's, else fixed.
@@ -55,14 +60,14 @@ def read(
     """The description in a file or of a bundled model, before it is checked and lumped; see `load`."""
     if not 0.0 <= snap_angles < 0.1:
         raise FreebodyError(f"load: snap_angles is {snap_angles}, expected radians between 0 and 0.1.")
-    path, given = Path(source), os.fspath(source)
+    given = _path(source)
+    path = Path(given)
     if not path.suffix and os.sep not in given and "/" not in given:
-        return _bundled(given)
+        return _named(given)
     suffix = path.suffix.lower()
     if suffix in _NOT_READ:
-        raise FileError(
-            path, None, _NOT_READ[suffix].format(name=path.name, stem=path.stem.removesuffix(".urdf"))
-        )
+        advice = xacro(path.name, path.stem.removesuffix(".urdf"))
+        raise FileError(path, None, _NOT_READ[suffix].format(xacro=advice))
     if suffix not in SUFFIXES and not path.is_dir():
         raise FileError(
             path, None, f"freebody does not know {suffix or _BARE}; it reads {', '.join(SUFFIXES)}."
@@ -76,10 +81,30 @@ def read(
     return toml.describe(given, text, name=path.stem)
 
 
-def _bundled(name: str) -> Description:
+def _path(source: object) -> str:
+    """The path or name as text; refuses a description itself."""
+    if not isinstance(source, str | os.PathLike) or isinstance(given := os.fspath(source), bytes):
+        raise FreebodyError(f"load: expected a path or a model's name, not {type(source).__name__}.")
+    if given.lstrip().startswith("<") or "\n" in given:
+        kind = ".urdf" if given.lstrip().startswith("<") else ".toml or .csv"
+        raise FreebodyError(
+            f"load: {shown(given)} is the text of a description, not a path; write it to a {kind} file and load that: "
+            "its lines are what errors refer to."
+        )
+    return given
+
+
+def _named(name: str) -> Description:
+    """A bundled model; of another name that is all R and P, the planar arm of these joints."""
     names = sources.bundled_names()
     if name in names:
         return toml.describe(f"{name}.toml", sources.bundled_text(name), name=name)
+    if name and not set(name) - set("RP"):
+        return planar.describe(name)
+    if name == "-":
+        raise FreebodyError(
+            "load: a robot is not read from standard input, where no suffix tells its format; save it in a file."
+        )
     if Path(name).exists():
         kind = "folder" if Path(name).is_dir() else "file"
         raise FreebodyError(

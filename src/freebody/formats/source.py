@@ -1,35 +1,49 @@
-"""From what a user calls a model to bytes: files, and the data that comes with the package."""
+"""The one reader of files from outside: bytes of a regular file, never more than asked for. And the bundled data."""
 
 from __future__ import annotations
 
+import csv
 import os
+import stat
 from importlib import resources
 from pathlib import Path
 
-from freebody.errors import FileError, likely
+from freebody.errors import FileError, likely, shown
 
-LARGEST = 64 * 2**20  # bytes; the longest robot description known has less than one megabyte
+LARGEST = 32 * 2**20
+"""Bytes of a robot description; the longest known has less than one megabyte."""
+_KINDS = {
+    stat.S_IFIFO: "a pipe",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+    stat.S_IFSOCK: "a socket",
+}
 
 
-def read(path: Path) -> bytes:
-    """The bytes of a text file. Raises FileError for what is missing, a folder, empty, huge or binary."""
+def read(path: str | os.PathLike[str], most: int = LARGEST, what: str = "a robot description") -> bytes:
+    """The bytes of a text file of at most `most` bytes; `what` it is, for errors.
+
+    Raises FileError for what is missing, no regular file, empty, larger, or binary. A pipe or device is not even
+    opened, which may wait for ever, or do something. A symbolic link to a file is as good as the file.
+    """
+    path = Path(path)
     try:
-        if path.is_dir():
-            raise FileError(path, None, f"this is a folder; name a file in it{_examples(path)}.")
-        if not path.exists():
-            raise FileError(path, None, _missing(path))
-        size = path.stat().st_size
-        if size > LARGEST:
-            raise FileError(
-                path, None, f"the file has {size / 2**20:.0f} MB; a robot description has less than 64."
-            )
-        data = path.read_bytes()
+        _regular(path, os.stat(path).st_mode)
+        data = _bytes(path, most + 1)
+    except FileError:  # a ValueError too
+        raise
+    except FileNotFoundError:
+        raise FileError(path, None, _missing(path)) from None
     except OSError as error:
         raise FileError(path, None, f"the file cannot be read: {error.strerror}.") from None
+    except ValueError:  # a NUL in the name
+        raise FileError(shown(str(path)), None, "there is no such file.") from None
+    if len(data) > most:
+        raise FileError(path, None, f"the file has more than {_size(most)}, too much for {what}.")
     if not data.strip():
         raise FileError(path, None, "the file is empty.")
     wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
-    if b"\0" in data[:4096] and not wide:
+    if b"\0" in data and not wide:
         raise FileError(path, None, "the file is binary, not text.")
     return data
 
@@ -41,6 +55,41 @@ def decoded(file: str, data: bytes) -> str:
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise FileError(file, line, "the text is not UTF-8; save it as UTF-8.") from None
+
+
+def lines(text: str) -> list[str]:
+    """The lines of a text as editors count them, with the line ends of any system."""
+    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+
+
+def cells(file: str | Path, line: int, text: str, delimiter: str = ",") -> list[str]:
+    """The cells of one line of a CSV file, blanks around them removed."""
+    try:
+        (row,) = csv.reader([text], delimiter=delimiter, skipinitialspace=True)
+    except (csv.Error, ValueError) as error:
+        raise FileError(file, line, f"this is no line of a CSV table: {error}.") from None
+    return [cell.strip() for cell in row]
+
+
+def _regular(path: Path, mode: int) -> None:
+    """Refuse what is no file of its own size."""
+    if stat.S_ISDIR(mode):
+        raise FileError(path, None, f"this is a folder; name a file in it{_examples(path)}.")
+    if not stat.S_ISREG(mode):
+        kind = _KINDS.get(stat.S_IFMT(mode), "no file")
+        raise FileError(
+            path, None, f"this is {kind}, not a file; save what it gives in a file and name that."
+        )
+
+
+def _bytes(path: Path, most: int) -> bytes:
+    # not waiting, and looking again at what was opened: another file may have taken the place of the first
+    flags = (
+        os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
+    )
+    with open(os.open(path, flags), "rb") as file:
+        _regular(path, os.fstat(file.fileno()).st_mode)
+        return file.read(most) or b""
 
 
 def bundled_names() -> list[str]:
@@ -55,8 +104,15 @@ def bundled_text(name: str) -> str:
     return resources.files("freebody").joinpath("robots", f"{name}.toml").read_text(encoding="utf-8")
 
 
+def _size(most: int) -> str:
+    return f"{most / 2**20:g} MB" if most >= 2**20 else f"{most // 1000} kB"
+
+
 def _examples(folder: Path) -> str:
-    names = sorted(p.name for p in folder.iterdir() if p.suffix in (".urdf", ".toml", ".csv"))
+    try:
+        names = sorted(p.name for p in folder.iterdir() if p.suffix in (".urdf", ".toml", ".csv"))
+    except OSError:
+        names = []
     return f", such as {names[0]}" if names else ""
 
 
@@ -64,6 +120,9 @@ def _missing(path: Path) -> str:
     folder = path.parent
     if not folder.is_dir():
         return f"there is no such file: folder {os.fspath(folder)!r} does not exist."
-    near = likely(path.name, sorted(p.name for p in folder.iterdir()), most=3)
+    try:
+        near = likely(path.name, sorted(p.name for p in folder.iterdir()), most=3)
+    except OSError:
+        near = []
     hint = f" Near it: {', '.join(near)}." if near else ""
     return f"there is no such file.{hint}"

@@ -8,11 +8,12 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
-from freebody.errors import FileError, UnknownNameError
+from freebody.errors import FileError, UnknownNameError, shown
+from freebody.formats import numbers
 from freebody.formats.lines import Path, line_of
 from freebody.model.parameters import Parameter, Quantity
 
-_TEXT_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-z/]*)\s*")
+_TEXT_NUMBER = re.compile(rf"\s*({numbers.DECIMAL})\s*([a-z/]*)\s*", re.ASCII)
 UNITS: dict[str, dict[str, float]] = {
     "number": {},
     "angle": {"rad": 1.0, "deg": math.pi / 180},
@@ -81,14 +82,14 @@ class Table:
         """A text that is not empty."""
         value = self.get(key, default)
         if value is not default and (not isinstance(value, str) or not value.strip()):
-            self.refuse(f"{key} is {value!r}, expected text in quotes.", key)
+            self.refuse(f"{key} is {shown(value)}, expected text in quotes.", key)
         return value
 
     def flag(self, key: str) -> bool:
         """true or false; false where nothing is said."""
         value = self.data.get(key, False)
         if not isinstance(value, bool):
-            self.refuse(f"{key} is {value!r}, expected true or false.", key)
+            self.refuse(f"{key} is {shown(value)}, expected true or false.", key)
         return value
 
     def choice(self, key: str, allowed: Collection[str], default: Any = _REQUIRED) -> str:
@@ -182,7 +183,7 @@ class Table:
         if isinstance(value, str):
             number = in_units(value, kind)
             if number is None:
-                self.refuse(f"{_label(at)} is {value!r}, expected {expected}.", *at)
+                self.refuse(f"{_label(at)} is {shown(value)}, expected {expected}.", *at)
         elif isinstance(value, int | float) and not isinstance(value, bool):
             try:
                 number = float(value)
@@ -190,8 +191,9 @@ class Table:
                 number = math.inf
         else:
             self.refuse(f"{_label(at)} is {_kind(value)}, expected {expected}.", *at)
-        if math.isnan(number) or (math.isinf(number) and not infinite):
-            self.refuse(f"{_label(at)} is {number}; every number must be finite.", *at)
+        problem = numbers.fault(number, infinite)
+        if problem:
+            self.refuse(f"{_label(at)} is {number:g}, {problem}.", *at)
         return number
 
     def read_quantity(self, value: Any, kind: str, at: Path) -> Quantity:
@@ -203,12 +205,14 @@ class Table:
             if is_name(value):
                 return Parameter(value)
             hint = "; angles also as text such as '30 deg'" if kind == "angle" else ""
-            self.refuse(f"{_label(at)} is {value!r}, expected a number or a name such as 'l1'{hint}.", *at)
+            self.refuse(
+                f"{_label(at)} is {shown(value)}, expected a number or a name such as 'l1'{hint}.", *at
+            )
         return self.read_number(value, kind, at)
 
     def parameter(self, name: str, value: float | None) -> Parameter:
         if not is_name(name):
-            self.refuse(f"{name!r} is no parameter name; use letters, digits and _, such as 'l1'.")
+            self.refuse(f"{shown(name)} is no parameter name; use letters, digits and _, such as 'l1'.")
         return Parameter(name, value)
 
 

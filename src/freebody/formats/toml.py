@@ -10,7 +10,7 @@ from typing import Any
 
 from freebody.errors import FileError, ModelError, UnknownNameError
 from freebody.formats import toml_parts as parts
-from freebody.formats.lines import lines
+from freebody.formats.lines import bounded, lines
 from freebody.formats.table import Table
 from freebody.model import dh, planar
 from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
@@ -68,6 +68,7 @@ def describe(file: str, text: str, *, name: str) -> Description:
 
 def _table(file: str, text: str) -> Table:
     """The parsed text, with its lines."""
+    bounded(file, text)
     try:
         data, found = tomllib.loads(text), lines(text)
     except tomllib.TOMLDecodeError as error:
@@ -75,8 +76,10 @@ def _table(file: str, text: str) -> Table:
         message = str(error)[: where.start()] if where else str(error)
         line = int(where[1]) if where and where[1] else text.count("\n") + 1
         raise FileError(file, line, f"this is not valid TOML: {message[0].lower()}{message[1:]}.") from None
-    except RecursionError:
-        raise FileError(file, None, "the tables are nested too deeply.") from None
+    except ValueError:  # Python's own limit, against time that grows with the square of the digits
+        long = re.search(r"[0-9_]{4000,}", text)
+        line = text.count("\n", 0, long.start()) + 1 if long else None
+        raise FileError(file, line, "a number has more than 4300 digits.") from None
     return Table(file, found, (), data)
 
 

@@ -9,12 +9,13 @@ from __future__ import annotations
 import math
 
 from freebody.errors import UnknownNameError
-from freebody.formats.urdf_elements import Elements
+from freebody.formats.urdf_elements import Elements, xacro
 from freebody.formats.xml import Element, parse
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.parts import INFINITE, Description, Drive, Joint, Limits, Link, Mimic
 from freebody.model.placement import Placement, rotate, rpy, shift
+from freebody.spatial import unit
 
 KINDS = {
     "revolute": "revolute",
@@ -53,8 +54,8 @@ class _Reader(Elements):
         self.sort_out(robot, "link", "joint")
         self.remarks["<transmission> in <robot>"] = _reductions(robot)
         if not robot.all("link"):
-            xacro = any(child.tag.startswith("xacro:") for child in robot.children)
-            hint = "; it looks like xacro: expand it first with `xacro FILE > out.urdf`" if xacro else ""
+            unexpanded = any(child.tag.startswith("xacro:") for child in robot.children)
+            hint = f"; it looks like xacro: {xacro('FILE', 'out')}" if unexpanded else ""
             self.refuse(robot, f"there are no links; a robot needs at least one{hint}.")
         for element in robot.all("link"):
             self.link(element)
@@ -141,7 +142,7 @@ class _Reader(Elements):
 
     def planar(self, element: Element, where: str, parent: str, child: str, placement: Placement) -> None:
         """URDF's planar joint moves in the plane normal to its axis; ours in the xy-plane of its frame."""
-        x, y, z = _unit(self.axis(element, where))
+        x, y, z = unit(self.axis(element, where))
         name, line = element.name(), element.line
         if z == 1.0:
             self.joints.append(Joint(name, "planar", parent, child, placement, line=line))
@@ -171,7 +172,7 @@ class _Reader(Elements):
         self.only(tag, "xyz")
         axis = self.vector(tag, "xyz", where)
         length = math.hypot(*axis)
-        if length == 0.0:
+        if not any(axis):
             self.refuse(tag, f'{where}: the axis is zero; give a direction such as xyz="0 0 1".')
         if abs(length - 1.0) > 1e-6:
             self.notice("axis", tag, f"{where}: the axis has length {length:g}; it is made a unit vector.")
@@ -239,11 +240,6 @@ class _Reader(Elements):
             if 0.0 < off <= self.snap:
                 self.changes.append(off)
         return self.vector(tag, "xyz", where), rpy(*angles, snap=self.snap)
-
-
-def _unit(axis: tuple[float, float, float]) -> tuple[float, ...]:
-    length = math.hypot(*axis)
-    return tuple(x / length for x in axis)
 
 
 def _other_format(tag: str) -> str:

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
-import math
-import re
 from collections import Counter
+from itertools import islice
 from typing import NoReturn
 
-from freebody.errors import FileError
+from freebody.errors import FileError, shown
+from freebody.formats import numbers
 from freebody.formats.xml import Element
 from freebody.model.parts import Notice
 
 _SHAPES = ("visual", "collision", "material")
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?inf(inity)?", re.IGNORECASE)
+_MOST_KINDS = 100
+"""Of elements and attributes that are not read and yet named one by one."""
+
+
+def xacro(name: str, stem: str) -> str:
+    """How to expand a file of that name, with ROS and without."""
+    return (
+        f"expand it first, with ROS by `xacro {name} > {stem}.urdf`, without by `pip install xacrodoc`, then "
+        f"`xacrodoc {name} -o {stem}.urdf`"
+    )
 
 
 class Elements:
@@ -47,21 +56,23 @@ class Elements:
         words = element.attributes.get(key, "0 0 0").split()
         if len(words) != 3:
             self.refuse(
-                element, f'{where}: {key}="{" ".join(words)}" has {len(words)} entries, expected 3 numbers.'
+                element,
+                f"{where}: {key}={shown(' '.join(words))} has {len(words)} entries, expected 3 numbers.",
             )
         x, y, z = (self.read(element, key, word, where) for word in words)
         return x, y, z
 
     def read(self, element: Element, key: str, word: str, where: str, infinite: bool = False) -> float:
-        value = float(word) if _NUMBER.fullmatch(word) else math.nan
-        if math.isnan(value) or (math.isinf(value) and not infinite):
-            hint = (
-                "; it is a xacro expression: expand the file first with `xacro FILE > out.urdf`"
-                if "${" in word
-                else ""
-            )
+        value = numbers.number(word)
+        problem = None if value is None else numbers.fault(value, infinite)
+        if value is None or problem == numbers.NOT_FINITE:
+            hint = f"; it is a xacro expression: {xacro('FILE', 'out')}" if "${" in word else ""
             kind = "number" if infinite else "finite number"
-            self.refuse(element, f"{where}: {key} of <{element.tag}> is {word!r}, expected a {kind}{hint}.")
+            self.refuse(
+                element, f"{where}: {key} of <{element.tag}> is {shown(word)}, expected a {kind}{hint}."
+            )
+        if problem:
+            self.refuse(element, f"{where}: {key} of <{element.tag}> is {value:g}, {problem}.")
         return value
 
     # ------------------------------------------------------------ what is not used
@@ -106,7 +117,10 @@ class Elements:
         for key, (n, line) in self.unknown.items():
             text = f"{key} limits of 0 are read as no limit ({_times(n)})."
             notices.append(Notice("limits", text, self.file, line))
-        for what, (n, line) in self.ignored.items():
+        if len(self.ignored) > _MOST_KINDS:
+            text = f"{len(self.ignored) - _MOST_KINDS} further kinds of elements and attributes are ignored."
+            notices.append(Notice("ignored", text, self.file))
+        for what, (n, line) in islice(self.ignored.items(), _MOST_KINDS):
             notices.append(
                 Notice(
                     "ignored",

@@ -8,7 +8,7 @@ from xml.parsers import expat
 
 from freebody.errors import FileError
 
-_ELEMENTS = 500_000
+_ELEMENTS, _ATTRIBUTES, _DEEPEST = 500_000, 2_000_000, 200
 _TEXT = 80  # characters kept of an element's text
 _CUT_SHORT = [
     expat.errors.codes[message]
@@ -16,7 +16,7 @@ _CUT_SHORT = [
 ]
 
 
-@dataclass
+@dataclass(slots=True)
 class Element:
     """One element: tag with its prefix as written, attributes, line, elements and text inside."""
 
@@ -41,16 +41,22 @@ def parse(file: str, data: bytes) -> Element:
     parser = expat.ParserCreate()
     opened: list[Element] = []
     roots: list[Element] = []
-    left = _ELEMENTS
+    left, attributes_left = _ELEMENTS, _ATTRIBUTES
 
     def refuse(problem: str) -> NoReturn:
         raise FileError(file, parser.CurrentLineNumber, problem)
 
     def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal left
-        left -= 1
+        nonlocal left, attributes_left
+        left, attributes_left = left - 1, attributes_left - len(attributes)
         if not left:
             refuse(f"the file has more than {_ELEMENTS} elements; a robot description has a few thousand.")
+        if attributes_left < 0:
+            refuse(
+                f"the file has more than {_ATTRIBUTES} attributes; a robot description has a few thousand."
+            )
+        if len(opened) == _DEEPEST:
+            refuse(f"elements are nested more than {_DEEPEST} deep.")
         element = Element(tag, attributes, parser.CurrentLineNumber)
         (opened[-1].children if opened else roots).append(element)
         opened.append(element)

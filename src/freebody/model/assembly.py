@@ -17,10 +17,20 @@ from freebody.model.bodies import Body, Frame
 from freebody.model.joints import KINDS
 from freebody.model.loops import checked_loop
 from freebody.model.model import Model
-from freebody.model.parts import Description, Drive, Joint, Limits, Link, Loop, Mimic, Notice
+from freebody.model.parts import (
+    MOST_LINKS,
+    Description,
+    Drive,
+    Joint,
+    Limits,
+    Link,
+    Loop,
+    Mimic,
+    Notice,
+)
 from freebody.model.placement import Placement
 from freebody.model.tree import Attached
-from freebody.spatial import of_dimension
+from freebody.spatial import of_dimension, unit
 
 Policy = Literal["warn", "refuse", "ignore"]
 _MOST_STEPS = 1000
@@ -62,6 +72,8 @@ class _Assembly:
         d = self.description
         if not d.links:
             self.refuse("there are no links; a robot needs at least one.")
+        if len(d.links) > MOST_LINKS:
+            self.refuse(f"there are {len(d.links)} links; at most {MOST_LINKS} are read.")
         joints = [self.checked(joint) for joint in d.joints]
         for link in d.links:
             self.check_inertia(link)
@@ -134,10 +146,7 @@ class _Assembly:
             self.refuse(
                 f"{where}: axis {joint.axis} must be {expected} finite numbers, not all zero.", joint.line
             )
-        if np.count_nonzero(axis) == 1:
-            return tuple(float(x) for x in np.sign(axis))
-        length = float(np.linalg.norm(axis))
-        return tuple(float(x) for x in (axis if abs(length - 1) < 1e-15 else axis / length))
+        return unit(axis)
 
     def check_limits(self, joint: Joint, where: str) -> None:
         limits: Limits = joint.limits

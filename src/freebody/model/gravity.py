@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from numbers import Real
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from freebody.errors import ModelError
 from freebody.model.parameters import Parameter, Quantity, finite, quantity
+from freebody.spatial import unit
 
 
 def gravity_of(
@@ -28,9 +30,4 @@ def gravity_of(
     vector = np.array([finite(x, "gravity") for x in given])
     if vector.shape != (dim,):
         raise ModelError(f"gravity: a vector of {dim} entries in world axes is needed, not {len(vector)}.")
-    size = float(np.linalg.norm(vector))
-    # a vector along an axis keeps its size to the last bit
-    axis = int(np.argmax(abs(vector)))
-    if size and size == abs(vector[axis]):
-        return size, tuple(float(np.sign(x)) if i == axis else 0.0 for i, x in enumerate(vector))
-    return (size, tuple(float(x) for x in vector / size)) if size else (0.0, direction)
+    return (math.hypot(*vector), unit(vector)) if vector.any() else (0.0, direction)

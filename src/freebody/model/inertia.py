@@ -80,37 +80,40 @@ class Inertia:
     @staticmethod
     def disc(mass: float, radius: float, dim: int = 3) -> Inertia:
         """Thin uniform disc in the xy plane, about its centre: I_G = m r²/2 about z."""
-        return _shape(mass, dim, mass * radius**2 / 4, mass * radius**2 / 4, mass * radius**2 / 2)
+        r2 = radius * radius
+        return _shape(mass, dim, mass * r2 / 4, mass * r2 / 4, mass * r2 / 2)
 
     @staticmethod
     def ring(mass: float, radius: float, dim: int = 3) -> Inertia:
         """Thin ring in the xy plane: I_G = m r² about z."""
-        return _shape(mass, dim, mass * radius**2 / 2, mass * radius**2 / 2, mass * radius**2)
+        r2 = radius * radius
+        return _shape(mass, dim, mass * r2 / 2, mass * r2 / 2, mass * r2)
 
     @staticmethod
     def bar(mass: float, length: float, dim: int = 3) -> Inertia:
         """Thin uniform bar along x, about its middle: I_G = m l²/12."""
-        return _shape(mass, dim, 0.0, mass * length**2 / 12, mass * length**2 / 12)
+        l2 = length * length
+        return _shape(mass, dim, 0.0, mass * l2 / 12, mass * l2 / 12)
 
     @staticmethod
     def box(mass: float, size: Sequence[float]) -> Inertia:
         """Uniform box with sides along the axes; two sides make a planar rectangle."""
         if len(size) not in (2, 3):
             raise ModelError(f"Inertia.box: size has {len(size)} entries, expected 3, or 2 in the plane.")
-        x, y = size[0] ** 2, size[1] ** 2
-        z = size[2] ** 2 if len(size) == 3 else 0.0
+        x, y, z = (side * side for side in (*size, 0.0)[:3])
         return _shape(mass, len(size), mass * (y + z) / 12, mass * (x + z) / 12, mass * (x + y) / 12)
 
     @staticmethod
     def cylinder(mass: float, radius: float, length: float) -> Inertia:
         """Solid cylinder along z."""
-        across = mass * (3 * radius**2 + length**2) / 12
-        return _shape(mass, 3, across, across, mass * radius**2 / 2)
+        r2 = radius * radius
+        across = mass * (3 * r2 + length * length) / 12
+        return _shape(mass, 3, across, across, mass * r2 / 2)
 
     @staticmethod
     def sphere(mass: float, radius: float) -> Inertia:
         """Solid sphere."""
-        return _shape(mass, 3, *(0.4 * mass * radius**2,) * 3)
+        return _shape(mass, 3, *(0.4 * mass * (radius * radius),) * 3)
 
     # ------------------------------------------------------------ numbers
     def numbers(self) -> tuple[float, np.ndarray, np.ndarray]:
@@ -202,5 +205,6 @@ def _upper(tensor: np.ndarray) -> tuple[float, ...]:
     return tuple(float(tensor[i, j]) for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)))
 
 
+# squares above are products: a product that overflows is infinite and refused as such, a power raises OverflowError
 def _shape(mass: float, dim: int, xx: float, yy: float, zz: float) -> Inertia:
     return Inertia(mass, (0.0,) * dim, (xx, 0.0, 0.0, yy, 0.0, zz) if dim == 3 else (zz,))

@@ -11,6 +11,7 @@ from freebody.errors import ModelError, UnknownNameError
 from freebody.model.closures import LOOP_KINDS
 from freebody.model.parameters import Parameter, quantity
 from freebody.model.parts import Loop
+from freebody.spatial import unit
 
 
 def checked_loop(loop: Loop, dim: int, body_of: Mapping[str, int], taken: Container[str]) -> Loop:
@@ -53,8 +54,7 @@ def _axis(loop: Loop, dim: int, where: str) -> tuple[float, ...]:
         axis = np.zeros(0)
     if axis.shape != (dim,) or not np.isfinite(axis).all() or not axis.any():
         raise ModelError(f"{where}: axis {loop.axis} must be {dim} finite numbers, not all zero.")
-    unit = np.sign(axis) if np.count_nonzero(axis) == 1 else axis / np.linalg.norm(axis)
-    return tuple(map(float, unit))
+    return unit(axis)
 
 
 def checked_distance(loop: Loop) -> float | Parameter | None:

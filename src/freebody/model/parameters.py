@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from freebody.errors import ModelError
+from freebody.errors import ModelError, shown
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,9 @@ class Parameter:
 
 Quantity = float | Parameter
 
+LARGEST = 1e60
+"""No number of a robot is larger, in any unit; some products of five such numbers would overflow."""
+
 
 def real(value: object, owner: str) -> float:
     """`value` as a float, perhaps infinite or NaN, or an error that names its owner."""
@@ -38,7 +41,9 @@ def real(value: object, owner: str) -> float:
             raise TypeError
         return float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
-        raise ModelError(f"{owner}: {value!r} is not a number.") from None
+        raise ModelError(f"{owner}: {shown(value)} is not a number.") from None
+    except OverflowError:  # an integer
+        return math.inf
 
 
 def finite(value: object, owner: str) -> float:
@@ -46,6 +51,8 @@ def finite(value: object, owner: str) -> float:
     number = real(value, owner)
     if not math.isfinite(number):
         raise ModelError(f"{owner}: {number} is not a finite number.")
+    if abs(number) > LARGEST:
+        raise ModelError(f"{owner}: {number:g} is too large; numbers of a robot stay below {LARGEST:g}.")
     return number
 
 

@@ -12,6 +12,8 @@ from freebody.model.parameters import Quantity, finite, quantity, real
 from freebody.model.placement import Placement
 
 INFINITE = float("inf")
+MOST_LINKS = 50_000
+"""Of one robot; more are a mistake, or meant to fill the memory."""
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from freebody.errors import ModelError, UnknownNameError
+from freebody.errors import ModelError, UnknownNameError, shown
 from freebody.model.assembly import Policy, assemble
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, Quantity, finite, quantity
-from freebody.model.parts import Description, Drive, Joint, Limits, Link, Mount
+from freebody.model.parts import MOST_LINKS, Description, Drive, Joint, Limits, Link, Mount
 from freebody.model.placement import shift, turn
 
 Given = float | str | Parameter | None
@@ -78,7 +78,11 @@ def describe(
     """The links and joints of a planar word; arguments as in `planar`."""
     if not isinstance(word, str) or not word or set(word) - set("RP"):
         raise ModelError(
-            f"planar: the word {word!r} must be made of the letters R and P, such as 'RR' or 'RP'."
+            f"planar: the word {shown(word)} must be made of the letters R and P, such as 'RR' or 'RP'."
+        )
+    if len(word) > MOST_LINKS:
+        raise ModelError(
+            f"planar: the word has {len(word)} letters, one a link; at most {MOST_LINKS} are read."
         )
     n = len(word)
     lengths = _entries("l", l, n, word)
@@ -135,7 +139,7 @@ def _optional(name: str, given: Sequence | None, n: int) -> list:
     if given is None:
         return [None] * n
     if isinstance(given, str) or not hasattr(given, "__len__") or len(given) != n:
-        raise ModelError(f"planar: {name} must have {n} entries, one a joint; got {given!r}.")
+        raise ModelError(f"planar: {name} must have {n} entries, one a joint; got {shown(given)}.")
     return list(given)
 
 

@@ -6,8 +6,6 @@ A header names the columns: `t` (s) and the coordinates of the positions as the 
 
 from __future__ import annotations
 
-import csv
-import io
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FileError, FreebodyError, LoopError, UnknownNameError
+from freebody.errors import FileError, FreebodyError, LoopError, UnknownNameError, shown
+from freebody.formats import numbers, source
 from freebody.model.model import Model
 from freebody.motion.closing import completed
 from freebody.motion.motion import FEWEST, Motion, derivatives, motion_of
@@ -26,6 +25,7 @@ from freebody.outputs.text import as_meant
 if TYPE_CHECKING:
     import xarray as xr
 
+_LARGEST, _MOST_VALUES = 256 * 2**20, 10_000_000  # bytes and cells of a file: hours of a robot's log
 _UNIT = 1e-3  # how far a quaternion of a file, printed with few digits, may be off unit length
 _DISAGREE = 0.05  # given rates this far from the differentiated ones, over the largest, are worth a word
 
@@ -93,23 +93,14 @@ def _table(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
 
 
 def _rows(path: Path) -> list[tuple[int, list[str]]]:
-    if path.is_dir():
-        raise FileError(path, None, "this is a folder; give a CSV file.")
-    try:
-        text = path.read_bytes().decode("utf-8-sig")
-    except FileNotFoundError:
-        raise FileError(path, None, "there is no such file.") from None
-    except UnicodeDecodeError:
-        raise FileError(path, None, "the file is not text; a motion is a CSV file in UTF-8.") from None
-    except OSError as failure:
-        raise FileError(path, None, f"cannot be read: {failure.strerror}.") from None
-    if "\0" in text:
-        raise FileError(path, None, "the file is not text; a motion is a CSV file in UTF-8.")
-    reader = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True)
-    try:
-        return [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
-    except csv.Error as failure:
-        raise FileError(path, reader.line_num, f"is not CSV: {failure}.") from None
+    text = source.decoded(str(path), source.read(path, _LARGEST, "a motion"))
+    rows, values = [], 0
+    for line, row in enumerate(source.lines(text), 1):
+        rows.append((line, source.cells(path, line, row)))
+        values += len(rows[-1][1])
+        if values > _MOST_VALUES:
+            raise FileError(path, line, f"the motion has more than {_MOST_VALUES} values.")
+    return rows
 
 
 def _numbers(path: Path, line: int, header: list[str], cells: list[str]) -> list[float]:
@@ -117,13 +108,14 @@ def _numbers(path: Path, line: int, header: list[str], cells: list[str]) -> list
         raise FileError(path, line, f"{len(cells)} values, the header names {len(header)} columns.")
     values = []
     for name, cell in zip(header, cells, strict=True):
-        try:
-            values.append(float(cell))
-        except ValueError:
-            what = f"{cell!r} is not a number" if cell else "there is no number"
-            raise FileError(path, line, f"column {name!r}: {what}.") from None
-        if not np.isfinite(values[-1]):
-            raise FileError(path, line, f"column {name!r}: {cell} is not a finite number.")
+        value = numbers.number(cell)
+        if value is None:
+            what = f"{shown(cell)} is not a number" if cell else "there is no number"
+            raise FileError(path, line, f"column {name!r}: {what}.")
+        problem = numbers.fault(value)
+        if problem:
+            raise FileError(path, line, f"column {name!r}: {shown(cell)} is {problem}.")
+        values.append(value)
     return values
 
 
