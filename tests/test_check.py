@@ -42,7 +42,7 @@ EQUAL = [
     "x = l1 c1 + l2 c12, y = l1 s1 + l2 s12",
     "ẍ = -l1(θ̈1 s1 + θ̇1² c1) - l2((θ̈1+θ̈2)s12 + (θ̇1+θ̇2)² c12)",
     "detJ = l1 l2 s2",
-    "M = [[H11, H12], [m2*lc2*(lc2 + l1*c2) + I2, m2*lc2**2 + I2]]",
+    "M = [[m1 lc1^2 + I1 + m2 l1^2 + H22 + 2 m2 l1 lc2 c2, H21], [m2*lc2*(lc2 + l1*c2) + I2, m2*lc2**2 + I2]]",
     r"G = \begin{bmatrix} m_1 g l_{c1} c_1 + m_2 g (l_1 c_1 + l_{c2} c_{12}) \\ m_2 g l_{c2} c_{12} \end{bmatrix}",
     "# what I found\nH22 = m2 lc2^2 + I2\n\nG2 = m2 g lc2 cos(θ1+θ2)",
     r"\begin{aligned} H_{22} &= m_2 l_{c2}^2 + I_2 \\ h &= m_2 l_1 l_{c2} \sin \theta_2 \end{aligned}",
@@ -166,7 +166,8 @@ def test_what_a_symbol_was_taken_for_is_said():
     verdict = fb.check(ARM, "tau1 = M11 θ̈1 + M12 θ̈2 + c1 + g1")
     assert "‘c1’ on the right is read as a cosine; write v1 for the velocity term." in verdict.text
     assert fb.check(ARM, "tau1 = M11 θ̈1 + M12 θ̈2 + v1 + g1")
-    verdict = fb.check(ARM, "V = m1 9.81 lc1 s1 + m2 9.81 (l1 s1 + lc2 s12)")
+    unknown = fb.planar("RR", g="g")
+    verdict = fb.check(unknown, "V = m1 9.81 lc1 s1 + m2 9.81 (l1 s1 + lc2 s12)")
     assert "‘9.81’ must be the symbol g" in verdict.text
     verdict = fb.check(fb.planar("RP"), "H11 = m1 lc1² + I1 + I2 + m2 (l1 + d2)²")
     assert "‘lc₂’ of ‘m₂ (l₁ + d₂ + lc₂)²’ is missing." in verdict.text

@@ -6,14 +6,15 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from freebody.derivations.check import words
+from freebody.derivations.check import idle, words
 from freebody.derivations.check.exact import Reader
 from freebody.derivations.check.lexer import Token, tokens
 from freebody.derivations.check.parser import Parser
+from freebody.derivations.check.references import Use, refuse_circles, uses
 from freebody.derivations.check.setting import FAMILIES, Setting
 from freebody.derivations.check.source import AnswerError, Source
 from freebody.derivations.check.targets import Target, Targets
-from freebody.derivations.check.tree import Node, Symbol, Table
+from freebody.derivations.check.tree import Negative, Node, Sum, Symbol, Table
 from freebody.derivations.check.vocabulary import Vocabulary, spellings
 from freebody.scalars.trig import Trig
 
@@ -29,6 +30,8 @@ class Claim:
     node: Node
     value: Trig
     source: Source
+    uses: tuple[Use, ...] = ()
+    """Quantities that it is given by."""
 
 
 def claims(setting: Setting, text: str, names: Mapping[str, str]) -> list[Claim]:
@@ -49,9 +52,13 @@ def claims(setting: Setting, text: str, names: Mapping[str, str]) -> list[Claim]
         raise AnswerError(f"the answer has {len(lines)} equations; at most {MOST_EQUATIONS} are read")
     reading = _Reading(source, vocabulary, targets)
     own = reading.definitions(lines)
-    found = [claim for line in lines if line not in own for claim in reading.claims(line)]
+    found: list[Claim] = []
+    for line in lines:
+        if line not in own:
+            found += reading.claims(line, found)
     if not found:
         raise AnswerError("the answer only introduces names; write what is to be checked, such as tau1 = …")
+    refuse_circles(source, found)
     return found
 
 
@@ -69,8 +76,10 @@ def _rename(vocabulary: Vocabulary, targets: Targets, name: str, meaning: str) -
     parser = Parser(
         source, tokens(source, vocabulary)[:-1], vocabulary, lambda n: targets.single[n].compute()
     )
-    value = Reader(source, vocabulary.setting.ring).read(parser.side())
-    vocabulary.define(plain, value)
+    node = parser.side()
+    value = Reader(source, vocabulary.setting.ring).read(node)
+    given = tuple(use.target for use in uses(node, targets.single, vocabulary))
+    vocabulary.define(plain, value, given)
     letter, digits = re.sub(r"\d+$", "", plain), re.findall(r"\d*$", plain)[0]
     rate = value
     for dots in (1, 2):
@@ -78,7 +87,7 @@ def _rename(vocabulary: Vocabulary, targets: Targets, name: str, meaning: str) -
         if rate.is_zero:
             return
         for spelling in spellings(letter, digits, dots):
-            vocabulary.define(spelling, rate)
+            vocabulary.define(spelling, rate, given)
 
 
 def _plain(name: str) -> str:
@@ -111,7 +120,10 @@ Line = tuple[tuple[Token, ...], ...]
 
 
 def _lines(source: Source, found: Sequence[Token]) -> list[list[Token]]:
-    """Tokens by equation: a line that has no = of its own, or begins with an operator, continues the one before."""
+    """Tokens by equation: a line that begins with an operator, or stands behind one, continues the one before.
+
+    A minus may begin an equation of its own, -a = b.
+    """
     pieces: list[list[Token]] = [[]]
     depth = 0
     for token in found:
@@ -124,7 +136,8 @@ def _lines(source: Source, found: Sequence[Token]) -> list[list[Token]]:
     for piece in pieces:
         if not piece:
             continue
-        continues = piece[0].kind in ("operator", "equals") or (lines and _is_open(lines[-1]))
+        own = piece[0].text == "-" and any(token.kind == "equals" for token in piece)
+        continues = (piece[0].kind in ("operator", "equals") and not own) or (lines and _is_open(lines[-1]))
         if lines and continues:
             lines[-1] += piece
         else:
@@ -186,7 +199,15 @@ class _Reading:
     def _quantity(self, name: str) -> Trig | None:
         if name in self.replaced:
             return self.replaced[name]
-        return self.targets.single[name].compute() if name in self.targets.single else None
+        if name not in self.targets.single:
+            return None
+        target = self.targets.single[name]
+        return self.setting.zero if target.idle else target.compute()
+
+    def _claim(self, label: str, target: Target, node: Node) -> Claim:
+        """What a tree says of a quantity."""
+        used = tuple(uses(node, self.targets.single, self.vocabulary))
+        return Claim(label, target, node, self.value(node), self.source, used)
 
     def definitions(self, lines: Sequence[Line]) -> list[Line]:
         """Lines that introduce a name of the user's own, or an h that other lines use: their values are noted."""
@@ -206,7 +227,9 @@ class _Reading:
                     f"{self.source[line[0][0].span]} is a symbol of the model, not a result to be checked",
                     line[0][0].span,
                 )
-            self.vocabulary.define(name, self.value(self.parse(line[1])))
+            node = self.parse(line[1])
+            given = tuple(use.target for use in uses(node, self.targets.single, self.vocabulary))
+            self.vocabulary.define(name, self.value(node), given)
             found.append(line)
         return found
 
@@ -218,12 +241,14 @@ class _Reading:
             t.kind == "name" and t.text == name for other in lines if other != line for s in other for t in s
         )
 
-    def claims(self, line: Line) -> list[Claim]:
-        """What one equation states."""
+    def claims(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
+        """What one equation states, after others."""
         named = [side for side in line if self._target(side) is not None]
         other = [side for side in line if self._target(side) is None]
-        if not named or not other:
-            return self._implicit(line)
+        if not named or len(line) < 2:
+            return self._implicit(line, before)
+        if not other:
+            named, other = named[:1], named[1:]
         found = []
         for side in other:
             node = self.parse(side)
@@ -244,9 +269,9 @@ class _Reading:
         if not isinstance(node, Table):
             if single is None:
                 self.source.fail(f"{label} is a vector or matrix: write it as [[…, …], […, …]]", name.span)
-            return [Claim(label, single, node, self.value(node), self.source)]
+            return [self._claim(label, single, node)]
         if table is None and single is not None:
-            table = self.targets.tables.get(name.text, [[single]])
+            table = [[single]]
         return self._entries(label, name, node, table or [])
 
     def _entries(self, label: str, name: Token, node: Table, table: list[list[Target]]) -> list[Claim]:
@@ -259,40 +284,60 @@ class _Reading:
             size = f"{len(table)} × {len(table[0])}"
             self.source.fail(f"{label} has {size} entries here", node.span)
         return [
-            Claim(_entry_label(label, target), target, entry, self.value(entry), self.source)
+            self._claim(_entry_label(label, target), target, entry)
             for row, targets in zip(rows, table, strict=True)
             for entry, target in zip(row, targets, strict=True)
         ]
 
     # ------------------------------------------------------------ torques inside an equation
-    def _implicit(self, line: Line) -> list[Claim]:
-        """An equation that holds one τ_i somewhere: solved for it."""
+    def _implicit(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
+        """An equation that holds one τ_i somewhere, solved for it; without any, that of a passive joint."""
         span = (line[0][0].start, line[-1][-1].end)
         inside = {t.text for side in line for t in side if t.kind == "name" and t.text in self.targets.single}
-        inside = {name for name in inside if self.targets.single[name].family == "tau"} - set(
-            self.vocabulary.symbols
-        )
-        if len(line) != 2 or len(inside) != 1:
+        inside -= set(self.vocabulary.symbols)
+        torques = {self.targets.single[name] for name in inside if self.targets.single[name].family == "tau"}
+        torques = {target for target in torques if not target.idle}
+        if len(line) == 2 and not torques and self.targets.passive:
+            return [self._unpowered(line, before)]
+        if len(line) != 2 or len(torques) != 1:
             self.source.fail(
                 "neither side is one of the quantities that are checked",
                 span,
                 "These are tau1, H12 or M12, c1, g1 or G1, J11, T, V, x and y.",
             )
-        (name,) = inside
-        rest, slope = self._solved(line, name)
+        (target,) = torques
+        name = next(name for name in sorted(inside) if self.targets.single[name] == target)
+        rest, slope = self._solved(line, target)
         if slope is None:
             self.source.fail(f"this equation cannot be solved for {name}", span)
         node = Symbol(*span, name, rest / -slope)
-        return [Claim(name, self.targets.single[name], node, rest / -slope, self.source)]
+        nodes = map(self.parse, line)
+        used = [use for side in nodes for use in uses(side, self.targets.single, self.vocabulary)]
+        used = [use for use in used if use.target != target]
+        return [Claim(name, target, node, rest / -slope, self.source, tuple(used))]
 
-    def _solved(self, line: Line, name: str) -> tuple[Trig, Trig | None]:
+    def _unpowered(self, line: Line, before: Sequence[Claim]) -> Claim:
+        """An equation without torque: that of a joint which nothing drives."""
+        left, right = map(self.parse, line)
+        values = self.value(left), self.value(right)
+        node: Node = Sum(left.start, right.end, (left, Negative(right.start, right.end, right)))
+        for side, value in ((right, values[0]), (left, values[1])):
+            if value.is_zero:
+                node = side
+        taken = [claim.target.index for claim in before if claim.target.family == "0" or claim.target.idle]
+        target = idle.equation(self.targets, self.value(node), taken)
+        return self._claim(f"The equation of joint {target.index[0]}", target, node)
+
+    def _solved(self, line: Line, target: Target) -> tuple[Trig, Trig | None]:
         """a and k of a + k τ = 0; k None where it is no number."""
         values = []
         for k in range(3):
-            self.replaced[name] = self.setting.zero + k
+            self.replaced = {
+                name: self.setting.zero + k for name, other in self.targets.single.items() if other == target
+            }
             left, right = (self.value(self.parse(side)) for side in line)
             values.append(left - right)
-        del self.replaced[name]
+        self.replaced = {}
         slope = values[1] - values[0]
         linear = slope.is_constant and not slope.is_zero and slope == values[2] - values[1]
         return values[0], slope if linear else None

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 
-from freebody.derivations.check import example
+from freebody.derivations.check import coriolis, example, idle
 from freebody.derivations.check.answer import Claim
 from freebody.derivations.check.causes import Causes, related
 from freebody.derivations.check.differences import Difference, differences, is_too_long, printed, terms
@@ -14,6 +14,7 @@ from freebody.derivations.check.notation import misread
 from freebody.derivations.check.parser import Parser
 from freebody.derivations.check.repairs import Repair, Repairs
 from freebody.derivations.check.residues import Point, random_point
+from freebody.derivations.check.rounded import MEASURED, Rounded
 from freebody.derivations.check.setting import Setting
 from freebody.derivations.check.source import Source
 from freebody.derivations.check.targets import Targets
@@ -29,7 +30,6 @@ from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 MOST_FINDINGS = 6
-_ROUNDING = Fraction(1, 1000)
 _MISSING, _REVERSE = 1.9, 0.3
 """Cost of a missing term, and what an explanation costs that does not point into the answer itself."""
 
@@ -40,6 +40,8 @@ class Judge:
 
     setting: Setting
     targets: Targets
+    claims: Sequence[Claim] = ()
+    """All of the answer."""
 
     @cached_property
     def point(self) -> Point:
@@ -62,12 +64,71 @@ class Judge:
                 f"It differs by the constant {self.setting.form(claim.value - right)}: the zero of V is free."
             )
             return Equation(claim.label, title, True, note=note)
-        if self.setting.order.decimal and self._agrees_in_digits(claim.value, right):
-            return Equation(claim.label, title, True, note="Numbers were compared to three digits.")
+        return (
+            self._other_ways(claim, right)
+            or self._in_numbers(claim, right)
+            or self._wrong(claim, right, explain)
+        )
+
+    def _wrong(self, claim: Claim, right: Trig, explain: bool) -> Equation:
         findings, causes = self._explained(claim, right) if explain else ([], [])
+        hint = coriolis.advice(self.setting, claim, self.claims)
+        causes = [*causes, *[hint] * bool(hint)]
+        return self._with_example(claim, right, findings, causes)
+
+    def _with_example(
+        self, claim: Claim, right: Trig, findings: Sequence[Finding], causes: Sequence[str]
+    ) -> Equation:
         shown = example.example(self.setting, claim.value, right)
         text = example.sentence(shown) if shown else ""
-        return Equation(claim.label, title, False, tuple(findings), tuple(causes), shown, text)
+        return Equation(claim.label, claim.target.title, False, tuple(findings), tuple(causes), shown, text)
+
+    def _other_ways(self, claim: Claim, right: Trig) -> Equation | None:
+        """The verdict on what is right though it is not the same: torques of passive joints, other matrices C."""
+        note = self.coriolis.get(claim.target.index, "") if claim.target.family == "C" else ""
+        if claim.target.idle and (claim.value.is_zero or idle.is_same(self.setting, claim.value, right)):
+            joint = claim.target.index[0]
+            note = f"Nothing drives joint {joint}: {sym(f'tau{joint}')} = 0."
+        return Equation(claim.label, claim.target.title, True, note=note) if note else None
+
+    @cached_property
+    def coriolis(self) -> Mapping[tuple[int, ...], str]:
+        """What is to be said of entries of another matrix C than Christoffel's."""
+        return coriolis.notes(self.setting, self.claims)
+
+    # ------------------------------------------------------------ numbers
+    def _in_numbers(self, claim: Claim, right: Trig) -> Equation | None:
+        """The verdict on an answer in numbers, or of a model that has measured ones; None of an answer in symbols."""
+        model = self.setting.symbols.model
+        values = {name: value for name, value in model.parameters.items() if value is not None}
+        decimal = self.setting.order.decimal
+        rounded = Rounded(self.setting, claim.source, claim.node, claim.value, right, values)
+        if not decimal and not rounded.applies:
+            return self._mixed(claim, rounded) if values else None
+        wrong = rounded.wrong(MEASURED) if decimal else rounded.wrong()
+        if wrong is None:
+            return None
+        if not wrong:
+            note = "Numbers were compared to three digits."
+            if rounded.applies:
+                note = f"In numbers, with the values of {model.name!r}, to the digits given."
+            return Equation(claim.label, claim.target.title, True, note=note)
+        if not rounded.is_in_numbers:
+            return None
+        wording = Wording(self.setting, claim.source)
+        findings = [wording.of_number(row) for row in wrong[:MOST_FINDINGS]]
+        causes = [f"In numbers, with the values of {model.name!r}, to the digits given:"]
+        return self._with_example(claim, rounded.target, findings, causes)
+
+    def _mixed(self, claim: Claim, rounded: Rounded) -> Equation | None:
+        """The verdict on numbers among symbols."""
+        if not rounded.is_mixed:
+            return None
+        text = (
+            f"With the values of {self.setting.symbols.model.name!r} the number is right, but symbols and numbers "
+            "stand in one term, which may be right by chance: write it in symbols, or in numbers."
+        )
+        return self._with_example(claim, rounded.right, (), [text])
 
     def _zeros(self, claim: Claim) -> str:
         """A sentence about parameters in the answer that are 0 in this model."""
@@ -81,15 +142,6 @@ class Judge:
     def _is_constant(self, x: Trig) -> bool:
         """Whether no coordinate or rate occurs."""
         return all(x.derivative(name).is_zero for name in self.setting.symbols.rates)
-
-    def _agrees_in_digits(self, yours: Trig, right: Trig) -> bool:
-        """Whether the numbers of all terms agree nearly: measured values may be rounded."""
-        if is_too_long(yours) or is_too_long(right):
-            return False
-        return all(
-            abs(row.yours - row.right) <= _ROUNDING * abs(row.right)
-            for row in differences(self.setting, yours, right)
-        )
 
     def _explained(self, claim: Claim, right: Trig) -> tuple[list[Finding], list[str]]:
         work = Workspace(claim.node, self.point)

@@ -26,6 +26,8 @@ class Target:
     family: str
     index: tuple[int, ...]
     compute: Callable[[], Trig]
+    idle: bool = False
+    """Whether nothing drives the joint: the torque is 0, and that is its equation of motion."""
 
     @property
     def title(self) -> str:
@@ -35,6 +37,7 @@ class Target:
 
 _TITLES = {
     "tau": "the drive's torque or force at joint {}",
+    "0": "which nothing drives",
     "M": "entry {}, {} of the mass matrix",
     "C": "entry {}, {} of the Coriolis matrix of Christoffel's symbols",
     "c": "the velocity term of joint {}",
@@ -107,19 +110,23 @@ class Targets:
         if self._tip is not None:
             rows = range(1, len(self._jacobian) + 1)
             found["J"] = [[self.single[f"J{i}{j}"] for j in n] for i in rows]
-        return {name: table for name, table in found.items() if name not in self.single}
+        return found
+
+    @cached_property
+    def passive(self) -> tuple[int, ...]:
+        """Joints that nothing drives, from 1."""
+        return tuple(k + 1 for k in self.setting.symbols.model.passive)
 
     # ------------------------------------------------------------ all of them
     def _all(self) -> Iterator[tuple[tuple[str, ...], Target]]:
-        eq, alone = self.setting.equations, self.count == 1
+        alone = self.count == 1
         n = range(1, self.count + 1)
         for i in n:
-            for family, values in (("tau", "tau"), ("c", "c"), ("g", "g")):
+            yield self._torque_names(i), Target("tau", (i,), self._entry("tau", i), i in self.passive)
+            for family in ("c", "g"):
                 letters = _LETTERS[family]
                 names = [f"{x}{i}" for x in letters] + ([*letters] if alone else [])
-                if family == "tau" and eq.symbols.coordinates[i - 1].startswith("d"):
-                    names += [f"F{i}"] + (["F"] if alone else [])
-                yield tuple(names), Target(family, (i,), self._entry(values, i))
+                yield tuple(names), Target(family, (i,), self._entry(family, i))
             for j in n:
                 for family in ("M", "C"):
                     names = [f"{x}{i}{j}" for x in _LETTERS[family]] + (
@@ -131,6 +138,14 @@ class Targets:
             yield from self._of_tip()
         if self.velocity and self.setting.equations.is_short:
             yield from self._coefficients()
+
+    def _torque_names(self, i: int) -> tuple[str, ...]:
+        """τ_i; without number where it is the only one; F of a slide; u where some joints are passive."""
+        driven = [k for k in range(1, self.count + 1) if k not in self.passive]
+        slides = self.setting.symbols.coordinates[i - 1][0] in "dxyz"
+        letters = [*_LETTERS["tau"], *["F"] * slides, *["u"] * bool(self.passive)]
+        numbers = (str(i), "") if driven == [i] else (str(i),)
+        return tuple(letter + number for number in numbers for letter in letters)
 
     def _entry(self, name: str, *index: int) -> Callable[[], Trig]:
         def value() -> Trig:

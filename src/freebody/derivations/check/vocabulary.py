@@ -6,7 +6,7 @@ import itertools
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from freebody.derivations.check.setting import FAMILIES, Setting
 from freebody.derivations.check.source import Source, Span
@@ -15,6 +15,9 @@ from freebody.derivations.check.words import DOT, PRIME
 from freebody.derivations.symbols import RATE, SECOND
 from freebody.errors import likely
 from freebody.scalars.trig import Trig
+
+if TYPE_CHECKING:
+    from freebody.derivations.check.targets import Target
 
 FUNCTIONS = {
     "sin": "sin", "Sin": "sin", "SIN": "sin", "cos": "cos", "Cos": "cos", "COS": "cos", "sgn": "sgn", "sign": "sgn",
@@ -55,6 +58,8 @@ class Vocabulary:
     waves: dict[str, tuple[str, Angle]] = field(default_factory=dict)
     """c12, s12: the function and the angle."""
     functions: dict[str, str] = field(default_factory=lambda: dict(FUNCTIONS))
+    uses: dict[str, tuple[Target, ...]] = field(default_factory=dict)
+    """Quantities that names of the user's own are given by."""
     _known: frozenset[str] | None = None
 
     def __post_init__(self) -> None:
@@ -71,9 +76,9 @@ class Vocabulary:
             self._known = frozenset([*self.symbols, *self.waves, *self.quantities, "t", "pi"])
         return self._known
 
-    def define(self, plain: str, value: Trig) -> None:
-        """A name of the user's own; it goes before all others."""
-        self.symbols[plain] = value
+    def define(self, plain: str, value: Trig, uses: tuple[Target, ...] = ()) -> None:
+        """A name of the user's own, and the quantities that it is given by; it goes before all others."""
+        self.symbols[plain], self.uses[plain] = value, uses
         self.waves.pop(plain, None)
         self.functions.pop(plain, None)
         self._known = None

@@ -149,6 +149,13 @@ class Wording:
         message = f"The term {quoted(yours)} {_times(row.right / row.yours)}: it must be {right}."
         return Finding("factor", message, yours, right)
 
+    def of_number(self, row: Difference) -> Finding:
+        """A term of an answer in numbers that has the wrong one."""
+        yours, right = self.term(row.instead or row.key, row.yours), self.term(row.key, row.right)
+        if row.yours and row.right and row.instead is None:
+            return Finding("factor", f"{quoted(yours)} must be {right}.", yours, right)
+        return self.of_difference(row)
+
     def term(self, key: tuple, value: Fraction) -> str:
         """A term of the gathered form."""
         return str(printed(self.setting.layout, self.setting, key, value))

@@ -1,0 +1,45 @@
+"""Equations of joints that nothing drives: 0 = …, right up to a factor that does not move."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from fractions import Fraction
+
+from freebody.derivations.check.parts import parts
+from freebody.derivations.check.setting import Setting
+from freebody.derivations.check.targets import Target, Targets
+from freebody.scalars.trig import Trig
+
+
+def equation(targets: Targets, x: Trig, taken: Collection[tuple[int, ...]]) -> Target:
+    """The passive joint's equation that x = 0 states, or else should: the first that no other line has given."""
+    own = [targets.single[f"tau{i}"] for i in targets.passive]
+    right = next((target for target in own if is_same(targets.setting, x, target.compute())), None)
+    if right is not None:
+        return Target("0", right.index, lambda: x)
+    target = next((target for target in own if target.index not in taken), own[0])
+    return Target("0", target.index, lambda: _alike(targets.setting, x, target.compute()))
+
+
+def is_same(setting: Setting, x: Trig, y: Trig) -> bool:
+    """Whether x = 0 says the same as y = 0: one is the other times a factor without coordinates."""
+    first, second = parts(setting, x), parts(setting, y)
+    if not first or first.keys() != second.keys():
+        return False
+    key = next(iter(first))
+    return all((first[k] * second[key] - second[k] * first[key]).is_zero for k in first)
+
+
+def _alike(setting: Setting, x: Trig, y: Trig) -> Trig:
+    """y times the number with which it has most parts in common with x."""
+    first, second = parts(setting, x), parts(setting, y)
+    votes = [ratio for k in first.keys() & second.keys() for ratio in _ratio(first[k], second[k])]
+    best = max(votes, key=lambda ratio: (votes.count(ratio), ratio > 0, -abs(ratio)), default=Fraction(1))
+    return y * best
+
+
+def _ratio(a: Trig, b: Trig) -> Iterator[Fraction]:
+    """The number that a is times b, if it is one."""
+    ratio = Fraction(a.leading_coefficient) / Fraction(b.leading_coefficient)
+    if (a - b * ratio).is_zero:
+        yield ratio

@@ -1,0 +1,74 @@
+"""What an answer is given by: quantities that stand for their right values. One given by itself says nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from freebody.derivations.check.source import Source, Span
+from freebody.derivations.check.targets import Target
+from freebody.derivations.check.tree import Node, Symbol, nodes
+from freebody.derivations.check.vocabulary import Vocabulary
+
+if TYPE_CHECKING:
+    from freebody.derivations.check.answer import Claim
+
+
+@dataclass(frozen=True)
+class Use:
+    """A quantity that a piece of an answer stands for, and where."""
+
+    target: Target
+    span: Span
+
+
+def uses(node: Node, quantities: Mapping[str, Target], vocabulary: Vocabulary) -> Iterator[Use]:
+    """The quantities in a tree, also those inside names of the user's own."""
+    for part in nodes(node):
+        if not isinstance(part, Symbol):
+            continue
+        if part.name in vocabulary.uses:
+            yield from (Use(target, part.span) for target in vocabulary.uses[part.name])
+        elif part.name in quantities and part.name not in vocabulary.symbols:
+            yield Use(quantities[part.name], part.span)
+
+
+def refuse_circles(source: Source, claims: Sequence[Claim]) -> None:
+    """Refuse a quantity that is given by itself, at once or by way of other lines."""
+    given: dict[Target, list[Target]] = {}
+    label: dict[Target, str] = {}
+    for claim in claims:
+        given.setdefault(claim.target, []).extend(use.target for use in claim.uses)
+        label.setdefault(claim.target, claim.label)
+    for claim in claims:
+        for use in claim.uses:
+            way = _way(use.target, claim.target, given)
+            if way is None:
+                continue
+            through = [label[target] for target in way if target != claim.target]
+            by = f" by way of {', '.join(through)}" if through else ""
+            source.fail(
+                f"{claim.label} is given by itself{by}: whatever it is, that holds, and says nothing to be checked",
+                use.span,
+                "Write it in the model's symbols.",
+            )
+
+
+def _way(start: Target, goal: Target, given: Mapping[Target, Iterable[Target]]) -> list[Target] | None:
+    """The quantities by which one leads to another; None where it does not."""
+    before: dict[Target, Target | None] = {start: None}
+    waiting = [start]
+    for target in waiting:
+        if target == goal:
+            way: list[Target] = []
+            step: Target | None = target
+            while step is not None:
+                way.insert(0, step)
+                step = before[step]
+            return way
+        for other in given.get(target, ()):
+            if other not in before:
+                before[other] = target
+                waiting.append(other)
+    return None

@@ -1,0 +1,220 @@
+"""Right answers of other forms: other matrices C, numbers, equations of passive joints; answers that say nothing."""
+
+import re
+from fractions import Fraction
+
+import pytest
+
+import freebody as fb
+from freebody.derivations.check.source import AnswerError
+
+ARM = fb.planar("RR")
+CART = fb.planar("PR", m=["mc", "mp"], lc=[0, "l"], l=[0, "l"], I=[0, 0], passive=["joint2"])
+ACROBOT = fb.planar("RR", passive=["joint1"])
+
+SPONG = """C11 = -2 h theta2_d
+C12 = -h theta2_d
+C21 = h theta1_d
+C22 = 0
+h = m2 l1 lc2 sin(theta2)"""
+"""The acrobot's matrix as Tedrake prints it (Underactuated Robotics, the acrobot's equations of motion)."""
+
+
+# ---------------------------------------------------------------- Coriolis matrices
+def test_the_published_acrobots_matrix_is_right_though_not_christoffels():
+    verdict = fb.check(ARM, SPONG)
+    assert verdict, verdict.text
+    assert (
+        verdict.text.count("C is not Christoffel's. Ṁ − 2C is not skew-symmetric.") == 2
+    )  # row 2 is the same
+
+
+def test_christoffels_own_matrix_needs_no_word():
+    verdict = fb.check(ARM, "h = m2 l1 lc2 s2\nC = [[-h θ̇2, -h (θ̇1 + θ̇2)], [h θ̇1, 0]]")
+    assert verdict
+    assert "Christoffel" not in verdict.text
+
+
+def test_another_skew_symmetric_matrix_is_said_to_be_one():
+    """Christoffel's and S with S q̇ = 0, S skew-symmetric: of three joints S = u [q̇]× with any u."""
+    arm = fb.planar("PPR")
+    own = fb.equations(arm).C
+    text = [[str(fb.equations(arm).form(x)) for x in row] for row in own]
+    u = "m3 lc3"
+    spin = [[0, "-θ̇3", "ḋ2"], ["θ̇3", 0, "-ḋ1"], ["-ḋ2", "ḋ1", 0]]
+    rows = [
+        "[" + ", ".join(f"{a} + {u} ({b})" for a, b in zip(x, y, strict=True)) + "]"
+        for x, y in zip(text, spin, strict=True)
+    ]
+    verdict = fb.check(arm, f"C = [{', '.join(rows)}]")
+    assert verdict, verdict.text
+    assert "Ṁ − 2C is skew-symmetric." in verdict.text
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        SPONG.replace("-2 h", "-h"),
+        SPONG.replace("C21 = h theta1_d", "C21 = h theta2_d"),
+        SPONG.replace("C22 = 0", "C22 = h theta1_d"),
+    ],
+)
+def test_a_matrix_with_another_product_is_wrong(answer: str):
+    assert not fb.check(ARM, answer)
+
+
+def test_one_entry_alone_is_compared_with_christoffels():
+    verdict = fb.check(ARM, "C11 = -2 m2 l1 lc2 s2 theta2_d")
+    assert not verdict
+    assert "give the whole row" in verdict.text
+
+
+# ---------------------------------------------------------------- numbers
+NUMBERS = {"l": [0.4, 0.3], "lc": [0.2, 0.15], "m": [2.0, 1.5], "I": [0.031, 0.012]}
+VALUED = fb.planar("RR", **NUMBERS)
+
+
+def test_right_numbers_of_a_bundled_arm():
+    two = fb.load("2R")
+    exact = fb.mass_matrix(two, [0.0, 0.0])[1, 1]
+    verdict = fb.check(two, f"H22 = {exact:.2f}")
+    assert verdict, verdict.text
+    assert "In numbers, with the values of '2R', to the digits given." in verdict.text
+    assert not fb.check(two, f"H22 = {exact + 0.02:.2f}")
+
+
+@pytest.mark.parametrize("digits", [2, 3, 5, 9])
+def test_numbers_count_to_half_a_unit_of_their_last_digit(digits: int):
+    """H22 = m2 lc2² + I2 = 0.04575: rounded it is right, one unit more is wrong."""
+    value = Fraction("1.5") * Fraction("0.15") ** 2 + Fraction("0.012")
+    rounded = round(value, digits)
+    unit = Fraction(1, 10**digits)
+    assert fb.check(VALUED, f"H22 = {float(rounded):.{digits}f}")
+    assert not fb.check(VALUED, f"H22 = {float(rounded + unit):.{digits}f}")
+    assert not fb.check(VALUED, f"H22 = {float(rounded - unit):.{digits}f}")
+
+
+def test_a_whole_torque_in_numbers():
+    eq = fb.equations(VALUED, numbers=True)
+    printed = "\n".join(f"tau{i} = {eq.form(x)}" for i, x in enumerate(eq.tau, 1))
+    assert fb.check(VALUED, printed)
+    wrong = re.sub(r"(\d\.\d+)", lambda m: f"{float(m[0]) * 1.02:.6g}", printed, count=1)
+    verdict = fb.check(VALUED, wrong)
+    assert not verdict
+    assert "must be" in verdict.text
+    assert len(verdict.findings) == 1
+
+
+def test_gravity_may_stay_a_letter_or_be_a_number():
+    assert fb.check(VALUED, "G2 = 0.225 g cos(θ1+θ2)")
+    assert fb.check(VALUED, "G2 = 2.207 cos(θ1+θ2)")
+    assert not fb.check(VALUED, "G2 = 2.207 cos(θ1)")
+    assert fb.check(ARM, "G2 = m2 lc2 9.81 c12")
+
+
+def test_symbols_that_are_right_by_chance_only_are_not_right():
+    """lc2 is l2/2 here, and m1 1 kg, but not in the robot's equations."""
+    arm = fb.planar("RR", l=[0.4, 0.3], lc=[0.2, 0.15], m=[1.0, 1.5], I=[0.031, 0.012])
+    for answer in (
+        "H22 = m2 l2^2/4 + I2", "H22 = 0.25 m2 l2^2 + I2", "V1 = g lc1 s1",
+        "H11 = lc1^2 + I1 + m2 (l1^2 + lc2^2 + 2 l1 lc2 c2) + I2",
+    ):  # fmt: skip
+        assert not fb.check(arm, answer), answer
+    mixed = fb.check(arm, "G2 = m2 0.15 g c12")
+    assert not mixed
+    assert "symbols and numbers stand in one term" in mixed.text
+
+
+# ---------------------------------------------------------------- circles
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        ("T = T + 0", "T is given by itself"),
+        ("H22 = 2*H22 - M22", "H22 is given by itself"),
+        ("H22 = M22", "H22 is given by itself"),
+        ("a = H22\nH22 = a", "H22 is given by itself"),
+        ("tau1 = tau1 + H12 - H21", "tau1 is given by itself"),
+        ("L = T - V\nT = L + V", "by way of"),
+        ("H12 = H21\nH21 = H12", "by way of"),
+        ("M = [[M11, M12], [M21, M22]]", "M11 is given by itself"),
+        ("H11 = tau1 + H11 - tau1", "H11 is given by itself"),
+    ],
+)
+def test_what_is_given_by_itself_is_refused(answer: str, words: str):
+    with pytest.raises(AnswerError, match=re.escape(words)):
+        fb.check(ARM, answer)
+
+
+def test_names_of_ones_own_hide_no_circle():
+    with pytest.raises(AnswerError, match="given by itself"):
+        fb.check(ARM, "H22 = A", names={"A": "H22"})
+
+
+def test_quantities_may_be_written_by_others():
+    assert fb.check(ARM, "H12 = H21\nL = T - V\ntau2 = H21 θ̈1 + H22 θ̈2 + v2 + G2")
+
+
+# ---------------------------------------------------------------- passive joints
+CARTPOLE = [
+    "(mc + mp) d1_dd - mp l sin(theta2) theta2_dd - mp l cos(theta2) theta2_d^2",
+    "-mp l sin(theta2) d1_dd + mp l^2 theta2_dd + mp g l cos(theta2)",
+]
+"""The pendulum's angle is counted from the cart's x axis here."""
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        f"u = {CARTPOLE[0]}\n0 = {CARTPOLE[1]}",
+        f"F = {CARTPOLE[0]}\n{CARTPOLE[1]} = 0",
+        f"tau = [{CARTPOLE[0]}, {CARTPOLE[1]}]",
+        f"F1 = {CARTPOLE[0]}\ntau2 = 0",
+        "0 = l theta2_dd - sin(theta2) d1_dd + g cos(theta2)",
+        "l theta2_dd = sin(theta2) d1_dd - g cos(theta2)",
+        "0 = 2 mp (l^2 theta2_dd - l sin(theta2) d1_dd + l g cos(theta2))",
+        "0 = -H21 d1_dd - H22 theta2_dd - v2 - G2",
+        f"0 = tau2 = {CARTPOLE[1]}",
+    ],
+)
+def test_a_cart_with_a_passive_pendulum(answer: str):
+    verdict = fb.check(CART, answer)
+    assert verdict, verdict.text
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        f"u = {CARTPOLE[0]} + mp g\n0 = {CARTPOLE[1]}",
+        "0 = l theta2_dd + sin(theta2) d1_dd + g cos(theta2)",
+        "0 = mp l^2 theta2_dd - mp l sin(theta2) d1_dd + 2 mp g l cos(theta2)",
+        "0 = mp l^2 theta2_dd - mp l sin(theta2) d1_dd",
+        f"0 = {CARTPOLE[0]}",
+        "0 = 0",
+        f"u = {CARTPOLE[1]}",
+    ],
+)
+def test_wrong_equations_of_a_cart_with_a_passive_pendulum(answer: str):
+    assert not fb.check(CART, answer)
+
+
+def test_the_mistake_in_an_equation_without_motor_is_named():
+    verdict = fb.check(CART, "0 = -mp l sin(theta2) d1_dd + mp l^2 theta2_dd - mp g l cos(theta2)")
+    assert "The equation of joint 2, which nothing drives, is not right." in verdict.text
+    assert "has the wrong sign" in verdict.text
+    halved = fb.check(CART, "0 = l^2 theta2_dd/2 - l sin(theta2) d1_dd/2 - g l cos(theta2)/2")
+    assert not halved
+
+
+def test_the_acrobot_in_its_own_words():
+    """Nothing at the shoulder, u at the elbow."""
+    eq = fb.equations(fb.planar("RR"))
+    shoulder, elbow = (str(eq.form(x)) for x in eq.tau)
+    assert fb.check(ACROBOT, f"0 = {shoulder}\nu = {elbow}")
+    assert not fb.check(ACROBOT, f"0 = {elbow}\nu = {shoulder}")
+    assert not fb.check(ACROBOT, f"u = {shoulder}")
+    assert fb.check(ACROBOT, str(eq))
+
+
+def test_a_driven_arm_has_no_equation_without_torque():
+    with pytest.raises(AnswerError, match="neither side is one of the quantities"):
+        fb.check(ARM, "0 = H21 θ̈1 + H22 θ̈2 + G2")
