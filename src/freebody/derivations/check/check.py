@@ -31,8 +31,8 @@ def check(model: Model, answer: Any, names: Mapping[str, str] | None = None) -> 
     numbers: each is read to half a unit of its last digit.
 
     The text is parsed, never run; raises AnswerError, which points at the place, for what cannot be read, and for a
-    quantity that is given by itself. The comparison is exact: forms that are equal are found equal. The verdict is true when all equations are; `.text`
-    says it in words, `.findings` lists the mistakes.
+    quantity that is given by itself. The comparison is exact: forms that are equal are found equal. The verdict is
+    true when all equations are; `.text` says it in words, `.findings` lists the mistakes.
     """
     model.require_tree("check")
     zeros = [name for name, value in model.parameters.items() if value == 0]
