@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import builtins
+import csv
+import io
 import json
 import pickle
 import tomllib
+import xml.etree.ElementTree as ElementTree
+from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import freebody as fb
+from freebody.cli.app import run
 from freebody.numerics.kernels import chosen_option, program
 
 CODE = "__import__('builtins').__dict__.__setitem__('hacked', True)"
@@ -168,3 +174,94 @@ def test_pickle_round_trip(model):
     again = pickle.loads(pickle.dumps(model))
     assert again.joint_names == model.joint_names
     assert np.array_equal(fb.mass_matrix(again, STATE[0]), fb.mass_matrix(model, STATE[0]))
+
+
+# ---------------------------------------------------------------- what is drawn and printed
+class Tags(HTMLParser):
+    """Start tags with their attributes."""
+
+    def __init__(self, text: str):
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+
+
+def skeleton(page: str) -> list[str]:
+    """What a page is made of, without what it says: a name must add nothing to it."""
+    return [tag for tag, _ in Tags(page).tags]
+
+
+def inert(page: str) -> None:
+    for tag, attributes in Tags(page).tags:
+        assert not [name for name in attributes if name.startswith("on")], (tag, attributes)
+        assert tag != "img" or (attributes.get("src") or "").startswith("data:")
+        assert not (attributes.get("href") or "").lower().startswith("javascript:")
+    assert "<script>hacked" not in page
+    assert not set("\x00\x0b\x1b") & set(page)
+
+
+def test_drawings_are_well_formed(model, tame):
+    for draw in (
+        lambda m: fb.free_body_diagram(m, STATE[0]),
+        lambda m: fb.kinematic_diagram(m),
+    ):
+        text = draw(model).svg
+        root = ElementTree.fromstring(text)
+        tags = {element.tag.rpartition("}")[2] for element in root.iter()}
+        plain = draw(tame).svg
+        allowed = {element.tag.rpartition("}")[2] for element in ElementTree.fromstring(plain).iter()}
+        assert tags <= allowed | {"tspan"}, "a name adds no element"
+        inert(text)
+
+
+def test_derivation_pages(model, tame):
+    pages = [fb.derive(m, "lagrange").html() for m in (model, tame)]
+    inert(pages[0])
+    assert [
+        x for x in skeleton(pages[0]) if x in ("script", "iframe", "link", "object", "embed", "style", "svg")
+    ] == [
+        x for x in skeleton(pages[1]) if x in ("script", "iframe", "link", "object", "embed", "style", "svg")
+    ]
+
+
+def test_latex_and_markdown_of_a_derivation_have_no_command_from_a_name(model):
+    derivation = fb.derive(model, "lagrange")
+    for text in (derivation.latex(), derivation.markdown()):
+        assert not set("\x00\x0b\x1b\u202e") & set(text)
+    assert r"\input{/etc" not in derivation.latex()
+
+
+# ---------------------------------------------------------------- a study, with all its files
+STUDIED = ["docstring", "nul", "control", "formula", "script", "cdata", "slash", "theta", "chinese", "long"]
+
+
+@pytest.mark.parametrize("which", STUDIED)
+def test_a_study_with_all_its_files(which, tmp_path):
+    name = HOSTILE[which]
+    arm(name, tmp_path)
+    before = set(tmp_path.rglob("*"))
+    out = tmp_path / "out"
+    run(["study", str(tmp_path / "arm.toml"), "--out", str(out)])
+    made = set(tmp_path.rglob("*")) - before
+    assert all(path == out or out in path.parents for path in made), "no file outside the folder"
+    inert((out / "report.html").read_text(encoding="utf-8"))
+    with xr.open_dataset(next(out.glob("*.nc"))) as data:
+        data.load()
+    for path in out.glob("*.csv"):
+        for row in csv.reader(io.StringIO(path.read_text(encoding="utf-8"))):
+            for cell in row:
+                assert not cell.startswith(("=", "@", "\t", "\r")), "a spreadsheet would run this cell"
+                if cell.startswith(("+", "-")):
+                    float(cell)
+
+
+def test_the_command_line_shows_no_control_characters(model, hostile, tmp_path, capsys):
+    assert run(["show", str(tmp_path / "arm.toml")]) == 0
+    shown = capsys.readouterr().out
+    assert not set("\x00\x0b\x1b\u202e") & set(shown)
+    if hostile.isprintable() and len(hostile) < 30:
+        assert hostile.strip() in shown, "shown as it is, not read as markup"

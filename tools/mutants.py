@@ -41,7 +41,8 @@ AREAS = (
     Area(
         "algorithms",
         ("algorithms/*.py", "spatial.py", "model/joints/*.py"),
-        ("laws", "yardsticks", "operational", "derivatives", "closed_three_ways", "pinocchio", "equations"),
+        ("yardsticks", "base_parameters", "derivatives", "closed_three_ways", "operational", "equations", "laws",
+         "pinocchio"),
     ),
     Area(
         "kernels",

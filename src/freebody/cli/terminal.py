@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TextIO, cast
 
 from freebody.errors import FileError, FreebodyWarning
 from freebody.outputs.files import reason
+from freebody.outputs.text import legal
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -33,10 +34,20 @@ def err() -> Console:
 
 
 def _console(stderr: bool) -> Console:
-    from rich.console import Console
+    from rich.console import Console, ConsoleOptions, RenderableType
+    from rich.segment import Segment
+
+    class Inert(Console):
+        """A console on which text from outside gives no orders: escape sequences and the like are shown as �."""
+
+        def render(
+            self, renderable: RenderableType, options: ConsoleOptions | None = None
+        ) -> Iterator[Segment]:
+            for segment in super().render(renderable, options):
+                yield segment if segment.control else segment._replace(text=legal(segment.text))
 
     stream = sys.stderr if stderr else sys.stdout
-    return Console(stderr=stderr, highlight=False, width=None if stream.isatty() else _WIDE)
+    return Inert(stderr=stderr, highlight=False, width=None if stream.isatty() else _WIDE)
 
 
 class Gone(Exception):

@@ -96,7 +96,7 @@ def markdown(derivation: Derivation, images: Figures | None = None) -> str:
         if step.equations:
             formula = page.latex([step.equations])
             blocks.append(f"$$\n{_boxed(formula) if _fits(step, formula) else formula}\n$$")
-    return "\n\n".join([*blocks, f"*{_source(derivation)}*"]) + "\n"
+    return legal("\n\n".join([*blocks, f"*{_source(derivation)}*"]) + "\n")
 
 
 def _markdown_table(derivation: Derivation) -> str:
@@ -130,7 +130,7 @@ def latex(derivation: Derivation) -> str:
         if step.equations:
             lines.append(_latex_equations(step))
     lines += [rf"\medskip\textit{{{tex_prose(_source(derivation))}}}", r"\end{document}"]
-    return "\n".join(lines) + "\n"
+    return legal("\n".join(lines) + "\n")
 
 
 def _latex_equations(step: Step) -> str:
