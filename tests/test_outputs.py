@@ -13,6 +13,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
 from xml.etree import ElementTree
@@ -460,6 +461,7 @@ POLICY = (
 )
 
 
+@cache
 def pages(arm: fb.Study) -> dict[str, str]:
     from freebody.notes.page import page as notes_page
     from freebody.notes.registry import items
