@@ -10,6 +10,7 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from typing import TYPE_CHECKING, Any, TextIO, cast
 
+from freebody.cli.spelling import spelled
 from freebody.errors import FileError, FreebodyWarning
 from freebody.outputs.files import reason
 from freebody.outputs.text import legal
@@ -55,7 +56,10 @@ class Gone(Exception):
 
 
 class _Stream:
-    """stdout, where what cannot be written is an error of that name; or stderr, where nothing is left to say it to."""
+    """stdout, where what cannot be written is an error of that name; or stderr, where nothing is left to say it to.
+
+    What its encoding lacks is spelled out.
+    """
 
     def __init__(self, stream: TextIO | None, what: str):
         self._real, self._closed, self._what = stream or open(os.devnull, "w"), stream is None, what  # noqa: SIM115
@@ -66,7 +70,8 @@ class _Stream:
     def write(self, text: str) -> int:
         if self._closed and text and self._what:
             raise FileError(self._what, None, "is closed; there is nowhere to print to.")
-        return self._tried(self._real.write, text)
+        self._tried(self._real.write, spelled(text, self._real.encoding or "utf-8"))
+        return len(text)
 
     def flush(self) -> None:
         self._tried(self._real.flush)
