@@ -16,7 +16,7 @@ import importlib
 import struct
 import sys
 import sysconfig
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Any
 
@@ -62,7 +62,9 @@ def text(program: Program) -> str:
     lines = [
         "@PyArray_Type = external global i8",
         "@double_descr = external global i8",
-        "@general = global ptr null, align 8  ; the Python callable for everything else, set after linking",
+        "; the Python callables for everything else, set after linking",
+        "@general = global ptr null, align 8",
+        "@general.checked = global ptr null, align 8",
         "@PyTuple_Type = external global i8",
         "@name.out = external global i8",
         "declare ptr @PyObject_Vectorcall(ptr, ptr, i64, ptr)",
@@ -70,6 +72,8 @@ def text(program: Program) -> str:
         "declare ptr @PyTuple_New(i64)",
         "declare i32 @PyTuple_SetItem(ptr, i64, ptr)",
         "declare void @Py_IncRef(ptr)",
+        "declare void @Py_DecRef(ptr)",
+        _FINITE,
         _numbers("fast.dims", [1, *(n for a in arguments for n in a.shape)]),
         _numbers("fast.steps", [8 * a.size for a in arguments] + [s for a in arguments for s in _strides(a)]),
         *(_numbers(f"fast.shape{k}", list(a.shape)) for k, a in enumerate(outputs)),
@@ -100,10 +104,13 @@ def text(program: Program) -> str:
     for k, argument in enumerate(outputs):
         lines += _make(k, len(inputs) + k, argument, len(outputs))
     lines.append("  call void @kernel(ptr %data, ptr @fast.dims, ptr @fast.steps, ptr null)")
+    lines += _checked(outputs)
     lines += ["  ret ptr %out0"] if len(outputs) == 1 else _tuple(len(outputs))
     lines += [
         "general:",
-        "  %callable = load ptr, ptr @general, align 8",
+        "  %unasked = icmp eq ptr %self, null",
+        "  %callable.at = select i1 %unasked, ptr @general, ptr @general.checked",
+        "  %callable = load ptr, ptr %callable.at, align 8",
         "  %result = call ptr @PyObject_Vectorcall(ptr %callable, ptr %args, i64 %nargs, ptr %kwnames)",
         "  ret ptr %result",
         "failed:",
@@ -119,7 +126,7 @@ def symbols() -> dict[str, int]:
     python = ctypes.pythonapi
     named = {
         name: ctypes.cast(getattr(python, name), ctypes.c_void_p).value or 0
-        for name in ("PyObject_Vectorcall", "PyTuple_New", "PyTuple_SetItem", "Py_IncRef")
+        for name in ("PyObject_Vectorcall", "PyTuple_New", "PyTuple_SetItem", "Py_IncRef", "Py_DecRef")
     }
     return named | {
         "PyArray_Type": id(np.ndarray),
@@ -130,15 +137,21 @@ def symbols() -> dict[str, int]:
     }
 
 
-def make(address: int, slot: int, name: str, general: Callable[..., Any]) -> Callable[..., Any]:
-    """The Python function of a compiled `@fastcall`; `slot` is the address of its `@general`."""
-    ctypes.c_void_p.from_address(slot).value = id(general)
-    definition = _MethodDef(name.encode(), address, _FASTCALL_KEYWORDS, None)
-    forever(definition, general)
+def make(
+    linked: Mapping[str, int], name: str, call: Callable[..., Any], checked: Callable[..., Any]
+) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """The Python functions of a compiled `@fastcall`: one that goes to `call` with what is not plain, and one that goes
+    to `checked`, also when an entry of an output is not finite; told apart by the `self` that they hand over."""
+    made = []
     new = ctypes.pythonapi.PyCFunction_NewEx
     new.restype = ctypes.py_object
     new.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]
-    return new(ctypes.addressof(definition), None, None)
+    definition = _MethodDef(name.encode(), linked["fastcall"], _FASTCALL_KEYWORDS, None)
+    for slot, general, itself in (("general", call, None), ("general.checked", checked, id(None))):
+        ctypes.c_void_p.from_address(linked[slot]).value = id(general)
+        forever(definition, general)
+        made.append(new(ctypes.addressof(definition), itself, None))
+    return made[0], made[1]
 
 
 @cache
@@ -292,6 +305,50 @@ def _make(k: int, position: int, argument: Argument, count: int) -> list[str]:
         f"  %out.data{k} = load ptr, ptr %out.at{k}, align 8",
         f"  %out.entry{k} = getelementptr ptr, ptr %data, i64 {position}",
         f"  store ptr %out.data{k}, ptr %out.entry{k}, align 8",
+    ]
+
+
+_FINITE = """\
+define internal i1 @fast.finite(ptr %values, i64 %count) {
+entry:
+  br label %loop
+loop:
+  %k = phi i64 [0, %entry], [%next, %loop]
+  %so.far = phi i1 [true, %entry], [%both, %loop]
+  %at = getelementptr i64, ptr %values, i64 %k
+  %bits = load i64, ptr %at, align 8
+  %exponent = and i64 %bits, 9218868437227405312
+  %fine = icmp ne i64 %exponent, 9218868437227405312
+  %both = and i1 %so.far, %fine
+  %next = add i64 %k, 1
+  %more = icmp ult i64 %next, %count
+  br i1 %more, label %loop, label %done
+done:
+  ret i1 %both
+}"""
+
+
+def _checked(outputs: tuple[Argument, ...]) -> list[str]:
+    """If asked for, look whether all entries of the outputs are finite; else let go of them, and go the general way."""
+    lines = [
+        "  %unchecked = icmp eq ptr %self, null",
+        "  br i1 %unchecked, label %good, label %check",
+        "check:",
+    ]
+    fine = "true"
+    for k, argument in enumerate(outputs):
+        lines += [
+            f"  %finite{k} = call i1 @fast.finite(ptr %out.data{k}, i64 {argument.size})",
+            f"  %fine{k} = and i1 {fine}, %finite{k}",
+        ]
+        fine = f"%fine{k}"
+    return [
+        *lines,
+        f"  br i1 {fine}, label %good, label %bad",
+        "bad:",
+        *(f"  call void @Py_DecRef(ptr %out{k})" for k in range(len(outputs))),
+        "  br label %general",
+        "good:",
     ]
 
 

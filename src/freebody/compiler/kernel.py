@@ -22,6 +22,7 @@ from freebody.compiler.gufunc import make_gufunc, signature
 from freebody.compiler.interpret import BlockedFunction
 from freebody.compiler.passes import optimise
 from freebody.compiler.program import Argument, Program, verify
+from freebody.compiler.sound import sound
 from freebody.compiler.threads import cpus, run_split
 from freebody.errors import FreebodyError, ShapeError
 from freebody.lazy import cached_property
@@ -98,6 +99,10 @@ class Kernel:
             return self._long(arrays, out, threads)
         except (TypeError, ValueError) as problem:
             raise self._explained(arrays, problem) from None
+
+    def checked(self, *arrays: ArrayLike) -> Any:
+        """As `__call__`; None where an input is no plain array or an output may not be what is meant (see `sound`)."""
+        return sound(self, arrays)
 
     def _is_small(self, arrays: tuple[ArrayLike, ...]) -> bool:
         """Whether the batch is surely short, by a look at the arrays: a call takes a microsecond."""
@@ -247,7 +252,7 @@ def _compile_llvm(program: Program, width: int | None) -> Kernel:
         text = emit_llvm.emit(optimise(program), machine)
         code = target.object_code(text + fastcall.text(program) if fast else text)
         cache.store(key, code)
-    symbols = ("kernel", "fastcall", "general") if fast else ("kernel",)
+    symbols = ("kernel", "fastcall", "general", "general.checked") if fast else ("kernel",)
     linked = target.link(code, symbols, fastcall.symbols() if fast else {})
     ufunc = make_gufunc(linked["kernel"], program.name, program.inputs, program.outputs, linked)
     kernel = Kernel(program, "llvm", machine.width, ufunc)
@@ -257,9 +262,9 @@ def _compile_llvm(program: Program, width: int | None) -> Kernel:
 def _with_fastcall(kernel: Kernel, linked: Any) -> Kernel:
     """The kernel, called through its C function, which hands what is not plain to the kernel's own `__call__`."""
     name = kernel.program.name
-    function = fastcall.make(linked["fastcall"], linked["general"], name, kernel.__call__)
+    call, checked = fastcall.make(linked, name, kernel.__call__, kernel.checked)
     # calling an object looks `__call__` up in its class: a class for each kernel costs nothing at the call
-    quick = type("Kernel", (Kernel,), {"__call__": function, "__doc__": Kernel.__doc__})
+    quick = type("Kernel", (Kernel,), {"__call__": call, "checked": checked, "__doc__": Kernel.__doc__})
     return quick(kernel.program, kernel.backend, kernel.width, kernel.ufunc)
 
 

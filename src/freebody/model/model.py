@@ -218,7 +218,12 @@ class Model:
 
     @cached_property
     def compiled(self) -> dict[Any, Any]:
-        """What has been compiled for this model; filled and read by the numeric functions."""
+        """Code compiled for this model, nothing else; filled and read by the numeric functions."""
+        return {}
+
+    @cached_property
+    def facts(self) -> dict[str, Any]:
+        """What follows from the model alone and has been found before; see `model.facts.fact`."""
         return {}
 
     @cached_property

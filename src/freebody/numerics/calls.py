@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, at_sample, check_core, refuse_not_finite
+from freebody.compiler.sound import HUGE
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.model import Model
 from freebody.numerics import kernels
@@ -32,16 +32,17 @@ def evaluate(
 ) -> Any:
     """The kernel of `function` on inputs in the formula's order: an array, or a tuple of its outputs.
 
-    A kernel that was called before is tried at once: it refuses wrong shapes and types by itself, and answers inputs
-    that are not finite with NaN. Only then, and on the first call, are the inputs looked at one by one.
+    A kernel that was called before is tried at once: it refuses wrong shapes and types by itself, and says of inputs
+    that carry names and of results that are not finite that there is something to look at. Then, and on the first call,
+    the inputs are looked at one by one: every call gives the same answer, or the same refusal.
     """
     frames, loads = _given(wrenches)
     known = model.compiled.get((function, option, frames))
     if known is not None:
-        kernel, core, quaternions = known
+        checked, quaternions = known
         try:
-            result = kernel(*inputs, *loads)
-            if _finite(result, core) and (not quaternions or _are_unit(inputs[0], quaternions)):
+            result = checked(*inputs, *loads)
+            if result is not None and (not quaternions or _are_unit(inputs[0], quaternions)):
                 return result
         except (TypeError, ValueError, AttributeError):
             pass  # explained below
@@ -66,16 +67,6 @@ def _are_unit(q: Array, starts: tuple[int, ...]) -> bool:
     return all(bool((np.abs(np.vecdot(x, x) - 1.0) < _UNIT).all()) for x in blocks)
 
 
-def _finite(result: Any, core: int) -> bool:
-    """Whether the first entry of each sample is finite; a kernel gives NaN in all of them or in none."""
-    first = result[0] if type(result) is tuple else result
-    if first.ndim == core:
-        return math.isfinite(first.item(0)) if first.size else True
-    if not first.size:
-        return True
-    return bool(np.isfinite(first[(..., *(0,) * core)]).all())
-
-
 def _carefully(
     function: str, model: Model, inputs: tuple[Any, ...], option: Option | None, wrenches: Wrenches
 ) -> Any:
@@ -94,12 +85,11 @@ def _carefully(
     named = dict(zip([*names, *wrenched], [*arrays, *loads.values()], strict=True))
     common_batch(function, named)
     result = kernel(*named.values())
-    if not np.isfinite(result[0] if isinstance(result, tuple) else result).all():
+    if not all(np.isfinite(x).all() for x in (result if isinstance(result, tuple) else (result,))):
         for name, array in named.items():
             refuse_not_finite(function, name, array, 1, labels(model, name))
         _refuse_overflow(function, named)
-    core = len(next(iter(formula.outputs.values())))
-    model.compiled[function, option, _given(wrenches)[0]] = kernel, core, _quaternions(model)
+    model.compiled[function, option, _given(wrenches)[0]] = kernel.checked, _quaternions(model)
     return result
 
 
@@ -125,14 +115,11 @@ def checked_inputs(
     return tuple(loads), [np.broadcast_to(array, (*batch, array.shape[-1])) for array in named.values()]
 
 
-_HUGE = 1e100  # no quantity of a robot in SI units; its products leave the range of float64
-
-
 def _refuse_overflow(function: str, named: Mapping[str, Array]) -> None:
     """Finite inputs whose result is not finite: name the one that is too large to be meant."""
     sizes = {name: float(np.abs(array).max(initial=0.0)) for name, array in named.items()}
     name = max(sizes, key=lambda n: sizes[n])
-    if sizes[name] > _HUGE:
+    if sizes[name] > HUGE:
         raise FreebodyError(
             f"{function}: {name} reaches {sizes[name]:.3g}; the result overflows. Check its units."
         )

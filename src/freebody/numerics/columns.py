@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, check_core
 from freebody.compiler import Argument, KernelError
+from freebody.compiler.sound import sound
 from freebody.errors import ShapeError
 
 LARGEST = 64
@@ -43,6 +44,10 @@ class ColumnKernel:
                 np.copyto(target, result, casting="same_kind")
             results = targets
         return results[0] if len(results) == 1 else results
+
+    def checked(self, *arrays: ArrayLike) -> Any:
+        """See `Kernel.checked`."""
+        return sound(self, arrays)
 
     def _check(self, arrays: tuple[ArrayLike, ...]) -> None:
         if len(arrays) != len(self.inputs):

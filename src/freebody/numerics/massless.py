@@ -7,6 +7,7 @@ import numpy as np
 from freebody.algorithms.crba import crba, supports
 from freebody.arrays import Array
 from freebody.errors import SingularError
+from freebody.model.facts import fact
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.numerics.states import generic_state
@@ -26,15 +27,9 @@ def refuse_massless(model: Model, function: str) -> None:
         )
 
 
+@fact
 def massless(model: Model) -> tuple[str, ...]:
     """Coordinates that move no inertia, the loops of a closed chain being cut; found once a model."""
-    known = model.compiled.get("massless")
-    if known is None:
-        known = model.compiled["massless"] = _massless(model)
-    return known
-
-
-def _massless(model: Model) -> tuple[str, ...]:
     tree = model.tree
     q, _, _ = generic_state(model, seed=1, batch=_SAMPLES)
     samples = tuple(np.moveaxis(q, -1, 0))

@@ -1,0 +1,49 @@
+"""Whether numbers went in and came out: what a public function asks before it looks at its inputs one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+HUGE = 1e100
+"""No quantity of a robot in SI units is as large; its products leave the range of float64."""
+
+_FEW = 100  # entries that are looked at sooner in plain Python
+
+
+def sound(kernel: Callable[..., Any], arrays: tuple[Any, ...]) -> Any:
+    """What the kernel makes of the arrays; None where one is no plain array or list, or an entry may have overflowed.
+
+    Outputs are looked at, or inputs where those are fewer: of inputs below `HUGE` no output overflows, and one that is
+    not finite all the same is the answer (at a singular position, say).
+    """
+    if not all(map(_plain, arrays)):
+        return None
+    result = kernel(*arrays)
+    outputs = result if type(result) is tuple else (result,)
+    return result if _finite(outputs, arrays) else None
+
+
+def _finite(outputs: tuple[Any, ...], arrays: tuple[Any, ...]) -> bool:
+    entries = sum(x.size for x in outputs)
+    if entries == 1:
+        return isfinite(outputs[0].item())
+    if entries <= _FEW:
+        return isfinite(sum(sum(x.ravel().tolist()) for x in outputs))
+    if all(type(x) is np.ndarray and x.dtype == np.float64 for x in arrays) and (
+        sum(x.size for x in arrays) < entries
+    ):
+        return all(x.min(initial=0.0) >= -HUGE and x.max(initial=0.0) <= HUGE for x in arrays)
+    return all(np.isfinite(x).all() for x in outputs)
+
+
+def _plain(value: Any) -> bool:
+    """Whether it is an array, or lists of numbers, and nothing that carries names."""
+    kind = type(value)
+    return kind in _PLAIN or (kind in (list, tuple) and all(map(_plain, value)))
+
+
+_PLAIN = frozenset({np.ndarray, float, int, bool, np.float64, np.float32, np.int64, np.int32})
