@@ -94,6 +94,10 @@ class KernelList:
             results |= zip(places, found if isinstance(found, tuple) else (found,), strict=True)
         return tuple(results[k] for k in sorted(results))
 
+    def checked(self, *arrays: ArrayLike) -> Any:
+        """See `Kernel.checked`."""
+        return sound(self, arrays)
+
     def __repr__(self) -> str:
         return f"KernelList({', '.join(repr(kernel) for kernel, _, _ in self.parts)})"
 
