@@ -264,7 +264,7 @@ def test_open_chain_has_no_multipliers():
 def test_every_force_is_named():
     text = " ".join(fb.derive(fb.load("five_bar"), METHOD).text().split())
     assert "λ₁ and λ₂ are the force of body 4 on body 3 at P, by components." in text
-    assert "f₄₃ = [λ₁, λ₂]ᵀ" in text
+    assert "f₃₄ = [−λ₁, −λ₂]ᵀ" in text
     assert "f = n − m = 4 − 2 = 2" in text
     rods = fb.derive(fb.load("five_bar_rods"), METHOD)
     assert "Φ₁ = (x + b − l₁ cos θ₁)² + (y − l₁ sin θ₁)² − l₃² = 0" in rods.text()

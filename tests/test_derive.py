@@ -210,7 +210,7 @@ def test_the_recursion_of_the_2r_arm_is_the_notes():
     for line in (
         "v₂ = v₁ + ω₁ z × s₁ = [−l₁ θ̇₁ sin θ₁, l₁ θ̇₁ cos θ₁]ᵀ",  # (4.7)
         "v̇c₂ = v̇₂ + ω̇₂ z × sc₂ + ω₂ z × (ω₂ z × sc₂)",  # (4.11)
-        "M₁ = Mc₁ + M₂ + sc₁ × fc₁ + s₁ × f₁₂",  # (4.15)
+        "τ₁ = nc₁ + τ₂ + sc₁ × fc₁ + s₁ × f₁₂",  # (4.15)
     ):
         assert line in text
 

@@ -431,7 +431,7 @@ def test_names_are_those_of_the_equations():
         method: illustrations(fb.derive(fb.planar("RP"), method))["free-body 2"]
         for method in ("newton-euler", "recursive")
     }
-    assert moments["newton-euler"].named("n_{1,2}").value == moments["recursive"].named("M_2").value
+    assert moments["newton-euler"].named("n_{1,2}").value == moments["recursive"].named("n_{1,2}").value
     carried = illustrations(fb.derive(fb.planar("RR"), route="pivot"))["carried 1"]
     np.testing.assert_allclose(carried.named("r_{1,c2}").end, carried.named("C_2").at)
     assert "f_{1,2}" not in {e.name for e in carried.elements}, "inner reactions cancel"

@@ -13,7 +13,8 @@ from typing import Any
 from freebody.algorithms.rnea import Recursion, rnea
 from freebody.derivations import expression as ex
 from freebody.derivations.expression import Equation, Expression, Symbol
-from freebody.derivations.names import entry, sym
+from freebody.derivations.names import sym
+from freebody.derivations.naming import motors
 from freebody.derivations.symbols import RATE, SECOND, Symbols
 from freebody.elementary import Scalar
 from freebody.model.parameters import Parameter, Quantity
@@ -59,8 +60,8 @@ def intermediates(symbols: Symbols) -> list[Equation]:
     parents = [body.parent + 1 for body in tree.bodies]
     _outward(lines, record, tree.space.axes)
     _inward(lines, record, parents, tree.space.axes)
-    for i, torque in enumerate(record.tau, 1):
-        lines.equations.append(ex.eq(entry("tau", i), lines.expression(torque)))
+    for motor, torque in zip(motors(symbols.model), record.tau, strict=True):
+        lines.equations.append(ex.eq(motor, lines.expression(torque)))
     return lines.equations
 
 

@@ -168,19 +168,33 @@ def symbols(
 
 def coordinate_names(model: Model) -> tuple[str, ...]:
     """theta_i and d_i by joint, the name itself of a slide called x, y or z; x_i, y_i, theta_i of a planar joint."""
-    names: list[str] = []
-    parameters = {p.name for p in each_parameter(model)}
-    for i, body in enumerate((b for b in model.bodies if b.joint.mimic is None), 1):
+    for body in model.bodies:
         kind = body.kind.name
         if kind in ("spherical", "free"):
             raise FreebodyError(
                 f"joint {body.joint.name!r} of {model.name!r} is {kind}: closed forms need coordinates that are "
                 "numbers; put three revolute joints (Euler angles) and three prismatic ones in its place."
             )
-        own = body.joint.name in ("x", "y", "z") and body.joint.name not in parameters
-        slide = body.joint.name if own else f"d{i}"
-        names += {"prismatic": [slide], "planar": [f"x{i}", f"y{i}", f"theta{i}"]}.get(kind, [f"theta{i}"])
-    return tuple(names)
+    return tuple(name for names in names_by_body(model) for name in names)
+
+
+def names_by_body(model: Model) -> list[tuple[str, ...]]:
+    """Those of each body's joint; none of one that follows another, and none of spherical and free ones."""
+    names: list[tuple[str, ...]] = []
+    parameters = {p.name for p in each_parameter(model)}
+    i = 0
+    for body in model.bodies:
+        joint = body.joint
+        i += joint.mimic is None
+        own = joint.name in ("x", "y", "z") and joint.name not in parameters
+        kinds = {
+            "prismatic": (joint.name if own else f"d{i}",),
+            "planar": (f"x{i}", f"y{i}", f"theta{i}"),
+            "spherical": (),
+            "free": (),
+        }
+        names.append(() if joint.mimic is not None else kinds.get(body.kind.name, (f"theta{i}",)))
+    return names
 
 
 def _require_whole_ratios(model: Model) -> None:

@@ -11,6 +11,7 @@ from freebody.derivations import expression as ex
 from freebody.derivations.expression import Equation, Expression, Symbol
 from freebody.derivations.forms import Layout
 from freebody.derivations.names import entry
+from freebody.derivations.naming import motors
 from freebody.derivations.symbols import RATE, SECOND
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
@@ -36,16 +37,17 @@ NAMES = {"notes": NOTES, "standard": STANDARD}
 
 
 def expanded(equations: Equations, layout: Layout) -> list[Group]:
-    """τ_i with everything written out."""
-    return [[ex.eq(entry("tau", i), layout.form(x)) for i, x in enumerate(equations.tau, 1)]]
+    """τ_i, or 0 where there is no motor, with everything written out."""
+    left = motors(equations.symbols.model)
+    return [[ex.eq(motor, layout.form(x)) for motor, x in zip(left, equations.tau, strict=True)]]
 
 
 def named(equations: Equations, layout: Layout, names: Letters = NOTES) -> list[Group]:
-    """τ_i by mass matrix, velocity terms and gravity, and what these are: groups τ, M, velocity terms, gravity."""
+    """τ_i, or 0, by mass matrix, velocity and gravity terms, then what these are: groups τ, M, velocity, gravity."""
     velocity = _Coefficients(equations) if names.c == "h" else None
     torques = [
-        ex.eq(entry("tau", i + 1), ex.add(*_torque(equations, layout, names, velocity, i)))
-        for i in range(len(equations.M))
+        ex.eq(motor, ex.add(*_torque(equations, layout, names, velocity, i)))
+        for i, motor in enumerate(motors(equations.symbols.model))
     ]
     if velocity is not None:
         terms = [ex.eq(symbol, layout.form(value)) for symbol, value in velocity.definitions()]

@@ -12,13 +12,16 @@ from typing import Any
 import numpy as np
 
 from freebody.derivations import derive as plain
-from freebody.derivations.derivation import Derivation, Drawings
+from freebody.derivations.derivation import Derivation, Drawings, Step
+from freebody.derivations.expression import Expression, Symbol, nodes
+from freebody.derivations.names import vec
 from freebody.figures import theme
-from freebody.figures.drawing import Drawing
+from freebody.figures.drawing import Drawing, Element, canonical
 from freebody.figures.figure import save
 from freebody.figures.kinematic import view
-from freebody.figures.sketch import arm, forces, frames, space_forces, vectors
-from freebody.figures.sketch.names import Names
+from freebody.figures.loads import label
+from freebody.figures.sketch import arm, forces, frames, motion, space_forces, vectors
+from freebody.figures.sketch.names import Names, names_of
 from freebody.figures.sketch.snapshot import Snapshot, snapshot, with_values
 from freebody.figures.svg import picture
 from freebody.model.model import Model
@@ -53,17 +56,45 @@ def write_drawings(derivation: Derivation, document: Path) -> dict[str, str]:
 
 def illustrations(derivation: Derivation) -> dict[str, Drawing]:
     """The same as data."""
-    seen, names = _shown(derivation), _names(derivation)
-    wanted = ["overview", *(step.figure for step in derivation.steps if step.figure)]
-    found = {name: _drawn(seen, names, name) for name in dict.fromkeys(wanted)}
-    return {name: drawing for name, drawing in found.items() if drawing is not None}
+    seen, spoken = _shown(derivation), _spoken(derivation)
+    wanted: dict[str, Step | None] = {"overview": None}
+    for step in derivation.steps:
+        if step.figure:
+            wanted.setdefault(step.figure, step)
+    found = {}
+    for name, step in wanted.items():
+        drawing = _drawn(seen, names_of(seen.model, step is None or _has_weights(step)), name)
+        if drawing is not None:
+            drawing.elements = [e for e in drawing.elements if _is_spoken_of(e, spoken)]
+            found[name] = drawing
+    return found
 
 
-def _names(derivation: Derivation) -> Names:
-    """As the equations call things: the recursion has one moment a joint."""
-    planar = derivation.equations.symbols.model.dim == 2
-    moment = "" if derivation.method != "recursive" else "M" if planar else "n"
-    return Names(moment=moment, slide="u")
+def _spoken(derivation: Derivation) -> set[str]:
+    """Labels of all symbols in the derivation's equations and in its table of symbols."""
+    equations = [line for step in derivation.steps for line in step.equations]
+    printed: list[Expression] = [*equations, *(x for row in derivation.glossary for x in row.symbols)]
+    return {
+        canonical(label(symbol)) for line in printed for symbol in nodes(line) if isinstance(symbol, Symbol)
+    }
+
+
+def _has_weights(step: Step) -> bool:
+    """Whether weights are among a step's forces; not where the accelerations contain gravity."""
+    return any(symbol == vec("g") for line in step.equations for symbol in nodes(line))
+
+
+_QUANTITIES = ("position", "velocity", "acceleration", "dimension", "angle", "z")
+
+
+def _is_spoken_of(element: Element, spoken: set[str]) -> bool:
+    """Whether an element is no vector, length or coordinate, or one that is spoken of."""
+    free = (
+        element.role not in _QUANTITIES
+        or element.name in ("X", "Y", "Z")
+        or not getattr(element, "label", "")
+    )
+    return free or canonical(element.name) in spoken
 
 
 def _shown(derivation: Derivation) -> Snapshot:
@@ -111,6 +142,36 @@ def _vectors(seen: Snapshot, names: Names) -> Drawing:
     return _noted(drawing, "The vectors, drawn beside the bodies they lie on")
 
 
+def _tip(order: int, note: str) -> Callable[[Snapshot, Names], Drawing]:
+    """The way to the tip (order 0), its velocity (1) or its acceleration (2), with the joints' rates."""
+    name = label(vec("r_P" + ("", "_d", "_dd")[order]))
+
+    def plane(seen: Snapshot, names: Names) -> Drawing:
+        drawing = arm.blank(f"{seen.model.name}: {note.lower()}")
+        arm.structure(drawing, seen, names, faint=not order)
+        for layer in (arm.angles, arm.slides):
+            layer(drawing, seen, names)
+        if not order:
+            vectors.links(drawing, seen, names)
+            vectors.to_tip(drawing, seen, name)
+        else:
+            motion.rates(drawing, seen, names, second=order == 2)
+            motion.of_tip(drawing, seen, name, second=order == 2)
+        return _noted(drawing, note)
+
+    def space(seen: Snapshot, names: Names) -> Drawing:
+        drawing = frames.blank(f"{seen.model.name}: {note.lower()}", frames.viewed(seen))
+        frames.structure(drawing, seen)
+        if not order:
+            vectors.to_tip(drawing, seen, name)
+        else:
+            frames.variables(drawing, seen, names)
+            motion.of_tip(drawing, seen, name, second=order == 2)
+        return _noted(drawing, note)
+
+    return lambda seen, names: (plane if seen.model.dim == 2 else space)(seen, names)
+
+
 def _noted(drawing: Drawing, note: str) -> Drawing:
     drawing.notes = [note]
     return drawing
@@ -120,14 +181,21 @@ def _view(show: str, note: str) -> Callable[[Snapshot, Names], Drawing]:
     return lambda seen, names: _noted(view(seen, show, names), note)
 
 
+_TIP = {
+    "tip": _tip(0, "The way to the tip"),
+    "tip velocity": _tip(1, "The velocity of the tip"),
+    "tip acceleration": _tip(2, "The acceleration of the tip"),
+}
 _PLANE: dict[str, Callable[[Snapshot, Names], Drawing]] = {
     "overview": _overview,
     "vectors": _vectors,
     "centres": _view("centres", "Where the centres of mass are"),
     "velocities": _view("velocities", "Joint rates and velocities of the centres of mass"),
     "accelerations": _view("accelerations", "Joint accelerations and accelerations of the centres of mass"),
+    **_TIP,
 }
 _SPACE: dict[str, Callable[[Snapshot, Names], Drawing]] = {
     "overview": _view("frames", "Joint axes and joint variables"),
     "vectors": _view("vectors", "Vectors from joint to joint, and centres of mass"),
+    **_TIP,
 }

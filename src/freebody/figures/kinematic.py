@@ -9,13 +9,12 @@ from freebody.errors import FreebodyError, UnknownNameError
 from freebody.figures.drawing import Drawing
 from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.sketch import arm, frames, motion, vectors
-from freebody.figures.sketch.names import Names
+from freebody.figures.sketch.names import Names, names_of
 from freebody.figures.sketch.snapshot import Snapshot, snapshot
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector
 
 Layer = Callable[[Drawing, Snapshot, Names], None]
-NAMES = Names()
 WIDE, TALL = 440.0, 420.0
 """Size of one drawing, pixels."""
 
@@ -48,9 +47,10 @@ def kinematic_diagram(
 
     q: (nq,) rad or m; qd, qdd: (nv,); default: a state that is seen well. Parameters without value get one that is.
     show: one or several of "geometry" (θ_i, d_i, l_i, l_ci, C_i), "vectors" (s_i, r), "centres" (r_ci), "velocities"
-    (rates, v_ci), "accelerations" in the plane; "frames" (z_i, joint variables), "normals" (a_i, d_i), "vectors"
-    (s_i, C_i) in space. Returns a figure with `.svg`, `.save("arm.svg")` and `.named("s_1")`, the elements as data.
-    Raises ShapeError, NotFiniteError, UnknownNameError. Source: figures 1.2, 2.1, 3.2, 4.3, 5.3, 6.4, 6.5.
+    (rates, v_ci), "accelerations" in the plane; "frames" (z_i, of slides u_i, joint variables), "normals" (a_i,
+    d_i), "vectors" (s_i, C_i) in space. Returns a figure with `.svg`, `.save("arm.svg")` and `.named("s_1")`, the
+    elements as data. Raises ShapeError, NotFiniteError, UnknownNameError. Source: figures 1.2, 2.1, 3.2,
+    4.3, 5.3, 6.4, 6.5.
     """
     known = PLANE if model.dim == 2 else SPACE
     default = ("geometry", "vectors") if model.dim == 2 else ("frames", "normals")
@@ -61,12 +61,13 @@ def kinematic_diagram(
     if not chosen:
         raise FreebodyError(f"kinematic_diagram: show is empty; name one of {', '.join(known)}.")
     seen = snapshot(model, q, qd, qdd)
-    drawings = tuple(view(seen, name) for name in chosen)
+    names = names_of(seen.model)
+    drawings = tuple(view(seen, name, names) for name in chosen)
     to_one_scale(drawings, WIDE, TALL)
     return Figure(f"Kinematic diagram of {model.name}", drawings, 2, WIDE, TALL)
 
 
-def view(seen: Snapshot, show: str, names: Names = NAMES) -> Drawing:
+def view(seen: Snapshot, show: str, names: Names) -> Drawing:
     """One of the drawings of `PLANE` or `SPACE`."""
     title = f"{seen.model.name}: {show}"
     if seen.model.dim == 2:

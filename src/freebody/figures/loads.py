@@ -1,12 +1,13 @@
 """Every force and moment on each body at one instant, and what they add up to.
 
-On body i act: the parent's reaction f_{i-1,i} with moment n_{i-1,i} (τ_i where a turn in the plane carries nothing but
-its motor's torque), the reactions -f_{i,k} of its children, its weight m_i g and external wrenches. Their sum is m a_c,
-and their moment about the centre of mass the rate of angular momentum there (4.12-4.15, 6.28, 6.29).
+On body i act: the parent's reaction, the opposite of what it does to its children, those of loops, its weight and
+external wrenches, all called as in the equations (`Naming`). Their sum is m a_c, and their moment about the centre of
+mass the rate of angular momentum there (4.12-4.15, 6.28, 6.29).
 """
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -14,6 +15,9 @@ import numpy as np
 
 from freebody.algorithms.rnea import Recursion, rnea
 from freebody.arrays import Array
+from freebody.derivations import expression as ex
+from freebody.derivations.expression import Expression
+from freebody.derivations.naming import Naming
 from freebody.figures.skeleton import BodyPlace, Skeleton, extent, skeleton
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector, Wrenches, vector
@@ -73,16 +77,16 @@ def body_loads(
     given = {"q": q, "qd": still if qd is None else qd, "qdd": still if qdd is None else qdd}
     state = [vector("free_body_diagram", model, name, value) for name, value in given.items()]
     pose = skeleton(model, state[0])
-    reactions = np.asarray(joint_wrenches(model, *state, wrenches=wrenches))
+    names, reactions = Naming(model), np.asarray(joint_wrenches(model, *state, wrenches=wrenches))
     first, second, third = (tuple(map(float, x)) for x in state)
     recursion = rnea(model.tree, first, second, third, gravity="explicit")
     external = _external(model, state[0], wrenches)
-    closing = _loops(model, pose, state[0], reactions)
+    closing = _loops(names, pose, state[0], reactions)
     acting = [
         (
-            *_reactions(model, pose, body, reactions),
+            *_reactions(names, pose, body, reactions),
             *(load for on, load in closing if on == body.index),
-            *_weight(model, body),
+            *_weight(names, body),
             *(load for on, load in external if on == body.index),
         )
         for body in pose.bodies
@@ -118,60 +122,70 @@ def _residuals(body: BodyPlace, loads: Sequence[Load], force: Array, turning: Ar
     return float(np.linalg.norm(sum((load.force for load in loads), -force))), float(np.linalg.norm(total))
 
 
-def _reactions(model: Model, pose: Skeleton, body: BodyPlace, wrenches: Array) -> list[Load]:
+def label(name: Expression) -> str:
+    """A symbol as figures write it: "f_{1,2}", "−τ_2", "θ̇_1"; "" for 0."""
+    if isinstance(name, ex.Negative):
+        return "−" + label(name.operand)
+    if not isinstance(name, ex.Symbol):
+        return ""
+    low = ",".join(name.low)
+    letter = unicodedata.normalize("NFC", name.letter + ("", "\u0307", "\u0308")[name.dots]) + name.high
+    return f"{letter}_{{{low}}}" if len(low) > 1 else f"{letter}_{low}" if low else letter
+
+
+def _reactions(names: Naming, pose: Skeleton, body: BodyPlace, wrenches: Array) -> list[Load]:
     """By the parent, and by each child the opposite of what it receives."""
-    d, n = model.dim, body.number
+    n = body.number
     before = body.parent + 1
     by = pose.bodies[body.parent].name if before else "its drives" if body.kind == "free" else "the ground"
-    w = wrenches[body.index]
-    moment_name = _moment_name(model, body, before)
-    loads = [Load(f"f_{{{before},{n}}}", moment_name, "reaction", by, body.origin, w[:d], w[d:], body.index)]
+    force, moment = names.force(before, n), names.joint_moment(n)
+    loads = [_reaction(force, moment, "reaction", by, body.origin, wrenches[body.index], body.index)]
     for child in pose.bodies:
         if child.parent == body.index:
-            w, name = -wrenches[child.index], f"−f_{{{n},{child.number}}}"
-            named = _moment_name(model, child, n)
-            moment_name = f"−{named}" if named else ""
-            loads.append(
-                Load(name, moment_name, "counter", child.name, child.origin, w[:d], w[d:], child.index)
+            force, moment = (
+                ex.neg(x) for x in (names.force(n, child.number), names.joint_moment(child.number))
             )
+            w = -wrenches[child.index]
+            loads.append(_reaction(force, moment, "counter", child.name, child.origin, w, child.index))
     return loads
 
 
-def _loops(model: Model, pose: Skeleton, q: Array, wrenches: Array) -> list[tuple[int, Load]]:
-    """(body, load) of both sides of each loop, at the origin of its second frame."""
-    d, found = model.dim, []
-    names = {body.index: body.name for body in pose.bodies}
+def _reaction(
+    force: Expression, moment: Expression, role: str, by: str, place: Array, w: Array, joint: int
+) -> Load:
+    d = len(place)
+    return Load(label(force), label(moment), role, by, place, w[:d], w[d:], joint)
+
+
+def _loops(names: Naming, pose: Skeleton, q: Array, wrenches: Array) -> list[tuple[int, Load]]:
+    """(body, load) of both sides of each loop, where the wrench acts: at the origin of the second frame, or of a rod,
+    which pulls along itself, at each end."""
+    model, found = names.model, []
+    by = {body.index: body.name for body in pose.bodies}
     for k, loop in enumerate(model.loops):
-        first, second = (model.frame(frame).body for frame in loop.frames)
-        place = np.asarray(forward_kinematics(model, q, loop.frames[1]))[:d, -1]
+        ends = [model.frame(frame).body for frame in loop.frames]
+        places = [np.asarray(forward_kinematics(model, q, frame))[: model.dim, -1] for frame in loop.frames]
+        rod = model.tree.loops[k].closure.distance
         index = len(model.bodies) + k
-        for body, other, sign, role in ((second, first, 1.0, "reaction"), (first, second, -1.0, "counter")):
-            if body >= 0:
-                w, minus = sign * wrenches[index], "−" if sign < 0 else ""
-                by = names.get(other, "the ground")
-                force = f"{minus}f_{{{loop.name}}}"
-                turning = f"{minus}n_{{{loop.name}}}" if model.tree.loops[k].closure.turns else ""
-                load = Load(force, turning, role, by, place, w[:d], w[d:], index)
-                found.append((body, load))
+        force, moment = names.loop_force(k), names.loop_moment(k)
+        if ends[1] >= 0:
+            other = by.get(ends[0], "the ground")
+            found.append(
+                (ends[1], _reaction(force, moment, "reaction", other, places[1], wrenches[index], index))
+            )
+        if ends[0] >= 0:
+            other, place = by.get(ends[1], "the ground"), places[0 if rod else 1]
+            opposite = ex.neg(force), ex.neg(moment)
+            found.append((ends[0], _reaction(*opposite, "counter", other, place, -wrenches[index], index)))
     return found
 
 
-def _weight(model: Model, body: BodyPlace) -> list[Load]:
+def _weight(names: Naming, body: BodyPlace) -> list[Load]:
     if not body.mass:
         return []
-    nothing = np.zeros(1 if model.dim == 2 else 3)
-    return [Load(f"m_{body.number} g", "", "weight", "gravity", body.com, body.mass * model.gravity, nothing)]
-
-
-def _moment_name(model: Model, body: BodyPlace, before: int) -> str:
-    """τ where the moment by the parent is the motor's torque alone, M in the plane and n in space where it is more."""
-    if model.dim == 3:
-        return f"n_{{{before},{body.number}}}"
-    drive = model.tree.bodies[model.tree.body_of[body.index]].drive
-    turns = body.kind in ("revolute", "continuous") and model.bodies[body.index].joint.mimic is None
-    if turns and drive is None and model.bodies[body.index].joint.passive:
-        return ""  # a pin
-    return f"{'τ' if turns and drive is None else 'M'}_{body.number}"
+    nothing = np.zeros(1 if names.planar else 3)
+    name = f"{label(names.mass(body.number))} g"
+    return [Load(name, "", "weight", "gravity", body.com, body.mass * names.model.gravity, nothing)]
 
 
 def _rates(model: Model, body: BodyPlace, recursion: Recursion) -> tuple[Array, Array]:
@@ -193,10 +207,10 @@ def _external(model: Model, q: Array, wrenches: Wrenches) -> list[tuple[int, Loa
         return []
     given = wrenches if isinstance(wrenches, Mapping) else {model.frame().name: wrenches}
     found = []
-    for k, (frame, value) in enumerate(given.items()):
+    for k, (frame, value) in enumerate(given.items(), 1):
         w = np.asarray(value, dtype=float)
         place = np.asarray(forward_kinematics(model, q, frame))[: model.dim, -1]
-        suffix = str(k + 1) if len(given) > 1 else "e"
-        load = Load(f"f_{suffix}", f"n_{suffix}", "external", frame, place, w[: model.dim], w[model.dim :])
+        low = f"_{k}" if len(given) > 1 else ""
+        load = Load(f"f{low}", f"n{low}", "external", frame, place, w[: model.dim], w[model.dim :])
         found.append((model.frame(frame).body, load))
     return found

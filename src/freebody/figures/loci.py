@@ -11,7 +11,7 @@ from freebody.errors import FreebodyError
 from freebody.figures.drawing import Drawing, Line, Mark, point
 from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.sketch import arm
-from freebody.figures.sketch.names import Names
+from freebody.figures.sketch.names import names_of
 from freebody.figures.sketch.snapshot import snapshot
 from freebody.model.model import Model
 from freebody.numerics.closed.loci import Locus, singularity_loci
@@ -41,7 +41,8 @@ def singularity_diagram(
     for kind, name in _KINDS:
         loci = singularity_loci(model, kind, frame=frame, rows=rows, hold=hold)
         _curves(drawing, model, loci, name, kind, frame)
-    arm.structure(drawing, snapshot(model), Names())
+    seen = snapshot(model)
+    arm.structure(drawing, seen, names_of(seen.model))
     drawing.notes = [
         "type 1, blue: the tip stands still in some direction though the drives turn",
         "type 2, red: the tip gives way though the drives stand still",

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from freebody.derivations import expression as ex
 from freebody.derivations.base import short_by_base
 from freebody.derivations.derivation import Step
+from freebody.derivations.expression import Equation, eq
 from freebody.derivations.methods import wording
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.names import vec
 
 FEW = 4
 """Joints up to which base parameters are looked for."""
@@ -18,7 +21,7 @@ _BASE = (
 
 
 def closed_form(setting: Setting) -> Step:
-    """Torques sorted by accelerations, rates and gravity; with a load on the tip, those of the arm without it."""
+    """Torques sorted by accelerations, rates and gravity; with a load on the tip, torque and load together."""
     equations = setting.equations
     numbers = {"RR": tuple(f"3.{k}" for k in range(20, 29))}.get(setting.cited, ("3.28",))
     groups = equations.groups("named") if equations.is_short else None
@@ -30,9 +33,18 @@ def closed_form(setting: Setting) -> Step:
     if setting.cited == "RR":
         reason += " The notes' (3.22) to (3.24) are printed with slips; these are the corrected ones."
     if setting.load:
-        reason += " The load's part, found above, comes on top."
+        reason += " The motors do not act alone: with each stands the part of the load on the tip, at r_P."
+        groups = [_loaded(setting, groups[0]), *groups[1:]]
     lines = tuple(line for group in groups for line in group)
     return Step("The closed form", reason, lines, numbers, result=True)
+
+
+def _loaded(setting: Setting, torques: list[Equation]) -> list[Equation]:
+    """τ_i + f · ∂r_P/∂q_i in place of τ_i."""
+    shares = [ex.dot(vec("f"), ex.partial(vec("r_P"), x)) for x in setting.symbols.coordinates]
+    return [
+        eq(ex.add(line.sides[0], share), *line.sides[1:]) for line, share in zip(torques, shares, strict=True)
+    ]
 
 
 def _by(setting: Setting) -> str:

@@ -35,7 +35,7 @@ def _vectors(s: Setting, i: int) -> list[Equation]:
     children = s.tree.children(i)
     lines = [eq(s.reach_name(i, k), s.column(s.to_child(i, k))) for k in children]
     if s.loaded(i):
-        lines.append(eq(s.name("s", i), s.column(s.to_tip(i))))
+        lines.append(eq(s.tip_name(), s.column(s.to_tip(i))))
     lines.append(eq(s.name("sc", i), s.column(s.centre(i))))
     if not s.turns(i) or not s.planar:
         lines.append(eq(s.axis_name(i), s.column(s.axis(i))))

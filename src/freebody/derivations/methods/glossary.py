@@ -48,7 +48,7 @@ def _coordinates(s: Setting, motors: bool) -> Iterator[Meaning]:
         driven = [i for i in joints if s.motor(i) != ex.ZERO]
         if motors and driven:
             plural = "s" if len(driven) > 1 else ""
-            yield Meaning(tuple(map(s.torque_name, driven)), f"{motor}{plural} of the motor{plural}", force)
+            yield Meaning(tuple(map(s.motor, driven)), f"{motor}{plural} of the motor{plural}", force)
 
 
 def _parameters(s: Setting, moved: bool) -> Iterator[Meaning]:
@@ -156,12 +156,17 @@ def _pivot(s: Setting) -> Iterator[Meaning]:
         yield Meaning((sym("r_i,ck", True),), "joint i to the centre of mass of body k", METER)
 
 
+def _moments(s: Setting) -> Iterator[Meaning]:
+    """Those that are not a motor's torque and no more."""
+    if not all(map(s.is_pin, s.order)):
+        yield Meaning((sym("n_i,k", not s.planar),), "moment of body i on body k at their joint", MOMENT)
+
+
 def _newton_euler(s: Setting) -> Iterator[Meaning]:
     yield from _vectors(s)
     yield from _moving(s)
-    yield Meaning((sym("f_i,k", True),), "force of body i on body k, at joint k", NEWTON)
-    if not s.planar or _span(s, False):
-        yield Meaning((sym("n_i,k", not s.planar),), "moment of body i on body k, at joint k", MOMENT)
+    yield Meaning((sym("f_i,k", True),), "force of body i on body k at their joint", NEWTON)
+    yield from _moments(s)
 
 
 def _recursive(s: Setting) -> Iterator[Meaning]:
@@ -169,14 +174,9 @@ def _recursive(s: Setting) -> Iterator[Meaning]:
     yield from _moving(s)
     yield Meaning((sym("v_i", True),), "velocity of the point of body i at joint i", SPEED)
     yield Meaning((sym("f_ci", True),), "mass times acceleration of body i", NEWTON)
-    letter = "M" if s.planar else "n"
-    yield Meaning(
-        (sym(f"{letter}_ci", not s.planar),), "rate of body i's angular momentum about its centre", MOMENT
-    )
-    yield Meaning((sym("f_i,k", True),), "force of body i on body k, at joint k", NEWTON)
-    yield Meaning(
-        (sym(f"{letter}_i", not s.planar),), "moment of the body before on body i, at joint i", MOMENT
-    )
+    yield Meaning((sym("n_ci", not s.planar),), "rate of body i's angular momentum about its centre", MOMENT)
+    yield Meaning((sym("f_i,k", True),), "force of body i on body k at their joint", NEWTON)
+    yield from _moments(s)
 
 
 def _lagrange(s: Setting) -> Iterator[Meaning]:
@@ -192,7 +192,7 @@ def _first_kind(s: Setting) -> Iterator[Meaning]:
         return
     yield Meaning((sym("Phi_k"),), "a loop equation, zero where the loop is closed", "")
     yield Meaning((sym("lam_k"),), "its multiplier: what the loop presses with", "")
-    yield Meaning((sym("f_i,k", True),), "force of body i on body k", NEWTON)
+    yield Meaning((sym("f_i,k", True),), "force of body i on body k at their joint", NEWTON)
     yield Meaning((sym("u"), sym("N")), "independent coordinates; rates of all by theirs", "")
 
 
@@ -200,7 +200,8 @@ def _statics(s: Setting) -> Iterator[Meaning]:
     yield from _vectors(s)
     if s.tree.loops:
         yield Meaning((sym("lam_k"),), "multiplier of loop equation k: what the loop presses with", "")
-    yield Meaning((sym("f_i,k", True),), "force of body i on body k, at joint k", NEWTON)
+    yield Meaning((sym("f_i,k", True),), "force of body i on body k at their joint", NEWTON)
+    yield from _moments(s)
 
 
 def _kinematics(s: Setting) -> Iterator[Meaning]:

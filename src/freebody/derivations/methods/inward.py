@@ -41,10 +41,21 @@ class Inward:
         passed = ", and those that it passes on to the next body," if s.tree.children(i) else ""
         weight = ", less its weight," if not self.base else ""
         part = f"the moment about the axis of joint {n}" if s.turns(i) else f"the force along the slide u_{n}"
-        if s.turns(i) and s.planar:
+        if s.is_pin(i):
             part = "the moment"
         needed = f"Force and moment that accelerate body {n}{weight}{passed}"
-        return f"{needed} come through joint {n}; the motor gives {part}."
+        letters = (
+            " (The notes write M_i for the moment at joint i, and M_ci for n_ci.)"
+            if self._is_first(i)
+            else ""
+        )
+        if s.driven(i):
+            return f"{needed} come through joint {n}; the motor gives {part}.{letters}"
+        return f"{needed} come through joint {n}, which has no motor to give {part}.{letters}"
+
+    def _is_first(self, i: int) -> bool:
+        """Whether a planar arm's steps inward begin with body i."""
+        return self.s.planar and i == self.s.order[-1]
 
     def _inertia(self, i: int) -> list[Equation]:
         s, record = self.s, self.record
@@ -54,20 +65,21 @@ class Inward:
         sides = (ex.ZERO,) if s.is_point(i) else (s.spin_terms(i), spin)
         return [
             eq(s.name("fc", i), s.mass_times(i, s.name("vc", i, "_d")), s.column(s.axes(i, F))),
-            eq(s.angular_name("Mc" if s.planar else "nc", i), *sides),
+            eq(s.angular_name("nc", i), *sides),
         ]
 
     def _carried(self, i: int) -> list[Equation]:
-        """f and the moment at the joint, and the torque, which repeats what the moment is."""
+        """f and the moment at the joint, and the torque where that is not the moment itself."""
         s = self.s
         force = self._force(i)
         f = eq(s.force_name(s.tree.bodies[i].parent, i), force, s.column(s.axes(i, self.record.f[i])))
         if isinstance(force, Symbol):
             f = eq(*f.sides[:2])
-        moment = eq(self._moment_name(i), self._moment(i))
-        if not (s.planar and s.turns(i)):
-            moment = eq(*moment.sides, s.angular(self.record.n[i]))
-        return [f, moment, eq(s.torque_name(i), self._motor(i), s.show(self.torque(i)))]
+        name, moment = s.joint_moment(i), self._moment(i)
+        if s.is_pin(i):
+            return [f, eq(name, moment, s.show(self.torque(i)))]
+        held = eq(name, moment, s.angular(self.record.n[i]))
+        return [f, held, eq(s.motor(i), self._motor(i), s.show(self.torque(i)))]
 
     def _needed(self, i: int) -> Expression:
         """The inertia force, with the weight taken off where gravity is explicit."""
@@ -90,24 +102,21 @@ class Inward:
         """f, in space turned from the world's axes."""
         return vec("f") if self.s.planar else ex.mul(rotation_name(self.s, -1, i), vec("f"))
 
-    def _moment_name(self, i: int) -> Expression:
-        return self.s.angular_name("M" if self.s.planar else "n", i)
-
     def _moment(self, i: int) -> Expression:
         s = self.s
-        parts = [s.angular_name("Mc" if s.planar else "nc", i)]
-        parts += [self._outer(i, self._moment_name(k), k) for k in s.tree.children(i)]
+        parts = [s.angular_name("nc", i)]
+        parts += [self._outer(i, s.joint_moment(k), k) for k in s.tree.children(i)]
         parts.append(ex.cross(s.name("sc", i), self._needed(i)))
         for k in s.tree.children(i):
             parts.append(ex.cross(s.reach_name(i, k), self._outer(i, s.force_name(i, k), k)))
         if s.loaded(i):
-            parts.append(ex.neg(ex.cross(s.name("s", i), self._load(i))))
+            parts.append(ex.neg(ex.cross(s.tip_name(), self._load(i))))
         return ex.add(*parts)
 
     def _motor(self, i: int) -> Expression:
         s = self.s
         if s.turns(i):
-            part = self._moment_name(i) if s.planar else ex.dot(self._moment_name(i), s.name("z", i))
+            part = s.joint_moment(i) if s.planar else ex.dot(s.joint_moment(i), s.axis_name(i))
         else:
-            part = ex.dot(s.force_name(s.tree.bodies[i].parent, i), s.name("u", i))
+            part = ex.dot(s.force_name(s.tree.bodies[i].parent, i), s.axis_name(i))
         return ex.add(part, s.show(drive_part(s, i)))

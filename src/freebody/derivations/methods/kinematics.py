@@ -76,7 +76,7 @@ class _Tip:
             reason,
             (*lines, *last),
             self.cited("2.10", "2.11", "2.12", "2.13"),
-            figure="vectors",
+            figure="tip",
         )
 
     def _along(self) -> list[Equation]:
@@ -96,11 +96,7 @@ class _Tip:
     def _chain(self) -> list[tuple[Expression, tuple]]:
         s, path = self.s, self._path()
         inner = [(s.reach_name(i, k), s.to_child(i, k)) for i, k in pairwise(path)]
-        return [
-            row
-            for row in [*inner, (s.name("s", path[-1]), s.to_tip(path[-1]))]
-            if s.column(row[1]) != ex.ZERO
-        ]
+        return [row for row in [*inner, (s.tip_name(), s.to_tip(path[-1]))] if s.column(row[1]) != ex.ZERO]
 
     def _path(self) -> list[int]:
         """Bodies from the base to the tip's."""
@@ -130,7 +126,7 @@ class _Tip:
             reason,
             (first, *lines[1:]),
             self.cited("2.16", "2.17"),
-            figure="velocities",
+            figure="tip velocity",
         )
 
     def jacobian(self) -> Step:
@@ -194,7 +190,7 @@ class _Tip:
             "Differentiating once more: the rates change, and so does the Jacobian.",
             tuple(lines),
             ("2.24",),
-            figure="accelerations",
+            figure="tip acceleration",
         )
 
     def back(self) -> list[Step]:

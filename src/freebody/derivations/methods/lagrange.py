@@ -9,6 +9,7 @@ from freebody.algorithms.kinematics import Motion, outward
 from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Derivation, Step
 from freebody.derivations.expression import Expression, eq
+from freebody.derivations.methods import wording
 from freebody.derivations.methods.closing import closed_form
 from freebody.derivations.methods.energies import Energies, kinetic_step, potential_step
 from freebody.derivations.methods.overview import overview
@@ -57,7 +58,7 @@ def lagrangian(s: Setting) -> tuple[Energies, list[Step]]:
 
 def _coordinates(s: Setting) -> Step:
     names = ex.Vector(tuple(sym(s.coordinate(i)) for i in s.order))
-    forces = ex.Vector(tuple(s.torque_name(i) for i in s.order))
+    forces = ex.Vector(tuple(s.motor(i) for i in s.order))
     one = len(s.order) == 1
     kinds = {s.turns(i) for i in s.order}
     motor = "torque" if kinds == {True} else "force" if kinds == {False} else "torque or force"
@@ -67,6 +68,7 @@ def _coordinates(s: Setting) -> Step:
         else f"The joint variables fix the pose of every body and can be varied one by one; along each only its own "
         f"motor's {motor} does work."
     )
+    reason += wording.motorless(s)
     lines = (eq(sym("q"), names), eq(sym("Q"), forces)) if not s.load else (eq(sym("q"), names),)
     return Step("Choose independent coordinates", reason, lines)
 
@@ -167,18 +169,20 @@ def _equation(s: Setting, energies: Energies, i: int, work: Trig) -> tuple[list[
     first, needed, friction = derivatives(s, energies, i)
     torque, x = needed - work, s.coordinate(i)
     slope, d_position = ex.partial("L", x + RATE), ex.partial("L", x)
-    force = s.torque_name(i) if not s.load else sym(f"Q{s.numbers[i]}")
+    force = s.motor(i) if not s.load else sym(f"Q{s.numbers[i]}")
     right = ex.add(force, ex.neg_each(s.show(friction)))
     number = {("RR", 1): "5.15", ("RR", 2): "5.16"}.get((s.cited, s.numbers[i]), "" if s.planar else "6.15")
     motor = "torque" if s.turns(i) else "force"
     reason = f"Lagrange's equation; the generalized force is the {motor} of the joint's motor"
+    if not s.driven(i):
+        reason = "Lagrange's equation; the joint has no motor and no generalized force"
     if s.load:
         reason = "Lagrange's equation; the generalized force is that of motor and load, found above"
     reason += "." if friction.is_zero else ", less friction."
     equation = Step(
         f"The equation of {sym(x)}",
         reason,
-        (eq(ex.sub(ex.d_dt(slope), d_position), right), eq(s.torque_name(i), s.show(torque))),
+        (eq(ex.sub(ex.d_dt(slope), d_position), right), eq(s.motor(i), s.show(torque))),
         ("5.7", number) if number else ("5.7",),
     )
     return [first, equation], torque

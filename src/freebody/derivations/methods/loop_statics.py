@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from freebody.algorithms import constraints
+from freebody.algorithms.kinematics import frame_pose
 from freebody.derivations import expression as ex
 from freebody.derivations.closed.linear import Ratio, product
 from freebody.derivations.closed.statics import LoopStatics
@@ -21,7 +23,7 @@ from freebody.derivations.names import entry, sym
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.model.tree import TreeLoop
-from freebody.spatial import Vector
+from freebody.spatial import Vector, sub
 
 
 def derive(setting: Setting) -> Derivation:
@@ -94,16 +96,31 @@ class _Balance(Equilibrium):
         )
         return Step("Cut the loops: their forces are sought", reason, tuple(lines))
 
+    def body(self, i: int) -> Step:
+        """Equilibrium of one body, and what its motor gives of the moment or force at its joint."""
+        s, step = self.s, super().body(i)
+        if s.is_pin(i):
+            return step
+        motor = eq(s.motor(i), self.reactions.motor_rule(i, s.joint_moment(i)))
+        return replace(step, equations=(*step.equations, motor))
+
     def outer(self, i: int) -> list[tuple[Expression, Expression]]:
         """Those of the tree, and the loops' forces."""
         found = super().outer(i)
-        for loop in self.s.tree.loops:
-            for frame, end in zip(loop.frames, self.loops.ends(loop), strict=True):
-                if end == i:
-                    force = self.loops.force_name(loop)
-                    acts = self.loops.acting(loop)[0] == i
-                    found.append((force if acts else ex.neg(force), self.arm(i, frame)))
+        for loop, frame in self._ends(i):
+            force = self.loops.force_name(loop)
+            found.append((force if self.loops.acts(loop, i) else ex.neg(force), self.arm(i, frame)))
         return found
+
+    def _ends(self, i: int) -> list[tuple[TreeLoop, str]]:
+        """Loops that act on body i, and the frame at which: its own, or of a slide that of the second body, where the
+        wrench is counted on both."""
+        return [
+            (loop, loop.frames[1] if loop.closure.slides else frame)
+            for loop in self.s.tree.loops
+            for frame, k in zip(loop.frames, self.loops.ends(loop), strict=True)
+            if k == i
+        ]
 
     def about(self, i: int) -> list[Expression]:
         """Moments about the joint, those of loops that carry moments included; forces at the joint have none."""
@@ -113,57 +130,41 @@ class _Balance(Equilibrium):
             negative = isinstance(force, ex.Negative)
             moment = ex.ZERO if arm == ex.ZERO else ex.cross(arm, force.operand if negative else force)
             terms.append(ex.neg(moment) if negative and moment != ex.ZERO else moment)
-        for loop in s.tree.loops:
-            if i in self.loops.ends(loop) and self._turns(loop):
-                moment = self.loops.moment_name(loop)
-                terms.append(moment if self.loops.acting(loop)[0] == i else ex.neg(moment))
+        for loop, _ in self._ends(i):
+            moment = self.loops.moment_name(loop)
+            terms.append(moment if self.loops.acts(loop, i) else ex.neg(moment))
         return terms
 
-    def _turns(self, loop: TreeLoop) -> bool:
-        _, moment = self.loops.wrench(loop)
-        return any(not self.s.symbols.element(x).is_zero for x in moment)
-
     def arm(self, i: int, frame: str) -> Expression:
-        """The way from joint i to a frame of body i: 0 where it is the joint's own place."""
+        """The way from joint i to a frame where a loop acts: 0 where it is the joint's own place."""
         if all(self.s.symbols.element(x).is_zero for x in self._way(i, frame)):
             return ex.ZERO
         if self._is_only_end(i, frame):
             return self.s.name("s", i)
-        low = (f"{self.s.numbers[i]}", frame.replace("_", "-"))
-        return ex.Symbol(f"s{self.s.numbers[i]}_{frame}", "s", low, bold=True)
+        return self.s.naming.to_point(self.s.numbers[i], frame)
 
     def _is_only_end(self, i: int, frame: str) -> bool:
         """Whether loops and load act on body i at one point, and no further joint: s_i leads there."""
-        ends = [
-            f
-            for loop in self.s.tree.loops
-            for f, k in zip(loop.frames, self.loops.ends(loop), strict=True)
-            if k == i
-        ]
+        ends = [f for _, f in self._ends(i)]
         ends += [self.s.symbols.model.frame().name] if self.s.loaded(i) else []
         places = [tuple(map(self.s.symbols.element, self._way(i, f))) for f in ends]
         here = tuple(map(self.s.symbols.element, self._way(i, frame)))
         return not self.s.tree.children(i) and all(place == here for place in places)
 
     def _way(self, i: int, frame: str) -> Vector:
-        _, _, at = self.s.tree.frames[frame]
-        return self.s.axes(i, at)
-
-    def joint_moment(self, i: int) -> Expression:
-        """Nothing at a passive joint without spring."""
-        s = self.s
-        if s.turns(i) and not s.driven(i):
-            spring = self.reactions.drives[i]
-            return ex.ZERO if spring.is_zero else ex.neg_each(s.show(spring))
-        return super().joint_moment(i)
+        k, _, at = self.s.tree.frames[frame]
+        if k == i:
+            return self.s.axes(i, at)
+        _, place = frame_pose(self.s.tree, self.s.world, frame)
+        return sub(place, self.s.world[i][1])
 
     def geometry(self) -> Step:
         """The vectors, those to the loops' frames included."""
         step = geometry(self.s, inertias=False)
         lines: list[Equation] = list(step.equations)
-        for loop in self.s.tree.loops:
-            for frame, i in zip(loop.frames, self.loops.ends(loop), strict=True):
-                if i >= 0 and self.arm(i, frame) != ex.ZERO:
+        for i in self.s.order:
+            for _, frame in self._ends(i):
+                if self.arm(i, frame) != ex.ZERO:
                     lines.append(eq(self.arm(i, frame), self.s.column(self._way(i, frame))))
         others = any(len(getattr(line.lhs, "low", ())) > 1 for line in lines)
         more = "s_i,P leads from joint i to a point P where a loop acts; " if others else ""
@@ -214,7 +215,7 @@ class _Balance(Equilibrium):
             if found is not None:
                 shown = self._ratio(found)
                 sides += [shown] if not isinstance(shown, ex.Words) and ex.size(shown) <= 2 * LONG else []
-            lines.append(eq(s.torque_name(i), *dict.fromkeys(sides)))
+            lines.append(eq(s.motor(i), *dict.fromkeys(sides)))
         reason = "The balance about the driven joints, by the multipliers, then with these put in where that is short."
         return Step("What the motors give", reason, tuple(lines), result=True)
 

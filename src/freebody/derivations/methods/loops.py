@@ -172,8 +172,8 @@ class Loops:
         return Step("What the multipliers are", reason, tuple(lines))
 
     def _meaning(self, loop: TreeLoop) -> str:
-        target, other = (self.body(i) for i in self.acting(loop))
-        at = loop.frames[0] if self.ends(loop)[0] >= 0 else loop.frames[1]
+        target, other = map(self.body, self.ends(loop))
+        at = loop.frames[0]
         if loop.closure.distance:
             return (
                 f"half the rod's tension over its length: positive, it pulls {target} at {at} towards {other}"
@@ -182,47 +182,34 @@ class Loops:
         return f"the {parts} of {other} on {target} at {at}, by components"
 
     # ------------------------------------------------------------ wrenches
-    def acting(self, loop: TreeLoop) -> tuple[int, int]:
-        """(the body that the shown wrench acts on, the one that it comes from): the first frame's unless that is the
-        ground."""
-        a, b = self.ends(loop)
-        return (a, b) if a >= 0 else (b, a)
+    def acts(self, loop: TreeLoop, i: int) -> bool:
+        """Whether the shown wrench of a loop acts on body i, and not its opposite: on the second frame's body."""
+        return self.ends(loop)[1] == i
+
+    def _index(self, loop: TreeLoop) -> int:
+        return [x.name for x in self.s.tree.loops].index(loop.name)
 
     def force_name(self, loop: TreeLoop) -> Expression:
-        """f of the wrench, primed where a joint between the same bodies has a force of that name."""
-        target, other = self.acting(loop)
-        return self._primed(loop, self.s.force_name(other, target))
+        """f of the first frame's body on the second's."""
+        return self.s.naming.loop_force(self._index(loop))
 
     def moment_name(self, loop: TreeLoop) -> Expression:
-        """n of the wrench."""
-        target, other = self.acting(loop)
-        return self._primed(loop, self.s.moment_name(other, target))
-
-    def _primed(self, loop: TreeLoop, name: Expression) -> Expression:
-        ends = set(self.ends(loop))
-        joined = any({i, self.s.tree.bodies[i].parent} == ends for i in self.s.order)
-        before = [x for x in self.s.tree.loops if set(self.ends(x)) == ends]
-        primes = joined + [x.name for x in before].index(loop.name)
-        if not primes or not isinstance(name, ex.Symbol):
-            return name
-        return ex.Symbol(
-            name.name + "_prime" * primes, name.letter, name.low, name.dots, name.bold, "′" * primes
-        )
+        """n of the same, about the second frame's origin."""
+        return self.s.naming.loop_moment(self._index(loop))
 
     def wrench(self, loop: TreeLoop) -> tuple[Vector, Vector]:
         """(force, moment) that acts on that body at its frame, world axes, by the multipliers."""
         own = next(x for x in self.equations.tree.loops if x.name == loop.name)
         s, space = self.s, self.s.tree.space
         ends = (frame_pose(s.tree, self.equations.world, frame) for frame in loop.frames)
-        on_first = self.ends(loop)[0] >= 0
         force, moment = space.zero, space.zero_angular
         names = multiplier_names(self.equations)
         for k, e in zip(
             self.equations.rows(loop), constraints.loop_equations(space, own, *ends), strict=True
         ):
-            weight = s.symbols.ring[names[k]] * (1.0 if on_first else -1.0)
+            weight = -s.symbols.ring[names[k]]
             force = add(force, scale(weight, e.f))
-            moment = add(moment, scale(weight, e.n_a if on_first else e.n_b))
+            moment = add(moment, scale(weight, e.n_b))
         return force, moment
 
     def force_lines(self, loop: TreeLoop) -> list[Equation]:
@@ -230,12 +217,11 @@ class Loops:
         s = self.s
         if loop.closure.distance:
             (k,) = self.equations.rows(loop)
-            sign = 1 if self.ends(loop)[0] >= 0 else -1
-            gap = s.column(tuple(x * sign for x in self.equations.gap(loop)))
+            gap = s.column(tuple(-x for x in self.equations.gap(loop)))
             return [eq(self.force_name(loop), ex.mul(2, entry("lam", k + 1), gap))]
         force, moment = self.wrench(loop)
         lines = [eq(self.force_name(loop), s.column(force))]
-        if any(not s.symbols.element(x).is_zero for x in moment):
+        if self.moment_name(loop) != ex.ZERO:
             lines.append(eq(self.moment_name(loop), s.angular(moment)))
         return lines
 

@@ -89,20 +89,13 @@ class FreeBodies:
         """Moments on body i about its centre of mass."""
         s = self.s
         arm, children = s.name("sc", i), s.tree.children(i)
-        terms = [self.joint_moment(i), *(ex.neg(self.joint_moment(k)) for k in children)]
+        terms = [s.joint_moment(i), *(ex.neg(s.joint_moment(k)) for k in children)]
         terms.append(ex.neg(ex.cross(arm, s.force_name(s.tree.bodies[i].parent, i))))
         for k in children:
             terms.append(ex.neg(ex.cross(ex.sub(s.reach_name(i, k), arm), s.force_name(i, k))))
         if s.loaded(i):
-            terms.append(ex.cross(ex.sub(s.name("s", i), arm), vec("f")))
+            terms.append(ex.cross(ex.sub(s.tip_name(), arm), vec("f")))
         return ex.add(*terms)
-
-    def joint_moment(self, i: int) -> Expression:
-        """Moment of the parent on body i: in the plane a revolute joint's is its torque."""
-        s = self.s
-        if s.planar and s.turns(i) and s.tree.bodies[i].drive is None:
-            return s.torque_name(i)
-        return s.moment_name(s.tree.bodies[i].parent, i)
 
     def inertia_force(self, i: int) -> Expression:
         """What the forces on body i add up to."""
@@ -126,9 +119,9 @@ class FreeBodies:
         s, n = self.s, self.s.numbers[i]
         lines = [eq(s.force_name(s.tree.bodies[i].parent, i), self.passed(i))]
         if s.turns(i) or s.tree.bodies[i].parent >= 0 or not s.planar:
-            lines.append(eq(self.joint_moment(i), self.held(i)))
-        if self.joint_moment(i) != s.torque_name(i):
-            lines.append(eq(s.torque_name(i), self.reactions.motor_rule(i, self.joint_moment(i))))
+            lines.append(eq(s.joint_moment(i), self.held(i)))
+        if not s.is_pin(i):
+            lines.append(eq(s.motor(i), self.reactions.motor_rule(i, s.joint_moment(i))))
         numbers = {("R", 1): ("3.7",), ("RR", 1): ("3.15",), ("RR", 2): ("3.14",)}.get((s.cited, n), ())
         return Step(f"Eliminate the reactions at joint {n}", wording.eliminated(s, i), tuple(lines), numbers)
 
@@ -136,13 +129,13 @@ class FreeBodies:
         """The moment at joint i with no reaction force in it."""
         s, children = self.s, self.s.tree.children(i)
         terms = [
-            *map(self.joint_moment, children),
+            *map(s.joint_moment, children),
             s.spin_terms(i),
             ex.cross(s.name("sc", i), self.needed(i)),
         ]
         terms += [ex.cross(s.reach_name(i, k), self.passed(k)) for k in children]
         if s.loaded(i):
-            terms.append(ex.neg(ex.cross(s.name("s", i), vec("f"))))
+            terms.append(ex.neg(ex.cross(s.tip_name(), vec("f"))))
         return ex.add(*terms)
 
     # ------------------------------------------------------------ values
@@ -152,7 +145,7 @@ class FreeBodies:
         lines = []
         if reactions:
             lines.append(eq(s.force_name(s.tree.bodies[i].parent, i), s.column(self.reactions.f[i])))
-            if self.joint_moment(i) != s.torque_name(i):
-                lines.append(eq(self.joint_moment(i), s.angular(self.reactions.n[i])))
-        lines.append(eq(s.torque_name(i), s.show(self.tau[i])))
+            if not s.is_pin(i):
+                lines.append(eq(s.joint_moment(i), s.angular(self.reactions.n[i])))
+        lines.append(eq(s.motor(i), s.show(self.tau[i])))
         return Step(f"Put the motion in: joint {n}", wording.substituted(s, i, reactions), tuple(lines))

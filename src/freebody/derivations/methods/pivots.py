@@ -24,19 +24,19 @@ def _fixed_axis(s: Setting, drive: Expression) -> Step:
     """A single body on a fixed pivot: its moment of inertia about it."""
     (i,) = s.order
     centre = s.name("sc", i)
-    moments: list[Expression] = [s.torque_name(i), ex.neg_each(drive)]
+    moments: list[Expression] = [s.motor(i), ex.neg_each(drive)]
     if s.weighs:
         moments.append(ex.cross(centre, s.mass_times(i, vec("g"))))
     if s.loaded(i):
-        moments.append(ex.cross(s.name("s", i), vec("f")))
+        moments.append(ex.cross(s.tip_name(), vec("f")))
     length = dot(s.centre(i), s.centre(i))
     own = ex.ZERO if s.is_point(i) else "I1"
     about = ex.add(own, s.mass_times(i, s.show(length)))
     return Step(
         "Moments about the pivot",
-        "The body turns about a fixed pivot, where the reaction has no moment: one equation gives the torque, with "
-        "the moment of inertia about the pivot by the parallel-axis theorem. (The notes print (3.3) and (3.4) with "
-        "the opposite sign of the weight.)",
+        "The body turns about a fixed pivot, where the reaction f_0,1 has no moment: one equation gives the torque, "
+        "with the moment of inertia about the pivot by the parallel-axis theorem. (The notes print (3.3) and (3.4) "
+        "with the opposite sign of the weight.)",
         (eq("I_A", about), eq(ex.add(*moments), ex.mul("I_A", sym("omega1_d")))),
         ("1.19", "3.3", "3.4"),
         figure="free-body 1",
@@ -44,18 +44,25 @@ def _fixed_axis(s: Setting, drive: Expression) -> Step:
 
 
 def _carried(s: Setting, i: int, drive: Expression) -> Step:
-    n = s.numbers[i]
-    lines = [*_arms(s, i), eq(s.torque_name(i), ex.add(_balance(s, i), drive))]
+    n, parent = s.numbers[i], s.numbers[s.tree.bodies[i].parent]
+    held = f"f_{parent},{n}" + ("" if s.is_pin(i) else f" with the moment n_{parent},{n}")
+    found = (
+        f"the {'torque' if s.turns(i) else 'force'}"
+        if s.driven(i)
+        else "an equation of motion: there is no motor"
+    )
+    lines = [*_arms(s, i), eq(s.motor(i), ex.add(_balance(s, i), drive))]
     if s.turns(i):
         pivot = "the pivot" if s.planar else "its axis"
         reason = (
-            f"Take all that joint {n} carries as one system: its inner reactions cancel, and the reaction at the joint "
-            f"has no moment about {pivot}, so that one moment equation gives the torque."
+            f"Take all that joint {n} carries as one system: its inner reactions cancel, and the reaction {held} at "
+            f"the joint has no moment about {pivot}, so that one moment equation gives {found}."
         )
     else:
         reason = (
-            f"Take all that joint {n} carries as one system: its inner reactions cancel, and only the motor acts along "
-            "the slide, so that one equation of forces gives its force."
+            f"Take all that joint {n} carries as one system: its inner reactions cancel, and of the reaction {held} at "
+            f"the joint {'only the motor' if s.driven(i) else 'nothing'} acts along the slide, so that one equation of "
+            f"forces gives {found}."
         )
     return Step(f"All that joint {n} carries", reason, tuple(lines), figure=f"carried {n}")
 
@@ -66,7 +73,7 @@ def _arms(s: Setting, i: int) -> list[Equation]:
         return []
     lines = [eq(_arm(s, i, k), _way(s, i, k, s.name("sc", k))) for k in _subtree(s, i) if k != i]
     if _loaded(s, i) and not s.loaded(i):
-        lines.append(eq(_tip_arm(s, i), _way(s, i, s.tip, s.name("s", s.tip))))
+        lines.append(eq(_tip_arm(s, i), _way(s, i, s.tip, s.tip_name())))
     return lines
 
 
@@ -77,7 +84,7 @@ def _arm(s: Setting, i: int, k: int) -> Expression:
 
 def _tip_arm(s: Setting, i: int) -> Expression:
     n = str(s.numbers[i])
-    return s.name("s", i) if s.loaded(i) else ex.Symbol(f"r{n}_P", "r", (n, "P"), bold=True)
+    return s.tip_name() if s.loaded(i) else ex.Symbol(f"r{n}_P", "r", (n, "P"), bold=True)
 
 
 def _way(s: Setting, i: int, k: int, last: Expression) -> Expression:

@@ -129,10 +129,10 @@ class _Outward:
     def _slid(self, i: int, dots: str) -> list[Expression]:
         """What a slide adds: its rate, or its second rate and Coriolis' term."""
         s, q = self.s, self.s.coordinate(i)
-        own = ex.mul(sym(q + (SECOND if dots else RATE)), s.name("u", i))
+        own = ex.mul(sym(q + (SECOND if dots else RATE)), s.axis_name(i))
         if not dots or s.angular(self.record.motion.w[i]) == ex.ZERO:
             return [own]
-        return [own, ex.mul(2, ex.cross(self._omega(i, ""), ex.mul(sym(q + RATE), s.name("u", i))))]
+        return [own, ex.mul(2, ex.cross(self._omega(i, ""), ex.mul(sym(q + RATE), s.axis_name(i))))]
 
     def _omega(self, i: int, dots: str) -> Expression:
         """ω of a body as a vector: ω z in the plane."""

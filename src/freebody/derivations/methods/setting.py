@@ -17,13 +17,12 @@ from freebody.derivations.expression import Expression
 from freebody.derivations.forms import Layout
 from freebody.derivations.lengths import by_lengths
 from freebody.derivations.names import sym, vec
+from freebody.derivations.naming import Naming
 from freebody.derivations.symbols import Symbols
 from freebody.elementary import Scalar
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
-from freebody.model.inertia import Inertia
 from freebody.model.joints.revolute import Turning
-from freebody.model.parameters import Parameter, Quantity
 from freebody.model.tree import Mass, Tree
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, add, sub, times, transposed
@@ -74,6 +73,11 @@ class Setting:
     def world(self) -> list[Pose]:
         """Pose of every body in the world."""
         return world_poses(self.tree, self.motion.joints)
+
+    @cached_property
+    def naming(self) -> Naming:
+        """What everything is called."""
+        return Naming(self.symbols.model, self.symbols.reader.numbers)
 
     # ------------------------------------------------------------ the structure
     @cached_property
@@ -222,25 +226,32 @@ class Setting:
 
     def force_name(self, i: int, k: int) -> Expression:
         """f_{i,k}: by body i on body k."""
-        a, b = self.numbers[i], self.numbers[k]
-        return vec(f"f{a}{b}" if a < 10 and b < 10 else f"f{a}_{b}")
+        return self.naming.force(self.numbers[i], self.numbers[k])
 
     def moment_name(self, i: int, k: int) -> Expression:
         """n_{i,k}: moment by body i on body k."""
-        return self.angular_name(f"n{self.numbers[i]}_", k)
+        return self.naming.moment(self.numbers[i], self.numbers[k])
 
-    def torque_name(self, i: int) -> Expression:
-        """τ_i of the joint of body i."""
-        return sym(f"tau{self.numbers[i]}")
+    def joint_moment(self, i: int) -> Expression:
+        """The moment of the parent on body i: n, but in a turning joint of the plane the motor's τ_i or 0."""
+        return self.naming.joint_moment(self.numbers[i])
+
+    def is_pin(self, i: int) -> bool:
+        """Whether joint i turns in the plane and transmits no moment besides its motor's, if it has one."""
+        moment = self.joint_moment(i)
+        return moment in (ex.ZERO, self.naming.torque(self.numbers[i]))
 
     def reach_name(self, i: int, k: int) -> Expression:
         """s_i from joint i to that of its child k, or s_{i,k} where body i carries several."""
-        n = self.numbers[i]
-        return self.name("s", i) if len(self.tree.children(i)) == 1 else self.name(f"s{n}_", k)
+        return self.naming.reach(self.numbers[i], self.numbers[k])
+
+    def tip_name(self) -> Expression:
+        """s of the body that carries the tip, from its joint to the tip."""
+        return self.naming.to_tip(self.numbers[self.tip])
 
     def axis_name(self, i: int) -> Expression:
         """z_i, which joint i turns about, or u_i, along which it slides."""
-        return self.name("z" if self.turns(i) else "u", i)
+        return self.naming.axis(self.numbers[i])
 
     def axis(self, i: int) -> Vector:
         """Direction of joint i, in the axes that are shown."""
@@ -253,18 +264,11 @@ class Setting:
 
     def mass_name(self, i: int) -> Expression:
         """The model's name for the mass of body i, else m_i."""
-        return self._named(i, lambda inertia: inertia.mass) or sym(f"m{self.numbers[i]}")
+        return self.naming.mass(self.numbers[i])
 
     def inertia_name(self, i: int) -> Expression:
         """The model's name for the moment of inertia of body i in the plane, else I_i."""
-        own = self._named(i, lambda inertia: inertia.tensor[0]) if self.planar else None
-        return own or sym(f"I{self.numbers[i]}")
-
-    def _named(self, i: int, quantity: Callable[[Inertia], Quantity]) -> Expression | None:
-        parts = self.symbols.model.bodies[self.numbers[i] - 1].inertias
-        values = [quantity(part.inertia) for part in parts]
-        one = values[0] if len(values) == 1 else None
-        return sym(one.name) if isinstance(one, Parameter) and not self.symbols.reader.numbers else None
+        return self.naming.inertia(self.numbers[i])
 
     def is_point(self, i: int) -> bool:
         """Whether all of body i's mass is in its centre: it has no moment of inertia."""
@@ -288,16 +292,12 @@ class Setting:
         return ex.add(turning, ex.cross(w, ex.mul(inertia, w)))
 
     def motor(self, i: int) -> Expression:
-        """τ_i of the motor; 0 of a passive joint in a closed chain."""
-        return self.torque_name(i) if self.driven(i) or not self.tree.loops else ex.ZERO
+        """τ_i of the motor; 0 of a passive joint."""
+        return self.naming.motor(self.numbers[i])
 
     def driven(self, i: int) -> bool:
         """Whether a motor acts on the joint of body i."""
-        return not self.symbols.model.bodies[self.numbers[i] - 1].joint.passive
-
-    def joint_words(self, i: int) -> str:
-        """ "revolute" or "prismatic"."""
-        return "revolute" if self.turns(i) else "prismatic"
+        return self.naming.driven(self.numbers[i])
 
 
 def require_chain_of_bodies(symbols: Symbols, what: str) -> None:

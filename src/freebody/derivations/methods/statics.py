@@ -11,6 +11,7 @@ from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.overview import overview
 from freebody.derivations.methods.reactions import Reactions
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.wording import motorless
 from freebody.derivations.names import sym, vec
 
 
@@ -57,7 +58,7 @@ class Equilibrium:
         s, n, children = self.s, self.s.numbers[i], self.s.tree.children(i)
         forces = [s.force_name(s.tree.bodies[i].parent, i), *(ex.neg(s.force_name(i, k)) for k in children)]
         forces += [force for force, _ in self.outer(i)]
-        moments = [self.joint_moment(i), *map(ex.neg, map(self.joint_moment, children)), *self.about(i)]
+        moments = [s.joint_moment(i), *map(ex.neg, map(s.joint_moment, children)), *self.about(i)]
         reason = (
             f"The forces on body {n} add up to zero, and so do the moments; taken about joint {n} the reaction "
             f"there has none."
@@ -68,19 +69,12 @@ class Equilibrium:
         lines = (eq(ex.add(*forces), ex.ZERO), eq(ex.add(*moments), ex.ZERO))
         return Step(f"Free body {n}", reason, lines, numbers, figure=f"free-body {n}")
 
-    def joint_moment(self, i: int) -> Expression:
-        """The torque of a revolute joint in the plane, else the moment at the joint."""
-        s = self.s
-        if s.planar and s.turns(i) and self.reactions.drives[i].is_zero:
-            return s.torque_name(i)
-        return s.moment_name(s.tree.bodies[i].parent, i)
-
     def outer(self, i: int) -> list[tuple[Expression, Expression]]:
         """Forces on body i from outside, each with the way from its joint to where it acts."""
         s = self.s
         heavy = s.weighs and i in s.weighted
         weight = [(s.mass_times(i, vec("g")), s.name("sc", i))] if heavy else []
-        return [*weight, *([(vec("f"), s.name("s", i))] if s.loaded(i) else [])]
+        return [*weight, *([(vec("f"), s.tip_name())] if s.loaded(i) else [])]
 
     def about(self, i: int) -> list[Expression]:
         """Moments of all other forces on body i about its joint."""
@@ -95,23 +89,26 @@ class Equilibrium:
             *(s.force_name(i, k) for k in children),
             *(ex.neg(force) for force, _ in self.outer(i)),
         )
-        moment = ex.add(*map(self.joint_moment, children), *map(ex.neg, self.about(i)))
-        name = self.joint_moment(i)
+        moment = ex.add(*map(s.joint_moment, children), *map(ex.neg, self.about(i)))
+        name = s.joint_moment(i)
         lines = [eq(s.force_name(s.tree.bodies[i].parent, i), force, s.column(self.reactions.f[i]))]
         lines.append(eq(name, moment))
-        if name != s.torque_name(i):
-            lines.append(eq(s.torque_name(i), self.reactions.motor_rule(i, name)))
+        if not s.is_pin(i):
+            lines.append(eq(s.motor(i), self.reactions.motor_rule(i, name)))
         numbers = {("RR", 1): ("2.46",), ("RR", 2): ("2.45",)}.get((s.cited, n), ())
         motor = "torque" if s.turns(i) else "force"
-        reason = f"The two equations of body {n} give the reaction at joint {n} and the {motor} of its motor."
+        motor = f"the {motor} of its motor" if s.driven(i) else "what must be 0, for it has no motor"
+        reason = f"The two equations of body {n} give the reaction at joint {n} and {motor}."
         return Step(f"Solve for joint {n}", reason, tuple(lines), numbers)
 
     def result(self, tau: dict) -> Step:
         """The torques written out."""
         s = self.s
-        lines = tuple(eq(s.torque_name(i), s.show(tau[i])) for i in s.order)
+        lines = tuple(eq(s.motor(i), s.show(tau[i])) for i in s.order)
         numbers = ("2.47", "2.48") if s.cited == "RR" else ()
         reason = "The vectors put in, the torques that hold the arm still are found."
+        if not all(map(s.driven, s.order)):
+            reason += f"{motorless(s)} The arm can be held only where the equation with 0 on its left is met."
         return Step(
             "The torques" if all(map(s.turns, s.order)) else "Torques and forces",
             reason,

@@ -18,19 +18,27 @@ def _acting(s: Setting, i: int) -> list[str]:
     n, parent = s.numbers[i], s.numbers[s.tree.bodies[i].parent]
     held = f"the reaction f_{parent},{n} of {'the ground' if parent == 0 else f'body {parent}'} at joint {n}"
     acting = [held]
-    if s.planar and s.turns(i):
-        acting.append(f"the torque τ_{n}")
-    else:
+    if not s.is_pin(i):
         acting.append(f"the moment n_{parent},{n} there")
+    elif s.driven(i):
+        acting.append(f"the torque τ_{n}")
     for k in s.tree.children(i):
         c = s.numbers[k]
-        what = f"-f_{n},{c} and -τ_{c}" if s.planar and s.turns(k) else f"-f_{n},{c} and -n_{n},{c}"
-        acting.append(f"{what}, the opposite of what it does to body {c} at joint {c}")
+        moment = f" and -n_{n},{c}" if not s.is_pin(k) else f" and -τ_{c}" if s.driven(k) else ""
+        acting.append(f"-f_{n},{c}{moment}, the opposite of what it does to body {c} at joint {c}")
     if s.weighs:
         acting.append("its weight")
     if s.loaded(i):
         acting.append("the load f at the tip")
     return acting
+
+
+def motorless(s: Setting) -> str:
+    """Which joints have no motor, as a sentence with a blank in front; or nothing."""
+    joints = [f"joint {s.numbers[i]}" for i in s.order if not s.driven(i)]
+    return (
+        f" {listed(joints).capitalize()} {'has' if len(joints) == 1 else 'have'} no motor." if joints else ""
+    )
 
 
 def listed(items: list[str]) -> str:
@@ -50,16 +58,28 @@ def eliminated(s: Setting, i: int) -> str:
             if s.planar and s.tree.bodies[i].parent < 0
             else "; Euler's equation gives the moment of the guide"
         )
-        return f"{first}{moment}; the motor's force is the part along the slide, u_{n} · f."
-    if s.planar:
-        return f"{first}; put into Euler's equation it leaves the torque τ_{n} and nothing unknown."
-    return f"{first}; put into Euler's equation it gives the moment, whose part about the axis is the torque τ_{n}."
+        along = f"the part along the slide, u_{n} · f"
+        motor = f"the motor's force is {along}" if s.driven(i) else f"{along}, has no motor"
+        return f"{first}{moment}; {motor}."
+    into = f"{first}; put into Euler's equation it"
+    if s.is_pin(i):
+        left = (
+            f"the torque τ_{n} and nothing unknown"
+            if s.driven(i)
+            else "nothing unknown, for there is no motor"
+        )
+        return f"{into} leaves {left}."
+    if not s.driven(i):
+        return f"{into} gives the moment; there is no motor to give its part about the axis."
+    return f"{into} gives the moment, whose part about the axis is the torque τ_{n}."
 
 
 def substituted(s: Setting, i: int, reactions: bool) -> str:
     """What is put in where."""
     motor = f"the {'torque' if s.turns(i) else 'force'} of motor {s.numbers[i]}"
+    if not s.driven(i):
+        motor = f"the equation of motion of joint {s.numbers[i]}, which has no motor"
     bearing = "bearing" if s.turns(i) else "guide"
-    what = "force" if s.planar and s.turns(i) else "force and the moment"
+    what = "force" if s.is_pin(i) else "force and the moment"
     carried = f"the {what} that the {bearing} of joint {s.numbers[i]} passes on, and " if reactions else ""
     return f"With the vectors put in: {carried}{motor}, sorted by accelerations and rates."

@@ -190,7 +190,9 @@ def angles(drawing: Drawing, seen: Snapshot, names: Names) -> None:
     """θ_1 from the x axis, further ones from the line of the link before."""
     for body in seen.pose.bodies:
         if body.kind in ("revolute", "continuous"):
-            angle(drawing, body, _ARC * seen.size, names.on("θ", body.number))
+            name = names.coordinate(body)
+            if name:
+                angle(drawing, body, _ARC * seen.size, name)
 
 
 def angle(drawing: Drawing, body: BodyPlace, reach: float, name: str) -> None:
@@ -207,7 +209,7 @@ def slides(drawing: Drawing, seen: Snapshot, names: Names) -> None:
     """d_i, from where a slide begins to the joint's block."""
     for body in seen.pose.bodies:
         if body.kind == "prismatic" and np.linalg.norm(body.origin - body.carrier) > _NEAR:
-            name = names.on("d", body.number)
+            name = names.coordinate(body)
             ends = point(body.carrier), point(body.origin)
             drawing.add(Dimension(*ends, name, label=name, aside=-_clear_side(seen, body) * 20.0))
 
@@ -216,19 +218,19 @@ def lengths(drawing: Drawing, seen: Snapshot, names: Names, aside: float = 14.0)
     """l_i, on the side where no angle is."""
     for body in seen.pose.bodies:
         for end in body.ends[:1]:
-            _length(drawing, seen, body, end.place, names.on("l", body.number), aside)
+            _length(drawing, seen, body, end.place, names.length(body, end), aside)
 
 
 def all_lengths(drawing: Drawing, seen: Snapshot, names: Names) -> None:
     """l_ci next to each link, l_i farther out."""
     for body in seen.pose.bodies:
         if body.mass > 0:
-            _length(drawing, seen, body, body.com, names.on("l", body.number, "c"), 12.0)
+            _length(drawing, seen, body, body.com, names.centre_length(body), 12.0)
     lengths(drawing, seen, names, 27.0)
 
 
 def _length(drawing: Drawing, seen: Snapshot, body: BodyPlace, place: Array, name: str, aside: float) -> None:
-    if np.linalg.norm(place - body.origin) > 0.05 * seen.size:
+    if name and np.linalg.norm(place - body.origin) > 0.05 * seen.size:
         side = _clear_side(seen, body) * aside
         drawing.add(Dimension(point(body.origin), point(place), name, label=name, aside=side))
 
@@ -247,7 +249,7 @@ def inertias(drawing: Drawing, seen: Snapshot, names: Names) -> None:
     """(m_i, I_i) beside the links."""
     for body in seen.pose.bodies:
         if body.mass > 0:
-            text = f"{names.on('m', body.number)}, {names.on('I', body.number)}"
+            text = f"{names.mass(body.number)}, {names.inertia(body.number)}"
             along = heading(seen, body)
             place = body.com + 0.1 * seen.size * along
             right = (float(along[1]), -float(along[0]))

@@ -102,7 +102,7 @@ def act(
     """The forces and moments on a body: of its parent, its children, its weight, from outside."""
     scale = _scale(seen)
     for load in seen.loads[body.index].loads:
-        if load.role in roles:
+        if load.role in roles and (names.weights or load.role != "weight"):
             _force(drawing, seen, body, load, names, scale)
 
 
@@ -131,13 +131,12 @@ def _named(drawing: Drawing, place: Array, text: str, direction: Array) -> None:
 
 
 def _vectors(drawing: Drawing, seen: Snapshot, body: BodyPlace, names: Names, show: Sequence[str]) -> None:
-    end, n = seen.end(body), body.number
-    if "s" in show and end is not None:
-        vectors.position(drawing, body.origin, end, names.on("s", n), vectors.BESIDE + 2)
-    if "r" in show and end is not None:
-        vectors.position(drawing, body.origin, end, names.on("r", n), vectors.BESIDE + 2)
+    for symbol in {"s", "r"} & set(show):
+        for end, place in seen.reaches(body):
+            vectors.position(drawing, body.origin, place, names.reach(body, end, symbol), vectors.BESIDE + 2)
     if "sc" in show and body.mass > 0:
-        vectors.position(drawing, body.origin, body.com, names.on("s", n, "c"), -vectors.BESIDE - 2)
+        name = names.on("s", body.number, "c")
+        vectors.position(drawing, body.origin, body.com, name, -vectors.BESIDE - 2)
 
 
 def _reach(drawing: Drawing, body: BodyPlace, load: Load) -> None:
@@ -176,34 +175,9 @@ def weight_label(name: str) -> str:
 
 def called(seen: Snapshot, body: BodyPlace, load: Load, names: Names) -> tuple[str, str]:
     """Names of a force and of its moment."""
-    n = body.number
-    if load.role == "weight":
-        return f"{names.on('m', n)} g", ""
-    if load.role == "external":
-        return names.load, ""
-    joints = len(seen.pose.bodies)
-    if load.joint is not None and load.joint >= joints:
-        return _of_loop(seen, n, load, load.joint - joints, names)
-    first, second = (body.parent + 1, n) if load.role == "reaction" else (n, (load.joint or 0) + 1)
-    sign = "" if load.role == "reaction" else "−"
-    kind = seen.pose.bodies[second - 1].kind
-    if names.moment:
-        moment = names.on(names.moment, second)
-    elif kind in ("revolute", "continuous"):
-        moment = names.on("τ", second)
-    else:
-        moment = f"n_{{{names.force(names.index(first), names.index(second))}}}"
-    return sign + names.reaction(first, second), sign + moment
-
-
-def _of_loop(seen: Snapshot, n: int, load: Load, k: int, names: Names) -> tuple[str, str]:
-    """Force and moment of a loop: on the body of its first frame by that of the second, as derivations call them."""
-    target, other = (seen.model.frame(name).body + 1 for name in seen.model.loops[k].frames)
-    if target == 0:
-        target, other = other, target
-    sign = "" if n == target else "−"
-    moment = f"{sign}n_{{{names.force(names.index(other), names.index(target))}}}" if load.moment_name else ""
-    return sign + names.reaction(other, target), moment
+    joint = load.joint
+    kind = seen.pose.bodies[joint].kind if joint is not None and joint < len(seen.pose.bodies) else ""
+    return names.acting(load, body, kind)
 
 
 def _scale(seen: Snapshot) -> float:

@@ -78,7 +78,7 @@ def joint_axes(drawing: Drawing, seen: Snapshot, names: Names) -> None:
     for body in seen.pose.bodies:
         if body.axis is not None:
             slides = body.kind == "prismatic"
-            name = names.on(names.slide if slides else "z", body.number)
+            name = names.axis(body)
             reach = 0.17 * seen.size * body.axis
             start = body.carrier if slides else body.origin
             drawing.add(Line((point(start - 0.6 * reach), point(start)), f"axis {body.number}", "axisline"))
@@ -89,7 +89,7 @@ def variables(drawing: Drawing, seen: Snapshot, names: Names) -> None:
     """The joints' variables beside their axes' heads."""
     for body in seen.pose.bodies:
         if body.axis is not None:
-            name = names.on("d" if body.kind == "prismatic" else "θ", body.number)
+            name = names.coordinate(body)
             end = body.carrier - 0.1 * seen.size * body.axis
             drawing.add(Label(point(end), name, f"label {name}", direction=point(-body.axis)))
 
@@ -97,10 +97,10 @@ def variables(drawing: Drawing, seen: Snapshot, names: Names) -> None:
 def links(drawing: Drawing, seen: Snapshot, names: Names) -> None:
     """s_i from joint i to the next, or to the tip."""
     for body in seen.pose.bodies:
-        end = seen.end(body)
-        if end is not None and np.linalg.norm(end - body.origin) > _VISIBLE * seen.size:
-            name = names.on("s", body.number)
-            arrow(drawing, body.origin, end, name, "position", end - body.origin, "m", beside=0.5)
+        for end, place in seen.reaches(body):
+            way = place - body.origin
+            if np.linalg.norm(way) > _VISIBLE * seen.size:
+                arrow(drawing, body.origin, place, names.reach(body, end), "position", way, "m", beside=0.5)
 
 
 def centres(drawing: Drawing, seen: Snapshot, names: Names) -> None:

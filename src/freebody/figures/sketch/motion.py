@@ -21,16 +21,16 @@ LONGEST = 0.34
 
 def rates(drawing: Drawing, seen: Snapshot, names: Names, second: bool = False) -> None:
     """θ̇_i around the joints, ḋ_i along the slides; and θ̈_i, d̈_i."""
-    orders = [("\u0307", seen.qd, "velocity", "/s")]
+    orders = [(1, seen.qd, "velocity", "/s")]
     if second:
-        orders.append(("\u0308", seen.qdd, "acceleration", "/s²"))
+        orders.append((2, seen.qdd, "acceleration", "/s²"))
     for body, at in zip(seen.pose.bodies, seen.model.coordinates, strict=True):
-        if len(at.v) != 1:
-            continue
-        for k, (dots, values, role, per) in enumerate(orders):
+        for k, (order, values, role, per) in enumerate(orders):
+            name = names.coordinate(body, order)
+            if len(at.v) != 1 or not name:
+                continue
             value = float(values[at.v[0]])
             if body.kind == "prismatic" and body.axis is not None:
-                name = names.on("d" + dots, body.number)
                 end = body.origin + 0.16 * seen.size * math.copysign(1.0, value) * body.axis
                 aside = -16.0 - 14.0 * k
                 arrow = Arrow(
@@ -38,12 +38,21 @@ def rates(drawing: Drawing, seen: Snapshot, names: Names, second: bool = False) 
                 )
                 drawing.add(arrow)
             else:
-                name = names.on("θ" + dots, body.number)
                 u, v = clear_way(seen, body)
                 away, radius = math.degrees(math.atan2(v, u)), 18.0 + 9.0 * k
                 drawing.add(
                     Turn(point(body.origin), value, name, role, name, "rad" + per, radius, away, 150.0)
                 )
+
+
+def of_tip(drawing: Drawing, seen: Snapshot, name: str, second: bool = False) -> None:
+    """The velocity of the tip, or its acceleration."""
+    if seen.pose.tip is None or seen.model.frame().body < 0:
+        return
+    moving = seen.acceleration_at if second else seen.velocity_at
+    found = moving(seen.pose.bodies[seen.model.frame().body], seen.pose.tip)
+    role, unit = ("acceleration", "m/s²") if second else ("velocity", "m/s")
+    arrows(drawing, [seen.pose.tip], [found], [name], role, unit, seen.size, scaled=False)
 
 
 def of_centres(drawing: Drawing, seen: Snapshot, names: Names, scaled: bool = False) -> None:

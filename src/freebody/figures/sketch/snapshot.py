@@ -10,7 +10,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.figures.loads import BodyLoads, body_loads
-from freebody.figures.skeleton import BodyPlace, Skeleton, extent, skeleton
+from freebody.figures.skeleton import BodyPlace, End, Skeleton, extent, skeleton
 from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, with_parameters
@@ -50,11 +50,15 @@ class Snapshot:
         return body_loads(self.model, self.q, self.qd, self.qdd, self.wrenches)
 
     def end(self, body: BodyPlace) -> Array | None:
-        """Where s_i of a body ends: at the joint of its first child (after a slide), else at the tip; or nowhere."""
-        for end in body.ends:
-            if end.child is not None:
-                return self.pose.bodies[end.child].origin
-        return body.ends[0].place if body.ends else None
+        """Where a body ends: at the joint of its first child (after a slide), else at the tip; or nowhere."""
+        return next((place for _, place in self.reaches(body)), None)
+
+    def reaches(self, body: BodyPlace) -> list[tuple[End, Array]]:
+        """Where the vectors s from a body's joint lead: to its children (after a slide), and to the tip it carries; to
+        its first leaf where it has neither."""
+        found = [(end, self.pose.bodies[end.child].origin) for end in body.ends if end.child is not None]
+        leaves = [(end, end.place) for end in body.ends if end.child is None]
+        return [*found, *(x for x in leaves if x[0].name == self.model.tip)] or leaves[:1]
 
     def velocity_at(self, body: BodyPlace, place: Array) -> Array:
         """Velocity (dim,) of the point of a body that is at `place`, m/s, world axes."""

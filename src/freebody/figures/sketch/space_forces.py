@@ -6,9 +6,10 @@ import numpy as np
 
 from freebody.figures import space
 from freebody.figures.drawing import Arrow, Drawing, Element, Label, Line, Mark, View, point
-from freebody.figures.loads import BodyLoads, Load
+from freebody.figures.loads import BodyLoads
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.sketch import frames
+from freebody.figures.sketch.forces import called
 from freebody.figures.sketch.names import Names
 from freebody.figures.sketch.snapshot import Snapshot
 from freebody.figures.sketch.vectors import arrow, position
@@ -33,9 +34,8 @@ def alone(seen: Snapshot, body: BodyPlace, names: Names, view: View, rates: bool
         drawing.add(Mark(point(body.com), "com", name, "com", size=6.0))
         drawing.add(Label(point(body.com), name, f"label {name}", direction=(0.0, 0.0, 1.0)))
         position(drawing, body.origin, body.com, names.on("s", body.number, "c"))
-    end = seen.end(body)
-    if end is not None:
-        position(drawing, body.origin, end, names.on("s", body.number))
+    for end, place in seen.reaches(body):
+        position(drawing, body.origin, place, names.reach(body, end))
     act(drawing, seen, seen.loads[body.index], names, size)
     return drawing
 
@@ -61,16 +61,13 @@ def axis(drawing: Drawing, seen: Snapshot, link: BodyPlace, names: Names, size: 
         return
     slides = link.kind == "prismatic"
     at, along = link.origin, _AXIS * size * link.axis
-    name = names.on(names.slide if slides else "z", link.number)
+    name = names.axis(link)
     drawing.add(Line((point(at - 0.8 * along), point(at)), f"axis {name}", "axisline"))
     drawing.add(Arrow(point(at), point(at + along), name, "z", name, point(link.axis)))
     if rate:
-        letter = "d" if slides else "θ"
         value = float(seen.qd[seen.model.coordinates[link.index].v[0]])
         start, end = at + 1.2 * along, at + (1.2 + np.copysign(0.4, value)) * along
-        unit = "m/s" if letter == "d" else "rad/s"
-        name = names.on(letter + "\u0307", link.number)
-        heads = 1 if letter == "d" else 2
+        name, (unit, heads) = names.coordinate(link, 1), ("m/s", 1) if slides else ("rad/s", 2)
         arrow(drawing, start, end, name, "velocity", value * link.axis, unit, label=name, heads=heads)
 
 
@@ -79,7 +76,9 @@ def act(drawing: Drawing, seen: Snapshot, loads: BodyLoads, names: Names, size: 
     longest = max((float(np.linalg.norm(x.force)) for x in loads.loads), default=0.0)
     peak = max((float(np.linalg.norm(x.moment)) for x in loads.loads), default=0.0)
     for load in loads.loads:
-        force, moment = called(loads.body, load, names)
+        if load.role == "weight" and not names.weights:
+            continue
+        force, moment = called(seen, loads.body, load, names)
         role = "reaction" if load.role in ("reaction", "counter") else load.role
         label = force.removesuffix("g") + "*g*" if load.role == "weight" else None
         value = float(np.linalg.norm(load.force))
@@ -90,17 +89,3 @@ def act(drawing: Drawing, seen: Snapshot, loads: BodyLoads, names: Names, size: 
         if moment and value:
             end = load.place + max(value / peak, _SHORTEST) * _MOMENT * size * load.moment / value
             arrow(drawing, load.place, end, moment, "moment", load.moment, "N m", heads=2)
-
-
-def called(body: BodyPlace, load: Load, names: Names) -> tuple[str, str]:
-    """Names of a force and of its moment."""
-    n = body.number
-    if load.role == "weight":
-        return f"{names.on('m', n)} g", ""
-    if load.role == "external":
-        return names.load, "n"
-    counter = load.role == "counter"
-    first, second = (n, (load.joint or 0) + 1) if counter else (body.parent + 1, n)
-    low, sign = names.force(names.index(first), names.index(second)), "−" if counter else ""
-    moment = names.on(names.moment, second) if names.moment else f"n_{{{low}}}"
-    return f"{sign}f_{{{low}}}", sign + moment

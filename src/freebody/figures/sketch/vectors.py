@@ -19,9 +19,8 @@ _NEAR = 1e-6
 def links(drawing: Drawing, seen: Snapshot, names: Names, aside: float = 0.0, letter: str = "s") -> None:
     """s_i, from the joint of body i to the next, or to the tip."""
     for body in seen.pose.bodies:
-        end = seen.end(body)
-        if end is not None:
-            position(drawing, body.origin, end, names.on(letter, body.number), aside)
+        for end, place in seen.reaches(body):
+            position(drawing, body.origin, place, names.reach(body, end, letter), aside)
 
 
 def to_centres(drawing: Drawing, seen: Snapshot, names: Names, aside: float = -BESIDE) -> None:
@@ -35,7 +34,7 @@ def directions(drawing: Drawing, seen: Snapshot, names: Names) -> None:
     """Unit vectors along the slides."""
     for body in seen.pose.bodies:
         if body.kind == "prismatic" and body.axis is not None:
-            name, end = names.on("u", body.number), body.origin + 0.16 * seen.size * body.axis
+            name, end = names.axis(body), body.origin + 0.16 * seen.size * body.axis
             arrow(drawing, body.origin, end, name, "z", body.axis, "", aside=-2 * BESIDE)
 
 
