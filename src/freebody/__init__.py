@@ -15,6 +15,7 @@ _PLACES = {
         "FreebodyError",
         "FreebodyWarning",
         "LoopError",
+        "MassWarning",
         "PassiveJointError",
         "PhysicalWarning",
     ),

@@ -80,6 +80,10 @@ class PhysicalWarning(FreebodyWarning):
     """An inertia that no rigid body can have."""
 
 
+class MassWarning(FreebodyWarning):
+    """Masses of a file that cannot be those of the robot: missing, placeholders, implausible."""
+
+
 class ShapeError(FreebodyError, ValueError):
     """An array of the wrong shape."""
 

@@ -61,6 +61,14 @@ Physical = Annotated[
 Snap = Annotated[
     float, typer.Option(metavar="RAD", help="Angles of a URDF this near to a right angle are read as one.")
 ]
+Estimate = Annotated[
+    float | None,
+    typer.Option(
+        "--estimate-inertia",
+        metavar="KG",
+        help="The robot's whole mass: inertias of a URDF are estimated from its shapes instead of read.",
+    ),
+]
 Convention = Annotated[ConventionChoice | None, typer.Option(help="Of a DH table that does not say it.")]
 
 
@@ -72,6 +80,7 @@ def load(
     physical: PhysicalChoice = PhysicalChoice.warn,
     snap_angles: float = 3e-9,
     convention: ConventionChoice | None = None,
+    estimate_inertia: float | None = None,
 ) -> Model:
     """The model; warnings become yellow lines."""
     from freebody.formats.loading import load as load_model
@@ -85,4 +94,5 @@ def load(
             physical=physical.value,
             snap_angles=snap_angles,
             convention=convention.value if convention else None,
+            estimate_inertia=estimate_inertia,
         )

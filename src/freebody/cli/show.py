@@ -10,6 +10,7 @@ import typer
 from freebody.cli import options, terminal
 from freebody.cli.options import MimicChoice, PhysicalChoice
 from freebody.model.parameters import Parameter
+from freebody.model.parts import DOUBTFUL
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -32,6 +33,7 @@ def show(
     physical: options.Physical = PhysicalChoice.warn,
     snap_angles: options.Snap = 3e-9,
     convention: options.Convention = None,
+    estimate_inertia: options.Estimate = None,
     graph: Annotated[
         str | None,
         typer.Option(
@@ -43,7 +45,7 @@ def show(
     """Show what a robot is made of: bodies, joints, limits, masses, frames, and how its file was read."""
     from rich.text import Text
 
-    model = options.load(robot, tip, base, mimic, physical, snap_angles, convention)
+    model = options.load(robot, tip, base, mimic, physical, snap_angles, convention, estimate_inertia)
     out = terminal.out()
     if graph is not None:
         from freebody.cli.graph import programs
@@ -65,7 +67,7 @@ def show(
         out.print()
     out.print(Text(f"frames: {', '.join(model.frame_names)}"))
     for notice in model.notices:
-        if notice.kind != "physical":  # those have been printed in yellow
+        if notice.kind not in ("physical", DOUBTFUL):  # those have been printed in yellow
             out.print(Text(f"note: {notice}"), soft_wrap=True)
 
 
@@ -75,7 +77,7 @@ def _heading(model: Model) -> str:
         mass = f"parameters without value: {', '.join(model.missing)}"
     else:
         gravity = ", ".join(f"{x:g}" for x in model.gravity)
-        mass = f"{model.mass:.6g} kg; gravity [{gravity}] m/s²"
+        mass = f"{model.mass:.6g} kg{', estimated' if model.is_estimated else ''}; gravity [{gravity}] m/s²"
     end = f"tip {model.tip}" if model.tip else f"ends {', '.join(model.leaves)}"
     return (
         f"{model.name}: {len(model.bodies)} bodies {space}, nq = {model.nq}, nv = {model.nv}, {mass}, {end}"
@@ -105,10 +107,11 @@ def _joints(model: Model) -> Table:
     from rich.table import Table
     from rich.text import Text
 
-    titles = ("joint", "kind", "axis", "range", "speed", "effort", "moves", "mass", "follows")
+    mass = "mass, estimated" if model.is_estimated else "mass"
+    titles = ("joint", "kind", "axis", "range", "speed", "effort", "moves", mass, "follows")
     table = Table(box=None, pad_edge=False, header_style="bold")
     for title in titles:
-        table.add_column(title, justify="right" if title in ("speed", "effort", "mass") else "left")
+        table.add_column(title, justify="right" if title in ("speed", "effort", mass) else "left")
     for body in model.bodies:
         table.add_row(*(Text(cell) for cell in _row(body)))
     return table

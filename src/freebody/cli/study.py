@@ -48,13 +48,14 @@ def study(
     physical: options.Physical = PhysicalChoice.warn,
     snap_angles: options.Snap = 3e-9,
     convention: options.Convention = None,
+    estimate_inertia: options.Estimate = None,
 ) -> None:
     """Study a robot along a motion: torques, powers, reactions, energies and checks, as a report and as data."""
     directory = out or Path(f"study-{Path(robot).stem}")
     with terminal.progress("reading") as progress:
         from freebody.report.study import study as study_of
 
-        model = options.load(robot, None, base, mimic, physical, snap_angles, convention)
+        model = options.load(robot, None, base, mimic, physical, snap_angles, convention, estimate_inertia)
         prepare(directory)
         found = study_of(model, motion, tip, progress=lambda text, done: progress(text, 0.7 * done))
         progress("report and data files", 0.7)

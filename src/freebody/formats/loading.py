@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import os
+import warnings
+from dataclasses import replace
 from pathlib import Path
 
-from freebody.errors import FileError, FreebodyError, UnknownNameError, shown
+from freebody.errors import FileError, FreebodyError, MassWarning, UnknownNameError, shown
 from freebody.formats import dh_csv, toml, urdf
 from freebody.formats import source as sources
+from freebody.formats.doubts import doubts
+from freebody.formats.estimate import estimated
 from freebody.formats.urdf_elements import xacro
 from freebody.model import planar
 from freebody.model.assembly import BasePolicy, MimicPolicy, Policy, assemble
 from freebody.model.dh import Convention
 from freebody.model.model import Model
-from freebody.model.parts import Description
+from freebody.model.parts import DOUBTFUL, Description
 
 _NOT_READ = {
     ".xacro": "xacro is not read directly; {xacro}, and load that.",
@@ -33,6 +37,7 @@ def load(
     physical: Policy = "warn",
     snap_angles: float = 3e-9,
     convention: Convention | None = None,
+    estimate_inertia: float | None = None,
 ) -> Model:
     """A model from a .urdf, .toml or .csv (DH table) file, or a bundled model by its name (see `models()`).
 
@@ -45,13 +50,41 @@ def load(
     physical: "warn" about, "refuse" or "ignore" an inertia that no rigid body has; the numbers are never changed.
     snap_angles: URDF angles (rad) this close to a multiple of π/2 are read as that multiple; 0 reads them as written.
     convention: "standard" or "modified", for a DH table that does not say it.
+    estimate_inertia: the robot's whole mass (kg): all inertias of a URDF are replaced by estimates from the shapes in
+    the file, filled evenly at one density; meshes need the extra freebody[mesh]. Marked as estimated wherever shown.
 
-    What was snapped, ignored or doubtful stands in `model.notices`.
+    Masses of a URDF that are missing, placeholders or implausible are warned about (MassWarning). These, and what was
+    snapped, ignored or doubtful, stand in `model.notices`.
     Raises FileError with file and line, or FreebodyError.
     """
     description = read(source, snap_angles=snap_angles, convention=convention)
+    if estimate_inertia is not None:
+        description = _estimated(description, estimate_inertia)
     chosen = base or description.base
-    return assemble(description, physical=physical, mimic=mimic, base=chosen, tip=tip)
+    model = assemble(description, physical=physical, mimic=mimic, base=chosen, tip=tip)
+    return _weighed(model, description, estimate_inertia is not None, physical != "ignore")
+
+
+def _estimated(description: Description, mass: float) -> Description:
+    if not description.real:
+        raise FreebodyError(
+            f"load: estimate_inertia= needs the shapes of a URDF, and {description.name!r} comes from none; "
+            "give masses in its file."
+        )
+    return estimated(description, mass)
+
+
+def _weighed(model: Model, description: Description, estimate: bool, warn: bool) -> Model:
+    """The model with notices on what is doubtful about its masses, where they are to be those of a machine."""
+    if not description.real:
+        return model
+    found = doubts(model, {link.name: link.shapes for link in description.links}, estimate)
+    if found:
+        model = replace(model, notices=(*model.notices, *found))
+    for notice in model.notices if warn else ():
+        if notice.kind == DOUBTFUL:
+            warnings.warn(f"warning: {notice}", MassWarning, stacklevel=3)
+    return model
 
 
 def read(

@@ -10,6 +10,7 @@ import math
 
 from freebody.errors import UnknownNameError
 from freebody.formats.urdf_elements import Elements, xacro
+from freebody.formats.urdf_shapes import shapes
 from freebody.formats.xml import Element, parse
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
@@ -70,6 +71,7 @@ class _Reader(Elements):
             source=self.file,
             notices=(*self.notices, *self.summary()),
             file=self.file,
+            real=True,
         )
 
     # ------------------------------------------------------------ links and joints
@@ -79,7 +81,8 @@ class _Reader(Elements):
         where = f"link {element.name()!r}"
         inertial = self.one(element, "inertial", where)
         inertia, placement = self.inertial(inertial, where) if inertial else (None, Placement())
-        self.links.append(Link(element.name(), inertia, placement, (inertial or element).line))
+        line = (inertial or element).line
+        self.links.append(Link(element.name(), inertia, placement, line, shapes(element)))
 
     def inertial(self, element: Element, where: str) -> tuple[Inertia, Placement]:
         """Mass properties and the frame they are given in; without a rotation that frame is the link's own."""

@@ -19,7 +19,7 @@ from freebody.model.inertia import Inertia
 from freebody.model.joints import JointKind
 from freebody.model.loops import checked_distance
 from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
-from freebody.model.parts import Loop, Notice
+from freebody.model.parts import ESTIMATED, Loop, Notice
 from freebody.model.reading import VALUES
 from freebody.model.tree import Attached, Coordinates, Tree, lower
 
@@ -233,6 +233,11 @@ class Model:
         if missing:
             raise MissingValueError(f"the mass of {self.name!r}", missing)
         return float(sum(VALUES.quantity(a.inertia.mass) for a in self._attached))
+
+    @property
+    def is_estimated(self) -> bool:
+        """Whether inertias were estimated from shapes (`load`, estimate_inertia=); how stands in `notices`."""
+        return any(notice.kind == ESTIMATED for notice in self.notices)
 
     @property
     def gravity(self) -> Array:

@@ -10,6 +10,7 @@ from freebody.errors import ModelError
 from freebody.model.inertia import Inertia
 from freebody.model.parameters import Quantity, finite, quantity, real
 from freebody.model.placement import Placement
+from freebody.model.shapes import Shape
 
 INFINITE = float("inf")
 MOST_LINKS = 50_000
@@ -111,6 +112,7 @@ class Link:
     inertia: Inertia | None = None
     placement: Placement = Placement()
     line: int | None = None
+    shapes: tuple[Shape, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -144,6 +146,10 @@ class Loop:
     axis: tuple[float, ...] = ()
     distance: Quantity | None = None
     line: int | None = field(default=None, compare=False)
+
+
+DOUBTFUL, ESTIMATED = "inertia", "estimate"
+"""Kinds of notices on masses: missing, placeholders or implausible; and estimated, how."""
 
 
 @dataclass(frozen=True)
@@ -182,3 +188,5 @@ class Description:
     source: str = ""
     notices: tuple[Notice, ...] = field(default=())
     file: str | None = None
+    real: bool = False
+    """Whether it is to describe a machine that exists, so that its masses are held against lengths and shapes."""

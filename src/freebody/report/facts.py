@@ -29,7 +29,7 @@ def facts(study: Study) -> xr.Dataset:
     poses = np.array([p.q if p else np.full(model.nq, np.nan) for p in found])
     body, joint, check = ("body",), ("coordinate",), ("check",)
     rows = {
-        "body_mass": (body, masses, "kg", "mass of the body"),
+        "body_mass": (body, masses, "kg", f"mass of the body{', estimated' if model.is_estimated else ''}"),
         "body_com_local": (
             ("body", "axis"),
             centres,

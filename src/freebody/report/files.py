@@ -74,6 +74,7 @@ def dataset(study: Study) -> xr.Dataset:
         [study.data, study.summary, facts(study)], compat="no_conflicts", combine_attrs="drop_conflicts"
     )
     whole.attrs.update(study.data.attrs)
+    whole.attrs["verdict"] = study.verdict.text
     whole.attrs["notices"] = "\n".join(study.notices)
     replay = study.replay
     if replay is not None:

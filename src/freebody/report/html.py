@@ -16,6 +16,7 @@ from markupsafe import Markup
 import freebody
 from freebody.figures import theme
 from freebody.formats.loading import SUFFIXES
+from freebody.model.parts import DOUBTFUL, ESTIMATED
 from freebody.motion.ranges import ranges
 from freebody.numerics.closed.mobility import mobility
 from freebody.outputs import files
@@ -100,6 +101,7 @@ def _facts(study: Study) -> dict[str, Any]:
     loops = study.replay
     return {
         "failed": failed,
+        "unphysical": sum(notice.kind == "physical" for notice in model.notices),
         "source": source,
         "path": path,
         "gravity": ", ".join(significant(float(x)) for x in model.gravity),
@@ -118,7 +120,7 @@ def _notices(study: Study) -> dict[str, list[str]]:
     """Findings about the motion, inertias that no body has, and how the file was read, without the file's folder."""
     read = study.model.notices
     short = {str(n): str(replace(n, file=Path(n.file).name if n.file else None)) for n in read}
-    doubtful = [str(n) for n in read if n.kind == "physical"]
+    doubtful = [str(n) for n in read if n.kind in ("physical", DOUBTFUL, ESTIMATED)]
     return {
         "findings": [text for text in study.notices if text not in short],
         "doubtful": [short[text] for text in study.notices if text in doubtful],

@@ -122,7 +122,7 @@ def bodies(study: Study) -> Table:
         (Head("Hangs on", number=False), [Text(parent) for parent in parents]),
     ]
     book = facts(study)
-    printed = [Printed("Mass", "body_mass", "kg")] + [
+    printed = [Printed("Mass, estimated" if model.is_estimated else "Mass", "body_mass", "kg")] + [
         Printed(f"c{axis}", "body_com_local", "mm", tip, scale=1e3, at=(("axis", axis),))
         for axis in _axes(study, "axis")
     ]

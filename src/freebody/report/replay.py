@@ -278,7 +278,7 @@ def _open_loop(whole: System, motion: Motion, allowed: Ranges, method: str) -> t
             ended = "it needs too many steps"
             break
         times += list(found.t)
-        states += list(found.y.T)
+        states += list(np.asarray(found.y).T)  # a list where not one of the times was reached
         if found.status != 0:
             ended = _ASTRAY if found.status == 1 else "the integrator found no further step"
             break

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from freebody.model.model import Model
+from freebody.model.parts import DOUBTFUL, ESTIMATED
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges
 from freebody.report.pace import Pace, pace
@@ -23,9 +24,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from freebody.model.bodies import Body
-
-DOUBTFUL, ESTIMATED = "inertia", "estimate"
-"""Kinds of `Notice` that tell of masses."""
 
 _UNDRIVEN = 1e-6  # of the largest torque or force: what a passive joint may be asked for
 _TIGHT = 1.001  # a pace below it is called "as fast as it goes"
@@ -185,7 +183,7 @@ def _reasons(
     for sentence in undriven:
         yield f"{sentence}."
     if masses:
-        yield f"the torques mean nothing, because {'; '.join(text.rstrip('.') for text in masses)}."
+        yield f"the torques cannot be trusted: {'; '.join(text.rstrip('.') for text in masses)}."
         return
     if outcome == "feasible":
         yield f"the motion stays within every limit; nearest: {uses[0].text}."

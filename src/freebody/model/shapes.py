@@ -1,0 +1,57 @@
+"""Shapes of links as a file gives them. No dynamics depends on them: masses are held against them, or estimated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from freebody.model.inertia import Inertia
+from freebody.model.placement import Placement
+
+DENSEST, LIGHTEST = 20e3, 5.0
+"""kg/m³: gold and tungsten are near the one, air is 1.2."""
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A box, cylinder or sphere, or the mesh in a file, placed in the link's frame; boxes and cylinders are centred."""
+
+    kind: Literal["box", "cylinder", "sphere", "mesh"]
+    size: tuple[float, ...]
+    """Sides (m); radius and length along z (m); radius (m); of a mesh the scales along x, y, z."""
+    placement: Placement
+    role: Literal["collision", "visual"]
+    file: str = ""
+    """Of a mesh, as written."""
+    line: int | None = None
+
+    @property
+    def volume(self) -> float:
+        """m³; NaN of a mesh, which has to be opened for it."""
+        if self.kind == "box":
+            return float(np.prod(self.size))
+        if self.kind == "cylinder":
+            return float(np.pi * self.size[0] ** 2 * self.size[1])
+        return float(4 / 3 * np.pi * self.size[0] ** 3) if self.kind == "sphere" else float("nan")
+
+    @property
+    def radius(self) -> float:
+        """How far its farthest point is from its centre (m); of a mesh 0, it is not opened for this."""
+        if self.kind == "box":
+            return 0.5 * float(np.linalg.norm(self.size))
+        if self.kind == "cylinder":
+            return float(np.hypot(self.size[0], 0.5 * self.size[1]))
+        return self.size[0] if self.kind == "sphere" else 0.0
+
+    def uniform(self, density: float) -> Inertia:
+        """The inertia (own frame) of a box, cylinder or sphere filled with a density (kg/m³)."""
+        mass = density * self.volume
+        if self.kind == "box":
+            return Inertia.box(mass, self.size)
+        return (
+            Inertia.cylinder(mass, *self.size)
+            if self.kind == "cylinder"
+            else Inertia.sphere(mass, self.size[0])
+        )
