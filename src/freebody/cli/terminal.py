@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 import warnings
@@ -62,7 +63,7 @@ class _Stream:
     """
 
     def __init__(self, stream: TextIO | None, what: str):
-        self._real, self._closed, self._what = stream or open(os.devnull, "w"), stream is None, what  # noqa: SIM115
+        self._real, self._closed, self._what = stream or io.StringIO(), stream is None, what
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._real, name)

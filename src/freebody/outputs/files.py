@@ -111,9 +111,10 @@ def _is_stream(target: Path) -> bool:
 
 def _send(target: Path, content: bytes) -> None:
     # a pipe that nobody reads is refused at once instead of waited for
-    descriptor = os.open(target, os.O_WRONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0))
+    waiting = getattr(os, "O_NONBLOCK", 0)
+    descriptor = os.open(target, os.O_WRONLY | waiting | getattr(os, "O_NOCTTY", 0))
     try:
-        if hasattr(os, "set_blocking"):
+        if waiting:
             os.set_blocking(descriptor, True)
         _write_all(descriptor, content)
     finally:

@@ -6,6 +6,8 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
+import numpy as np
+
 _UNSEEN = re.compile(
     "[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ufffe\uffff\ud800-\udfff"  # no XML, or no character
     "\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]"  # turn the direction of what follows
@@ -34,11 +36,12 @@ def as_meant(cell: str) -> str:
 
 def csv_text(rows: Iterable[Iterable[Any]]) -> str:
     """Rows as CSV: texts harmless, floats to the last bit and empty where NaN, truths as yes and no."""
-    return "".join(",".join(map(_cell, row)) + "\r\n" for row in rows)
+    listed = (row.tolist() if isinstance(row, np.ndarray) else row for row in rows)
+    return "".join(",".join(map(_cell, row)) + "\r\n" for row in listed)
 
 
 def _cell(value: Any) -> str:
-    value = value.item() if hasattr(value, "item") else value  # NumPy's scalars
+    value = value.item() if isinstance(value, np.generic) else value
     if isinstance(value, str):
         text = harmless(value)
         # apart also where a spreadsheet separates cells by semicolons
