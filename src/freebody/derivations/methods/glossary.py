@@ -8,6 +8,7 @@ from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Meaning
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.names import sym, vec
+from freebody.derivations.render.literal import literal
 from freebody.derivations.symbols import RATE, SECOND
 from freebody.model.parameters import Parameter, each_parameter
 from freebody.model.placement import Placement, Turn
@@ -86,9 +87,9 @@ def _of_loops(s: Setting) -> Iterator[tuple[Parameter, str, str]]:
         for name in loop.frames:
             body = frames[name].body + 1
             start = f"joint {body}" if body else "the base's origin"
-            yield from _placed(frames[name].placement, f"from {start} to {name}")
+            yield from _placed(frames[name].placement, f"from {start} to {literal(name)}")
         for parameter in each_parameter(loop.distance):
-            yield parameter, f"length of the rod {loop.name}", METER
+            yield parameter, f"length of the rod {literal(loop.name)}", METER
 
 
 def _of_joint(s: Setting, i: int) -> Iterator[tuple[Parameter, str, str]]:

@@ -14,6 +14,7 @@ from freebody.derivations.expression import Equation, Expression, eq
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.wording import listed
 from freebody.derivations.names import entry, sym
+from freebody.derivations.render.literal import literal
 from freebody.lazy import cached_property
 from freebody.model.tree import TreeLoop
 from freebody.scalars.trig import Trig
@@ -57,18 +58,20 @@ class Loops:
     def _point(self, frame: str, i: int) -> str:
         own = self.s.symbols.model.frame(frame)
         return (
-            f"point {frame} of {self.body(i)}" if own.mounted else f"the origin of {self.body(i)} ({frame})"
+            f"point {literal(frame)} of {self.body(i)}"
+            if own.mounted
+            else f"the origin of {self.body(i)} ({literal(frame)})"
         )
 
     def holds(self, loop: TreeLoop) -> str:
         """What a loop does."""
         first, second = self.points(loop)
         if loop.closure.distance:
-            return f"{loop.name} is a rod without mass from {first} to {second}"
+            return f"{literal(loop.name)} is a rod without mass from {first} to {second}"
         kind = next(x.kind for x in self.s.symbols.model.loops if x.name == loop.name)
         if kind in ("revolute", "point", "spherical"):
-            return f"{loop.name} holds {first} and {second} together"
-        return f"{loop.name} ({kind}) joins {first} to {second}"
+            return f"{literal(loop.name)} holds {first} and {second} together"
+        return f"{literal(loop.name)} ({kind}) joins {first} to {second}"
 
     # ------------------------------------------------------------ steps
     def cut(self) -> Step:
@@ -99,14 +102,14 @@ class Loops:
 
     def _written(self, loop: TreeLoop) -> str:
         rows = [f"Φ_{k + 1}" for k in self.equations.rows(loop)]
-        (a, b), (first, second) = loop.frames, self.points(loop)
+        (a, b), (first, second) = map(literal, loop.frames), self.points(loop)
         verb = "say" if len(rows) > 1 else "says"
         if loop.closure.distance:
             square = f"the square of the distance from {a} to {b}"
-            return f"{listed(rows)} {verb} that {square} is that of {loop.name}'s length."
+            return f"{listed(rows)} {verb} that {square} is that of {literal(loop.name)}'s length."
         if not loop.closure.turns and not loop.closure.slides:
             return f"{listed(rows)} {verb} that the way from {first} to {second} is zero, component by component."
-        return f"{listed(rows)} {verb} that {loop.name} stays closed: {_parts(loop)}."
+        return f"{listed(rows)} {verb} that {literal(loop.name)} stays closed: {_parts(loop)}."
 
     @cached_property
     def is_notes_robot(self) -> bool:
@@ -173,7 +176,7 @@ class Loops:
 
     def _meaning(self, loop: TreeLoop) -> str:
         target, other = map(self.body, self.ends(loop))
-        at = loop.frames[0]
+        at = literal(loop.frames[0])
         if loop.closure.distance:
             return (
                 f"half the rod's tension over its length: positive, it pulls {target} at {at} towards {other}"

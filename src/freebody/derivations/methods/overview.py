@@ -5,6 +5,7 @@ from __future__ import annotations
 from freebody.derivations.derivation import Meaning
 from freebody.derivations.methods.glossary import glossary
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.render.literal import literal
 from freebody.model.parameters import Parameter
 
 
@@ -47,10 +48,10 @@ def _loops(s: Setting) -> list[str]:
     ends = {frame.name: frame.body for frame in model.frames}
 
     def end(frame: str) -> str:
-        return f"{frame} of {'the ground' if ends[frame] < 0 else f'body {ends[frame] + 1}'}"
+        return f"{literal(frame)} of {'the ground' if ends[frame] < 0 else f'body {ends[frame] + 1}'}"
 
     rows = [
-        f"{loop.name} ({loop.kind}) between {end(loop.frames[0])} and {end(loop.frames[1])}"
+        f"{literal(loop.name)} ({loop.kind}) between {end(loop.frames[0])} and {end(loop.frames[1])}"
         for loop in model.loops
     ]
     return [f"{'A loop closes' if len(rows) == 1 else 'Loops close'} it: {'; '.join(rows)}."]

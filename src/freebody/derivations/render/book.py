@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from freebody.derivations.render import page
 from freebody.derivations.render import text as plain
 from freebody.derivations.render.cited import cited
+from freebody.derivations.render.literal import literal
 from freebody.derivations.render.mathml import mathml
 from freebody.derivations.render.prose import markdown_prose, tex_prose, text_prose, web_prose
 from freebody.outputs.page import policy
@@ -30,7 +31,8 @@ TALLEST = 40
 # ---------------------------------------------------------------- text
 def text(derivation: Derivation, width: int = 100) -> str:
     """For a terminal."""
-    blocks = [_title(derivation), "=" * len(_title(derivation))]
+    title = text_prose(_title(derivation))
+    blocks = [title, "=" * _cells(title)]
     if derivation.given:
         blocks += [
             "",
@@ -43,7 +45,7 @@ def text(derivation: Derivation, width: int = 100) -> str:
         blocks.append(textwrap.indent(textwrap.fill(text_prose(step.reason), width - 3), "   "))
         if step.equations:
             blocks += ["", _text_equations(step, width)]
-    return "\n".join([*blocks, "", textwrap.fill(_source(derivation), width)])
+    return "\n".join([*blocks, "", textwrap.fill(text_prose(_source(derivation)), width)])
 
 
 def _text_equations(step: Step, width: int) -> str:
@@ -74,14 +76,15 @@ def _text_table(derivation: Derivation, width: int) -> list[str]:
 
 
 def _meaning(meaning: Meaning) -> str:
-    return f"{meaning.words} [{meaning.unit}]" if meaning.unit else meaning.words
+    words = text_prose(meaning.words)
+    return f"{words} [{meaning.unit}]" if meaning.unit else words
 
 
 # ---------------------------------------------------------------- Markdown
 def markdown(derivation: Derivation, images: Figures | None = None) -> str:
     """Markdown with formulas between dollar signs; images: paths of drawings by the names of figures."""
     left = dict(images or {})
-    blocks = [f"# {_title(derivation)}"]
+    blocks = [f"# {markdown_prose(_title(derivation))}"]
     if derivation.given:
         blocks += [markdown_prose(derivation.given), _markdown_table(derivation)]
     if "overview" in left:
@@ -96,22 +99,25 @@ def markdown(derivation: Derivation, images: Figures | None = None) -> str:
         if step.equations:
             formula = page.latex([step.equations])
             blocks.append(f"$$\n{_boxed(formula) if _fits(step, formula) else formula}\n$$")
-    return legal("\n\n".join([*blocks, f"*{_source(derivation)}*"]) + "\n")
+    return legal("\n\n".join([*blocks, f"*{markdown_prose(_source(derivation))}*"]) + "\n")
 
 
 def _markdown_table(derivation: Derivation) -> str:
     rows = ["| symbol | meaning | unit |", "|---|---|---|"]
     for m in derivation.glossary:
-        rows.append(f"| {', '.join(f'${x.latex()}$' for x in m.symbols)} | {m.words} | {m.unit} |")
+        rows.append(
+            f"| {', '.join(f'${x.latex()}$' for x in m.symbols)} | {markdown_prose(m.words)} | {m.unit} |"
+        )
     return "\n".join(rows)
 
 
 # ---------------------------------------------------------------- LaTeX
 def latex(derivation: Derivation) -> str:
-    """A LaTeX document that needs amsmath only."""
+    """A LaTeX document that needs amsmath and T1 fonts only."""
     lines = [
         r"\documentclass[11pt,a4paper]{article}",
         r"\usepackage[utf8]{inputenc}",
+        r"\usepackage[T1]{fontenc}",
         r"\usepackage{amsmath,amssymb}",
         r"\usepackage[margin=22mm]{geometry}",
         r"\setlength{\parindent}{0pt}",
@@ -161,7 +167,7 @@ def _latex_table(derivation: Derivation) -> list[str]:
 def body(derivation: Derivation, figures: Figures | None = None) -> str:
     """The steps as HTML, without a page around them; a figure stands where a step first asks for it."""
     shown: set[str] = set()
-    parts = [f"<h1>{escape.escape(_title(derivation))}</h1>"]
+    parts = [f"<h1>{web_prose(_title(derivation))}</h1>"]
     if derivation.given:
         parts += [f"<p>{web_prose(derivation.given)}</p>", _html_table(derivation)]
     if figures and "overview" in figures:
@@ -178,7 +184,7 @@ def body(derivation: Derivation, figures: Figures | None = None) -> str:
             kind = "equations result" if step.result else "equations"
             parts.append(f'<div class="{kind}">{page.html([step.equations])}</div>')
         parts.append("</section>")
-    return "\n".join([*parts, f'<p class="source">{escape.escape(_source(derivation))}</p>'])
+    return "\n".join([*parts, f'<p class="source">{web_prose(_source(derivation))}</p>'])
 
 
 def _html_table(derivation: Derivation) -> str:
@@ -192,7 +198,7 @@ def _html_table(derivation: Derivation) -> str:
 
 def html(derivation: Derivation, figures: Figures | None = None, style: str = "") -> str:
     """One page that fetches nothing; `style` is for the figures."""
-    title = escape.escape(_title(derivation))
+    title = web_prose(_title(derivation))
     return legal(
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">{policy()}'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
@@ -223,7 +229,7 @@ figure{margin:1rem 0;text-align:center}figure svg{max-width:100%;height:auto}
 # ---------------------------------------------------------------- shared
 def _title(derivation: Derivation) -> str:
     model = derivation.equations.symbols.model
-    return f"{model.name}: {derivation.title}"
+    return f"{literal(model.name)}: {derivation.title}"
 
 
 def _numbers(step: Step, form: str) -> str:
@@ -234,5 +240,8 @@ def _numbers(step: Step, form: str) -> str:
 def _source(derivation: Derivation) -> str:
     numbered = any(step.notes for step in derivation.steps)
     source = derivation.equations.symbols.model.source
-    parts = [f"Equation numbers: {SOURCE}." if numbered else "", f"Robot: {source}" if source else ""]
+    parts = [
+        f"Equation numbers: {SOURCE}." if numbered else "",
+        f"Robot: {literal(source.rstrip('.'))}" if source else "",
+    ]
     return " ".join(part if part.endswith(".") else part + "." for part in parts if part)

@@ -25,6 +25,7 @@ from freebody.derivations.expression import (
     Words,
 )
 from freebody.derivations.names import GREEK
+from freebody.derivations.render.literal import tex, tex_math
 from freebody.derivations.render.rules import (
     ATOM,
     BREAK,
@@ -97,7 +98,7 @@ def _symbol(node: Symbol, _: Renderer) -> str:
     if node.dots:
         letter = _DOTS[node.dots].format(letter)
     low = ",".join(
-        f"\\mathrm{{{_escaped(x)}}}" if x.isalpha() and len(x) > 2 else _escaped(x) for x in node.low
+        f"\\mathrm{{{x}}}" if x.isalpha() and len(x) > 2 and x.isascii() else _low(x) for x in node.low
     )
     low, high = low.replace("−", "-"), node.high.replace("−", "-").replace("′", "\\prime")
     return letter + _script("_", low) + _script("^", high)
@@ -113,11 +114,14 @@ def _letter(letter: str, bold: bool) -> str:
         return f"\\boldsymbol{{{_GREEK[letter]}}}" if bold else _GREEK[letter]
     if bold:
         return f"\\mathbf{{{letter}}}"
-    return letter if len(letter) == 1 else f"\\mathrm{{{_escaped(letter)}}}"
+    if len(letter) == 1 and letter.isascii() and letter.isalpha():
+        return letter
+    return f"\\mathrm{{{letter}}}" if letter.isalnum() and letter.isascii() else tex_math(letter)
 
 
-def _escaped(text: str) -> str:
-    return text.replace("_", "\\_")
+def _low(text: str) -> str:
+    """A subscript: indices such as i−1 are formulas, names are not."""
+    return text if re.fullmatch(r"[A-Za-z0-9+−-]*", text) else tex_math(text)
 
 
 def _product(node: Product, render: Renderer) -> str:
@@ -204,6 +208,6 @@ _RENDER = Renderer(
         Vector: lambda node, render: _array([whole(render(x)) for x in node.entries]),
         Matrix: lambda node, render: _array([" & ".join(whole(render(x)) for x in row) for row in node.rows]),
         Equation: lambda node, render: " = ".join(render(side, SUM) for side in node.sides),
-        Words: lambda node, render: f"\\text{{{node.text}}}",
+        Words: lambda node, render: f"\\text{{{tex(node.text)}}}",
     }
 )

@@ -6,6 +6,7 @@ import html
 import re
 
 from freebody.derivations.names import GREEK
+from freebody.derivations.render import literal
 
 _NAMES = {letter: "lambda" if name == "lam" else name for name, letter in GREEK.items()}
 
@@ -18,9 +19,7 @@ _VECTORS = frozenset("sfvruzn")
 _LOW = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 _TEX = {
-    "\\": r"\textbackslash{}",
-    **{c: "\\" + c for c in "&%$#_{}"},
-    **{letter: f"$\\{name}$" for letter, name in _NAMES.items()},
+    **literal.TEX,
     **{chr(0x2080 + k): f"$_{{{k}}}$" for k in range(10)},
     "²": "$^2$",
     "·": r"$\cdot$",
@@ -37,6 +36,10 @@ _TEX = {
 
 def tex_prose(words: str) -> str:
     """A sentence in LaTeX."""
+    return literal.in_parts(words, _tex_words, literal.tex)
+
+
+def _tex_words(words: str) -> str:
     parts, end = [], 0
     for match in _SYMBOL.finditer(words):
         parts += [_plain_tex(words[end : match.start()]), _tex_symbol(*match.groups())]
@@ -62,12 +65,16 @@ def _tex_symbol(sign: str, letter: str, low: str) -> str:
 
 def markdown_prose(words: str) -> str:
     """A sentence in Markdown, symbols between dollar signs."""
+    return literal.in_parts(words, _markdown_words, literal.markdown)
+
+
+def _markdown_words(words: str) -> str:
     return _SYMBOL.sub(lambda match: _tex_symbol(*match.groups()), words)
 
 
 def text_prose(words: str) -> str:
     """A sentence for a terminal: numbers as subscripts."""
-    return _SYMBOL.sub(_text_symbol, words)
+    return literal.in_parts(words, lambda part: _SYMBOL.sub(_text_symbol, part), literal.printable)
 
 
 def _text_symbol(match: re.Match[str]) -> str:
@@ -79,6 +86,10 @@ def _text_symbol(match: re.Match[str]) -> str:
 
 def web_prose(words: str) -> str:
     """A sentence in HTML."""
+    return literal.in_parts(words, _web_words, literal.web)
+
+
+def _web_words(words: str) -> str:
     parts, end = [], 0
     for match in _SYMBOL.finditer(words):
         parts += [_plain_web(words[end : match.start()]), _web_symbol(*match.groups())]

@@ -1,0 +1,152 @@
+"""Names as files have them, foreign, long or hostile, in formulas, sentences and drawings: legible and well-formed."""
+
+from __future__ import annotations
+
+import ast
+import re
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+
+import freebody as fb
+from freebody.derivations.names import sym
+from freebody.derivations.render import literal
+from freebody.derivations.render.prose import markdown_prose, tex_prose, text_prose, web_prose
+from freebody.model.assembly import assemble
+from freebody.model.inertia import Inertia
+from freebody.model.parameters import Parameter
+from freebody.model.parts import Description, Joint, Link, Mount
+from freebody.model.placement import shift
+
+SPECIAL = r"\_%#&${}~^<>|\"'`*[]" + "\u202e\x1b\n"
+NAMES = (
+    "θ1",
+    "left/joint1",
+    "n" * 40,
+    "<b>",
+    "关节",
+    "a_1",
+    "50%_of#1&co$",
+    r"\input{x}",
+    "x^2~y",
+    "}",
+    "`*_[]|",
+    SPECIAL,
+)
+
+
+def four_bar(name: str) -> fb.Model:
+    """Links, joints, frames, loop and robot of that name, and its source."""
+    links = [Link(f"{name}{k}", Inertia.point(1.0, (0.1, 0.0))) for k in range(4)]
+    place = [shift(0.0, 0.0), shift(0.3, 0.0), shift(0.6, 0.0)]
+    parents = (0, 1, 0)
+    joints = [
+        Joint(f"{name}j{k}", "revolute", f"{name}{p}", f"{name}{k}", at, (1.0,), passive=k > 1)
+        for k, (p, at) in enumerate(zip(parents, place, strict=True), 1)
+    ]
+    mounts = (
+        Mount(f"{name} end", f"{name}2", shift(Parameter("l2", 0.5), 0.0)),
+        Mount(f"{name} tip", f"{name}3", shift(0.4, 0.0)),
+    )
+    made = Description(
+        name,
+        2,
+        tuple(links),
+        tuple(joints),
+        (9.81, (0.0, -1.0)),
+        mounts,
+        tip=f"{name} end",
+        source=f"by {name}.",
+    )
+    return assemble(made).with_loop(f"{name} pin", "revolute", (f"{name} tip", f"{name} end"))
+
+
+# ---------------------------------------------------------------- the functions
+@pytest.mark.parametrize("name", NAMES)
+def test_escaped_names_are_letters_to_tex(name: str):
+    """What is left after the known commands has no character that TeX reads as anything but itself."""
+    for made in (literal.tex(name), tex_prose(f"link {literal.literal(name)} of x_1").split(" of $x")[0]):
+        rest = re.sub(r"\\text[a-z]+\{\}|\\[&%$#_{}]|\$\\[a-z]+\$", "", made)
+        assert not re.search(r"[\\&%$#_{}~^<>|\"]", rest), made
+    formula = literal.tex_math(name)
+    assert formula == name or formula == f"\\text{{{literal.tex(name)}}}"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_names_in_sentences_are_no_symbols(name: str):
+    sentence = f"point {literal.literal(name)} of s_1"
+    shown = "".join(c if c.isprintable() else "\ufffd" for c in " ".join(name.split()))
+    assert text_prose(sentence) == f"point {shown} of s₁"
+    page = ET.fromstring(f"<p>{web_prose(sentence)}</p>")
+    assert "".join(page.itertext()) == f"point {shown} of s1"
+    assert [e.tag for e in page] == ["b", "sub"]
+    unescaped = re.sub(r"\\(.)", r"\1", markdown_prose(sentence).removesuffix(r" of $\mathbf{s}_{1}$"))
+    assert unescaped == f"point {shown}"
+
+
+def test_plain_names_have_no_marks():
+    assert literal.literal("link2") == "link2"
+    assert literal.MARK not in text_prose(f"link {literal.literal('a_b')}")
+
+
+def test_foreign_letters_are_declared_to_tex():
+    lines = literal.declared("关节 θ é – x")
+    assert any("5173" in line for line in lines)
+    assert not any("03B8" in line or "2013" in line for line in lines)
+    assert literal.declared("plain é – θ") == []
+
+
+# ---------------------------------------------------------------- whole documents
+@pytest.mark.parametrize("name", NAMES)
+def test_documents_of_hostile_names_are_well_formed(name: str):
+    derivation = fb.derive(four_bar(name), "statics")
+    document = derivation.latex()
+    assert balanced(document), "braces and environments close"
+    assert document.count(r"\begin{") == document.count(r"\end{")
+    assert not re.search(r"(?<!\\)[%#]", document)
+    assert r"\input" not in document
+    assert literal.MARK not in document + derivation.text() + derivation.markdown()
+    page = derivation.html()
+    ET.fromstring(re.sub(r"<!doctype html>|<(meta|link)[^>]*>", "", page).replace("&nbsp;", " "))
+    assert "<b>1" not in page
+    assert "\x1b" not in derivation.text()
+
+
+def balanced(document: str) -> bool:
+    """Whether every brace that groups is closed."""
+    depth = 0
+    for brace in re.findall(r"(?<!\\)(?:\\\\)*([{}])", re.sub(r"\\[{}]", "", document)):
+        depth += 1 if brace == "{" else -1
+        assert depth >= 0
+    return depth == 0
+
+
+@pytest.mark.parametrize("name", ["θ1", "left_upper_arm_length_of_the_first_robot", "a__b", "é", "l_", "_"])
+def test_names_of_parameters_are_legible_formulas(name: str):
+    """What a parameter may be called, in LaTeX, MathML and a drawing."""
+    formula = sym(name).latex()
+    assert balanced(formula)
+    assert not re.search(r"(?<!\\)_(?!\{|[A-Za-z0-9])", formula), formula
+    ET.fromstring(sym(name).mathml())
+    model = fb.planar("RR", l=[name, "l2"])
+    for drawing in fb.kinematic_diagram(model).drawings:
+        ET.fromstring(fb.kinematic_diagram(model).svg)
+        assert drawing
+
+
+def test_every_name_in_a_sentence_is_literal():
+    """Source of the derivations' sentences: no f-string holds a name of the model as it is."""
+    for path in (Path(fb.__file__).parent / "derivations" / "methods").glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.FormattedValue) and isinstance(node.value, ast.Attribute):
+                owner = ast.unparse(node.value)
+                raised = owner in (
+                    "symbols.model.name",
+                    "model.name",
+                    "setting.symbols.model.name",
+                    "body.joint.name",
+                )
+                assert node.value.attr != "name" or raised or path.name == "setting.py", (
+                    f"{path.name}: {owner}"
+                )
