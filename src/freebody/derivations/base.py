@@ -171,6 +171,11 @@ class BaseEquations(Equations):
 
     bases: tuple[Base, ...] = ()
 
+    @property
+    def is_vast(self) -> bool:
+        """Not known before M is worked out: base parameters make it shorter."""
+        return False
+
     @cached_property
     def _inertial(self) -> list[Trig]:
         """τ without friction and springs."""

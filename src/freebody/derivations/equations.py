@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from html import escape
 from typing import Any
 
 from freebody.algorithms.crba import crba
@@ -21,6 +22,7 @@ from freebody.errors import UnknownNameError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.model.parameters import finite, with_parameters
+from freebody.model.tree import Tree
 from freebody.scalars.trig import Trig
 
 VIEWS = ("auto", "named", "expanded", "intermediates", "base")
@@ -184,9 +186,23 @@ class Equations:
         return dict(total)
 
     @cached_property
+    def is_vast(self) -> bool:
+        """Whether the mass matrix alone is too long; looked at from the tip inward, before anything else is worked out.
+
+        The rows and columns of a chain's last joints are the mass matrix of what they carry, the rest held still.
+        """
+        tree, terms = self.symbols.tree, 0
+        for first in reversed(range(len(tree.bodies))):
+            M = crba(_from_body(tree, first), self.symbols.q)
+            terms = sum(len(x) for i, row in enumerate(M) for x in row[i:] if isinstance(x, Trig))
+            if terms > MOST:
+                return True
+        return False
+
+    @cached_property
     def is_short(self) -> bool:
         """Whether the named view fits on about a page."""
-        if sum(self.count().values()) > MOST:
+        if self.is_vast or sum(self.count().values()) > MOST:
             return False
         return sum(size(line) for group in self.groups("named") for line in group) <= SHORT
 
@@ -211,14 +227,27 @@ class Equations:
             return f"\\begin{{gathered}} {lines} \\end{{gathered}}"
         return page.latex(self.groups(view, names), environment)
 
-    def mathml(self, view: str = "named", names: str = "notes") -> str:
+    def mathml(self, view: str = "auto", names: str = "notes") -> str:
         """The same as one `<math>` element."""
+        if view == "auto" and not self.is_short:
+            lines = "".join(
+                f"<mtr><mtd><mtext>{escape(line)}</mtext></mtd></mtr>"
+                for line in self._too_long().splitlines()
+            )
+            return f'<math xmlns="http://www.w3.org/1998/Math/MathML" display="block"><mtable>{lines}</mtable></math>'
         return page.html(self.groups(view, names))
 
-    def _too_long(self) -> str:
+    @property
+    def length(self) -> str:
+        """How many terms there are, in words; of what is vast only that."""
+        if self.is_vast:
+            return f"M alone has more than {MOST} terms"
         terms = self.count()
+        return f"M has {terms['M']} terms, c {terms['c']}, g {terms['g']}"
+
+    def _too_long(self) -> str:
         return (
-            f"{self.symbols.model.name}: M has {terms['M']} terms, c {terms['c']}, g {terms['g']}: too long to read.\n"
+            f"{self.symbols.model.name}: {self.length}: too long to read.\n"
             f'view="intermediates": the recursion, in {len(self.intermediates())} lines; '
             'view="named" or "expanded": all terms.'
         )
@@ -265,9 +294,13 @@ def _nested(x: Any, convert: Any) -> Any:
     return [[convert(entry) for entry in row] if isinstance(row, list) else convert(row) for row in x]
 
 
-def _without_drives(tree: Any) -> Any:
-    from dataclasses import replace
+def _from_body(tree: Tree, first: int) -> Tree:
+    """The bodies from one on (whatever they carry is among them), each whose parent is left out held by the base."""
+    bodies = (replace(body, parent=max(body.parent - first, -1)) for body in tree.bodies[first:])
+    return replace(tree, bodies=tuple(bodies))
 
+
+def _without_drives(tree: Tree) -> Tree:
     return replace(tree, bodies=tuple(replace(body, drive=None) for body in tree.bodies))
 
 
