@@ -107,7 +107,11 @@ __all__ = [*_PLACE_OF, "__version__"]
 def __getattr__(name: str) -> Any:
     if name not in _PLACE_OF:
         raise AttributeError(f"module 'freebody' has no attribute {name!r}")
-    value = globals()[name] = getattr(importlib.import_module(_PLACE_OF[name]), name)
+    value = getattr(importlib.import_module(_PLACE_OF[name]), name)
+    code = getattr(value, "__code__", None)
+    if code is not None and code.co_varnames[:1] == ("model",):
+        value = importlib.import_module("freebody.model.required").takes_model(name, value)
+    globals()[name] = value
     return value
 
 

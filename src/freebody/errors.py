@@ -95,6 +95,16 @@ class ShapeError(FreebodyError, ValueError):
         )
 
 
+class KindError(FreebodyError, TypeError):
+    """An argument of the wrong kind, such as a name where a model is needed."""
+
+    def __init__(self, function: str, argument: str, given: object, expected: str, advice: str = ""):
+        shown = "None" if given is None else f"{type(given).__name__} {repr(given)[:_LONGEST]}"
+        super().__init__(
+            f"{function}: {argument} is {shown}, expected {expected}.{' ' if advice else ''}{advice}"
+        )
+
+
 class NotFiniteError(FreebodyError, ValueError):
     """NaN or infinity where a number is needed."""
 

@@ -51,12 +51,17 @@ class GravityChoice(StrEnum):
     explicit = "explicit"
 
 
-Method = Annotated[MethodChoice, typer.Option(help="How the equations are derived.")]
+Method = Annotated[
+    MethodChoice | None,
+    typer.Option(
+        help="How the equations are derived. Default: newton-euler, of closed chains lagrange-first-kind."
+    ),
+]
 
 
 def derive(
     robot: options.Robot,
-    method: Method = MethodChoice.newton_euler,
+    method: Method = None,
     compare: Annotated[
         MethodChoice | None, typer.Option(help="Derive by this method too, and prove that both agree.")
     ] = None,
@@ -77,9 +82,11 @@ def derive(
 ) -> None:
     """Derive a robot's equations of motion step by step. Exit code 1 if two methods were to disagree."""
     from freebody.derivations.derive import compare as compared
+    from freebody.derivations.derive import default_method
     from freebody.figures.illustrate import derive as derivation_of
 
     model = options.load(robot, convention=convention)
+    method = method or MethodChoice(default_method(model))
     chosen = _options(method, route, gravity)
     with terminal.progress(f"deriving by {method.value}"):
         first = derivation_of(model, method.value, load=load, **chosen)

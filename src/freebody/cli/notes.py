@@ -49,6 +49,11 @@ def notes(
     ] = None,
 ) -> None:
     """Execute the lecture notes: every equation, worked example and figure, with its verdict and corrections."""
+    given = {"an item": item, "--html": html, "--errata": errata, "--out": out} | {
+        "--chapter": chapter,
+        "--verdict": verdict,
+    }
+    _require_used([name for name, value in given.items() if value not in (None, False)])
     if item is not None:
         _one(item, out)
     elif html is not None:
@@ -57,6 +62,32 @@ def notes(
         _errata(out)
     else:
         _table(chapter, verdict)
+
+
+_WITH = {
+    "an item": ("--out",),
+    "--html": (),
+    "--errata": ("--out",),
+    "": ("--chapter", "--verdict"),
+}
+"""What may be given beside an item, --html or --errata, the first of which counts; "": beside none of them."""
+
+
+def _require_used(given: Sequence[str]) -> None:
+    """Refuse options that would be left unused."""
+    chosen = next((name for name in _WITH if name in given), "")
+    unused = [name for name in given if name != chosen and name not in _WITH[chosen]]
+    if not unused:
+        return
+    if unused == ["--out"] and not chosen:
+        raise FreebodyError(
+            "notes: --out needs something to write: an item with a figure, or --errata. The table goes to the "
+            "terminal; --html FILE writes everything as a page."
+        )
+    allowed = " or ".join(_WITH[chosen]) or "alone"
+    raise FreebodyError(
+        f"notes: {', '.join(unused)} is not used with {chosen or 'the table'}, which goes with {allowed}; leave it out."
+    )
 
 
 def _run(items: Sequence[Item]) -> list[Finding]:

@@ -14,10 +14,11 @@ from freebody.derivations.derive import LOADS
 from freebody.derivations.expression import Expression
 from freebody.derivations.forms import Layout
 from freebody.derivations.kinematics import Kinematics
+from freebody.derivations.methods.recursive import GRAVITIES
 from freebody.derivations.methods.setting import Setting, require_chain_of_bodies
 from freebody.derivations.symbols import symbols
 from freebody.derivations.values import time_rates
-from freebody.errors import FreebodyError
+from freebody.errors import FreebodyError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.scalars.trig import Trig
@@ -63,6 +64,8 @@ def quantities(
     among its forces; "base" accelerates the base by -g instead, which then is in all accelerations. Raises
     FreebodyError for branched models and joints of several axes.
     """
+    if gravity not in GRAVITIES:
+        raise UnknownNameError("gravity", gravity, "fb.quantities", GRAVITIES)
     names = LOADS[model.dim] if load else ()
     made = symbols(model, extra=names)
     require_chain_of_bodies(made, "quantities")

@@ -33,7 +33,7 @@ _LOAD = {2: (0.85, -0.53), 3: (0.5, -0.65, -0.6)}
 
 
 @wraps(plain.derive)
-def derive(model: Model, method: str = "newton-euler", **options: Any) -> Derivation:
+def derive(model: Model, method: str | None = None, **options: Any) -> Derivation:
     """A derivation that draws what it speaks of where it is shown as a page or in a notebook."""
     return replace(plain.derive(model, method, **options), draw=drawings)
 

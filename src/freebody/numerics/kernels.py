@@ -72,6 +72,7 @@ def chosen_option(
     if reference not in references:
         raise UnknownNameError("reference", reference, "reference=", references)
     needs_frame = any(name in _FRAMED for name in listed)
+    _require_used(listed, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows)
     option = Option(
         model.frame(frame).name if needs_frame or frame is not None else None,
         reference,
@@ -102,6 +103,25 @@ _FRAMED = (
     "operational_space_inertia",
     "operational_space_bias",
 )
+_USED_BY = {
+    "frame": _FRAMED,
+    "reference": ("jacobian", "jacobian_dot", "jacobian_derivatives", "joint_wrenches"),
+    "wrench_frames": tuple(name for name, formula in FORMULAS.items() if "wrenches" in formula.inputs),
+    "rows": ("operational_space_inertia", "operational_space_bias"),
+}
+"""Quantities that an option is for."""
+
+
+def _require_used(listed: Sequence[str], **given: Any) -> None:
+    """Refuse an option that none of the quantities uses."""
+    for name, value in given.items():
+        used = _USED_BY[name]
+        if value not in (None, (), "world") and len(value) and not set(used) & set(listed):
+            raise FreebodyError(
+                f"fb.kernel: {name}={value!r} has no meaning for {', '.join(listed)}; it is for {', '.join(used)}."
+            )
+
+
 SMALL = 12
 """Coordinates up to which two ways to the same values are both traced."""
 

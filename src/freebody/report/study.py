@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from freebody.errors import FreebodyError, SingularError
+from freebody.errors import FreebodyError, KindError, SingularError
 from freebody.model.model import Model
 from freebody.motion.default import default_motion
 from freebody.motion.motion import Motion
@@ -206,6 +206,14 @@ def _motion(model: Model, motion: Motion | xr.Dataset | str | os.PathLike[str] |
         return motion
     if isinstance(motion, str | os.PathLike):
         return read_motion(model, motion)
+    if not hasattr(motion, "variables"):
+        raise KindError(
+            "study",
+            "motion",
+            motion,
+            "a Motion, a CSV file or an xarray Dataset",
+            "From arrays: fb.Motion(t, q, qd, qdd).",
+        )
     return motion_from_dataset(model, motion)
 
 

@@ -1,0 +1,32 @@
+"""Public functions whose first argument is a model: what to write where something else is given."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from functools import wraps
+from typing import Any
+
+from freebody.errors import KindError
+from freebody.model.model import Model
+
+
+def takes_model(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function under its public name, which refuses a first argument that is no model."""
+
+    @wraps(function)
+    def checked(model: Model, *args: Any, **kwargs: Any) -> Any:
+        if isinstance(model, Model):
+            return function(model, *args, **kwargs)
+        raise KindError(name, "the first argument", model, "a Model", _advice(name, model))
+
+    # a function is pickled by the place where it is found
+    checked.__module__, checked.__qualname__ = "freebody", name
+    return checked
+
+
+def _advice(name: str, given: object) -> str:
+    """How to get a model, or to put the arguments in order."""
+    if isinstance(given, str | os.PathLike):
+        return f"Write fb.{name}(fb.load({os.fspath(given)!r}), …)."
+    return f"Write fb.{name}(model, …) with a model from fb.load, fb.planar or fb.dh."

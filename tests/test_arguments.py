@@ -1,0 +1,113 @@
+"""What public functions and commands are given is used, or refused with what to write instead."""
+
+import inspect
+import pickle
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.cli.app import run
+from freebody.errors import KindError
+
+FUNCTIONS = {
+    name: getattr(fb, name) for name in sorted(fb.__all__) if inspect.isfunction(getattr(fb, name, None))
+}
+OF_MODELS = [
+    name for name, function in FUNCTIONS.items() if [*inspect.signature(function).parameters][:1] == ["model"]
+]
+KEYWORDS: dict[str, dict[str, Any]] = {"reactions": {"tau": np.zeros(6)}}
+
+
+def call(name: str, first: Any) -> Any:
+    """A call with a first argument, and zeros for whatever else is needed."""
+    parameters = list(inspect.signature(FUNCTIONS[name]).parameters.values())[1:]
+    needed = [p for p in parameters if p.default is p.empty and p.kind is p.POSITIONAL_OR_KEYWORD]
+    return FUNCTIONS[name](first, *(np.zeros(6) for _ in needed), **KEYWORDS.get(name, {}))
+
+
+@pytest.mark.parametrize("first", ["ur5e", Path("arm.urdf"), None, [1.0], np.zeros(6), fb.Model], ids=repr)
+@pytest.mark.parametrize("name", OF_MODELS)
+def test_what_is_no_model_is_refused_with_what_to_write(name: str, first: Any):
+    with pytest.raises(KindError, match=rf"^{name}: the first argument is ") as problem:
+        call(name, first)
+    advice = re.search(r"Write (fb\.\w+\(.*)$", str(problem.value))
+    assert advice is not None
+    assert advice[1].startswith(f"fb.{name}(")
+    if isinstance(first, str | Path):
+        assert f"fb.load('{first}')" in advice[1]
+
+
+def test_most_functions_take_a_model():
+    assert len(OF_MODELS) > 55
+
+
+def test_public_functions_keep_name_signature_and_pickle():
+    for name in OF_MODELS:
+        function = FUNCTIONS[name]
+        assert (function.__name__, function.__module__) == (name, "freebody")
+        assert pickle.loads(pickle.dumps(function)) is function
+    assert "tolerance" in inspect.signature(fb.simulate).parameters
+    arm = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0])
+    assert fb.mass_matrix(model=arm, q=[0.0]) == pytest.approx(0.25)
+
+
+# ---------------------------------------------------------------- arguments that would not be used
+ARM = fb.load("2R")
+
+
+def call_study(motion: Any) -> Any:
+    """A study along what may be no motion."""
+    return fb.study(ARM, motion)
+
+
+UNUSED: list[tuple[Callable[[], Any], str]] = [
+    (lambda: fb.derive(ARM, "lagrange", route="x"), "route is an option of 'newton-euler'"),
+    (lambda: fb.derive(ARM, "recursive", route="pivot"), "route is an option of 'newton-euler'"),
+    (lambda: fb.derive(ARM, "statics", rout="pivot"), "no option 'rout' in derive 'statics'"),
+    (lambda: fb.derive(ARM, "kinematics", load=True), "forces do not occur in it"),
+    (lambda: call_study((np.zeros(3), np.zeros((3, 2)))), "expected a Motion, a CSV file"),
+    (lambda: fb.kernel(ARM, "mass_matrix", reference="body"), "reference='body' has no meaning for mass_matrix"),
+    (lambda: fb.kernel(ARM, "mass_matrix", frame="tip"), "frame='tip' has no meaning"),
+    (lambda: fb.kernel(ARM, "jacobian", rows=["vx"]), "has no meaning for jacobian"),
+    (lambda: fb.kernel(ARM, "bias", wrench_frames=["tip"]), "has no meaning for bias"),
+    (lambda: fb.quantities(ARM, gravity="none"), "no gravity 'none' in fb.quantities"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("case", range(len(UNUSED)))
+def test_arguments_that_would_not_be_used_are_refused(case: int):
+    function, words = UNUSED[case]
+    with pytest.raises(fb.FreebodyError, match=re.escape(words)):
+        function()
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("--out", "x.md"), ("--out", "x.md", "--chapter", "3"), ("eq-3.22", "--errata"), ("eq-3.22", "--chapter", "3"),
+        ("eq-3.22", "--html", "x.html"), ("--errata", "--verdict", "holds"), ("--errata", "--html", "x.html"),
+        ("--html", "x.html", "--out", "y.md"), ("--html", "x.html", "--chapter", "2"),
+    ],
+)  # fmt: skip
+def test_options_of_notes_that_would_not_be_used_are_refused(
+    arguments: tuple[str, ...],
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+):
+    monkeypatch.chdir(tmp_path)
+    assert run(["notes", *arguments]) == 2
+    assert re.search(r"error: notes: .*(needs something to write|is not used with)", capsys.readouterr().err)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_closed_chain_is_derived_by_a_method_that_applies(capsys: pytest.CaptureFixture[str]):
+    assert fb.derive(fb.load("four_bar")).method == "lagrange-first-kind"
+    assert fb.derive(ARM).method == "newton-euler"
+    assert run(["derive", "four_bar"]) == 0
+    assert "Lagrange" in capsys.readouterr().out.splitlines()[0]
