@@ -100,6 +100,9 @@ _PLACES = {
     "freebody.figures.notes.catalogue": ("notes_figure",),
     "freebody.report.study": ("Study", "study"),
 }
+_QUICK = tuple(f"freebody.numerics.{name}" for name in ("kinematics", "dynamics", "operational", "states"))
+"""Their functions look themselves whether they are given a model: a call through another costs too much there."""
+
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 __all__ = [*_PLACE_OF, "__version__"]
 
@@ -109,7 +112,7 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'freebody' has no attribute {name!r}")
     value = getattr(importlib.import_module(_PLACE_OF[name]), name)
     code = getattr(value, "__code__", None)
-    if code is not None and code.co_varnames[:1] == ("model",):
+    if code is not None and code.co_varnames[:1] == ("model",) and _PLACE_OF[name] not in _QUICK:
         value = importlib.import_module("freebody.model.required").takes_model(name, value)
     globals()[name] = value
     return value

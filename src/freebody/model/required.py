@@ -11,14 +11,19 @@ from freebody.errors import KindError
 from freebody.model.model import Model
 
 
+def require_model(name: str, model: object) -> None:
+    """Refuse what is no model; functions that are called a million times a second say so themselves."""
+    if not isinstance(model, Model):
+        raise KindError(name, "the first argument", model, "a Model", _advice(name, model))
+
+
 def takes_model(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
     """The function under its public name, which refuses a first argument that is no model."""
 
     @wraps(function)
     def checked(model: Model, *args: Any, **kwargs: Any) -> Any:
-        if isinstance(model, Model):
-            return function(model, *args, **kwargs)
-        raise KindError(name, "the first argument", model, "a Model", _advice(name, model))
+        require_model(name, model)
+        return function(model, *args, **kwargs)
 
     # a function is pickled by the place where it is found
     checked.__module__, checked.__qualname__ = "freebody", name

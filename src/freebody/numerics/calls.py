@@ -12,6 +12,7 @@ from freebody.arrays import Array, as_floats, at_sample, check_core, refuse_not_
 from freebody.compiler.sound import HUGE
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.model import Model
+from freebody.model.required import require_model
 from freebody.numerics import kernels
 from freebody.numerics.formulas import FORMULAS, OF_TREES, Option
 
@@ -37,7 +38,11 @@ def evaluate(
     the inputs are looked at one by one: every call gives the same answer, or the same refusal.
     """
     frames, loads = _given(wrenches)
-    known = model.compiled.get((function, option, frames))
+    try:
+        known = model.compiled.get((function, option, frames))
+    except AttributeError:
+        require_model(function, model)
+        raise
     if known is not None:
         checked, quaternions = known
         try:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, SingularError
 from freebody.model.model import Model
+from freebody.model.required import require_model
 from freebody.numerics.calls import Vector, Wrenches, common_batch, evaluate, finite_vector
 from freebody.numerics.closed import dynamics as closed
 from freebody.numerics.closed.reactions import reactions
@@ -43,6 +44,7 @@ def inverse_dynamics(
     more drives than the mechanism needs, the smallest torques. Raises LoopError for a state that its loops do not
     allow, SingularError where the drives do not determine the motion.
     """
+    require_model("inverse_dynamics", model)
     if model.loops:
         return closed.inverse(model, q, qd, qdd, wrenches, actuated)
     if actuated is not None:
@@ -59,6 +61,7 @@ def forward_dynamics(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches:
     SingularError naming the joint that moves no inertia, LoopError for a state that the loops do not allow,
     PassiveJointError for a torque at a joint that nothing drives.
     """
+    require_model("forward_dynamics", model)
     refuse_passive("forward_dynamics", model, tau)
     if model.loops:
         return closed.forward(model, q, qd, tau, wrenches)
@@ -109,6 +112,7 @@ def forward_dynamics_derivatives(
 
     Raises SingularError naming the joint that moves no inertia, PassiveJointError for a torque at a passive joint.
     """
+    require_model("forward_dynamics_derivatives", model)
     refuse_passive("forward_dynamics_derivatives", model, tau)
     refuse_massless(model, "forward_dynamics_derivatives")
     result = evaluate("forward_dynamics_derivatives", model, (q, qd, tau))
@@ -146,6 +150,7 @@ def static_torque(model: Model, q: Vector, wrenches: Wrenches = None) -> Array:
     An open chain rests where the entries of its passive joints are zero; elsewhere they are the holding torque that is
     missing. Closed chains: the torques of the driven joints, as for `inverse_dynamics`.
     """
+    require_model("static_torque", model)
     if model.loops:
         return closed.holding(model, q, wrenches)
     return evaluate("static_torque", model, (q,), None, wrenches)
@@ -158,6 +163,7 @@ def tip_wrench(model: Model, q: Vector, tau: Vector, frame: str | None = None) -
     joints returns the force alone (moment 0). Gravity and springs are not counted. Raises SingularError at a singular
     Jacobian, PassiveJointError for a torque at a joint that nothing drives.
     """
+    require_model("tip_wrench", model)
     refuse_passive("tip_wrench", model, tau)
     if model.loops:
         raise FreebodyError(
@@ -199,6 +205,7 @@ def joint_wrenches(
     the child's. Arguments as for `inverse_dynamics`. Closed chains: a row for each loop follows, on the second frame's
     body by the first's; `reactions` also says which components are determined.
     """
+    require_model("joint_wrenches", model)
     if model.loops:
         return reactions(model, q, qd, qdd=qdd, wrenches=wrenches, reference=reference).wrenches
     option = Option(reference=checked_reference(reference, ("world", "child")))
@@ -220,5 +227,6 @@ def momentum(model: Model, q: Vector, qd: Vector, about: ArrayLike | None = None
 
     (..., 3) in the plane. Momentum of the bodies; rotors are not counted.
     """
+    require_model("momentum", model)
     extra = () if about is None else (finite_vector("momentum", model, "about", about),)
     return evaluate("momentum", model, (q, qd, *extra), Option(point=about is not None))

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from freebody.arrays import Array
 from freebody.errors import SingularError, UnknownNameError
 from freebody.model.model import Model
+from freebody.model.required import require_model
 from freebody.numerics.calls import Vector, evaluate
 from freebody.numerics.formulas import Option
 
@@ -20,6 +21,7 @@ def forward_kinematics(model: Model, q: Vector, frame: str | None = None) -> Arr
 
     q: (..., nq). frame: name, default the tip. Raises ShapeError, NotFiniteError, UnknownNameError.
     """
+    require_model("forward_kinematics", model)
     return evaluate("forward_kinematics", model, (q,), Option(model.frame(frame).name))
 
 
@@ -31,6 +33,7 @@ def velocity(
     In the plane (..., 3): ẋ, ẏ, ω. q: (..., nq); qd: (..., nv); point: (..., dim), fixed to the frame, in its axes (m).
     Source: (2.16-2.18), (4.3), (6.16-6.19).
     """
+    require_model("velocity", model)
     option = Option(model.frame(frame).name, point=point is not None)
     extra = () if point is None else (point,)
     return evaluate("velocity", model, (q, qd, *extra), option)
@@ -45,6 +48,7 @@ def acceleration(
     qdd: (..., nv).
     Source: (2.24), (4.5), (6.20-6.22).
     """
+    require_model("acceleration", model)
     option = Option(model.frame(frame).name, point=point is not None)
     extra = () if point is None else (point,)
     return evaluate("acceleration", model, (q, qd, qdd, *extra), option)
@@ -55,6 +59,7 @@ def jacobian(model: Model, q: Vector, frame: str | None = None, reference: Refer
 
     q: (..., nq). reference: "world" axes, or those of the frame ("body"). The notes' planar J (2.19) is [..., :2, :].
     """
+    require_model("jacobian", model)
     return evaluate("jacobian", model, (q,), Option(model.frame(frame).name, checked_reference(reference)))
 
 
@@ -62,6 +67,7 @@ def jacobian_dot(
     model: Model, q: Vector, qd: Vector, frame: str | None = None, reference: Reference = "world"
 ) -> Array:
     """Time derivative (..., 6, nv) of `jacobian` along qd (..., nv): acceleration = J qdd + J̇ qd (2.24)."""
+    require_model("jacobian_dot", model)
     option = Option(model.frame(frame).name, checked_reference(reference))
     return evaluate("jacobian_dot", model, (q, qd), option)
 
@@ -73,6 +79,7 @@ def jacobian_derivatives(
 
     Arguments as for `jacobian`; `jacobian_dot` is its product with qd.
     """
+    require_model("jacobian_derivatives", model)
     option = Option(model.frame(frame).name, checked_reference(reference))
     return evaluate("jacobian_derivatives", model, (q,), option)
 
@@ -82,6 +89,7 @@ def center_of_mass(model: Model, q: Vector) -> Array:
 
     q: (..., nq). Raises SingularError without mass.
     """
+    require_model("center_of_mass", model)
     if model.mass == 0.0:
         raise SingularError(f"center_of_mass: {model.name!r} has no mass; give its links an inertia.")
     return evaluate("center_of_mass", model, (q,))

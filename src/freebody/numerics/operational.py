@@ -10,6 +10,7 @@ from freebody.algorithms.regressor import DRIVE, body_parameters, parameter_valu
 from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.model.model import Model
+from freebody.model.required import require_model
 from freebody.numerics.calls import Vector, evaluate
 from freebody.numerics.formulas import Option
 from freebody.numerics.kernels import motion_rows
@@ -19,6 +20,7 @@ from freebody.numerics.massless import refuse_massless
 
 def mass_matrix_inverse(model: Model, q: Vector) -> Array:
     """M⁻¹ (..., nv, nv). q: (..., nq). Raises SingularError naming the joint that moves no inertia."""
+    require_model("mass_matrix_inverse", model)
     refuse_massless(model, "mass_matrix_inverse")
     return evaluate("mass_matrix_inverse", model, (q,))
 
@@ -31,6 +33,7 @@ def operational_space_inertia(
     q: (..., nq). frame: name, default the tip. rows: which of "vx", "vy", "vz", "wx", "wy", "wz" (plane: "vx", "vy",
     "w"); default all. Raises SingularError where the arm cannot move the frame along all of them.
     """
+    require_model("operational_space_inertia", model)
     option = _operational(model, frame, rows, "operational_space_inertia")
     result = evaluate("operational_space_inertia", model, (q,), option)
     _refuse_dependent_rows("operational_space_inertia", model, q, option)
@@ -44,6 +47,7 @@ def operational_space_bias(
 
     qd: (..., nv); other arguments and errors as for `operational_space_inertia`.
     """
+    require_model("operational_space_bias", model)
     option = _operational(model, frame, rows, "operational_space_bias")
     result = evaluate("operational_space_bias", model, (q, qd), option)
     _refuse_dependent_rows("operational_space_bias", model, q, option)
@@ -96,6 +100,7 @@ def inertial_parameters(model: Model) -> dict[str, float]:
     """π by name: of each body m, hx, hy, hz (first moment), Ixx, Ixy, Ixz, Iyy, Iyz, Izz about its joint's origin, in
     its axes (plane: m, hx, hy, I); then of each joint with a drive viscous, coulomb, rotor, stiffness,
     stiffness_rest."""
+    require_model("inertial_parameters", model)
     tree = model.tree
     names = [f"{body.name}.{p}" for body in model.bodies for p in body_parameters(tree.space)]
     joints = [
@@ -107,5 +112,6 @@ def inertial_parameters(model: Model) -> dict[str, float]:
 
 def forward_dynamics_parameter_derivatives(model: Model, q: Vector, qd: Vector, tau: Vector) -> Array:
     """∂q̈/∂π (..., nv, p) = -M⁻¹ Y, π in the order of `fb.inertial_parameters`; the regressor Y is ∂tau/∂π."""
+    require_model("forward_dynamics_parameter_derivatives", model)
     refuse_massless(model, "forward_dynamics_parameter_derivatives")
     return evaluate("forward_dynamics_parameter_derivatives", model, (q, qd, tau))

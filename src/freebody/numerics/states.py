@@ -11,6 +11,7 @@ from freebody.arrays import Array
 from freebody.model.joints import JointKind
 from freebody.model.model import Model
 from freebody.model.parts import Limits
+from freebody.model.required import require_model
 from freebody.numerics.calls import common_batch, finite_vector
 
 _FAR = 1e3  # limits beyond this many rad or m are some file's way to say that there are none
@@ -18,6 +19,7 @@ _FAR = 1e3  # limits beyond this many rad or m are some file's way to say that t
 
 def neutral(model: Model) -> Array:
     """q (nq,) with every coordinate 0 and every quaternion the identity."""
+    require_model("neutral", model)
     q = np.zeros(model.nq)
     for kind, iq, _ in _manifolds(model):
         if kind.quaternion is not None:
@@ -41,6 +43,7 @@ def random_state(
     q lies within the limits, or within ±π (rad) and ±1 (m) where there are none (a range of no width is none);
     quaternions are uniform; rates and accelerations are normal with deviation 1.
     """
+    require_model("random_state", model)
     return _states(model, seed, batch, [body.joint.limits.meant for body in model.bodies])
 
 
@@ -86,6 +89,7 @@ def integrate(model: Model, q: ArrayLike, v: ArrayLike) -> Array:
 
     Free joints move along their screw (exponential of SE(3)), spherical ones turn by ω; the others add.
     """
+    require_model("integrate", model)
     q0, rate = _batched("integrate", model, q=q, v=v)
     result = np.empty_like(q0)
     for kind, iq, iv in _manifolds(model):
@@ -96,6 +100,7 @@ def integrate(model: Model, q: ArrayLike, v: ArrayLike) -> Array:
 def difference(model: Model, q0: ArrayLike, q1: ArrayLike) -> Array:
     """The velocity (..., nv) that leads from q0 to q1 (..., nq) in unit time: integrate(q0, difference(q0,
     q1)) = q1."""
+    require_model("difference", model)
     a, b = _batched("difference", model, q0=q0, q1=q1)
     result = np.empty((*a.shape[:-1], model.nv))
     for kind, iq, iv in _manifolds(model):
