@@ -12,6 +12,7 @@ import contextlib
 import hashlib
 import json
 import os
+import re
 import secrets
 import stat
 from collections.abc import Callable, Mapping
@@ -27,6 +28,8 @@ MANIFEST = "manifest.json"
 _FORMAT = "freebody results 1"
 _LARGEST = 2**20  # bytes; a manifest has about one hundred a file
 _FOREIGN = "what has this name here is not freebody's, or was changed; move it, or name another folder"
+
+_NAME, _SHA256 = re.compile(r"\w[\w.-]*"), re.compile("[0-9a-f]{64}")
 
 Makers = Mapping[str, Callable[[], str | bytes]]
 """What makes the content of each file, by the file's name."""
@@ -153,6 +156,8 @@ def _known(folder: Path) -> dict[str, set[str]]:
         if found["format"] != _FORMAT:
             raise ValueError
         pairs = [*found["files"].items(), *found["earlier"].items()]
+        if not all(_NAME.fullmatch(name) and _SHA256.fullmatch(sha) for name, sha in pairs):
+            raise ValueError
     except FileNotFoundError:
         return {}
     except OSError as failure:
@@ -162,9 +167,8 @@ def _known(folder: Path) -> dict[str, set[str]]:
             path, None, "this is not a manifest of freebody's results; name another folder with --out."
         ) from None
     known: dict[str, set[str]] = {}
-    for name, digest in pairs:
-        if os.path.basename(name) == name:
-            known.setdefault(name, set()).add(digest)
+    for name, sha in pairs:
+        known.setdefault(name, set()).add(sha)
     return known
 
 

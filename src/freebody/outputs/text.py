@@ -24,6 +24,11 @@ def legal(text: str) -> str:
     return _UNSEEN.sub("\ufffd", text)
 
 
+def encodable(text: str) -> str:
+    """The text with ? for halves of surrogate pairs, which file names outside UTF-8 have and no file can hold."""
+    return text.encode("utf-8", "replace").decode("utf-8")
+
+
 def harmless(cell: str) -> str:
     """A cell that a spreadsheet takes for text: what begins like a formula has an apostrophe in front."""
     return f"'{cell}" if _RUN.match(cell) else cell

@@ -13,7 +13,7 @@ import numpy as np
 import freebody
 from freebody.motion.ranges import position_columns
 from freebody.outputs.folder import Makers, write_folder
-from freebody.outputs.text import csv_text
+from freebody.outputs.text import csv_text, encodable
 from freebody.report.facts import facts
 from freebody.report.html import page
 
@@ -107,7 +107,15 @@ def netcdf(study: Study) -> bytes:
 
     Names of joints stand in it as values, never as names of its own, which could not hold all of them.
     """
-    return bytes(dataset(study).to_netcdf(engine="scipy"))
+    whole = dataset(study)
+    for held in (whole, *whole.variables.values()):
+        held.attrs = {k: encodable(v) if isinstance(v, str) else v for k, v in held.attrs.items()}
+    labels = {
+        name: (labelled.dims, [encodable(str(label)) for label in labelled.values])
+        for name, labelled in whole.coords.items()
+        if labelled.dtype.kind in "UO"
+    }
+    return bytes(whole.assign_coords(labels).to_netcdf(engine="scipy"))
 
 
 def _csv(table: Callable[[], _Table]) -> str:
