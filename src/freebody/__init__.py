@@ -91,6 +91,7 @@ _PLACES = {
     "freebody.derivations.relation": ("relation",),
     "freebody.derivations.functions": ("sampled_trajectory", "trajectory", "vector_function"),
     "freebody.motion.motion": ("Motion",),
+    "freebody.motion.measured": ("smoothed",),
     "freebody.motion.default": ("default_motion",),
     "freebody.motion.table": ("read_motion",),
     "freebody.motion.simulate": ("simulate",),

@@ -11,6 +11,7 @@ import typer
 from freebody.cli import options, terminal
 from freebody.cli.options import MimicChoice, PhysicalChoice
 from freebody.errors import FreebodyError, OutputError
+from freebody.formats.numbers import number
 from freebody.outputs.folder import prepare
 
 if TYPE_CHECKING:
@@ -42,6 +43,13 @@ def study(
         Path | None,
         typer.Option(metavar="DIR", help="Where the report and the data go. Default: study-ROBOT."),
     ] = None,
+    smooth: Annotated[
+        str | None,
+        typer.Option(
+            metavar="HZ",
+            help="Smooth a measured motion, without delay: a cutoff in Hz, or auto for the one its noise asks for.",
+        ),
+    ] = None,
     tip: options.Tip = None,
     base: options.Base = None,
     mimic: options.Mimic = MimicChoice.follow,
@@ -55,9 +63,12 @@ def study(
     with terminal.progress("reading") as progress:
         from freebody.report.study import study as study_of
 
+        cutoff = _cutoff(smooth)
         model = options.load(robot, None, base, mimic, physical, snap_angles, convention, estimate_inertia)
         prepare(directory)
-        found = study_of(model, motion, tip, progress=lambda text, done: progress(text, 0.7 * done))
+        found = study_of(
+            model, motion, tip, smooth=cutoff, progress=lambda text, done: progress(text, 0.7 * done)
+        )
         progress("report and data files", 0.7)
         failure = _saved(found, directory)
     _print(found, directory, failure)
@@ -65,6 +76,16 @@ def study(
         raise failure
     if found.finding:
         raise typer.Exit(1)
+
+
+def _cutoff(smooth: str | None) -> bool | float:
+    """What --smooth means."""
+    if smooth is None or smooth == "auto":
+        return smooth is not None
+    cutoff = number(smooth)
+    if cutoff is None or not cutoff > 0.0:
+        raise FreebodyError(f"--smooth is {smooth!r}, expected a cutoff in Hz above 0, such as 8, or auto.")
+    return cutoff
 
 
 def _saved(found: Study, directory: Path) -> FreebodyError | None:

@@ -165,7 +165,8 @@ def completed(model: Model, t: Array, columns: Mapping[str, Array], source: str)
                 f"{', '.join(names)} put it at {q[k, model.position_names.index(name)]:.6g}; leave the column out."
             )
     text = f"{source}; {', '.join(names)} as given, the others by the loops, rates by a spline through the positions"
-    return Motion(t, *consistent_rates(model, t, q, at_rest=False), text, layout(model))
+    states = consistent_rates(model, t, q, at_rest=False)
+    return Motion(t, *states, text, layout(model), differentiated="positions")
 
 
 def consistent_rates(model: Model, t: Array, q: Array, at_rest: bool) -> tuple[Array, Array, Array]:

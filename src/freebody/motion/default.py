@@ -8,6 +8,7 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, LoopError
 from freebody.model.model import Model
 from freebody.motion.closing import consistent_rates, followed, home, leaders, outside, regularity
+from freebody.motion.measured import rested
 from freebody.motion.motion import Motion, derivatives
 from freebody.motion.ranges import Ranges, ranges
 from freebody.numerics.coordinates import layout, state_of
@@ -50,7 +51,7 @@ def default_motion(model: Model, duration: float = DURATION, samples: int = SAMP
     x = state_of(where, q, np.zeros_like(q), np.zeros_like(q))[0]
     q, qd, qdd = state_of(where, x, *derivatives(t, x, at_rest=True))
     text = f"default motion: every joint swings within its limits, from rest to rest in {duration:g} s"
-    return Motion(t, q, qd, qdd, text, where, allowed.notices)
+    return rested(model, Motion(t, q, qd, qdd, text, where, allowed.notices))
 
 
 def _of_closed_chain(model: Model, t: Array) -> Motion:
@@ -79,7 +80,8 @@ def _of_closed_chain(model: Model, t: Array) -> Motion:
         )
     names = ", ".join(model.velocity_names[k] for k in leading)
     text = f"default motion: {names} swing from rest to rest in {t[-1]:g} s, the loops lead the other joints"
-    return Motion(t, *consistent_rates(model, t, q, at_rest=True), text, layout(model), allowed.notices)
+    states = consistent_rates(model, t, q, at_rest=True)
+    return rested(model, Motion(t, *states, text, layout(model), allowed.notices))
 
 
 def _clear(model: Model, q: Array, leading: list[int], least: float) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -41,6 +42,8 @@ class Motion:
     """Where the motion comes from, in words."""
     layout: Layout
     notices: tuple[str, ...] = ()
+    differentiated: Literal["", "positions", "rates"] = ""
+    """What samples the accelerations are derivatives of, where they were not given."""
 
     @property
     def duration(self) -> float:
@@ -93,7 +96,8 @@ def motion_of(
         accelerations = vector("motion", model, "qdd", qdd)
     else:
         accelerations = found[2] if qd is None else derivatives(times, rates)[0]
-    return Motion(times, found[0], rates, accelerations, source, where, notices)
+    differentiated = "" if qdd is not None else "positions" if qd is None else "rates"
+    return Motion(times, found[0], rates, accelerations, source, where, notices, differentiated)
 
 
 def derivatives(t: Array, x: Array, at_rest: bool = False) -> tuple[Array, Array]:

@@ -7,6 +7,7 @@ A header names the columns: `t` (s) and the coordinates of the positions as the 
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,8 +18,9 @@ from freebody.errors import FileError, FreebodyError, LoopError, UnknownNameErro
 from freebody.formats import numbers, source
 from freebody.model.model import Model
 from freebody.motion.closing import completed
+from freebody.motion.measured import along_rates, rested
 from freebody.motion.motion import FEWEST, Motion, derivatives, motion_of
-from freebody.motion.ranges import position_columns
+from freebody.motion.ranges import angular, position_columns
 from freebody.numerics.coordinates import layout, state_of
 from freebody.outputs.text import as_meant
 
@@ -33,7 +35,9 @@ _DISAGREE = 0.05  # given rates this far from the differentiated ones, over the 
 def read_motion(model: Model, path: str | os.PathLike[str]) -> Motion:
     """The motion in a CSV file: a header with `t` and the model's position names, then a row a time.
 
-    SI units, radians; separated by commas; lines that start with # are comments. Raises FileError with the line.
+    SI units, radians; separated by commas; lines that start with # are comments. Positions with noise beside rates are
+    brought in line with these; a rate below a millionth of the fastest of its kind is rest. Raises FileError with the
+    line.
     """
     file = Path(path)
     header, rows = _table(file)
@@ -158,6 +162,10 @@ def _check_leaders(model: Model, header: list[str], problem: Any) -> None:
 
 
 def _motion(model: Model, t: Array, columns: dict[str, Array], source: str, problem: Any) -> Motion:
+    return rested(model, _as_given(model, t, columns, source, problem))
+
+
+def _as_given(model: Model, t: Array, columns: dict[str, Array], source: str, problem: Any) -> Motion:
     if len(t) < FEWEST:
         raise problem(f"{len(t)} samples; a motion needs at least {FEWEST}.")
     if model.loops:
@@ -167,31 +175,54 @@ def _motion(model: Model, t: Array, columns: dict[str, Array], source: str, prob
             raise problem(str(error)) from None
     q = _unit(model, np.stack([columns[name] for name in model.position_names], axis=-1), problem)
     plain = motion_of(model, t, q, source=source)
+    rates = {name: columns[f"{name}.v"] for name in model.position_names if f"{name}.v" in columns}
+    slopes, notices = plain.qd, []
+    if rates and len(rates) == model.nq:
+        given = np.stack(list(rates.values()), axis=-1)
+        q, slopes = along_rates(t, q, given)
+        notices += _in_line(model, np.abs(q - plain.q))
     iq, iv = position_columns(model)
     qd, qdd = plain.qd.copy(), plain.qdd.copy()
-    given, off = [], []
+    off = []
     for kq, kv in zip(iq, iv, strict=True):
         name = model.position_names[kq]
-        if f"{name}.v" in columns:
-            given.append(name)
-            rate = columns[f"{name}.v"]
-            if np.abs(rate - qd[:, kv]).max() > _DISAGREE * max(np.abs(rate).max(), np.abs(qd[:, kv]).max()):
+        if name in rates:
+            qd[:, kv] = rates[name]
+            qdd[:, kv] = derivatives(t, rates[name][:, None])[0][:, 0]
+            largest = max(np.abs(qd[:, kv]).max(), np.abs(slopes[:, kv]).max())
+            if np.abs(qd[:, kv] - slopes[:, kv]).max() > _DISAGREE * largest:
                 off.append(name)
-            qd[:, kv] = rate
-            qdd[:, kv] = derivatives(t, rate[:, None])[0][:, 0]
         if f"{name}.a" in columns:
             qdd[:, kv] = columns[f"{name}.a"]
-    how = (
-        "rates as given" if len(given) == model.nq else f"rates of {_listed(given)} as given" if given else ""
-    )
-    rest = "" if len(given) == model.nq else "differentiated by a spline through the positions"
-    text = f"{source}; {'; '.join(part for part in (how, rest) if part)}"
-    notices = ()
     if off:
-        notices = (
-            f"The rates given for {_listed(off)} differ from the slope of the positions by more than 5 %.",
+        notices.append(
+            f"The rates given for {_listed(off)} differ from the slope of the positions by more than 5 %."
         )
-    return motion_of(model, t, q, qd, qdd, text, notices)
+    accelerated = all(f"{name}.a" in columns for name in model.position_names)
+    return replace(
+        motion_of(model, t, q, qd, qdd, _told(model, source, list(rates)), tuple(notices)),
+        differentiated="" if accelerated else "rates" if len(rates) == model.nq else "positions",
+    )
+
+
+def _told(model: Model, source: str, rates: list[str]) -> str:
+    """Where the motion and its rates come from."""
+    all_given = len(rates) == model.nq
+    how = "rates as given" if all_given else f"rates of {_listed(rates)} as given" if rates else ""
+    rest = "" if all_given else "differentiated by a spline through the positions"
+    return f"{source}; {'; '.join(part for part in (how, rest) if part)}"
+
+
+def _in_line(model: Model, moved: Array) -> list[str]:
+    """A sentence on positions that were moved (T, nq)."""
+    if not moved.any():
+        return []
+    k = int(np.argmax(moved.max(axis=0)))
+    unit = "rad" if angular(model)[k] else "m"
+    return [
+        f"The positions carry noise and were brought in line with the rates given, by at most {moved.max():.2g} {unit} "
+        f"({model.position_names[k]})."
+    ]
 
 
 def _unit(model: Model, q: Array, problem: Any) -> Array:

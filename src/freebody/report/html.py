@@ -110,7 +110,7 @@ def _facts(study: Study) -> dict[str, Any]:
         "parts": [words for words in figures.parts(study).values() if words != "total"],
         "limited": bool(np.isfinite(ranges(model).effort).any()),
         "mimic": [body.joint for body in model.bodies if body.joint.mimic is not None],
-        "worst_miss": float(loops.misses.max()) if loops is not None else 0.0,
+        "worst_miss": float(np.nanmax(loops.misses)) if loops is not None else 0.0,
         "worst_factor": float(loops.factors.max()) if loops is not None else 0.0,
         "seconds": sum(study.seconds.values()),
     }

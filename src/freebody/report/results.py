@@ -166,7 +166,8 @@ class Replay:
     factors: Array
     """(pieces,) how much the linearised dynamics amplify an error within each piece, at most."""
     misses: Array
-    """(pieces,) largest distance from the reference at the piece's end, over the joint range."""
+    """(pieces,) largest distance from the reference at the piece's end, over the joint range; NaN for pieces of a long
+    log that were not run, infinite where the run was broken off."""
     bound: float
     method: str
     """Integrator."""

@@ -18,6 +18,7 @@ from freebody.motion.ranges import ranges
 from freebody.motion.table import motion_from_dataset, read_motion
 from freebody.report.checks import checks
 from freebody.report.jacobians import singularity
+from freebody.report.measured import Smooth, filtered
 from freebody.report.pace import at_pace, pace
 from freebody.report.replay import replayed
 from freebody.report.results import Check, Replay, Singularity, StaticPose, Verdict, Worst
@@ -134,13 +135,16 @@ def study(
     motion: Motion | xr.Dataset | str | os.PathLike[str] | None = None,
     tip: str | None = None,
     *,
+    smooth: Smooth = False,
     progress: Progress | None = None,
 ) -> Study:
     """The dynamic study of a robot along a motion.
 
     model: with all values. motion: a Motion, a CSV file or a dataset (see `read_motion`); default a smooth one within
     the joint limits, run as slowly as the limits of speed and torque ask. tip: frame; default the model's own, else the
-    leaf behind the most movable joints. progress: called with a text and the fraction done.
+    leaf behind the most movable joints. smooth: True, or a cutoff (Hz), for a measured motion (see `smoothed`); noise
+    that spoils the torques is told in any case, with the torques with and without it. progress: called with a text and
+    the fraction done.
     Raises FreebodyError for a robot without movable joints, MissingValueError for one with open parameters.
     """
     if model.nv == 0:
@@ -149,7 +153,7 @@ def study(
     clock = _Clock(progress)
     frame, reason = chosen_tip(model, tip)
     with clock.part("motion", 0.0):
-        followed = _motion(model, motion)
+        followed, measured = filtered(model, _motion(model, motion), smooth)
     with clock.part("torques, reactions, energies", 0.05):
         data = series(model, frame, followed)
         found = summary(model, followed, data)
@@ -160,7 +164,7 @@ def study(
         replay, skipped = _replay(model, followed)
     with clock.part("checks", 0.9):
         checked = checks(model, followed, data, replay)
-    warned = (*followed.notices, *_driven(model), *limit_notices(model, found))
+    warned = (*measured, *followed.notices, *_driven(model), *limit_notices(model, found))
     clock.say("done", 1.0)
     return Study(
         model=model,

@@ -1,0 +1,192 @@
+"""Measured motions: noise is recognised, said, and filtered without delay; rest is rest."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.errors import FreebodyError
+from freebody.motion.measured import recognised
+from freebody.motion.motion import Motion
+from freebody.motion.smoothing import noise, smooth
+from freebody.motion.table import read_motion
+from freebody.report.measured import filtered
+
+ARM = fb.planar(
+    "RR",
+    l=[0.5, 0.4],
+    lc=[0.25, 0.2],
+    m=[8.0, 4.0],
+    I=[0.2, 0.06],
+    limits=[fb.Limits(-3, 3, 3.0, 150.0), fb.Limits(-3, 3, 3.0, 50.0)],
+)
+SIGMA, RATE = 5e-5, 1.5e-3  # of an industrial robot's log at 100 Hz
+
+
+def truth(t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    w = 2 * np.pi * np.array([0.4, 0.7])
+    a, p = np.array([0.8, 0.5]), np.array([0.3, 1.1])
+    return (
+        a * np.sin(w * t[:, None] + p),
+        a * w * np.cos(w * t[:, None] + p),
+        -a * w**2 * np.sin(w * t[:, None] + p),
+    )
+
+
+def log(path: Path, rates: bool = False, sigma: float = SIGMA, seconds: float = 12.0) -> Path:
+    """A log at about 100 Hz with jitter; positions with noise, perhaps rates with theirs."""
+    rng = np.random.default_rng(5)
+    t = np.cumsum(rng.uniform(0.008, 0.012, int(100 * seconds)))
+    q, qd, _ = truth(t)
+    columns = [t[:, None], q + sigma * rng.normal(size=q.shape)]
+    header = "t,joint1,joint2"
+    if rates:
+        columns.append(qd + RATE * rng.normal(size=q.shape))
+        header += ",joint1.v,joint2.v"
+    np.savetxt(path, np.hstack(columns), delimiter=",", header=header, comments="", fmt="%.9g")
+    return path
+
+
+def exact(motion: Motion) -> np.ndarray:
+    return fb.inverse_dynamics(ARM, *truth(motion.t))
+
+
+# ---------------------------------------------------------------- the estimator and the filter
+@pytest.mark.parametrize("sigma", [1e-6, 1e-4, 3e-3])
+def test_the_size_of_white_noise_is_found(sigma: float):
+    rng = np.random.default_rng(0)
+    t = np.cumsum(rng.uniform(0.008, 0.012, 2000))
+    found = noise(t, truth(t)[0] + sigma * rng.normal(size=(2000, 2)))
+    np.testing.assert_allclose(found, sigma, rtol=0.15)
+
+
+def test_smooth_sampled_or_coarse_curves_have_no_noise():
+    t = np.linspace(0, 5, 401)
+    for name in ("2R", "ur5e", "scara"):
+        assert not noise(t, fb.default_motion(fb.load(name)).q).any()
+    ramps = np.cumsum(np.where(t < 1, 2.0, np.where((t > 2) & (t < 3), -2.0, 0.0))) / 80.0
+    assert not noise(t, np.cumsum(ramps)[:, None] / 80.0).any() or noise(t, ramps[:, None]).max() < 1e-12
+    assert not noise(np.arange(40) * 0.5, np.random.default_rng(1).normal(size=(40, 2))).any()  # waypoints
+    assert not noise(t[:20], t[:20, None]).any()
+
+
+@pytest.mark.parametrize("ratio", [0.25, 1.0, 2.0])
+def test_the_filter_passes_what_it_says_without_delay(ratio: float):
+    rng = np.random.default_rng(2)
+    t = np.sort(rng.uniform(0, 40, 6000))
+    t[0], t[-1] = 0.0, 40.0
+    wave = np.stack([np.cos(2 * np.pi * 3 * ratio * t), np.sin(2 * np.pi * 3 * ratio * t)], axis=-1)
+    passed = smooth(t, wave, 3.0)(np.linspace(10, 30, 4001))
+    s = 2 * np.pi * 3 * ratio * np.linspace(10, 30, 4001)
+    gain, delay = 2 * (passed[:, 0] * np.cos(s)).mean(), 2 * (passed[:, 0] * np.sin(s)).mean()
+    assert gain == pytest.approx(1 / (1 + ratio**6), abs=0.02)
+    assert abs(delay) < 0.02
+    parabola = np.stack([t**2, 1.0 + t], axis=-1)
+    np.testing.assert_allclose(smooth(t, parabola, 0.5)(t), parabola, atol=1e-6)
+
+
+# ---------------------------------------------------------------- torques
+def test_noise_differentiated_twice_is_said_and_filtered(tmp_path: Path):
+    motion = read_motion(ARM, log(tmp_path / "log.csv"))
+    found, true = recognised(ARM, motion), exact(motion)
+    assert found is not None
+    assert found.of == "positions"
+    assert found.sigma == pytest.approx(SIGMA, rel=0.15)
+    assert 1.0 < found.cutoff < 10.0
+    size = np.abs(true).max(axis=0)
+    raw = fb.inverse_dynamics(ARM, motion.q, motion.qd, motion.qdd)
+    clean = fb.smoothed(ARM, motion)
+    found_torque = fb.inverse_dynamics(ARM, clean.q, clean.qd, clean.qdd)
+    inside = slice(20, -20)
+    assert (np.abs(raw - true)[inside].max(axis=0) > 0.1 * size).all()
+    assert (np.abs(found_torque - true)[inside].max(axis=0) < 0.02 * size).all()
+    assert (np.abs(found_torque - true).max(axis=0) < 0.1 * size).all()  # the ends
+
+
+def test_a_study_gives_the_torque_with_and_without(tmp_path: Path):
+    motion = read_motion(ARM, log(tmp_path / "log.csv", sigma=3e-4, seconds=4.0))
+    true = np.abs(exact(motion)).max(axis=0)
+    same, (said,) = filtered(ARM, motion, False)
+    assert same is motion
+    assert "positions carry noise" in said
+    assert "smoothed at" in said
+    clean, (told,) = filtered(ARM, motion, True)
+    assert "as it was measured" in told
+    spoilt, peak = (np.abs(fb.inverse_dynamics(ARM, m.q, m.qd, m.qdd)).max(axis=0) for m in (motion, clean))
+    assert (spoilt > 1.2 * true).all()
+    np.testing.assert_allclose(peak, true, rtol=0.05)
+    for value in (f"{peak[0]:.3g} N m, {peak[0] / 1.5:.0f} % of its limit", f"{spoilt[0]:.3g} N m"):
+        assert value in said
+        assert value in told
+    found = fb.study(ARM, tmp_path / "log.csv", smooth=4.0)
+    assert found.motion.source.endswith("smoothed: 4 Hz, without delay")
+    assert "as it was measured" in found.warnings[0]
+    assert found.checked
+
+
+def test_an_honest_log_with_rates_is_followed_to_its_end(tmp_path: Path):
+    motion = read_motion(ARM, log(tmp_path / "log.csv", rates=True, seconds=4.0))
+    assert "brought in line with the rates given" in motion.notices[0]
+    q, qd, _ = truth(motion.t)
+    assert np.abs(motion.q - q).max() < 5 * SIGMA
+    assert np.abs(motion.qd - qd).max() < 5 * RATE
+    found = fb.study(ARM, motion)
+    assert found.checked, [check for check in found.checks if not check.passed]
+
+
+def test_exact_rates_are_left_as_they_are(tmp_path: Path):
+    t = np.linspace(0, 4, 401)
+    rows = np.hstack([t[:, None], *truth(t)[:2]])
+    np.savetxt(
+        tmp_path / "m.csv", rows, delimiter=",", header="t,joint1,joint2,joint1.v,joint2.v", comments=""
+    )
+    motion = read_motion(ARM, tmp_path / "m.csv")
+    np.testing.assert_array_equal(motion.q, truth(t)[0])
+    np.testing.assert_array_equal(motion.qd, truth(t)[1])
+    assert recognised(ARM, motion) is None
+    assert motion.notices == ()
+
+
+def test_what_cannot_be_smoothed_is_refused():
+    motion = fb.default_motion(ARM)
+    with pytest.raises(FreebodyError, match=r"no noise is recognised .* name one \(Hz\)"):
+        fb.study(ARM, motion, smooth=True)
+    for cutoff in (0.0, 50.0, float("nan")):
+        with pytest.raises(
+            FreebodyError, match=r"expected more than 0 and less than half the sampling rate, 40 Hz"
+        ):
+            fb.smoothed(ARM, motion, cutoff)
+
+
+def test_the_positions_of_a_closed_chains_drives_are_smoothed(tmp_path: Path):
+    model = fb.load("four_bar")
+    start = fb.assemble(model)[0]
+    rng = np.random.default_rng(3)
+    t = np.linspace(0, 3, 301)
+    crank = start + 0.3 * np.sin(2 * np.pi * 0.5 * t)
+    noisy = crank + 1e-4 * rng.normal(size=301)
+    name = model.driven_names[0]
+    np.savetxt(tmp_path / "m.csv", np.stack([t, noisy], -1), delimiter=",", header=f"t,{name}", comments="")
+    clean = fb.smoothed(model, read_motion(model, tmp_path / "m.csv"))
+    assert np.abs(clean.qdd[20:-20, 0] + 0.3 * np.pi**2 * np.sin(np.pi * t[20:-20])).max() < 0.15
+    np.testing.assert_allclose(fb.assemble(model, clean.q[150]), clean.q[150], atol=1e-10)
+
+
+# ---------------------------------------------------------------- rest
+def test_a_joint_at_rest_feels_no_coulomb_friction(tmp_path: Path):
+    model = fb.planar(
+        "RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1], g=0, drives=[fb.Drive(coulomb=7.0)] * 2
+    )
+    t = np.linspace(0, 2, 41)
+    rows = np.stack([t, np.sin(t), np.full(41, 0.1) + 1e-15 * np.sin(9 * t)], axis=-1)
+    np.savetxt(tmp_path / "m.csv", rows, delimiter=",", header="t,joint1,joint2", comments="", fmt="%.17g")
+    motion = read_motion(model, tmp_path / "m.csv")
+    assert not motion.qd[:, 1].any()
+    state = motion.q, motion.qd, motion.qdd
+    friction = fb.inverse_dynamics(model, *state) - fb.inverse_dynamics(model.without("friction"), *state)
+    np.testing.assert_allclose(friction, np.stack([7.0 * np.sign(np.cos(t)), 0 * t], axis=-1), atol=1e-12)
+    # the functions themselves keep the sign
+    assert fb.bias(model, [0, 0], [0, 1e-14])[1] == pytest.approx(7.0)
