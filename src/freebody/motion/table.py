@@ -1,12 +1,14 @@
 """Motions from CSV files and xarray datasets.
 
-A header names the columns: `t` (s) and the coordinates of the positions as the model names them (rad, m); `name.v` and
-`name.a` give rates and accelerations of a coordinate, which are otherwise differentiated (see `motion_of`).
+A header names the columns: `t` or `time` and the coordinates of the positions as the model names them; `name.v` and
+`name.a` give rates and accelerations of a coordinate, which are otherwise differentiated (see `motion_of`). Units are
+the SI's and radians unless the header says `joint1 (deg)`, or the variable of a dataset has the attribute `units`.
 """
 
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,20 +16,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FileError, FreebodyError, LoopError, UnknownNameError, shown
-from freebody.formats import numbers, source
+from freebody.errors import FileError, FreebodyError, LoopError, UnknownNameError
 from freebody.model.model import Model
 from freebody.motion.closing import completed
+from freebody.motion.doubts import doubts
 from freebody.motion.measured import along_rates, rested
 from freebody.motion.motion import FEWEST, Motion, derivatives, motion_of
 from freebody.motion.ranges import angular, position_columns
+from freebody.motion.sheet import factor, kinds, listed, read_sheet
 from freebody.numerics.coordinates import layout, state_of
-from freebody.outputs.text import as_meant
 
 if TYPE_CHECKING:
     import xarray as xr
 
-_LARGEST, _MOST_VALUES = 256 * 2**20, 10_000_000  # bytes and cells of a file: hours of a robot's log
 _UNIT = 1e-3  # how far a quaternion of a file, printed with few digits, may be off unit length
 _DISAGREE = 0.05  # given rates this far from the differentiated ones, over the largest, are worth a word
 
@@ -35,27 +36,30 @@ _DISAGREE = 0.05  # given rates this far from the differentiated ones, over the 
 def read_motion(model: Model, path: str | os.PathLike[str]) -> Motion:
     """The motion in a CSV file: a header with `t` and the model's position names, then a row a time.
 
-    SI units, radians; separated by commas; lines that start with # are comments. Positions with noise beside rates are
+    SI units and radians, or the unit that stands behind a name: `joint1 (deg)`, `t [ms]`. Separated by commas, or by
+    semicolons or tabs with decimal points or commas; what follows # is a comment. Positions with noise beside rates are
     brought in line with these; a rate below a millionth of the fastest of its kind is rest. Raises FileError with the
     line.
     """
     file = Path(path)
-    header, rows = _table(file)
+    sheet = read_sheet(model, file)
 
     def problem(text: str, row: int | None = None) -> FileError:
-        return FileError(file, rows[0 if row is None else row + 1][0], text)
+        return FileError(file, sheet.rows[0 if row is None else row + 1][0], text)
 
-    _check_names(model, header, problem)
-    if len(rows) <= FEWEST:
-        raise problem(f"{_count(len(rows) - 1)} of numbers; a motion needs at least {FEWEST}.")
-    table = np.array([_numbers(file, line, header, cells) for line, cells in rows[1:]])
-    columns = {name: table[:, k] for k, name in enumerate(header) if name != "t"}
-    t = table[:, header.index("t")]
+    _check_names(model, sheet.header, problem)
+    count = len(sheet.rows) - 1
+    if count < FEWEST:
+        raise problem(f"{_count(count)} of numbers; a motion needs at least {FEWEST}.")
+    table = sheet.values()
+    columns = {name: table[:, k] for k, name in enumerate(sheet.header)}
+    t = columns.pop("t")
     late = np.flatnonzero(np.diff(t) <= 0)
     if len(late):
         k = int(late[0]) + 1
         raise problem(f"t = {t[k]:g} does not come after {t[k - 1]:g}; times must increase.", k)
-    return _motion(model, t, columns, f"{file.name}, {len(t)} rows", problem)
+    motion = _motion(model, t, columns, f"{file.name}, {count} rows", problem)
+    return _doubted(model, motion, columns, sheet.told, "'{} ({})' in the header")
 
 
 def motion_from_dataset(model: Model, data: xr.Dataset) -> Motion:
@@ -71,56 +75,31 @@ def motion_from_dataset(model: Model, data: xr.Dataset) -> Motion:
         return FreebodyError(f"motion: the dataset: {text}" + ("" if row is None else f" (sample {row})"))
 
     _check_names(model, header, problem)
-    columns = {name: np.asarray(named[name].values, dtype=float) for name in header[1:]}
+    columns = {"t": np.asarray(times.values, dtype=float)}
+    columns |= {name: np.asarray(named[name].values, dtype=float) for name in header[1:]}
+    told = set()
     for name, column in columns.items():
         if not np.isfinite(column).all():
             raise problem(f"{name!r} holds a value that is not finite.", int(np.argmax(~np.isfinite(column))))
-    return _motion(model, np.asarray(times.values, dtype=float), columns, "a dataset", problem)
+        unit = (times if name == "t" else named[name]).attrs.get("units")
+        if isinstance(unit, str):
+            size = factor(name, unit.strip(), kinds(model))
+            if isinstance(size, str):
+                raise problem(f"{name!r}: {size}")
+            columns[name] = column * size
+            told.add(name)
+    t = columns.pop("t")
+    motion = _motion(model, t, columns, "a dataset", problem)
+    return _doubted(model, motion, columns, frozenset(told), "attrs['units'] of '{}' as '{}'")
 
 
-# ---------------------------------------------------------------- the file
-def _table(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
-    """(header, [(line, cells), …] of header and rows)."""
-    rows = [(line, cells) for line, cells in _rows(path) if any(cells) and not cells[0].startswith("#")]
-    if not rows:
-        raise FileError(
-            path, None, "the file is empty; a motion has a header, t and joint names, and a row a time."
-        )
-    line, cells = rows[0]
-    header = [as_meant(cell) for cell in cells]
-    if "t" not in header:
-        raise FileError(path, line, f"the header has no column 't' (time in s); it has {_listed(header)}.")
-    for k, name in enumerate(header):
-        if name in header[:k]:
-            raise FileError(path, line, f"column {name!r} stands twice in the header; remove one.")
-    return header, rows
-
-
-def _rows(path: Path) -> list[tuple[int, list[str]]]:
-    text = source.decoded(str(path), source.read(path, _LARGEST, "a motion"))
-    rows, values = [], 0
-    for line, row in enumerate(source.lines(text), 1):
-        rows.append((line, source.cells(path, line, row)))
-        values += len(rows[-1][1])
-        if values > _MOST_VALUES:
-            raise FileError(path, line, f"the motion has more than {_MOST_VALUES} values.")
-    return rows
-
-
-def _numbers(path: Path, line: int, header: list[str], cells: list[str]) -> list[float]:
-    if len(cells) != len(header):
-        raise FileError(path, line, f"{len(cells)} values, the header names {len(header)} columns.")
-    values = []
-    for name, cell in zip(header, cells, strict=True):
-        value = numbers.number(cell)
-        if value is None:
-            what = f"{shown(cell)} is not a number" if cell else "there is no number"
-            raise FileError(path, line, f"column {name!r}: {what}.")
-        problem = numbers.fault(value)
-        if problem:
-            raise FileError(path, line, f"column {name!r}: {shown(cell)} is {problem}.")
-        values.append(value)
-    return values
+def _doubted(
+    model: Model, motion: Motion, columns: Mapping[str, Array], told: frozenset[str], where: str
+) -> Motion:
+    """The motion with a notice on what looks like another unit; positions that were not given are not looked at."""
+    found = told | {name for name in model.position_names if name not in columns}
+    said = doubts(model, motion.t, motion.q, found, where)
+    return replace(motion, notices=(*said, *motion.notices))
 
 
 # ---------------------------------------------------------------- columns
@@ -139,13 +118,14 @@ def _check_names(model: Model, header: list[str], problem: Any) -> None:
             raise problem(
                 f"column {name!r}: rates of a joint with a quaternion are differentiated; remove the column."
             )
-        raise problem(str(UnknownNameError("column", name, f"a motion of {model.name!r}", known)))
+        unknown = str(UnknownNameError("column", name, f"a motion of {model.name!r}", known))
+        raise problem(f"{unknown[:-1]}; a column that is no part of the motion must be removed.")
     missing = [name for name in model.position_names if name not in header]
     if model.loops:
         _check_leaders(model, header, problem)
     elif missing:
         raise problem(
-            f"there is no column for {_listed(missing)}; a motion gives every position of {model.name!r}."
+            f"there is no column for {listed(missing)}; a motion gives every position of {model.name!r}."
         )
 
 
@@ -196,7 +176,7 @@ def _as_given(model: Model, t: Array, columns: dict[str, Array], source: str, pr
             qdd[:, kv] = columns[f"{name}.a"]
     if off:
         notices.append(
-            f"The rates given for {_listed(off)} differ from the slope of the positions by more than 5 %."
+            f"The rates given for {listed(off)} differ from the slope of the positions by more than 5 %."
         )
     accelerated = all(f"{name}.a" in columns for name in model.position_names)
     return replace(
@@ -208,7 +188,7 @@ def _as_given(model: Model, t: Array, columns: dict[str, Array], source: str, pr
 def _told(model: Model, source: str, rates: list[str]) -> str:
     """Where the motion and its rates come from."""
     all_given = len(rates) == model.nq
-    how = "rates as given" if all_given else f"rates of {_listed(rates)} as given" if rates else ""
+    how = "rates as given" if all_given else f"rates of {listed(rates)} as given" if rates else ""
     rest = "" if all_given else "differentiated by a spline through the positions"
     return f"{source}; {'; '.join(part for part in (how, rest) if part)}"
 
@@ -234,15 +214,10 @@ def _unit(model: Model, q: Array, problem: Any) -> Array:
             row = int(np.argmax(off > _UNIT))
             size = float(np.linalg.norm(q[row, iq]))
             raise problem(
-                f"the quaternion {_listed(model.position_names[iq])} has length {size:.4g}, expected 1.", row
+                f"the quaternion {listed(model.position_names[iq])} has length {size:.4g}, expected 1.", row
             )
     return state_of(where, q, np.zeros_like(q), np.zeros_like(q))[0]
 
 
 def _count(n: int) -> str:
     return f"{n} row" if n == 1 else f"{n} rows"
-
-
-def _listed(names: Any) -> str:
-    shown = [repr(str(name)) for name in names]
-    return ", ".join(shown) if len(shown) <= 8 else f"{', '.join(shown[:7])} and {len(shown) - 7} more"

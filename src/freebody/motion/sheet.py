@@ -1,0 +1,174 @@
+"""A motion's table as a CSV file holds it: columns by name, in SI units.
+
+A header names the columns, with a unit where it is not the SI's: `t` or `time`, `joint1 (deg)`, `joint1.v [deg/s]`.
+Columns are separated by commas, semicolons or tabs, whichever the header has; with the latter two a comma may be the
+decimal sign. What follows # is a comment.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import FileError, shown
+from freebody.formats import numbers, source
+from freebody.model.model import Model
+from freebody.motion.ranges import angular
+from freebody.outputs.text import as_meant
+
+TIMES = ("t", "time")
+_LARGEST, _MOST_VALUES = 256 * 2**20, 10_000_000  # bytes and cells of a file: hours of a robot's log
+_DEGREE = math.pi / 180.0
+_UNITS: dict[str, dict[str, float]] = {
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9},
+    "angle": {"rad": 1.0, "deg": _DEGREE, "°": _DEGREE},
+    "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
+    "number": {"1": 1.0},
+}
+_PER = {"": ("",), ".v": ("/s",), ".a": ("/s²", "/s^2", "/s2")}
+_NAMED = re.compile(r"(.*\S)\s*(?:\(([^()]*)\)|\[([^\[\]]*)\])")
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A file whose header is understood."""
+
+    path: Path
+    header: list[str]
+    """Names of the columns; `t` is the time."""
+    factors: Array
+    """Of the columns, to SI units."""
+    told: frozenset[str]
+    """Columns whose unit the header states."""
+    separator: str
+    rows: list[tuple[int, str]]
+    """(line, text) of the header, then of each row."""
+
+    def values(self) -> Array:
+        """(rows, columns) in SI units. Raises FileError with the line of what is no number."""
+        found = np.empty((len(self.rows) - 1, len(self.header)))
+        for k, (line, text) in enumerate(self.rows[1:]):
+            cells = source.cells(self.path, line, text.split("#")[0], self.separator)
+            if len(cells) == len(self.header) + 1 and not cells[-1]:
+                cells.pop()  # a separator at the end
+            found[k] = _numbers(self.path, line, self.header, cells, self.separator)
+        return found * self.factors
+
+
+def kinds(model: Model) -> dict[str, str]:
+    """What each position is: "angle", "length", or "number" (a quaternion's component)."""
+    found = dict.fromkeys(model.position_names, "number")
+    turns = angular(model)
+    for body, at in zip(model.bodies, model.coordinates, strict=True):
+        if body.joint.mimic is None and body.kind.nq == body.kind.nv:
+            for q, v in zip(at.q, at.v, strict=True):
+                found[model.position_names[q]] = "angle" if turns[v] else "length"
+        elif body.joint.mimic is None and body.kind.nq == 7:
+            found.update(dict.fromkeys((model.position_names[q] for q in at.q[:3]), "length"))
+    return found
+
+
+def factor(column: str, unit: str, quantities: Mapping[str, str]) -> float | str:
+    """What a column in that unit is multiplied with to be in SI units; or what is wrong, as a sentence."""
+    ending = column[-2:] if column[-2:] in (".v", ".a") and column not in quantities else ""
+    kind = "time" if column == "t" else quantities.get(column.removesuffix(ending), "number")
+    known = {name + per: size for name, size in _UNITS[kind].items() for per in _PER[ending]}
+    if unit in known:
+        return known[unit]
+    what = {"": f"a{'n' if kind == 'angle' else ''} {kind}", ".v": "this rate", ".a": "this acceleration"}
+    return f"{shown(unit)} is no unit of {what[ending]}; units: {', '.join(known)}."
+
+
+def read_sheet(model: Model, path: Path) -> Sheet:
+    """The table in a file. Raises FileError with the line."""
+    text = source.decoded(str(path), source.read(path, _LARGEST, "a motion"))
+    lines = enumerate(source.lines(text), 1)
+    rows = [(line, row) for line, row in lines if row.split("#")[0].strip(" ,;\t")]
+    if not rows:
+        raise FileError(
+            path, None, "the file is empty; a motion has a header, t and joint names, and a row a time."
+        )
+    line, first = rows[0]
+    separator = next((mark for mark in (";", "\t") if mark in first), ",")
+    cells = [as_meant(cell) for cell in source.cells(path, line, first, separator)]
+    if len(cells) > 1 and not cells[-1]:
+        cells.pop()
+    if len(cells) * (len(rows) - 1) > _MOST_VALUES:
+        raise FileError(path, None, f"the motion has more than {_MOST_VALUES} values.")
+    return Sheet(path, *_header(model, path, line, cells), separator, rows)
+
+
+def _header(model: Model, path: Path, line: int, cells: list[str]) -> tuple[list[str], Array, frozenset[str]]:
+    """Names, factors to SI units, and the names whose units are told."""
+    quantities = kinds(model)
+    header: list[str] = []
+    factors, told = [], set()
+    for cell in cells:
+        name, unit = cell, None
+        match = _NAMED.fullmatch(cell)
+        if cell not in quantities and match:
+            name, unit = match[1], (match[2] if match[3] is None else match[3]).strip()
+        if name.lower() in TIMES and name not in quantities:
+            name = "t"
+        if name in header:
+            before = cells[header.index(name)]
+            problem = (
+                f"column {name!r} stands twice in the header; remove one."
+                if before == cell
+                else f"columns {before!r} and {cell!r} are the same; remove one."
+            )
+            raise FileError(path, line, problem)
+        size = 1.0 if unit is None else factor(name, unit, quantities)
+        if isinstance(size, str):
+            raise FileError(path, line, f"column {cell!r}: {size}")
+        header.append(name)
+        factors.append(size)
+        told |= set() if unit is None else {name}
+    if "t" not in header:
+        raise FileError(
+            path, line, f"the header has no column 't' (time in s); it has {listed(cells)}{_hint(cells)}."
+        )
+    return header, np.array(factors), frozenset(told)
+
+
+def _hint(cells: list[str]) -> str:
+    """What may be wrong with a header without a time."""
+    if cells[0].startswith(("%", "//", "!")):
+        return "; a line that is no part of the table starts with #"
+    if len(cells) == 1 and cells[0].lower().startswith(("t ", "time ")):
+        return "; separate the columns by commas, semicolons or tabs"
+    return ""
+
+
+def _numbers(path: Path, line: int, header: list[str], cells: list[str], separator: str) -> list[float]:
+    if len(cells) != len(header):
+        hint = ""
+        if separator == "," and len(cells) in (2 * len(header), 2 * len(header) - 1):
+            hint = "; with decimal commas, separate the columns by semicolons"
+        raise FileError(path, line, f"{len(cells)} values, the header names {len(header)} columns{hint}.")
+    values = []
+    for name, cell in zip(header, cells, strict=True):
+        value = numbers.number(cell if separator == "," else cell.replace(",", ".", 1))
+        if value is None:
+            what = f"{shown(cell)} is not a number" if cell else "there is no number"
+            if any(cell in units for units in _UNITS.values()):
+                what += "; a unit stands behind the name in the header, as in 'joint1 (deg)'"
+            raise FileError(path, line, f"column {name!r}: {what}.")
+        problem = numbers.fault(value)
+        if problem:
+            raise FileError(path, line, f"column {name!r}: {shown(cell)} is {problem}.")
+        values.append(value)
+    return values
+
+
+def listed(names: Any) -> str:
+    """Names in quotes, the first few of many."""
+    quoted = [repr(str(name)) for name in names]
+    return ", ".join(quoted) if len(quoted) <= 8 else f"{', '.join(quoted[:7])} and {len(quoted) - 7} more"
