@@ -12,13 +12,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from freebody.errors import FreebodyError, NotFiniteError, ShapeError
+from freebody.labels import refuse_labelled
 
 Array = NDArray[np.float64]
 """float64 array; the docstring of each function gives its shape."""
 
 
 def as_floats(function: str, argument: str, value: ArrayLike) -> Array:
-    """`value` as float64 array without a copy where possible; refuses text, objects and complex numbers."""
+    """`value` as float64 array without a copy where possible; refuses text, objects, complex numbers and names."""
+    refuse_labelled(f"{function}: {argument}", value)
     try:
         array = np.asarray(value)
     except ValueError:

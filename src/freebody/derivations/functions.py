@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.arrays import Array
+from freebody.arrays import Array, as_floats
 from freebody.derivations import expression as ex
 from freebody.derivations.expression import Expression
 from freebody.derivations.formula import FormulaError, parse
@@ -125,7 +125,7 @@ def sampled_trajectory(t: ArrayLike, points: ArrayLike) -> SampledTrajectory:
     """
     from scipy.interpolate import make_interp_spline
 
-    times, places = np.asarray(t, dtype=float), np.asarray(points, dtype=float)
+    times, places = (as_floats("sampled_trajectory", n, x) for n, x in (("t", t), ("points", points)))
     if times.ndim != 1 or places.ndim != 2 or len(places) != len(times):
         raise ShapeError("sampled_trajectory", "points", places.shape, f"({times.size}, dim), one row a time")
     if len(times) < 6 or not np.all(np.diff(times) > 0) or not np.isfinite(places).all():

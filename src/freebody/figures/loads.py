@@ -8,7 +8,7 @@ mass the rate of angular momentum there (4.12-4.15, 6.28, 6.29).
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,7 +20,7 @@ from freebody.derivations.expression import Expression
 from freebody.derivations.naming import Naming
 from freebody.figures.skeleton import BodyPlace, Skeleton, extent, skeleton
 from freebody.model.model import Model
-from freebody.numerics.calls import Vector, Wrenches, vector
+from freebody.numerics.calls import Vector, Wrenches, single_vector, wrenches_by_frame
 from freebody.numerics.dynamics import joint_wrenches
 from freebody.numerics.kinematics import forward_kinematics
 
@@ -75,12 +75,13 @@ def body_loads(
     """The loads on every body; q (nq,); qd, qdd (nv,), default rest; wrenches as for `inverse_dynamics`."""
     still = np.zeros(model.nv)
     given = {"q": q, "qd": still if qd is None else qd, "qdd": still if qdd is None else qdd}
-    state = [vector("free_body_diagram", model, name, value) for name, value in given.items()]
+    state = [single_vector("free_body_diagram", model, name, value) for name, value in given.items()]
     pose = skeleton(model, state[0])
-    names, reactions = Naming(model), np.asarray(joint_wrenches(model, *state, wrenches=wrenches))
+    given = wrenches_by_frame("free_body_diagram", model, wrenches, single=True)
+    names, reactions = Naming(model), np.asarray(joint_wrenches(model, *state, wrenches=given))
     first, second, third = (tuple(map(float, x)) for x in state)
     recursion = rnea(model.tree, first, second, third, gravity="explicit")
-    external = _external(model, state[0], wrenches)
+    external = _external(model, state[0], given)
     closing = _loops(names, pose, state[0], reactions)
     acting = [
         (
@@ -201,14 +202,10 @@ def _rates(model: Model, body: BodyPlace, recursion: Recursion) -> tuple[Array, 
     return force, turning
 
 
-def _external(model: Model, q: Array, wrenches: Wrenches) -> list[tuple[int, Load]]:
+def _external(model: Model, q: Array, given: dict[str, Array]) -> list[tuple[int, Load]]:
     """(body, load) of each external wrench."""
-    if wrenches is None:
-        return []
-    given = wrenches if isinstance(wrenches, Mapping) else {model.frame().name: wrenches}
     found = []
-    for k, (frame, value) in enumerate(given.items(), 1):
-        w = np.asarray(value, dtype=float)
+    for k, (frame, w) in enumerate(given.items(), 1):
         place = np.asarray(forward_kinematics(model, q, frame))[: model.dim, -1]
         low = f"_{k}" if len(given) > 1 else ""
         load = Load(f"f{low}", f"n{low}", "external", frame, place, w[: model.dim], w[model.dim :])

@@ -12,7 +12,7 @@ from freebody.algorithms.kinematics import joint_poses, world_poses
 from freebody.arrays import Array
 from freebody.model.model import Model
 from freebody.model.tree import Mass, Tree
-from freebody.numerics.calls import vector
+from freebody.numerics.calls import single_vector
 
 _SAME = 1e-6  # metres: places nearer than this are one
 
@@ -90,7 +90,7 @@ class Skeleton:
 
 def skeleton(model: Model, q: ArrayLike) -> Skeleton:
     """The robot's places at q (nq,)."""
-    q_checked = vector("skeleton", model, "q", q)
+    q_checked = single_vector("skeleton", model, "q", q)
     tree = model.tree
     world = [
         (np.asarray(R), np.asarray(p))

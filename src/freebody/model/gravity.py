@@ -9,6 +9,7 @@ from numbers import Real
 import numpy as np
 
 from freebody.errors import ModelError
+from freebody.labels import refuse_labelled
 from freebody.model.parameters import Parameter, Quantity, finite, quantity
 from freebody.spatial import unit
 
@@ -27,6 +28,7 @@ def gravity_of(
     direction = direction or down
     if isinstance(given, str | Parameter | int | float | Real):
         return quantity(given, "gravity", name), direction
+    refuse_labelled("gravity", given)
     vector = np.array([finite(x, "gravity") for x in given])
     if vector.shape != (dim,):
         raise ModelError(f"gravity: a vector of {dim} entries in world axes is needed, not {len(vector)}.")

@@ -10,6 +10,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import ModelError
+from freebody.labels import refuse_labelled
 from freebody.model.inertia import Inertia
 
 _POINTS = 32
@@ -47,6 +48,8 @@ def inertia_from(mass: float, com: Sequence[float], tensor: Any, about: Sequence
     com, about: (2,) or (3,), m. Raises ModelError where what is left is no inertia: (1.19) leads from the centre of
     mass to other points, not from any point to any other.
     """
+    for name, given in (("com", com), ("tensor", tensor), ("about", about)):
+        refuse_labelled(f"inertia_from: {name}", given)
     d = np.asarray(com, dtype=float) - np.asarray(about, dtype=float)
     shift = _second(d[None], np.array([mass]))
     body = Inertia.of(

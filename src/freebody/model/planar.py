@@ -10,6 +10,7 @@ import math
 from collections.abc import Sequence
 
 from freebody.errors import ModelError, UnknownNameError, shown
+from freebody.labels import refuse_labelled
 from freebody.model.assembly import Policy, assemble
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
@@ -136,6 +137,7 @@ def _entries(letter: str, given: Sequence[Given] | None, n: int, word: str = "")
 
 def _optional(name: str, given: Sequence | None, n: int) -> list:
     """`given`, or n times None; refuses another length."""
+    refuse_labelled(f"planar: {name}", given)
     if given is None:
         return [None] * n
     if isinstance(given, str) or not hasattr(given, "__len__") or len(given) != n:

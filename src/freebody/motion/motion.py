@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import PPoly, make_interp_spline
 
-from freebody.arrays import Array
+from freebody.arrays import Array, as_floats
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
@@ -113,7 +113,7 @@ def derivatives(t: Array, x: Array, at_rest: bool = False) -> tuple[Array, Array
 
 def vector_of_times(t: ArrayLike) -> Array:
     """t as (T,) increasing finite floats, at least `FEWEST`."""
-    times = np.asarray(t, dtype=float)
+    times = as_floats("motion", "t", t)
     if times.ndim != 1 or len(times) < FEWEST:
         raise FreebodyError(f"motion: t has shape {times.shape}, expected at least {FEWEST} times.")
     if not np.isfinite(times).all():

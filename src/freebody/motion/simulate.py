@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
+from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.model.model import Model
 from freebody.motion.closed import EXPLICIT, closed_scheme
@@ -17,7 +17,7 @@ from freebody.motion.ranges import angular
 from freebody.motion.system import System, constant_loads, suited_method, system
 from freebody.motion.torques import Schedule, Torque, schedule
 from freebody.numerics import dynamics
-from freebody.numerics.calls import Vector, Wrenches, vector
+from freebody.numerics.calls import Vector, Wrenches, vector, wrenches_by_frame
 from freebody.numerics.closed.equations import gaps, rate_of_loops, require_closed, residual
 
 if TYPE_CHECKING:
@@ -100,18 +100,9 @@ def _times(t: ArrayLike) -> Array:
 
 
 def _wrenches(model: Model, wrenches: Wrenches) -> dict[str, Array]:
-    if wrenches is None:
-        return {}
-    six = 6 if model.dim == 3 else 3
-    given: dict[str, Any] = dict(wrenches) if hasattr(wrenches, "items") else {model.frame().name: wrenches}  # type: ignore[call-overload]
-    found = {}
-    for frame, value in given.items():
-        name = model.frame(frame).name
-        found[name] = as_floats("simulate", f"wrenches[{name!r}]", value)
-        check_core(
-            "simulate", f"wrenches[{name!r}]", found[name], (six,), "force, then moment, constant, world axes"
-        )
-        refuse_not_finite("simulate", f"wrenches[{name!r}]", found[name], 1)
+    found = wrenches_by_frame("simulate", model, wrenches, single=True)
+    for name, wrench in found.items():
+        refuse_not_finite("simulate", f"wrenches[{name!r}]", wrench, 1)
     return found
 
 

@@ -10,8 +10,10 @@ from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.errors import FreebodyError
+from freebody.labels import is_labelled
 from freebody.model.model import Model
 from freebody.motion.system import Drive
+from freebody.numerics.calls import vector
 from freebody.numerics.passive import refuse_passive
 
 Torque = ArrayLike | Callable[[float, Array, Array], ArrayLike] | None
@@ -119,6 +121,8 @@ def _breakpoints(given: ArrayLike) -> Array:
 
 def _table(model: Model, t: Array, torque: ArrayLike) -> Array:
     """(nv,) or (T, nv)."""
+    if is_labelled(torque):
+        torque = vector("simulate", model, "tau", torque)
     table = as_floats("simulate", "torque", torque)
     if table.shape not in ((model.nv,), (len(t), model.nv)):
         check_core("simulate", "torque", table, (model.nv,), f"model {model.name!r} has nv = {model.nv}")
@@ -134,7 +138,10 @@ def _checked(model: Model, function: Callable[[float, Array, Array], ArrayLike])
     """The function, what it returns looked at."""
 
     def drive(now: Array, q: Array, qd: Array) -> Array:
-        tau = np.array(function(float(now), q, qd), dtype=float)
+        tau = function(float(now), q, qd)
+        if is_labelled(tau):
+            tau = vector("simulate", model, "tau", tau)
+        tau = np.array(tau, dtype=float)
         if tau.shape != (model.nv,):
             check_core("simulate", "what torque(t, q, qd) returns", tau, (model.nv,), f"model {model.name!r}")
         if model.passive and np.isfinite(tau).all():

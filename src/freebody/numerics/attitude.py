@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.arrays import Array
+from freebody.arrays import Array, as_floats
 from freebody.errors import FreebodyError
 from freebody.model.placement import about, rotation_matrix
 
@@ -17,7 +17,7 @@ def rotation(axes: str, angles: Sequence[float] | ArrayLike) -> Array:
 
     axes: letters X, Y, Z, one an angle (rad). It takes components in the turned frame to those in the first (6.8).
     """
-    given = np.asarray(angles, dtype=float)
+    given = as_floats("rotation", "angles", angles)
     if not axes or set(axes.upper()) - set("XYZ") or given.shape != (len(axes),):
         raise FreebodyError(
             f"rotation: axes {axes!r} and {given.size} angles; give one angle for each of the letters X, Y, Z."
@@ -32,6 +32,6 @@ def quat_wxyz(R: ArrayLike) -> Array:
     """The unit quaternion w, x, y, z (w >= 0) of a rotation matrix (3, 3), as spherical and free joints take it."""
     from scipy.spatial.transform import Rotation
 
-    return Rotation.from_matrix(rotation_matrix(np.asarray(R), "quat_wxyz")).as_quat(
+    return Rotation.from_matrix(rotation_matrix(as_floats("quat_wxyz", "R", R), "quat_wxyz")).as_quat(
         canonical=True, scalar_first=True
     )

@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, at_sample, check_core, refuse_not_finite
 from freebody.compiler.sound import HUGE
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody.errors import FreebodyError, ShapeError
+from freebody.labels import aligned
 from freebody.model.model import Model
 from freebody.model.required import require_model
 from freebody.numerics import kernels
@@ -82,7 +83,7 @@ def _carefully(
     formula = FORMULAS[function]
     names = [name for name in formula.inputs if name != "wrenches" and (name != "point" or chosen.point)]
     arrays = [vector(function, model, name, value) for name, value in zip(names, inputs, strict=True)]
-    loads = _loads(function, model, wrenches)
+    loads = wrenches_by_frame(function, model, wrenches)
     if loads:
         chosen = chosen._replace(wrench_frames=tuple(loads))
     kernel = kernels.fetch(model, (function,), chosen)
@@ -112,7 +113,7 @@ def checked_inputs(
 ) -> tuple[tuple[str, ...], list[Array]]:
     """(frames with wrenches, arrays of the inputs and then the wrenches), all finite and of one batch shape."""
     arrays = {name: vector(function, model, name, value) for name, value in given.items()}
-    loads = _loads(function, model, wrenches)
+    loads = wrenches_by_frame(function, model, wrenches)
     named = arrays | {f"wrenches[{frame!r}]": load for frame, load in loads.items()}
     for name, array in named.items():
         refuse_not_finite(function, name, array, 1, labels(model, name))
@@ -131,10 +132,8 @@ def _refuse_overflow(function: str, named: Mapping[str, Array]) -> None:
 
 
 def vector(function: str, model: Model, name: str, value: Any) -> Array:
-    """q, qd, qdd, tau or a point as a checked array; a dict by names is one too."""
-    if isinstance(value, Mapping):
-        value = _from_names(function, model, name, value)
-    array = as_floats(function, name, value)
+    """q, qd, qdd, tau or a point as a checked array; one whose entries carry names (`labels`) is put in order."""
+    array = as_floats(function, name, aligned(function, name, value, labels(model, name), _DIMS[_kind(name)]))
     symbol = "nq" if name in _POSITIONS else "dim" if name in _POINTS else "nv"
     size = getattr(model, symbol)
     if array.shape[-1:] != (size,):
@@ -144,10 +143,31 @@ def vector(function: str, model: Model, name: str, value: Any) -> Array:
     return array
 
 
+_DIMS = {
+    "positions": ("position", "joint"),
+    "velocities": ("velocity", "joint"),
+    "point": ("axis",),
+}
+_OF_WRENCH = ("component", "axis")
+"""Dimensions of a DataArray that stand for the vector."""
+
+
+def _kind(name: str) -> str:
+    return "positions" if name in _POSITIONS else "point" if name in _POINTS else "velocities"
+
+
 def finite_vector(function: str, model: Model, name: str, value: Any) -> Array:
     """A `vector` that no kernel looks at: NaN and infinity are refused here."""
     array = vector(function, model, name, value)
     refuse_not_finite(function, name, array, 1, labels(model, name))
+    return array
+
+
+def single_vector(function: str, model: Model, name: str, value: Any) -> Array:
+    """A `vector` of one sample, for what takes no batch."""
+    array = vector(function, model, name, value)
+    if array.ndim != 1:
+        raise ShapeError(function, name, array.shape, str(array.shape[-1:]), "one sample, no batch")
     return array
 
 
@@ -171,22 +191,6 @@ def labels(model: Model, name: str) -> tuple[str, ...]:
     return model.velocity_names
 
 
-def _from_names(function: str, model: Model, name: str, given: Mapping[str, Any]) -> Array:
-    """A vector from {name: value or batch}; every entry must be there."""
-    names = labels(model, name)
-    for key in given:
-        if key not in names:
-            raise UnknownNameError("entry", key, f"{function}: {name}", names)
-    missing = [n for n in names if n not in given]
-    if missing:
-        raise FreebodyError(
-            f"{function}: {name} lacks {', '.join(missing)}; give every entry, 0 where it rests."
-        )
-    columns = {f"{name}[{n!r}]": as_floats(function, f"{name}[{n!r}]", given[n])[..., None] for n in names}
-    batch = common_batch(function, columns)
-    return np.concatenate([np.broadcast_to(x, (*batch, 1)) for x in columns.values()], axis=-1)
-
-
 def _check_quaternions(function: str, model: Model, q: Array) -> None:
     for body, at in zip(model.bodies, model.coordinates, strict=True):
         start = body.kind.quaternion
@@ -202,18 +206,25 @@ def _check_quaternions(function: str, model: Model, q: Array) -> None:
                 )
 
 
-def _loads(function: str, model: Model, wrenches: Wrenches) -> dict[str, Array]:
-    """External wrenches by frame."""
+def wrenches_by_frame(
+    function: str, model: Model, wrenches: Wrenches, single: bool = False
+) -> dict[str, Array]:
+    """External wrenches (..., six) by frame, one by names fx, fy, … put in order; `single`: no batch."""
     if wrenches is None:
         return {}
-    six = 6 if model.dim == 3 else 3
+    names = labels(model, "wrenches")
     given = wrenches if isinstance(wrenches, Mapping) else {model.frame().name: wrenches}
     loads = {}
     for frame, value in given.items():
         name = model.frame(frame).name
         if name in loads:
             raise FreebodyError(f"{function}: wrenches holds frame {name!r} twice; add the two wrenches up.")
-        loads[name] = as_floats(function, f"wrenches[{name!r}]", value)
+        argument = f"wrenches[{name!r}]"
+        loads[name] = as_floats(function, argument, aligned(function, argument, value, names, _OF_WRENCH))
         order = "force, then moment, world axes"
-        check_core(function, f"wrenches[{name!r}]", loads[name], (six,), order)
+        check_core(function, argument, loads[name], (len(names),), order)
+        if single and loads[name].ndim > 1:
+            raise ShapeError(
+                function, argument, loads[name].shape, f"({len(names)},)", f"one wrench: {order}"
+            )
     return loads

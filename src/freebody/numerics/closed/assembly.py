@@ -222,7 +222,7 @@ def _given(
     function: str, model: Model, given: ArrayLike | Mapping[str, ArrayLike]
 ) -> tuple[list[int], Array]:
     """(coordinates that are held to their values, the values (..., nv), 0 for coordinates that are not given)."""
-    if not isinstance(given, Mapping):
+    if not isinstance(given, Mapping) or hasattr(given, "to_dataarray"):
         return [], finite_vector(function, model, "rates", given)
     names, columns = model.velocity_names, {}
     for name, value in given.items():
@@ -241,7 +241,7 @@ def _consistent(
 ) -> Array:
     """x (..., nv) with Φ_q x = right: with the values given, or nearest to the vector given."""
     held, x = _given(function, model, given)
-    batch = common_batch(function, {"q": q, "rates": x})
+    batch = common_batch(function, {"q": q, "rates": x, "qd": right})
     q, x, right = (np.broadcast_to(a, (*batch, a.shape[-1])).reshape(-1, a.shape[-1]) for a in (q, x, right))
     J = scaled_jacobian(model, q)
     scale, stretch = row_scale(model), rate_scale(model)

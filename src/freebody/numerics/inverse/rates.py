@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, FreebodyWarning, SingularError
+from freebody.labels import aligned, labels_of
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector, common_batch, finite_vector
 from freebody.numerics.inverse.chain import arm_length
@@ -97,6 +99,7 @@ def _wanted(
     function: str, model: Model, letter: str, given: ArrayLike, task: str | Sequence[str] | None
 ) -> tuple[list[int], Array]:
     """The counted rows, and what is wanted of them (..., r)."""
+    given = aligned(function, letter, given, _row_labels(model, given, task), ("component", "axis"))
     array = as_floats(function, letter, given)
     six = 6 if model.dim == 3 else 3
     size = array.shape[-1] if array.ndim else 0
@@ -115,6 +118,15 @@ def _wanted(
     labels = [row_names(model.dim)[r] for r in rows]
     refuse_not_finite(function, letter, array, 1, labels)
     return rows, array
+
+
+def _row_labels(model: Model, given: Any, task: str | Sequence[str] | None) -> tuple[str, ...]:
+    """The rows that a vector by names has: all, those of the task, or where that is left open, of a position."""
+    names = row_names(model.dim)
+    if task is not None:
+        chosen = tuple(names[r] for r in rows_of("task", model, task))
+        return chosen if set(labels_of(given)) <= set(chosen) else names
+    return names if set(labels_of(given)) - set(names[: model.dim]) else names[: model.dim]
 
 
 class _Problem:
