@@ -65,13 +65,14 @@ def labels_of(value: Any) -> list[Any]:
         return list(value)
     if not is_labelled(value):
         return []
-    if _is_frame(value):
-        return list(value.columns)
-    if _is_series(value):
-        return list(value.index)
     if isinstance(value, (list, tuple)):
         return [label for row in value for label in labels_of(row)]
-    return [label for d in _named_dims(value) for label in value.coords[d].values.tolist()]
+    table: Any = value
+    if _is_frame(table):
+        return list(table.columns)
+    if _is_series(table):
+        return list(table.index)
+    return [label for d in _named_dims(table) for label in table.coords[d].values.tolist()]
 
 
 def refuse_labelled(where: str, value: Any) -> None:
