@@ -266,11 +266,29 @@ def test_positions_on_the_command_line_that_are_no_numbers(tmp_path, monkeypatch
     assert len(error) < 500
 
 
+@pytest.mark.parametrize("value", ["1_0e-9", "１e-9", "nan", "1e999"])
+@pytest.mark.parametrize("option", ["--snap-angles", "--estimate-inertia"])
+def test_options_that_are_no_numbers(capsys, option: str, value: str):
+    assert run(["show", "2R", option, value]) == 2
+    assert "is not a number that can be used" in capsys.readouterr().err
+
+
+def test_an_answer_with_digits_of_another_script():
+    assert "has no meaning here" in refusal(lambda: fb.check(fb.load("2R"), "H22 = 1２ I2"))
+
+
+def test_a_name_with_thousands_of_digits_is_no_advice(tmp_path):
+    joint = '<joint name="k" type="fixed"><parent link="l7"/><child link="base"/></joint>'
+    text = ARM.format(body=BODY, inner="").replace("</robot>", f'<link name="l{LONG}"/>{joint}</robot>')
+    assert "no parent link 'l7'" in refusal(lambda: load(text, tmp_path / "x.urdf"))
+
+
 def test_numbers_given_in_python():
     for given in (10**400, 10**5000, 1e200):
         text = refusal(lambda given=given: fb.planar("R", l=[given]))
         assert text.startswith("planar: l[0]: ")
     assert "is not a number" in refusal(lambda: fb.planar("R", l=[[10**5000]]))  # type: ignore[list-item]
+    assert "is not a number" in refusal(lambda: fb.load("2R", snap_angles="x"))  # type: ignore[arg-type]
     assert "too large" in refusal(lambda: fb.Inertia.bar(1.0, 1e100))
     for size in (1e200, 1e300):
         assert "finite" in refusal(lambda size=size: fb.Inertia.cylinder(1.0, size, 1.0))

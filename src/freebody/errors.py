@@ -18,7 +18,7 @@ def likely(name: str, known: Iterable[str], most: int = 1) -> list[str]:
     """
     if len(name) > _LONGEST:
         return []
-    names = [x for x in known if x != name]
+    names = [x for x in known if x != name and len(x) <= _LONGEST]
     same = [x for x in names if _bare(x) == _bare(name)]
     numbered = [x for x in names if _DIGITS.sub("", x) == _DIGITS.sub("", name) != ""]
     close = difflib.get_close_matches(name, names, n=8, cutoff=0.6)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from freebody.cli import terminal
+from freebody.errors import shown
 
 if TYPE_CHECKING:
     from freebody.model.model import Model
@@ -58,14 +59,30 @@ Mimic = Annotated[MimicChoice, typer.Option(help="Mimic joints follow their lead
 Physical = Annotated[
     PhysicalChoice, typer.Option(help="What to do about an inertia that no rigid body can have.")
 ]
+
+
+def number(text: str | float) -> float:
+    """An option's number; the parser's own would also take 1_0 and digits of other scripts."""
+    from freebody.formats import numbers
+
+    value = numbers.number(text) if isinstance(text, str) else text
+    if value is None or numbers.fault(value):
+        raise typer.BadParameter(f"{shown(text)} is not a number that can be used.")
+    return value
+
+
 Snap = Annotated[
-    float, typer.Option(metavar="RAD", help="Angles of a URDF this near to a right angle are read as one.")
+    float,
+    typer.Option(
+        metavar="RAD", parser=number, help="Angles of a URDF this near to a right angle are read as one."
+    ),
 ]
 Estimate = Annotated[
     float | None,
     typer.Option(
         "--estimate-inertia",
         metavar="KG",
+        parser=number,
         help="The robot's whole mass: inertias of a URDF are estimated from its shapes instead of read.",
     ),
 ]

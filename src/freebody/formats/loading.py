@@ -17,6 +17,7 @@ from freebody.model import planar
 from freebody.model.assembly import BasePolicy, MimicPolicy, Policy, assemble
 from freebody.model.dh import Convention
 from freebody.model.model import Model
+from freebody.model.parameters import real
 from freebody.model.parts import DOUBTFUL, Description
 
 _NOT_READ = {
@@ -91,7 +92,7 @@ def read(
     source: str | os.PathLike[str], *, snap_angles: float = 3e-9, convention: Convention | None = None
 ) -> Description:
     """The description in a file or of a bundled model, before it is checked and lumped; see `load`."""
-    if not 0.0 <= snap_angles < 0.1:
+    if not 0.0 <= real(snap_angles, "load: snap_angles") < 0.1:
         raise FreebodyError(f"load: snap_angles is {snap_angles}, expected radians between 0 and 0.1.")
     given = _path(source)
     path = Path(given)

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Literal
 
-import numpy as np
-
+from freebody.formats import numbers
 from freebody.formats.xml import Element
 from freebody.model.placement import Placement, rpy, shift
 from freebody.model.shapes import Shape
@@ -59,7 +58,7 @@ def _sizes(text: str, count: int) -> tuple[float, ...]:
 
 
 def _numbers(text: str, count: int) -> tuple[float, ...]:
-    values = tuple(float(word) for word in text.split())
-    if len(values) != count or not np.isfinite(values).all():
+    values = tuple(x for x in map(numbers.number, text.split()) if x is not None and not numbers.fault(x))
+    if len(values) != count:
         raise ValueError(text)
     return values

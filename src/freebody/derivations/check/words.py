@@ -30,7 +30,7 @@ _LOW = {c: str(k) for k, c in enumerate("₀₁₂₃₄₅₆₇₈₉")} | {
     "ₐ": "a", "ₑ": "e", "ₒ": "o", "ₓ": "x", "ᵢ": "i", "ⱼ": "j", "ₘ": "m", "ₙ": "n", "ₚ": "p", "ₜ": "t",
 }  # fmt: skip
 _HIGH = {c: str(k) for k, c in enumerate("⁰¹²³⁴⁵⁶⁷⁸⁹")} | {"⁻": "-", "⁺": ""}
-_EARLY_POWER = re.compile(r"(?:\^\{?(\d)\}?|([²³]))(?=_|[₀-₉])")
+_EARLY_POWER = re.compile(r"(?:\^\{?([0-9])\}?|([²³]))(?=_|[₀-₉])")
 _DEEPEST, _LONGEST = 4, 200
 _COMMAND = re.compile(r"\\([A-Za-z]+)")
 
