@@ -209,6 +209,19 @@ def test_asking_for_an_estimate_is_consent_and_it_is_marked_everywhere(capsys: p
     assert "filled evenly with 1000 kg/m³ so that all weigh 9 kg; links without shapes have none: base" in out
 
 
+def test_what_is_doubtful_or_estimated_is_so_in_the_saved_file_too():
+    for options, outcome in (
+        ({}, "Not judged: the torques cannot"),
+        ({"estimate_inertia": 9.0}, "Feasible (estimated)"),
+    ):
+        model = fb.load(arm(["", "", ""]), **options)
+        fb.save(model, "saved.toml")
+        again = fb.load("saved.toml")
+        assert again.is_estimated == model.is_estimated
+        assert fb.study(again).verdict.text.startswith(outcome)
+    assert said("saved.toml") == []
+
+
 def test_estimates_that_cannot_be_made_are_refused(capsys: pytest.CaptureFixture[str]):
     with pytest.raises(FileError, match="no link has a shape that fills a volume"):
         fb.load(arm(["", "", ""], shape=None), estimate_inertia=9.0)

@@ -167,6 +167,16 @@ def test_the_default_motion_is_slowed_until_it_keeps_the_limits():
     assert float(study.summary["effort_fraction"][0]) < 1
 
 
+def test_a_pace_is_not_promised_where_limits_are_not_given():
+    limits = [fb.Limits(-1, 1, velocity=3.0)]
+    model = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.1], limits=limits)
+    text = fb.study(model, swing(model)).verdict.text
+    assert text.startswith(
+        "Not judged: not given are an effort limit of joint1. The limits that it gives are kept; "
+    )
+    assert text.endswith(" They would be kept up to 3.81 times that speed.")
+
+
 # ------------------------------------------------------------ work
 def test_work_of_a_lift_and_of_a_cycle():
     model = fb.planar("R", l=[1], lc=[0.5], m=[2], I=[0.1])

@@ -77,11 +77,9 @@ def _estimated(description: Description, mass: float) -> Description:
 
 def _weighed(model: Model, description: Description, estimate: bool, warn: bool) -> Model:
     """The model with notices on what is doubtful about its masses, where they are to be those of a machine."""
-    if not description.real:
-        return model
-    found = doubts(model, {link.name: link.shapes for link in description.links}, estimate)
-    if found:
-        model = replace(model, notices=(*model.notices, *found))
+    if description.real:
+        found = doubts(model, {link.name: link.shapes for link in description.links}, estimate)
+        model = replace(model, notices=(*model.notices, *found)) if found else model
     for notice in model.notices if warn else ():
         if notice.kind == DOUBTFUL:
             warnings.warn(f"warning: {notice}", MassWarning, stacklevel=3)

@@ -14,14 +14,18 @@ from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, Quantity
-from freebody.model.parts import Drive, Joint, Limits, Loop
+from freebody.model.parts import MASS_NOTICES, Drive, Joint, Limits, Loop
 from freebody.model.placement import Placement, Rotate, Shift
 from freebody.model.tree import Attached
 from freebody.outputs.files import write
 
 
 def save(model: Model, path: str | os.PathLike[str]) -> None:
-    """Write the model to a .toml file (UTF-8); `model.notices`, which speak of where it came from, stay behind."""
+    """Write the model to a .toml file (UTF-8).
+
+    Of `model.notices` those on masses that are doubtful or estimated go along, as `masses_doubtful` and
+    `masses_estimated`; the others, which speak of where it came from, stay behind.
+    """
     target = Path(path)
     if target.suffix.lower() != ".toml":
         raise FreebodyError(f"save: {os.fspath(path)!r} must end in .toml, the format that is written.")
@@ -62,6 +66,10 @@ class _Writer:
             entries["tip"] = _text(model.tip)
         if self.free:
             entries["base"] = _text("free")
+        for key, kind in MASS_NOTICES.items():
+            texts = [_text(notice.text) for notice in model.notices if notice.kind == kind]
+            if texts:
+                entries[key] = f"[{', '.join(texts)}]"
         return _entries(entries)
 
     def parameters(self) -> str:

@@ -14,7 +14,7 @@ from freebody.formats.lines import bounded, lines
 from freebody.formats.table import Table
 from freebody.model import dh, planar
 from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
-from freebody.model.parts import Description, Link
+from freebody.model.parts import MASS_NOTICES, Description, Link, Notice
 
 _GENERAL = (
     "name",
@@ -28,6 +28,7 @@ _GENERAL = (
     "payload",
     "loop",
     "home",
+    *MASS_NOTICES,
 )
 _TREE = ("link", "joint")
 
@@ -61,6 +62,9 @@ def describe(file: str, text: str, *, name: str) -> Description:
         home=parts.home(top),
         tip=top.choice("tip", names, described.tip) if "tip" in top else described.tip,
         source=top.text("source", ""),
+        notices=tuple(
+            Notice(kind, text, file) for key, kind in MASS_NOTICES.items() for text in _texts(top, key)
+        ),
         file=file,
     )
     return _with_values(top, extra)

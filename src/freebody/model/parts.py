@@ -150,6 +150,8 @@ class Loop:
 
 DOUBTFUL, ESTIMATED = "inertia", "estimate"
 """Kinds of notices on masses: missing, placeholders or implausible; and estimated, how."""
+MASS_NOTICES = {"masses_doubtful": DOUBTFUL, "masses_estimated": ESTIMATED}
+"""What TOML calls them."""
 
 
 @dataclass(frozen=True)

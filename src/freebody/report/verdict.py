@@ -50,7 +50,7 @@ def verdict(model: Model, motion: Motion, data: xr.Dataset, found: xr.Dataset) -
         outcome = "not judged"
     sentences = [*_reasons(outcome, uses, over, undriven, missing, masses)]
     if not masses and uses:
-        sentences += _paces(model, run, uses, over, bool(undriven), allowed)
+        sentences += _paces(model, run, uses, over, bool(undriven), bool(missing))
     unphysical = sum(notice.kind == "physical" for notice in model.notices)
     if unphysical and not masses:
         sentences.append(
@@ -195,7 +195,7 @@ def _reasons(
 
 
 def _paces(
-    model: Model, run: Pace, uses: Sequence[Use], over: Sequence[Use], undriven: bool, allowed: Ranges
+    model: Model, run: Pace, uses: Sequence[Use], over: Sequence[Use], undriven: bool, partly: bool
 ) -> list[str]:
     """How much faster, or slower."""
     out = any(use.exceeded and use.quantity == "position" for use in uses)
@@ -219,7 +219,9 @@ def _paces(
     if not np.isfinite(run.factor):
         return []
     if run.factor < _TIGHT:
-        return ["It cannot be run any faster."]
+        return ["Any faster, one would be exceeded." if partly else "It cannot be run any faster."]
+    if partly:  # what is not given may well be exceeded before
+        return [f"They would be kept up to {_down(run.factor)} times that speed."]
     return [f"It could be run up to {_down(run.factor)} times as fast."]
 
 
