@@ -11,7 +11,7 @@ import freebody as fb
 from freebody.cli.app import run
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.figures import mathtext, svg
-from freebody.figures.drawing import Arc, Arrow, Dimension, Line, Mark, Turn
+from freebody.figures.drawing import Arc, Arrow, Dimension, Label, Line, Mark, Turn
 from freebody.figures.figure import Figure
 from freebody.figures.illustrate import illustrations
 from freebody.figures.labels import _overlap
@@ -162,6 +162,42 @@ def test_arm_with_only_one_moment_of_inertia_named_is_drawn(method):
         figures = illustrations(derivation).values()
     for drawing in figures:
         assert_legible(drawing, 460.0, 400.0)
+
+
+EVERYTHING = {
+    "one DH row, nothing given": lambda: fb.dh([{}], convention="standard"),
+    "DH with symbols": lambda: fb.dh([{"a": "a1"}, {"a": "a2", "d": "d2"}], convention="standard"),
+    "some numbers": lambda: fb.dh([{"a": 0.3, "m": "m1"}, {"a": "a2"}], convention="modified"),
+    "prismatic first": lambda: fb.dh([{"joint": "P", "a": "a1"}, {"a": "a2"}], convention="standard"),
+    "no lengths, no masses": lambda: fb.planar("RR", l=[0, 0], m=[0, 0]),
+    "a massless link": lambda: fb.planar("RR", m=[0, None]),
+    "slides only": lambda: fb.planar("PP"),
+    "seven joints": lambda: fb.planar("R" * 7, l=[0.3] * 7, lc=[0.1] * 7, m=[1] * 7, I=[0.1] * 7),
+    "one motor for three joints": lambda: fb.planar("RRR").replace(actuated=["joint2"]),
+    "no motor": lambda: fb.planar("RP").replace(actuated=[]),
+    "long names": lambda: fb.planar(
+        "RR", l=["left_upper_arm_length_of_the_first_robot", "θ1"], m=["m_c", "J"]
+    ),
+    "more joints than letters": lambda: fb.planar(
+        "R" * 17, l=[0.3] * 17, lc=[0.1] * 17, m=[1] * 17, I=[0.1] * 17
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", EVERYTHING)
+def test_whatever_robot_is_drawn(kind):
+    model = EVERYTHING[kind]()
+    for drawing in fb.kinematic_diagram(model).drawings:
+        letters = [
+            e.text for e in drawing.elements if isinstance(e, Label) and re.fullmatch("[A-Z]′*", e.text)
+        ]
+        assert len(letters) == len(set(letters)), "a letter is one place's"
+    if len(model.bodies) < 10:
+        for method in ("newton-euler", "statics", "kinematics"):
+            for name, drawing in illustrations(fb.derive(model, method)).items():
+                ET.fromstring(svg.picture(drawing, 460.0, 400.0).text())
+                if name == "overview" and len(model.bodies) < 7:
+                    assert_legible(drawing, 460.0, 400.0)
 
 
 def test_velocities_and_accelerations_are_the_models(arm):

@@ -102,15 +102,15 @@ def _inertia(drawing: Drawing, loads: BodyLoads, scale: float, longest: float) -
     size = float(np.linalg.norm(loads.inertial_force))
     if size <= 0.01 * longest:
         return
-    n, com = loads.body.number, loads.body.com
+    name, com = f"{loads.mass_name} a_{loads.body.number}", loads.body.com
     end = com + loads.inertial_force / size * max(size * scale, _SHORTEST * longest * scale)
     drawing.add(
         Arrow(
             point(com),
             point(end),
-            f"m_{n} a_{n}",
+            name,
             "inertia",
-            f"m_{n} a_{n}\u2002{number(size)} N",
+            f"{name}\u2002{number(size)} N",
             point(loads.inertial_force),
             "N",
         )
@@ -157,7 +157,7 @@ def _notes(loads: BodyLoads) -> list[str]:
     small += [x.moment_name for x in loads.loads if x.moment_name and not any(x.moment)]
     n = loads.body.number
     force, moment = number(loads.force_residual, 2), number(loads.moment_residual, 2)
-    balance = f"|ΣF − m_{n} a_{n}| = {force} N,\u2003|ΣM − Ḣ_{n}| = {moment} N m"
+    balance = f"|ΣF − {loads.mass_name} a_{n}| = {force} N,\u2003|ΣM − Ḣ_{n}| = {moment} N m"
     return [*([f"≈ 0: {', '.join(small)}"] if small else []), balance]
 
 

@@ -63,11 +63,18 @@ def illustrations(derivation: Derivation) -> dict[str, Drawing]:
             wanted.setdefault(step.figure, step)
     found = {}
     for name, step in wanted.items():
-        drawing = _drawn(seen, names_of(seen.model, step is None or _has_weights(step)), name)
+        names = names_of(seen.model, step is None or _has_weights(step))
+        drawing = _drawn(seen, names, name)
         if drawing is not None:
+            if _is_free_body(name) and not names.weights and np.any(seen.model.gravity):
+                drawing.notes = ["No weights: gravity is in the accelerations"]
             drawing.elements = [e for e in drawing.elements if _is_spoken_of(e, spoken)]
             found[name] = drawing
     return found
+
+
+def _is_free_body(name: str) -> bool:
+    return name.startswith(("free-body", "carried"))
 
 
 def _spoken(derivation: Derivation) -> set[str]:

@@ -52,6 +52,8 @@ class BodyLoads:
 
     body: BodyPlace
     loads: tuple[Load, ...]
+    mass_name: str
+    """What the body's mass is called."""
     inertial_force: Array
     """m a_c (dim,)."""
     inertial_moment: Array
@@ -95,7 +97,7 @@ def body_loads(
     rates = [_rates(model, body, recursion) for body in pose.bodies]
     cleared = _without_noise(acting, extent([pose]))
     return tuple(
-        BodyLoads(body, shown, *rate, *_residuals(body, loads, *rate))
+        BodyLoads(body, shown, label(names.mass(body.number)), *rate, *_residuals(body, loads, *rate))
         for body, loads, shown, rate in zip(pose.bodies, acting, cleared, rates, strict=True)
     )
 

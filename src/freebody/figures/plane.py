@@ -10,6 +10,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.figures.drawing import FLAT, Arc, Arrow, Drawing, Label, Line, Mark, point
 from freebody.figures.skeleton import BodyPlace, Skeleton, extent
+from freebody.figures.sketch.names import names_of
 from freebody.figures.text import number
 from freebody.model.model import Model
 
@@ -95,15 +96,16 @@ def _axes(drawing: Drawing, size: float) -> None:
 
 def _guides(drawing: Drawing, model: Model, pose: Skeleton, body: BodyPlace, size: float) -> None:
     """The joint's variable: an angle from the line before, or a slide; and the link's length."""
-    n = body.number
+    names, n = names_of(model), body.number
+    variable = names.coordinate(body) or f"joint {n}"
     if body.kind == "prismatic" and body.axis is not None:
         middle = (body.carrier + body.origin) / 2
         slide = float((body.origin - body.carrier) @ body.axis)
         drawing.add(
             Label(
                 point(middle),
-                f"d_{n} = {slide:.3f} m".replace("-", "−"),
-                f"d_{n}",
+                f"{variable} = {slide:.3f} m".replace("-", "−"),
+                variable,
                 direction=_normal(body.axis),
             )
         )
@@ -120,15 +122,17 @@ def _guides(drawing: Drawing, model: Model, pose: Skeleton, body: BodyPlace, siz
                 reach,
                 before,
                 turned,
-                f"θ_{n}",
-                label=f"θ_{n} = {number(math.degrees(turned))}°",
+                variable,
+                label=f"{variable} = {number(math.degrees(turned))}°",
             ),
         )
-    for a, b in [(body.origin, end.place) for end in body.ends]:
-        length = float(np.linalg.norm(b - a))
+    for end in body.ends:
+        a, b = body.origin, end.place
+        length, name = float(np.linalg.norm(b - a)), names.length(body, end)
         if length > 0.05 * size:
             along = (a + b) / 2 + 0.12 * (b - a)
-            drawing.add(Label(point(along), f"l_{n} = {length:.3f} m", f"l_{n}", direction=_normal(a - b)))
+            text = f"{name} = {length:.3f} m" if name else f"{length:.3f} m"
+            drawing.add(Label(point(along), text, name or f"length {n}", direction=_normal(a - b)))
 
 
 def _normal(direction: Array) -> tuple[float, float]:
