@@ -9,6 +9,9 @@ import pytest
 
 import freebody as fb
 from freebody.errors import FileError, ModelError, PassiveJointError
+from freebody.report.series import series
+from freebody.report.summary import summary
+from freebody.report.verdict import verdict
 
 WORD = {"l": [0.0, 0.5], "lc": [0.0, 0.5], "m": [2.0, 0.3], "I": [0.0, 0.0]}
 
@@ -102,3 +105,17 @@ def test_what_cannot_be_passive_is_refused(tmp_path: Path):
     idle = fb.load(file).replace(actuated=[])
     fb.save(idle, file)
     assert fb.load(file).passive_names == ("u",)
+
+
+def test_a_motion_of_the_drives_alone_stays_feasible_in_a_file_of_six_digits(tmp_path: Path):
+    model = cart_pole()
+    t = np.linspace(0, 2, 101)
+    found = fb.simulate(model, [0, -1.4], [0, 0], t, lambda now, q, qd: [3 * np.sin(5 * now), 0.0])
+    q = found["q"].values
+    for bend, undriven in ((0.0, False), (0.05, True)):
+        rows = np.column_stack([t, q[:, 0], q[:, 1] + bend * np.sin(3 * t)])
+        np.savetxt(tmp_path / "m.csv", rows, delimiter=",", header="t,joint1,joint2", comments="", fmt="%.6f")
+        motion = fb.read_motion(model, tmp_path / "m.csv")
+        data = series(model, "tip", motion)
+        text = verdict(model, motion, data, summary(model, motion, data)).text
+        assert ("joint2 is passive, and the motion needs" in text) == undriven

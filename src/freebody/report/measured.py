@@ -12,8 +12,8 @@ from freebody.motion.ranges import angular, ranges
 from freebody.report.results import percent
 from freebody.report.series import torque_parts
 
-Smooth = bool | float
-"""False: as it is; True: at the cutoff that the noise asks for; a number: at that cutoff (Hz)."""
+Smooth = bool | float | None
+"""False or None: as it is; True: at the cutoff that the noise asks for; a number: at that cutoff (Hz)."""
 
 _TELL = 0.01  # of the largest peak: a change by less is not told
 _MOST = 3  # joints, those whose peaks change most
@@ -21,7 +21,7 @@ _MOST = 3  # joints, those whose peaks change most
 
 def filtered(model: Model, motion: Motion, smooth: Smooth) -> tuple[Motion, tuple[str, ...]]:
     """(the motion to study, sentences on its noise and on the torques with and without it)."""
-    if smooth is not False:
+    if smooth is not None and smooth is not False:
         clean = smoothed(model, motion, None if smooth is True else smooth)
         return clean, (f"The motion was smoothed. {_compared(model, clean, motion, 'as it was measured')}",)
     found = recognised(model, motion)

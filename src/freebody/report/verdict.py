@@ -25,7 +25,9 @@ if TYPE_CHECKING:
 
     from freebody.model.bodies import Body
 
-_UNDRIVEN = 1e-6  # of the largest torque or force: what a passive joint may be asked for
+_UNDRIVEN = (
+    1e-2  # of the largest torque or force: what differentiating a file's digits leaves at a passive joint
+)
 _TIGHT = 1.001  # a pace below it is called "as fast as it goes"
 
 
