@@ -1,0 +1,39 @@
+"""What the steps of a derivation say fits the arm: slides are spoken of where there are some, moments defined once used."""
+
+import re
+
+import pytest
+
+import freebody as fb
+
+SLIDES = {
+    "lagrange": "a prismatic joint adds nothing",
+    "newton-euler": "u_i is the direction in which joint i slides",
+}
+
+
+@pytest.mark.parametrize("method", SLIDES)
+@pytest.mark.parametrize("word", ["RR", "PP", "RP", "PR", "RPR"])
+def test_slides_are_spoken_of_where_there_are_some(word: str, method: str):
+    said = " ".join(fb.derive(fb.planar(word), method).text().split())
+    assert (SLIDES[method] in said) == ("P" in word)
+
+
+@pytest.mark.parametrize("word", ["RR", "RP", "PR", "PP", "RPP", "PPR"])
+def test_every_moment_that_is_eliminated_is_given_and_used(word: str):
+    """A slide at the base passes its moment to the ground, where no one asks for it; others pass it inward."""
+    text = fb.derive(fb.planar(word), "newton-euler").text()
+    steps = {
+        int(match[1]): match[2]
+        for match in re.finditer(r"Eliminate the reactions at joint (\d)(.*?)(?=\n\d+\. )", text, re.DOTALL)
+    }
+    assert sorted(steps) == list(range(1, len(word) + 1))
+    digits = "₀₁₂₃"
+    for i, step in steps.items():
+        name = f"τ{digits[i]}" if word[i - 1] == "R" else f"n{digits[i - 1]}{digits[i]}"
+        given = re.findall(rf"^\s+{name} = ", step, re.MULTILINE)
+        assert len(given) == (0 if word[i - 1] == "P" and i == 1 else 1), (name, step)
+        if i > 1:
+            assert re.search(rf" = .*{name}|^\s+[+−].*{name}", steps[i - 1], re.MULTILINE) or word[
+                : i - 1
+            ] == "P" * (i - 1), (name, steps[i - 1])
