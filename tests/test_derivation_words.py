@@ -1,4 +1,4 @@
-"""What the steps of a derivation say fits the arm: slides are spoken of where there are some, moments defined once used."""
+"""What the steps of a derivation say fits the arm: slides where there are some, moments given once and used."""
 
 import re
 
