@@ -3,6 +3,7 @@
 import re
 from fractions import Fraction
 
+import numpy as np
 import pytest
 
 import freebody as fb
@@ -112,6 +113,17 @@ def test_gravity_may_stay_a_letter_or_be_a_number():
     assert fb.check(ARM, "G2 = m2 lc2 9.81 c12")
 
 
+def test_what_a_right_angle_leaves_out_may_be_left_out():
+    """Two axes at right angles do not couple; with another twist they do."""
+    rows = [{"a": "a1", "alpha": "al", "m": "m1"}, {"a": "a2", "m": "m2"}]
+    arm = fb.dh(rows, convention="standard")
+    upright = arm.bind(al=np.pi / 2)
+    assert fb.check(upright, "H12 = 0\nG2 = m2 g a2 cos(theta2)")
+    assert not fb.check(upright, "H12 = 0.1")
+    assert not fb.check(arm.bind(al=1.5), "H12 = 0")
+    assert not fb.check(arm, "H12 = 0")
+
+
 def test_symbols_that_are_right_by_chance_only_are_not_right():
     """lc2 is l2/2 here, and m1 1 kg, but not in the robot's equations."""
     arm = fb.planar("RR", l=[0.4, 0.3], lc=[0.2, 0.15], m=[1.0, 1.5], I=[0.031, 0.012])
@@ -170,6 +182,7 @@ CARTPOLE = [
         f"tau = [{CARTPOLE[0]}, {CARTPOLE[1]}]",
         f"F1 = {CARTPOLE[0]}\ntau2 = 0",
         "0 = l theta2_dd - sin(theta2) d1_dd + g cos(theta2)",
+        "0 = l θ̈ - sin(θ) d1_dd + g cos θ",
         "l theta2_dd = sin(theta2) d1_dd - g cos(theta2)",
         "0 = 2 mp (l^2 theta2_dd - l sin(theta2) d1_dd + l g cos(theta2))",
         "0 = -H21 d1_dd - H22 theta2_dd - v2 - G2",
@@ -203,6 +216,15 @@ def test_the_mistake_in_an_equation_without_motor_is_named():
     assert "has the wrong sign" in verdict.text
     halved = fb.check(CART, "0 = l^2 theta2_dd/2 - l sin(theta2) d1_dd/2 - g l cos(theta2)/2")
     assert not halved
+
+
+def test_x_of_a_cart_is_asked_for():
+    """x is the tip's; the words say how to make it the cart's."""
+    answer = "u = (mc + mp) ẍ - mp l sin(θ) θ̈ - mp l cos(θ) θ̇^2"
+    assert "for the slide write d1, or say names={'x': 'd1'}. With that the equation is right." in fb.check(
+        CART, answer
+    ).text.replace("\n", " ")
+    assert fb.check(CART, answer, names={"x": "d1"})
 
 
 def test_the_acrobot_in_its_own_words():

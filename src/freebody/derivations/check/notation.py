@@ -12,6 +12,7 @@ from freebody.derivations.check.targets import Targets
 from freebody.derivations.check.tree import Negative, Node, Number, Sum, Symbol, Wave, replaced
 from freebody.derivations.check.verdict import Finding
 from freebody.derivations.check.workspace import Workspace
+from freebody.derivations.symbols import RATE, SECOND
 
 _GRAVITY = ("9.8", "9.81", "9.807", "9.80665", "10")
 
@@ -35,6 +36,7 @@ def misread(
     readings = (
         *_velocity_terms(targets, claim, work),
         *_cosines(setting, targets, claim, work),
+        *_slides(setting, targets, work),
         *_numbers(setting, claim, work),
     )
     for reading in readings:
@@ -88,6 +90,22 @@ def _cosines(setting: Setting, targets: Targets, claim: Claim, work: Workspace) 
         title = targets.single[node.name].title
         text = f"‘{written}’ on the right is read as {title}; write {right} for the cosine."
         yield Reading(found, text, right)
+
+
+def _slides(setting: Setting, targets: Targets, work: Workspace) -> Iterator[Reading]:
+    """x of a cart: it is read as the tip's."""
+    slides = [x for x in setting.symbols.coordinates if x.startswith("d")]
+    if len(slides) != 1:
+        return
+    (slide,), found = slides, {}
+    for node in work.values:
+        target = targets.single.get(node.name) if isinstance(node, Symbol) else None
+        if target is not None and isinstance(node, Symbol) and re.fullmatch(r"[˙'d]*x[˙'dot]*", node.name):
+            name = slide + {"tip": "", "tip_d": RATE, "tip_dd": SECOND}[target.family]
+            found[node] = Symbol(*node.span, name, setting.ring[name])
+    if found:
+        text = f"x is read as the tip's coordinate; for the slide write {slide}, or say names={{'x': '{slide}'}}."
+        yield Reading(found, text, slide)
 
 
 def _numbers(setting: Setting, claim: Claim, work: Workspace) -> Iterator[Reading]:

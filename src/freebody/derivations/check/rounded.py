@@ -64,9 +64,12 @@ class Rounded:
 
     @cached_property
     def applies(self) -> bool:
-        """Whether some term is in numbers where the right one has symbols with values."""
-        rows = ((key, self._right_parts.get(key)) for key in self._in_numbers)
-        return any(part is not None and self._put(part, self._kept) != part for _, part in rows)
+        """Whether a term is in numbers where the right one has symbols with values, or left out as these make it 0."""
+        for key, part in self._right_parts.items():
+            put = self._put(part, self._kept)
+            if put != part and (key in self._in_numbers or (key not in self._parts and put.is_zero)):
+                return True
+        return False
 
     @cached_property
     def target(self) -> Trig:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NoReturn
 from freebody.derivations.check.setting import FAMILIES, Setting
 from freebody.derivations.check.source import Source, Span
 from freebody.derivations.check.tree import Angle
-from freebody.derivations.check.words import DOT, PRIME
+from freebody.derivations.check.words import DOT, PRIME, spell
 from freebody.derivations.symbols import RATE, SECOND
 from freebody.errors import likely
 from freebody.scalars.trig import Trig
@@ -90,7 +90,7 @@ class Vocabulary:
         if plain in _NOT_POLYNOMIAL:
             source.fail(f"{plain} does not occur in these equations: write them with sin and cos", span)
         names = self.listed
-        near = likely(plain, names)
+        near = likely(plain, names) or likely(spell(source, span[0]).plain, names)
         hint = f"Did you mean {near[0]!r}? " if near else ""
         if (wave := plain.lower()) in self.waves:
             hint = f"The {self.waves[wave][0]}e of the angle is written {wave}. "
@@ -139,7 +139,10 @@ class Vocabulary:
         for letter in {"theta": ("theta", "q", "th"), "d": ("d", "q")}.get(letters, (letters,)):
             if letter == "q" and name not in self.setting.symbols.coordinates and own:
                 continue
-            for k in (number, "") if alone and letters not in ("x", "y") else (number,):
+            bare = alone and letters not in ("x", "y")
+            if letter in ("theta", "th"):  # of a cart with a pendulum θ is enough
+                bare = [x for x in self.setting.symbols.coordinates if x.startswith("theta")] == [name]
+            for k in (number, "") if bare else (number,):
                 for dots, ending in enumerate(("", RATE, SECOND)):
                     for spelling in spellings(letter, k, dots):
                         yield spelling, self.setting.ring[name + ending]
