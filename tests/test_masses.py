@@ -84,6 +84,7 @@ def test_a_robot_without_masses_does_not_pass(capsys: pytest.CaptureFixture[str]
     assert not study.passed
     page = study.to_html("page.html").read_text(encoding="utf-8")
     assert 'class="ruling poor"' in page
+    assert study.worst.text.startswith("With the masses of the file, which are in doubt: at t = ")
 
 
 def test_speeds_are_judged_without_masses():

@@ -8,6 +8,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.model.model import Model
+from freebody.model.parts import DOUBTFUL
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges
 from freebody.report.bearings import LOADS
@@ -243,6 +244,8 @@ def worst(model: Model, data: xr.Dataset) -> Worst:
     else:
         why = "the largest of the motion; the model gives no effort limits"
     text = f"At t = {t[k]:.3g} s {name} needs {value:.4g} {unit}: {why}."
+    if any(notice.kind == DOUBTFUL for notice in model.notices):
+        text = f"With the masses of the file, which are in doubt: at{text[2:]}"
     return Worst(k, float(t[k]), name, value, share, unit, text)
 
 
