@@ -400,8 +400,8 @@ def test_saved_and_loaded(name, tmp_path):
     q = fb.random_state(model, 1)[0]
     for one, other in ((model, again), (model, pickle.loads(pickle.dumps(model)))):
         close(
-            fb.numerics.closed.equations.residual(other, q),
-            fb.numerics.closed.equations.residual(one, q),
+            fb.numerics.closed.scaled.every_residual(other, q),
+            fb.numerics.closed.scaled.every_residual(one, q),
             1e-12,
             1.0,
         )

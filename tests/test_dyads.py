@@ -10,7 +10,7 @@ import pytest
 import freebody as fb
 from freebody.numerics.closed.assembly import _solutions
 from freebody.numerics.closed.decompose import decomposed
-from freebody.numerics.closed.equations import residual
+from freebody.numerics.closed.scaled import every_residual
 
 
 def distinct(q):
@@ -42,7 +42,7 @@ def test_dyads_find_what_a_search_finds(name, free, steps):
     assert [type(step).__name__ for step in plan.steps] == steps
     found = fb.assembly_modes(model, q, free=free)
     assert len(found) == 2 ** len(steps)
-    np.testing.assert_allclose(residual(model, found), 0, atol=1e-12)
+    np.testing.assert_allclose(every_residual(model, found), 0, atol=1e-12)
     np.testing.assert_allclose(
         np.delete(found, moving, axis=1), np.delete(np.tile(q, (len(found), 1)), moving, axis=1)
     )
@@ -61,7 +61,7 @@ def test_five_bar_has_four_working_and_two_assembly_modes():
     np.testing.assert_allclose(
         fb.forward_kinematics(model, found.q)[:, :2, 2], np.tile(target, (4, 1)), atol=1e-12
     )
-    np.testing.assert_allclose(residual(model, found.q), 0, atol=1e-12)
+    np.testing.assert_allclose(every_residual(model, found.q), 0, atol=1e-12)
     # the names say where the elbows are
     for q, name in zip(found.q, found.branches, strict=True):
         for pivot, elbow, frame in ((-0.25, "B", "distal1"), (0.25, "D", "distal2")):
@@ -88,7 +88,7 @@ def test_three_legs_have_eight_working_modes():
     assert len(found) == 8
     assert len(set(found.branches)) == 8
     np.testing.assert_allclose(fb.forward_kinematics(model, found.q), np.tile(target, (8, 1, 1)), atol=1e-12)
-    np.testing.assert_allclose(residual(model, found.q), 0, atol=1e-12)
+    np.testing.assert_allclose(every_residual(model, found.q), 0, atol=1e-12)
 
 
 def test_batches_and_limits():
@@ -145,7 +145,7 @@ def test_stewart_platform_is_held_at_a_pose():
     target[:3, 3] = [0.02, 0.03, 0.5]
     found = fb.inverse_kinematics(model, target, starts=12)
     assert len(found)
-    np.testing.assert_allclose(residual(model, found.q), 0, atol=1e-10)
+    np.testing.assert_allclose(every_residual(model, found.q), 0, atol=1e-10)
     np.testing.assert_allclose(
         fb.forward_kinematics(model, found.q), np.tile(target, (len(found), 1, 1)), atol=1e-9
     )
@@ -156,7 +156,7 @@ def test_rhombs_have_three_modes():
     model = fb.load("double_four_bar")
     found = fb.assembly_modes(model, [1.0, -1.0, 1.0, -1.0, 1.0], free=["A1", "O2", "A2", "O3"])
     assert len(found) == 3
-    np.testing.assert_allclose(residual(model, found), 0, atol=1e-12)
+    np.testing.assert_allclose(every_residual(model, found), 0, atol=1e-12)
 
 
 def test_pins_on_one_another_are_left_to_the_search():

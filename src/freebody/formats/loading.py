@@ -39,6 +39,7 @@ def load(
     snap_angles: float = 3e-9,
     convention: Convention | None = None,
     estimate_inertia: float | None = None,
+    loop_tolerance: tuple[float, float] | None = None,
 ) -> Model:
     """A model from a .urdf, .toml or .csv (DH table) file, or a bundled model by its name (see `models()`).
 
@@ -53,6 +54,8 @@ def load(
     convention: "standard" or "modified", for a DH table that does not say it.
     estimate_inertia: the robot's whole mass (kg): all inertias of a URDF are replaced by estimates from the shapes in
     the file, filled evenly at one density; meshes need the extra freebody[mesh]. Marked as estimated wherever shown.
+    loop_tolerance: (m, rad) by which rounded numbers may keep loops from closing, see `Model.with_loop`; default: the
+    file's, else 1 mm or a thousandth of the loop's size, the smaller, and 1 mrad.
 
     Masses of a URDF that are missing, placeholders or implausible are warned about (MassWarning). These, and what was
     snapped, ignored or doubtful, stand in `model.notices`.
@@ -63,6 +66,8 @@ def load(
         description = _estimated(description, estimate_inertia)
     chosen = base or description.base
     model = assemble(description, physical=physical, mimic=mimic, base=chosen, tip=tip)
+    if loop_tolerance is not None:
+        model = model.replace(loop_tolerance=loop_tolerance)
     return _weighed(model, description, estimate_inertia is not None, physical != "ignore")
 
 

@@ -70,6 +70,8 @@ class _Writer:
             texts = [_text(notice.text) for notice in model.notices if notice.kind == kind]
             if texts:
                 entries[key] = f"[{', '.join(texts)}]"
+        if model.loop_tolerance is not None:
+            entries["loop_tolerance"] = _vector(model.loop_tolerance)
         return _entries(entries)
 
     def parameters(self) -> str:

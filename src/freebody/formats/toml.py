@@ -27,6 +27,7 @@ _GENERAL = (
     "frame",
     "payload",
     "loop",
+    "loop_tolerance",
     "home",
     *MASS_NOTICES,
 )
@@ -59,6 +60,7 @@ def describe(file: str, text: str, *, name: str) -> Description:
         loops=tuple(parts.loop(t, described.dim) for t in top.tables("loop")),
         payloads=tuple(parts.payload(t, described.dim, names) for t in top.tables("payload")),
         base=top.choice("base", ("fixed", "free"), "fixed"),  # type: ignore[arg-type]
+        loop_tolerance=parts.loop_tolerance(top),
         home=parts.home(top),
         tip=top.choice("tip", names, described.tip) if "tip" in top else described.tip,
         source=top.text("source", ""),

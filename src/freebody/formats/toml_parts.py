@@ -14,6 +14,7 @@ from freebody.model.closures import LOOP_KINDS
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
+from freebody.model.loops import checked_tolerance
 from freebody.model.parameters import Parameter, Quantity
 from freebody.model.parts import INFINITE, Drive, Joint, Limits, Link, Loop, Mimic, Mount, Payload
 from freebody.model.placement import Placement, Rotate, Shift, Turn, rotate, rpy, shift, turn
@@ -279,6 +280,19 @@ def loop(table: Table, dim: int) -> Loop:
         table.quantity("distance") if "distance" in table else None,
         table.line,
     )
+
+
+def loop_tolerance(top: Table) -> tuple[float, float] | None:
+    """loop_tolerance = [metres, radians]"""
+    key = "loop_tolerance"
+    if key not in top:
+        return None
+    metres, radians = top.listed(top.data[key], key, 2)
+    given = (top.read_number(metres, "number", (key, 0)), top.read_number(radians, "angle", (key, 1)))
+    try:
+        return checked_tolerance(given, top.where)
+    except ModelError as error:
+        top.refuse(str(error), key)
 
 
 def home(top: Table) -> tuple[tuple[str, float], ...]:

@@ -334,6 +334,7 @@ class _Assembly:
             home=d.home,
             source=d.source,
             notices=tuple(self.notices),
+            loop_tolerance=d.loop_tolerance,
         )
         known = set(model.position_names)
         for name, _ in d.home:

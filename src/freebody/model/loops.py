@@ -42,6 +42,19 @@ def checked_loop(loop: Loop, dim: int, body_of: Mapping[str, int], taken: Contai
     )
 
 
+def checked_tolerance(given: object, where: str) -> tuple[float, float]:
+    """A `loop_tolerance`: metres and radians, finite, not negative."""
+    try:
+        values = np.array(given, dtype=float)
+    except (TypeError, ValueError):
+        values = np.zeros(0)
+    if values.shape != (2,) or not np.isfinite(values).all() or (values < 0.0).any():
+        raise ModelError(
+            f"{where}: loop_tolerance is {given!r}, expected (metres, radians), two finite numbers not below 0."
+        )
+    return float(values[0]), float(values[1])
+
+
 def _axis(loop: Loop, dim: int, where: str) -> tuple[float, ...]:
     needed = dim in LOOP_KINDS[loop.kind].axis_in
     if not needed and loop.axis:

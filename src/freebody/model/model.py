@@ -17,7 +17,7 @@ from freebody.model.bodies import Body, Frame, JointLimits
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import JointKind
-from freebody.model.loops import checked_distance
+from freebody.model.loops import checked_distance, checked_tolerance
 from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
 from freebody.model.parts import ESTIMATED, Loop, Notice
 from freebody.model.reading import VALUES
@@ -41,6 +41,9 @@ class Model:
     tip: str | None = None
     source: str = ""
     notices: tuple[Notice, ...] = ()
+    loop_tolerance: tuple[float, float] | None = None
+    """(m, rad): by how much rounded numbers may keep loops from closing; None: the default, 1 mm or a thousandth of
+    the loop's size, and 1 mrad."""
 
     # ------------------------------------------------------------ sizes and names
     @cached_property
@@ -294,10 +297,12 @@ class Model:
         gravity: float | Sequence[float] | str | None = None,
         tip: str | None = None,
         actuated: Sequence[str] | None = None,
+        loop_tolerance: tuple[float, float] | None = None,
     ) -> Model:
-        """The model with another name, tip, gravity or choice of driven joints.
+        """The model with another name, tip, gravity, choice of driven joints, or tolerance of its loops.
 
         gravity: a size (0 for none), a name, or a vector in world axes. actuated: names; all other joints are passive.
+        loop_tolerance: (m, rad), see `with_loop`.
         """
         changes: dict[str, object] = {}
         if name is not None:
@@ -310,6 +315,8 @@ class Model:
             )
         if actuated is not None:
             changes["bodies"] = changed.actuated(self, actuated)
+        if loop_tolerance is not None:
+            changes["loop_tolerance"] = checked_tolerance(loop_tolerance, "Model.replace")
         return dataclasses.replace(self, **changes)  # type: ignore[arg-type]
 
     def without(self, *features: str) -> Model:
@@ -367,15 +374,20 @@ class Model:
         *,
         axis: Sequence[float] = (),
         distance: Quantity | str | None = None,
+        loop_tolerance: tuple[float, float] | None = None,
     ) -> Model:
         """The model with two frames, on different bodies, held together: a closed chain.
 
         kind: "revolute" or "prismatic" (about, along `axis`, given in the axes of both frames; no axis for revolute in
         the plane), "spherical" (space), "point" (plane), "fixed", or "distance" (the origins stay `distance` m apart).
+        loop_tolerance: (m, rad), of all loops of the model: by how much rounded numbers may keep them from closing.
+        Equations that hold within it wherever the mechanism goes are redundant, and `mobility` names them. Default:
+        1 mm or a thousandth of the loop's size, the smaller, and 1 mrad; (0, 0) takes the numbers at their word.
         Raises ModelError, UnknownNameError.
         """
         along = tuple(np.atleast_1d(axis).tolist())
-        return changed.with_loop(self, Loop(name, kind, frames, along, distance))  # type: ignore[arg-type]
+        looped = changed.with_loop(self, Loop(name, kind, frames, along, distance))  # type: ignore[arg-type]
+        return looped if loop_tolerance is None else looped.replace(loop_tolerance=loop_tolerance)
 
     def to_space(self) -> Model:
         """The twin in space of a planar model: its plane is xy, z points to the reader."""

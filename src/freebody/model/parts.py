@@ -192,3 +192,5 @@ class Description:
     file: str | None = None
     real: bool = False
     """Whether it is to describe a machine that exists, so that its masses are held against lengths and shapes."""
+    loop_tolerance: tuple[float, float] | None = None
+    """(m, rad): by how much rounded numbers may keep loops from closing; None: the default."""

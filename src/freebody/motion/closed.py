@@ -7,7 +7,6 @@ the loops by their local error; they are moved back, positions and rates, by the
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 
@@ -15,12 +14,19 @@ from freebody.arrays import Array
 from freebody.motion.integration import Scheme
 from freebody.motion.system import Drive, System
 from freebody.numerics.closed.dynamics import regular, require_way
-from freebody.numerics.closed.equations import rate_scale, residual, row_scale, scaled_jacobian
+from freebody.numerics.closed.equations import (
+    blurred,
+    require_within_tolerance,
+    scaled_jacobian,
+    scaled_residual,
+)
+from freebody.numerics.closed.redundancy import redundancy
+from freebody.numerics.closed.scaled import rate_scale
 from freebody.numerics.states import integrate
 
 EXPLICIT = ("DOP853", "RK45")
 _LEAST = 1e-13  # relative tolerance: rounding
-_SEEN = 1e-7  # singular values, relative to the largest, that a correction acts on
+_SEEN = 1e-7  # singular values, relative to the largest, that a correction acts on where nothing is rounded
 _STRAIGHT = 0.1  # of a singular value: how far a position may be corrected along its direction
 
 
@@ -46,27 +52,33 @@ def closed_scheme(system: System, tolerance: float, max_step: float) -> Scheme:
         now, state = np.asarray(t), system.split(y0)
         require_way(system.model, *state, system.acceleration(now, *state, drive(now, *state)))
 
-    return Scheme(rate, partial(settled, system), settings, require, True, reason)
+    def onto_loops(y: Array) -> Array:
+        on = settled(system, y)
+        require_within_tolerance("simulate", system.model, system.split(on)[0])
+        return on
+
+    return Scheme(rate, onto_loops, settings, require, True, reason)
 
 
 def settled(system: System, y: Array) -> Array:
     """The state (nq + nv,) brought back onto the loops."""
     model = system.model
     q, qd = system.split(system.normalised(y))
-    rows, rates = row_scale(model), rate_scale(model)
+    rates = rate_scale(model)
+    seen = _SEEN if redundancy(model).rank is None else blurred(model)
     for _ in range(2):
         U, s, Vt = np.linalg.svd(scaled_jacobian(model, q), full_matrices=False)
-        way = _divided(U.T @ (rows * residual(model, q)), s)
+        way = _divided(U.T @ scaled_residual(model, q), s, seen)
         # a way longer than the singular value has left the neighbourhood in which the equation is straight
         way[np.abs(way) > _STRAIGHT * s] = 0.0
         q = integrate(model, q, -rates * (Vt.T @ way))
     J = scaled_jacobian(model, q)
     U, s, Vt = np.linalg.svd(J, full_matrices=False)
     v = qd / rates
-    return np.concatenate([q, rates * (v - Vt.T @ _divided(U.T @ (J @ v), s))])
+    return np.concatenate([q, rates * (v - Vt.T @ _divided(U.T @ (J @ v), s, seen))])
 
 
-def _divided(x: Array, s: Array) -> Array:
-    """x / s, 0 where s is nothing but rounding."""
-    seen = s > _SEEN * s.max(initial=1e-300)
-    return np.where(seen, x, 0.0) / np.where(seen, s, 1.0)
+def _divided(x: Array, s: Array, seen: float) -> Array:
+    """x / s, 0 where s, relative to the largest, is nothing but rounding."""
+    clear = s > seen * s.max(initial=1e-300)
+    return np.where(clear, x, 0.0) / np.where(clear, s, 1.0)

@@ -13,19 +13,14 @@ from freebody.motion.motion import Motion, derivatives
 from freebody.motion.ranges import position_columns, ranges
 from freebody.numerics.closed.assembly import (
     assemble,
-    closing,
     free_coordinates,
     loop_acceleration,
     loop_velocity,
 )
-from freebody.numerics.closed.equations import (
-    backward,
-    length,
-    null_space,
-    rate_scale,
-    scaled_jacobian,
-)
+from freebody.numerics.closed.equations import closing, scaled_jacobian
 from freebody.numerics.closed.mobility import mobility
+from freebody.numerics.closed.redundancy import redundancy
+from freebody.numerics.closed.scaled import backward, length, null_space, rate_scale
 from freebody.numerics.closed.solving import RANK
 from freebody.numerics.coordinates import continuous, layout, state_of
 from freebody.numerics.states import difference, integrate, neutral, random_state
@@ -173,5 +168,11 @@ def consistent_rates(model: Model, t: Array, q: Array, at_rest: bool) -> tuple[A
     """(q, qd, qdd) of closed positions q (T, nq) at times t: differentiated, then made consistent with the loops."""
     where = layout(model)
     q, qd, qdd = state_of(where, q, *derivatives(t, continuous(where, q), at_rest=at_rest))
+    if redundancy(model).rank is not None:
+        return (
+            q,
+            qd,
+            qdd,
+        )  # made consistent to the last digit with rounded equations, they no longer were with q
     qd = loop_velocity(model, q, qd)
     return q, qd, loop_acceleration(model, q, qd, qdd)

@@ -46,7 +46,7 @@ def kernel(
         # one kernel has to do for all positions: equations that depend on others at home are left out
         from freebody.numerics.closed.dynamics import independent_rows  # which imports this module
 
-        option = option._replace(equations=independent_rows(model, np.empty((0, model.nq))))
+        option = option._replace(equations=independent_rows(model))
     return fetch(model, listed, option, backend, width)
 
 

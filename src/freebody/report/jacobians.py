@@ -10,7 +10,8 @@ from freebody.arrays import Array
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
 from freebody.numerics import kinematics
-from freebody.numerics.closed.equations import null_space, rate_scale, scaled_jacobian
+from freebody.numerics.closed.equations import scaled_jacobian
+from freebody.numerics.closed.scaled import null_space, rate_scale
 from freebody.numerics.closed.solving import RANK
 from freebody.report.results import Singularity
 from freebody.report.tip import coordinates_before

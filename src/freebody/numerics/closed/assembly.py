@@ -13,27 +13,31 @@ from freebody.model.model import Model
 from freebody.numerics.calls import Vector, common_batch, finite_vector
 from freebody.numerics.closed.decompose import decomposed
 from freebody.numerics.closed.equations import (
-    backward,
+    CLOSED,
+    closing,
+    counting,
     gaps,
-    length,
-    rate_scale,
     refuse_inconsistent,
     require_closed,
     require_loops,
-    residual,
-    row_scale,
     scaled_jacobian,
+    within_tolerance,
+)
+from freebody.numerics.closed.redundancy import EXACT
+from freebody.numerics.closed.scaled import (
+    backward,
+    every_residual,
+    length,
+    rate_scale,
+    row_scale,
     shortest_way,
 )
 from freebody.numerics.formulas import Option
 from freebody.numerics.kernels import fetch
 from freebody.numerics.states import home_guess, integrate
 
-_CLOSED = 1e-12  # of scaled equations; rounding leaves about 1e-16 of the length
-_HELD = 1e-9  # gap, relative to the mechanism's length, of a loop that is closed, if the wrong way round
-_STEP = 0.6  # rad: the longest step towards closure
-_ITERATIONS = 60
 _RESTARTS = 32
+_NEARLY = 0.02  # gap, relative to the length, that rounded numbers may be the reason of
 
 
 def assemble(model: Model, q: Vector | None = None, free: Sequence[str] | None = None) -> Array:
@@ -132,41 +136,8 @@ def free_coordinates(model: Model, names: Sequence[str] | None, function: str) -
 
 
 # ---------------------------------------------------------------- positions
-def closing(model: Model, q: Array, moving: Sequence[int]) -> tuple[Array, Array]:
-    """(positions (N, nq) as closed as they get from q (N, nq), largest scaled equation left (N,))."""
-    scale, stretch = row_scale(model), rate_scale(model)
-    q = np.array(q)
-    phi = scale * residual(model, q)
-    damping = np.full(len(q), 1e-2)
-    for _ in range(_ITERATIONS):
-        size = np.abs(phi).max(axis=-1, initial=0.0)
-        active = np.flatnonzero((size > 1e-15) & (damping < 1e6))
-        if not len(active):
-            break
-        J = scaled_jacobian(model, q[active])[..., list(moving)]
-        step = _levenberg(J, phi[active], damping[active] * np.linalg.norm(phi[active], axis=-1))
-        full = np.zeros((len(active), model.nv))
-        full[:, list(moving)] = step
-        trial = integrate(model, q[active], full * stretch)
-        left = scale * residual(model, trial)
-        better = np.linalg.norm(left, axis=-1) < np.linalg.norm(phi[active], axis=-1)
-        q[active[better]], phi[active[better]] = trial[better], left[better]
-        damping[active] = np.where(better, np.maximum(damping[active] * 0.1, 1e-12), damping[active] * 10.0)
-    return q, np.abs(phi).max(axis=-1, initial=0.0)
-
-
-def _levenberg(J: Array, phi: Array, damping: Array) -> Array:
-    """The step -Jᵀ (J Jᵀ + μ)⁻¹ φ (N, k), no longer than a sensible turn."""
-    U, s, Vt = np.linalg.svd(J, full_matrices=False)
-    floor = 1e-10 * s.max(axis=-1, keepdims=True, initial=1e-300)
-    gain = np.where(s > floor, s / (s * s + damping[:, None]), 0.0)
-    step = -np.einsum("nkj,nk->nj", Vt, gain * np.einsum("nmk,nm->nk", U, phi))
-    longest = np.abs(step).max(axis=-1, initial=0.0)
-    return step * np.minimum(1.0, _STEP / np.maximum(longest, 1e-300))[:, None]
-
-
 def _is_closed(model: Model, q: Array, left: Array) -> NDArray[np.bool_]:
-    return (left < _CLOSED) & ~backward(model, q).any(axis=-1)
+    return (left < EXACT) & within_tolerance(model, q).all(axis=-1) & ~backward(model, q).any(axis=-1)
 
 
 def _restarted(model: Model, guess: Array, moving: Sequence[int], best: Array, sample: str) -> Array:
@@ -174,13 +145,19 @@ def _restarted(model: Model, guess: Array, moving: Sequence[int], best: Array, s
     found = _solutions(model, guess, moving, _RESTARTS)
     if len(found):
         return found[0]
-    gap = gaps(model, residual(model, best))
+    gap = gaps(model, every_residual(model, best))
     worst = int(np.argmax(gap))
     name = model.loops[worst].name
-    if gap[worst] < _HELD * length(model):
+    if gap[worst] < CLOSED * length(model) and backward(model, best).any():
         raise LoopError(
             f"assemble: loop {name!r} of {model.name!r} closes only the wrong way round{sample}: its frames face "
             "opposite ways. Start from another guess, or turn one frame."
+        )
+    if gap[worst] < _NEARLY * length(model):
+        raise LoopError(
+            f"assemble: loop {name!r} of {model.name!r} stays open by {gap[worst]:.3g} m{sample}, at the nearest "
+            "position found. Start from another guess, check lengths and frames, or, where redundant equations "
+            "contradict each other because numbers are rounded, state by how much: loop_tolerance=(metres, radians)."
         )
     fixed = [name for k, name in enumerate(model.velocity_names) if k not in moving]
     remedy = f"let one of {', '.join(fixed)} move too" if fixed else "check lengths and frames"
@@ -244,13 +221,13 @@ def _consistent(
     batch = common_batch(function, {"q": q, "rates": x, "qd": right})
     q, x, right = (np.broadcast_to(a, (*batch, a.shape[-1])).reshape(-1, a.shape[-1]) for a in (q, x, right))
     J = scaled_jacobian(model, q)
-    scale, stretch = row_scale(model), rate_scale(model)
+    right, stretch = counting(model, q, row_scale(model) * right), rate_scale(model)
     result = x / stretch
     moving = np.setdiff1d(np.arange(model.nv), held)
-    missing = scale * right - np.einsum("nmk,nk->nm", J, result)
+    missing = right - np.einsum("nmk,nk->nm", J, result)
     step = np.einsum("nkm,nm->nk", np.linalg.pinv(J[..., moving], rcond=1e-10), missing)
     result[:, moving] += step
-    left = scale * right - np.einsum("nmk,nk->nm", J, result)
+    left = right - np.einsum("nmk,nk->nm", J, result)
     bad = np.flatnonzero(
         np.abs(left).max(axis=-1, initial=0.0) > 1e-8 * (1.0 + np.abs(result).max(axis=-1, initial=0.0))
     )
@@ -259,7 +236,7 @@ def _consistent(
         refuse_inconsistent(
             function,
             model,
-            left[bad[0]] / scale,
+            left[bad[0]],
             f"does not allow the values given{sample}: they contradict its equations; give fewer of them"
             if held
             else f"cannot stay closed{sample}, whatever the values: the mechanism is stuck",

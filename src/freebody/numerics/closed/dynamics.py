@@ -9,25 +9,27 @@ from numpy.typing import NDArray
 
 from freebody.arrays import Array, at_sample
 from freebody.errors import LoopError, SingularError
+from freebody.model.facts import fact
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector, Wrenches, checked_inputs
-from freebody.numerics.closed.assembly import assemble, closing, free_coordinates
+from freebody.numerics.closed.assembly import assemble, free_coordinates
 from freebody.numerics.closed.equations import (
-    length,
-    loop_of_row,
-    null_space,
-    rate_scale,
+    blurred,
+    closing,
+    counting,
     refuse_inconsistent,
     require_closed,
-    row_scale,
     scaled_jacobian,
+    telling_much,
 )
 from freebody.numerics.closed.mobility import dependent_rows, regular_jacobian
+from freebody.numerics.closed.redundancy import redundancy
+from freebody.numerics.closed.scaled import length, loop_of_row, null_space, rate_scale, row_scale
 from freebody.numerics.closed.solving import BLURRED, RANK, Idle, Jerk, solve
 from freebody.numerics.formulas import Option
 from freebody.numerics.kernels import fetch
 from freebody.numerics.massless import massless
-from freebody.numerics.states import difference, integrate
+from freebody.numerics.states import difference, integrate, random_state
 
 _PIVOT = 1e-6
 """The smallest pivot of the quick solution relative to the largest; below, the careful solution takes over."""
@@ -35,6 +37,7 @@ _REGULAR = 1e-2  # of the same, from which stages of an integration need no care
 _LIGHT = 1e10  # the mechanism's inertia over that which resists a loop; rad/s²
 _SHORT = 0.01  # rad: a motion that shows where accelerations lead
 _ASIDE = 0.03  # part of what accelerations add to it by which it may miss the closed positions: terms of third order
+_SEEDS = 8  # starts from which a closed position is sought where home leads to none
 _LEFT = 1e-6  # of an equation, relative to its terms: more is no rounding
 WOULD_OPEN = "would open{} under these accelerations; make them consistent with fb.loop_acceleration(model, q, qd, qdd)"
 STUCK = "cannot stay closed at these rates{}: the mechanism is stuck"
@@ -74,12 +77,12 @@ def _solved(
     model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
 ) -> tuple[Array, NDArray[np.bool_]]:
     """(q̈ (..., nv), which samples took care): compiled where M is regular and the equations are independent."""
-    if massless(model):
+    if massless(model) or redundancy(model).rank is not None:
         qdd = np.empty(qd.shape)
         for at in np.ndindex(qd.shape[:-1]):
             qdd[at] = careful(model, frames, *(x[at] for x in (q, qd, tau, *loads)))
         return qdd, np.ones(qd.shape[:-1], dtype=bool)
-    kept = independent_rows(model, q)
+    kept = independent_rows(model)
     quick = fetch(model, ("constrained_dynamics",), Option(wrench_frames=frames, equations=kept))
     qdd, _, pivots = quick(q, qd, tau, *loads)
     poor = ~(_smallest(model, kept, pivots) > _PIVOT) | _light(model, kept, pivots, qdd)
@@ -94,9 +97,9 @@ def _solved(
 
 def regular(model: Model, q: Array) -> bool:
     """Whether the loop equations at q (nq,) are far from losing rank."""
-    kept = independent_rows(model, q)
-    if massless(model):
-        s = np.linalg.svd(scaled_jacobian(model, q)[list(kept)], compute_uv=False)
+    kept = independent_rows(model)
+    if massless(model) or redundancy(model).rank is not None:
+        s = np.linalg.svd(scaled_jacobian(model, q), compute_uv=False)[: len(kept)]
         return bool(s.min(initial=1.0) ** 2 > _REGULAR * s.max(initial=0.0) ** 2)
     quick = fetch(model, ("constrained_dynamics",), Option(equations=kept))
     still = np.zeros(model.nv)
@@ -118,23 +121,29 @@ def _light(model: Model, kept: tuple[int, ...], pivots: Array, qdd: Array) -> ND
     return (scaled.max(axis=-1, initial=0.0) > _LIGHT) | (fastest > _LIGHT)
 
 
-def independent_rows(model: Model, q: Array) -> tuple[int, ...]:
+@fact
+def independent_rows(model: Model) -> tuple[int, ...]:
     """Equations that do not follow from others near the model's home; found once a model.
 
-    Where no home is found, near the first of the positions q (..., nq).
+    Where the loops cannot be closed from home, near the first of some fixed starts from which they can; all, where
+    there is none.
     """
-    kept = model.compiled.get("independent_rows")
-    if kept is None:
+    known = redundancy(model)
+    if known.rank is not None:
+        return known.rows
+    at = _anywhere(model)
+    dropped = () if at is None else dependent_rows(regular_jacobian(model, at)[0])
+    return tuple(k for k in range(model.tree.constraints) if k not in dropped)
+
+
+def _anywhere(model: Model) -> Array | None:
+    """A closed position (nq,), the same whatever was asked before: home's, else the first found from fixed starts."""
+    for start in (None, *random_state(model, seed=5, batch=_SEEDS)[0]):
         try:
-            at = assemble(model)
+            return assemble(model, start)
         except LoopError:
-            if not q.size:
-                return tuple(range(model.tree.constraints))
-            at = q.reshape(-1, model.nq)[0]
-        dropped = dependent_rows(regular_jacobian(model, at)[0])
-        kept = tuple(k for k in range(model.tree.constraints) if k not in dropped)
-        model.compiled["independent_rows"] = kept
-    return kept
+            continue
+    return None
 
 
 def careful(model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array) -> Array:
@@ -146,7 +155,8 @@ def careful(model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Arr
     rates = rate_scale(model)
     speed = float(np.abs(qd / rates).max(initial=0.0))
     try:
-        return solve(M, tau - bias, A, c, row_scale(model), rates, _jerk(model, q, qd), speed)
+        c = counting(model, q, row_scale(model) * c)
+        return solve(M, tau - bias, A, c, rates, _jerk(model, q, qd), speed, blurred(model))
     except Idle as idle:
         raise SingularError(
             f"forward_dynamics: {model.name!r} has no definite acceleration: its loops let "
@@ -158,7 +168,7 @@ def careful(model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Arr
 def require_way(model: Model, q: Array, qd: Array, qdd: Array) -> None:
     """Refuse a singular position (nq,) from which the rates and accelerations found (nv,) lead nowhere."""
     _, loose = null_space(scaled_jacobian(model, q), BLURRED)
-    lost = model.tree.constraints - loose.shape[1] < len(independent_rows(model, q))
+    lost = model.tree.constraints - loose.shape[1] < len(independent_rows(model))
     if lost and not _leads_on(model, q, qd, qdd):
         worst = int(np.argmax(np.linalg.norm(loose, axis=1)))
         name = model.loops[loop_of_row(model)[worst]].name
@@ -184,7 +194,7 @@ def _leads_on(model: Model, q: Array, qd: Array, qdd: Array) -> bool:
 
 def _jerk(model: Model, q: Array, qd: Array) -> Jerk:
     def at(x: Array) -> Array:
-        return fetch(model, ("constraint_jerk",), Option())(q, qd, x)
+        return counting(model, q, row_scale(model) * fetch(model, ("constraint_jerk",), Option())(q, qd, x))
 
     return at
 
@@ -250,17 +260,23 @@ def drive_torques(
 
 def _left(model: Model, q: Array, qd: Array, qdd: Array) -> Array:
     """(...): the largest equation, scaled to angles, that accelerations leave unsatisfied, relative to its terms."""
+    left, c = missed(model, q, qd, qdd)
+    size = 1.0 + np.abs(qdd / rate_scale(model)).max(axis=-1, initial=0.0) + np.abs(c).max(axis=-1)
+    return np.abs(left).max(axis=-1) / size
+
+
+def missed(model: Model, q: Array, qd: Array, qdd: Array) -> tuple[Array, Array]:
+    """(Φ_q q̈ - c, c) (..., m), scaled, as far as they tell."""
     phi, c = fetch(model, ("constraint_jacobian", "constraint_bias"), Option())(q, qd)
-    rows, rates = row_scale(model), rate_scale(model)
-    size = 1.0 + np.abs(qdd / rates).max(axis=-1, initial=0.0) + np.abs(rows * c).max(axis=-1)
-    return np.abs(rows * (np.einsum("...mk,...k->...m", phi, qdd) - c)).max(axis=-1) / size
+    rows = row_scale(model)
+    left = rows * (np.einsum("...mk,...k->...m", phi, qdd) - c)
+    return telling_much(model, q, left), rows * c
 
 
 def require_consistent(function: str, model: Model, q: Array, qd: Array, qdd: Array, problem: str) -> None:
     """Refuse accelerations that would open a loop, with a problem that has a place for the sample."""
-    bad = np.argwhere(_left(model, q, qd, qdd) > _LEFT)
+    bad = np.argwhere(_left(model, q, qd, qdd) > max(_LEFT, redundancy(model).slack))
     if len(bad):
         at = tuple(map(int, bad[0]))
         q, qd, qdd = (x[at] for x in (q, qd, qdd))
-        phi, c = fetch(model, ("constraint_jacobian", "constraint_bias"), Option())(q, qd)
-        refuse_inconsistent(function, model, phi @ qdd - c, problem.format(at_sample(at)))
+        refuse_inconsistent(function, model, missed(model, q, qd, qdd)[0], problem.format(at_sample(at)))

@@ -10,18 +10,15 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.lazy import cached_property
 from freebody.model.model import Model
-from freebody.numerics.closed.assembly import closing
 from freebody.numerics.closed.decompose import Decomposition, decomposed
 from freebody.numerics.closed.equations import (
-    backward,
+    closing,
     gaps,
-    length,
-    rate_scale,
-    residual,
-    row_scale,
     scaled_jacobian,
-    shortest_way,
+    scaled_residual,
+    within_tolerance,
 )
+from freebody.numerics.closed.scaled import backward, length, rate_scale, shortest_way
 from freebody.numerics.inverse.answer import gathered
 from freebody.numerics.inverse.descent import descend
 from freebody.numerics.inverse.problem import Found, Problem
@@ -104,25 +101,25 @@ class _Held:
         return self.problem.reference
 
     @cached_property
-    def _scales(self) -> tuple[Array, Array, Array]:
-        """Of the tip's rows, of loop equations, of rates."""
+    def _scales(self) -> tuple[Array, Array]:
+        """Of the tip's rows, of rates."""
         model, task = self.seeker.model, self.seeker.task
         linear = len(task.linear)
         tip = np.array([1.0 / length(model)] * linear + [1.0] * (len(task.rows) - linear))
-        return tip, row_scale(model), rate_scale(model)
+        return tip, rate_scale(model)
 
     def equations(self, q: Array, target: Array, weight: float = 1.0) -> tuple[Array, Array]:
         """(what is missing (..., r + m), the Jacobian (..., r + m, nv)), scaled; loops count `weight` times."""
-        tip, rows, rates = self._scales
+        tip, rates = self._scales
         T, J = self.seeker.pose_and_jacobian(q)
         model = self.seeker.model
-        missing = [tip * self.seeker.task.error(T, target), -weight * rows * residual(model, q)]
+        missing = [tip * self.seeker.task.error(T, target), -weight * scaled_residual(model, q)]
         slopes = [tip[:, None] * J * rates, weight * scaled_jacobian(model, q)]
         return np.concatenate(missing, axis=-1), np.concatenate(slopes, axis=-2)
 
     def descend(self, target: Array, starts: Array, weight: float, iterations: int) -> tuple[Array, Array]:
         """(q, what is left) from starts (N, nq) to targets (N, …)."""
-        _, _, rates = self._scales
+        _, rates = self._scales
 
         def at(q: Array, rows: np.ndarray) -> tuple[Array, Array]:
             return self.equations(q, target[rows], weight)
@@ -165,12 +162,13 @@ class _Held:
         model = self.seeker.model
         if not len(q):
             return np.zeros(0, dtype=bool)
-        left = np.abs(row_scale(model) * residual(model, q)).max(axis=-1, initial=0.0)
-        return (left <= _CLOSED) & ~backward(model, q).any(axis=-1)
+        left = np.abs(scaled_residual(model, q)).max(axis=-1, initial=0.0)
+        closed = (left <= _CLOSED) & within_tolerance(model, q).all(axis=-1)
+        return closed & ~backward(model, q).any(axis=-1)
 
     def _polished(self, q: Array, target: Array) -> Array:
         """q after Newton steps, each kept where it helped."""
-        _, _, rates = self._scales
+        _, rates = self._scales
         for _ in range(4 if len(q) else 0):
             e, E = self.equations(q, target)
             step = (np.linalg.pinv(E, rcond=1e-9) @ e[..., None])[..., 0] * rates
@@ -212,7 +210,7 @@ class _Held:
         for weight in _SETTLING:
             q, _ = self.descend(goals, q, weight, 60)
         q, _ = closing(model, q, range(model.nv))
-        open_by = gaps(model, residual(model, q)).max(axis=-1)
+        open_by = gaps(model, scaled_residual(model, q)).max(axis=-1)
         error = self.seeker.task.error(self.seeker.pose_and_jacobian(q)[0], goals)
         k = len(self.seeker.task.linear)
         parts = [np.linalg.norm(part, axis=-1) for part in (error[:, :k], error[:, k:])]

@@ -18,16 +18,8 @@ from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.model import Model
 from freebody.numerics.closed.assembly import assemble, free_coordinates
 from freebody.numerics.closed.dynamics import independent_rows
-from freebody.numerics.closed.equations import (
-    backward,
-    length,
-    rate_scale,
-    require_loops,
-    residual,
-    row_scale,
-    scaled_jacobian,
-    shortest_way,
-)
+from freebody.numerics.closed.equations import require_loops, scaled_jacobian, scaled_residual
+from freebody.numerics.closed.scaled import backward, length, rate_scale, shortest_way
 from freebody.numerics.kernels import motion_rows
 from freebody.numerics.kinematics import jacobian
 from freebody.numerics.states import difference, generic_state, integrate, neutral
@@ -90,8 +82,8 @@ def _problem(
     rows: Sequence[str] | None,
     hold: dict[str, float],
 ) -> _Problem:
-    at = assemble(model)
-    kept = list(independent_rows(model, at))
+    assemble(model)  # refuses a mechanism that cannot be closed
+    kept = list(independent_rows(model))
     driven = free_coordinates(model, model.actuated, "singularity_loci")
     freedom = model.nv - len(kept)
     if len(driven) != freedom:
@@ -146,7 +138,7 @@ class _Problem:
     def left(self, q: Array) -> Array:
         """(m + 1 + h,): what q (nq,) leaves unsatisfied, scaled."""
         model = self.model
-        phi = (row_scale(model) * residual(model, q))[self.kept]
+        phi = scaled_residual(model, q)[self.kept]
         off = (difference(model, neutral(model), q)[self.held] - self.values) / rate_scale(model)[self.held]
         return np.concatenate([phi, [float(self.measure(q))], off])
 

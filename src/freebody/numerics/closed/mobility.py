@@ -10,14 +10,9 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector, finite_vector
-from freebody.numerics.closed.assembly import closing
-from freebody.numerics.closed.equations import (
-    null_space,
-    rate_scale,
-    require_closed,
-    row_names,
-    scaled_jacobian,
-)
+from freebody.numerics.closed.equations import closing, require_closed, scaled_jacobian
+from freebody.numerics.closed.redundancy import redundancy
+from freebody.numerics.closed.scaled import null_space, rate_scale, row_names
 from freebody.numerics.states import difference, integrate
 
 _RANK = (
@@ -44,18 +39,27 @@ class Mobility:
     """Equations that follow from those before them, in general: without them the mechanism moves the same."""
     independent: tuple[str, ...]
     """A well-conditioned choice of coordinates that determine the others here; driven joints are preferred."""
+    misfit: tuple[float, float] = (0.0, 0.0)
+    """(m, rad): how far rounded numbers keep the redundant equations from holding, at most, where that was looked at;
+    0 where they hold but for rounding in the computation."""
 
     @property
     def singular(self) -> bool:
         """Whether this position has more freedom at once than the mechanism in general."""
         return self.instantaneous > self.generic
 
+    @property
+    def _misfit(self) -> str:
+        metres, radians = self.misfit
+        parts = [f"{metres:.2g} m"] * (metres > 0.0) + [f"{radians:.2g} rad"] * (radians > 0.0)
+        return f"; numbers are rounded, and leave them open by up to {' and '.join(parts)}" if parts else ""
+
     def __str__(self) -> str:
         lines = [
             f"{self.model}: {self.generic} degree{'s' if self.generic != 1 else ''} of freedom "
             f"(Grübler {self.gruebler}, here at once {self.instantaneous})",
             f"  {self.equations} loop equations, rank {self.rank}",
-            f"  redundant: {', '.join(self.redundant) or 'none'}",
+            f"  redundant: {', '.join(self.redundant) or 'none'}{self._misfit}",
             f"  independent coordinates: {', '.join(self.independent) or 'none'}",
         ]
         if self.singular:
@@ -79,7 +83,9 @@ def mobility(model: Model, q: Vector) -> Mobility:
     here, _ = null_space(scaled_jacobian(model, at), _RANK)
     regular, moves = regular_jacobian(model, at)
     finite = model.nv - _rank(regular) if moves else 0
-    names = row_names(model)
+    names, known = row_names(model), redundancy(model)
+    rounded = known.rank is not None
+    redundant = sorted(set(range(len(names))) - set(known.rows)) if rounded else dependent_rows(regular)
     return Mobility(
         model.name,
         here.shape[1],
@@ -87,8 +93,9 @@ def mobility(model: Model, q: Vector) -> Mobility:
         model.nv - len(names),
         len(names),
         _rank(regular),
-        tuple(names[k] for k in dependent_rows(regular)),
+        tuple(names[k] for k in redundant),
         independent_coordinates(model, here),
+        known.misfit,
     )
 
 

@@ -12,14 +12,8 @@ from freebody.errors import FreebodyError
 from freebody.model.model import Model
 from freebody.numerics.calls import Vector, finite_vector
 from freebody.numerics.closed.assembly import free_coordinates
-from freebody.numerics.closed.equations import (
-    length,
-    null_space,
-    rate_scale,
-    require_closed,
-    require_loops,
-    scaled_jacobian,
-)
+from freebody.numerics.closed.equations import require_closed, require_loops, scaled_jacobian
+from freebody.numerics.closed.scaled import length, null_space, rate_scale
 from freebody.numerics.closed.solving import RANK
 from freebody.numerics.kernels import motion_rows
 from freebody.numerics.kinematics import jacobian

@@ -21,20 +21,15 @@ from freebody.numerics.closed.dynamics import (
     drive_torques,
     require_consistent,
 )
-from freebody.numerics.closed.equations import (
-    length,
-    null_space,
-    rate_scale,
-    require_closed,
-    row_scale,
-    scaled_jacobian,
-)
+from freebody.numerics.closed.equations import require_closed, scaled_jacobian
+from freebody.numerics.closed.scaled import every_jacobian, length, null_space, rate_scale, row_scale
 from freebody.numerics.closed.solving import RANK
 from freebody.numerics.formulas import Option
 from freebody.numerics.kernels import fetch
 from freebody.numerics.kinematics import checked_reference, forward_kinematics
 from freebody.numerics.passive import refuse_passive
 
+_ADDED = 20.0  # times what rounding changes in the equations, for what it may change in wrenches
 _DETERMINED = 1e-7  # part of a wrench, relative to the largest, that undetermined multipliers may add
 
 
@@ -158,9 +153,18 @@ def _found(
             still = wrench_of(sample, np.zeros((1, m)))
             change = np.abs(wrench_of(sample, combinations.T) - still).max(axis=0)
             change[:, model.dim :] /= length(model)  # forces and moments compare
-            determined[sample] = change < _DETERMINED * max(float(change.max()), 1e-300)
+            doubt = max(_DETERMINED, _doubt(A[sample], every_jacobian(model, q[sample])))
+            determined[sample] = change < doubt * max(float(change.max()), 1e-300)
     left = _miss(model, q, qd, qdd, found_wrenches, frames, loads)
     return Reactions(model.reaction_names, turned(q, found_wrenches), determined, multipliers, qdd, tau, left)
+
+
+def _doubt(counting: Array, every: Array) -> float:
+    """What rounding in the model's numbers adds to a wrench that is determined, relative to what is not: equations
+    (m, nv) that do not count against the least of those that do."""
+    s = np.linalg.svd(counting, compute_uv=False)
+    least = float(s[s > RANK * s.max(initial=1e-300)].min(initial=1.0))
+    return _ADDED * float(np.abs(every - counting).max(initial=0.0)) / least
 
 
 def _in_child_axes(model: Model, q: Array, wrenches: Array) -> Array:

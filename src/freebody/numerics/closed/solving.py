@@ -34,27 +34,27 @@ class Idle(Exception):
 
 
 Jerk = Callable[[Array], Array]
-"""x (k, nv) -> Φ's third derivative at q̈ = x (k, m), unscaled."""
+"""x (k, nv) -> Φ's third derivative at q̈ = x (k, m), scaled."""
 
 
 def solve(
-    M: Array, n: Array, A: Array, c: Array, rows: Array, rates: Array, jerk: Jerk, speed: float
+    M: Array, n: Array, A: Array, c: Array, rates: Array, jerk: Jerk, speed: float, blurred: float = BLURRED
 ) -> Array:
     """q̈ (nv,) of one state. Raises Idle.
 
-    M (nv, nv), n (nv,), c (m,); A (m, nv): Φ_q scaled by rows (m,) and rates (nv,) as in `equations`; speed: of the
-    fastest scaled rate.
+    M (nv, nv), n (nv,); A (m, nv), c (m,): scaled as in `equations`, over rates scaled by `rates` (nv,); speed: of the
+    fastest scaled rate; blurred: singular values, relative to the largest, that count as zero.
     """
-    mass, force, right = rates[:, None] * M * rates, rates * n, rows * c
+    mass, force = rates[:, None] * M * rates, rates * n
     U, s, Vt = np.linalg.svd(A)
-    rank = int((s > BLURRED * s.max(initial=1e-300)).sum())
+    rank = int((s > blurred * s.max(initial=1e-300)).sum())
     loose, null = U[:, rank:], Vt[rank:].T
-    x = Vt[:rank].T @ ((U[:, :rank].T @ right) / s[:rank])
+    x = Vt[:rank].T @ ((U[:, :rank].T @ c) / s[:rank])
     if null.shape[1]:
         ways = null @ _unit_root(null, mass)  # of unit inertia: wayᵀ M way = 1
         x = x + ways @ (ways.T @ (force - mass @ x))
         if loose.shape[1] and speed > 0.0:
-            x = x + ways @ _onto_branch(x, ways, loose.T, rows, rates, jerk, speed)
+            x = x + ways @ _onto_branch(x, ways, loose.T, rates, jerk, speed)
     return rates * x
 
 
@@ -66,11 +66,9 @@ def _unit_root(null: Array, mass: Array) -> Array:
     return vectors / np.sqrt(sizes)
 
 
-def _onto_branch(
-    x: Array, ways: Array, loose: Array, rows: Array, rates: Array, jerk: Jerk, speed: float
-) -> Array:
+def _onto_branch(x: Array, ways: Array, loose: Array, rates: Array, jerk: Jerk, speed: float) -> Array:
     """Weights (k,) of the ways (nv, k) that must be added so that Φ's third derivative can vanish."""
-    values = jerk(rates * np.concatenate([x[None], x + ways.T])) * rows
+    values = jerk(rates * np.concatenate([x[None], x + ways.T]))
     at, slopes = loose @ values[0], loose @ (values[1:] - values[0]).T
     U, s, Vt = np.linalg.svd(slopes, full_matrices=False)
     # ways are as long as M makes them; compare with the largest turn they make
