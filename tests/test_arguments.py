@@ -75,6 +75,10 @@ UNUSED: list[tuple[Callable[[], Any], str]] = [
     (lambda: fb.kernel(ARM, "mass_matrix", frame="tip"), "frame='tip' has no meaning"),
     (lambda: fb.kernel(ARM, "jacobian", rows=["vx"]), "has no meaning for jacobian"),
     (lambda: fb.kernel(ARM, "bias", wrench_frames=["tip"]), "has no meaning for bias"),
+    (lambda: fb.load("2R", convention="standard"), "convention= is for DH tables in .csv files"),
+    (lambda: fb.inverse_kinematics(ARM, [0.3, 0.2], starts=0), "starts is 0, expected at least 1"),
+    (lambda: fb.kinematic_diagram(ARM, [0, 0], qd=[1, 1]), "qd is not drawn in geometry, vectors: say show='veloc"),
+    (lambda: fb.kinematic_diagram(ARM, [0, 0], "velocities", [1, 1], [1, 1]), "qdd is not drawn in velocities"),
     (lambda: fb.quantities(ARM, gravity="none"), "no gravity 'none' in fb.quantities"),
 ]  # fmt: skip
 
@@ -111,3 +115,9 @@ def test_a_closed_chain_is_derived_by_a_method_that_applies(capsys: pytest.Captu
     assert fb.derive(ARM).method == "newton-euler"
     assert run(["derive", "four_bar"]) == 0
     assert "Lagrange" in capsys.readouterr().out.splitlines()[0]
+
+
+def test_warnings_point_at_the_caller():
+    with pytest.warns(fb.FreebodyWarning) as caught:
+        fb.inverse_velocity(fb.load("2R"), [0.0, 1e-6], [1.0, 0.0], damping=0.05)
+    assert {warning.filename for warning in caught} == {__file__}

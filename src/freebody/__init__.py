@@ -101,8 +101,12 @@ _PLACES = {
     "freebody.figures.notes.catalogue": ("notes_figure",),
     "freebody.report.study": ("Study", "study"),
 }
-_QUICK = tuple(f"freebody.numerics.{name}" for name in ("kinematics", "dynamics", "operational", "states"))
-"""Their functions look themselves whether they are given a model: a call through another costs too much there."""
+_QUICK = tuple(
+    f"freebody.numerics.{name}"
+    for name in ("kinematics", "dynamics", "operational", "states", "inverse.rates")
+)
+"""Their functions look themselves whether they are given a model: a call through another would cost too much, or
+warnings would point at it."""
 
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 __all__ = [*_PLACE_OF, "__version__"]

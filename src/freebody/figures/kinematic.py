@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 
 from freebody.errors import FreebodyError, UnknownNameError
@@ -60,11 +60,24 @@ def kinematic_diagram(
             raise UnknownNameError("view", name, f"kinematic_diagram of a model in {model.dim}D", known)
     if not chosen:
         raise FreebodyError(f"kinematic_diagram: show is empty; name one of {', '.join(known)}.")
+    _require_drawn("qd", qd, ("velocities", "accelerations"), chosen, known)
+    _require_drawn("qdd", qdd, ("accelerations",), chosen, known)
     seen = snapshot(model, q, qd, qdd)
     names = names_of(seen.model)
     drawings = tuple(view(seen, name, names) for name in chosen)
     to_one_scale(drawings, WIDE, TALL)
     return Figure(f"Kinematic diagram of {model.name}", drawings, 2, WIDE, TALL)
+
+
+def _require_drawn(
+    argument: str, value: Vector | None, views: Sequence[str], chosen: Sequence[str], known: Collection[str]
+) -> None:
+    """Refuse rates that none of the drawings asked for would show."""
+    if value is None or set(views) & set(chosen):
+        return
+    possible = [name for name in views if name in known]
+    instead = f"say show={possible[0]!r}" if possible else "drawings in space show none; leave it out"
+    raise FreebodyError(f"kinematic_diagram: {argument} is not drawn in {', '.join(chosen)}: {instead}.")
 
 
 def view(seen: Snapshot, show: str, names: Names) -> Drawing:

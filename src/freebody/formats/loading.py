@@ -99,6 +99,10 @@ def read(
         raise FreebodyError(f"load: snap_angles is {snap_angles}, expected radians between 0 and 0.1.")
     given = _path(source)
     path = Path(given)
+    if convention is not None and path.suffix.lower() != ".csv":
+        raise FreebodyError(
+            f"load: convention= is for DH tables in .csv files, which do not always say it; leave it out for {given!r}."
+        )
     if not path.suffix and os.sep not in given and "/" not in given:
         return _named(given)
     suffix = path.suffix.lower()

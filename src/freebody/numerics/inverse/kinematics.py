@@ -59,6 +59,8 @@ def inverse_kinematics(
     model.require_values("inverse kinematics")
     if limits not in LIMITS:
         raise UnknownNameError("choice", limits, "inverse_kinematics: limits=", LIMITS)
+    if starts is not None and starts < 1:
+        raise FreebodyError(f"inverse_kinematics: starts is {starts}, expected at least 1.")
     chosen, poses = read_target("inverse_kinematics", model, target, task)
     seeker = Seeker(model, model.frame(frame).name, chosen)
     flat = poses.reshape(-1, *poses.shape[-2:])

@@ -13,6 +13,7 @@ from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, FreebodyWarning, SingularError
 from freebody.labels import aligned, labels_of
 from freebody.model.model import Model
+from freebody.model.required import require_model
 from freebody.numerics.calls import Vector, common_batch, finite_vector
 from freebody.numerics.inverse.chain import arm_length
 from freebody.numerics.inverse.task import row_names, rows_of
@@ -42,6 +43,7 @@ def inverse_velocity(
     arm's, such as 0.05): then singular values below it are damped, q̇ is exact elsewhere, and a FreebodyWarning says how
     far off V is (Nakamura and Hanafusa 1986; Chiaverini 1997).
     """
+    require_model("inverse_velocity", model)
     model.require_tree("inverse_velocity", "fb.input_output(model, q).J")
     return _solved("inverse_velocity", model, q, "V", V, None, frame, task, damping)
 
@@ -60,6 +62,7 @@ def inverse_acceleration(
     qd: (..., nv). A: acceleration of the frame, the time derivative of its velocity (m/s², rad/s²). All else as for
     `inverse_velocity`.
     """
+    require_model("inverse_acceleration", model)
     model.require_tree("inverse_acceleration", "fb.input_output(model, q).J")
     return _solved("inverse_acceleration", model, q, "A", A, qd, frame, task, damping)
 
