@@ -211,5 +211,5 @@ def _say_damped(problem: _Problem, J: Array, rates: Array, wanted: Array) -> Non
             f"{problem.function}: damped near a singularity: {problem.frame} gets {problem.letter} but for "
             f"{worst:.3g} in {problem.names[at[-1]]}{where}.",
             FreebodyWarning,
-            stacklevel=4,
+            stacklevel=5,
         )
