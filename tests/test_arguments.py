@@ -118,7 +118,10 @@ def test_a_closed_chain_is_derived_by_a_method_that_applies(capsys: pytest.Captu
 
 
 def test_warnings_point_at_the_caller():
-    with pytest.warns(fb.FreebodyWarning) as caught:
-        fb.inverse_velocity(fb.load("2R"), [0.0, 1e-6], [1.0, 0.0], damping=0.05)
-        fb.inverse_acceleration(fb.load("2R"), [0.0, 1e-6], [0.0, 0.0], [1.0, 0.0], damping=0.05)
-    assert [warning.filename for warning in caught] == [__file__] * 2
+    still, along = [0.0, 0.0], [1.0, 0.0]
+    near = [0.0, 1e-6]
+    with pytest.warns(fb.FreebodyWarning) as first:
+        fb.inverse_velocity(ARM, near, along, damping=0.05)
+    with pytest.warns(fb.FreebodyWarning) as second:
+        fb.inverse_acceleration(ARM, near, still, along, damping=0.05)
+    assert [warning.filename for warning in (*first, *second)] == [__file__] * 2
