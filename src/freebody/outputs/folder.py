@@ -87,7 +87,9 @@ def write_folder(directory: str | os.PathLike[str], makers: Makers, about: Mappi
             problems[name] = FreebodyError(_FOREIGN)
     manifest = _Manifest(secrets.token_hex(8), dict(about))
     manifest.files = {name: hashlib.sha256(content).hexdigest() for name, content in contents.items()}
-    manifest.earlier = {name: sha for name, sha in lies_here.items() if sha and sha in known.get(name, ())}
+    manifest.earlier = {
+        name: sha for name, sha in sorted(lies_here.items()) if sha and sha in known.get(name, ())
+    }
     _clear(folder)
     _put(folder / MANIFEST, manifest.text())
     for name, content in contents.items():
