@@ -9,6 +9,7 @@ import pytest
 
 import freebody as fb
 from freebody.cli.app import run
+from freebody.cli.fbd import _values as positions
 from freebody.formats import source
 from freebody.formats.numbers import number
 from freebody.motion.table import read_motion
@@ -298,3 +299,36 @@ def test_numbers_given_in_python():
 def test_an_axis_of_any_size_is_made_a_unit_vector(tmp_path, size: float):
     model = load(urdf(f'<axis xyz="{size} {size} 0"/>'), tmp_path / "x.urdf")
     assert model.bodies[0].joint.axis == pytest.approx((0.5**0.5, 0.5**0.5, 0.0), abs=1e-15)
+
+
+# ---------------------------------------------------------------- patterns that would try every way to divide a text
+MANY = 60_000
+
+
+@pytest.mark.parametrize(
+    "cell",
+    [
+        "9" * MANY + "x",
+        "1" + " " * MANY + "x!",
+        "9" * MANY + "." + "9" * MANY + "e!",
+        "1." + "1" * MANY + " deg!",
+    ],
+)
+def test_long_digits_and_blanks_take_no_longer_than_their_length(tmp_path, cell: str):
+    assert "expected a number or a name" in refusal(
+        lambda: load(TABLE + f"R,{cell},0,1\n", tmp_path / "x.csv")
+    )
+    assert "expected a number or a name" in refusal(
+        lambda: load(ONE.format(f'mass = "{cell}"', ""), tmp_path / "x.toml")
+    )
+    with pytest.raises(fb.FreebodyError):
+        positions("q", cell)
+
+
+def test_long_blanks_in_remarks_and_answers(tmp_path):
+    text = f"# source: a{' ' * MANY}b\n{TABLE}R,1,0,1\n"
+    start = time.process_time()
+    assert len(load(text, tmp_path / "x.csv").source) == MANY + 2
+    assert time.process_time() - start < 2.0
+    for answer in ("a" + " " * 19_000, "a" + " " * 9000 + "&" + " " * 9000 + "b", "a" + " " * 18_000 + "= 1"):
+        assert refusal(lambda answer=answer: fb.check(fb.load("2R"), answer)).startswith("check: ")

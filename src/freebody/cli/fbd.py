@@ -72,7 +72,7 @@ def _values(name: str, text: str | None) -> list[float] | None:
     if text is None:
         return None
     values = []
-    for piece in re.sub(r"\s*(deg|°)", r"deg", text).replace(",", " ").split():
+    for piece in re.sub(r" ?(deg|°)", r"deg", " ".join(text.split())).replace(",", " ").split():
         value = numbers.number(piece.removesuffix("deg"))
         if value is None or numbers.fault(value):
             raise FreebodyError(

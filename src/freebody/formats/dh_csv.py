@@ -19,7 +19,7 @@ _COM, _TENSOR = ("cx", "cy", "cz"), ("Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz")
 _DIRECT = ("theta", "d", "a", "alpha", "m", "rotor", "gear")
 _DRIVE, _RANGE = ("viscous", "coulomb"), ("lower", "upper", "velocity", "effort")
 COLUMNS = ("joint", "name", *_DIRECT[:5], *_COM, *_TENSOR, *_DIRECT[5:], *_DRIVE, *_RANGE)
-_REMARK = re.compile(r"#\s*(convention|name|source|gravity)\s*[:=]\s*(.*?)\s*")
+_REMARK = re.compile(r"#\s*(convention|name|source|gravity)\s*[:=](.*)")
 
 
 def describe(file: str, text: str, *, name: str, convention: dh.Convention | None) -> Description:
@@ -29,12 +29,12 @@ def describe(file: str, text: str, *, name: str, convention: dh.Convention | Non
     for number, line in enumerate(source.lines(text), 1):
         if line.lstrip().startswith("#"):
             remark = _REMARK.fullmatch(line.strip())
-            if remark and not remark[2]:
+            if remark and not remark[2].strip():
                 raise FileError(
                     file, number, f"{remark[1]} is empty; write it behind the colon, or remove the line."
                 )
             if remark:
-                remarks[remark[1]] = number, remark[2]
+                remarks[remark[1]] = number, remark[2].strip()
         elif line.strip(" ,;\t"):
             lines.append((number, line))
     if not lines:

@@ -10,8 +10,9 @@ import re
 
 from freebody.model.parameters import LARGEST
 
-DECIMAL = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-"""A decimal number, as a regular expression for ASCII text."""
+DECIMAL = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
+"""A decimal number, as a regular expression for ASCII text. No two parts of it can share digits: 100 000 digits that
+are no number would else be divided in as many ways, each tried to its end."""
 NOT_FINITE = "not a finite number"
 _NUMBER = re.compile(rf"{DECIMAL}|[+-]?inf(?:inity)?|nan", re.ASCII | re.IGNORECASE)
 

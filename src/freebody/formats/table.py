@@ -13,7 +13,7 @@ from freebody.formats import numbers
 from freebody.formats.lines import Path, line_of
 from freebody.model.parameters import Parameter, Quantity
 
-_TEXT_NUMBER = re.compile(rf"\s*({numbers.DECIMAL})\s*([a-z/]*)\s*", re.ASCII)
+_TEXT_NUMBER = re.compile(rf"({numbers.DECIMAL})(?:\s*([a-z/]+))?", re.ASCII)
 UNITS: dict[str, dict[str, float]] = {
     "number": {},
     "angle": {"rad": 1.0, "deg": math.pi / 180},
@@ -25,10 +25,10 @@ _REQUIRED = object()
 
 def in_units(text: str, kind: str) -> float | None:
     """The number in a text such as "30 deg", in SI units; None if it is none of that kind."""
-    match = _TEXT_NUMBER.fullmatch(text)
+    match = _TEXT_NUMBER.fullmatch(text.strip())
     if not match or (match[2] and match[2] not in UNITS[kind]):
         return None
-    if match[2].startswith("deg"):
+    if match[2] and match[2].startswith("deg"):
         return math.radians(float(match[1]))
     return float(match[1])
 

@@ -105,7 +105,7 @@ def _new_names(source: Source, vocabulary: Vocabulary) -> list[str]:
     """Names before a = that mean nothing else: the user introduces them."""
     found = []
     for match in re.finditer(
-        r"(?m)^[^\S\n]*(?:&\s*)?([^\W\d_][^=\n;,&+*/()-]{0,40}?)\s*&?\s*=(?!=)", source.text
+        r"(?m)^[^\S\n]*(?:&\s*)?([^\W\d_][^=\n;,&+*/()-]{0,40}?)(?:\s*&)?\s*=(?!=)", source.text
     ):
         word = words.spell(source, match.start(1))
         alone = not source.text[word.end : match.end(1)].strip()
