@@ -116,6 +116,13 @@ def test_show(capsys: pytest.CaptureFixture[str]):
     assert "base (planar" not in capsys.readouterr().out.splitlines()[0]
 
 
+def test_show_says_when_all_joints_of_a_closed_chain_count_as_drives(capsys: pytest.CaptureFixture[str]):
+    assert run(["show", "bricard"]) == 0
+    assert "driven: all joints, since none is said to be passive" in capsys.readouterr().out
+    assert run(["show", "four_bar"]) == 0
+    assert "driven: all joints" not in capsys.readouterr().out
+
+
 def test_models(capsys: pytest.CaptureFixture[str]):
     assert run(["models"]) == 0
     out = capsys.readouterr().out

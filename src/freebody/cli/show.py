@@ -64,11 +64,19 @@ def show(
     if model.loops:
         out.print(_loops(model))
         out.print(Text(_mobility(model)), soft_wrap=True)
+        if not any(body.joint.passive for body in model.bodies):
+            out.print(Text(_UNSAID), soft_wrap=True)
         out.print()
     out.print(Text(f"frames: {', '.join(model.frame_names)}"))
     for notice in model.notices:
         if notice.kind not in ("physical", DOUBTFUL):  # those have been printed in yellow
             out.print(Text(f"note: {notice}"), soft_wrap=True)
+
+
+_UNSAID = (
+    "  driven: all joints, since none is said to be passive; torques are then shared among more drives than the motion "
+    "may need. Mark passive joints (passive = true), or name the drives: model.replace(actuated=[...])"
+)
 
 
 def _heading(model: Model) -> str:
