@@ -165,7 +165,7 @@ def _by_motion(s: Symbols, column: list[Trig]) -> dict[tuple, Trig]:
     return {key: s.ring.polynomial(terms) for key, terms in found.items()}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class BaseEquations(Equations):
     """The closed forms with base parameters as symbols; those of the model itself do not occur in M, c and g."""
 

@@ -24,6 +24,7 @@ from freebody.model.model import Model
 from freebody.model.parameters import finite, with_parameters
 from freebody.model.tree import Tree
 from freebody.scalars.trig import Trig
+from freebody.values import ByValue
 
 VIEWS = ("auto", "named", "expanded", "intermediates", "base")
 SHORT = 700
@@ -32,8 +33,8 @@ MOST = 2000
 """Terms of M, c and g that will not fit whatever their form."""
 
 
-@dataclass(frozen=True)
-class Equations:
+@dataclass(frozen=True, eq=False)
+class Equations(ByValue):
     """Closed forms of a model, exact polynomials in normal form: equal means identical."""
 
     symbols: Symbols

@@ -20,6 +20,7 @@ from freebody.model.reading import Reader
 from freebody.model.tree import Tree, lower
 from freebody.scalars.trig import Trig, TrigRing, rational_axis, rational_rotation, rational_sin_cos
 from freebody.spatial import Matrix, Vector
+from freebody.values import ByValue, key
 
 RATE, SECOND = "_d", "_dd"
 """What the names of rates and second rates end with."""
@@ -63,8 +64,8 @@ class TrigReader(Reader):
         return float(x) if x in (0, 1, -1) else Trig(self.ring, self.ring.constant(x), 0)
 
 
-@dataclass(frozen=True)
-class Symbols:
+@dataclass(frozen=True, eq=False)
+class Symbols(ByValue):
     """Coordinates θ_i (turning) and d_i (sliding), numbered by joint from 1, their rates, the tree over the ring."""
 
     model: Model
@@ -77,6 +78,16 @@ class Symbols:
     """Further symbols that stand for masses (0) and inertias (1) of bodies: name and (body, which)."""
     given: Model | None = None
     """The model as it was given; `model` is that with parameters of value 0 put in."""
+
+    def _key(self) -> tuple[Any, ...]:
+        return tuple(map(key, self._recipe))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return symbols, self._recipe  # rings and their elements are made anew
+
+    @property
+    def _recipe(self) -> tuple[Any, ...]:
+        return self.given or self.model, self.reader.numbers, self.extra, self.inertial
 
     @cached_property
     def tree(self) -> Tree:

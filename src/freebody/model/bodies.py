@@ -9,6 +9,7 @@ from freebody.model.joints import KINDS, JointKind
 from freebody.model.parts import Joint
 from freebody.model.placement import Placement
 from freebody.model.tree import Attached
+from freebody.values import ByValue
 
 
 @dataclass(frozen=True)
@@ -45,8 +46,8 @@ class Body:
         return KINDS[self.joint.kind]
 
 
-@dataclass(frozen=True)
-class JointLimits:
+@dataclass(frozen=True, eq=False)
+class JointLimits(ByValue):
     """For each entry of q̇ its joint's limits, infinite for joints of several axes: arrays (nv,); rad or m, N m or N."""
 
     lower: Array

@@ -22,10 +22,11 @@ from freebody.model.parameters import Parameter, Quantity, each_parameter, with_
 from freebody.model.parts import ESTIMATED, Loop, Notice
 from freebody.model.reading import VALUES
 from freebody.model.tree import Attached, Coordinates, Tree, lower
+from freebody.values import ByValue
 
 
 @dataclass(frozen=True, eq=False)
-class Model:
+class Model(ByValue):
     """A robot: bodies in the file's order of their joints, named frames, gravity. Made by `load`, `planar`, `dh`."""
 
     name: str
@@ -44,6 +45,7 @@ class Model:
     loop_tolerance: tuple[float, float] | None = None
     """(m, rad): by how much rounded numbers may keep loops from closing; None: the default, 1 mm or a thousandth of
     the loop's size, and 1 mrad."""
+    _aside = ("name", "source", "notices")  # a file's name, or what somebody called the robot
 
     # ------------------------------------------------------------ sizes and names
     @cached_property
@@ -392,10 +394,6 @@ class Model:
     def to_space(self) -> Model:
         """The twin in space of a planar model: its plane is xy, z points to the reader."""
         return self if self.dim == 3 else changed.in_space(self)
-
-    def __getstate__(self) -> dict[str, Any]:
-        # what is cached is machine code or quick to make again; another process makes its own
-        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
 
     def __repr__(self) -> str:
         loops = f", {len(self.loops)} loop{'s' if len(self.loops) > 1 else ''}" if self.loops else ""

@@ -22,13 +22,14 @@ from freebody.numerics.coordinates import (
     position_rate,
     state_of,
 )
+from freebody.values import ByValue
 
 FEWEST = 4
 """Samples that a motion needs: fewer do not determine an acceleration."""
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class Motion(ByValue):
     """Samples of a motion, and between them the quintic through position, rate and acceleration at both ends.
 
     t: (T,) increasing, s. q: (T, nq). qd, qdd: (T, nv). rad and m. The curve has continuous accelerations.
@@ -44,6 +45,8 @@ class Motion:
     notices: tuple[str, ...] = ()
     differentiated: Literal["", "positions", "rates"] = ""
     """What samples the accelerations are derivatives of, where they were not given."""
+    _aside = ("source", "notices")
+    _copies = True
 
     @property
     def duration(self) -> float:

@@ -14,13 +14,14 @@ from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.numerics.operational import inertial_parameters
 from freebody.numerics.states import generic_state
+from freebody.values import ByValue
 
 TOLERANCE = 1e-8
 """Relative rest below which a column of the regressor counts as a combination of those before it."""
 
 
-@dataclass(frozen=True)
-class BaseParameters:
+@dataclass(frozen=True, eq=False)
+class BaseParameters(ByValue):
     """The combinations of inertial parameters that inverse dynamics depends on: tau = Y[..., columns] values.
 
     names: of the inertial parameter that leads each combination. columns: its place in `fb.regressor`'s last axis.

@@ -27,6 +27,7 @@ from freebody.report.static import worst_poses
 from freebody.report.summary import limit_notices, summary, worst
 from freebody.report.tip import chosen_tip
 from freebody.report.verdict import effort_limits, verdict
+from freebody.values import ByValue
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,7 +40,7 @@ Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True, eq=False)
-class Study:
+class Study(ByValue):
     """A robot's dynamic study: everything a report shows, as data.
 
     Names of dimensions: `time` (T samples), `coordinate` (nv; model.velocity_names), `position` (nq; position_names),
@@ -94,6 +95,7 @@ class Study:
     warnings: tuple[str, ...] = ()
     """About the motion: limits that it leaves, limits that the model does not give, a base that nothing drives."""
     seconds: dict[str, float] = field(default_factory=dict)
+    _aside = ("seconds",)
     """How long each part took (s)."""
 
     @property

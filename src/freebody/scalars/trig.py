@@ -48,6 +48,9 @@ class TrigRing:
     def __hash__(self) -> int:
         return hash((self.angles, self.names))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return TrigRing, (self.angles, self.names[len(self.angles) :])
+
     def __getitem__(self, name: str) -> Trig:
         """The generator of a coordinate, rate or parameter."""
         if name not in self.index:
@@ -102,6 +105,11 @@ def _flint(number: Fraction) -> Any:
     return flint.fmpq(number.numerator, number.denominator)
 
 
+def _again(ring: TrigRing, terms: tuple[tuple[Mapping[str, int], Fraction], ...], mask: int) -> Trig:
+    """The element that was pickled."""
+    return Trig(ring, ring.polynomial(terms).poly, mask)
+
+
 class Trig:
     """An element of a `TrigRing`; a scalar for the algorithms. `mask` marks the angles whose sine may occur."""
 
@@ -112,6 +120,9 @@ class Trig:
         self.ring = ring
         self.poly = poly
         self.mask = mask
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _again, (self.ring, tuple(self.terms()), self.mask)
 
     # ------------------------------------------------------------ arithmetic
     def __add__(self, other: Any) -> Trig:

@@ -23,14 +23,15 @@ from freebody.model.model import Model
 from freebody.model.tree import Tree, TreeLoop
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, dot, sub
+from freebody.values import ByValue
 
 Entries = list[list[Trig]]
 _HALF = 0.5
 """The distance d for which (|r|² - d²) / 2d and |r|² - d² are one."""
 
 
-@dataclass(frozen=True)
-class LoopEquations:
+@dataclass(frozen=True, eq=False)
+class LoopEquations(ByValue):
     """The loop equations of a model, exact polynomials in normal form: equal means identical."""
 
     symbols: Symbols

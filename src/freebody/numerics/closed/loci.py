@@ -23,6 +23,7 @@ from freebody.numerics.closed.scaled import backward, length, rate_scale, shorte
 from freebody.numerics.kernels import motion_rows
 from freebody.numerics.kinematics import jacobian
 from freebody.numerics.states import difference, generic_state, integrate, neutral
+from freebody.values import ByValue
 
 Measure = Callable[[Array], Array]
 """A signed number (...) of positions (..., nq), zero where singular."""
@@ -34,8 +35,8 @@ _NEAR = 2.5 * _STEP  # two curves this close are one
 _DIFFERENCE = 1e-6
 
 
-@dataclass(frozen=True)
-class Locus:
+@dataclass(frozen=True, eq=False)
+class Locus(ByValue):
     """One curve of singular positions, or a single position where nothing else can move."""
 
     kind: Literal["first", "second"]

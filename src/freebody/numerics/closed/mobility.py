@@ -14,6 +14,7 @@ from freebody.numerics.closed.equations import closing, require_closed, scaled_j
 from freebody.numerics.closed.redundancy import redundancy
 from freebody.numerics.closed.scaled import null_space, rate_scale, row_names
 from freebody.numerics.states import difference, integrate
+from freebody.values import ByValue
 
 _RANK = (
     1e-8  # singular values of the scaled Φ_q, relative to the largest, that count as zero at positions found
@@ -21,8 +22,8 @@ _RANK = (
 _STEPS = (0.05, 0.13, 0.31)  # rad: lengths of the ways along which the neighbourhood is explored
 
 
-@dataclass(frozen=True)
-class Mobility:
+@dataclass(frozen=True, eq=False)
+class Mobility(ByValue):
     """Degrees of freedom of a closed chain, and where its equations depend on one another."""
 
     model: str

@@ -17,10 +17,11 @@ from freebody.numerics.closed.scaled import length, null_space, rate_scale
 from freebody.numerics.closed.solving import RANK
 from freebody.numerics.kernels import motion_rows
 from freebody.numerics.kinematics import jacobian
+from freebody.values import ByValue
 
 
-@dataclass(frozen=True)
-class InputOutput:
+@dataclass(frozen=True, eq=False)
+class InputOutput(ByValue):
     """J_a ẋ + J_b θ̇ = 0 between the tip's motion ẋ (r,) and the driven rates θ̇ (r,), at one position.
 
     The equations are combined and scaled so that [J_a J_b] has orthonormal rows over angular rates; `first`, `second`

@@ -28,13 +28,14 @@ from freebody.numerics.formulas import Option
 from freebody.numerics.kernels import fetch
 from freebody.numerics.kinematics import checked_reference, forward_kinematics
 from freebody.numerics.passive import refuse_passive
+from freebody.values import ByValue
 
 _ADDED = 20.0  # times what rounding changes in the equations, for what it may change in wrenches
 _DETERMINED = 1e-7  # part of a wrench, relative to the largest, that undetermined multipliers may add
 
 
-@dataclass(frozen=True)
-class Reactions:
+@dataclass(frozen=True, eq=False)
+class Reactions(ByValue):
     """Reaction wrenches of a mechanism in motion; arrays have the batch of the inputs in front."""
 
     names: tuple[str, ...]

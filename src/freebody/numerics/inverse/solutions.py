@@ -9,6 +9,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.model.model import Model
 from freebody.numerics.inverse.seek import EXACT, Seeker
+from freebody.values import ByValue
 
 _OUTSIDE = "  (outside the limits)"
 APART = 1e-6
@@ -18,7 +19,7 @@ ALIKE = 1e-2
 
 
 @dataclass(frozen=True, eq=False)
-class Solutions:
+class Solutions(ByValue):
     """What `inverse_kinematics` found for one target, or for a batch of them (...).
 
     q: (k, nq), one row a solution; of a batch (..., k, nq), k the largest number, NaN where a target has fewer.
