@@ -71,6 +71,7 @@ def test_smooth_sampled_or_coarse_curves_have_no_noise():
     assert not noise(t, np.cumsum(ramps)[:, None] / 80.0).any() or noise(t, ramps[:, None]).max() < 1e-12
     assert not noise(np.arange(40) * 0.5, np.random.default_rng(1).normal(size=(40, 2))).any()  # waypoints
     assert not noise(t[:20], t[:20, None]).any()
+    assert not noise(t, 0.7 * t[:, None]).any()  # nothing but rounding
 
 
 @pytest.mark.parametrize("ratio", [0.25, 1.0, 2.0])

@@ -23,17 +23,19 @@ def filtered(model: Model, motion: Motion, smooth: Smooth) -> tuple[Motion, tupl
     """(the motion to study, sentences on its noise and on the torques with and without it)."""
     if smooth is not None and smooth is not False:
         clean = smoothed(model, motion, None if smooth is True else smooth)
-        return clean, (f"The motion was smoothed. {_compared(model, clean, motion, 'as it was measured')}",)
+        peaks = _compared(model, clean, motion, "as it was measured")
+        return clean, (f"The motion was smoothed. {peaks or 'Peak torques are the same within 1 %.'}",)
     found = recognised(model, motion)
     if found is None:
         return motion, ()
     clean = smoothed(model, motion, found.cutoff)
     how = f"smoothed at {found.cutoff:.3g} Hz (--smooth auto, smooth=True)"
-    return motion, (f"{found.text} {_compared(model, motion, clean, how)}",)
+    peaks = _compared(model, motion, clean, how)
+    return motion, (f"{found.text} {peaks}",) if peaks else ()
 
 
 def _compared(model: Model, studied: Motion, other: Motion, how: str) -> str:
-    """The peak torques of both motions, where they differ, the most changed first."""
+    """The peak torques of both motions where they differ, the most changed first; empty where none does."""
     mine, theirs = (np.abs(torque_parts(model, m)["tau"].values).max(axis=0) for m in (studied, other))
     driven = np.isin(model.velocity_names, model.driven_names)
     turns = angular(model)
@@ -42,7 +44,7 @@ def _compared(model: Model, studied: Motion, other: Motion, how: str) -> str:
     change = np.where(driven, np.abs(theirs - mine) / scale, 0.0)
     order = [int(k) for k in np.argsort(-change) if change[k] > _TELL]
     if not order:
-        return f"Peak torques are the same {how}, within 1 % of the largest."
+        return ""
     told = [_peaks(model, k, mine, theirs) for k in order[:_MOST]]
     return f"Peak torques, and in brackets {how}: {'; '.join(told)}."
 
