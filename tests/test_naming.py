@@ -12,6 +12,7 @@ import freebody as fb
 from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Derivation
 from freebody.derivations.evaluate import evaluate
+from freebody.derivations.names import sym
 from freebody.derivations.naming import Naming
 from freebody.errors import FreebodyError
 from freebody.figures import illustrate
@@ -174,17 +175,19 @@ def values_of(derivation: Derivation) -> dict[str, object]:
     for line in lines * 2:
         name = line.sides[0]
         if isinstance(name, ex.Symbol) and name.name not in values:
-            value = value_of(line, values)
+            value = value_of(line, values, seen.model.gravity)
             if value is not None:
-                values[name.name] = value
+                values[name.name] = np.zeros(seen.model.dim) if name.bold and np.ndim(value) == 0 else value
     return values
 
 
-def value_of(line: ex.Equation, values: dict[str, object]) -> object | None:
+def value_of(line: ex.Equation, values: dict[str, object], gravity: np.ndarray) -> object | None:
+    """Of the last side that can be evaluated; g is the field where it is bold, and its magnitude elsewhere."""
     for side in reversed(line.sides[1:]):
-        if not any(x in (GRAVITY, INVERSE) for x in ex.nodes(side)):
+        inside = set(ex.nodes(side))
+        if INVERSE not in inside:
             try:
-                return evaluate(side, values)
+                return evaluate(side, values | {"g": gravity} if GRAVITY in inside else values)
             except FreebodyError:
                 continue
     return None
@@ -259,6 +262,39 @@ def test_forces_in_space_have_the_values_of_the_equations(method: str):
         assert isinstance(arrow, Arrow)
         own = seen.pose.bodies[n - 1].rotation @ np.asarray(values[f"f{n - 1}{n}"])
         np.testing.assert_allclose(arrow.value, own, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["2R", "RP", "tree", "cart-pole", "four_bar", "slider_crank", "collar"])
+@pytest.mark.parametrize("method", ["newton-euler", "statics"])
+def test_free_bodies_balance_as_they_are_printed(name: str, method: str):
+    """Newton's and Euler's equation of each body, with the values that the page gives all that stands in them."""
+    if method == "newton-euler" and name in ("four_bar", "slider_crank", "collar"):
+        pytest.skip("closed chains have statics only")
+    derivation, model = derived(name, method), illustrate._shown(derived(name, method)).model
+    values = values_of(derivation) | {"g": model.gravity}
+    for step in derivation.steps:
+        if step.operation.startswith("Free body"):
+            for left, right in (line.sides for line in step.equations[:2]):
+                np.testing.assert_allclose(evaluate(left, values), evaluate(right, values), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "method"), [case for case in CASES if case[1] in ("newton-euler", "statics")]
+)
+def test_the_second_body_in_a_forces_name_is_the_one_it_acts_on(name: str, method: str):
+    """f_{i,k} stands on body k, its opposite on body i; and a weight is the mass of that name, times g."""
+    masses = {label(Naming(model_of(name)).mass(n)): n for n in range(1, len(model_of(name).bodies) + 1)}
+    known = illustrate._shown(derived(name, method)).model.parameters
+    for figure, drawing in drawn(name, method).items():
+        for e in drawing.elements if figure.startswith("free-body") else ():
+            n = figure.split()[1]
+            pair = re.fullmatch(r"(−?)[fn]′*_\{(\d+),(\d+)\}", e.name)
+            if pair:
+                assert pair[2 if pair[1] else 3] == n, f"{e.name} on body {n}"
+            if isinstance(e, Arrow) and e.role == "weight":
+                mass = next(x for x in known if label(sym(x)) == e.name.removesuffix(" g"))
+                assert masses[e.name.removesuffix(" g")] == int(n)
+                assert np.linalg.norm(e.value) == pytest.approx(known[mass] * 9.81)
 
 
 # ---------------------------------------------------------------- joints without motor

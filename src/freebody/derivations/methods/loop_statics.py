@@ -223,6 +223,7 @@ class _Balance(Equilibrium):
         """Forces in the joints."""
         s = self.s
         lines = [eq(s.force_name(s.tree.bodies[i].parent, i), s.column(self.reactions.f[i])) for i in s.order]
+        lines += [eq(s.joint_moment(i), s.angular(self.reactions.n[i])) for i in s.order if not s.is_pin(i)]
         reason = "The balance of forces, from the last body inward: what the body before does to each."
         return Step("The forces in the joints", reason, tuple(lines))
 
