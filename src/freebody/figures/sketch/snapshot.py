@@ -16,6 +16,7 @@ from freebody.model.model import Model
 from freebody.model.parameters import Parameter, with_parameters
 from freebody.numerics.calls import Vector, Wrenches, vector
 from freebody.numerics.closed.assembly import assemble, loop_acceleration, loop_velocity
+from freebody.numerics.dynamics import inverse_dynamics, mass_matrix
 from freebody.numerics.kinematics import acceleration, velocity
 from freebody.numerics.states import neutral
 
@@ -95,7 +96,7 @@ def snapshot(
 
     at = given("q", q, lambda: _seen_well(shown))
     rates = given("qd", qd, lambda: _consistent_rates(shown, at))
-    second = given("qdd", qdd, lambda: _consistent_second(shown, at, rates))
+    second = given("qdd", qdd, lambda: _consistent_second(shown, at, rates, wrenches))
     return Snapshot(shown, at, rates, second, wrenches)
 
 
@@ -111,9 +112,17 @@ def _consistent_rates(model: Model, q: Array) -> Array:
     return loop_velocity(model, q, rates) if model.loops else rates
 
 
-def _consistent_second(model: Model, q: Array, qd: Array) -> Array:
+def _consistent_second(model: Model, q: Array, qd: Array, wrenches: Wrenches) -> Array:
+    """Accelerations that the loops allow; of an arm's joints without motor those that need none."""
     second = _cycled(model, _SECOND)
-    return loop_acceleration(model, q, qd, second) if model.loops else second
+    if model.loops:
+        return loop_acceleration(model, q, qd, second)
+    free = [k for k, name in enumerate(model.velocity_names) if name not in model.driven_names]
+    if free:
+        missing = np.asarray(inverse_dynamics(model, q, qd, second, wrenches=wrenches))[free]
+        M = np.asarray(mass_matrix(model, q))[np.ix_(free, free)]
+        second[free] -= np.linalg.lstsq(M, missing, rcond=None)[0]
+    return second
 
 
 def with_values(model: Model) -> Model:
