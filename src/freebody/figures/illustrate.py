@@ -22,7 +22,7 @@ from freebody.figures.kinematic import view
 from freebody.figures.loads import label
 from freebody.figures.sketch import arm, forces, frames, motion, space_forces, vectors
 from freebody.figures.sketch.names import Names, names_of
-from freebody.figures.sketch.snapshot import Snapshot, snapshot, with_values
+from freebody.figures.sketch.snapshot import Snapshot, resting_pose, snapshot, with_values
 from freebody.figures.svg import picture
 from freebody.model.model import Model
 
@@ -109,7 +109,8 @@ def _shown(derivation: Derivation) -> Snapshot:
     symbols = derivation.equations.symbols
     model = with_values(symbols.model)
     still = np.zeros(model.nv) if derivation.method == "statics" else None
-    return snapshot(model, None, still, still, _tip_load(model) if "fx" in symbols.extra else None)
+    load = _tip_load(model) if "fx" in symbols.extra else None
+    return snapshot(model, None if still is None else resting_pose(model, load), still, still, load)
 
 
 def _tip_load(model: Model) -> list[float]:

@@ -95,7 +95,7 @@ def body_loads(
         for body in pose.bodies
     ]
     rates = [_rates(model, body, recursion) for body in pose.bodies]
-    cleared = _without_noise(acting, extent([pose]))
+    cleared = [_all_named(names, loads) for loads in _without_noise(acting, extent([pose]))]
     return tuple(
         BodyLoads(body, shown, label(names.mass(body.number)), *rate, *_residuals(body, loads, *rate))
         for body, loads, shown, rate in zip(pose.bodies, acting, cleared, rates, strict=True)
@@ -117,6 +117,19 @@ def _without_noise(acting: Sequence[Sequence[Load]], size: float) -> list[tuple[
         )
 
     return [tuple(map(cleared, loads)) for loads in acting]
+
+
+def _all_named(names: Naming, loads: Sequence[Load]) -> tuple[Load, ...]:
+    """A pin without motor has no moment, but where it could not hold still (or move so) one is missing: it is named."""
+
+    def named(load: Load) -> Load:
+        joint = load.joint
+        if load.moment_name or not any(load.moment) or joint is None or joint >= len(names.model.bodies):
+            return load
+        moment = names.moment(names.parent(joint + 1), joint + 1)
+        return replace(load, moment_name=label(ex.neg(moment) if load.role == "counter" else moment))
+
+    return tuple(map(named, loads))
 
 
 def _residuals(body: BodyPlace, loads: Sequence[Load], force: Array, turning: Array) -> tuple[float, float]:

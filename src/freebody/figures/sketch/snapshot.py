@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import root
 
 from freebody.arrays import Array
 from freebody.figures.loads import BodyLoads, body_loads
@@ -107,6 +108,27 @@ def _seen_well(model: Model) -> Array:
     return assemble(model) if model.home else assemble(model, clear_pose(model))
 
 
+def resting_pose(model: Model, wrenches: Wrenches) -> Array | None:
+    """A pose at which an arm's joints without motor rest by themselves; None where it has none, or none was found."""
+    free = _motorless(model)
+    if model.loops or not free:
+        return None
+    q, still = clear_pose(model), np.zeros(model.nv)
+
+    def missing(x: Array) -> Array:
+        q[free] = x
+        return np.asarray(inverse_dynamics(model, q, still, still, wrenches=wrenches))[free]
+
+    found = root(missing, q[free])
+    q[free] = found.x
+    return q if found.success else None
+
+
+def _motorless(model: Model) -> list[int]:
+    """Indices of the rates of joints without motor."""
+    return [k for k, name in enumerate(model.velocity_names) if name not in model.driven_names]
+
+
 def _consistent_rates(model: Model, q: Array) -> Array:
     rates = _cycled(model, _RATES)
     return loop_velocity(model, q, rates) if model.loops else rates
@@ -117,7 +139,7 @@ def _consistent_second(model: Model, q: Array, qd: Array, wrenches: Wrenches) ->
     second = _cycled(model, _SECOND)
     if model.loops:
         return loop_acceleration(model, q, qd, second)
-    free = [k for k, name in enumerate(model.velocity_names) if name not in model.driven_names]
+    free = _motorless(model)
     if free:
         missing = np.asarray(inverse_dynamics(model, q, qd, second, wrenches=wrenches))[free]
         M = np.asarray(mass_matrix(model, q))[np.ix_(free, free)]
