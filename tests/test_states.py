@@ -179,3 +179,21 @@ def test_random_orientations_are_uniform():
     R = poses(single("spherical"), q)["body"][:, :3, :3]
     assert np.abs(R.mean(0)).max() < 0.02
     assert (R**2).mean(0) == pytest.approx(np.full((3, 3), 1 / 3), abs=0.02)
+
+
+@pytest.mark.parametrize("name", ["ur5e", "RP"])
+def test_positions_that_add_are_moved_alike_whatever_kind_of_vector_comes(name):
+    """Plain arrays take a short way; lists, dicts and batches of other shapes the long one, to the same bits."""
+    model = fb.load(name)
+    q, v, _ = fb.random_state(model, 1, 3)
+    expected = q + v
+    for a, b in ((q, v), (q.tolist(), v), (q, v.tolist()), (q[:, None], v[:, None])):
+        np.testing.assert_array_equal(fb.integrate(model, a, b).reshape(q.shape), expected)
+        np.testing.assert_array_equal(fb.difference(model, a, b).reshape(q.shape), v - q)
+    by_name = dict(zip(model.position_names, q[0], strict=True))
+    np.testing.assert_array_equal(fb.integrate(model, by_name, v[0]), expected[0])
+    for bad in (np.nan, np.inf):
+        with pytest.raises(fb.FreebodyError, match=model.position_names[0]):
+            fb.integrate(model, np.where(np.arange(model.nq) == 0, bad, q[0]), v[0])
+    with pytest.raises(fb.FreebodyError, match="has shape"):
+        fb.integrate(model, q[0, :-1], v[0, :-1])

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array
+from freebody.model.facts import fact
 from freebody.model.joints import JointKind
 from freebody.model.model import Model
 from freebody.model.parts import Limits
@@ -90,6 +93,8 @@ def integrate(model: Model, q: ArrayLike, v: ArrayLike) -> Array:
     Free joints move along their screw (exponential of SE(3)), spherical ones turn by ω; the others add.
     """
     require_model("integrate", model)
+    if _all_plain(model, q, v) and _finite(moved := np.add(q, v)):
+        return moved
     q0, rate = _batched("integrate", model, q=q, v=v)
     result = np.empty_like(q0)
     for kind, iq, iv in _manifolds(model):
@@ -101,11 +106,31 @@ def difference(model: Model, q0: ArrayLike, q1: ArrayLike) -> Array:
     """The velocity (..., nv) that leads from q0 to q1 (..., nq) in unit time: integrate(q0, difference(q0,
     q1)) = q1."""
     require_model("difference", model)
+    if _all_plain(model, q0, q1) and _finite(way := np.subtract(q1, q0)):
+        return way
     a, b = _batched("difference", model, q0=q0, q1=q1)
     result = np.empty((*a.shape[:-1], model.nv))
     for kind, iq, iv in _manifolds(model):
         result[..., iv] = _DIFFERENCE.get(kind.name, lambda x, y: y - x)(a[..., iq], b[..., iq])
     return result
+
+
+@fact
+def _flat_size(model: Model) -> int:
+    """nq where positions are numbers that add, else -1."""
+    return model.nq if all(body.kind.quaternion is None for body in model.bodies) else -1
+
+
+def _all_plain(model: Model, *given: Any) -> bool:
+    """Whether these are float64 arrays of one shape, and positions numbers that add: nothing else to look at."""
+    first = given[0]
+    return all(
+        type(x) is np.ndarray and x.dtype == np.float64 and x.shape == first.shape for x in given
+    ) and first.shape[-1:] == (_flat_size(model),)
+
+
+def _finite(result: Array) -> bool:
+    return math.isfinite(sum(result.tolist())) if result.ndim == 1 else bool(np.isfinite(result).all())
 
 
 def _batched(function: str, model: Model, **given: ArrayLike) -> list[Array]:
