@@ -501,7 +501,10 @@ def test_fbd_writes_a_drawing_and_lists_the_loads(tmp_path, capsys, monkeypatch)
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--q", "0.5 x"], "--q '0.5 x': 'x' is not a number that can be used; write for example --q \"0.5, 30 deg\"."),
+        (
+            ["--q", "0.5 x"],
+            "--q '0.5 x': 'x' is not a number that can be used; write for example --q \"0.5, 30 deg\".",
+        ),
         (["--q", "0.5"], "free_body_diagram: q has shape (1,)"),
         (["--body", "link3"], "no body 'link3' in '2R'."),
         (["--out", "a.png"], "free_body_diagram: 'a.png' is not an .svg file"),
