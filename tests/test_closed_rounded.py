@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from functools import lru_cache
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -109,6 +111,42 @@ def test_three_rounded_cranks_fall(digits):
     close(motion.q.values, meant.q.values, 1e-3 if digits == 4 else 1e-5)
     energy = (motion.kinetic_energy + motion.potential_energy).values
     assert np.abs(energy - energy[0]).max() < max(1e-7, 10.0**-digits) * float(np.abs(energy).max())
+
+
+@pytest.mark.parametrize(("digits", "within"), [(9, 1e-6), (4, 2e-3)])
+def test_three_rounded_cranks_pass_their_change_point(digits, within):
+    """Where all cranks lie along the ground the machine is singular; rounding must not throw it onto another way."""
+    t = np.linspace(0.0, 0.15, 4)
+    q, qd = exact_cranks(SLOPE + 0.1, -1.0)
+    meant = fb.simulate(three_cranks(None), q, qd, t)
+    assert float(meant.q[-1, 0]) < SLOPE - 0.3
+    model = three_cranks(digits)
+    at = fb.assemble(model, q, free=["A1", "O2", "O3"])
+    motion = fb.simulate(model, at, fb.loop_velocity(model, at, {"O1": -1.0}), t)
+    close(motion.q.values, meant.q.values, within, 1.0)  # rad
+
+
+@pytest.mark.parametrize("digits", DIGITS)
+def test_bricards_loop_with_rounded_lengths_and_twists(digits):
+    rng = np.random.default_rng(digits)
+    text = (files("freebody.robots") / "bricard.toml").read_text(encoding="utf-8")
+
+    def rounding() -> float:
+        return float(rng.uniform(-0.5, 0.5)) * 10.0**-digits
+
+    text = re.sub(r"a = 1\.0", lambda _: f"a = {1.0 + rounding()!r}", text)
+    text = re.sub(r'"(-?)90 deg"', lambda sign: f"{sign[1]}{np.pi / 2 + rounding()!r}", text)
+    meant, model = fb.load("bricard"), loaded(text)
+    q, at = fb.assemble(meant), fb.assemble(model)
+    close(at, q, 3 * 10.0**-digits + 1e-7)
+    found = fb.mobility(model, at)
+    assert (found.generic, found.rank, found.redundant) == (1, 4, fb.mobility(meant, q).redundant)
+    assert 0.0 < max(found.misfit) < 3 * 10.0**-digits
+    qdd = [
+        fb.forward_dynamics(m, x, fb.loop_velocity(m, x, {"joint1": 1.0}), np.zeros(5))
+        for m, x in ((meant, q), (model, at))
+    ]
+    close(qdd[1], qdd[0], 1e-3, float(np.abs(qdd[0]).max()))
 
 
 # ---------------------------------------------------------------- a four-bar linkage in space
