@@ -322,7 +322,7 @@ def test_refusals_of_tables():
 
     refused("no convention 'craig' in dh. Conventions: standard, modified.", dh({}, convention="craig"))
     refused("dh: the table has no rows; give one a joint.", dh())
-    keys = "Keys: joint, name, theta, d, a, alpha, m, com, I, rotor, gear, friction, limits."
+    keys = "Keys: joint, name, theta, d, a, alpha, m, com, I, rotor, gear, friction, limits, passive."
     refused(f"no key 'alfa' in dh row 2. Did you mean 'alpha'? {keys}", dh({}, {"alfa": 1}))
     refused("dh row 1: joint is 'Q', expected 'R' or 'P'.", dh({"joint": "Q"}))
     refused("dh row 1: com or I without a mass; add m.", dh({"com": (0, 0, 0)}))
