@@ -28,6 +28,7 @@ NOT_OF_STATES = frozenset(
         "singularities",
         "singularity_diagram",
         "singularity_loci",
+        "smoothed",
         "source",
         "study",
         "to_jax",
