@@ -278,6 +278,10 @@ def test_an_answer_with_digits_of_another_script():
     assert "has no meaning here" in refusal(lambda: fb.check(fb.load("2R"), "H22 = 1２ I2"))
 
 
+def test_a_command_of_thousands_of_letters_is_said_shortly():
+    assert "the command \\begegeg" in refusal(lambda: fb.check(fb.load("2R"), "\\b" + "eg" * 9000 + " = 1"))
+
+
 def test_a_name_with_thousands_of_digits_is_no_advice(tmp_path):
     joint = '<joint name="k" type="fixed"><parent link="l7"/><child link="base"/></joint>'
     text = ARM.format(body=BODY, inner="").replace("</robot>", f'<link name="l{LONG}"/>{joint}</robot>')

@@ -188,4 +188,5 @@ def _command(source: Source, at: int, names: Names) -> Iterator[Token]:
     elif name == "prime":
         source.fail("a prime is written ' here, such as \\theta_1'", (at, end))
     else:
-        source.fail(f"the command {source.text[at:end]} is not known here", (at, end))
+        written = source.text[at : min(end, at + 40)] + "…" * (end > at + 40)
+        source.fail(f"the command {written} is not known here", (at, end))
