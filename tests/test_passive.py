@@ -47,6 +47,7 @@ def test_a_motion_of_the_drives_alone_misses_nothing_at_the_passive_joint():
             m, [0, 0.3], [0, 0], dict(zip(m.velocity_names, tau, strict=True))
         ),
         lambda m, tau: fb.forward_dynamics_derivatives(m, [0, 0.3], [0, 0], tau),
+        lambda m, tau: fb.forward_dynamics_parameter_derivatives(m, [0, 0.3], [0, 0], tau),
         lambda m, tau: fb.tip_wrench(m, [0, 0.3], tau),
         lambda m, tau: fb.reactions(m, [0, 0.3], [0, 0], tau=tau),
         lambda m, tau: fb.simulate(m, [0, 0.3], [0, 0], [0, 0.1], tau),

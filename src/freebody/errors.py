@@ -16,9 +16,9 @@ def likely(name: str, known: Iterable[str], most: int = 1) -> list[str]:
     They differ in capitals or underscores, in their number (link3), in what is left out behind (ur5), or, from three
     letters on, in one letter of three.
     """
-    if len(name) > _LONGEST:
+    if len(name) > _LONG:
         return []
-    names = [x for x in known if x != name and len(x) <= _LONGEST]
+    names = [x for x in known if x != name and len(x) <= _LONG]
     same = [x for x in names if _bare(x) == _bare(name)]
     numbered = [x for x in names if _DIGITS.sub("", x) == _DIGITS.sub("", name) != ""]
     close = difflib.get_close_matches(name, names, n=8, cutoff=0.6)
@@ -27,8 +27,9 @@ def likely(name: str, known: Iterable[str], most: int = 1) -> list[str]:
     return list(dict.fromkeys((*same, *rest)))[:most]
 
 
-_LONGEST = 80
-"""Letters of a name that others are compared with."""
+_LONG, _MOST = 80, 2000
+"""Letters of a name or value, and of a file's own text, that a message shows in full; a longer name is compared with
+no other."""
 _DIGITS = re.compile(r"[0-9]+")
 
 
@@ -99,9 +100,9 @@ class KindError(FreebodyError, TypeError):
     """An argument of the wrong kind, such as a name where a model is needed."""
 
     def __init__(self, function: str, argument: str, given: object, expected: str, advice: str = ""):
-        shown = "None" if given is None else f"{type(given).__name__} {repr(given)[:_LONGEST]}"
+        what = "None" if given is None else f"{type(given).__name__} {shown(given)}"
         super().__init__(
-            f"{function}: {argument} is {shown}, expected {expected}.{' ' if advice else ''}{advice}"
+            f"{function}: {argument} is {what}, expected {expected}.{' ' if advice else ''}{advice}"
         )
 
 
@@ -193,9 +194,8 @@ def shown(value: object) -> str:
 
 
 _SHOWN = reprlib.Repr()
-_SHOWN.maxstring = _SHOWN.maxother = _SHOWN.maxlong = _LONG = 80
+_SHOWN.maxstring = _SHOWN.maxother = _SHOWN.maxlong = _LONG
 _SHOWN.maxlist = _SHOWN.maxtuple = _SHOWN.maxdict = 12
-_COMPARED, _MOST = 2000, 2000
 
 
 def _listing(names: list[str], most: int = 24) -> str:

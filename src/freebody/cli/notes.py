@@ -49,9 +49,9 @@ def notes(
     ] = None,
 ) -> None:
     """Execute the lecture notes: every equation, worked example and figure, with its verdict and corrections."""
-    given = {"an item": item, "--html": html, "--errata": errata, "--out": out} | {
-        "--chapter": chapter,
-        "--verdict": verdict,
+    given = {
+        **{"an item": item, "--html": html, "--errata": errata, "--out": out},
+        **{"--chapter": chapter, "--verdict": verdict},
     }
     _require_used([name for name, value in given.items() if value not in (None, False)])
     if item is not None:

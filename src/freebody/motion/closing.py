@@ -169,10 +169,7 @@ def consistent_rates(model: Model, t: Array, q: Array, at_rest: bool) -> tuple[A
     where = layout(model)
     q, qd, qdd = state_of(where, q, *derivatives(t, continuous(where, q), at_rest=at_rest))
     if redundancy(model).rank is not None:
-        return (
-            q,
-            qd,
-            qdd,
-        )  # made consistent to the last digit with rounded equations, they no longer were with q
+        # made consistent to the last digit with rounded equations, they no longer were with q
+        return q, qd, qdd
     qd = loop_velocity(model, q, qd)
     return q, qd, loop_acceleration(model, q, qd, qdd)

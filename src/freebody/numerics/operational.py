@@ -16,6 +16,7 @@ from freebody.numerics.formulas import Option
 from freebody.numerics.kernels import motion_rows
 from freebody.numerics.kinematics import jacobian
 from freebody.numerics.massless import refuse_massless
+from freebody.numerics.passive import refuse_passive
 
 
 def mass_matrix_inverse(model: Model, q: Vector) -> Array:
@@ -111,7 +112,11 @@ def inertial_parameters(model: Model) -> dict[str, float]:
 
 
 def forward_dynamics_parameter_derivatives(model: Model, q: Vector, qd: Vector, tau: Vector) -> Array:
-    """∂q̈/∂π (..., nv, p) = -M⁻¹ Y, π in the order of `fb.inertial_parameters`; the regressor Y is ∂tau/∂π."""
+    """∂q̈/∂π (..., nv, p) = -M⁻¹ Y, π in the order of `fb.inertial_parameters`; the regressor Y is ∂tau/∂π.
+
+    Raises as `forward_dynamics_derivatives` does.
+    """
     require_model("forward_dynamics_parameter_derivatives", model)
+    refuse_passive("forward_dynamics_parameter_derivatives", model, tau)
     refuse_massless(model, "forward_dynamics_parameter_derivatives")
     return evaluate("forward_dynamics_parameter_derivatives", model, (q, qd, tau))

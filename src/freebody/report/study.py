@@ -95,8 +95,8 @@ class Study(ByValue):
     warnings: tuple[str, ...] = ()
     """About the motion: limits that it leaves, limits that the model does not give, a base that nothing drives."""
     seconds: dict[str, float] = field(default_factory=dict)
-    _aside = ("seconds",)
     """How long each part took (s)."""
+    _aside = ("seconds",)
 
     @property
     def checked(self) -> bool:
