@@ -75,7 +75,7 @@ def test_sound_masses_are_not_doubted():
 def test_a_robot_without_masses_does_not_pass(capsys: pytest.CaptureFixture[str]):
     assert run(["study", arm(["", "", ""])]) == 1
     told = capsys.readouterr()
-    start = "the torques cannot be trusted: 3 of 3 moving bodies have no mass: link0, link1, link2"
+    start = "the torques cannot be trusted: 3 of 3 moving bodies have no mass: link0, link1 and link2"
     assert " ".join(told.out.split()).startswith(f"Not judged: {start}")
     assert told.err.count("have no mass") == 1
     assert "--estimate-inertia" in told.err
@@ -109,7 +109,7 @@ def test_what_carries_others_without_shape_or_mass_is_no_finding():
 def test_placeholders_are_found():
     two = inertial(2, 0.01, 0.01, 0.01)
     assert said(arm([two, two, two]))[0].startswith(
-        "3 links have the same placeholder inertia (2 kg, 0.01 kg m²): link0, link1, link2"
+        "3 links have the same placeholder inertia (2 kg, 0.01 kg m²): link0, link1 and link2"
     )
     odd = inertial(2.137, 0.0113, 0.0273, 0.0279)
     assert "placeholder" in said(arm([odd, odd, odd]))[0]

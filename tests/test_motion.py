@@ -133,7 +133,7 @@ ROWS = "0,0,0\n1,1,1\n2,2,2\n3,3,3\n"
 BAD = {
     "": ": the file is empty.",
     "when,joint1,joint2\n"
-    + ROWS: ":1: the header has no column 't' (time in s); it has 'when', 'joint1', 'joint2'.",
+    + ROWS: ":1: the header has no column 't' (time in s); it has 'when', 'joint1' and 'joint2'.",
     "t,joint1\n0,0\n1,1\n2,2\n3,3\n": ":1: there is no column for 'joint2'; a motion gives every position of '2R'.",
     "t,joint1,joint2,jont2\n" + ROWS: ":1: no column 'jont2' in a motion of '2R'. Did you mean 'joint2'? "
     "Columns: t, joint1, joint2, joint1.v, joint1.a, joint2.v, joint2.a; a column that is no part of the motion "

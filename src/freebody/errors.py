@@ -198,6 +198,14 @@ _SHOWN.maxstring = _SHOWN.maxother = _SHOWN.maxlong = _LONG
 _SHOWN.maxlist = _SHOWN.maxtuple = _SHOWN.maxdict = 12
 
 
+def listed(names: Iterable[str], most: int | None = None) -> str:
+    """`a, b and c` in a sentence; of more than `most` the first, and how many more."""
+    found = list(names)
+    if most is not None and len(found) > most:
+        found[most - 1 :] = [f"{len(found) - most + 1} more"]
+    return " and ".join(part for part in (", ".join(found[:-1]), *found[-1:]) if part)
+
+
 def _listing(names: list[str], most: int = 24) -> str:
     """`a, b, c`, cut after `most` names."""
     listed = ", ".join(name if len(name) <= _LONG else f"{name[: _LONG - 1]}…" for name in names[:most])

@@ -49,10 +49,8 @@ def notes(
     ] = None,
 ) -> None:
     """Execute the lecture notes: every equation, worked example and figure, with its verdict and corrections."""
-    given = {
-        **{"an item": item, "--html": html, "--errata": errata, "--out": out},
-        **{"--chapter": chapter, "--verdict": verdict},
-    }
+    given: dict[str, object] = {"an item": item, "--html": html, "--errata": errata, "--out": out}
+    given |= {"--chapter": chapter, "--verdict": verdict}
     _require_used([name for name, value in given.items() if value not in (None, False)])
     if item is not None:
         _one(item, out)

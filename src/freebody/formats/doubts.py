@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from freebody.errors import listed
 from freebody.model.bodies import Body
 from freebody.model.inertia import combined
 from freebody.model.model import Model
@@ -56,7 +57,7 @@ def doubts(model: Model, shapes: Mapping[str, tuple[Shape, ...]], only_missing: 
         several = len(missing) > 1
         found.append(
             f"{len(missing)} of {len(model.bodies)} moving bodies {'have' if several else 'has'} no mass: "
-            f"{_listed(missing)}"
+            f"{listed(missing, _SHOWN)}"
         )
     if not only_missing:
         sizes = _sizes(model, shapes)
@@ -135,7 +136,7 @@ def _placeholders(model: Model, own: Sequence[float]) -> Iterator[str]:
             mass, inertia = row[0].mass, float(row[0].tensor[0, 0])
             yield (
                 f"{len(group)} links have the same placeholder inertia ({mass:g} kg, {inertia:g} kg m²): "
-                f"{_listed([link.name for link in group])}"
+                f"{listed([link.name for link in group], _SHOWN)}"
             )
 
 
@@ -175,7 +176,7 @@ def _implausible(
         for reason, value in _faults(mass, away, gyration, own[i], least, _FLOOR * reach, volumes[i]):
             reasons.setdefault(reason, []).append(f"{model.bodies[i].name} ({value})")
     for reason, names in reasons.items():
-        yield f"{reason}: {_listed(names)}"
+        yield f"{reason}: {listed(names, _SHOWN)}"
 
 
 def _whole(body: Body) -> tuple[float, float, float]:
@@ -225,8 +226,3 @@ def _volumes(model: Model, shapes: Mapping[str, tuple[Shape, ...]]) -> list[floa
                 filled[shape.role][frame.body] += shape.volume  # NaN stays
     pairs = zip(*filled.values(), strict=True)
     return [0.0 if math.isnan(a + b) else max(a, b) for a, b in pairs]
-
-
-def _listed(names: Sequence[str]) -> str:
-    rest = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
-    return ", ".join(names[:_SHOWN]) + rest

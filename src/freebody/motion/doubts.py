@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.errors import listed
 from freebody.model.model import Model
 from freebody.motion.ranges import position_columns, ranges
 
@@ -49,8 +50,6 @@ def doubts(model: Model, t: Array, q: Array, told: frozenset[str], where: str) -
 
 def _position(names: list[str], reached: str, turns: bool, where: str) -> str:
     name, others = names[0], names[1:]
-    rest = (
-        "" if not others else f" ({', '.join(others[:5])}{' and others' if len(others) > 5 else ''} likewise)"
-    )
+    rest = f" ({listed(others, 6)} likewise)" if others else ""
     unit, short = ("degrees", "deg") if turns else ("millimetres", "mm")
     return f"{name} goes to {reached}{rest}. If these are {unit}, write {where.format(name, short)}."

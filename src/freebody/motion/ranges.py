@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import compress
 
 import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array
+from freebody.errors import listed
 from freebody.model.bodies import Body
 from freebody.model.model import Model
 from freebody.numerics.coordinates import Index
@@ -56,7 +58,7 @@ def ranges(model: Model) -> Ranges:
     _narrow(model, lower, upper, velocity)
     names = model.velocity_names
     notices = [
-        f"{what} of {_listed(names, bad)} is zero in the model and is taken as not given."
+        f"{what} of {listed(compress(names, bad), 6)} is zero in the model and is taken as not given."
         for what, bad in (
             ("the position range", limits.lower == limits.upper),
             ("the speed limit", limits.velocity == 0),
@@ -79,6 +81,11 @@ def angular(model: Model) -> Flags:
         if body.joint.mimic is None:
             flags += _ANGULAR.get(body.kind.name, (True,) * body.kind.nv)
     return np.array(flags, dtype=bool)
+
+
+def with_drive(model: Model) -> Flags:
+    """(nv,) bool: whether something drives a coordinate."""
+    return ~np.isin(np.arange(model.nv), model.passive)
 
 
 def position_columns(model: Model) -> tuple[Index, Index]:
@@ -110,8 +117,3 @@ def _narrow(model: Model, lower: Array, upper: Array, velocity: Array) -> None:
         if low < high:
             lower[k], upper[k] = low, high
         velocity[k] = min(velocity[k], limits.velocity / abs(at.ratio))
-
-
-def _listed(names: tuple[str, ...], flags: Flags) -> str:
-    chosen = [name for name, flag in zip(names, flags, strict=True) if flag]
-    return ", ".join(chosen) if len(chosen) <= 6 else f"{', '.join(chosen[:5])} and {len(chosen) - 5} more"

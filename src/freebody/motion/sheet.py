@@ -9,15 +9,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FileError, shown
+from freebody.errors import FileError, listed, shown
 from freebody.formats import numbers, source
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
@@ -133,7 +132,7 @@ def _header(model: Model, path: Path, line: int, cells: list[str]) -> tuple[list
         told |= set() if unit is None else {name}
     if "t" not in header:
         raise FileError(
-            path, line, f"the header has no column 't' (time in s); it has {listed(cells)}{_hint(cells)}."
+            path, line, f"the header has no column 't' (time in s); it has {quoted(cells)}{_hint(cells)}."
         )
     return header, np.array(factors), frozenset(told)
 
@@ -168,7 +167,6 @@ def _numbers(path: Path, line: int, header: list[str], cells: list[str], separat
     return values
 
 
-def listed(names: Any) -> str:
+def quoted(names: Iterable[str]) -> str:
     """Names in quotes, the first few of many."""
-    quoted = [repr(str(name)) for name in names]
-    return ", ".join(quoted) if len(quoted) <= 8 else f"{', '.join(quoted[:7])} and {len(quoted) - 7} more"
+    return listed(map(repr, names), 8)

@@ -23,7 +23,7 @@ from freebody.motion.doubts import doubts
 from freebody.motion.measured import along_rates, rested
 from freebody.motion.motion import FEWEST, Motion, derivatives, motion_of
 from freebody.motion.ranges import angular, position_columns
-from freebody.motion.sheet import factor, kinds, listed, read_sheet
+from freebody.motion.sheet import factor, kinds, quoted, read_sheet
 from freebody.numerics.coordinates import layout, state_of
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ def _check_names(model: Model, header: list[str], problem: Any) -> None:
         _check_leaders(model, header, problem)
     elif missing:
         raise problem(
-            f"there is no column for {listed(missing)}; a motion gives every position of {model.name!r}."
+            f"there is no column for {quoted(missing)}; a motion gives every position of {model.name!r}."
         )
 
 
@@ -176,7 +176,7 @@ def _as_given(model: Model, t: Array, columns: dict[str, Array], source: str, pr
             qdd[:, kv] = columns[f"{name}.a"]
     if off:
         notices.append(
-            f"The rates given for {listed(off)} differ from the slope of the positions by more than 5 %."
+            f"The rates given for {quoted(off)} differ from the slope of the positions by more than 5 %."
         )
     accelerated = all(f"{name}.a" in columns for name in model.position_names)
     return replace(
@@ -188,7 +188,7 @@ def _as_given(model: Model, t: Array, columns: dict[str, Array], source: str, pr
 def _told(model: Model, source: str, rates: list[str]) -> str:
     """Where the motion and its rates come from."""
     all_given = len(rates) == model.nq
-    how = "rates as given" if all_given else f"rates of {listed(rates)} as given" if rates else ""
+    how = "rates as given" if all_given else f"rates of {quoted(rates)} as given" if rates else ""
     rest = "" if all_given else "differentiated by a spline through the positions"
     return f"{source}; {'; '.join(part for part in (how, rest) if part)}"
 
@@ -214,7 +214,7 @@ def _unit(model: Model, q: Array, problem: Any) -> Array:
             row = int(np.argmax(off > _UNIT))
             size = float(np.linalg.norm(q[row, iq]))
             raise problem(
-                f"the quaternion {listed(model.position_names[iq])} has length {size:.4g}, expected 1.", row
+                f"the quaternion {quoted(model.position_names[iq])} has length {size:.4g}, expected 1.", row
             )
     return state_of(where, q, np.zeros_like(q), np.zeros_like(q))[0]
 

@@ -8,7 +8,7 @@ from freebody.arrays import Array
 from freebody.model.model import Model
 from freebody.motion.measured import recognised, smoothed
 from freebody.motion.motion import Motion
-from freebody.motion.ranges import angular, ranges
+from freebody.motion.ranges import angular, ranges, with_drive
 from freebody.report.results import percent
 from freebody.report.series import torque_parts
 
@@ -37,9 +37,8 @@ def filtered(model: Model, motion: Motion, smooth: Smooth) -> tuple[Motion, tupl
 def _compared(model: Model, studied: Motion, other: Motion, how: str) -> str:
     """The peak torques of both motions where they differ, the most changed first; empty where none does."""
     mine, theirs = (np.abs(torque_parts(model, m)["tau"].values).max(axis=0) for m in (studied, other))
-    driven = np.isin(model.velocity_names, model.driven_names)
     turns = angular(model)
-    largest = np.maximum(mine, theirs)
+    driven, largest = with_drive(model), np.maximum(mine, theirs)
     scale = np.array([largest[driven & (turns == kind)].max(initial=1e-300) for kind in turns])
     change = np.where(driven, np.abs(theirs - mine) / scale, 0.0)
     order = [int(k) for k in np.argsort(-change) if change[k] > _TELL]

@@ -18,11 +18,10 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.motion.motion import Motion
+from freebody.report.results import CLOSE
 
 if TYPE_CHECKING:
     import xarray as xr
-
-_CLOSE = 1e-9  # of a limit: what is on it is within it
 
 
 @dataclass(frozen=True)
@@ -44,10 +43,10 @@ def pace(data: xr.Dataset, velocity: Array, effort: Array) -> Pace:
     """How fast the motion of `data` (`Study.data`) may be run under limits (nv,), infinite where there are none."""
     fast = np.abs(data["qd"].values).max(axis=0)
     with np.errstate(divide="ignore"):
-        quickest = float(np.min(np.where(fast > 0, velocity * (1 + _CLOSE) / fast, np.inf), initial=np.inf))
+        quickest = float(np.min(np.where(fast > 0, velocity * (1 + CLOSE) / fast, np.inf), initial=np.inf))
     a, b, c = parts(data)
     limited = np.isfinite(effort)
-    bound = np.where(limited, effort * (1 + _CLOSE), 0.0)
+    bound = np.where(limited, effort * (1 + CLOSE), 0.0)
     low, high = _broken(a[:, limited], b[:, limited], c[:, limited], bound[limited])
     share = np.where(limited, np.abs(c) / np.where(limited, effort, 1.0), np.nan)
     k = np.argmax(np.nan_to_num(share), axis=0)

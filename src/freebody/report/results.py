@@ -7,6 +7,9 @@ from typing import Literal
 
 from freebody.arrays import Array
 
+CLOSE = 1e-9
+"""Of a limit: what is beyond it by less is on it, and so within."""
+
 Outcome = Literal["feasible", "not feasible", "not judged"]
 
 
@@ -29,7 +32,7 @@ class Use:
     @property
     def exceeded(self) -> bool:
         """Whether it is beyond the limit; on it is within."""
-        return self.fraction > 1.0 + 1e-9
+        return self.fraction > 1.0 + CLOSE
 
     @property
     def text(self) -> str:

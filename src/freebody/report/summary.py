@@ -10,7 +10,7 @@ from freebody.arrays import Array
 from freebody.model.model import Model
 from freebody.model.parts import DOUBTFUL
 from freebody.motion.motion import Motion
-from freebody.motion.ranges import Ranges, position_columns, ranges
+from freebody.motion.ranges import Ranges, position_columns, ranges, with_drive
 from freebody.report.bearings import LOADS
 from freebody.report.results import Worst
 from freebody.report.series import coordinates
@@ -229,7 +229,7 @@ def worst(model: Model, data: xr.Dataset) -> Worst:
     allowed = ranges(model)
     tau, t = data["tau"].values, data["time"].values
     units = np.asarray(data["effort_unit"].values)
-    driven = np.isin(model.velocity_names, model.driven_names)
+    driven = with_drive(model)
     limited = np.isfinite(allowed.effort) & driven
     if limited.any():
         load = np.where(limited, np.abs(tau) / allowed.effort, 0.0)

@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from freebody.errors import listed
 from freebody.model.model import Model
 from freebody.model.parts import DOUBTFUL, ESTIMATED
 from freebody.motion.motion import Motion
-from freebody.motion.ranges import Ranges, position_columns, ranges
+from freebody.motion.ranges import Ranges, position_columns, ranges, with_drive
 from freebody.report.pace import Pace, pace
-from freebody.report.results import Outcome, Use, Verdict, percent
+from freebody.report.results import CLOSE, Outcome, Use, Verdict, percent
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 _UNDRIVEN = (
     1e-2  # of the largest torque or force: what differentiating a file's digits leaves at a passive joint
 )
+_NAMES = 4  # in a list of joints
 _TIGHT = 1.001  # a pace below it is called "as fast as it goes"
 
 
@@ -67,7 +69,7 @@ def verdict(model: Model, motion: Motion, data: xr.Dataset, found: xr.Dataset) -
 
 def effort_limits(model: Model, allowed: Ranges) -> np.ndarray:
     """Torque limits (nv,) of what is driven."""
-    return np.where(np.isin(model.velocity_names, model.driven_names), allowed.effort, np.inf)
+    return np.where(with_drive(model), allowed.effort, np.inf)
 
 
 # ------------------------------------------------------------ what is used of each limit
@@ -110,7 +112,7 @@ def _position(
         return
     if np.isnan(fraction):  # the other end is open: within, or beyond by more than rounding
         beyond = -min(to_lower, to_upper)
-        if beyond <= 1e-9 * max(1.0, abs(limit)):
+        if beyond <= CLOSE * max(1.0, abs(limit)):
             return
         fraction = 1.0 + beyond / (2 * np.pi if allowed.turns[k] else 1.0)
     yield Use("position", name, float(q[at]), limit, fraction, float(motion.t[at]), unit)
@@ -135,10 +137,10 @@ def _missing(model: Model, allowed: Ranges) -> tuple[str, ...]:
         ),
     ):
         absent.setdefault(names, []).append(what)
-    found = [f"{listed(parts)} of {listed(names)}" for names, parts in absent.items() if names]
+    found = [f"{listed(parts)} of {listed(names, _NAMES)}" for names, parts in absent.items() if names]
     several = [b.joint.name for b in model.bodies if b.kind.nv > 1 and not b.joint.passive]
     if several and not model.loops:
-        found.append(f"what moves {listed(several)}, which has no motor of its own")
+        found.append(f"what moves {listed(several, _NAMES)}, which has no motor of its own")
     return tuple(found)
 
 
@@ -203,7 +205,7 @@ def _paces(
     out = any(use.exceeded and use.quantity == "position" for use in uses)
     fast = [use for use in over if use.quantity != "position"]
     if run.factor == 0.0:
-        held = np.where(np.isin(model.velocity_names, model.driven_names), np.nan_to_num(run.held), 0.0)
+        held = np.where(with_drive(model), np.nan_to_num(run.held), 0.0)
         k = int(np.argmax(held))
         what = "gravity" if not _holds_more(model) else "gravity, springs and friction"
         return [
@@ -239,10 +241,3 @@ def _down(factor: float) -> str:
     """A factor with three digits, never rounded up."""
     scale = 10.0 ** (2 - int(np.floor(np.log10(factor))))
     return f"{np.floor(factor * scale * (1 + 1e-12)) / scale:.3g}"
-
-
-def listed(names: Sequence[str]) -> str:
-    """Names in a sentence, the first few of many."""
-    if len(names) > 4:
-        return f"{', '.join(names[:3])} and {len(names) - 3} more"
-    return ", ".join(names[:-1]) + (" and " if len(names) > 1 else "") + names[-1]

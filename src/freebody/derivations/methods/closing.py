@@ -6,9 +6,9 @@ from freebody.derivations import expression as ex
 from freebody.derivations.base import short_by_base
 from freebody.derivations.derivation import Step
 from freebody.derivations.expression import Equation, eq
-from freebody.derivations.methods import wording
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.names import vec
+from freebody.errors import listed
 
 FEW = 4
 """Joints up to which base parameters are looked for."""
@@ -49,7 +49,7 @@ def _loaded(setting: Setting, torques: list[Equation]) -> list[Equation]:
 
 def _by(setting: Setting) -> str:
     """What torques are sorted by."""
-    return wording.listed(["accelerations", "products of rates", *(["gravity"] if setting.weighs else [])])
+    return listed(["accelerations", "products of rates", *(["gravity"] if setting.weighs else [])])
 
 
 def _sorted(setting: Setting) -> str:
@@ -57,7 +57,7 @@ def _sorted(setting: Setting) -> str:
     found = ["the mass matrix H"]
     found += ["the velocity terms h"] if any(not x.is_zero for x in equations.c) else []
     found += ["gravity G"] if any(not x.is_zero for x in equations.g) else []
-    return f"Sorting by {_by(setting)} gives {wording.listed(found)}."
+    return f"Sorting by {_by(setting)} gives {listed(found)}."
 
 
 def _told(setting: Setting) -> str:

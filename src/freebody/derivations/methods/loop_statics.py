@@ -18,9 +18,8 @@ from freebody.derivations.methods.overview import overview
 from freebody.derivations.methods.reactions import Reactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.statics import Equilibrium
-from freebody.derivations.methods.wording import listed
 from freebody.derivations.names import entry, sym
-from freebody.errors import FreebodyError
+from freebody.errors import FreebodyError, listed
 from freebody.lazy import cached_property
 from freebody.model.tree import TreeLoop
 from freebody.spatial import Vector, sub

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from freebody.derivations.methods.setting import Setting
+from freebody.errors import listed
 
 
 def free_body(s: Setting, i: int) -> str:
@@ -39,11 +40,6 @@ def motorless(s: Setting) -> str:
     return (
         f" {listed(joints).capitalize()} {'has' if len(joints) == 1 else 'have'} no motor." if joints else ""
     )
-
-
-def listed(items: list[str]) -> str:
-    """a, b and c."""
-    return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}"
 
 
 def eliminated(s: Setting, i: int) -> str:

@@ -110,7 +110,7 @@ def _seen_well(model: Model) -> Array:
 
 def resting_pose(model: Model, wrenches: Wrenches) -> Array | None:
     """A pose at which an arm's joints without motor rest by themselves; None where it has none, or none was found."""
-    free = _motorless(model)
+    free = list(model.passive)
     if model.loops or not free:
         return None
     q, still = clear_pose(model), np.zeros(model.nv)
@@ -124,11 +124,6 @@ def resting_pose(model: Model, wrenches: Wrenches) -> Array | None:
     return q if found.success else None
 
 
-def _motorless(model: Model) -> list[int]:
-    """Indices of the rates of joints without motor."""
-    return [k for k, name in enumerate(model.velocity_names) if name not in model.driven_names]
-
-
 def _consistent_rates(model: Model, q: Array) -> Array:
     rates = _cycled(model, _RATES)
     return loop_velocity(model, q, rates) if model.loops else rates
@@ -139,7 +134,7 @@ def _consistent_second(model: Model, q: Array, qd: Array, wrenches: Wrenches) ->
     second = _cycled(model, _SECOND)
     if model.loops:
         return loop_acceleration(model, q, qd, second)
-    free = _motorless(model)
+    free = list(model.passive)
     if free:
         missing = np.asarray(inverse_dynamics(model, q, qd, second, wrenches=wrenches))[free]
         M = np.asarray(mass_matrix(model, q))[np.ix_(free, free)]
