@@ -44,6 +44,28 @@ def position_rates(tree: Tree, q: Vector, qd: Vector) -> Vector:
     return tuple(rates)
 
 
+def moved(tree: Tree, q: Vector, v: Vector) -> Vector:
+    """The position reached from q by the constant rates v in unit time."""
+    reached: list[Scalar] = [0.0] * tree.nq
+    for body in tree.bodies:
+        at = body.coordinates
+        own = body.primitive.moved(tree.space, tuple(q[k] for k in at.q), tuple(v[k] for k in at.v))
+        for k, x in zip(at.q, own, strict=True):
+            reached[k] = x
+    return tuple(reached)
+
+
+def between(tree: Tree, q0: Vector, q1: Vector) -> Vector:
+    """The constant rates that lead from q0 to q1 in unit time."""
+    way: list[Scalar] = [0.0] * tree.nv
+    for body in tree.bodies:
+        at = body.coordinates
+        own = body.primitive.between(tree.space, tuple(q0[k] for k in at.q), tuple(q1[k] for k in at.q))
+        for k, x in zip(at.v, own, strict=True):
+            way[k] = x
+    return tuple(way)
+
+
 def world_poses(tree: Tree, joints: list[Pose]) -> list[Pose]:
     """Pose of each body in the world."""
     world: list[Pose] = []

@@ -15,12 +15,11 @@ from freebody.labels import aligned
 from freebody.model.model import Model
 from freebody.model.required import require_model
 from freebody.numerics import kernels
-from freebody.numerics.formulas import FORMULAS, OF_TREES, Option
+from freebody.numerics.formulas import FORMULAS, OF_TREES, POSITIONS, Option
 
 Vector = ArrayLike | Mapping[str, float]
 Wrenches = ArrayLike | Mapping[str, ArrayLike] | None
 
-_POSITIONS = ("q", "q0", "q1")
 _POINTS = ("point", "about")
 _UNIT = 1e-6  # how far a quaternion may be off unit length
 
@@ -48,7 +47,7 @@ def evaluate(
         checked, quaternions = known
         try:
             result = checked(*inputs, *loads)
-            if result is not None and (not quaternions or _are_unit(inputs[0], quaternions)):
+            if result is not None and all(_are_unit(inputs[i], starts) for i, starts in quaternions):
                 return result
         except (TypeError, ValueError, AttributeError):
             pass  # explained below
@@ -67,8 +66,12 @@ def _given(wrenches: Wrenches) -> tuple[tuple[str | None, ...], tuple[ArrayLike,
 def _are_unit(q: Array, starts: tuple[int, ...]) -> bool:
     """Whether the quaternions that begin at `starts` are surely of unit length; AttributeError if q is no array."""
     if q.ndim == 1:
-        lengths = [sum(x * x for x in q[k : k + 4].tolist()) for k in starts]
-        return all(abs(length - 1.0) < _UNIT for length in lengths)
+        values = q.tolist()  # sums of floats are quicker than any function of so small an array
+        for k in starts:
+            w, x, y, z = values[k : k + 4]
+            if not abs(w * w + x * x + y * y + z * z - 1.0) < _UNIT:
+                return False
+        return True
     blocks = (q[..., k : k + 4] for k in starts)
     return all(bool((np.abs(np.vecdot(x, x) - 1.0) < _UNIT).all()) for x in blocks)
 
@@ -95,7 +98,9 @@ def _carefully(
         for name, array in named.items():
             refuse_not_finite(function, name, array, 1, labels(model, name))
         _refuse_overflow(function, named)
-    model.compiled[function, option, _given(wrenches)[0]] = kernel.checked, _quaternions(model)
+    starts = _quaternions(model)
+    turning = tuple((i, starts) for i, name in enumerate(names) if starts and name in POSITIONS)
+    model.compiled[function, option, _given(wrenches)[0]] = kernel.checked, turning
     return result
 
 
@@ -134,11 +139,11 @@ def _refuse_overflow(function: str, named: Mapping[str, Array]) -> None:
 def vector(function: str, model: Model, name: str, value: Any) -> Array:
     """q, qd, qdd, tau or a point as a checked array; one whose entries carry names (`labels`) is put in order."""
     array = as_floats(function, name, aligned(function, name, value, labels(model, name), _DIMS[_kind(name)]))
-    symbol = "nq" if name in _POSITIONS else "dim" if name in _POINTS else "nv"
+    symbol = "nq" if name in POSITIONS else "dim" if name in _POINTS else "nv"
     size = getattr(model, symbol)
     if array.shape[-1:] != (size,):
         check_core(function, name, array, (size,), f"model {model.name!r} has {symbol} = {size}")
-    if name in _POSITIONS and model.nq != model.nv:
+    if name in POSITIONS and model.nq != model.nv:
         _check_quaternions(function, model, array)
     return array
 
@@ -153,7 +158,7 @@ _OF_WRENCH = ("component", "axis")
 
 
 def _kind(name: str) -> str:
-    return "positions" if name in _POSITIONS else "point" if name in _POINTS else "velocities"
+    return "positions" if name in POSITIONS else "point" if name in _POINTS else "velocities"
 
 
 def finite_vector(function: str, model: Model, name: str, value: Any) -> Array:
@@ -182,7 +187,7 @@ def common_batch(function: str, named: Mapping[str, Array]) -> tuple[int, ...]:
 
 def labels(model: Model, name: str) -> tuple[str, ...]:
     """Names of the entries of an input."""
-    if name in _POSITIONS:
+    if name in POSITIONS:
         return model.position_names
     if name in _POINTS:
         return ("x", "y", "z")[: model.dim]

@@ -44,6 +44,9 @@ from freebody.model.tree import Tree
 from freebody.scalars.dual import Dual, slopes
 from freebody.spatial import Vector, identity, neg, sub, times, transposed
 
+POSITIONS = ("q", "q0", "q1")
+"""Inputs that are positions (nq); the others are velocities and what acts along them (nv), or named below."""
+
 
 class Option(NamedTuple):
     """Structure that a formula depends on, besides the model; part of the key of every call, so quick to hash."""
@@ -62,8 +65,8 @@ class Option(NamedTuple):
 class Formula:
     """A computable quantity.
 
-    inputs: names among q, qd, qdd, tau, x, dq, dqd (nv each but q), multipliers, point, wrenches.
-    outputs: name -> dimensions: numbers, or names among nv, nj, six, dim, pose (dim + 1), rows, parameters,
+    inputs: names among q, q0, q1 (nq each), qd, qdd, v, tau, x, dq, dqd (nv each), multipliers, point, wrenches.
+    outputs: name -> dimensions: numbers, or names among nq, nv, nj, six, dim, pose (dim + 1), rows, parameters,
     constraints (loop equations), equations (those that count), reactions (joints and loops).
     evaluate(tree, option, **inputs): a tuple of nested sequences of scalars; wrenches is a tuple of vectors, one for
     each of option.wrench_frames. another: a second way to the same values; for robots of few joints both are traced and
@@ -304,6 +307,10 @@ FORMULAS: dict[str, Formula] = {
     ),
     "energy_regressor": Formula(
         ("q", "qd"), {"E": (2, "parameters")}, lambda t, o, q, qd: (energy_regressor(t, q, qd),)
+    ),
+    "integrate": Formula(("q", "v"), {"q1": ("nq",)}, lambda t, o, q, v: (kinematics.moved(t, q, v),)),
+    "difference": Formula(
+        ("q0", "q1"), {"v": ("nv",)}, lambda t, o, q0, q1: (kinematics.between(t, q0, q1),)
     ),
     "constraint": Formula(("q",), {"Phi": ("constraints",)}, lambda t, o, q: (constraint(t, q),)),
     "constraint_jacobian": Formula(

@@ -13,7 +13,7 @@ from freebody.compiler import Argument, Kernel, Program, compile_program, trace
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.model import Model
 from freebody.numerics.columns import BY_COLUMNS, LARGEST, ColumnKernel, KernelList
-from freebody.numerics.formulas import FORMULAS, OF_TREES, Option
+from freebody.numerics.formulas import FORMULAS, OF_TREES, POSITIONS, Option
 
 
 def kernel(
@@ -125,7 +125,7 @@ def _require_used(listed: Sequence[str], **given: Any) -> None:
 SMALL = 12
 """Coordinates up to which two ways to the same values are both traced."""
 
-_ORDER = ("q", "qd", "qdd", "tau", "x", "dq", "dqd", "multipliers", "point")
+_ORDER = ("q", "q0", "q1", "qd", "qdd", "v", "tau", "x", "dq", "dqd", "multipliers", "point")
 
 
 def fetch(
@@ -227,7 +227,7 @@ def _array(value: Any, batch: tuple[int, ...], shape: tuple[int, ...]) -> Array:
 def arguments(model: Model, names: tuple[str, ...], option: Option) -> tuple[Argument, ...]:
     """Inputs that the formulas need, each once, in the fixed order."""
     wanted = {label for name in names for label in FORMULAS[name].inputs}
-    sizes = {"q": model.nq, "point": model.dim, "multipliers": model.tree.constraints}
+    sizes = dict.fromkeys(POSITIONS, model.nq) | {"point": model.dim, "multipliers": model.tree.constraints}
     plain = [
         Argument(x, (sizes.get(x, model.nv),))
         for x in _ORDER
@@ -253,6 +253,7 @@ def _chosen(name: str, given: dict[str, Any], option: Option) -> dict[str, Any]:
 
 def _shape(model: Model, dims: tuple[str | int, ...], option: Option) -> tuple[int, ...]:
     sizes = {
+        "nq": lambda: model.nq,
         "nv": lambda: model.nv,
         "nj": lambda: len(model.bodies),
         "six": lambda: 6 if model.dim == 3 else 3,

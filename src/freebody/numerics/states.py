@@ -11,11 +11,12 @@ from numpy.typing import ArrayLike
 
 from freebody.arrays import Array
 from freebody.model.facts import fact
-from freebody.model.joints import JointKind
+from freebody.model.joints import Primitive
 from freebody.model.model import Model
 from freebody.model.parts import Limits
 from freebody.model.required import require_model
-from freebody.numerics.calls import common_batch, finite_vector
+from freebody.numerics.calls import common_batch, evaluate, finite_vector
+from freebody.spatial import of_dimension
 
 _FAR = 1e3  # limits beyond this many rad or m are some file's way to say that there are none
 
@@ -24,9 +25,9 @@ def neutral(model: Model) -> Array:
     """q (nq,) with every coordinate 0 and every quaternion the identity."""
     require_model("neutral", model)
     q = np.zeros(model.nq)
-    for kind, iq, _ in _manifolds(model):
-        if kind.quaternion is not None:
-            q[iq[kind.quaternion]] = 1.0
+    for body, at in zip(model.bodies, model.coordinates, strict=True):
+        if body.joint.mimic is None and body.kind.quaternion is not None:
+            q[at.q[body.kind.quaternion]] = 1.0
     return q
 
 
@@ -93,40 +94,57 @@ def integrate(model: Model, q: ArrayLike, v: ArrayLike) -> Array:
     Free joints move along their screw (exponential of SE(3)), spherical ones turn by ω; the others add.
     """
     require_model("integrate", model)
-    if _all_plain(model, q, v) and _finite(moved := np.add(q, v)):
+    way = _way(model)
+    if way == "kernel":
+        return evaluate("integrate", model, (q, v))
+    if way == "add" and _all_plain(model, q, v) and _finite(moved := np.add(q, v)):
         return moved
     q0, rate = _batched("integrate", model, q=q, v=v)
-    result = np.empty_like(q0)
-    for kind, iq, iv in _manifolds(model):
-        result[..., iq] = _INTEGRATE.get(kind.name, np.add)(q0[..., iq], rate[..., iv])
-    return result
+    return _joint_by_joint(model, model.nq, lambda joint: joint.moved, (q0, rate))
 
 
 def difference(model: Model, q0: ArrayLike, q1: ArrayLike) -> Array:
     """The velocity (..., nv) that leads from q0 to q1 (..., nq) in unit time: integrate(q0, difference(q0,
     q1)) = q1."""
     require_model("difference", model)
-    if _all_plain(model, q0, q1) and _finite(way := np.subtract(q1, q0)):
-        return way
+    way = _way(model)
+    if way == "kernel":
+        return evaluate("difference", model, (q0, q1))
+    if way == "add" and _all_plain(model, q0, q1) and _finite(rates := np.subtract(q1, q0)):
+        return rates
     a, b = _batched("difference", model, q0=q0, q1=q1)
-    result = np.empty((*a.shape[:-1], model.nv))
-    for kind, iq, iv in _manifolds(model):
-        result[..., iv] = _DIFFERENCE.get(kind.name, lambda x, y: y - x)(a[..., iq], b[..., iq])
-    return result
+    return _joint_by_joint(model, model.nv, lambda joint: joint.between, (a, b))
 
 
 @fact
-def _flat_size(model: Model) -> int:
-    """nq where positions are numbers that add, else -1."""
-    return model.nq if all(body.kind.quaternion is None for body in model.bodies) else -1
+def _way(model: Model) -> str:
+    """Positions that "add" need no kernel; others have one, or go by "joints" where values are missing to trace it."""
+    if all(body.kind.quaternion is None for body in model.bodies):
+        return "add"
+    return "joints" if model.missing else "kernel"
+
+
+def _joint_by_joint(
+    model: Model, size: int, way: Callable[[Primitive], Callable[..., Any]], given: tuple[Array, Array]
+) -> Array:
+    """What each joint makes of its entries, over arrays: for models without numbers, and positions that add."""
+    result, space = np.empty((*given[0].shape[:-1], size)), of_dimension(model.dim)
+    for body, at in zip(model.bodies, model.coordinates, strict=True):
+        if body.joint.mimic is None:
+            # kinds of several primitives are those whose positions add, as those of any one primitive of theirs do
+            joint = body.kind.primitives(space, space.zero)[0][0]
+            entries = (at.q if x.shape[-1] == model.nq else at.v for x in given)
+            columns = [tuple(x[..., k] for k in ks) for x, ks in zip(given, entries, strict=True)]
+            result[..., at.q if size == model.nq else at.v] = np.stack(way(joint)(space, *columns), axis=-1)
+    return result
 
 
 def _all_plain(model: Model, *given: Any) -> bool:
-    """Whether these are float64 arrays of one shape, and positions numbers that add: nothing else to look at."""
+    """Whether these are float64 arrays of one shape, that of positions: nothing else to look at."""
     first = given[0]
     return all(
         type(x) is np.ndarray and x.dtype == np.float64 and x.shape == first.shape for x in given
-    ) and first.shape[-1:] == (_flat_size(model),)
+    ) and first.shape[-1:] == (model.nq,)
 
 
 def _finite(result: Array) -> bool:
@@ -138,98 +156,3 @@ def _batched(function: str, model: Model, **given: ArrayLike) -> list[Array]:
     named = {name: finite_vector(function, model, name, value) for name, value in given.items()}
     batch = common_batch(function, named)
     return [np.broadcast_to(array, (*batch, array.shape[-1])) for array in named.values()]
-
-
-def _manifolds(model: Model) -> list[tuple[JointKind, list[int], list[int]]]:
-    """(kind, entries of q, entries of v) of each independent joint."""
-    return [
-        (body.kind, list(at.q), list(at.v))
-        for body, at in zip(model.bodies, model.coordinates, strict=True)
-        if body.joint.mimic is None
-    ]
-
-
-# ---------------------------------------------------------------- quaternions w, x, y, z
-def quaternion_product(a: Array, b: Array) -> Array:
-    """a b, shapes (..., 4)."""
-    w, x, y, z = np.moveaxis(a, -1, 0)
-    W, X, Y, Z = np.moveaxis(b, -1, 0)
-    return np.stack(
-        [
-            w * W - x * X - y * Y - z * Z,
-            w * X + x * W + y * Z - z * Y,
-            w * Y - x * Z + y * W + z * X,
-            w * Z + x * Y - y * X + z * W,
-        ],
-        axis=-1,
-    )
-
-
-def conjugate(q: Array) -> Array:
-    """Inverse of a unit quaternion."""
-    return q * np.array([1.0, -1.0, -1.0, -1.0])
-
-
-def turned(q: Array, v: Array) -> Array:
-    """R(q) v, shapes (..., 4), (..., 3)."""
-    w, u = q[..., :1], q[..., 1:]
-    t = 2.0 * np.cross(u, v)
-    return v + w * t + np.cross(u, t)
-
-
-def quaternion_of(w: Array) -> Array:
-    """Quaternion of a rotation vector (..., 3)."""
-    angle = np.linalg.norm(w, axis=-1, keepdims=True)
-    return np.concatenate([np.cos(angle / 2), 0.5 * np.sinc(angle / (2 * np.pi)) * w], axis=-1)
-
-
-def rotation_vector(q: Array) -> Array:
-    """Rotation vector (..., 3) of a quaternion, of length at most π."""
-    q = np.where(q[..., :1] < 0, -q, q)
-    size = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
-    half = np.arctan2(size, q[..., :1])
-    factor = np.where(size > 1e-12, 2 * half / np.where(size > 0, size, 1.0), 2.0)
-    return factor * q[..., 1:]
-
-
-def _screw_shift(w: Array, v: Array) -> Array:
-    """∫ exp(s ω×) v ds over s from 0 to 1."""
-    angle = np.linalg.norm(w, axis=-1, keepdims=True)
-    small = angle < 1e-4
-    a = np.where(small, 1.0, angle)
-    first = 0.5 * np.sinc(angle / (2 * np.pi)) ** 2  # (1 - cos) / angle², without the difference
-    second = np.where(small, 1 / 6 - angle**2 / 120, (a - np.sin(a)) / a**3)
-    return v + first * np.cross(w, v) + second * np.cross(w, np.cross(w, v))
-
-
-def _unshifted(w: Array, p: Array) -> Array:
-    """The v whose `_screw_shift` is p."""
-    angle = np.linalg.norm(w, axis=-1, keepdims=True)
-    small = angle < 1e-4
-    a = np.where(small, 1.0, angle)
-    rest = np.where(small, 1 / 12 + angle**2 / 720, (1 - a / 2 / np.tan(a / 2)) / a**2)
-    return p - 0.5 * np.cross(w, p) + rest * np.cross(w, np.cross(w, p))
-
-
-def _turn(q: Array, w: Array) -> Array:
-    moved = quaternion_product(q, quaternion_of(w))
-    return moved / np.linalg.norm(moved, axis=-1, keepdims=True)
-
-
-def _float(q: Array, v: Array) -> Array:
-    p = q[..., :3] + turned(q[..., 3:], _screw_shift(v[..., 3:], v[..., :3]))
-    return np.concatenate([p, _turn(q[..., 3:], v[..., 3:])], axis=-1)
-
-
-def _between(a: Array, b: Array) -> Array:
-    return rotation_vector(quaternion_product(conjugate(a), b))
-
-
-def _float_between(a: Array, b: Array) -> Array:
-    w = _between(a[..., 3:], b[..., 3:])
-    shift = turned(conjugate(a[..., 3:]), b[..., :3] - a[..., :3])
-    return np.concatenate([_unshifted(w, shift), w], axis=-1)
-
-
-_INTEGRATE: dict[str, Callable[[Array, Array], Array]] = {"spherical": _turn, "free": _float}
-_DIFFERENCE: dict[str, Callable[[Array, Array], Array]] = {"spherical": _between, "free": _float_between}

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from freebody.model.joints import quaternions as turn
 from freebody.model.joints.kind import Column, JointKind, Primitive
 from freebody.model.joints.spherical import PIVOTING, QUATERNION
-from freebody.spatial import AnySpace, Matrix, Vector, identity, times
+from freebody.spatial import AnySpace, Matrix, Vector, add, identity, sub, times, transposed
 
 
 class Floating(Primitive):
@@ -24,6 +25,16 @@ class Floating(Primitive):
     def position_rates(self, space: AnySpace, q: Vector, rates: Vector) -> Vector:
         R, _ = self.pose(space, (), q)
         return times(R, rates[:3]) + PIVOTING.position_rates(space, q[3:], rates[3:])
+
+    def moved(self, space: AnySpace, q: Vector, v: Vector) -> Vector:
+        R, p = self.pose(space, (), q)
+        shift = turn.screw_shift(space, v[3:], v[:3])
+        return add(p, times(R, shift)) + PIVOTING.moved(space, q[3:], v[3:])
+
+    def between(self, space: AnySpace, q0: Vector, q1: Vector) -> Vector:
+        R, p = self.pose(space, (), q0)
+        w = PIVOTING.between(space, q0[3:], q1[3:])
+        return turn.unshifted(space, w, times(transposed(R), sub(q1[:3], p))) + w
 
     def bias(self, space: AnySpace, rates: Vector) -> Column:
         # p̈ = d/dt (R v) = R (v̇ + ω × v)

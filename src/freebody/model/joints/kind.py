@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
-from freebody.spatial import AnySpace, Matrix, Vector
+from freebody.spatial import AnySpace, Matrix, Vector, add, sub
 
 Column = tuple[Vector, Vector]
 """(angular, linear)."""
@@ -32,6 +32,14 @@ class Primitive(ABC):
     def position_rates(self, space: AnySpace, q: Vector, rates: Vector) -> Vector:
         """q̇ of the joint (nq scalars) when it moves with `rates` (nv scalars)."""
         return rates
+
+    def moved(self, space: AnySpace, q: Vector, v: Vector) -> Vector:
+        """The position reached from q by the constant rates v in unit time."""
+        return add(q, v)
+
+    def between(self, space: AnySpace, q0: Vector, q1: Vector) -> Vector:
+        """The constant rates that lead from q0 to q1 in unit time: the inverse of `moved`."""
+        return sub(q1, q0)
 
     def bias(self, space: AnySpace, rates: Vector) -> Column:
         """The part of the child's acceleration relative to the joint's frame (the time derivative of its point's

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from freebody.model.joints import quaternions as turn
 from freebody.model.joints.kind import Column, JointKind, Primitive
 from freebody.spatial import AnySpace, Matrix, Space, Vector, identity
 
@@ -26,6 +27,12 @@ class Pivoting(Primitive):
         # half the quaternion product q (0, ω)
         twice = (-x * a - y * b - z * c, w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a)
         return tuple(0.5 * rate for rate in twice)
+
+    def moved(self, space: AnySpace, q: Vector, v: Vector) -> Vector:
+        return turn.unit(turn.product(q, turn.exponential(v)))
+
+    def between(self, space: AnySpace, q0: Vector, q1: Vector) -> Vector:
+        return turn.logarithm(turn.product(turn.conjugate(q0), q1))
 
 
 PIVOTING = Pivoting()
