@@ -64,7 +64,7 @@ def test_study_writes_a_report_and_data(capsys: pytest.CaptureFixture[str]):
     assert (
         run(["study", "2R", "--motion", "study-2R/motion.csv", "--out", "again"]) == 0
     )  # what it writes, it reads
-    assert "Motion.csv, 401 rows; rates as given." in capsys.readouterr().out
+    assert "Read from motion.csv, 401 rows; rates as given." in capsys.readouterr().out
 
 
 def test_a_failed_check_gives_exit_code_1(

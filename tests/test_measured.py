@@ -191,3 +191,56 @@ def test_a_joint_at_rest_feels_no_coulomb_friction(tmp_path: Path):
     np.testing.assert_allclose(friction, np.stack([7.0 * np.sign(np.cos(t)), 0 * t], axis=-1), atol=1e-12)
     # the functions themselves keep the sign
     assert fb.bias(model, [0, 0], [0, 1e-14])[1] == pytest.approx(7.0)
+
+
+# ---------------------------------------------------------------- logs of robots that stand, vibrate, follow ramps
+def steps(seconds: float = 4.0) -> np.ndarray:
+    return np.arange(0.0, seconds, 0.01)
+
+
+def as_motion(tmp_path: Path, t: np.ndarray, q: np.ndarray, fmt: str = "%.17g") -> Motion:
+    file = tmp_path / "log.csv"
+    np.savetxt(file, np.column_stack([t, q]), delimiter=",", header="t,joint1,joint2", comments="", fmt=fmt)
+    return read_motion(ARM, file)
+
+
+def test_a_robot_that_stands_still_is_at_rest(tmp_path: Path):
+    t = steps()
+    motion = as_motion(tmp_path, t, np.tile([0.3, 1.1], (len(t), 1)))
+    assert not motion.qd.any() and not motion.qdd.any()
+    found = fb.study(ARM, motion)
+    assert found.passed, found.verdict
+    assert "times as fast" not in str(found.verdict)
+
+
+def test_noise_of_a_robot_that_stands_still_is_said(tmp_path: Path):
+    t, pose = steps(), np.array([0.3, 1.1])
+    q = pose + 1e-4 * np.random.default_rng(1).normal(size=(len(t), 2))
+    motion = as_motion(tmp_path, t, q)
+    found = recognised(ARM, motion)
+    assert found is not None and found.sigma == pytest.approx(1e-4, rel=0.2)
+    hold = fb.static_torque(ARM, pose)
+    clean = fb.smoothed(ARM, motion)
+    tau = fb.inverse_dynamics(ARM, clean.q, clean.qd, clean.qdd)
+    np.testing.assert_allclose(tau[20:-20], np.tile(hold, (len(t) - 40, 1)), atol=0.02 * np.abs(hold).max())
+    whisper = as_motion(tmp_path, t, pose + 1e-9 * np.random.default_rng(1).normal(size=(len(t), 2)))
+    assert recognised(ARM, whisper) is None  # 5e-5 rad/s² move nothing
+
+
+def test_a_vibration_is_no_noise(tmp_path: Path):
+    t = steps()
+    q = truth(t)[0]
+    q[:, 0] += 2e-3 * np.sin(2 * np.pi * 12 * t)
+    assert recognised(ARM, as_motion(tmp_path, t, q, "%.7f")) is None
+    loud = as_motion(tmp_path, t, q + 2e-5 * np.random.default_rng(2).normal(size=q.shape))
+    found = recognised(ARM, loud)
+    assert found is not None and found.sigma > 0.0
+    assert found.acceleration < 3e-5 / 0.01**2 * 8  # of the noise, not of the vibration: 8 rad/s²
+
+
+def test_corners_of_a_path_are_no_noise(tmp_path: Path):
+    t = steps()
+    corners = np.arange(0.0, 4.5, 0.5)
+    q = np.stack([np.interp(t, corners, truth(corners)[0][:, k]) for k in range(2)], axis=1)
+    for fmt in ("%.17g", "%.6f"):
+        assert recognised(ARM, as_motion(tmp_path, t, q, fmt)) is None

@@ -117,7 +117,7 @@ def test_a_file_with_rates_is_taken_as_it_is(tmp_path: Path):
     np.testing.assert_allclose(motion.qd[:, 1], 2 * t, atol=1e-9)
     assert motion.notices == ()
     assert motion.source == (
-        "m.csv, 9 rows; rates of 'joint1' as given; differentiated by a spline through the positions"
+        "read from m.csv, 9 rows; rates of 'joint1' as given; differentiated by a spline through the positions"
     )
 
 

@@ -22,6 +22,8 @@ REST = 1e-6
 LOUD = 0.05
 """Noise in an acceleration, as RMS over the largest acceleration of the motion, from which it is worth a word."""
 _STILL = 3.0  # standard deviations of a rate's noise that are rest
+_GENTLE = 1e-2  # rad/s², m/s²: what a noise is held against where nothing accelerates more
+_ROUNDED = 64.0 * float(np.finfo(float).eps)  # of the largest position, over a step: a rate that is rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,22 +100,31 @@ def recognised(model: Model, motion: Motion) -> Noise | None:
         return None
     cutoff = best_cutoff(motion.t, samples, sigma)
     clean = smoothed(model, motion, cutoff)
+    # what the filter takes away may be a vibration, or a corner of the path: no more than such noise explains counts
     rms = np.sqrt(((motion.qdd - clean.qdd) ** 2).mean(axis=0))
+    rms = np.minimum(rms, _amplified(motion) * (sigma if motion.layout.flat else 2.0 * sigma.max()))
     turns = angular(model)
     largest = np.abs(clean.qdd).max(axis=0)
-    scale = np.array([largest[turns == kind].max() for kind in turns])
-    k = int(np.argmax(rms / np.where(scale > 0.0, scale, 1.0)))
-    share = float(rms[k] / scale[k]) if scale[k] > 0.0 else 0.0
+    scale = np.array([max(largest[turns == kind].max(), _GENTLE) for kind in turns])
+    k = int(np.argmax(rms / scale))
+    share = float(rms[k] / scale[k])
     if share < LOUD:
         return None
     of, unit = motion.differentiated, "rad" if turns[k] else "m"
     size = float(sigma[k]) if motion.layout.flat else float(sigma.max())
     text = (
         f"The {of} carry noise (about {size:.2g} {unit}{'/s' if of == 'rates' else ''}), which differentiated gives "
-        f"{model.velocity_names[k]} {rms[k]:.2g} {unit}/s² RMS of acceleration that is none, {share:.0%} of the "
-        "largest of the motion."
+        f"{model.velocity_names[k]} {rms[k]:.2g} {unit}/s² RMS of acceleration that is none, "
+        f"{f'{share:.0%} of the largest' if share < 10.0 else 'far above any'} of the motion."
     )
     return Noise(of, size, model.velocity_names[k], float(rms[k]), share, cutoff, text)
+
+
+def _amplified(motion: Motion) -> float:
+    """RMS that white noise of unit size has in the accelerations, measured on some; of positions or of rates."""
+    white = np.random.default_rng(0).normal(size=(len(motion.t), 8))
+    found = derivatives(motion.t, white)[0 if motion.differentiated == "rates" else 1]
+    return float(np.sqrt((found**2).mean()))
 
 
 def along_rates(t: Array, q: Array, rates: Array) -> tuple[Array, Array]:
@@ -139,11 +150,16 @@ def along_rates(t: Array, q: Array, rates: Array) -> tuple[Array, Array]:
 def rested(model: Model, motion: Motion, speed: Array | float = 0.0) -> Motion:
     """The motion in which a coordinate slower than `speed`, or than a millionth of the fastest of its kind, is at rest.
 
-    A rate of 1e-14, such as differentiation leaves, would feel the whole Coulomb friction.
+    A rate of 1e-14, such as differentiation leaves, would feel the whole Coulomb friction. Where nothing moves, what
+    the rounding of the positions leaves is rest, and in a coordinate that rests all along no acceleration either.
     """
     turns, size = angular(model), np.abs(motion.qd)
     fastest = np.array([size[:, turns == kind].max() for kind in turns])
-    return replace(motion, qd=np.where(size <= np.maximum(speed, REST * fastest), 0.0, motion.qd))
+    step = float(np.diff(motion.t).min())
+    rounded = _ROUNDED * float(np.abs(motion.q).max(initial=0.0)) / step
+    rest = size <= np.maximum(np.maximum(speed, REST * fastest), rounded)
+    none = rest.all(axis=0) & (np.abs(motion.qdd).max(axis=0) <= 8.0 * rounded / step)
+    return replace(motion, qd=np.where(rest, 0.0, motion.qd), qdd=np.where(none, 0.0, motion.qdd))
 
 
 def _rate_noise(motion: Motion, samples: Array, cutoff: float) -> Array | float:

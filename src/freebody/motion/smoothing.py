@@ -26,6 +26,7 @@ FEWEST = 30
 
 _WHITE = 0.5  # of the 4th differences' size that the 6th ones have in noise; of smooth curves next to nothing
 _SMALL = 0.02  # of the range: what is rougher was sampled too coarsely and is no noise on a curve
+_FINE = 2e-3  # rad, m or a second's: what is this small and this rough is no motion, whatever the range
 _ROUNDING = 1e-12  # of the largest sample: what is smaller is the arithmetic's
 _KNOTS = 10.0  # a period of the cutoff frequency
 _NOISE = (0.15, 0.2, 0.25, 0.3)  # cutoffs, of the sampling rate, above which nothing but noise is looked for
@@ -39,7 +40,7 @@ def noise(t: Array, x: Array) -> Array:
         return np.zeros(x.shape[1])
     low, high = _spread(t, x, 5), _spread(t, x, 7)
     told = (high > _WHITE * low) & (high > _ROUNDING * np.abs(x).max(axis=0))
-    return np.where(told & (high < _SMALL * np.ptp(x, axis=0).max()), high, 0.0)
+    return np.where(told & (high < max(_SMALL * float(np.ptp(x, axis=0).max()), _FINE)), high, 0.0)
 
 
 def _spread(t: Array, x: Array, width: int) -> Array:

@@ -58,7 +58,7 @@ def read_motion(model: Model, path: str | os.PathLike[str]) -> Motion:
     if len(late):
         k = int(late[0]) + 1
         raise problem(f"t = {t[k]:g} does not come after {t[k - 1]:g}; times must increase.", k)
-    motion = _motion(model, t, columns, f"{file.name}, {count} rows", problem)
+    motion = _motion(model, t, columns, f"read from {file.name}, {count} rows", problem)
     return _doubted(model, motion, columns, sheet.told, "'{} ({})' in the header")
 
 
