@@ -207,7 +207,8 @@ def as_motion(tmp_path: Path, t: np.ndarray, q: np.ndarray, fmt: str = "%.17g") 
 def test_a_robot_that_stands_still_is_at_rest(tmp_path: Path):
     t = steps()
     motion = as_motion(tmp_path, t, np.tile([0.3, 1.1], (len(t), 1)))
-    assert not motion.qd.any() and not motion.qdd.any()
+    assert not motion.qd.any()
+    assert not motion.qdd.any()
     found = fb.study(ARM, motion)
     assert found.passed, found.verdict
     assert "times as fast" not in str(found.verdict)
@@ -218,7 +219,8 @@ def test_noise_of_a_robot_that_stands_still_is_said(tmp_path: Path):
     q = pose + 1e-4 * np.random.default_rng(1).normal(size=(len(t), 2))
     motion = as_motion(tmp_path, t, q)
     found = recognised(ARM, motion)
-    assert found is not None and found.sigma == pytest.approx(1e-4, rel=0.2)
+    assert found is not None
+    assert found.sigma == pytest.approx(1e-4, rel=0.2)
     hold = fb.static_torque(ARM, pose)
     clean = fb.smoothed(ARM, motion)
     tau = fb.inverse_dynamics(ARM, clean.q, clean.qd, clean.qdd)
@@ -234,7 +236,8 @@ def test_a_vibration_is_no_noise(tmp_path: Path):
     assert recognised(ARM, as_motion(tmp_path, t, q, "%.7f")) is None
     loud = as_motion(tmp_path, t, q + 2e-5 * np.random.default_rng(2).normal(size=q.shape))
     found = recognised(ARM, loud)
-    assert found is not None and found.sigma > 0.0
+    assert found is not None
+    assert found.sigma > 0.0
     assert found.acceleration < 3e-5 / 0.01**2 * 8  # of the noise, not of the vibration: 8 rad/s²
 
 
