@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
+import xarray as xr
 from scipy.integrate import solve_ivp
 
 import freebody as fb
@@ -130,3 +132,33 @@ def test_options_that_mean_nothing_are_refused(torque, options, problem):
     given = (lambda t, q, qd: [0.0]) if torque == "f" else torque
     with pytest.raises(FreebodyError, match=problem):
         fb.simulate(ROD, [0], [0], [0, 1], given, **options)
+
+
+def test_a_table_whose_rows_carry_other_times_is_refused():
+    t = np.linspace(0, 1, 11)
+    table = np.sin(3 * t)[:, None]
+    plain = fb.simulate(ROD, [0], [0], t, table)
+
+    def kinds(times: np.ndarray) -> dict[str, object]:
+        frame = pd.DataFrame(table, columns=["joint1"], index=times)
+        array = xr.DataArray(table, {"time": times, "coordinate": ["joint1"]}, ("time", "coordinate"))
+        return {
+            "frame": frame,
+            "index of durations": frame.set_index(pd.to_timedelta(times, "s")),
+            "array": array,
+            "array, transposed": array.T,
+            "dict of series": {"joint1": frame["joint1"]},
+            "dataset": xr.Dataset({"joint1": array[:, 0].drop_vars("coordinate")}),
+        }
+
+    for name, given in kinds(t).items():
+        np.testing.assert_array_equal(fb.simulate(ROD, [0], [0], t, given)["qd"], plain["qd"], name)
+    for name, given in kinds(2 * t).items():
+        with pytest.raises(
+            FreebodyError, match=r"rows of torque are labelled 0 to 2, which are not the times t, 0"
+        ):
+            fb.simulate(ROD, [0], [0], t, given)
+            pytest.fail(name)
+    rows = pd.DataFrame(table, columns=["joint1"], index=range(40, 51))  # cut out of a longer one: no times
+    np.testing.assert_array_equal(fb.simulate(ROD, [0], [0], t, rows)["qd"], plain["qd"])
+    np.testing.assert_array_equal(fb.simulate(ROD, [0], [0], t, plain["tau"])["qd"], plain["qd"])

@@ -75,6 +75,28 @@ def labels_of(value: Any) -> list[Any]:
     return [label for d in _named_dims(table) for label in table.coords[d].values.tolist()]
 
 
+def row_times(value: Any) -> np.ndarray | None:
+    """The times (s) that label the rows of a table, or any other numbers with a fraction; None where nothing does.
+
+    Whole numbers count rows, unless they are called t or time.
+    """
+    if isinstance(value, Mapping):
+        found = (row_times(value[name]) for name in value)
+        return next((times for times in found if times is not None), None)
+    if _is_frame(value) or _is_series(value):
+        labels = {value.index.name: np.asarray(value.index)}
+    elif _is_data_array(value):
+        labels = {d: np.asarray(value.coords[d].values) for d in value.dims if d in value.coords}
+    else:
+        return None
+    for name, given in labels.items():
+        if given.dtype.kind == "m":
+            return given.astype("timedelta64[ns]").astype(float) * 1e-9
+        if given.dtype.kind == "f" or (given.dtype.kind in "iu" and name in ("t", "time")):
+            return given.astype(float)
+    return None
+
+
 def refuse_labelled(where: str, value: Any) -> None:
     """Refuse names where only the position of an entry tells what it is."""
     if type(value) is not np.ndarray and is_labelled(value):

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.errors import FreebodyError
-from freebody.labels import is_labelled
+from freebody.labels import is_labelled, row_times
 from freebody.model.model import Model
 from freebody.motion.system import Drive
 from freebody.numerics.calls import vector
@@ -121,6 +121,7 @@ def _breakpoints(given: ArrayLike) -> Array:
 
 def _table(model: Model, t: Array, torque: ArrayLike) -> Array:
     """(nv,) or (T, nv)."""
+    rows = row_times(torque)
     if is_labelled(torque):
         torque = vector("simulate", model, "tau", torque)
     table = as_floats("simulate", "torque", torque)
@@ -128,6 +129,11 @@ def _table(model: Model, t: Array, torque: ArrayLike) -> Array:
         check_core("simulate", "torque", table, (model.nv,), f"model {model.name!r} has nv = {model.nv}")
         raise FreebodyError(
             f"simulate: torque has shape {table.shape}, expected ({model.nv},), ({len(t)}, {model.nv}) or a function."
+        )
+    if table.ndim == 2 and rows is not None and np.abs(rows - t).max() > _SAME * (t[-1] - t[0]):
+        raise FreebodyError(
+            f"simulate: the rows of torque are labelled {rows[0]:g} to {rows[-1]:g}, which are not the times t, {t[0]:g} "
+            f"to {t[-1]:g} s. Interpolate the table at t, or give its plain array if its rows are those at t."
         )
     refuse_not_finite("simulate", "torque", table, 1, model.velocity_names)
     refuse_passive("simulate", model, table)
