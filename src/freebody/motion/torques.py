@@ -132,8 +132,8 @@ def _table(model: Model, t: Array, torque: ArrayLike) -> Array:
         )
     if table.ndim == 2 and rows is not None and np.abs(rows - t).max() > _SAME * (t[-1] - t[0]):
         raise FreebodyError(
-            f"simulate: the rows of torque are labelled {rows[0]:g} to {rows[-1]:g}, which are not the times t, {t[0]:g} "
-            f"to {t[-1]:g} s. Interpolate the table at t, or give its plain array if its rows are those at t."
+            f"simulate: the rows of torque are labelled {rows[0]:g} to {rows[-1]:g}, which are not the times t, "
+            f"{t[0]:g} to {t[-1]:g} s. Interpolate the table at t, or give its plain array if its rows are those at t."
         )
     refuse_not_finite("simulate", "torque", table, 1, model.velocity_names)
     refuse_passive("simulate", model, table)
