@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -100,7 +99,7 @@ def _mesh(shape: Shape, link: Link, file: str) -> Inertia:
             f"link {link.name!r}: its mesh {shape.file!r} was not found beside the file or above it.",
         )
     try:
-        trimesh = import_module("trimesh")  # an extra
+        import trimesh  # an extra
     except ImportError:
         raise FreebodyError(
             "load: estimating inertias from meshes needs trimesh; install it with `pip install 'freebody[mesh]'`."
