@@ -9,6 +9,7 @@ import pytest
 
 import freebody as fb
 from freebody.errors import FileError, ModelError, PassiveJointError
+from freebody.numerics.coordinates import layout
 from freebody.report.series import series
 from freebody.report.summary import summary
 from freebody.report.verdict import verdict
@@ -120,3 +121,79 @@ def test_a_motion_of_the_drives_alone_stays_feasible_in_a_file_of_six_digits(tmp
         data = series(model, "tip", motion)
         text = verdict(model, motion, data, summary(model, motion, data)).text
         assert ("joint2 is passive, and the motion needs" in text) == undriven
+
+
+# ------------------------------------------------------------ studies
+def crane(pendulum: str) -> str:
+    return f"""name = "crane"
+[[link]]
+name = "shaft"
+[[link]]
+name = "car"
+mass = 500
+[[link]]
+name = "bob"
+mass = 1
+com = [0, 0, -0.5]
+[[joint]]
+name = "lift"
+kind = "prismatic"
+parent = "shaft"
+child = "car"
+axis = "z"
+limits = {{ lower = -3, upper = 3, velocity = 3, effort = 9000 }}
+[[joint]]
+name = "pin"
+kind = "continuous"
+parent = "car"
+child = "bob"
+axis = "y"
+{pendulum}
+"""
+
+
+def test_a_small_passive_joint_beside_a_large_drive_is_not_overlooked(tmp_path: Path):
+    """1 kg held 0.5 m out needs 4.9 N m sin 0.5; the drive that lifts 500 kg has 4900 N."""
+    (tmp_path / "crane.toml").write_text(crane("passive = true"))
+    model = fb.load(tmp_path / "crane.toml")
+    t = np.linspace(0, 2, 101)
+    for angle, outcome in ((0.5, "not feasible"), (0.0, "feasible")):
+        np.savetxt(
+            tmp_path / "m.csv",
+            np.column_stack([t, 0.3 * np.sin(t), np.full(101, angle)]),
+            delimiter=",",
+            header="t,lift,pin",
+            comments="",
+            fmt="%.6f",
+        )
+        found = fb.study(model, tmp_path / "m.csv")
+        assert found.verdict.outcome == outcome, found.verdict
+        lifted = found.data["tau"].values[:, 0] * found.data["qd"].values[:, 0]
+        np.testing.assert_allclose(found.data["motor_power"], lifted, atol=1e-9)
+
+
+def test_drives_alone_do_work_and_a_swing_keeps_its_pace():
+    limits = [fb.Limits(-2, 2, 3, 20), fb.Limits(velocity=20)]
+    model = fb.planar("PR", **WORD, limits=limits, passive=["joint2"])
+    t = np.linspace(0, 2, 201)
+    free = fb.simulate(model, [0, -1.4], [0, 0], t, lambda now, q, qd: [3 * np.sin(5 * now), 0.0])
+    found = fb.study(
+        model, fb.Motion(t, *(free[x].values for x in ("q", "qd", "qdd")), "simulated", layout(model))
+    )
+    assert found.verdict.outcome == "feasible"
+    assert "It cannot be run at another pace: joint2 has no motor and would not follow." in found.verdict.text
+    assert "times as fast" not in found.verdict.text
+    assert np.isnan(found.verdict.factor)
+    default = fb.study(model)
+    assert default.verdict.outcome == "not feasible"
+    assert "swings within its limits, also joint2, as if driven, from rest" in default.motion.source
+    power = default.data["tau"].values[:, 0] * default.data["qd"].values[:, 0]
+    done = np.trapezoid(np.maximum(power, 0), default.data["time"])
+    assert float(default.summary["total_work_done"]) == pytest.approx(done, rel=1e-3)
+    assert float(default.summary["work_done"][1]) == 0.0
+    flat = fb.planar("PR", **WORD, limits=limits, passive=["joint2"], g=0)
+    free = fb.simulate(flat, [0, -1.4], [0, 0], t, lambda now, q, qd: [3 * np.sin(5 * now), 0.0])
+    found = fb.study(
+        flat, fb.Motion(t, *(free[x].values for x in ("q", "qd", "qdd")), "simulated", layout(flat))
+    )
+    assert "times as fast" in found.verdict.text  # nothing but inertia, which scales

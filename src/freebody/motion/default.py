@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError, LoopError
+from freebody.errors import FreebodyError, LoopError, listed
 from freebody.model.model import Model
 from freebody.motion.closing import consistent_rates, followed, home, leaders, outside, regularity
 from freebody.motion.measured import rested
@@ -50,7 +50,8 @@ def default_motion(model: Model, duration: float = DURATION, samples: int = SAMP
     where = layout(model)
     x = state_of(where, q, np.zeros_like(q), np.zeros_like(q))[0]
     q, qd, qdd = state_of(where, x, *derivatives(t, x, at_rest=True))
-    text = f"default motion: every joint swings within its limits, from rest to rest in {duration:g} s"
+    loose = f", also {listed(model.passive_names, 4)}, as if driven" if model.passive else ""
+    text = f"default motion: every joint swings within its limits{loose}, from rest to rest in {duration:g} s"
     return rested(model, Motion(t, q, qd, qdd, text, where, allowed.notices))
 
 

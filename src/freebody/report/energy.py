@@ -9,6 +9,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
+from freebody.motion.ranges import with_drive
 from freebody.numerics import dynamics
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
@@ -28,7 +29,7 @@ def energies(model: Model, motion: Motion) -> dict[str, Any]:
     return {
         "kinetic_energy": (("time",), kinetic, "J", "kinetic energy, rotors included"),
         "potential_energy": (("time",), potential, "J", "potential energy of gravity and springs"),
-        "supplied_work": (("time",), work, "J", "work of the drives less what friction takes"),
+        "supplied_work": (("time",), work, "J", "work of the torques less what friction takes"),
         "energy_residual": (
             ("time",),
             work - (total - total[0]),
@@ -61,9 +62,9 @@ def _integral(model: Model, motion: Motion, parts: int) -> Array:
     return np.concatenate([[0.0], np.cumsum(np.sum(0.5 * h * (power @ _WEIGHTS), axis=-1))])
 
 
-def powers(variables: dict[str, Any], motion: Motion) -> dict[str, Any]:
-    """Mechanical power of each drive and their sum, and what friction takes."""
-    power = variables["tau"][1] * motion.qd
+def powers(model: Model, variables: dict[str, Any], motion: Motion) -> dict[str, Any]:
+    """Mechanical power of each drive and their sum, and what friction takes; joints without a drive give none."""
+    power = np.where(with_drive(model), variables["tau"][1] * motion.qd, 0.0)
     friction = np.sum(variables["tau_friction"][1] * motion.qd, axis=-1)
     return {
         "power": (("time", "coordinate"), power, "W", "mechanical power of the drive"),

@@ -64,7 +64,8 @@ class Verdict:
     """How inertias were estimated; empty if they are the description's own."""
     factor: float
     """Run so many times as fast the motion reaches its first limit of speed or torque: above 1 it can be sped up so
-    far, below 1 it must be slowed down to that. 0: no slowing helps; infinite: no limit depends on it; NaN: unknown."""
+    far, below 1 it must be slowed down to that. 0: no slowing helps; infinite: no limit depends on it; NaN: unknown,
+    or passive joints would not follow."""
 
     @property
     def heading(self) -> str:

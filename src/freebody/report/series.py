@@ -32,7 +32,7 @@ def series(model: Model, tip: str, motion: Motion) -> xr.Dataset:
     for part in (_motion, torques, _reactions, _bodies, energy.energies):
         variables |= part(model, motion)
     variables |= _tip(model, tip, motion) | jacobians.measures(model, tip, motion.q)
-    variables |= energy.powers(variables, motion)
+    variables |= energy.powers(model, variables, motion)
     return xr.Dataset(
         _variables(variables),
         coordinates(model, motion.t),

@@ -18,7 +18,7 @@ from freebody.model.model import Model
 from freebody.model.parts import DOUBTFUL, ESTIMATED
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges, with_drive
-from freebody.report.pace import Pace, pace
+from freebody.report.pace import Pace, pace, parts
 from freebody.report.results import CLOSE, Outcome, Use, Verdict, percent
 
 if TYPE_CHECKING:
@@ -26,9 +26,7 @@ if TYPE_CHECKING:
 
     from freebody.model.bodies import Body
 
-_UNDRIVEN = (
-    1e-2  # of the largest torque or force: what differentiating a file's digits leaves at a passive joint
-)
+_UNDRIVEN = 1e-2  # of what acts at a passive joint: what differentiating a file's digits leaves there
 _NAMES = 4  # in a list of joints
 _TIGHT = 1.001  # a pace below it is called "as fast as it goes"
 
@@ -53,7 +51,10 @@ def verdict(model: Model, motion: Motion, data: xr.Dataset, found: xr.Dataset) -
     elif masses or missing:
         outcome = "not judged"
     sentences = [*_reasons(outcome, uses, over, undriven, missing, masses)]
-    if not masses and uses:
+    loose = () if masses else _own_pace(model, data)
+    if loose:
+        sentences.append(_no_other_pace(loose, slower=bool(over or undriven)))
+    elif not masses and uses:
         sentences += _paces(model, run, uses, over, bool(undriven), bool(missing))
     unphysical = sum(notice.kind == "physical" for notice in model.notices)
     if unphysical and not masses:
@@ -63,7 +64,7 @@ def verdict(model: Model, motion: Motion, data: xr.Dataset, found: xr.Dataset) -
         )
     if estimated:
         sentences.append("The inertias are estimated, and so are all torques.")
-    factor = float("nan") if masses or not uses else run.factor
+    factor = float("nan") if masses or loose or not uses else run.factor
     return Verdict(outcome, " ".join(sentences), uses, missing, masses, estimated, factor)
 
 
@@ -156,14 +157,37 @@ def _undriven(model: Model, data: xr.Dataset) -> tuple[str, ...]:
     """Passive joints of an open chain that the motion needs a torque at."""
     if model.loops:
         return ()
-    tau = np.abs(data["tau"].values)
-    size = float(tau.max(initial=0.0))
+    tau, acting = np.abs(data["tau"].values).max(axis=0), _acting(model, data)
     found = []
-    for k, name in enumerate(model.velocity_names):
-        if name not in model.driven_names and tau[:, k].max() > _UNDRIVEN * size:
+    for k in model.passive:
+        if tau[k] > _UNDRIVEN * acting[k]:
             unit = str(data["effort_unit"].values[k])
-            found.append(f"{name} is passive, and the motion needs {tau[:, k].max():.3g} {unit} there")
+            name = model.velocity_names[k]
+            found.append(f"{name} is passive, and the motion needs {tau[k]:.3g} {unit} there")
     return tuple(found)
+
+
+def _own_pace(model: Model, data: xr.Dataset) -> tuple[str, ...]:
+    """Passive joints of an open chain that gravity, springs or friction move: at another pace they would not follow."""
+    if model.loops:
+        return ()
+    _, viscous, held = (np.abs(part).max(axis=0) for part in parts(data))
+    acting = _acting(model, data)
+    return tuple(
+        model.velocity_names[k] for k in model.passive if max(viscous[k], held[k]) > _UNDRIVEN * acting[k]
+    )
+
+
+def _acting(model: Model, data: xr.Dataset) -> np.ndarray:
+    """(nv,) the size of what acts at a coordinate: the parts of its torque, or its joint's load on its body's arm."""
+    size = np.sum([np.abs(part) for part in parts(data)], axis=0).max(axis=0)
+    load = np.linalg.norm(data["reaction_force"].values, axis=-1).max(axis=0)
+    arm = np.linalg.norm(data["body_com"].values - data["body_origin"].values, axis=-1).max(axis=0)
+    for i, at in enumerate(model.coordinates):
+        for k in at.v:
+            lever = arm[i] if str(data["effort_unit"].values[k]) == "N m" else 1.0
+            size[k] = max(size[k], np.nan_to_num(load[i] * lever))
+    return size
 
 
 def _is_massless(model: Model) -> bool:
@@ -227,6 +251,12 @@ def _paces(
     if partly:  # what is not given may well be exceeded before
         return [f"They would be kept up to {_down(run.factor)} times that speed."]
     return [f"It could be run up to {_down(run.factor)} times as fast."]
+
+
+def _no_other_pace(names: Sequence[str], slower: bool) -> str:
+    several = len(names) > 1
+    opening = "Slowing down does not help" if slower else "It cannot be run at another pace"
+    return f"{opening}: {listed(names, _NAMES)} {'have' if several else 'has'} no motor and would not follow."
 
 
 def _holds_more(model: Model) -> bool:
