@@ -47,7 +47,7 @@ def test_study_writes_a_report_and_data(capsys: pytest.CaptureFixture[str]):
         "Not judged: not given are an effort limit, a speed limit and a position range of joint1 and joint2."
     )
     assert lines[0] == (
-        "2R: 2 coordinates. Default motion: every joint swings within its limits, from rest to rest in 5 s."
+        "2R: 2 coordinates. Motion: by default every joint swings within its limits, from rest to rest in 5 s."
     )
     assert lines[1] == "The tip is 'tip', the only end of the robot."
     assert re.split("  +", lines[2].strip()) == [
@@ -64,7 +64,7 @@ def test_study_writes_a_report_and_data(capsys: pytest.CaptureFixture[str]):
     assert (
         run(["study", "2R", "--motion", "study-2R/motion.csv", "--out", "again"]) == 0
     )  # what it writes, it reads
-    assert "Read from motion.csv, 401 rows; rates as given." in capsys.readouterr().out
+    assert "Motion: read from motion.csv, 401 rows; rates as given." in capsys.readouterr().out
 
 
 def test_a_failed_check_gives_exit_code_1(

@@ -190,7 +190,7 @@ def test_the_worst_instant_is_relative_to_the_limits():
     k = int(np.argmax(np.abs(tau[:, 1])))
     assert (worst.coordinate, worst.index, worst.value) == ("joint2", k, tau[k, 1])
     assert worst.fraction == pytest.approx(abs(tau[k, 1]) / 10)
-    assert f"{worst.fraction:.0%} of its effort limit" in worst.text
+    assert f"{100 * worst.fraction:.0f} % of its effort limit" in worst.text
     assert float(study.summary["effort_fraction"][1]) == pytest.approx(worst.fraction)
 
 

@@ -68,8 +68,9 @@ def key(value: Any) -> Any:
         return type(value), tuple(key(getattr(value, f.name)) for f in fields)
     if isinstance(value, (tuple, list)):
         return tuple(map(key, value))
-    arrays = getattr(value, "variables", None)  # of an xarray Dataset
-    if arrays is not None:
+    if hasattr(value, "data_vars"):
+        dataset: Any = value  # of xarray
+        arrays = {**dataset.coords, **dataset.data_vars}
         return tuple(sorted((str(name), x.dims, key(x.values)) for name, x in arrays.items()))
     if isinstance(value, Mapping):
         return tuple(sorted((str(name), key(x)) for name, x in value.items()))

@@ -50,12 +50,12 @@ Robot = Annotated[
     ),
 ]
 Tip = Annotated[
-    str | None, typer.Option(help="Frame to study as the tip; default: the end behind the most joints.")
+    str | None, typer.Option(help="The frame that is the tip. Default: the end behind the most joints.")
 ]
 Base = Annotated[
     BaseChoice | None, typer.Option(help="Hold the root link, or let it float. Default: the file's.")
 ]
-Mimic = Annotated[MimicChoice, typer.Option(help="Mimic joints follow their leader, or move freely.")]
+Mimic = Annotated[MimicChoice, typer.Option(help="Whether mimic joints follow their leader, or move freely.")]
 Physical = Annotated[
     PhysicalChoice, typer.Option(help="What to do about an inertia that no rigid body can have.")
 ]
@@ -86,7 +86,9 @@ Estimate = Annotated[
         help="The robot's whole mass: inertias of a URDF are estimated from its shapes instead of read.",
     ),
 ]
-Convention = Annotated[ConventionChoice | None, typer.Option(help="Of a DH table that does not say it.")]
+Convention = Annotated[
+    ConventionChoice | None, typer.Option(help="The convention of a DH table that does not state it.")
+]
 
 
 def load(

@@ -36,7 +36,8 @@ def study(
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="CSV with a header: t and the joints' names. Default: a motion within the limits.",
+            help="A CSV file whose header names t (s) and the joints (rad, m; or a unit, as in 'joint1 (deg)'). "
+            "Default: a motion within the limits.",
         ),
     ] = None,
     out: Annotated[
@@ -58,7 +59,11 @@ def study(
     convention: options.Convention = None,
     estimate_inertia: options.Estimate = None,
 ) -> None:
-    """Study a robot along a motion: torques, powers, reactions, energies and checks, as a report and as data."""
+    """Study a robot along a motion: torques, powers, reactions, energies and checks, as a report and as data.
+
+    Exit code 0: feasible, or not judged because limits are not given. 1: a limit is exceeded, masses are missing or
+    doubtful, or a self-check failed. 2: something cannot be read or written.
+    """
     directory = out or Path(f"study-{Path(robot).stem}")
     with terminal.progress("reading") as progress:
         from freebody.report.study import study as study_of
@@ -105,10 +110,10 @@ def _print(found: Study, directory: Path, failure: FreebodyError | None) -> None
     for sentence in found.warnings:
         terminal.warn(sentence)
     out.print(found.verdict.text, style=_STYLES[found.verdict.outcome, found.verdict.good], markup=False)
-    motion = found.motion.source
+    count = found.model.nv
     replay = found.replay.text if found.replay else found.replay_skipped
     above = (
-        f"{found.model.name}: {found.model.nv} coordinates. {motion[:1].upper()}{motion[1:]}.",
+        f"{found.model.name}: {count} coordinate{'' if count == 1 else 's'}. Motion: {found.motion.source}.",
         found.tip_reason,
     )
     out.print(*above, sep="\n", markup=False)
@@ -139,6 +144,8 @@ def _print_checks(found: Study) -> None:
 def _table(found: Study) -> Table:
     from rich.table import Table
 
+    from freebody.report.results import percent
+
     table = Table(box=None, pad_edge=False, header_style="bold")
     table.add_column("")
     for title in ("peak torque", "at", "RMS torque", "peak speed", "peak power", "of effort limit"):
@@ -156,7 +163,7 @@ def _table(found: Study) -> Table:
             f"{entry['rms_torque']:.4g} {effort}",
             f"{entry['peak_speed']:.4g} {unit}/s",
             f"{entry['peak_power']:.4g} W",
-            "" if math.isnan(share) else f"{share:.0%}",
+            "" if math.isnan(share) else percent(share),
             style="red" if share > 1 else None,
         )
     return table

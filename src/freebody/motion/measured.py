@@ -115,7 +115,7 @@ def recognised(model: Model, motion: Motion) -> Noise | None:
     text = (
         f"The {of} carry noise (about {size:.2g} {unit}{'/s' if of == 'rates' else ''}), which differentiated gives "
         f"{model.velocity_names[k]} {rms[k]:.2g} {unit}/s² RMS of acceleration that is none, "
-        f"{f'{share:.0%} of the largest' if share < 10.0 else 'far above any'} of the motion."
+        f"{f'{100 * share:.0f} % of the largest' if share < 10.0 else 'far above any'} of the motion."
     )
     return Noise(of, size, model.velocity_names[k], float(rms[k]), share, cutoff, text)
 

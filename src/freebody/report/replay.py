@@ -319,8 +319,8 @@ def _landed(edges: Array, factors: Array, misses: Array) -> str:
     some = f"{run} of {count}" if run < count else f"{count}"
     return (
         f"Driven by its torques in {some} piece{'' if count == 1 else 's'} of at most {np.diff(edges).max():.3g} s, "
-        f"each restarted on the motion and amplifying an error at most {factors.max():.3g}-fold, the model lands "
-        f"within {np.nanmax(misses):.1g} of the joint range."
+        f"each started anew on the motion, the model ends each piece within {np.nanmax(misses):.1g} of the joint "
+        f"range. In a piece an error grows at most {factors.max():.3g}-fold."
     )
 
 
@@ -335,7 +335,9 @@ def _drifted(model: Model, allowed: Ranges, t: Array, drift: Array, ended: str, 
     elif ended:
         found += f" until t = {t[-1]:.3g} s, where the run was broken off: {ended}"
     if growth < 1:
-        cause = "the linearised dynamics hardly amplify errors along it"
+        cause = "errors hardly grow on the way"
     else:
-        cause = f"along it the linearised dynamics amplify any error, even of rounding, up to 10^{growth:.1f}-fold"
-    return f"Open loop over the whole motion it {found}; {cause}."
+        cause = (
+            f"on the way any error, even of rounding, grows up to 10^{growth:.1f}-fold (linearised dynamics)"
+        )
+    return f"Over the whole motion without a new start it {found}; {cause}."

@@ -12,7 +12,7 @@ from freebody.model.parts import DOUBTFUL
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges, with_drive
 from freebody.report.bearings import LOADS
-from freebody.report.results import Worst
+from freebody.report.results import Worst, percent
 from freebody.report.series import coordinates
 
 if TYPE_CHECKING:
@@ -137,9 +137,9 @@ def energy_text(found: xr.Dataset, duration: float) -> str:
         return "The drives do no work."
     kept = 0.0 if abs(net) < _CANCELLED * done else net
     return (
-        f"In {duration:.3g} s the drives do {done:.4g} J and brake {braked:.4g} J ({braked / done:.0%}): "
-        f"net {kept:.4g} J. "
-        f"Sharing one supply they take {shared:.4g} J. Peak of all together: {peak:.4g} W."
+        f"In {duration:.3g} s the drives do {done:.4g} J of work and take up {braked:.4g} J in braking "
+        f"({percent(braked / done)}): net {kept:.4g} J. From a supply that they share they draw {shared:.4g} J. "
+        f"Peak power of all together: {peak:.4g} W."
     )
 
 
@@ -240,7 +240,7 @@ def worst(model: Model, data: xr.Dataset) -> Worst:
     name, value, unit = model.velocity_names[j], float(tau[k, j]), str(units[j])
     share = abs(value) / float(allowed.effort[j]) if limited[j] else float("nan")
     if limited[j]:
-        why = f"{share:.0%} of its effort limit, the largest share of any drive during the motion"
+        why = f"{percent(share)} of its effort limit, the largest share of any drive during the motion"
     else:
         why = "the largest of the motion; the model gives no effort limits"
     text = f"At t = {t[k]:.3g} s {name} needs {value:.4g} {unit}: {why}."
