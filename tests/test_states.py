@@ -197,3 +197,31 @@ def test_positions_that_add_are_moved_alike_whatever_kind_of_vector_comes(name):
             fb.integrate(model, np.where(np.arange(model.nq) == 0, bad, q[0]), v[0])
     with pytest.raises(fb.FreebodyError, match="has shape"):
         fb.integrate(model, q[0, :-1], v[0, :-1])
+
+
+def test_positions_of_a_model_without_numbers_move_as_those_of_one_with_them():
+    inertia = Inertia.of("m", (0, 0, 0), np.eye(3))
+    links = (Link("world"), Link("body", inertia), Link("arm", Inertia.sphere(1.0, 0.1)), Link("foot"))
+    joints = (
+        Joint("base", "free", "world", "body"),
+        Joint("hinge", "revolute", "body", "arm", axis=(0.0, 0.0, 1.0)),
+        Joint("ball", "spherical", "arm", "foot"),
+    )
+    symbolic = assemble(Description("symbolic", 3, links, joints, (9.81, (0.0, 0.0, -1.0))))
+    assert symbolic.missing
+    bound = symbolic.bind(m=1.0)
+    q, v, _ = fb.random_state(bound, 5, 4)
+    reached = fb.integrate(symbolic, q, v)
+    np.testing.assert_allclose(reached, fb.integrate(bound, q, v), rtol=0, atol=1e-15)
+    way = fb.difference(symbolic, q, reached)
+    np.testing.assert_allclose(way, fb.difference(bound, q, reached), rtol=0, atol=1e-14)
+
+
+def test_the_second_quaternion_of_a_difference_is_looked_at_on_every_call():
+    model = fb.load("quadrotor")
+    q, _, _ = fb.random_state(model, 1)
+    off = q * np.where(np.arange(7) < 3, 1.0, 1.001)
+    for _ in range(2):
+        fb.difference(model, q, q)
+        with pytest.raises(fb.FreebodyError, match=r"has length 1\.001"):
+            fb.difference(model, q, off)

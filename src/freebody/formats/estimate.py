@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -107,7 +108,7 @@ def _mesh(shape: Shape, link: Link, file: str) -> Inertia:
     try:
         if path.stat().st_size > _LARGEST:
             raise ValueError("it is larger than 512 MB")
-        mesh = trimesh.load(path, force="mesh")
+        mesh: Any = trimesh.load(path, force="mesh")
         mesh.apply_scale(np.array(shape.size))
         if not mesh.is_watertight or mesh.volume <= 0:
             mesh = mesh.convex_hull
