@@ -279,3 +279,47 @@ def test_failed_self_checks_are_a_finding_even_where_the_motion_is_feasible():
     worse = replace(study, checks=(bad, *study.checks[1:]))
     assert worse.finding
     assert not worse.passed
+
+
+# ------------------------------------------------------------ what a range leaves open, what noise adds
+@pytest.mark.parametrize(("lower", "outcome"), [(-1.0, "not judged"), (0.2, "feasible")])
+def test_a_follower_that_can_never_keep_its_range_is_not_judged(tmp_path: Path, lower: float, outcome: str):
+    """A gripper whose second finger has the range of a mirrored axis, and follows without a minus: PR2's."""
+    file = tmp_path / "gripper.toml"
+    upper = max(0.0, 5 * lower)
+    text = """dim = 2
+[[link]]
+name = "palm"
+"""
+    for name, limits, mimic in (
+        ("left", "lower = 0.2, upper = 1", ""),
+        ("right", f"lower = {lower}, upper = {upper}", 'mimic = { joint = "left" }\n'),
+    ):
+        text += f"""[[link]]
+name = "{name}_finger"
+mass = 0.1
+com = [0.05, 0]
+inertia = 1e-4
+[[joint]]
+name = "{name}"
+kind = "revolute"
+parent = "palm"
+child = "{name}_finger"
+limits = {{ {limits}, velocity = 2, effort = 5 }}
+{mimic}"""
+    file.write_text(text)
+    verdict = fb.study(fb.load(file)).verdict
+    assert verdict.outcome == outcome
+    assert ("a range that suits right, which follows left" in verdict.text) == (outcome == "not judged")
+
+
+def test_the_verdict_on_a_noisy_motion_says_that_noise_counts(tmp_path: Path):
+    model, t = full(), np.arange(0.0, 2.0, 0.01)
+    q = 0.5 * np.sin(t) + 3e-4 * np.random.default_rng(0).normal(size=len(t))
+    rows = np.column_stack([t, *[q] * model.nq])
+    header = ",".join(["t", *model.position_names])
+    np.savetxt(tmp_path / "m.csv", rows, delimiter=",", header=header, comments="")
+    said = "The noise of the motion counts as torque here"
+    assert said in fb.study(model, tmp_path / "m.csv").verdict.text
+    assert said not in fb.study(model, tmp_path / "m.csv", smooth=True).verdict.text
+    assert said not in fb.study(model, swing(model)).verdict.text

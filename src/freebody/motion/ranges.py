@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import compress
 
@@ -23,7 +24,7 @@ class Ranges:
     """Per velocity coordinate, arrays (nv,): limits that allow motion, infinite where there are none.
 
     A speed or effort limit of 0 and a position range of no width count as absent (`Limits.meant`), and `notices` say
-    so. The range of a joint that others follow is narrowed to theirs.
+    so. The range of a joint that others follow is narrowed to theirs, where they meet.
     """
 
     lower: Array
@@ -33,6 +34,8 @@ class Ranges:
     turns: Flags
     """Whether the coordinate is an angle."""
     notices: tuple[str, ...]
+    apart: tuple[str, ...] = ()
+    """Joints that follow another and whose range has nothing in common with that one's, in words."""
 
     @property
     def middle(self) -> Array:
@@ -55,7 +58,7 @@ def ranges(model: Model) -> Ranges:
         np.array([getattr(x, name) for x in meant], dtype=float)
         for name in ("lower", "upper", "velocity", "effort")
     )
-    _narrow(model, lower, upper, velocity)
+    apart = tuple(_narrow(model, lower, upper, velocity))
     names = model.velocity_names
     notices = [
         f"{what} of {listed(compress(names, bad), 6)} is zero in the model and is taken as not given."
@@ -66,7 +69,7 @@ def ranges(model: Model) -> Ranges:
         )
         if bad.any()
     ]
-    return Ranges(lower, upper, velocity, effort, angular(model), tuple(notices))
+    return Ranges(lower, upper, velocity, effort, angular(model), tuple(notices), apart)
 
 
 def _own(body: Body) -> range:
@@ -106,8 +109,8 @@ _ANGULAR = {
 }
 
 
-def _narrow(model: Model, lower: Array, upper: Array, velocity: Array) -> None:
-    """Bring the limits of followers to their leaders, where the ranges meet."""
+def _narrow(model: Model, lower: Array, upper: Array, velocity: Array) -> Iterator[str]:
+    """Bring the limits of followers to their leaders, where the ranges meet; yields who does not meet whom."""
     for body, at in zip(model.bodies, model.coordinates, strict=True):
         limits, k = body.joint.limits.meant, at.v[0] if at.v else -1
         if body.joint.mimic is None or at.ratio == 0.0:
@@ -116,4 +119,6 @@ def _narrow(model: Model, lower: Array, upper: Array, velocity: Array) -> None:
         low, high = max(low, lower[k]), min(high, upper[k])
         if low < high:
             lower[k], upper[k] = low, high
+        else:
+            yield f"{body.joint.name}, which follows {model.velocity_names[k]}"
         velocity[k] = min(velocity[k], limits.velocity / abs(at.ratio))

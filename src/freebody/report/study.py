@@ -159,7 +159,7 @@ def study(
     with clock.part("torques, reactions, energies", 0.05):
         data = series(model, frame, followed)
         found = summary(model, followed, data)
-        judged = verdict(model, followed, data, found)
+        judged = verdict(model, followed, data, found, noisy=bool(measured) and not smooth)
     with clock.part("worst poses", 0.4):
         poses = () if model.loops else worst_poses(model)
     with clock.part("replay", 0.5):

@@ -31,8 +31,10 @@ _NAMES = 4  # in a list of joints
 _TIGHT = 1.001  # a pace below it is called "as fast as it goes"
 
 
-def verdict(model: Model, motion: Motion, data: xr.Dataset, found: xr.Dataset) -> Verdict:
-    """Judge a motion by `Study.data` and `Study.summary`."""
+def verdict(
+    model: Model, motion: Motion, data: xr.Dataset, found: xr.Dataset, noisy: bool = False
+) -> Verdict:
+    """Judge a motion by `Study.data` and `Study.summary`; noisy: the motion's noise is part of its torques."""
     allowed = ranges(model)
     uses = tuple(sorted(_uses(model, motion, allowed, found), key=lambda use: -use.fraction))
     masses = tuple(notice.text for notice in model.notices if notice.kind == DOUBTFUL)
@@ -56,6 +58,10 @@ def verdict(model: Model, motion: Motion, data: xr.Dataset, found: xr.Dataset) -
         sentences.append(_no_other_pace(loose, slower=bool(over or undriven)))
     elif not masses and uses:
         sentences += _paces(model, run, uses, over, bool(undriven), bool(missing))
+    if noisy and not masses:
+        sentences.append(
+            "The noise of the motion counts as torque here; --smooth auto (smooth=True) takes it out."
+        )
     unphysical = sum(notice.kind == "physical" for notice in model.notices)
     if unphysical and not masses:
         sentences.append(
@@ -139,6 +145,8 @@ def _missing(model: Model, allowed: Ranges) -> tuple[str, ...]:
     ):
         absent.setdefault(names, []).append(what)
     found = [f"{listed(parts)} of {listed(names, _NAMES)}" for names, parts in absent.items() if names]
+    if allowed.apart:
+        found.append(f"a range that suits {listed(allowed.apart, _NAMES)}")
     several = [b.joint.name for b in model.bodies if b.kind.nv > 1 and not b.joint.passive]
     if several and not model.loops:
         found.append(f"what moves {listed(several, _NAMES)}, which has no motor of its own")
