@@ -49,6 +49,8 @@ def test_a_capital_for_the_cosine_or_sine_is_explained():
     )
     assert "write c2 for the cosine" in fb.check(arm, "H12 = m2 (lc2^2 + 2 l1 lc2 C2) + I2").text
     assert fb.check(arm, "tau2 = H21 theta1_dd + H22 theta2_dd + C2 + G2")  # where the velocity term is meant
+    with pytest.raises(AnswerError, match="The cosine of the angle is written c123"):
+        fb.check(fb.planar("RRR"), "x = l1*C123")
     with pytest.raises(AnswerError, match="The sine of the angle is written s2"):
         fb.check(arm, "h = m2 l1 lc2 S2")
 

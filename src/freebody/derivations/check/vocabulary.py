@@ -93,7 +93,8 @@ class Vocabulary:
         near = likely(plain, names) or likely(spell(source, span[0]).plain, names)
         hint = f"Did you mean {near[0]!r}? " if near else ""
         if (wave := plain.lower()) in self.waves:
-            hint = f"The {self.waves[wave][0]}e of the angle is written {wave}. "
+            function = {"sin": "sine", "cos": "cosine"}[self.waves[wave][0]]
+            hint = f"The {function} of the angle is written {wave}. "
             near = []
         shown = word if len(word) <= 30 else word[:30] + "…"
         renaming = (
