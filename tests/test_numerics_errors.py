@@ -440,8 +440,8 @@ def test_joints_that_move_no_inertia():
     says(text, lambda: fb.forward_dynamics(nothing, np.zeros(3), np.zeros(3), np.zeros(3)), SingularError)
     all_of_it = fb.planar("RR", l=[1, 1], lc=[1, 1], m=[0, 0], I=[0, 0], name="ghost")
     text = (
-        "forward_dynamics: the mass matrix of 'ghost' is singular: joint 'joint1', 'joint2' moves no inertia. "
-        + remedy
+        "forward_dynamics: the mass matrix of 'ghost' is singular: joints 'joint1' and 'joint2' move no inertia. "
+        + remedy.replace("it carries", "each carries")
     )
     says(text, lambda: fb.forward_dynamics(all_of_it, Z, Z, Z), SingularError)
     rotor = fb.planar(

@@ -80,7 +80,8 @@ def _of_closed_chain(model: Model, t: Array) -> Motion:
             f"default_motion: {model.name!r} hardly moves from {start}; give a motion of its driven joints."
         )
     names = ", ".join(model.velocity_names[k] for k in leading)
-    text = f"by default {names} swing from rest to rest in {t[-1]:g} s, the loops lead the other joints"
+    swing = "swings" if len(leading) == 1 else "swing"
+    text = f"by default {names} {swing} from rest to rest in {t[-1]:g} s, the loops lead the other joints"
     states = consistent_rates(model, t, q, at_rest=True)
     return rested(model, Motion(t, *states, text, layout(model), allowed.notices))
 

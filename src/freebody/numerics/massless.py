@@ -6,7 +6,7 @@ import numpy as np
 
 from freebody.algorithms.crba import crba, supports
 from freebody.arrays import Array
-from freebody.errors import SingularError
+from freebody.errors import SingularError, listed
 from freebody.model.facts import fact
 from freebody.model.model import Model
 from freebody.model.tree import Tree
@@ -20,10 +20,13 @@ def refuse_massless(model: Model, function: str) -> None:
     """Raise SingularError if some joint moves no inertia at any of a few random configurations."""
     known = massless(model)
     if known:
-        joints = ", ".join(map(repr, known))
+        joints = listed(map(repr, known))
+        several = len(known) > 1
         raise SingularError(
-            f"{function}: the mass matrix of {model.name!r} is singular: joint {joints} moves no inertia. "
-            "Give what it carries a mass and inertia, or the joint a rotor inertia, or fix it."
+            f"{function}: the mass matrix of {model.name!r} is singular: "
+            f"joint{'s' if several else ''} {joints} move{'' if several else 's'} no inertia. "
+            f"Give what {'each' if several else 'it'} carries a mass and inertia, or the joint a rotor inertia, or fix "
+            "it."
         )
 
 

@@ -138,7 +138,7 @@ def energy_text(found: xr.Dataset, duration: float) -> str:
     kept = 0.0 if abs(net) < _CANCELLED * done else net
     return (
         f"In {duration:.3g} s the drives do {done:.4g} J of work and take up {braked:.4g} J in braking "
-        f"({percent(braked / done)}): net {kept:.4g} J. From a supply that they share they draw {shared:.4g} J. "
+        f"({100 * braked / done:.0f} %): net {kept:.4g} J. From a supply that they share they draw {shared:.4g} J. "
         f"Peak power of all together: {peak:.4g} W."
     )
 
