@@ -8,6 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+import freebody as fb
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.scalars.trig import Trig, TrigRing, exactly, rational_axis, rational_rotation, rational_sin_cos
 from generate import random_rotation
@@ -188,3 +189,12 @@ def test_rotations_stay_orthogonal_exactly(seed: int) -> None:
 def test_right_angles_are_exact(quarter: int) -> None:
     s, c = rational_sin_cos(quarter * math.pi / 2)
     assert (s, c) == (round(math.sin(quarter * math.pi / 2)), round(math.cos(quarter * math.pi / 2)))
+
+
+def test_a_closed_form_too_large_for_memory_is_refused_and_does_not_end_the_process() -> None:
+    """FLINT aborts where memory ends: fourteen letters were enough."""
+    with pytest.raises(FreebodyError, match="too large to be worked out"):
+        fb.derive(fb.planar("R" * 14), "newton-euler")
+    many = RING.polynomial([({"m": i, "l": j}, Fraction(1)) for i in range(130) for j in range(130)])
+    with pytest.raises(FreebodyError, match="too large to be worked out"):
+        many * many

@@ -18,6 +18,9 @@ import numpy as np
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.reading import EXACT
 
+LARGEST = 2 * 10**8
+"""Of a polynomial: terms times generators, which is about the bytes that it takes."""
+_MOST_WORK = 2 * 10**9  # the same of a product before its terms are collected; FLINT aborts where memory ends
 _HALF_TURN_PARTS = 10**9  # denominators of rational points on the circle: angles are met within 1e-18
 
 
@@ -85,6 +88,20 @@ class TrigRing:
         mask = (1 << len(self.angles)) - 1
         return Trig(self, self.reduced(self.context.from_dict(rows), mask), mask)
 
+    def product(self, a: Any, b: Any, mask: int) -> Any:
+        """The normal form of a · b, in which sines of the angles in `mask` may stand squared.
+
+        Raises FreebodyError where it would be too large to be worked out.
+        """
+        if len(a) * len(b) * len(self.generators) > _MOST_WORK:
+            raise _too_large()
+        poly = a * b
+        if mask:
+            poly = self.reduced(poly, mask)
+        if len(poly) * len(self.generators) > LARGEST:
+            raise _too_large()
+        return poly
+
     def reduced(self, poly: Any, mask: int) -> Any:
         """The normal form of a polynomial whose sines of the angles in `mask` may stand squared."""
         k = 0
@@ -94,6 +111,13 @@ class TrigRing:
             mask >>= 1
             k += 1
         return poly
+
+
+def _too_large() -> FreebodyError:
+    return FreebodyError(
+        "the closed form of this robot is too large to be worked out: its terms multiply with every joint. "
+        "Derive it with fewer joints; for numbers there are fb.inverse_dynamics and its kin, of any size."
+    )
 
 
 def exactly(number: float | Rational) -> Fraction:
@@ -145,9 +169,8 @@ class Trig:
 
     def __mul__(self, other: Any) -> Any:
         if isinstance(other, Trig):
-            both = self.mask & other.mask
-            poly = self.poly * other.poly
-            return Trig(self.ring, self.ring.reduced(poly, both) if both else poly, self.mask | other.mask)
+            poly = self.ring.product(self.poly, other.poly, self.mask & other.mask)
+            return Trig(self.ring, poly, self.mask | other.mask)
         if other == 0:
             return 0.0
         return self if other == 1 else Trig(self.ring, self.poly * self.ring.constant(other), self.mask)
