@@ -5,11 +5,13 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from importlib.abc import MetaPathFinder
 from pathlib import Path
 
 import pytest
 
 import freebody as fb
+from freebody import cli
 from freebody.cli import terminal
 from freebody.cli.app import run
 
@@ -250,3 +252,20 @@ def test_derive_takes_the_options_of_its_methods(capsys: pytest.CaptureFixture[s
     assert "I_A = I₁ + m₁ lc₁²" in capsys.readouterr().out
     assert run(["derive", "2R", "--method", "lagrange", "--route", "pivot"]) == 2
     assert "--route belongs to --method newton-euler, not to lagrange" in capsys.readouterr().err
+
+
+def test_an_interruption_while_the_program_is_imported_is_one_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+):
+    class Interrupted(MetaPathFinder):
+        def find_spec(self, name, path, target=None):
+            if name == "freebody.cli.app":
+                raise KeyboardInterrupt
+            return None
+
+    monkeypatch.delitem(sys.modules, "freebody.cli.app")
+    monkeypatch.setattr(sys, "meta_path", [Interrupted(), *sys.meta_path])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    assert end.value.code == 130
+    assert capsys.readouterr().err == "error: interrupted.\n"

@@ -4,9 +4,17 @@ from __future__ import annotations
 
 import sys
 
+INTERRUPTED = 130
+"""128 and the number of SIGINT, as shells count."""
+
 
 def main() -> None:
     """The program `freebody`."""
-    from freebody.cli.app import run
+    try:
+        from freebody.cli.app import run
 
-    sys.exit(run(sys.argv[1:]))
+        code = run(sys.argv[1:])
+    except KeyboardInterrupt:  # while the program was still being imported, or said that it is interrupted
+        sys.stderr.write("error: interrupted.\n")
+        code = INTERRUPTED
+    sys.exit(code)

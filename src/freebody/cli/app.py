@@ -11,12 +11,11 @@ from typing import Annotated
 import typer
 
 from freebody import __version__
-from freebody.cli import check, derive, fbd, models, notes, show, study, terminal
+from freebody.cli import INTERRUPTED, check, derive, fbd, models, notes, show, study, terminal
 from freebody.errors import FreebodyError
 
-_INTERRUPTED = 130
 _UNREAD = 141
-"""128 and the signal, as shells count: SIGINT, and SIGPIPE where `| head` has read enough."""
+"""128 and the number of SIGPIPE, as shells count: `| head` has read enough."""
 
 app = typer.Typer(
     name="freebody",
@@ -65,10 +64,10 @@ def _run(arguments: list[str]) -> int:
     except terminal.Gone:
         return _UNREAD
     except (KeyboardInterrupt, typer.Abort):
-        code = _INTERRUPTED
+        code = INTERRUPTED
     except Exception as problem:
         return _unforeseen(problem)
-    if code == _INTERRUPTED:
+    if code == INTERRUPTED:
         terminal.error("interrupted.")
     return code if isinstance(code, int) else 0
 
