@@ -15,9 +15,8 @@ from collections.abc import Collection, Iterable
 LONGEST = 63
 """Characters that a word may have (what C99 tells apart); a longer name is cut."""
 
-_WORD = re.compile(
-    r"(?!__|_[A-Z])[A-Za-z_][A-Za-z0-9_]*", re.ASCII
-)  # what begins otherwise is the language's own
+# what begins with __ or _A is the language's own
+_WORD = re.compile(r"(?!__|_[A-Z])[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 
 
 def is_identifier(name: object) -> bool:

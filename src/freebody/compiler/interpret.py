@@ -168,9 +168,8 @@ class BlockedFunction:
             np.copyto(array, made, casting="same_kind")  # as a ufunc does
             row += argument.size
         if out is None:
-            results = [
-                array[()] for array in results
-            ]  # a number where there are no axes, as NumPy's ufuncs do
+            # a number where there are no axes, as NumPy's ufuncs do
+            results = [array[()] for array in results]
         return results[0] if len(results) == 1 else tuple(results)
 
     def _block(self, rows: Sequence[np.ndarray], y: np.ndarray, part: slice) -> None:

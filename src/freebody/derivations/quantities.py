@@ -157,9 +157,8 @@ class _Quantities:
     def _motion(self, i: int) -> Values:
         n, s = self.s.numbers[i], self.s
         motion = self.record.motion
-        centres = self.record.vd_com[i] or [
-            motion.vd[i]
-        ]  # a body without mass: its joint's origin stands for it
+        # of a body without mass its joint's origin stands for its centre
+        centres = self.record.vd_com[i] or [motion.vd[i]]
         found: Values = {
             f"omega{n}": self._angular(motion.w[i]), f"omega{n}_d": self._angular(motion.wd[i]),
             f"v{n}": self._axes(i, motion.v[i]), f"v{n}_d": self._axes(i, motion.vd[i]),

@@ -23,9 +23,8 @@ METHODS: dict[str, type[OdeSolver]] = {
     "LSODA": LSODA,
 }
 IMPLICIT = ("Radau", "BDF", "LSODA")
-_FEWER = (
-    100.0  # a robot's errors grow on the way, tenfold and more in a second; explicit steps are as much finer
-)
+# a robot's errors grow on the way, tenfold and more in a second; explicit steps are as much finer
+_FEWER = 100.0
 _LEAST = 2.3e-14  # the finest tolerance that rounding leaves any meaning
 
 

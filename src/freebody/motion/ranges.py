@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.errors import listed
-from freebody.model.bodies import Body
 from freebody.model.model import Model
 from freebody.numerics.coordinates import Index
 
@@ -53,7 +52,8 @@ class Ranges:
 def ranges(model: Model) -> Ranges:
     """The usable ranges of a model's coordinates."""
     limits = model.limits
-    meant = [body.joint.limits.meant for body in model.bodies for _ in _own(body)]
+    own = (body for body in model.bodies if body.joint.mimic is None)
+    meant = [body.joint.limits.meant for body in own for _ in range(body.kind.nv)]
     lower, upper, velocity, effort = (
         np.array([getattr(x, name) for x in meant], dtype=float)
         for name in ("lower", "upper", "velocity", "effort")
@@ -70,11 +70,6 @@ def ranges(model: Model) -> Ranges:
         if bad.any()
     ]
     return Ranges(lower, upper, velocity, effort, angular(model), tuple(notices), apart)
-
-
-def _own(body: Body) -> range:
-    """One for each coordinate that a body's joint adds."""
-    return range(0 if body.joint.mimic is not None else body.kind.nv)
 
 
 def angular(model: Model) -> Flags:
