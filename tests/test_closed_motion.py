@@ -84,3 +84,28 @@ def test_a_column_that_contradicts_the_loops_is_named(tmp_path, swing):
         FileError, match=r"'B' is 0 at t = \S+ s, where the loops of 'five_bar' and theta1, theta2 put it"
     ):
         fb.read_motion(model, path)
+
+
+def test_a_four_bar_whose_crank_and_coupler_align_is_studied(tmp_path: Path):
+    """Between the samples the curve of a motion leaves the loop open by its own error; the study goes through."""
+    text = 'dim = 2\n[[link]]\nname = "ground"\n'
+    for name, length, mass in (("crank", 0.2, 1.0), ("coupler", 0.5, 2.0), ("rocker", 0.4, 1.5)):
+        text += f'[[link]]\nname = "{name}"\nmass = {mass}\ncom = [{length / 2}, 0]\n'
+        text += f"shape = {{ bar = {{ length = {length} }} }}\n"
+    for name, parent, child, x in (
+        ("A", "ground", "crank", 0.0),
+        ("B", "crank", "coupler", 0.2),
+        ("D", "ground", "rocker", 0.6),
+    ):
+        text += f'[[joint]]\nname = "{name}"\nkind = "continuous"\nparent = "{parent}"\nchild = "{child}"\n'
+        text += f"origin = [{x}, 0]\npassive = {str(name != 'A').lower()}\n"
+    for name, parent, x in (("c1", "coupler", 0.5), ("c2", "rocker", 0.4)):
+        text += f'[[frame]]\nname = "{name}"\nparent = "{parent}"\norigin = [{x}, 0]\n'
+    text += '[[loop]]\nname = "C"\nkind = "revolute"\nframes = ["c1", "c2"]\n[home]\nA = "60 deg"\n'
+    (tmp_path / "four.toml").write_text(text)
+    model = fb.load(tmp_path / "four.toml")
+    found = fb.study(model)
+    assert found.checked, [check for check in found.checks if not check.passed]
+    q, qd, qdd = found.motion.at(found.motion.t[::7])
+    tau = fb.inverse_dynamics(model, q, qd, qdd)
+    np.testing.assert_allclose(found.data["tau"].values[::7], tau, atol=1e-9)

@@ -15,6 +15,7 @@ from freebody.motion.ranges import ranges
 from freebody.motion.simulate import simulate
 from freebody.numerics import dynamics
 from freebody.numerics.balance import balance
+from freebody.numerics.closed import dynamics as closed
 from freebody.numerics.closed.assembly import assemble, loop_velocity
 from freebody.numerics.closed.equations import gaps, scaled_residual
 from freebody.numerics.closed.redundancy import redundancy
@@ -121,7 +122,7 @@ def _closed(model: Model, motion: Motion) -> list[Check]:
         q,
         loop_velocity(model, q, qd),
         [start, end],
-        lambda t, *_: dynamics.inverse_dynamics(model, *motion.at(t)),
+        lambda t, *_: closed.torques(model, *motion.at(t)),
     )
     miss = difference(model, motion.at(end)[0], back["q"].values[-1]) / ranges(model).width
     return [

@@ -11,6 +11,7 @@ from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import with_drive
 from freebody.numerics import dynamics
+from freebody.numerics.closed import dynamics as closed
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
 _MOST_PARTS = 64
@@ -58,7 +59,8 @@ def _integral(model: Model, motion: Motion, parts: int) -> Array:
     h = np.diff(motion.t)[:, None] / parts
     starts = motion.t[:-1, None] + h * np.arange(parts)
     q, qd, qdd = motion.at(starts[..., None] + 0.5 * h[..., None] * (1.0 + _NODES))
-    power = np.sum(dynamics.inverse_dynamics(model, q, qd, qdd) * qd, axis=-1)
+    torques = closed.torques if model.loops else dynamics.inverse_dynamics
+    power = np.sum(torques(model, q, qd, qdd) * qd, axis=-1)
     return np.concatenate([[0.0], np.cumsum(np.sum(0.5 * h * (power @ _WEIGHTS), axis=-1))])
 
 

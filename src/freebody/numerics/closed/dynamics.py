@@ -222,6 +222,13 @@ def holding(model: Model, q: Vector, wrenches: Wrenches) -> Array:
     return drive_torques("static_torque", model, at, needed)
 
 
+def torques(model: Model, q: Array, qd: Array, qdd: Array) -> Array:
+    """`inverse` (..., nv) of states taken as closed: those between the samples of a motion, which its curve leaves open
+    by as little as it is off."""
+    needed = fetch(model.opened, ("inverse_dynamics",), Option())(q, qd, qdd)
+    return drive_torques("inverse_dynamics", model, q, needed)
+
+
 def drive_torques(
     function: str, model: Model, q: Array, needed: Array, actuated: Sequence[str] | None = None
 ) -> Array:
