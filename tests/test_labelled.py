@@ -289,3 +289,29 @@ def test_freebody_does_not_import_pandas():
     sources = Path(fb.__file__).parent.rglob("*.py")
     assert not [p for p in sources if "import pandas" in p.read_text(encoding="utf-8")]
     assert not is_labelled(np.zeros(3))
+
+
+@pytest.mark.parametrize("name", functions_of_states())
+def test_a_masked_entry_is_missing_and_never_read_as_the_number_under_its_mask(name: str):
+    call, taken = getattr(fb, name), arguments(name)
+    closed = "loop" in name or name in ("input_output", "parallel_jacobians", "assembly_modes")
+    arm = model("five_bar" if closed else "3R" if "operational" in name else "2R")
+    values = {argument: state(arm, 3)[key] for argument, key in taken.items()}
+    for argument in taken:
+        kind = BY_NAME.get(argument)
+        if kind not in ("positions", "rates"):
+            continue
+        hidden = np.ma.array(values[argument], mask=np.arange(len(values[argument])) == 0)
+        by_name = dict(zip(names_of(arm, kind), hidden, strict=True))
+        for form in (hidden, [hidden, hidden], by_name):
+            with pytest.raises(fb.FreebodyError, match="masked"):
+                call(arm, **{**values, argument: form})
+
+
+def test_a_masked_array_that_hides_nothing_is_a_plain_one():
+    arm = model("2R")
+    q = np.ma.array([0.1, 0.2], mask=False)
+    assert type(M := fb.mass_matrix(arm, q)) is np.ndarray
+    assert M.tobytes() == fb.mass_matrix(arm, [0.1, 0.2]).tobytes()
+    with pytest.raises(fb.FreebodyError, match="masked"):
+        fb.planar("RR", l=np.ma.array([1.0, 2.0], mask=[False, True]))

@@ -98,11 +98,23 @@ def row_times(value: Any) -> np.ndarray | None:
 
 
 def refuse_labelled(where: str, value: Any) -> None:
-    """Refuse names where only the position of an entry tells what it is."""
-    if type(value) is not np.ndarray and is_labelled(value):
+    """Refuse names where only the position of an entry tells what it is, and what is masked."""
+    if type(value) is np.ndarray:
+        return
+    refuse_masked(where, value)
+    if is_labelled(value):
         raise FreebodyError(
             f"{where} is a {type(value).__name__} with labels, and this is read by position; "
             "give a plain array, such as x.to_numpy(), in the order that is meant."
+        )
+
+
+def refuse_masked(where: str, value: Any) -> None:
+    """Refuse entries under a mask: they are missing, and the number that lies under it is none."""
+    rows = value if isinstance(value, (list, tuple)) else [value]
+    if any(isinstance(row, np.ma.MaskedArray) and np.ma.is_masked(row) for row in rows):
+        raise FreebodyError(
+            f"{where} has masked entries, which are missing; give numbers in their place, or leave the samples out."
         )
 
 
@@ -172,6 +184,8 @@ def _from_mapping(where: str, given: Mapping[str, Any], names: Sequence[str]) ->
         return given[list(names)].to_dataarray("_entry").transpose(..., "_entry").values  # type: ignore[index]
     _taken(where, np.empty(len(given)), list(given), names)
     _refuse_other_rows(where, given)
+    for name in names:
+        refuse_masked(f"{where}[{name!r}]", given[name])
     columns = [np.asarray(given[name]) for name in names]
     for name, column in zip(names, columns, strict=True):
         if column.dtype.kind not in "iufb":
