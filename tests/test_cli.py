@@ -269,3 +269,17 @@ def test_an_interruption_while_the_program_is_imported_is_one_line(
         cli.main()
     assert end.value.code == 130
     assert capsys.readouterr().err == "error: interrupted.\n"
+
+
+def test_thousands_of_warnings_are_counted_not_printed(capsys: pytest.CaptureFixture[str]):
+    thin = '<inertial><mass value="1"/><inertia ixx="9" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    links = "".join(f'<link name="x{i}">{thin}</link>' for i in range(400))
+    joints = "".join(
+        f'<joint name="j{i}" type="fixed"><parent link="x{i}"/><child link="x{i + 1}"/></joint>'
+        for i in range(399)
+    )
+    Path("thin.urdf").write_text(f'<robot name="a">{links}{joints}</robot>')
+    run(["show", "thin.urdf"])
+    said = capsys.readouterr().err.splitlines()
+    assert 10 < len(said) < 60
+    assert re.fullmatch(r"warning: and 3\d\d more such warnings; .*", said[-1])

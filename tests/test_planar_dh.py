@@ -348,3 +348,24 @@ def test_refusals_of_tables():
     )
     with pytest.raises(TypeError):
         fb.dh([{}])  # the convention is said by the caller, never guessed
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        "RR",
+        3,
+        None,
+        [1.0, 2.0],
+        [["a", 1.0]],
+        {"a": 1.0},
+        np.eye(2),
+        b"ab",
+        iter([{"a": 1.0}]),
+        [{"a": 1.0}, None],
+    ],
+    ids=repr,
+)
+def test_what_is_no_table_of_rows_is_refused_with_what_to_write(rows):
+    with pytest.raises(fb.FreebodyError, match="expected a list of dicts, one a joint"):
+        fb.dh(rows, convention="standard")

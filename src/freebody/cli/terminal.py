@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 _WIDE = 140
 """Columns where output goes to a file or a pipe."""
+_MOST_WARNINGS = 40
 
 
 @cache
@@ -125,15 +126,20 @@ def _line(text: str, style: str) -> None:
 
 @contextmanager
 def warnings_as_lines() -> Iterator[None]:
-    """Prints freebody's warnings as yellow lines, each once, when the block ends."""
+    """Prints freebody's warnings as yellow lines, each once, when the block ends: the first of very many."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", FreebodyWarning)
         try:
             yield
         finally:
             texts = [str(w.message) for w in caught if issubclass(w.category, FreebodyWarning)]
-    for text in dict.fromkeys(texts):
+    different = list(dict.fromkeys(texts))
+    for text in different[:_MOST_WARNINGS]:
         warn(text)
+    if len(different) > _MOST_WARNINGS:
+        warn(
+            f"and {len(different) - _MOST_WARNINGS} more such warnings; in Python model.notices has them all."
+        )
 
 
 @contextmanager

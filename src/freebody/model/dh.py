@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from freebody.errors import FileError, ModelError, UnknownNameError
+from freebody.errors import FileError, ModelError, UnknownNameError, shown
 from freebody.model.assembly import Policy, assemble
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
@@ -61,6 +61,11 @@ def describe(
     """The links and joints of a DH table; for a file also its name and the line of each row."""
     if convention not in ("standard", "modified"):
         raise UnknownNameError("convention", convention, "dh", ("standard", "modified"))
+    if not isinstance(rows, Sequence) or not all(isinstance(row, Mapping) for row in rows):
+        raise ModelError(
+            f"dh: the rows are {shown(rows)}, expected a list of dicts, one a joint, such as "
+            '[{"a": 0.4, "m": 2.0}]; of a DataFrame, table.to_dict("records").'
+        )
     if not len(rows):
         raise ModelError("dh: the table has no rows; give one a joint.")
     links, joints, mounts = [Link("base")], [], []
