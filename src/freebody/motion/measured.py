@@ -151,13 +151,17 @@ def rested(model: Model, motion: Motion, speed: Array | float = 0.0) -> Motion:
     """The motion in which a coordinate slower than `speed`, or than a millionth of the fastest of its kind, is at rest.
 
     A rate of 1e-14, such as differentiation leaves, would feel the whole Coulomb friction. Where nothing moves, what
-    the rounding of the positions leaves is rest, and in a coordinate that rests all along no acceleration either.
+    the rounding of the positions leaves is rest, and in a coordinate that rests all along no acceleration either. Of a
+    closed chain all coordinates are at rest, or none is.
     """
     turns, size = angular(model), np.abs(motion.qd)
     fastest = np.array([size[:, turns == kind].max() for kind in turns])
     step = float(np.diff(motion.t).min())
     rounded = _ROUNDED * float(np.abs(motion.q).max(initial=0.0)) / step
-    rest = size <= np.maximum(np.maximum(speed, REST * fastest), rounded)
+    rest = size <= np.maximum(speed, REST * fastest)
+    if model.loops:  # one rate alone that is made zero would open a loop
+        rest &= rest.all(axis=1, keepdims=True)
+    rest |= size <= rounded
     none = rest.all(axis=0) & (np.abs(motion.qdd).max(axis=0) <= 8.0 * rounded / step)
     return replace(motion, qd=np.where(rest, 0.0, motion.qd), qdd=np.where(none, 0.0, motion.qdd))
 
