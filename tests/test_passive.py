@@ -10,6 +10,8 @@ import pytest
 import freebody as fb
 from freebody.errors import FileError, ModelError, PassiveJointError
 from freebody.numerics.coordinates import layout
+from freebody.report.html import page
+from freebody.report.page_tables import drives, work
 from freebody.report.series import series
 from freebody.report.summary import summary
 from freebody.report.verdict import verdict
@@ -197,3 +199,13 @@ def test_drives_alone_do_work_and_a_swing_keeps_its_pace():
         flat, fb.Motion(t, *(free[x].values for x in ("q", "qd", "qdd")), "simulated", layout(flat))
     )
     assert "times as fast" in found.verdict.text  # nothing but inertia, which scales
+
+
+def test_a_page_numbers_drives_as_its_drawings_number_joints_and_claims_no_source(tmp_path: Path):
+    (tmp_path / "crane.toml").write_text(crane("").replace('name = "lift"', 'name = "lift"\npassive = true'))
+    study = fb.study(fb.load(tmp_path / "crane.toml"))
+    for table in (drives(study), work(study)):
+        assert [[cell.text for cell in row[:2]] for row in table.rows] == [["2", "pin"]]
+    text = page(study)
+    assert "<dd>no source given</dd>" in text
+    assert "built in code" not in text

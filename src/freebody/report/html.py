@@ -135,7 +135,7 @@ def _source(study: Study) -> tuple[str, str]:
     return (
         (name, source)
         if Path(source).suffix in SUFFIXES and name != source
-        else (source or "built in code", "")
+        else (source or "no source given", "")
     )
 
 

@@ -246,18 +246,28 @@ def _kind(joint: Joint) -> str:
 
 
 def _by_coordinate(caption: str, study: Study, names: Sequence[str], columns: Sequence[Printed]) -> Table:
-    """Rows are coordinates; columns without any finite number are left out."""
+    """Rows are coordinates, numbered as in the drawings; columns without any finite number are left out."""
     book = xr.merge([study.summary, facts(study)], compat="no_conflicts", combine_attrs="drop")
     shown = [p for p in columns if np.isfinite(book[p.variable].sel(coordinate=list(names)).values).any()]
-    return _listed(caption, "Coordinate", names, [p.column(book, "coordinate", names) for p in shown])
+    numbers = [study.model.velocity_names.index(name) + 1 for name in names]
+    return _listed(
+        caption, "Coordinate", names, [p.column(book, "coordinate", names) for p in shown], numbers
+    )
 
 
-def _listed(caption: str, title: str, names: Iterable[str], columns: Sequence[Column]) -> Table:
-    """Numbered and named rows."""
+def _listed(
+    caption: str,
+    title: str,
+    names: Iterable[str],
+    columns: Sequence[Column],
+    numbers: Iterable[int] | None = None,
+) -> Table:
+    """Named rows with numbers, by default from 1."""
     first: list[Cell] = [Text(name, strong=True) for name in names]
-    numbers: list[Cell] = [Text(str(k + 1), css="count") for k in range(len(first))]
+    counted = range(1, len(first) + 1) if numbers is None else numbers
+    before: list[Cell] = [Text(str(n), css="count") for n in counted]
     heads = [Head(""), Head(title, number=False), *(head for head, _ in columns)]
-    return table(caption, heads, [numbers, first, *(cells for _, cells in columns)])
+    return table(caption, heads, [before, first, *(cells for _, cells in columns)])
 
 
 def _units(study: Study, name: str) -> list[str]:
