@@ -463,3 +463,23 @@ def test_what_is_counted_from_the_tip_is_the_mass_matrix() -> None:
     for joints in range(2, 9):
         eqs = fb.equations(fb.planar("R" * joints))
         assert eqs.is_vast == (eqs.count()["M"] > 2000)
+
+
+@pytest.mark.parametrize("word", ["R", "RR", "RP", "PRR"])
+@pytest.mark.parametrize("seed", range(3))
+def test_one_parameter_may_be_a_mass_and_a_length_and_a_moment_of_inertia(word: str, seed: int):
+    """As where a file's author calls everything a: what is left of a power of a mass stands in the rest."""
+    rng = np.random.default_rng(seed)
+    drawn = {key: list(rng.choice(["a", "b"][: 1 + seed], len(word))) for key in ("l", "lc", "m", "I")}
+    arm = fb.planar(word, **{key: [str(x) for x in names] for key, names in drawn.items()})
+    values = {name: float(rng.uniform(0.5, 2.0)) for name in arm.parameters if name != "g"}
+    q, qd, qdd = rng.uniform(-1.0, 1.0, (3, len(word)))
+    scope: dict = {}
+    exec(fb.equations(arm.bind(**values)).python(), scope)
+    M, *_ = scope["dynamics"](q, qd, qdd)
+    np.testing.assert_allclose(M, fb.mass_matrix(arm.bind(**values), q), rtol=1e-12, atol=1e-12)
+
+
+def test_a_parameter_that_is_called_like_a_sine_is_refused_by_name():
+    with pytest.raises(fb.FreebodyError, match="the name 'sin_theta1' stands for two quantities; rename"):
+        str(fb.equations(fb.planar("RR", m=["sin_theta1", "m2"])))

@@ -102,7 +102,10 @@ class Layout:
         groups: defaultdict[str, Raw] = defaultdict(list)
         for powers, coefficient in terms:
             name = next((n for n in powers if n in self.order.inertial), "")
-            groups[name].append(({n: e for n, e in powers.items() if n != name}, coefficient))
+            rest = {
+                n: e - (n == name) for n, e in powers.items()
+            }  # a file may call a length by the mass's name
+            groups[name].append(({n: e for n, e in rest.items() if e}, coefficient))
         last = (len(self.symbols.model.bodies), 0)
         order = sorted(groups, key=lambda n: (self.order.inertial.get(n, last), self.order.rank(n)))
         return {name: self._shortest(groups[name]) for name in order}

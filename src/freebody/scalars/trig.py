@@ -7,6 +7,7 @@ rational; a float is read as its shortest decimal. The arithmetic is FLINT's.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from numbers import Rational
@@ -29,12 +30,12 @@ class TrigRing:
 
     def __init__(self, angles: Sequence[str], others: Sequence[str]):
         names = [*angles, *others]
-        twice = {name for name in names if names.count(name) > 1}
-        if twice:
-            raise FreebodyError(f"the name {min(twice)!r} stands for two quantities; rename one parameter.")
         self.angles = tuple(angles)
         self.names = tuple(names)
         generators = [f"{f}_{x}" for x in angles for f in ("sin", "cos")] + names
+        twice = [name for name, times in Counter(generators).items() if times > 1]
+        if twice:
+            raise FreebodyError(f"the name {min(twice)!r} stands for two quantities; rename one parameter.")
         ascii_names = [name.encode("ascii", "backslashreplace").decode() for name in generators]
         self.context = flint.fmpq_mpoly_ctx.get(ascii_names, "lex")
         self.generators = self.context.gens()
