@@ -288,7 +288,9 @@ UNREADABLE = [
     ("M = l1", "M is a vector or matrix"),
     ("M = [[1, 2], [3]]", "M has 2 × 2 entries here"),
     ("A = [1, 2]\nH12 = A", "a vector or matrix stands where one expression is expected"),
-    ("A = 3", "the answer only introduces names"),
+    ("A = 3", "A is taken for a name of your own"),
+    ("tau3 = 0", "tau3 is taken for a name of your own"),
+    ("A = 3\nB = 4", "A and B are taken for names of your own"),
     (42, "an answer is text, a SymPy equation or a dict"),
 ]
 

@@ -16,6 +16,7 @@ from freebody.derivations.check.source import AnswerError, Source
 from freebody.derivations.check.targets import Target, Targets
 from freebody.derivations.check.tree import Negative, Node, Sum, Symbol, Table
 from freebody.derivations.check.vocabulary import Vocabulary, spellings
+from freebody.errors import listed
 from freebody.scalars.trig import Trig
 
 MOST_EQUATIONS, MOST_SIDES = 100, 6
@@ -57,7 +58,12 @@ def claims(setting: Setting, text: str, names: Mapping[str, str]) -> list[Claim]
         if line not in own:
             found += reading.claims(line, found)
     if not found:
-        raise AnswerError("the answer only introduces names; write what is to be checked, such as tau1 = …")
+        names_given = dict.fromkeys(source[line[0][0].span] for line in own)
+        taken = "are taken for names" if len(names_given) > 1 else "is taken for a name"
+        raise AnswerError(
+            f"{listed(names_given, 8)} {taken} of your own, none of the robot's quantities; write what is to be "
+            "checked, such as tau1 = …"
+        )
     refuse_circles(source, found)
     return found
 
