@@ -141,3 +141,13 @@ def test_the_units_of_a_dataset_count():
         FreebodyError, match=r"motion: the dataset: 'joint1': 'furlong' is no unit of an angle"
     ):
         motion_from_dataset(ARM, data("furlong"))
+
+
+def test_what_is_advised_for_arrays_works():
+    model, t = fb.load("2R"), np.linspace(0, 1, 21)
+    q = np.stack([np.sin(t), np.cos(t)], axis=-1)
+    with pytest.raises(FreebodyError, match="expected a Motion, a CSV file or an xarray Dataset") as refused:
+        fb.study(model, (t, q))  # type: ignore[arg-type]
+    advice = str(refused.value).split("(T, nq): ")[1].rstrip(".")
+    data = eval(advice, {"xarray": xr, "model": model, "q": q, "t": t})
+    np.testing.assert_allclose(fb.study(model, data).motion.q, q)

@@ -218,7 +218,8 @@ def _motion(model: Model, motion: Motion | xr.Dataset | str | os.PathLike[str] |
             "motion",
             motion,
             "a Motion, a CSV file or an xarray Dataset",
-            "From arrays: fb.Motion(t, q, qd, qdd).",
+            'From arrays t (T,) and q (T, nq): xarray.Dataset({name: ("time", q[:, k]) for k, name in '
+            'enumerate(model.position_names)}, {"time": t}).',
         )
     return motion_from_dataset(model, motion)
 
