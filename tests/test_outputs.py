@@ -25,7 +25,7 @@ import xarray as xr
 import freebody as fb
 from freebody.cli.app import run
 from freebody.errors import FileError, OutputError
-from freebody.outputs import files
+from freebody.outputs import files, folder
 from freebody.outputs.files import stem, write
 from freebody.outputs.folder import MANIFEST, write_folder
 from freebody.outputs.text import as_meant, csv_text, harmless, legal
@@ -333,6 +333,37 @@ def test_a_disk_that_fills_up_keeps_the_old_file_and_the_others(
     assert checksums(tmp_path).items() >= {**listed["earlier"], **listed["files"]}.items()
     assert (list(listed["earlier"]), list(listed["files"])) == (["a.nc"], ["b.csv"])
     assert (tmp_path / "a.nc").read_text() == "old"
+
+
+@posix
+def test_runs_that_write_into_one_folder_at_once_come_one_after_the_other(tmp_path: Path):
+    """They deleted each other's half-written files, and left results that no manifest knew."""
+    code = (
+        "import sys; from freebody.outputs.folder import write_folder\n"
+        "make = lambda k: lambda: (sys.argv[1] * 400_000 + str(k))\n"
+        "for _ in range(8): write_folder(sys.argv[2], {f'{k}.csv': make(k) for k in range(6)}, {'run': sys.argv[1]})"
+    )
+    runs = [
+        subprocess.Popen(
+            [sys.executable, "-c", code, letter, str(tmp_path)], stderr=subprocess.PIPE, text=True
+        )
+        for letter in "abc"
+    ]
+    assert [(run.communicate(timeout=60)[1], run.returncode) for run in runs] == [("", 0)] * 3
+    manifest = json.loads((tmp_path / MANIFEST).read_text())
+    assert manifest["complete"]
+    assert {
+        name: hashlib.sha256((tmp_path / name).read_bytes()).hexdigest() for name in manifest["files"]
+    } == manifest["files"]
+    assert sorted(os.listdir(tmp_path)) == sorted([*manifest["files"], MANIFEST])
+
+
+@posix
+def test_a_folder_that_another_run_holds_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(folder, "PATIENCE", 0.0)
+    with folder._alone(tmp_path), pytest.raises(FileError, match="another run is writing into this folder"):
+        write_folder(tmp_path, {"a.csv": lambda: "1"}, {})
+    assert os.listdir(tmp_path) == []
 
 
 def test_a_folder_with_another_manifest_is_refused_before_the_work(

@@ -15,7 +15,8 @@ import os
 import re
 import secrets
 import stat
-from collections.abc import Callable, Mapping
+import time
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -23,7 +24,14 @@ from typing import Any
 from freebody.errors import FileError, FreebodyError, OutputError
 from freebody.outputs.files import LEFTOVER, encoded, reason, replace
 
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl: Any = None
+
 MANIFEST = "manifest.json"
+PATIENCE = 20.0
+"""Seconds to wait for another run that is writing into the same folder, which takes one."""
 
 _FORMAT = "freebody results 1"
 _LARGEST = 2**20  # bytes; a manifest has about one hundred a file
@@ -78,8 +86,23 @@ def write_folder(directory: str | os.PathLike[str], makers: Makers, about: Mappi
     """
     folder = Path(directory)
     prepare(folder)
-    known = _known(folder)
     contents, problems = _made(makers)
+    with _alone(folder):
+        paths, failed = _put_all(folder, contents, problems, about, list(makers))
+    if failed:
+        raise OutputError(folder, failed, [path.name for path in paths]) from next(iter(problems.values()))
+    return [*paths, folder / MANIFEST]
+
+
+def _put_all(
+    folder: Path,
+    contents: dict[str, bytes],
+    problems: dict[str, Exception],
+    about: Mapping[str, str],
+    names: list[str],
+) -> tuple[list[Path], dict[str, str]]:
+    """Write what was made, the manifest before and after it: paths of the files, and why others are not there."""
+    known = _known(folder)
     lies_here = {name: _digest(folder / name) for name in known.keys() | contents.keys()}
     for name in sorted(contents.keys() & lies_here.keys()):
         if lies_here[name] is not None and lies_here[name] not in known.get(name, ()):
@@ -100,12 +123,46 @@ def write_folder(directory: str | os.PathLike[str], makers: Makers, about: Mappi
             del manifest.files[name]
         else:
             manifest.earlier.pop(name, None)
-    manifest.failed = {name: _why(problems[name]) for name in makers if name in problems}
+    manifest.failed = {name: _why(problems[name]) for name in names if name in problems}
     manifest.complete = not problems
     _put(folder / MANIFEST, manifest.text())
-    if problems:
-        raise OutputError(folder, manifest.failed, list(manifest.files)) from next(iter(problems.values()))
-    return [folder / name for name in (*contents, MANIFEST)]
+    return [folder / name for name in manifest.files], manifest.failed
+
+
+@contextlib.contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """One run at a time writes into a folder: another waits for it, and is refused where that takes too long.
+
+    Where the system has no such locks, nothing keeps two runs apart. The lock ends with the process, however it ends.
+    """
+    try:
+        descriptor = os.open(folder, os.O_RDONLY) if fcntl else None
+    except OSError as failure:
+        raise FileError(folder, None, f"cannot be read: {reason(failure)}.") from None
+    try:
+        late = time.monotonic() + PATIENCE
+        while descriptor is not None and not _locked(descriptor):
+            if time.monotonic() > late:
+                raise FileError(
+                    folder,
+                    None,
+                    "another run is writing into this folder; wait for it, or name another with --out.",
+                )
+            time.sleep(0.02)
+        yield
+    finally:
+        if descriptor is not None:
+            os.close(descriptor)
+
+
+def _locked(descriptor: int) -> bool:
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:  # a file system without locks
+        return True
+    return True
 
 
 def _made(makers: Makers) -> tuple[dict[str, bytes], dict[str, Exception]]:
