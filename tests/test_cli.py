@@ -233,6 +233,17 @@ def test_show_prints_the_program_after_each_pass(capsys: pytest.CaptureFixture[s
     assert "no quantity 'mass' in fb.kernel. Quantities: forward_kinematics" in capsys.readouterr().err
 
 
+def test_what_cannot_be_compared_is_refused_before_anything_is_printed_or_written(
+    capsys: pytest.CaptureFixture[str],
+):
+    for way in ([], ["--out", "derivation.txt"]):
+        assert run(["derive", "2R", "--compare", "statics", *way]) == 2
+        said = capsys.readouterr()
+        assert said.out == ""
+        assert said.err.startswith("error: compare: one derivation has a load on the tip")
+    assert not Path("derivation.txt").exists()
+
+
 def test_derive_prints_writes_and_compares(capsys: pytest.CaptureFixture[str], tmp_path: Path):
     assert run(["derive", "2R", "--method", "lagrange", "--compare", "recursive"]) == 0
     text = capsys.readouterr().out

@@ -90,13 +90,14 @@ def derive(
     chosen = _options(method, route, gravity)
     with terminal.progress(f"deriving by {method.value}"):
         first = derivation_of(model, method.value, load=load, **chosen)
+        other = derivation_of(model, compare.value, load=load) if compare is not None else None
+        comparison = compared(first, other) if other is not None else None
         text = _markdown(first, out) if form is FormChoice.markdown and out else getattr(first, form.value)()
     if out is None:
         terminal.out().print(text, markup=False, soft_wrap=True)
     else:
         terminal.out().print(f"written: {write(out, text)}", markup=False)
-    if compare is not None:
-        comparison = compared(first, derivation_of(model, compare.value, load=load))
+    if comparison is not None:
         terminal.out().print(f"\n{comparison}", markup=False)
         if not comparison:
             raise typer.Exit(1)
