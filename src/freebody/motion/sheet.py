@@ -107,7 +107,7 @@ def read_sheet(model: Model, path: Path) -> Sheet:
 def _header(model: Model, path: Path, line: int, cells: list[str]) -> tuple[list[str], Array, frozenset[str]]:
     """Names, factors to SI units, and the names whose units are told."""
     quantities = kinds(model)
-    header: list[str] = []
+    header: dict[str, str] = {}  # name -> its cell
     factors, told = [], set()
     for cell in cells:
         name, unit = cell, None
@@ -117,7 +117,7 @@ def _header(model: Model, path: Path, line: int, cells: list[str]) -> tuple[list
         if name.lower() in TIMES and name not in quantities:
             name = "t"
         if name in header:
-            before = cells[header.index(name)]
+            before = header[name]
             problem = (
                 f"column {name!r} stands twice in the header; remove one."
                 if before == cell
@@ -127,14 +127,14 @@ def _header(model: Model, path: Path, line: int, cells: list[str]) -> tuple[list
         size = 1.0 if unit is None else factor(name, unit, quantities)
         if isinstance(size, str):
             raise FileError(path, line, f"column {cell!r}: {size}")
-        header.append(name)
+        header[name] = cell
         factors.append(size)
         told |= set() if unit is None else {name}
     if "t" not in header:
         raise FileError(
             path, line, f"the header has no column 't' (time in s); it has {quoted(cells)}{_hint(cells)}."
         )
-    return header, np.array(factors), frozenset(told)
+    return list(header), np.array(factors), frozenset(told)
 
 
 def _hint(cells: list[str]) -> str:

@@ -111,8 +111,9 @@ def _check_names(model: Model, header: list[str], problem: Any) -> None:
         *model.position_names,
         *(f"{n}.{x}" for n in model.position_names if n in simple for x in "va"),
     ]
+    listed = set(known)
     for name in header:
-        if name in known:
+        if name in listed:
             continue
         if name[-2:] in (".v", ".a") and name[:-2] in (*model.position_names, *model.velocity_names):
             raise problem(
@@ -120,7 +121,8 @@ def _check_names(model: Model, header: list[str], problem: Any) -> None:
             )
         unknown = str(UnknownNameError("column", name, f"a motion of {model.name!r}", known))
         raise problem(f"{unknown[:-1]}; a column that is no part of the motion must be removed.")
-    missing = [name for name in model.position_names if name not in header]
+    given = set(header)
+    missing = [name for name in model.position_names if name not in given]
     if model.loops:
         _check_leaders(model, header, problem)
     elif missing:
