@@ -40,7 +40,10 @@ EXECUTES = {
     # templates made from strings, text that is not escaped, arrays that hold objects
     "Template", "from_string", "compile_expression", "Markup", "safe_load", "fromfile", "allow_pickle", "save_module",
     # the interpreter's own objects
-    "make_dataclass", "setattr", "from_address", "CDLL", "PYFUNCTYPE", "CFUNCTYPE",
+    "make_dataclass", "setattr", "from_address", "CDLL", "PYFUNCTYPE", "CFUNCTYPE", "pythonapi", "cdll", "windll",
+    "new_class", "InteractiveInterpreter", "runsource", "read_pickle", "nsimplify", "webbrowser",
+    # readers of foreign files that are not ours
+    "trimesh", "open_dataset", "ElementTree",
 }  # fmt: skip
 
 KNOWN = {
@@ -58,6 +61,13 @@ KNOWN = {
     ): "what was compiled from that text, or found in the user's own cache",
     ("compiler/target.py", "CDLL"): "a constant: the C library",
     ("compiler/fastcall.py", "from_address"): "the address of a global that the linker gave",
+    ("compiler/fastcall.py", "pythonapi"): "constant names of CPython's functions",
+    ("compiler/forever.py", "pythonapi"): "a constant name of CPython's functions",
+    ("compiler/gufunc.py", "pythonapi"): "constant names of CPython's functions",
+    (
+        "formats/estimate.py",
+        "trimesh",
+    ): "meshes, only where estimate_inertia asks for it; it runs no code of theirs",
     ("compiler/gufunc.py", "PYFUNCTYPE"): "functions of NumPy's table",
     ("notes/checks.py", "eval"): "calls that stand in freebody.notes; held to that below",
     ("notes/steps.py", "eval"): "calls that stand in freebody.notes; held to that below",
