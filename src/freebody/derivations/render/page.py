@@ -83,8 +83,11 @@ def span(node: Expression) -> float:
 
 
 # ---------------------------------------------------------------- MathML
-def html(groups: Groups, width: int = 89) -> str:
-    """One MathML table, equations aligned at their sign, long ones broken before one."""
+def html(groups: Groups, width: int = 74) -> str:
+    """One MathML table, equations aligned at their sign, long ones broken before one.
+
+    The width, in letters, suits a page of 960 px in the widest of the usual mathematical fonts (DejaVu's).
+    """
     sizes = [rows(group, width, span) for group in groups]
     room = min((room for _, room in sizes), default=width)
     cells = "".join(
