@@ -418,3 +418,12 @@ def test_results_and_errors_are_pickled(four_bar, q):
     assert str(fb.mobility(four_bar, q)).startswith(
         "four_bar: 1 degree of freedom (Grübler 1, here at once 1)\n"
     )
+
+
+@pytest.mark.parametrize(("joint", "loop"), [("O1", "L1"), ("O3", "L2")])
+def test_accelerations_that_open_one_of_two_loops_name_that_one(joint: str, loop: str) -> None:
+    model = fb.load("double_four_bar")
+    q = fb.assemble(model)
+    qdd = np.where(np.array(model.velocity_names) == joint, 1.0, 0.0)
+    with pytest.raises(fb.LoopError, match=f"loop '{loop}'"):
+        fb.inverse_dynamics(model, q, np.zeros(model.nv), qdd)
