@@ -67,7 +67,7 @@ KNOWN = {
     (
         "formats/estimate.py",
         "trimesh",
-    ): "meshes, only where estimate_inertia asks for it; it runs no code of theirs",
+    ): "bytes of four formats of shapes, only where estimate_inertia asks for it",
     ("compiler/gufunc.py", "PYFUNCTYPE"): "functions of NumPy's table",
     ("notes/checks.py", "eval"): "calls that stand in freebody.notes; held to that below",
     ("notes/steps.py", "eval"): "calls that stand in freebody.notes; held to that below",

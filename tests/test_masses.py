@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import struct
 import warnings
 from pathlib import Path
@@ -264,8 +265,21 @@ def stl(path: Path, size: tuple[float, float, float]) -> None:
     path.write_bytes(data)
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
+def test_a_mesh_that_is_a_pipe_or_of_a_foreign_kind_is_refused_at_once():
+    Path("robot/meshes").mkdir(parents=True)
+    os.mkfifo("robot/meshes/link.stl")
+    Path("robot/meshes/link.zip").write_bytes(b"PK")
+    for kind, problem in (
+        ("stl", "was not found"),
+        ("zip", r"link\.zip' is none of \.stl, \.obj, \.ply, \.dae"),
+    ):
+        mesh = f"<visual><geometry><mesh filename='package://robot/meshes/link.{kind}'/></geometry></visual>"
+        with pytest.raises(FileError, match=problem):
+            fb.load(arm(["", "", ""], mesh), estimate_inertia=6.0)
+
+
 def test_meshes_weigh_what_they_enclose():
-    pytest.importorskip("trimesh")
     stl(Path("robot/meshes/link.stl"), (200.0, 100.0, 100.0))
     mesh = (
         "<visual><origin xyz='{x} 0 0'/><geometry>"

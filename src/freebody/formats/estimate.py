@@ -6,6 +6,7 @@ shapes gets no mass. Every inertia of the file is replaced: part measured, part 
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Iterator
 from dataclasses import replace
@@ -15,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from freebody.errors import FileError, FreebodyError
+from freebody.formats.source import contents
 from freebody.model.inertia import Inertia, combined
 from freebody.model.parts import DOUBTFUL, ESTIMATED, Description, Link, Notice
 from freebody.model.placement import Placement
@@ -23,6 +25,8 @@ from freebody.model.shapes import DENSEST, LIGHTEST, Shape
 from freebody.spatial import of_dimension
 
 _LARGEST = 512 * 2**20  # bytes of a mesh
+_MESHES = (".stl", ".obj", ".ply", ".dae")
+"""What is read: formats of shapes alone, no archives and no scenes that name further files."""
 
 
 def estimated(description: Description, mass: float) -> Description:
@@ -105,10 +109,16 @@ def _mesh(shape: Shape, link: Link, file: str) -> Inertia:
         raise FreebodyError(
             "load: estimating inertias from meshes needs trimesh; install it with `pip install 'freebody[mesh]'`."
         ) from None
+    suffix = path.suffix.lower()
+    if suffix not in _MESHES:
+        raise FileError(
+            file,
+            shape.line,
+            f"link {link.name!r}: its mesh {path.name!r} is none of {', '.join(_MESHES)}; convert it to one of these.",
+        )
+    data = contents(path, _LARGEST, "a mesh")
     try:
-        if path.stat().st_size > _LARGEST:
-            raise ValueError("it is larger than 512 MB")
-        mesh: Any = trimesh.load(path, force="mesh")
+        mesh: Any = trimesh.load(io.BytesIO(data), file_type=suffix[1:], force="mesh")
         mesh.apply_scale(np.array(shape.size))
         if not mesh.is_watertight or mesh.volume <= 0:
             mesh = mesh.convex_hull

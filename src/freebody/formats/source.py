@@ -21,10 +21,19 @@ _KINDS = {
 
 
 def read(path: str | os.PathLike[str], most: int = LARGEST, what: str = "a robot description") -> bytes:
-    """The bytes of a text file of at most `most` bytes; `what` it is, for errors.
+    """The bytes of a text file: as `contents`, and binary ones refused."""
+    data = contents(path, most, what)
+    wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
+    if b"\0" in data and not wide:
+        raise FileError(path, None, "the file is binary, not text.")
+    return data
 
-    Raises FileError for what is missing, no regular file, empty, larger, or binary. A pipe or device is not even
-    opened, which may wait for ever, or do something. A symbolic link to a file is as good as the file.
+
+def contents(path: str | os.PathLike[str], most: int, what: str) -> bytes:
+    """The bytes of a file of at most `most` bytes; `what` it is, for errors.
+
+    Raises FileError for what is missing, no regular file, empty, or larger. A pipe or device is not even opened, which
+    may wait for ever, or do something. A symbolic link to a file is as good as the file.
     """
     path = Path(path)
     try:
@@ -42,9 +51,6 @@ def read(path: str | os.PathLike[str], most: int = LARGEST, what: str = "a robot
         raise FileError(path, None, f"the file has more than {_size(most)}, too much for {what}.")
     if not data.strip():
         raise FileError(path, None, "the file is empty.")
-    wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
-    if b"\0" in data and not wide:
-        raise FileError(path, None, "the file is binary, not text.")
     return data
 
 
