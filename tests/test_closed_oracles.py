@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from functools import lru_cache
 
@@ -376,3 +377,40 @@ def mujoco_text(model: Model) -> str:
         '<mujoco><compiler angle="radian" autolimits="false"/><option timestep="0.0001" iterations="200" '
         f'tolerance="0"/><worldbody>{text}</worldbody><equality>{equalities}</equality></mujoco>'
     )
+
+
+def bennett(a: float = 0.7, alpha: float = 0.6, beta: float = 1.1) -> fb.Model:
+    """Bennett's loop of four turning joints: sides a, b, a, b, b / sin beta = a / sin alpha, the last side the base."""
+    b = a * math.sin(beta) / math.sin(alpha)
+    sides = [(a, alpha), (b, beta), (a, alpha)]
+    rods = [{"a": x, "alpha": t, "m": 1.0 + k, "com": [-x / 2, 0, 0], "I": [0.001, 0, 0, 0.05, 0, 0.05]}
+            for k, (x, t) in enumerate(sides)]  # fmt: skip
+    c, s = math.cos(beta), math.sin(beta)
+    arm = fb.dh(rods, convention="standard", name="bennett")
+    arm = arm.with_frame("last_axis", [-b, 0, 0], [[1, 0, 0], [0, c, s], [0, -s, c]], frame="base")
+    return arm.with_loop("joint4", "revolute", ("frame3", "last_axis"), axis=(0, 0, 1))
+
+
+@pytest.mark.parametrize("theta", [0.4, 1.3, 2.5, -1.9])
+def test_bennetts_loop_moves_as_its_closed_form_says(theta: float) -> None:
+    """tan(θ1/2) tan(θ2/2) = const and θ3 = -θ1 (G. T. Bennett, A new mechanism, Engineering 76, 1903)."""
+    alpha, beta = 0.6, 1.1
+    model = bennett(alpha=alpha, beta=beta)
+    ratio = math.sin((beta + alpha) / 2) / math.sin((beta - alpha) / 2)
+    other = 2 * math.atan(ratio / math.tan(theta / 2))
+    q = fb.assemble(model, {"joint1": theta, "joint2": other, "joint3": -theta})
+    np.testing.assert_allclose(q, [theta, other, -theta], atol=1e-12)
+    found = fb.mobility(model, q)
+    assert (found.generic, found.instantaneous) == (1, 1)
+    s1, c1, s2, c2 = math.sin(theta), math.cos(theta), math.sin(other), math.cos(other)
+    rate = 0.8
+    G = np.array([1.0, -s2 / s1, -1.0])
+    G_rate = np.array([0.0, -(rate * G[1] * c2 / s1 - rate * s2 * c1 / s1**2), 0.0])
+    qd = fb.loop_velocity(model, q, {"joint1": rate})
+    np.testing.assert_allclose(qd, G * rate, atol=1e-12)
+    # one equation of motion, by virtual work along the closed form
+    tree = model.opened
+    M, bias = fb.mass_matrix(tree, q), fb.bias(tree, q, qd)
+    second = -G @ (M @ (G_rate * rate) + bias) / (G @ M @ G)
+    qdd = fb.forward_dynamics(model, q, qd, np.zeros(3))
+    np.testing.assert_allclose(qdd, G * second + G_rate * rate, rtol=0, atol=1e-12 * max(1.0, abs(qdd).max()))

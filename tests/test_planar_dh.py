@@ -364,7 +364,7 @@ def test_refusals_of_tables():
         iter([{"a": 1.0}]),
         [{"a": 1.0}, None],
     ],
-    ids=repr,
+    ids=lambda rows: type(rows).__name__,
 )
 def test_what_is_no_table_of_rows_is_refused_with_what_to_write(rows):
     with pytest.raises(fb.FreebodyError, match="expected a list of dicts, one a joint"):
