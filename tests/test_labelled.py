@@ -315,3 +315,20 @@ def test_a_masked_array_that_hides_nothing_is_a_plain_one():
     assert M.tobytes() == fb.mass_matrix(arm, [0.1, 0.2]).tobytes()
     with pytest.raises(fb.FreebodyError, match="masked"):
         fb.planar("RR", l=np.ma.array([1.0, 2.0], mask=[False, True]))
+
+
+def test_rows_that_are_labelled_with_other_times_are_refused():
+    import xarray as xr
+
+    model = fb.load("2R")
+    t = np.linspace(0.0, 1.0, 5)
+    rows = np.random.default_rng(1).normal(size=(5, 2))
+    here, later = (xr.DataArray(rows, {"time": x}, ("time", "joint")) for x in (t, t + 0.5))
+    frame = pd.DataFrame(rows, index=t + 0.5, columns=list(model.joint_names))
+    for other in (later, frame):
+        with pytest.raises(
+            fb.FreebodyError, match="the rows of qdd are labelled with other times than those of q"
+        ):
+            fb.inverse_dynamics(model, here, here, other)
+    same = fb.inverse_dynamics(model, here, rows, here)
+    assert np.array_equal(same, fb.inverse_dynamics(model, rows, rows, rows))

@@ -2,7 +2,7 @@
 
 A labelled vector is put into the order of the model's names, never read by position. Nothing here imports pandas or
 xarray: what is labelled tells so by its attributes. Labels that only count (0, 1, 2, …), as pandas gives where nobody
-named anything, are none, and labels of a batch axis, such as times, stay the caller's.
+named anything, are none. Labels of a batch axis stay the caller's; inputs with different times are refused.
 """
 
 from __future__ import annotations
@@ -95,6 +95,22 @@ def row_times(value: Any) -> np.ndarray | None:
         if given.dtype.kind == "f" or (given.dtype.kind in "iu" and name in ("t", "time")):
             return given.astype(float)
     return None
+
+
+def refuse_other_times(function: str, given: Mapping[str, Any]) -> None:
+    """Refuse inputs whose rows are labelled with times that are not the same: by position they would be mixed up."""
+    first: tuple[str, np.ndarray] | None = None
+    for name, value in given.items():
+        times = None if type(value) is np.ndarray else row_times(value)
+        if times is None:
+            continue
+        if first is None:
+            first = name, times
+        elif not np.array_equal(first[1], times):
+            raise FreebodyError(
+                f"{function}: the rows of {name} are labelled with other times than those of {first[0]}; "
+                "align them first."
+            )
 
 
 def refuse_labelled(where: str, value: Any) -> None:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from freebody.arrays import Array, as_floats, at_sample, check_core, refuse_not_finite
 from freebody.compiler.sound import HUGE
 from freebody.errors import FreebodyError, ShapeError
-from freebody.labels import aligned
+from freebody.labels import aligned, refuse_other_times
 from freebody.model.model import Model
 from freebody.model.required import require_model
 from freebody.numerics import kernels
@@ -85,6 +85,7 @@ def _carefully(
     chosen = option or Option()
     formula = FORMULAS[function]
     names = [name for name in formula.inputs if name != "wrenches" and (name != "point" or chosen.point)]
+    refuse_other_times(function, dict(zip(names, inputs, strict=True)))
     arrays = [vector(function, model, name, value) for name, value in zip(names, inputs, strict=True)]
     loads = wrenches_by_frame(function, model, wrenches)
     if loads:
@@ -117,6 +118,7 @@ def checked_inputs(
     function: str, model: Model, given: Mapping[str, Any], wrenches: Wrenches
 ) -> tuple[tuple[str, ...], list[Array]]:
     """(frames with wrenches, arrays of the inputs and then the wrenches), all finite and of one batch shape."""
+    refuse_other_times(function, given)
     arrays = {name: vector(function, model, name, value) for name, value in given.items()}
     loads = wrenches_by_frame(function, model, wrenches)
     named = arrays | {f"wrenches[{frame!r}]": load for frame, load in loads.items()}

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array
+from freebody.labels import refuse_other_times
 from freebody.model.facts import fact
 from freebody.model.joints import Primitive
 from freebody.model.model import Model
@@ -153,6 +154,7 @@ def _finite(result: Array) -> bool:
 
 def _batched(function: str, model: Model, **given: ArrayLike) -> list[Array]:
     """Checked vectors, broadcast to their common batch."""
+    refuse_other_times(function, given)
     named = {name: finite_vector(function, model, name, value) for name, value in given.items()}
     batch = common_batch(function, named)
     return [np.broadcast_to(array, (*batch, array.shape[-1])) for array in named.values()]
