@@ -41,13 +41,14 @@ AREAS = (
     Area(
         "algorithms",
         ("algorithms/*.py", "spatial.py", "model/joints/*.py"),
-        ("yardsticks", "base_parameters", "derivatives", "closed_three_ways", "operational", "equations", "laws",
-         "pinocchio"),
+        ("yardsticks", "base_parameters", "states", "derivatives", "closed_three_ways", "operational", "equations",
+         "laws", "pinocchio"),
     ),
     Area(
         "kernels",
         ("compiler/*.py", "scalars/*.py", "numerics/kernels.py", "numerics/formulas.py", "numerics/columns.py"),
-        ("compiler", "trig", "fastcall", "columns", "expr", "operational", "laws", "equations", "numerics_errors"),
+        ("compiler", "trig", "fastcall", "columns", "expr", "operational", "order_of_calls", "code_from_text",
+         "numerics_errors", "equations", "laws"),
     ),
     Area(
         "closed chains",
@@ -57,10 +58,14 @@ AREAS = (
     Area(
         "derivations",
         ("derivations/*.py", "derivations/methods/*.py", "derivations/closed/*.py", "derivations/render/*.py"),
-        ("derive", "equations", "closed_equations", "closed_derivations", "relation", "expression", "singularities",
-         "notes", "diagrams", "inverse_kinematics"),
+        ("derivation_words", "equations", "expression", "relation", "closed_equations", "closed_derivations", "naming",
+         "names_in_print", "singularities", "diagrams", "notes", "zero_parameters", "derive", "inverse_kinematics"),
     ),
-    Area("check", ("derivations/check/*.py",), ("check", "check_random", "notes")),
+    Area(
+        "check",
+        ("derivations/check/*.py",),
+        ("check", "check_other_forms", "advice", "check_random", "notes"),
+    ),
 )  # fmt: skip
 
 BINARY = {
