@@ -25,7 +25,7 @@ def read(path: str | os.PathLike[str], most: int = LARGEST, what: str = "a robot
     data = contents(path, most, what)
     wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
     if b"\0" in data and not wide:
-        raise FileError(path, None, "the file is binary, not text.")
+        raise FileError(Path(path), None, "the file is binary, not text.")
     return data
 
 
