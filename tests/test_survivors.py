@@ -1,0 +1,24 @@
+"""What mutants showed to be untested: small laws, each seen to fail with the change that had survived."""
+
+from __future__ import annotations
+
+import freebody as fb
+from freebody.derivations.check.example import example
+from freebody.derivations.check.setting import setting
+from freebody.derivations.names import sym
+from freebody.derivations.render.latex import width
+
+
+def test_a_name_that_is_nothing_but_the_mark_of_a_rate_is_a_name():
+    assert (sym("_d").dots, sym("theta1_d").dots, sym("theta1_dd").dots) == (0, 1, 2)
+
+
+def test_scripts_in_a_formula_are_narrower_than_letters_and_wider_than_nothing():
+    assert width("x") < width("x_{12}") < width("x12") + width("{}")
+
+
+def test_there_is_no_example_that_tells_an_answer_from_itself():
+    where = setting(fb.equations(fb.planar("RR")), ())
+    length, mass = where.ring["l1"], where.ring["m1"]
+    assert example(where, length, length) is None
+    assert example(where, length, mass) is not None
