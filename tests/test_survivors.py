@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
+import pytest
+
 import freebody as fb
 from freebody.derivations.check.example import example
 from freebody.derivations.check.setting import setting
+from freebody.derivations.closed.linear import product
+from freebody.derivations.evaluate import evaluate
 from freebody.derivations.names import sym
 from freebody.derivations.render.latex import width
 
@@ -22,3 +28,16 @@ def test_there_is_no_example_that_tells_an_answer_from_itself():
     length, mass = where.ring["l1"], where.ring["m1"]
     assert example(where, length, length) is None
     assert example(where, length, mass) is not None
+
+
+@pytest.mark.parametrize("power", [1, 2, 3])
+def test_a_square_has_no_sign_of_its_factor(power: int):
+    equations = fb.equations(fb.planar("RR"))
+    ring = equations.symbols.ring
+    factor = ring.sin("theta1") * ring.cos("theta1") - ring["l1"] * ring["lc1"] - ring["l1"] * ring["l2"]
+    values = {"theta1": 0.4, "l1": 0.7, "l2": 0.5, "lc1": 0.3}
+    number = math.sin(0.4) * math.cos(0.4) - 0.7 * 0.3 - 0.7 * 0.5
+    x = ring["l1"]
+    for _ in range(power):
+        x = x * factor
+    assert evaluate(product(x, equations.layout), values) == pytest.approx(0.7 * number**power, rel=1e-12)
