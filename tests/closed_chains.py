@@ -274,7 +274,7 @@ def pin_reactions(
     mechanism: Mechanism,
     model: Model,
     state: Moving,
-    found: fb.numerics.closed.reactions.Reactions,
+    found: fb.loops.reactions.Reactions,
     torques: Mapping[str, float],
 ) -> dict[str, np.ndarray]:
     """Of each pin all that a does to b, at the origin of the pin's frame on b, motors included."""

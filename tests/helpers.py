@@ -11,9 +11,9 @@ import pytest
 
 import freebody as fb
 from freebody.algorithms.kinematics import frame_pose, joint_poses, world_poses
+from freebody.kernels.formulas import Option
+from freebody.kernels.lookup import reference as run
 from freebody.model.model import Model
-from freebody.numerics.formulas import Option
-from freebody.numerics.kernels import reference as run
 
 # central differences of eighth order on -4 … 4
 FIRST = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])

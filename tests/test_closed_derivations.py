@@ -8,8 +8,8 @@ import pytest
 import freebody as fb
 from freebody.derivations.closed.first_kind import FirstKind
 from freebody.derivations.closed.statics import LoopStatics
-from freebody.numerics.formulas import Option
-from freebody.numerics.kernels import fetch
+from freebody.kernels.formulas import Option
+from freebody.kernels.lookup import fetch
 
 PLANAR = ["slider_crank", "four_bar", "five_bar", "five_bar_rods", "double_four_bar"]
 METHOD = "lagrange-first-kind"

@@ -10,7 +10,7 @@ import pytest
 import freebody as fb
 from freebody.errors import SingularError
 from freebody.model.model import Model
-from freebody.numerics.balance import balance
+from freebody.trees.balance import balance
 from helpers import FIRST, STEPS, close, numbers
 
 ALL = (
@@ -93,14 +93,14 @@ def test_more_drives_than_freedoms(name):
     J = numbers(model, "constraint_jacobian", q)
     assert np.linalg.norm(_weighed(model, tau)) <= np.linalg.norm(_weighed(model, few)) * (1 + 1e-9)
     # what loops do to the joints is orthogonal to the least torques
-    from freebody.numerics.closed.scaled import rate_scale
+    from freebody.loops.scaled import rate_scale
 
     rates = rate_scale(model)
     close((J * rates) @ (rates * tau), np.zeros(len(J)), 1e-9, 1.0 + float(np.abs(tau).max()))
 
 
 def _weighed(model: Model, tau: np.ndarray) -> np.ndarray:
-    from freebody.numerics.closed.scaled import rate_scale
+    from freebody.loops.scaled import rate_scale
 
     return rate_scale(model) * tau
 

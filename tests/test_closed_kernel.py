@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.numerics.passive import all_driven
+from freebody.trees.passive import all_driven
 
 CLOSED = [
     "four_bar",

@@ -11,7 +11,7 @@ import pytest
 
 import freebody as fb
 from freebody.model.model import Model
-from freebody.numerics.passive import all_driven
+from freebody.trees.passive import all_driven
 from helpers import close, numbers
 
 if sys.platform == "linux":

@@ -21,7 +21,7 @@ from closed_chains import (
     ring,
 )
 from freebody.model.model import Model
-from freebody.numerics.passive import all_driven
+from freebody.trees.passive import all_driven
 from helpers import close, numbers
 
 BUNDLED = ("four_bar", "slider_crank", "five_bar", "double_four_bar", "3RRR")

@@ -18,10 +18,11 @@ import pytest
 
 import freebody
 import freebody as fb
-from freebody.compiler import Argument, ProgramError, compile_program, trace
-from freebody.compiler.emit_function import emit
 from freebody.identifiers import identifiers, in_words, is_identifier
 from freebody.notes import registry, steps
+from freebody.program import Argument, ProgramError, trace
+from freebody.targets import compile_program
+from freebody.targets.text.python import emit
 
 SOURCE = Path(freebody.__file__).parent
 
@@ -48,27 +49,28 @@ EXECUTES = {
 
 KNOWN = {
     ("__init__.py", "import_module"): "modules of the table of public names",
-    ("compiler/fastcall.py", "import_module"): "a constant: NumPy's own module",
-    ("compiler/gufunc.py", "import_module"): "a constant: NumPy's own module",
+    ("targets/llvm/fastcall.py", "import_module"): "a constant: NumPy's own module",
+    ("targets/llvm/gufunc.py", "import_module"): "a constant: NumPy's own module",
+    ("kernels/closed_chains.py", "import_module"): "modules of the table that stands there",
     ("notes/registry.py", "import_module"): "the chapters, listed there",
     (
-        "compiler/target.py",
+        "targets/llvm/machine.py",
         "parse_assembly",
     ): "LLVM text of a verified Program: its names are words of freebody's own",
     (
-        "compiler/target.py",
+        "targets/llvm/machine.py",
         "add_object_img",
     ): "what was compiled from that text, or found in the user's own cache",
-    ("compiler/target.py", "CDLL"): "a constant: the C library",
-    ("compiler/fastcall.py", "from_address"): "the address of a global that the linker gave",
-    ("compiler/fastcall.py", "pythonapi"): "constant names of CPython's functions",
-    ("compiler/forever.py", "pythonapi"): "a constant name of CPython's functions",
-    ("compiler/gufunc.py", "pythonapi"): "constant names of CPython's functions",
+    ("targets/llvm/machine.py", "CDLL"): "a constant: the C library",
+    ("targets/llvm/fastcall.py", "from_address"): "the address of a global that the linker gave",
+    ("targets/llvm/fastcall.py", "pythonapi"): "constant names of CPython's functions",
+    ("targets/llvm/forever.py", "pythonapi"): "a constant name of CPython's functions",
+    ("targets/llvm/gufunc.py", "pythonapi"): "constant names of CPython's functions",
     (
         "formats/estimate.py",
         "trimesh",
     ): "bytes of four formats of shapes, only where estimate_inertia asks for it",
-    ("compiler/gufunc.py", "PYFUNCTYPE"): "functions of NumPy's table",
+    ("targets/llvm/gufunc.py", "PYFUNCTYPE"): "functions of NumPy's table",
     ("notes/checks.py", "eval"): "calls that stand in freebody.notes; held to that below",
     ("notes/steps.py", "eval"): "calls that stand in freebody.notes; held to that below",
     ("report/html.py", "Markup"): "our own style, and drawings, whose text is escaped",

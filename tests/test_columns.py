@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.compiler import KernelError
-from freebody.numerics import kernels
-from freebody.numerics.columns import BY_COLUMNS, ColumnKernel, KernelList
-from freebody.numerics.formulas import FORMULAS, Option
-from freebody.numerics.kernels import arguments, fetch, reference
+from freebody.kernels import lookup
+from freebody.kernels.columns import BY_COLUMNS, ColumnKernel, KernelList
+from freebody.kernels.formulas import FORMULAS, Option
+from freebody.kernels.lookup import arguments, fetch, reference
+from freebody.targets import KernelError
 from helpers import refused
 from test_derivatives import MODELS, _difference
 
@@ -71,7 +71,7 @@ def long_chain(n: int) -> fb.Model:
 @pytest.mark.parametrize("n", [12, pytest.param(200, marks=pytest.mark.long)])
 def test_matrices_of_long_chains(n, monkeypatch):
     """Each by columns, and each against another quantity of the same robot."""
-    monkeypatch.setattr(kernels, "LARGEST", 8)
+    monkeypatch.setattr(lookup, "LARGEST", 8)
     model = long_chain(n)
     q, qd, qdd = fb.random_state(model, seed=9)
     M, bias = fb.mass_matrix(model, q), fb.bias(model, q, qd)
@@ -100,7 +100,7 @@ def test_matrices_of_long_chains(n, monkeypatch):
 
 def test_several_quantities_of_a_long_chain(monkeypatch):
     """One callable, whose program grows with the chain and not with its square."""
-    monkeypatch.setattr(kernels, "LARGEST", 8)
+    monkeypatch.setattr(lookup, "LARGEST", 8)
     model = long_chain(9)
     q, qd, _ = fb.random_state(model, seed=9, batch=(2, 3))
     kernel = fb.kernel(model, ["bias", "mass_matrix", "gravity_torque"])

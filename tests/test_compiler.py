@@ -15,24 +15,14 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from freebody.compiler import (
-    Argument,
-    KernelError,
-    Program,
-    ProgramError,
-    cache,
-    compile_program,
-    emit_llvm,
-    kernel,
-    passes,
-    trace,
-    verify,
-)
-from freebody.compiler.segments import segment
-from freebody.compiler.target import Target
-from freebody.compiler.threads import run_split
 from freebody.elementary import cos, sign, sin, sqrt
 from freebody.errors import ShapeError
+from freebody.program import Argument, Program, ProgramError, passes, trace, verify
+from freebody.program.segments import segment
+from freebody.targets import KernelError, compile_program, kernel
+from freebody.targets.llvm import cache, emit, machine
+from freebody.targets.llvm.machine import Target
+from freebody.targets.threads import run_split
 
 ON_POSIX = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="owners and modes of files are POSIX")
 BACKENDS = [("numpy", None), ("llvm", 2), ("llvm", 4), ("llvm", 8)]
@@ -247,7 +237,7 @@ def test_cutting_into_segments_changes_nothing(monkeypatch):
     program, arrays = random_program(3, 300), samples(20)
     whole = compile_program(program)(*arrays)
     for longest in (1, 7, 50):
-        monkeypatch.setattr(emit_llvm, "segment", lambda p, n=longest: segment(p, n))
+        monkeypatch.setattr(emit, "segment", lambda p, n=longest: segment(p, n))
         renamed = dataclasses.replace(program, name=f"cut{longest}")
         assert_close(compile_program(renamed)(*arrays), whole)
 
@@ -255,7 +245,7 @@ def test_cutting_into_segments_changes_nothing(monkeypatch):
 def test_one_or_two_groups_a_round_give_the_same_bits(monkeypatch):
     program, kernels = random_program(8), []
     for long in (0, sys.maxsize):
-        monkeypatch.setattr(emit_llvm, "LONG", long)
+        monkeypatch.setattr(emit, "LONG", long)
         kernels.append(compile_program(dataclasses.replace(program, name=f"long{long}"), width=4))
     for batch in (1, 3, 4, 5, 8, 9, 12, 15, 16, 17, 100):
         x, A, s = samples(batch)
@@ -421,7 +411,7 @@ def test_long_programs_run_their_pieces_in_groups(monkeypatch):
     """As a whole and in functions of a few pieces: the same bits."""
     program, arrays = random_program(17, 4000), samples(37, 17)
     whole = compile_program(program).ufunc(*arrays)
-    monkeypatch.setattr(emit_llvm, "PIECES", 3)
+    monkeypatch.setattr(emit, "PIECES", 3)
     monkeypatch.setattr(kernel, "_kernels", {})
     cut = compile_program(program)
     assert "@compute1(" in cut.ir
@@ -539,7 +529,8 @@ def test_threads_work_in_a_forked_child():
     code = """
 import os, numpy as np, warnings
 warnings.simplefilter("ignore", DeprecationWarning)  # fork beside threads is what is tested
-from freebody.compiler import Argument, compile_program, trace
+from freebody.program import Argument, trace
+from freebody.targets import compile_program
 k = compile_program(trace("f", lambda q: ([2.0 * q[0]],), [Argument("q", (1,))], [Argument("r", (1,))]))
 q = np.ones((5000, 1))
 k(q, threads=4)
@@ -557,7 +548,8 @@ def test_a_child_forked_during_a_compilation_can_compile():
 import os, sys, threading, warnings
 import numpy as np
 warnings.simplefilter("ignore", DeprecationWarning)  # fork beside threads is what is tested
-from freebody.compiler import Argument, compile_program, trace
+from freebody.program import Argument, trace
+from freebody.targets import compile_program
 def program(n):
     def function(q):
         x = q[0]
@@ -858,7 +850,7 @@ def test_overflow_before_a_sine_is_nan(width):
 
 
 def test_without_fused_multiply_add(monkeypatch):
-    monkeypatch.setattr(kernel.target.Host, "target", lambda self, width=None: Target(4, False, self.x86))
+    monkeypatch.setattr(machine.Host, "target", lambda self, width=None: Target(4, False, self.x86))
     program = trace(
         "bare", lambda x: (sin(x), cos(x)), [Argument("x", ())], [Argument("s", ()), Argument("c", ())]
     )
@@ -886,11 +878,11 @@ def store(tmp_path, monkeypatch):
 def compile_again(monkeypatch):
     """Compile as a new process would; whether LLVM had to work."""
     worked = []
-    original = kernel.target.object_code
+    original = machine.object_code
     monkeypatch.setattr(kernel, "_kernels", {})
-    monkeypatch.setattr(kernel.target, "object_code", lambda text: worked.append(1) or original(text))
+    monkeypatch.setattr(kernel, "object_code", lambda text: worked.append(1) or original(text))
     result = compile_program(swap_program(), backend="llvm")(np.array([1.0, 2.0, 3.0]))
-    monkeypatch.setattr(kernel.target, "object_code", original)
+    monkeypatch.setattr(kernel, "object_code", original)
     assert result.tolist() == [2.0, 2.0, 3.0]
     return bool(worked)
 
@@ -1060,11 +1052,12 @@ def environment():
 
 CHILD = """
 import sys, numpy as np
-from freebody.compiler import Argument, compile_program, kernel, trace
+from freebody.program import Argument, trace
+from freebody.targets import compile_program, kernel
 from freebody.elementary import sin
 if len(sys.argv) > 1:
     def refuse(text): raise AssertionError("compiled again")
-    kernel.target.object_code = refuse
+    kernel.object_code = refuse
 k = compile_program(trace("child", lambda q: ([sin(q[0]) * q[1], q[0]],), [Argument("q", (2,))], [Argument("r", (2,))]))
 print(k(np.random.default_rng(0).normal(size=(11, 2)) * [1e7, 1.0]).tobytes().hex())
 """
@@ -1087,7 +1080,7 @@ def test_processes_share_objects(store):
 
 
 def test_importing_the_compiler_does_not_import_llvm():
-    code = "import sys, freebody.compiler; assert not any(m.startswith('llvmlite') for m in sys.modules)"
+    code = "import sys, freebody.targets; assert not any(m.startswith('llvmlite') for m in sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60, env=environment())
 
 

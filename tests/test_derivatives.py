@@ -9,12 +9,12 @@ import freebody as fb
 from freebody.algorithms import kinematics
 from freebody.algorithms.crba import forward_dynamics
 from freebody.algorithms.rnea import rnea
+from freebody.kernels.formulas import Option
+from freebody.kernels.lookup import reference
 from freebody.model.assembly import assemble
 from freebody.model.inertia import Inertia
 from freebody.model.parts import Description, Drive, Joint, Link, Mimic
 from freebody.model.placement import rotate, shift
-from freebody.numerics.formulas import Option
-from freebody.numerics.kernels import reference
 
 
 def _branched(base: str) -> fb.Model:

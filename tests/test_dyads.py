@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.numerics.closed.assembly import _solutions
-from freebody.numerics.closed.decompose import decomposed
-from freebody.numerics.closed.scaled import every_residual
+from freebody.loops.assembly import _solutions
+from freebody.loops.decompose import decomposed
+from freebody.loops.scaled import every_residual
 
 
 def distinct(q):

@@ -10,9 +10,11 @@ import sys
 import numpy as np
 import pytest
 
-from freebody.compiler import Argument, Kernel, KernelError, compile_program, fastcall, trace
-from freebody.compiler import kernel as compiled
 from freebody.errors import ShapeError
+from freebody.program import Argument, trace
+from freebody.targets import Kernel, KernelError, compile_program
+from freebody.targets import kernel as compiled
+from freebody.targets.llvm import fastcall
 
 
 @pytest.fixture(scope="module")
@@ -182,7 +184,7 @@ def test_nothing_leaks(kernel):
 
 
 def test_a_kernel_is_still_a_kernel(kernel):
-    from freebody.compiler import Kernel
+    from freebody.targets import Kernel
 
     assert isinstance(kernel, Kernel)
     assert "both" in repr(kernel)

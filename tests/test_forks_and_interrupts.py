@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.compiler import Argument, Kernel, compile_program, kernel, trace
+from freebody.program import Argument, trace
+from freebody.targets import Kernel, compile_program, kernel
 
 SRC = Path(fb.__file__).parents[1]
 
@@ -34,9 +35,9 @@ import os, signal, threading, time, warnings
 warnings.simplefilter("ignore", DeprecationWarning)  # fork beside threads is what is tested
 import numpy as np
 import freebody as fb
-from freebody.compiler.kernel import Kernel
+from freebody.targets.kernel import Kernel
 from freebody.model import model as models, tree
-from freebody.numerics import kernels
+from freebody.kernels import lookup
 small, large = fb.planar("RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1]), fb.load("ur5e")
 inside, go_on, lower = threading.Event(), threading.Event(), models.lower
 def slow(model, values):  # what a large robot takes seconds for
@@ -164,7 +165,7 @@ def test_memory_of_results_that_are_gone_is_used_again_and_of_those_that_are_the
 
 
 def test_threads_that_ask_for_memory_at_once_get_different_pieces():
-    from freebody.compiler import memory
+    from freebody.targets import memory
 
     wrong = []
 

@@ -18,7 +18,7 @@ import xarray as xr
 
 import freebody as fb
 from freebody.cli.app import run
-from freebody.numerics.kernels import chosen_option, program
+from freebody.kernels.lookup import chosen_option, program
 
 CODE = "__import__('builtins').__dict__.__setitem__('hacked', True)"
 HOSTILE = {

@@ -8,7 +8,7 @@ import pytest
 import freebody as fb
 import generate
 from arms import apart, arm, direction, holds, meeting, parallel, skew
-from freebody.numerics.inverse import kinematics as module
+from freebody.inverse import kinematics as module
 from helpers import refused
 
 GENERAL = {

@@ -9,12 +9,12 @@ import pytest
 
 import freebody as fb
 from freebody.errors import FileError, ModelError, PassiveJointError
-from freebody.numerics.coordinates import layout
 from freebody.report.html import page
 from freebody.report.page_tables import drives, work
 from freebody.report.series import series
 from freebody.report.summary import summary
 from freebody.report.verdict import verdict
+from freebody.trees.coordinates import layout
 
 WORD = {"l": [0.0, 0.5], "lc": [0.0, 0.5], "m": [2.0, 0.3], "I": [0.0, 0.0]}
 

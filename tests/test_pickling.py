@@ -10,8 +10,8 @@ import pytest
 
 import freebody as fb
 from freebody import errors
-from freebody.compiler.target import CompileError
 from freebody.model.joints import KINDS
+from freebody.targets.llvm.machine import CompileError
 
 
 def again(thing):

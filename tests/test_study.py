@@ -13,13 +13,13 @@ from scipy.linalg import expm
 import freebody as fb
 from freebody.elementary import cos, sin
 from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
+from freebody.kernels.lookup import kernel
 from freebody.motion.motion import motion_of
-from freebody.numerics.jets import Jet, stacked
-from freebody.numerics.kernels import kernel
 from freebody.report import replay as replays
 from freebody.report.checks import checks
 from freebody.report.tip import chosen_tip
 from freebody.spatial import space
+from freebody.trees.jets import Jet, stacked
 
 pytestmark = pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
 

@@ -46,13 +46,14 @@ AREAS = (
     ),
     Area(
         "kernels",
-        ("compiler/*.py", "scalars/*.py", "numerics/kernels.py", "numerics/formulas.py", "numerics/columns.py"),
+        ("program/*.py", "targets/*.py", "targets/llvm/*.py", "scalars/*.py",
+         "kernels/lookup.py", "kernels/formulas.py", "kernels/columns.py"),
         ("compiler", "trig", "fastcall", "columns", "expr", "operational", "order_of_calls", "code_from_text",
          "numerics_errors", "equations", "laws"),
     ),
     Area(
         "closed chains",
-        ("numerics/closed/*.py", "model/closures.py", "model/loops.py", "motion/clos*.py", "numerics/balance.py"),
+        ("loops/*.py", "model/closures.py", "model/loops.py", "motion/clos*.py", "trees/balance.py"),
         ("closed_*", "dyads", "simulate"),
     ),
     Area(

@@ -29,7 +29,7 @@ _PLACES = {
     "freebody.formats.loading": ("load",),
     "freebody.formats.saving": ("save",),
     "freebody.robots": ("models",),
-    "freebody.numerics.kinematics": (
+    "freebody.trees.kinematics": (
         "forward_kinematics",
         "velocity",
         "acceleration",
@@ -38,7 +38,7 @@ _PLACES = {
         "jacobian_derivatives",
         "center_of_mass",
     ),
-    "freebody.numerics.dynamics": (
+    "freebody.trees.dynamics": (
         "inverse_dynamics",
         "forward_dynamics",
         "inverse_dynamics_derivatives",
@@ -55,7 +55,7 @@ _PLACES = {
         "potential_energy",
         "momentum",
     ),
-    "freebody.numerics.operational": (
+    "freebody.trees.operational": (
         "mass_matrix_inverse",
         "operational_space_inertia",
         "operational_space_bias",
@@ -65,24 +65,24 @@ _PLACES = {
         "inertial_parameters",
         "forward_dynamics_parameter_derivatives",
     ),
-    "freebody.numerics.base_parameters": ("base_parameters",),
-    "freebody.numerics.states": ("neutral", "random_state", "integrate", "difference"),
-    "freebody.numerics.attitude": ("quat_wxyz", "rotation"),
-    "freebody.numerics.closed.assembly": (
+    "freebody.trees.base_parameters": ("base_parameters",),
+    "freebody.trees.states": ("neutral", "random_state", "integrate", "difference"),
+    "freebody.trees.attitude": ("quat_wxyz", "rotation"),
+    "freebody.loops.assembly": (
         "assemble",
         "assembly_modes",
         "loop_velocity",
         "loop_acceleration",
     ),
-    "freebody.numerics.closed.mobility": ("mobility",),
-    "freebody.numerics.closed.reactions": ("reactions",),
-    "freebody.numerics.closed.parallel": ("input_output",),
-    "freebody.numerics.closed.loci": ("singularity_loci",),
-    "freebody.numerics.inverse.kinematics": ("inverse_kinematics",),
-    "freebody.numerics.inverse.rates": ("inverse_velocity", "inverse_acceleration"),
-    "freebody.numerics.inverse.singularities": ("singularities",),
-    "freebody.numerics.kernels": ("kernel",),
-    "freebody.numerics.exports": ("source", "to_jax"),
+    "freebody.loops.mobility": ("mobility",),
+    "freebody.loops.reactions": ("reactions",),
+    "freebody.loops.parallel": ("input_output",),
+    "freebody.loops.loci": ("singularity_loci",),
+    "freebody.inverse.kinematics": ("inverse_kinematics",),
+    "freebody.inverse.rates": ("inverse_velocity", "inverse_acceleration"),
+    "freebody.inverse.singularities": ("singularities",),
+    "freebody.kernels.lookup": ("kernel",),
+    "freebody.kernels.exports": ("source", "to_jax"),
     "freebody.derivations.equations": ("equations",),
     "freebody.derivations.closed.loops": ("loop_equations",),
     "freebody.figures.illustrate": ("derive",),
@@ -102,8 +102,14 @@ _PLACES = {
     "freebody.report.study": ("Study", "study"),
 }
 _QUICK = tuple(
-    f"freebody.numerics.{name}"
-    for name in ("kinematics", "dynamics", "operational", "states", "inverse.rates")
+    f"freebody.{name}"
+    for name in (
+        "trees.kinematics",
+        "trees.dynamics",
+        "trees.operational",
+        "trees.states",
+        "inverse.rates",
+    )
 )
 """Their functions look themselves whether they are given a model: a call through another would cost too much, or
 warnings would point at it."""

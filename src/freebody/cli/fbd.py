@@ -50,7 +50,7 @@ def fbd(
     with terminal.progress("free bodies"):
         from freebody.figures.fbd import free_body_diagram
         from freebody.figures.sketch.snapshot import clear_pose
-        from freebody.numerics.closed.assembly import assemble
+        from freebody.loops.assembly import assemble
 
         given = {"qd": _values("qd", qd), "qdd": _values("qdd", qdd)}
         positions = _values("q", q)

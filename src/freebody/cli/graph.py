@@ -11,8 +11,8 @@ if TYPE_CHECKING:
 
 def programs(model: Model, quantity: str) -> Iterator[str]:
     """A heading and the listing for each stage of a quantity's program."""
-    from freebody.compiler.passes import PASSES
-    from freebody.numerics.kernels import chosen_option, program
+    from freebody.kernels.lookup import chosen_option, program
+    from freebody.program.passes import PASSES
 
     names, option = chosen_option(model, quantity)
     stage = program(model, names, option)

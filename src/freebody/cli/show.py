@@ -147,8 +147,8 @@ def _mobility(model: Model) -> str:
     if model.missing:
         return f"degrees of freedom need values for {', '.join(model.missing)}"
     from freebody.errors import LoopError
-    from freebody.numerics.closed.assembly import assemble
-    from freebody.numerics.closed.mobility import mobility
+    from freebody.loops.assembly import assemble
+    from freebody.loops.mobility import mobility
 
     try:
         return str(mobility(model, assemble(model)))

@@ -14,7 +14,7 @@ from freebody.figures.loads import BodyLoads, body_loads
 from freebody.figures.svg import picture
 from freebody.lazy import cached_property
 from freebody.model.model import Model
-from freebody.numerics.calls import Vector, Wrenches
+from freebody.trees.calls import Vector, Wrenches
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from freebody.figures.sketch import arm, frames, motion, vectors
 from freebody.figures.sketch.names import Names, names_of
 from freebody.figures.sketch.snapshot import Snapshot, snapshot
 from freebody.model.model import Model
-from freebody.numerics.calls import Vector
+from freebody.trees.calls import Vector
 
 Layer = Callable[[Drawing, Snapshot, Names], None]
 WIDE, TALL = 440.0, 420.0

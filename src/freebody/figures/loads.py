@@ -20,9 +20,9 @@ from freebody.derivations.expression import Expression
 from freebody.derivations.naming import Naming
 from freebody.figures.skeleton import BodyPlace, Skeleton, extent, skeleton
 from freebody.model.model import Model
-from freebody.numerics.calls import Vector, Wrenches, single_vector, wrenches_by_frame
-from freebody.numerics.dynamics import joint_wrenches
-from freebody.numerics.kinematics import forward_kinematics
+from freebody.trees.calls import Vector, Wrenches, single_vector, wrenches_by_frame
+from freebody.trees.dynamics import joint_wrenches
+from freebody.trees.kinematics import forward_kinematics
 
 NOISE = 1e-9
 """Of the largest force or moment on the mechanism: components below are rounding, and 0 in all drawings and tables."""

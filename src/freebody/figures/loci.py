@@ -13,9 +13,9 @@ from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.sketch import arm
 from freebody.figures.sketch.names import names_of
 from freebody.figures.sketch.snapshot import snapshot
+from freebody.loops.loci import Locus, singularity_loci
 from freebody.model.model import Model
-from freebody.numerics.closed.loci import Locus, singularity_loci
-from freebody.numerics.kinematics import forward_kinematics
+from freebody.trees.kinematics import forward_kinematics
 
 WIDE, TALL = 560.0, 520.0
 _KINDS: tuple[tuple[Literal["first", "second"], str], ...] = (("first", "type 1"), ("second", "type 2"))

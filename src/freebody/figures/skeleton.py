@@ -12,7 +12,7 @@ from freebody.algorithms.kinematics import joint_poses, world_poses
 from freebody.arrays import Array
 from freebody.model.model import Model
 from freebody.model.tree import Mass, Tree
-from freebody.numerics.calls import single_vector
+from freebody.trees.calls import single_vector
 
 _SAME = 1e-6  # metres: places nearer than this are one
 

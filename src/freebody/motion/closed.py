@@ -11,18 +11,18 @@ from collections.abc import Callable
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.motion.integration import Scheme
-from freebody.motion.system import Drive, System
-from freebody.numerics.closed.dynamics import regular, require_way
-from freebody.numerics.closed.equations import (
+from freebody.loops.dynamics import regular, require_way
+from freebody.loops.equations import (
     blurred,
     require_within_tolerance,
     scaled_jacobian,
     scaled_residual,
 )
-from freebody.numerics.closed.redundancy import redundancy
-from freebody.numerics.closed.scaled import rate_scale
-from freebody.numerics.states import integrate
+from freebody.loops.redundancy import redundancy
+from freebody.loops.scaled import rate_scale
+from freebody.motion.integration import Scheme
+from freebody.motion.system import Drive, System
+from freebody.trees.states import integrate
 
 EXPLICIT = ("DOP853", "RK45")
 _LEAST = 1e-13  # relative tolerance: rounding

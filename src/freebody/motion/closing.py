@@ -8,22 +8,22 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import LoopError
-from freebody.model.model import Model
-from freebody.motion.motion import Motion, derivatives
-from freebody.motion.ranges import position_columns, ranges
-from freebody.numerics.closed.assembly import (
+from freebody.loops.assembly import (
     assemble,
     free_coordinates,
     loop_acceleration,
     loop_velocity,
 )
-from freebody.numerics.closed.equations import closing, scaled_jacobian
-from freebody.numerics.closed.mobility import mobility
-from freebody.numerics.closed.redundancy import redundancy
-from freebody.numerics.closed.scaled import backward, length, null_space, rate_scale
-from freebody.numerics.closed.solving import RANK
-from freebody.numerics.coordinates import continuous, layout, state_of
-from freebody.numerics.states import difference, integrate, neutral, random_state
+from freebody.loops.equations import closing, scaled_jacobian
+from freebody.loops.mobility import mobility
+from freebody.loops.redundancy import redundancy
+from freebody.loops.scaled import backward, length, null_space, rate_scale
+from freebody.loops.solving import RANK
+from freebody.model.model import Model
+from freebody.motion.motion import Motion, derivatives
+from freebody.motion.ranges import position_columns, ranges
+from freebody.trees.coordinates import continuous, layout, state_of
+from freebody.trees.states import difference, integrate, neutral, random_state
 
 _SEEDS = 24
 _TELLING = 1e-6  # regularity below which some coordinates do not tell the others

@@ -11,8 +11,8 @@ from freebody.motion.closing import consistent_rates, followed, home, leaders, o
 from freebody.motion.measured import rested
 from freebody.motion.motion import Motion, derivatives
 from freebody.motion.ranges import Ranges, ranges
-from freebody.numerics.coordinates import layout, state_of
-from freebody.numerics.states import integrate, neutral
+from freebody.trees.coordinates import layout, state_of
+from freebody.trees.states import integrate, neutral
 
 DURATION = 5.0
 """s."""

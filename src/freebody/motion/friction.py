@@ -9,7 +9,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.lazy import cached_property
 from freebody.model.model import Model
-from freebody.numerics.coordinates import Index
+from freebody.trees.coordinates import Index
 
 WIDTH = 1e-3
 """rad/s or m/s: sticking creeps at rates below this."""

@@ -13,8 +13,8 @@ from freebody.arrays import Array, as_floats
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
-from freebody.numerics.calls import vector
-from freebody.numerics.coordinates import (
+from freebody.trees.calls import vector
+from freebody.trees.coordinates import (
     Layout,
     continuous,
     layout,

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from freebody.arrays import Array
 from freebody.errors import listed
 from freebody.model.model import Model
-from freebody.numerics.coordinates import Index
+from freebody.trees.coordinates import Index
 
 Flags = NDArray[np.bool_]
 """Array of truths."""

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
+from freebody.loops.equations import gaps, require_closed, scaled_rate, scaled_residual
 from freebody.model.model import Model
 from freebody.motion.closed import EXPLICIT, closed_scheme
 from freebody.motion.friction import WIDTH
@@ -16,9 +17,8 @@ from freebody.motion.integration import METHODS, integrated, open_scheme, step_t
 from freebody.motion.ranges import angular
 from freebody.motion.system import System, constant_loads, suited_method, system
 from freebody.motion.torques import Schedule, Torque, schedule
-from freebody.numerics import dynamics
-from freebody.numerics.calls import Vector, Wrenches, vector, wrenches_by_frame
-from freebody.numerics.closed.equations import gaps, require_closed, scaled_rate, scaled_residual
+from freebody.trees import dynamics
+from freebody.trees.calls import Vector, Wrenches, vector, wrenches_by_frame
 
 if TYPE_CHECKING:
     import xarray as xr

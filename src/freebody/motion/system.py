@@ -9,13 +9,13 @@ from functools import partial
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.kernels.lookup import kernel
+from freebody.loops.dynamics import accelerations
 from freebody.model.model import Model
 from freebody.motion.friction import WIDTH, SmoothFriction, smooth_friction
-from freebody.numerics.closed.dynamics import accelerations
-from freebody.numerics.coordinates import Layout, layout, normalised, position_rate
-from freebody.numerics.dynamics import mass_matrix
-from freebody.numerics.kernels import kernel
-from freebody.numerics.massless import refuse_massless
+from freebody.trees.coordinates import Layout, layout, normalised, position_rate
+from freebody.trees.dynamics import mass_matrix
+from freebody.trees.massless import refuse_massless
 
 Drive = Callable[[Array, Array, Array], Array]
 """(t, q, qd) -> tau, all with the same leading shape."""

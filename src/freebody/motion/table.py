@@ -24,7 +24,7 @@ from freebody.motion.measured import along_rates, rested
 from freebody.motion.motion import FEWEST, Motion, derivatives, motion_of
 from freebody.motion.ranges import angular, position_columns
 from freebody.motion.sheet import factor, kinds, quoted, read_sheet
-from freebody.numerics.coordinates import layout, state_of
+from freebody.trees.coordinates import layout, state_of
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -13,8 +13,8 @@ from freebody.errors import FreebodyError
 from freebody.labels import is_labelled, row_times
 from freebody.model.model import Model
 from freebody.motion.system import Drive
-from freebody.numerics.calls import vector
-from freebody.numerics.passive import refuse_passive
+from freebody.trees.calls import vector
+from freebody.trees.passive import refuse_passive
 
 Torque = ArrayLike | Callable[[float, Array, Array], ArrayLike] | None
 

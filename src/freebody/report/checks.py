@@ -9,20 +9,20 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import SingularError
+from freebody.loops import dynamics as closed
+from freebody.loops.assembly import assemble, loop_velocity
+from freebody.loops.equations import gaps, scaled_residual
+from freebody.loops.redundancy import redundancy
+from freebody.loops.scaled import length
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import ranges
 from freebody.motion.simulate import simulate
-from freebody.numerics import dynamics
-from freebody.numerics.balance import balance
-from freebody.numerics.closed import dynamics as closed
-from freebody.numerics.closed.assembly import assemble, loop_velocity
-from freebody.numerics.closed.equations import gaps, scaled_residual
-from freebody.numerics.closed.redundancy import redundancy
-from freebody.numerics.closed.scaled import length
-from freebody.numerics.passive import all_driven
-from freebody.numerics.states import difference
 from freebody.report.results import Check, Replay
+from freebody.trees import dynamics
+from freebody.trees.balance import balance
+from freebody.trees.passive import all_driven
+from freebody.trees.states import difference
 
 if TYPE_CHECKING:
     import xarray as xr

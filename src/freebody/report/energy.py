@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.loops import dynamics as closed
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import with_drive
-from freebody.numerics import dynamics
-from freebody.numerics.closed import dynamics as closed
+from freebody.trees import dynamics
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
 _MOST_PARTS = 64

@@ -16,9 +16,9 @@ from markupsafe import Markup
 import freebody
 from freebody.figures import theme
 from freebody.formats.loading import SUFFIXES
+from freebody.loops.mobility import mobility
 from freebody.model.parts import DOUBTFUL, ESTIMATED
 from freebody.motion.ranges import ranges
-from freebody.numerics.closed.mobility import mobility
 from freebody.outputs import files
 from freebody.outputs.page import policy
 from freebody.outputs.text import legal

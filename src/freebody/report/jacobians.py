@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.loops.equations import scaled_jacobian
+from freebody.loops.scaled import null_space, rate_scale
+from freebody.loops.solving import RANK
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
-from freebody.numerics import kinematics
-from freebody.numerics.closed.equations import scaled_jacobian
-from freebody.numerics.closed.scaled import null_space, rate_scale
-from freebody.numerics.closed.solving import RANK
 from freebody.report.results import Singularity
 from freebody.report.tip import coordinates_before
+from freebody.trees import kinematics
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -21,10 +21,10 @@ from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges
 from freebody.motion.system import System, decay_rate, suited_method, system
-from freebody.numerics.coordinates import Index
-from freebody.numerics.dynamics import mass_matrix
-from freebody.numerics.states import difference
 from freebody.report.results import Replay
+from freebody.trees.coordinates import Index
+from freebody.trees.dynamics import mass_matrix
+from freebody.trees.states import difference
 
 BOUND = 1e4
 """Amplification that a piece may have at most."""

@@ -8,15 +8,15 @@ import numpy as np
 
 from freebody.algorithms.kinematics import joint_poses, world_poses
 from freebody.arrays import Array
+from freebody.loops.dynamics import drive_torques
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import angular
-from freebody.numerics import dynamics, kinematics
-from freebody.numerics.closed.dynamics import drive_torques
 from freebody.report import energy, jacobians
 from freebody.report.bearings import bearing_loads
 from freebody.spatial import add, scale, times
+from freebody.trees import dynamics, kinematics
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -7,9 +7,9 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.model.model import Model
 from freebody.motion.ranges import angular, ranges
-from freebody.numerics import dynamics
-from freebody.numerics.states import integrate, random_state
 from freebody.report.results import StaticPose
+from freebody.trees import dynamics
+from freebody.trees.states import integrate, random_state
 
 SAMPLES = 4096
 _ROUNDS, _TRIES = 24, 128

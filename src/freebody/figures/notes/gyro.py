@@ -14,7 +14,7 @@ from freebody.figures.sketch import frames
 from freebody.figures.sketch.snapshot import snapshot
 from freebody.figures.sketch.vectors import arrow
 from freebody.formats.loading import load
-from freebody.numerics.dynamics import joint_wrenches
+from freebody.trees.dynamics import joint_wrenches
 
 _RING = 0.62
 

@@ -16,7 +16,7 @@ from freebody.figures.sketch.names import Names
 from freebody.figures.sketch.snapshot import Snapshot, snapshot
 from freebody.figures.sketch.vectors import BESIDE, arrow, position
 from freebody.model.planar import planar
-from freebody.numerics.calls import Vector
+from freebody.trees.calls import Vector
 
 _RELATIVE = Names(index=lambda n: {1: "0"}.get(n, ""), point=lambda n: {1: "O"}.get(n, "B"), tip="A")
 _INDICES = {1: "i−2", 2: "i−1", 3: "i", 4: "i+1"}

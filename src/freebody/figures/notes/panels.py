@@ -9,7 +9,7 @@ from freebody.figures.sketch import arm
 from freebody.figures.sketch.names import Names
 from freebody.figures.sketch.snapshot import Snapshot, snapshot
 from freebody.formats.loading import load
-from freebody.numerics.calls import Vector, Wrenches
+from freebody.trees.calls import Vector, Wrenches
 
 Layer = Callable[[Drawing, Snapshot, Names], None]
 

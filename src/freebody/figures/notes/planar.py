@@ -15,8 +15,8 @@ from freebody.figures.sketch import arm, forces, motion, vectors
 from freebody.figures.sketch.names import Names, bold
 from freebody.figures.sketch.snapshot import Snapshot, snapshot
 from freebody.model.planar import planar
-from freebody.numerics.calls import Vector
-from freebody.numerics.dynamics import forward_dynamics
+from freebody.trees.calls import Vector
+from freebody.trees.dynamics import forward_dynamics
 
 
 def _single(before: str, n: str) -> str:

@@ -13,7 +13,7 @@ from freebody.figures.sketch import frames
 from freebody.figures.sketch.snapshot import snapshot
 from freebody.figures.sketch.vectors import arrow, position
 from freebody.formats.loading import load
-from freebody.numerics.dynamics import forward_dynamics
+from freebody.trees.dynamics import forward_dynamics
 
 _POSE = (0.2, 1.5, 0.75, 0.93, 0.12, -0.12, 0.28)
 _RATES = (0.1, 0.7, -0.35, -0.1, -0.35, 0.6)

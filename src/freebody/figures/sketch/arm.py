@@ -13,7 +13,7 @@ from freebody.figures.plane import add_body
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.sketch.names import Names
 from freebody.figures.sketch.snapshot import Snapshot
-from freebody.numerics.kinematics import forward_kinematics
+from freebody.trees.kinematics import forward_kinematics
 
 _AXIS = 0.3
 """Length of the world's axes, of the drawing's size."""

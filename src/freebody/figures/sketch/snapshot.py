@@ -13,13 +13,13 @@ from freebody.arrays import Array
 from freebody.figures.loads import BodyLoads, body_loads
 from freebody.figures.skeleton import BodyPlace, End, Skeleton, extent, skeleton
 from freebody.lazy import cached_property
+from freebody.loops.assembly import assemble, loop_acceleration, loop_velocity
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, with_parameters
-from freebody.numerics.calls import Vector, Wrenches, vector
-from freebody.numerics.closed.assembly import assemble, loop_acceleration, loop_velocity
-from freebody.numerics.dynamics import inverse_dynamics, mass_matrix
-from freebody.numerics.kinematics import acceleration, velocity
-from freebody.numerics.states import neutral
+from freebody.trees.calls import Vector, Wrenches, vector
+from freebody.trees.dynamics import inverse_dynamics, mass_matrix
+from freebody.trees.kinematics import acceleration, velocity
+from freebody.trees.states import neutral
 
 _PATTERN = (("lc", 0.45), ("l", 0.9), ("a", 0.4), ("d", 0.3), ("m", 1.0), ("I", 0.05), ("g", 9.81))
 _TURNS = (0.60, 0.75, -0.85, 0.80, -0.70)  # rad, of an arm that is only to be looked at

@@ -1,0 +1,1 @@
+"""Positions and rates that bring a frame where it shall be."""

@@ -1,0 +1,97 @@
+"""The closed form for a frame and a task, if its chain of joints has one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.inverse import subproblems as sp
+from freebody.inverse.chain import SAME, Chain, chain_to
+from freebody.inverse.closed_form import Displacement, Form, six_joints, three_joints, three_turns
+from freebody.inverse.level import Level, level
+from freebody.inverse.task import Task
+from freebody.model.model import Model
+
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+def fitting(model: Model, frame: str, task: Task) -> Form | None:
+    """The closed form that gives all solutions of a task, or None."""
+    chain = chain_to(model, frame)
+    if chain is not None and not task.angular:
+        chain = _without_idle(chain)
+    if chain is None or len(chain.screws) > 6:
+        return None
+    if model.dim == 2:
+        return level(chain, _UP, task.turns, ("up", "down")) if task.places else None
+    if task.places and task.turns and len(chain.screws) == 6:
+        return six_joints(chain)
+    form = _level_in_space(model, chain, task)
+    if form is None and task.places and len(chain.screws) == 3:
+        form = three_joints(chain)
+    if form is None and task.turns and not task.linear and len(chain.screws) == 3:
+        form = three_turns(chain)
+    return form
+
+
+def _without_idle(chain: Chain) -> Chain:
+    """The chain but for its last joints that turn about the frame's origin: they do not move it."""
+    n = len(chain.screws)
+    while n > 1 and chain.screws[n - 1].turning:
+        s = chain.screws[n - 1]
+        if sp.size(sp.across(s.w, chain.p - s.p)) > SAME * chain.length:
+            break
+        n -= 1
+    return replace(
+        chain,
+        screws=chain.screws[:n],
+        index=chain.index[:n],
+        ratio=chain.ratio[:n],
+        offset=chain.offset[:n],
+    )
+
+
+def _level_in_space(model: Model, chain: Chain, task: Task) -> Form | None:
+    form = level(chain, None, bool(task.angular), _elbows(model, chain))
+    if not isinstance(form, Level):
+        return None
+    along = [k for k in range(3) if sp.parallel(np.eye(3)[k], form.normal)]
+    needed = {k for k in range(3) if k not in along or form.lift is not None}
+    turned = not task.angular or task.turns or bool(along and along[0] in task.angular)
+    return form if needed <= set(task.linear) and turned else None
+
+
+def _elbows(model: Model, chain: Chain) -> tuple[str, str]:
+    """Up and down for an arm that moves in an upright plane, left and right (from above) for one that moves level."""
+    axis = next((s.w for s in chain.screws if s.turning), None)
+    if axis is None:
+        return ("up", "down")
+    lean = float(np.array(model.gravity_direction) @ axis)
+    return ("up", "down") if abs(lean) < 0.5 else ("left", "right") if lean < 0 else ("right", "left")
+
+
+def displacement(chain: Chain, target: Array) -> Displacement:
+    """X = T T(0)⁻¹ of targets (N, …), those in the plane put into z = 0."""
+    d = target.shape[-1] - 1
+    R = np.broadcast_to(np.eye(3), (len(target), 3, 3)).copy()
+    p = np.zeros((len(target), 3))
+    R[:, :d, :d], p[:, :d] = target[:, :d, :d], target[:, :d, d]
+    R = R @ chain.R.T
+    return Displacement(R, p - R @ chain.p)
+
+
+def displacement_to_points(chain: Chain, target: Array) -> Displacement:
+    """The shifts that bring the frame from zero to the points of targets (N, …); their rotation is not asked for."""
+    d = target.shape[-1] - 1
+    p = np.zeros((len(target), 3))
+    p[:, :d] = target[:, :d, d]
+    return Displacement(np.broadcast_to(np.eye(3), (len(target), 3, 3)), p - chain.p)
+
+
+def can_serve(form: Form, task: Task, X: Displacement) -> bool:
+    """Whether the form fits these targets too: a partial orientation must be a turn about the arm's own axis."""
+    if not isinstance(form, Level) or task.turns or not task.angular:
+        return True
+    return bool(np.abs(X.R @ form.normal - form.normal).max(initial=0.0) < 1e-9)

@@ -1,0 +1,130 @@
+"""`inverse_kinematics`: joint positions that bring a frame to a target."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from freebody.errors import FreebodyError, UnknownNameError
+from freebody.inverse.answer import gathered
+from freebody.inverse.closed_form import Displacement, Form
+from freebody.inverse.fitting import can_serve, displacement, displacement_to_points, fitting
+from freebody.inverse.loops import of_closed_chain
+from freebody.inverse.problem import Found, Problem
+from freebody.inverse.search import by_search
+from freebody.inverse.seek import Seeker
+from freebody.inverse.solutions import Solutions, verified
+from freebody.inverse.task import read_target
+from freebody.model.model import Model
+from freebody.trees.calls import Vector, finite_vector
+from freebody.trees.states import neutral
+
+LIMITS = ("mark", "drop", "ignore")
+
+
+def inverse_kinematics(
+    model: Model,
+    target: ArrayLike,
+    frame: str | None = None,
+    task: str | Sequence[str] | None = None,
+    *,
+    q0: Vector | None = None,
+    limits: Literal["mark", "drop", "ignore"] = "mark",
+    starts: int | None = None,
+    seed: int = 0,
+) -> Solutions:
+    """All joint positions that bring a frame to a target where a closed form exists, else those found from many starts.
+
+    target: a point (..., dim) in m, or a pose (..., dim + 1, dim + 1), world axes. frame: name, default the tip.
+    task: what counts of the target: "position" (a point's default), "orientation", "pose" (a pose's default), or rows
+    among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy", "w").
+    q0: (nq,), where joints stay that could stand anywhere, next to which angles are wrapped, and near which a redundant
+    arm is sought. limits: "mark" says in `within_limits` which solutions keep to the joints' limits, "drop" leaves out
+    the others, "ignore" takes no notice. starts, seed: of the numeric search (default: 32 for redundant arms, else 96).
+
+    Returns Solutions. Out of reach: k = 0, the distance (m) to the workspace, and a sentence in `notes`. Every solution
+    has been put through forward kinematics. Raises ShapeError, NotFiniteError, UnknownNameError, MissingValueError.
+
+    Of a closed chain these are the working modes, at which the loops are closed too: all of them, and named by the
+    sides on which elbows lie, where a planar robot comes apart into dyads, else those found from many starts.
+
+    Closed forms, whatever frames, base and tool: planar arms of up to three joints (2.14, 2.15, by atan2 and with both
+    elbows), SCARA robots, three joints that place a point, three that orient, six with a spherical wrist (Pieper 1968)
+    or with three parallel axes (Elias and Wen 2022). Else Levenberg–Marquardt.
+    """
+    model.require_values("inverse kinematics")
+    if limits not in LIMITS:
+        raise UnknownNameError("choice", limits, "inverse_kinematics: limits=", LIMITS)
+    if starts is not None and starts < 1:
+        raise FreebodyError(f"inverse_kinematics: starts is {starts}, expected at least 1.")
+    chosen, poses = read_target("inverse_kinematics", model, target, task)
+    seeker = Seeker(model, model.frame(frame).name, chosen)
+    flat = poses.reshape(-1, *poses.shape[-2:])
+    start = None if q0 is None else finite_vector("inverse_kinematics", model, "q0", q0)
+    if start is not None and start.ndim != 1:
+        raise FreebodyError(f"inverse_kinematics: q0 has shape {start.shape}, expected ({model.nq},).")
+    problem = Problem(seeker, flat, start, limits, starts, seed)
+    if model.loops:
+        return of_closed_chain(problem, poses.shape[:-2])
+    form = fitting(model, seeker.frame, chosen)
+    X = None
+    if form is not None:
+        X = (displacement if chosen.angular else displacement_to_points)(form.chain, flat)
+        if not can_serve(form, chosen, X):
+            form = X = None
+    if not len(flat):
+        found = Found([], [], form.name() if form is not None else "Levenberg–Marquardt", [])
+    elif form is not None and X is not None:
+        found = _with_families(problem, form, _by_form(problem, form, X))
+    else:
+        found = by_search(problem)
+    return gathered(problem, form, X, found, poses.shape[:-2])
+
+
+# ---------------------------------------------------------------- in closed form
+def _by_form(problem: Problem, form: Form, X: Displacement) -> Found:
+    seeker, chain = problem.seeker, form.chain
+    rest = np.zeros(seeker.model.nq) if problem.q0 is None else problem.q0
+    base = np.clip(neutral(seeker.model), *seeker.bounds) if problem.q0 is None else problem.q0
+    with np.errstate(invalid="ignore"):
+        candidates = form.solve(X, chain.positions(rest))
+    q = chain.coordinates(candidates.x, base)
+    solutions = verified(seeker, q, problem.target, problem.reference)
+    branches = [[", ".join(filter(None, form.label(chain.positions(row)))) for row in s.q] for s in solutions]
+    free = np.zeros(len(chain.screws), dtype=bool)
+    for i, s in enumerate(solutions):
+        free |= candidates.free[i][s.row].any(axis=0)
+    names = [_joint_at(seeker.model, int(chain.index[k])) for k in np.flatnonzero(free)]
+    notes = [_free_note(name) for name in names]
+    idle = seeker.moving.copy()
+    idle[chain.index] = False
+    if idle.any():
+        names = ", ".join(repr(_joint_at(seeker.model, int(k))) for k in np.flatnonzero(idle))
+        notes.append(f"Left alone, as they do not move the target's point: {names}.")
+    return Found(solutions, branches, form.name(), notes)
+
+
+def _with_families(problem: Problem, form: Form, found: Found) -> Found:
+    """A form for fewer rows than the task counts gives one member of a family of solutions: the right one is sought."""
+    lost = [i for i, s in enumerate(found.solutions) if not len(s.q)]
+    if not lost or len(problem.seeker.task.rows) <= len(form.screws):
+        return found
+    sought = by_search(replace(problem, target=problem.target[lost]))
+    for i, s in zip(lost, sought.solutions, strict=True):
+        found.solutions[i], found.branches[i] = s, [""] * len(s.q)
+    return found
+
+
+def _joint_at(model: Model, index: int) -> str:
+    return model.position_names[index]
+
+
+def _free_note(joint: str) -> str:
+    return (
+        f"Joint {joint!r} may take any angle at this target, the others make up for it: a whole family of solutions, "
+        "of which one is given for each branch, that with the angle of q0 (0 without q0)."
+    )

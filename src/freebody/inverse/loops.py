@@ -1,0 +1,232 @@
+"""Inverse kinematics of closed chains: the tip held at its target is one loop more, and every way to close all of them
+is a working mode."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.inverse.answer import gathered
+from freebody.inverse.descent import descend
+from freebody.inverse.problem import Found, Problem
+from freebody.inverse.seek import EXACT, Seeker
+from freebody.inverse.solutions import ALIKE, APART, Solutions, Verified, wrapped
+from freebody.lazy import cached_property
+from freebody.loops.decompose import Decomposition, decomposed
+from freebody.loops.equations import (
+    closing,
+    gaps,
+    scaled_jacobian,
+    scaled_residual,
+    within_tolerance,
+)
+from freebody.loops.scaled import backward, length, rate_scale, shortest_way
+from freebody.model.model import Model
+from freebody.trees.states import integrate, random_state
+
+_SHOWN = 8
+"""How many of infinitely many solutions are returned."""
+_CLOSED = 1e-11  # scaled loop equations of a solution
+_SETTLING = (1.0, 30.0, 1e3, 1e4)
+"""How much the loops count against the tip, one descent after the other, where the target is out of reach."""
+
+
+def of_closed_chain(problem: Problem, batch: tuple[int, ...]) -> Solutions:
+    """See `fb.inverse_kinematics`."""
+    work = _Held(problem)
+    if work.plan is not None:
+        candidates = work.plan.solve(np.tile(work.rest, (len(problem.target), 1)), problem.target)
+        if candidates is not None:
+            solutions = [
+                work.verified(q, target) for q, target in zip(candidates, problem.target, strict=True)
+            ]
+            branches = [
+                work.plan.branches(s.q, target[None])
+                for s, target in zip(solutions, problem.target, strict=True)
+            ]
+            found = Found(solutions, branches, "dyads, in closed form", [])
+            return gathered(problem, None, None, found, batch, work.away)
+    return gathered(problem, None, None, _searched(work), batch, work.away)
+
+
+def _searched(work: _Held) -> Found:
+    """Solutions from many starts, nearest to the reference first."""
+    problem = work.problem
+    starts = work.starts(problem.starts or 96)
+    solutions = []
+    for target in problem.target:
+        goals = np.broadcast_to(target, (len(starts), *target.shape))
+        q, _ = work.descend(goals, starts, 1.0, 80)
+        solutions.append(work.verified(q, target))
+    redundant = any(work.freedom(s.q[0]) for s in solutions if len(s.q))
+    if redundant:
+        solutions = [work.thinned(s) for s in solutions]
+    notes = (
+        [
+            f"The robot still moves with its tip held: {_SHOWN} at most of infinitely many solutions, nearest first."
+        ]
+        if redundant
+        else [
+            f"No closed form is known for this robot and task: what {len(starts)} starts found, perhaps not all."
+        ]
+    )
+    method = f"Levenberg–Marquardt from {len(starts)} starts, loops and tip together"
+    return Found(solutions, [[""] * len(s.q) for s in solutions], method, notes)
+
+
+@dataclass(frozen=True, eq=False)
+class _Held:
+    """A closed chain whose tip is held at targets."""
+
+    problem: Problem
+
+    @property
+    def seeker(self) -> Seeker:
+        """Frame and task."""
+        return self.problem.seeker
+
+    @cached_property
+    def plan(self) -> Decomposition | None:
+        """In dyads, for tasks that count a position in the plane, or a pose."""
+        model, task = self.seeker.model, self.seeker.task
+        if model.dim != 2 or task.rows not in ((0, 1), (0, 1, 2)):
+            return None
+        return decomposed(model, range(model.nq), self.seeker.frame, oriented=len(task.rows) == 3)
+
+    @cached_property
+    def rest(self) -> Array:
+        """Where coordinates start, and next to which they are wrapped (nq,)."""
+        return self.problem.reference
+
+    @cached_property
+    def _scales(self) -> tuple[Array, Array]:
+        """Of the tip's rows, of rates."""
+        model, task = self.seeker.model, self.seeker.task
+        linear = len(task.linear)
+        tip = np.array([1.0 / length(model)] * linear + [1.0] * (len(task.rows) - linear))
+        return tip, rate_scale(model)
+
+    def equations(self, q: Array, target: Array, weight: float = 1.0) -> tuple[Array, Array]:
+        """(what is missing (..., r + m), the Jacobian (..., r + m, nv)), scaled; loops count `weight` times."""
+        tip, rates = self._scales
+        T, J = self.seeker.pose_and_jacobian(q)
+        model = self.seeker.model
+        missing = [tip * self.seeker.task.error(T, target), -weight * scaled_residual(model, q)]
+        slopes = [tip[:, None] * J * rates, weight * scaled_jacobian(model, q)]
+        return np.concatenate(missing, axis=-1), np.concatenate(slopes, axis=-2)
+
+    def descend(self, target: Array, starts: Array, weight: float, iterations: int) -> tuple[Array, Array]:
+        """(q, what is left) from starts (N, nq) to targets (N, …)."""
+        _, rates = self._scales
+
+        def at(q: Array, rows: np.ndarray) -> tuple[Array, Array]:
+            return self.equations(q, target[rows], weight)
+
+        def move(q: Array, step: Array) -> Array:
+            return integrate(self.seeker.model, q, step * rates)
+
+        goal = 1e-14 if weight == 1.0 else 0.0
+        return descend(at, starts, move, goal=goal, iterations=iterations)
+
+    def starts(self, count: int) -> Array:
+        """(count, nq): the reference, some near it, and some anywhere."""
+        model = self.seeker.model
+        q, noise, _ = random_state(model, self.problem.seed, count)
+        if self.problem.q0 is not None:
+            near = max(1, count // 2)
+            spread = np.linspace(0.0, 0.5, near)[:, None]
+            q[:near] = integrate(model, np.tile(self.problem.q0, (near, 1)), spread * noise[:near])
+        return closing(model, q, range(model.nv))[0]
+
+    # ------------------------------------------------------------ solutions
+    def verified(self, q: Array, target: Array) -> Verified:
+        """Of candidates (k, nq) those that reach the target with all loops closed, polished, wrapped, each once."""
+        good = q[np.isfinite(q).all(axis=-1)]
+        goals = np.broadcast_to(target, (len(good), *target.shape))
+        good = self._polished(good, goals)
+        good = wrapped(self.seeker, good, self.rest)
+        miss = self.seeker.miss(good, goals) if len(good) else np.zeros(0)
+        rows = np.flatnonzero((miss <= EXACT) & self._closed(good))
+        order = rows[np.argsort(np.linalg.norm(good[rows] - self.rest, axis=-1), kind="stable")]
+        if self.plan is not None:
+            order = np.sort(rows)
+        kept: list[int] = []
+        for row in order:
+            if all(_apart(self.seeker.model, good[row], good[other]) > APART for other in kept):
+                kept.append(int(row))
+        return Verified(good[kept], miss[kept], np.array(kept, dtype=int))
+
+    def _closed(self, q: Array) -> np.ndarray:
+        model = self.seeker.model
+        if not len(q):
+            return np.zeros(0, dtype=bool)
+        left = np.abs(scaled_residual(model, q)).max(axis=-1, initial=0.0)
+        closed = (left <= _CLOSED) & within_tolerance(model, q).all(axis=-1)
+        return closed & ~backward(model, q).any(axis=-1)
+
+    def _polished(self, q: Array, target: Array) -> Array:
+        """q after Newton steps, each kept where it helped."""
+        _, rates = self._scales
+        for _ in range(4 if len(q) else 0):
+            e, E = self.equations(q, target)
+            step = (np.linalg.pinv(E, rcond=1e-9) @ e[..., None])[..., 0] * rates
+            trial = integrate(self.seeker.model, q, step)
+            after, _ = self.equations(trial, target)
+            better = np.linalg.norm(after, axis=-1) < np.linalg.norm(e, axis=-1)
+            q = np.where(better[:, None], trial, q)
+        return q
+
+    def freedom(self, q: Array) -> int:
+        """Motions that are left with the tip held."""
+        _, E = self.equations(q, self.seeker.pose_and_jacobian(q)[0])
+        return E.shape[-1] - int(np.linalg.matrix_rank(E, rtol=1e-8))
+
+    def thinned(self, s: Verified) -> Verified:
+        """A few of infinitely many."""
+        kept: list[int] = []
+        for row in range(len(s.q)):
+            if len(kept) < _SHOWN and all(_apart(self.seeker.model, s.q[row], s.q[k]) > ALIKE for k in kept):
+                kept.append(row)
+        return Verified(s.q[kept], s.miss[kept], s.row[kept])
+
+    # ------------------------------------------------------------ out of reach
+    def away(self, target: Array) -> tuple[Array, list[str]]:
+        """(m, a sentence) for targets (N, …) that cannot be reached: to the nearest closed position found."""
+        near = 1e-7 * length(self.seeker.model)
+        found = [self._nearest(goal) for goal in target]
+        sentences = []
+        for goal, (distance, turned) in zip(target, found, strict=True):
+            why = self.plan.obstacles(self.rest, goal[None]) if self.plan is not None else []
+            sentences.append(" ".join([self._sentence(distance, turned, near), *why]))
+        return np.array([d if d > near else 0.0 for d, _ in found]), sentences
+
+    def _nearest(self, target: Array) -> tuple[float, float]:
+        """(m, rad) that are missing at the nearest closed position found."""
+        model = self.seeker.model
+        q = self.starts(48)
+        goals = np.broadcast_to(target, (len(q), *target.shape))
+        for weight in _SETTLING:
+            q, _ = self.descend(goals, q, weight, 60)
+        q, _ = closing(model, q, range(model.nv))
+        open_by = gaps(model, scaled_residual(model, q)).max(axis=-1)
+        error = self.seeker.task.error(self.seeker.pose_and_jacobian(q)[0], goals)
+        k = len(self.seeker.task.linear)
+        parts = [np.linalg.norm(part, axis=-1) for part in (error[:, :k], error[:, k:])]
+        cost = np.where(open_by < 1e-9 * length(model), parts[0] + length(model) * parts[1], np.inf)
+        best = int(np.argmin(cost))
+        return float(parts[0][best]), float(parts[1][best])
+
+    def _sentence(self, distance: float, turned: float, near: float) -> str:
+        frame = f"frame {self.seeker.frame!r} of {self.seeker.model.name!r}"
+        if distance > near:
+            return f"Out of reach: the target is about {distance:.6g} m from what {frame} can reach with loops closed."
+        if turned > 1e-6:
+            return f"Out of reach: at the target {frame} is turned by at least about {turned:.6g} rad against it."
+        return f"No solution was found for {frame}, though the target lies at the edge of its reach."
+
+
+def _apart(model: Model, a: Array, b: Array) -> float:
+    """The largest difference of two positions, as rates, whole turns left out."""
+    return float(np.abs(rate_scale(model) * shortest_way(model, a, b)).max(initial=0.0))

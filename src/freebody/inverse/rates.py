@@ -1,0 +1,215 @@
+"""Inverse velocity (2.25) and acceleration (2.26): the rates of the joints that move a frame as wanted."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
+from freebody.errors import FreebodyError, FreebodyWarning, SingularError
+from freebody.inverse.chain import arm_length
+from freebody.inverse.task import row_names, rows_of
+from freebody.labels import aligned, labels_of
+from freebody.model.model import Model
+from freebody.model.required import require_model
+from freebody.trees.calls import Vector, common_batch, finite_vector
+from freebody.trees.kinematics import jacobian, jacobian_dot
+
+SINGULAR = 1e-10
+"""A ratio of smallest to largest singular value (lengths over the arm's) below which the Jacobian has no inverse."""
+
+
+def inverse_velocity(
+    model: Model,
+    q: Vector,
+    V: ArrayLike,
+    frame: str | None = None,
+    task: str | Sequence[str] | None = None,
+    damping: float | None = None,
+) -> Array:
+    """Joint rates q̇ (..., nv) with J q̇ = V (2.25).
+
+    q: (..., nq). V: velocity of the frame, linear (m/s) then angular (rad/s), world axes: (..., r) for the r rows of
+    the task, or (..., 6), (..., 3) in the plane, of which those rows are taken. task: "position", "orientation", "pose"
+    or rows by name; default by the length of V: dim entries are a position's, all rows a pose's. So a planar 2R takes
+    (ẋ, ẏ), the rows that make its J square. frame: default the tip.
+
+    With more joints than rows the q̇ of least norm; with fewer it is refused. Raises SingularError where J loses rank,
+    saying which direction is lost, unless `damping` is given (> 0, a singular value of J with lengths over the
+    arm's, such as 0.05): then singular values below it are damped, q̇ is exact elsewhere, and a FreebodyWarning says how
+    far off V is (Nakamura and Hanafusa 1986; Chiaverini 1997).
+    """
+    require_model("inverse_velocity", model)
+    model.require_tree("inverse_velocity", "fb.input_output(model, q).J")
+    return _solved("inverse_velocity", model, q, "V", V, None, frame, task, damping)
+
+
+def inverse_acceleration(
+    model: Model,
+    q: Vector,
+    qd: Vector,
+    A: ArrayLike,
+    frame: str | None = None,
+    task: str | Sequence[str] | None = None,
+    damping: float | None = None,
+) -> Array:
+    """Second rates q̈ (..., nv) with J q̈ + J̇ q̇ = A (2.26).
+
+    qd: (..., nv). A: acceleration of the frame, the time derivative of its velocity (m/s², rad/s²). All else as for
+    `inverse_velocity`.
+    """
+    require_model("inverse_acceleration", model)
+    model.require_tree("inverse_acceleration", "fb.input_output(model, q).J")
+    return _solved("inverse_acceleration", model, q, "A", A, qd, frame, task, damping)
+
+
+def _solved(
+    function: str,
+    model: Model,
+    q: Vector,
+    letter: str,
+    given: ArrayLike,
+    qd: Vector | None,
+    frame: str | None,
+    task: str | Sequence[str] | None,
+    damping: float | None,
+) -> Array:
+    if damping is not None and not damping > 0.0:
+        raise FreebodyError(f"{function}: damping is {damping}; it must be positive, such as 0.05, or None.")
+    name = model.frame(frame).name
+    rows, wanted = _wanted(function, model, letter, given, task)
+    J = jacobian(model, finite_vector(function, model, "q", q), name)[..., rows, :]
+    if qd is not None:
+        rates = finite_vector(function, model, "qd", qd)
+        drift = jacobian_dot(model, q, rates, name)[..., rows, :] @ rates[..., None]
+        common_batch(function, {"q": drift[..., 0], letter: wanted})
+        wanted = wanted - drift[..., 0]
+    batch = common_batch(function, {"q": J[..., 0], letter: wanted})
+    _refuse_too_few(function, model, name, J, rows)
+    return _inverted(
+        _Problem(function, model, name, rows, letter),
+        J,
+        np.broadcast_to(wanted, (*batch, len(rows))),
+        damping,
+    )
+
+
+def _wanted(
+    function: str, model: Model, letter: str, given: ArrayLike, task: str | Sequence[str] | None
+) -> tuple[list[int], Array]:
+    """The counted rows, and what is wanted of them (..., r)."""
+    given = aligned(function, letter, given, _row_labels(model, given, task), ("component", "axis"))
+    array = as_floats(function, letter, given)
+    six = 6 if model.dim == 3 else 3
+    size = array.shape[-1] if array.ndim else 0
+    if task is None:
+        if size not in (model.dim, six):
+            because = (
+                f"{model.dim} entries for the position, {six} for the pose; else name the rows with task="
+            )
+            check_core(function, letter, array, (six,), because)
+        task = "pose" if size == six else "position"
+    rows = list(rows_of(function, model, task))
+    if size != len(rows):
+        names = ", ".join(row_names(model.dim)[r] for r in rows)
+        check_core(function, letter, array, (six,), f"all rows, or {len(rows)} entries for {names}")
+        array = array[..., rows]
+    labels = [row_names(model.dim)[r] for r in rows]
+    refuse_not_finite(function, letter, array, 1, labels)
+    return rows, array
+
+
+def _row_labels(model: Model, given: Any, task: str | Sequence[str] | None) -> tuple[str, ...]:
+    """The rows that a vector by names has: all, those of the task, or where that is left open, of a position."""
+    names = row_names(model.dim)
+    if task is not None:
+        chosen = tuple(names[r] for r in rows_of("task", model, task))
+        return chosen if set(labels_of(given)) <= set(chosen) else names
+    return names if set(labels_of(given)) - set(names[: model.dim]) else names[: model.dim]
+
+
+class _Problem:
+    """Where a Jacobian comes from, for messages."""
+
+    def __init__(self, function: str, model: Model, frame: str, rows: list[int], letter: str):
+        self.function, self.letter = function, letter
+        self.frame = f"frame {frame!r} of {model.name!r}"
+        self.names = [row_names(model.dim)[r] for r in rows]
+        length = arm_length(model, frame)
+        self.scale = np.array([1.0 / length if r < model.dim else 1.0 for r in rows])
+
+
+def _refuse_too_few(function: str, model: Model, frame: str, J: Array, rows: list[int]) -> None:
+    moving = (
+        int((np.abs(J).max(axis=tuple(range(J.ndim - 1)), initial=0.0) > 0.0).sum()) if J.size else model.nv
+    )
+    if moving >= len(rows) or not J.size:
+        return
+    names = row_names(model.dim)
+    hint = 'task="position"' if moving >= model.dim else f"task={tuple(names[r] for r in rows[:moving])}"
+    raise SingularError(
+        f"{function}: {moving} joint coordinate{'s' if moving != 1 else ''} of {model.name!r} cannot give frame "
+        f"{frame!r} any motion in {len(rows)} rows ({', '.join(names[r] for r in rows)}); "
+        f"count as many rows at most, such as {hint}."
+    )
+
+
+def _inverted(problem: _Problem, J: Array, wanted: Array, damping: float | None) -> Array:
+    """Σ σ / (σ² + λ²) v uᵀ wanted, λ = 0 but near a singularity."""
+    U, sigma, Vt = np.linalg.svd(problem.scale[:, None] * J, full_matrices=False)
+    if sigma.shape[-1] == 0 or not wanted.size:
+        return np.zeros((*wanted.shape[:-1], J.shape[-1]))
+    singular = sigma[..., -1] <= SINGULAR * np.maximum(sigma[..., 0], 1e-300)
+    if damping is None:
+        if np.any(singular):
+            _refuse_singular(problem, U, np.asarray(singular))
+        gain = 1.0 / sigma
+    else:
+        short = np.maximum(1.0 - (sigma / damping) ** 2, 0.0)
+        gain = sigma / (sigma**2 + damping**2 * short)
+    parts = np.swapaxes(U, -1, -2) @ (problem.scale * wanted)[..., None]
+    rates = (np.swapaxes(Vt, -1, -2) @ (gain[..., None] * parts))[..., 0]
+    if damping is not None:
+        _say_damped(problem, J, rates, wanted)
+    return rates
+
+
+def _refuse_singular(problem: _Problem, U: Array, singular: np.ndarray) -> None:
+    at = tuple(int(i) for i in np.argwhere(singular)[0]) if np.ndim(singular) else ()
+    where = f" at sample {at[0] if len(at) == 1 else at}" if at else ""
+    lost = U[(*at, slice(None), -1)] * problem.scale  # lost · J = 0
+    lost = lost / lost[np.argmax(np.abs(lost))]
+    raise SingularError(
+        f"{problem.function}: the Jacobian is singular{where}: {problem.frame} has lost a direction, every motion that "
+        f"the joints can give it has {_linear(lost, problem.names)} = 0. Leave out a row (task=), or give damping=0.05 "
+        "for the nearest that is possible."
+    )
+
+
+def _linear(factors: Array, names: list[str]) -> str:
+    """vx + 0.309 vy - 2 w."""
+    text = ""
+    for factor, name in zip(factors, names, strict=True):
+        if abs(factor) > 1e-9:
+            size = "" if f"{abs(factor):.3g}" == "1" else f"{abs(factor):.3g} "
+            sign = (" - " if factor < 0 else " + ") if text else ("-" if factor < 0 else "")
+            text += f"{sign}{size}{name}"
+    return text
+
+
+def _say_damped(problem: _Problem, J: Array, rates: Array, wanted: Array) -> None:
+    off = np.abs((J @ rates[..., None])[..., 0] - wanted)
+    worst = float(off.max())
+    if worst > 1e-9 * max(1.0, float(np.abs(wanted).max())):
+        at = [int(i) for i in np.unravel_index(int(np.argmax(off)), off.shape)]
+        where = f" at sample {at[0] if len(at) == 2 else tuple(at[:-1])}" if len(at) > 1 else ""
+        warnings.warn(
+            f"{problem.function}: damped near a singularity: {problem.frame} gets {problem.letter} but for "
+            f"{worst:.3g} in {problem.names[at[-1]]}{where}.",
+            FreebodyWarning,
+            stacklevel=5,
+        )

@@ -1,0 +1,132 @@
+"""Inverse kinematics from many starts: for arms without a closed form, and to polish what a closed form gave."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from freebody.algorithms.kinematics import ancestors
+from freebody.arrays import Array
+from freebody.inverse.chain import arm_length
+from freebody.inverse.descent import descend
+from freebody.inverse.task import Task
+from freebody.kernels import lookup
+from freebody.kernels.formulas import Option
+from freebody.lazy import cached_property
+from freebody.model.model import Model
+from freebody.trees.states import generic_state, integrate
+
+EXACT = 1e-10
+"""A solution reproduces its target this well (m and rad)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Seeker:
+    """A frame of a model and a task for it."""
+
+    model: Model
+    frame: str
+    task: Task
+
+    @cached_property
+    def length(self) -> float:
+        """Length of the arm (m): what a radian is worth."""
+        return arm_length(self.model, self.frame)
+
+    @cached_property
+    def bounds(self) -> tuple[Array, Array]:
+        """Lower and upper limits (nq,); infinite where there are none."""
+        low, high = np.full(self.model.nq, -np.inf), np.full(self.model.nq, np.inf)
+        for body, at in zip(self.model.bodies, self.model.coordinates, strict=True):
+            if body.joint.mimic is None and body.kind.nq == 1:
+                limits = body.joint.limits.meant
+                low[at.q[0]], high[at.q[0]] = limits.lower, limits.upper
+        return low, high
+
+    @cached_property
+    def moving(self) -> np.ndarray:
+        """Which entries of q move the frame (nq,)."""
+        tree = self.model.tree
+        mask = np.zeros(self.model.nq, dtype=bool)
+        for i in ancestors(tree, tree.frames[self.frame][0]):
+            mask[list(tree.bodies[i].coordinates.q)] = True
+        return mask
+
+    @cached_property
+    def freedom(self) -> int:
+        """How many coordinates move the frame beyond those that the task takes, at most poses."""
+        q, _, _ = generic_state(self.model, 0, 8)
+        J = self.pose_and_jacobian(q)[1] / self.length
+        used = int((np.abs(J).max(axis=(0, 1)) > 1e-12).sum())
+        return used - int(np.linalg.matrix_rank(J, rtol=1e-9).max())
+
+    @cached_property
+    def _kernel(self) -> Callable[..., tuple[Array, Array]]:
+        names = ("forward_kinematics", "jacobian")
+        return lookup.fetch(self.model, names, Option(self.frame))
+
+    def pose_and_jacobian(self, q: Array) -> tuple[Array, Array]:
+        """T (..., dim + 1, dim + 1) and the counted rows of J (..., r, nv) at q (..., nq)."""
+        T, J = self._kernel(q)
+        return T, J[..., list(self.task.rows), :]
+
+    def miss(self, q: Array, target: Array) -> Array:
+        """How far q (..., nq) is from the targets, by forward kinematics: m or rad, the larger."""
+        return self.task.miss(self.pose_and_jacobian(q)[0], target)
+
+    def moved(self, q: Array, step: Array) -> Array:
+        """q moved along a step (..., nv)."""
+        return q + step if self.model.nq == self.model.nv else integrate(self.model, q, step)
+
+    def seek(
+        self, target: Array, starts: Array, *, within: bool = False, weight: float = 1.0, iterations: int = 60
+    ) -> tuple[Array, Array]:
+        """(q, scaled residual) from starts (N, nq) to targets (N, …); `within` keeps to the limits; the orientation
+        counts `weight` times."""
+        k = len(self.task.linear)
+        scale = np.array([1.0 / self.length] * k + [weight] * (len(self.task.rows) - k))
+
+        def residual(q: Array, rows: np.ndarray) -> tuple[Array, Array]:
+            T, J = self.pose_and_jacobian(q)
+            return scale * self.task.error(T, target[rows]), scale[:, None] * J
+
+        def move(q: Array, step: Array) -> Array:
+            moved = self.moved(q, step)
+            return np.clip(moved, *self.bounds) if within else moved
+
+        goal = 1e-3 * EXACT if weight == 1.0 else 0.0
+        return descend(residual, starts, move, goal=goal, iterations=iterations)
+
+    def polished(self, q: Array, target: Array) -> tuple[Array, Array]:
+        """(q, miss) after Newton steps, each kept where it helped; q (N, nq), target (N, …)."""
+        miss = self.miss(q, target)
+        for _ in range(3):
+            T, J = self.pose_and_jacobian(q)
+            step = np.linalg.pinv(J, rcond=1e-7) @ self.task.error(T, target)[..., None]
+            trial = self.moved(q, step[..., 0])
+            after = self.miss(trial, target)
+            better = after < miss
+            if not better.any():
+                break
+            q, miss = np.where(better[:, None], trial, q), np.where(better, after, miss)
+        return q, miss
+
+    def settled(self, q: Array, target: Array, towards: Array, within: bool) -> Array:
+        """q (N, nq) slid along the solutions of a redundant arm as near to `towards` (nq,) as can be."""
+        slid = q
+        for _ in range(40):
+            T, J = self.pose_and_jacobian(slid)
+            inverse = np.linalg.pinv(J, rcond=1e-6)
+            wish = towards - slid
+            own = inverse @ (self.task.error(T, target)[..., None] - J @ wish[..., None])
+            slid = slid + 0.5 * (wish + own[..., 0])
+            if within:
+                slid = np.clip(slid, *self.bounds)
+        slid, miss = self.polished(slid, target)
+        good = miss <= EXACT
+        if within:
+            low, high = self.bounds
+            good &= ((slid >= low) & (slid <= high)).all(axis=-1)
+        return np.where(good[:, None], slid, q)

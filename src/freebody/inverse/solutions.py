@@ -1,0 +1,146 @@
+"""The solutions of an inverse kinematics problem, and how candidates become solutions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.inverse.seek import EXACT, Seeker
+from freebody.model.model import Model
+from freebody.values import ByValue
+
+_OUTSIDE = "  (outside the limits)"
+APART = 1e-6
+"""Joint positions nearer than this (rad, m) are one solution."""
+ALIKE = 1e-2
+"""Solutions of a redundant arm nearer than this (rad, m) are one: they are samples of a continuum."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solutions(ByValue):
+    """What `inverse_kinematics` found for one target, or for a batch of them (...).
+
+    q: (k, nq), one row a solution; of a batch (..., k, nq), k the largest number, NaN where a target has fewer.
+    branches: (..., k) names such as "elbow up"; "" where there is no name or no solution.
+    residual: (..., k), by forward kinematics, the larger of m and rad. within_limits: (..., k).
+    distance: (...) from the workspace, m; 0 where there are solutions, or only the orientation cannot be had.
+    method: what was done. notes: what else is worth knowing, such as joints that could stand anywhere.
+    """
+
+    q: Array
+    branches: np.ndarray
+    residual: Array
+    within_limits: np.ndarray
+    distance: Array
+    method: str
+    notes: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        """Solutions of the target, or of that with most."""
+        return self.q.shape[-2]
+
+    @property
+    def count(self) -> np.ndarray:
+        """How many solutions each target has (...)."""
+        return np.isfinite(self.residual).sum(axis=-1)
+
+    def __str__(self) -> str:
+        if self.q.ndim > 2:
+            least = int(self.count.min()) if self.count.size else 0
+            head = f"{self.q.shape[:-2]} targets, {least} to {len(self)} solutions each"
+            return "\n".join([f"{head}; {self.method}", *self.notes])
+        rows = []
+        for q, name, fine in zip(self.q, self.branches, self.within_limits, strict=True):
+            shown = np.array2string(q, precision=6, suppress_small=True, max_line_width=200)
+            rows.append(f"  {shown}  {name}{_OUTSIDE * (not fine)}".rstrip())
+        found = f"{len(self)} solution{'' if len(self) == 1 else 's'}"
+        return "\n".join([f"{found}; {self.method}", *rows, *self.notes])
+
+
+@dataclass(frozen=True, eq=False)
+class Verified:
+    """The solutions of one target: q (k, nq), misses (k,), and the rows of the candidates that they came from."""
+
+    q: Array
+    miss: Array
+    row: np.ndarray
+
+
+def verified(
+    seeker: Seeker, q: Array, target: Array, reference: Array, apart: float = APART
+) -> list[Verified]:
+    """Of candidates q (N, k, nq) for targets (N, …) those that reach them, polished, wrapped, each once.
+
+    Positions nearer to each other than `apart` (rad, m) count as one.
+    """
+    N, k, nq = q.shape
+    flat, goals = q.reshape(-1, nq), np.repeat(target, k, axis=0)
+    good = np.flatnonzero(np.isfinite(flat).all(axis=-1))
+    miss = np.full(N * k, np.inf)
+    if len(good):
+        near = good[seeker.miss(flat[good], goals[good]) < 1e-4 * max(1.0, seeker.length)]
+        if len(near):
+            flat = flat.copy()
+            flat[near], miss[near] = seeker.polished(flat[near], goals[near])
+            flat[near] = wrapped(seeker, flat[near], reference)
+            miss[near] = seeker.miss(flat[near], goals[near])
+    results = []
+    for i in range(N):
+        rows = np.arange(i * k, (i + 1) * k)
+        rows = _distinct(seeker.model, flat, rows[miss[rows] <= EXACT], apart)
+        results.append(Verified(flat[rows], miss[rows], rows - i * k))
+    return results
+
+
+def wrapped(seeker: Seeker, q: Array, reference: Array) -> Array:
+    """Angles of q (N, nq) moved by whole turns: into their limits where that can be, and there next to `reference`."""
+    q = q.copy()
+    low, high = seeker.bounds
+    for body, at in zip(seeker.model.bodies, seeker.model.coordinates, strict=True):
+        if body.joint.mimic is not None or body.kind.name not in ("revolute", "continuous"):
+            continue
+        k, turn = at.q[0], 2 * np.pi
+        if not _repeats(seeker.model, k):
+            continue
+        x = q[:, k] - turn * np.round((q[:, k] - reference[k]) / turn)
+        with np.errstate(invalid="ignore"):
+            up = turn * np.ceil(np.maximum(low[k] - x - 1e-9, 0.0) / turn) if np.isfinite(low[k]) else 0.0
+            down = turn * np.ceil(np.maximum(x - high[k] - 1e-9, 0.0) / turn) if np.isfinite(high[k]) else 0.0
+        moved = x + up - down
+        q[:, k] = np.where((moved >= low[k] - 1e-9) & (moved <= high[k] + 1e-9), moved, x)
+    return q
+
+
+def _repeats(model: Model, k: int) -> bool:
+    """Whether a whole turn of coordinate k changes nothing: all that follow it do so a whole number of times."""
+    return all(at.ratio == round(at.ratio) for at in model.coordinates if at.q == (k,))
+
+
+def _distinct(model: Model, q: Array, rows: np.ndarray, apart: float) -> np.ndarray:
+    """Of rows of q the first of those that are one position."""
+    kept: list[int] = []
+    turning = turning_coordinates(model)
+    for row in rows:
+        ways = [q[row] - q[other] for other in kept]
+        for way in ways:
+            way[turning] -= 2 * np.pi * np.round(way[turning] / (2 * np.pi))
+        if all(np.abs(way).max(initial=0.0) > apart for way in ways):
+            kept.append(int(row))
+    return np.array(kept, dtype=int)
+
+
+def turning_coordinates(model: Model) -> np.ndarray:
+    """Which entries of q are angles that repeat (nq,)."""
+    mask = np.zeros(model.nq, dtype=bool)
+    for body, at in zip(model.bodies, model.coordinates, strict=True):
+        if body.joint.mimic is None and body.kind.name in ("revolute", "continuous"):
+            mask[at.q[0]] = _repeats(model, at.q[0])
+    return mask
+
+
+def within(seeker: Seeker, q: Array) -> np.ndarray:
+    """Whether q (..., nq) lies within the limits, to rounding."""
+    low, high = seeker.bounds
+    return np.asarray(((q >= low - 1e-9) & (q <= high + 1e-9)).all(axis=-1))

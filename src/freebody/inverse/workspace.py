@@ -1,0 +1,95 @@
+"""How far a target is out of reach, and what to say about it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.inverse.chain import Screw
+from freebody.inverse.closed_form import Displacement, Form
+from freebody.inverse.descent import descend
+from freebody.inverse.seek import Seeker
+from freebody.inverse.task import Task
+from freebody.trees.states import random_state
+
+_STARTS = 48
+_NEAR = 1e-7  # nearer than this (in arm lengths) is reached
+
+
+def distances(
+    seeker: Seeker, form: Form | None, X: Displacement | None, target: Array
+) -> tuple[Array, list[str]]:
+    """(m, a sentence) for targets (N, …) without solution; the distance is 0 where only the orientation is wrong."""
+    if not seeker.task.linear:
+        count = len(target)
+        return np.zeros(count), ["The frame cannot be turned so."] * count
+    near = _NEAR * seeker.length
+    chained = form.reached(X) if form is not None and X is not None else None
+    if chained is not None:
+        away = distance_of_points(*chained, seeker.length)
+        how = ""
+    else:
+        away, turned = _nearest(seeker, target)
+        how = "about "
+        if seeker.task.angular and (turned > 1e-6).any():
+            places = replace(seeker, task=Task(seeker.task.dim, seeker.task.linear))
+            away = np.where(turned > 1e-6, _nearest(places, target)[0], away)
+    return np.where(away > near, away, 0.0), [_sentence(seeker, d, d > near, how) for d in away]
+
+
+def _sentence(seeker: Seeker, distance: float, out: bool, how: str) -> str:
+    frame = f"frame {seeker.frame!r} of {seeker.model.name!r}"
+    if out:
+        oriented = " with this orientation" if seeker.task.angular else ""
+        return f"Out of reach: the target is {how}{distance:.6g} m from what {frame} can reach{oriented}."
+    if seeker.task.angular:
+        return (
+            f"The position is within reach of {frame}, but not with this orientation; "
+            'task="position" leaves the orientation free.'
+        )
+    return f"No solution was found for {frame}, though the target lies at the edge of its reach."
+
+
+def distance_of_points(screws: tuple[Screw, ...], c: Array, points: Array, length: float) -> Array:
+    """Distances (N,) of points (N, 3) from all that the screws can bring c (3,) to: the least of many descents."""
+    n = len(screws)
+    if n == 0:
+        return np.zeros(len(points))
+    rng = np.random.default_rng(1)
+    angles = rng.uniform(-np.pi, np.pi, size=(_STARTS, n))
+    slides = np.array([not s.turning for s in screws])
+    angles[:, slides] *= length / np.pi
+    starts = np.tile(angles, (len(points), 1))
+    goals = np.repeat(points, _STARTS, axis=0)
+
+    def residual(x: Array, rows: np.ndarray) -> tuple[Array, Array]:
+        p = np.broadcast_to(c, (len(x), 3))
+        columns: list[Array] = []
+        for i in reversed(range(n)):
+            columns = [screws[i].turned(x[:, i], v) for v in columns]
+            p = screws[i].moved(x[:, i], p)
+            columns.insert(0, _speed(screws[i], p))
+        return (goals[rows] - p) / length, np.stack(columns, axis=-1) / length
+
+    _, cost = descend(residual, starts, goal=1e-14, iterations=200)
+    return length * cost.reshape(len(points), _STARTS).min(axis=-1)
+
+
+def _speed(screw: Screw, p: Array) -> Array:
+    """Velocity (N, 3) of points when a screw moves at unit rate."""
+    return np.cross(screw.w, p - screw.p) if screw.turning else np.broadcast_to(screw.w, p.shape)
+
+
+def _nearest(seeker: Seeker, target: Array) -> tuple[Array, Array]:
+    """(distance, angle) left (N,) by the best of many descents in which an angle counts a thousandfold."""
+    q, _, _ = random_state(seeker.model, 1, _STARTS)
+    starts, goals = np.tile(q, (len(target), 1)), np.repeat(target, _STARTS, axis=0)
+    q, cost = seeker.seek(goals, starts, weight=30.0, iterations=60)
+    q, cost = seeker.seek(goals, q, weight=1000.0, iterations=100)
+    best = np.argmin(cost.reshape(len(target), _STARTS), axis=-1)
+    q = q.reshape(len(target), _STARTS, -1)[np.arange(len(target)), best]
+    error = seeker.task.error(seeker.pose_and_jacobian(q)[0], target)
+    k = len(seeker.task.linear)
+    return np.linalg.norm(error[:, :k], axis=-1), np.linalg.norm(error[:, k:], axis=-1)

@@ -1,0 +1,23 @@
+"""What closed chains do where trees take a kernel as it stands: the one way from here into their room."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+_PLACES = {
+    "inverse_dynamics": ("freebody.loops.dynamics", "inverse"),
+    "forward_dynamics": ("freebody.loops.dynamics", "forward"),
+    "static_torque": ("freebody.loops.dynamics", "holding"),
+    "joint_wrenches": ("freebody.loops.reactions", "reactions"),
+    "independent_rows": ("freebody.loops.dynamics", "independent_rows"),
+}
+
+
+@cache
+def closed(name: str) -> Callable[..., Any]:
+    """The function of that name for models with loops, imported when the first of these comes."""
+    module, function = _PLACES[name]
+    return getattr(importlib.import_module(module), function)

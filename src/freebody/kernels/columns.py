@@ -1,0 +1,145 @@
+"""Large square matrices column by column, by programs whose length grows with the robot and not with its square.
+
+Straight-line code for the n² entries of M, C or a derivative would take minutes to compile from some hundred joints on.
+Beyond `LARGEST` coordinates each column is one evaluation of the matrix times a unit vector, all columns in one batch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from freebody.arrays import Array, as_floats, check_core
+from freebody.errors import ShapeError
+from freebody.program import Argument
+from freebody.targets import KernelError
+from freebody.targets.sound import sound
+
+LARGEST = 64
+"""Coordinates up to which a matrix is one straight-line program."""
+
+Fetch = Callable[[str], Any]
+"""Name of a formula -> its kernel."""
+
+
+class ColumnKernel:
+    """Called like a `Kernel` of the same formula: (..., n) inputs, (..., n, n) outputs."""
+
+    def __init__(self, name: str, inputs: tuple[Argument, ...], n: int, fetch: Fetch):
+        self.name, self.inputs, self.n, self.fetch = name, inputs, n, fetch
+
+    def __call__(self, *arrays: ArrayLike, out: Any = None, threads: int | None = None) -> Any:
+        """The matrix, or the tuple of them; `out` receives copies. Refuses what a `Kernel` refuses."""
+        self._check(arrays)
+        given = [np.asarray(a, dtype=float)[..., None, :] for a in arrays]
+        results = BY_COLUMNS[self.name](given, self.n, self.fetch, threads)
+        results = tuple(np.swapaxes(columns, -1, -2) for columns in results)
+        if out is not None:
+            targets: tuple[Array, ...] = out if isinstance(out, tuple) else (out,)
+            for target, result in zip(targets, results, strict=True):
+                if target.shape != result.shape:
+                    raise ShapeError(self.name, "out", target.shape, str(result.shape))
+                np.copyto(target, result, casting="same_kind")
+            results = targets
+        return results[0] if len(results) == 1 else results
+
+    def checked(self, *arrays: ArrayLike) -> Any:
+        """See `Kernel.checked`."""
+        return sound(self, arrays)
+
+    def _check(self, arrays: tuple[ArrayLike, ...]) -> None:
+        if len(arrays) != len(self.inputs):
+            wanted = ", ".join(map(str, self.inputs))
+            raise KernelError(
+                f"{self.name}: {len(arrays)} arguments given, expected {len(self.inputs)}: {wanted}."
+            )
+        for argument, array in zip(self.inputs, arrays, strict=True):
+            given = as_floats(self.name, argument.name, array)
+            check_core(self.name, argument.name, given, argument.shape, "")
+
+    def __repr__(self) -> str:
+        return f"ColumnKernel({self.name}: {', '.join(map(str, self.inputs))}; n = {self.n})"
+
+
+class KernelList:
+    """Several quantities of a large robot behind one call, each part a kernel of its own.
+
+    Called like a `Kernel` of them all; only, a sample has NaN in the quantities whose own inputs are not finite.
+    """
+
+    def __init__(self, inputs: tuple[Argument, ...], parts: list[tuple[Any, list[str], list[int]]]):
+        """parts: kernel, names of its inputs, and which outputs of the whole its outputs are."""
+        self.inputs, self.parts = inputs, parts
+
+    def __call__(
+        self, *arrays: ArrayLike, out: tuple[Array, ...] | None = None, threads: int | None = None
+    ) -> Any:
+        """The outputs in order; refuses what a `Kernel` refuses."""
+        if len(arrays) != len(self.inputs):
+            wanted = ", ".join(map(str, self.inputs))
+            raise KernelError(f"{len(arrays)} arguments given, expected {len(self.inputs)}: {wanted}.")
+        cores = [len(argument.shape) for argument in self.inputs]
+        values = [np.asarray(array) for array in arrays]
+        batch = np.broadcast_shapes(*(x.shape[: x.ndim - n] for x, n in zip(values, cores, strict=True)))
+        given = {
+            argument.name: np.broadcast_to(x, batch + x.shape[x.ndim - len(argument.shape) :])
+            for argument, x in zip(self.inputs, values, strict=True)
+        }
+        results: dict[int, Array] = {}
+        for kernel, names, places in self.parts:
+            into = None if out is None else tuple(out[k] for k in places)
+            found = kernel(*(given[name] for name in names), out=into, threads=threads)
+            results |= zip(places, found if isinstance(found, tuple) else (found,), strict=True)
+        return tuple(results[k] for k in sorted(results))
+
+    def checked(self, *arrays: ArrayLike) -> Any:
+        """See `Kernel.checked`."""
+        return sound(self, arrays)
+
+    def __repr__(self) -> str:
+        return f"KernelList({', '.join(repr(kernel) for kernel, _, _ in self.parts)})"
+
+
+def _mass(given: list[Array], n: int, fetch: Fetch, threads: int | None) -> tuple[Array, ...]:
+    (q,) = given
+    return (fetch("mass_product")(q, np.eye(n), threads=threads),)
+
+
+def _coriolis(given: list[Array], n: int, fetch: Fetch, threads: int | None) -> tuple[Array, ...]:
+    q, qd = given
+    return (fetch("coriolis_product")(q, qd, np.eye(n), threads=threads),)
+
+
+def _inverse_derivatives(given: list[Array], n: int, fetch: Fetch, threads: int | None) -> tuple[Array, ...]:
+    q, qd, qdd = given
+    along, still, units = fetch("inverse_dynamics_along"), np.zeros(n), np.eye(n)
+    by_q = along(q, qd, qdd, units, still, threads=threads)
+    by_qd = along(q, qd, qdd, still, units, threads=threads)
+    return by_q, by_qd, *_mass([q], n, fetch, threads)
+
+
+def _forward_derivatives(given: list[Array], n: int, fetch: Fetch, threads: int | None) -> tuple[Array, ...]:
+    q, qd, tau = given
+    qdd = fetch("forward_dynamics")(q, qd, tau, threads=threads)
+    by_q, by_qd, M = (np.swapaxes(x, -1, -2) for x in _inverse_derivatives([q, qd, qdd], n, fetch, threads))
+    inverse: Array = np.asarray(np.linalg.inv(M), dtype=np.float64)
+    results: tuple[Array, ...] = (-inverse @ by_q, -inverse @ by_qd, inverse)
+    return tuple(np.swapaxes(x, -1, -2) for x in results)
+
+
+def _inverse_mass(given: list[Array], n: int, fetch: Fetch, threads: int | None) -> tuple[Array, ...]:
+    inverse: Array = np.asarray(np.linalg.inv(_mass(given, n, fetch, threads)[0]), dtype=np.float64)
+    return (inverse,)
+
+
+BY_COLUMNS: dict[str, Callable[[list[Array], int, Fetch, int | None], tuple[Array, ...]]] = {
+    "mass_matrix": _mass,
+    "mass_matrix_inverse": _inverse_mass,
+    "coriolis_matrix": _coriolis,
+    "inverse_dynamics_derivatives": _inverse_derivatives,
+    "forward_dynamics_derivatives": _forward_derivatives,
+}
+"""Matrices known by columns: each function returns arrays (..., column, row)."""

@@ -1,0 +1,280 @@
+"""From a model and the name of a formula to its kernel, or to its value over plain arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from freebody.algorithms.regressor import parameter_values
+from freebody.arrays import Array
+from freebody.errors import FreebodyError, UnknownNameError
+from freebody.kernels.closed_chains import closed
+from freebody.kernels.columns import BY_COLUMNS, LARGEST, ColumnKernel, KernelList
+from freebody.kernels.formulas import FORMULAS, OF_TREES, POSITIONS, Option
+from freebody.model.model import Model
+from freebody.program import Argument, Program, trace
+from freebody.targets import Kernel, compile_program
+
+
+def kernel(
+    model: Model,
+    names: str | Sequence[str],
+    *,
+    frame: str | None = None,
+    reference: str = "world",
+    wrench_frames: Sequence[str] = (),
+    rows: Sequence[str] | None = None,
+    backend: str | None = None,
+    width: int | None = None,
+) -> Kernel | ColumnKernel | KernelList:
+    """The compiled function for one quantity, or for several that share their work.
+
+    model: with all values. names: among "inverse_dynamics", "forward_dynamics", "mass_matrix", "jacobian", … or a list.
+    frame: for kinematic quantities (default: the tip). reference: "world" or "body" axes (for joint wrenches "child").
+    rows: of operational space, among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy", "w"; default all).
+    wrench_frames: frames that carry external wrenches; each becomes a further input (..., 6): wrench0, wrench1, … in
+    their order.
+    Returns k(q, qd, …, out=None, threads=None), which broadcasts like a NumPy ufunc, lets NaN through and checks no
+    names; its inputs are those of the quantities, in the order q, qd, qdd, tau, wrenches, and its outputs in the order
+    of `names`. The forward dynamics of a closed chain takes its state to be closed, and is not defined at singular
+    positions, where `fb.forward_dynamics` is. Raises UnknownNameError.
+    """
+    listed, option = chosen_option(
+        model, names, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows
+    )
+    if model.loops and "forward_dynamics" in listed:
+        # one kernel has to do for all positions: equations that depend on others at home are left out
+        option = option._replace(equations=closed("independent_rows")(model))
+    return fetch(model, listed, option, backend, width)
+
+
+def chosen_option(
+    model: Model,
+    names: str | Sequence[str],
+    *,
+    frame: str | None = None,
+    reference: str = "world",
+    wrench_frames: Sequence[str] = (),
+    rows: Sequence[str] | None = None,
+) -> tuple[tuple[str, ...], Option]:
+    """The names as a tuple and the structure that is meant, checked; arguments as for `kernel`."""
+    listed = (names,) if isinstance(names, str) else tuple(names)
+    for name in listed:
+        if name not in FORMULAS:
+            raise UnknownNameError("quantity", name, "fb.kernel", FORMULAS)
+        if name in OF_TREES:
+            model.require_tree(f"kernel: {name}")
+    if not listed:
+        raise FreebodyError("fb.kernel: give at least one quantity.")
+    references = ("world", "child") if listed == ("joint_wrenches",) else ("world", "body")
+    if reference not in references:
+        raise UnknownNameError("reference", reference, "reference=", references)
+    needs_frame = any(name in _FRAMED for name in listed)
+    _require_used(listed, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows)
+    option = Option(
+        model.frame(frame).name if needs_frame or frame is not None else None,
+        reference,
+        tuple(model.frame(f).name for f in wrench_frames),
+        rows=motion_rows(model, rows),
+    )
+    return listed, option
+
+
+def motion_rows(model: Model, rows: Sequence[str] | None) -> tuple[int, ...]:
+    """Indices of rows of a frame's motion by name; None is all of them."""
+    names = ("vx", "vy", "vz", "wx", "wy", "wz") if model.dim == 3 else ("vx", "vy", "w")
+    if rows is not None and (isinstance(rows, str) or not len(rows) or len(set(rows)) < len(rows)):
+        raise FreebodyError(f"rows is {rows!r}, expected one or several of {', '.join(names)}, each once.")
+    for row in rows or ():
+        if row not in names:
+            raise UnknownNameError("row", row, "rows=", names)
+    return tuple(names.index(row) for row in (names if rows is None else rows))
+
+
+_FRAMED = (
+    "forward_kinematics",
+    "velocity",
+    "acceleration",
+    "jacobian",
+    "jacobian_dot",
+    "jacobian_derivatives",
+    "operational_space_inertia",
+    "operational_space_bias",
+)
+_USED_BY = {
+    "frame": _FRAMED,
+    "reference": ("jacobian", "jacobian_dot", "jacobian_derivatives", "joint_wrenches"),
+    "wrench_frames": tuple(name for name, formula in FORMULAS.items() if "wrenches" in formula.inputs),
+    "rows": ("operational_space_inertia", "operational_space_bias"),
+}
+"""Quantities that an option is for."""
+
+
+def _require_used(listed: Sequence[str], **given: Any) -> None:
+    """Refuse an option that none of the quantities uses."""
+    for name, value in given.items():
+        used = _USED_BY[name]
+        if value not in (None, (), "world") and len(value) and not set(used) & set(listed):
+            raise FreebodyError(
+                f"fb.kernel: {name}={value!r} has no meaning for {', '.join(listed)}; it is for {', '.join(used)}."
+            )
+
+
+SMALL = 12
+"""Coordinates up to which two ways to the same values are both traced."""
+
+_ORDER = ("q", "q0", "q1", "qd", "qdd", "v", "tau", "x", "dq", "dqd", "multipliers", "point")
+
+
+def fetch(
+    model: Model, names: tuple[str, ...], option: Option, backend: str | None = None, width: int | None = None
+) -> Kernel | ColumnKernel | KernelList:
+    """The kernel, compiled on first use and kept as long as the model."""
+    key = (names, option, backend, width)
+    found = model.compiled.get(key)
+    if found is None:
+        if model.nv > LARGEST and len(names) == 1 and names[0] in BY_COLUMNS:
+            (name,) = names
+            found = ColumnKernel(
+                name,
+                arguments(model, names, option),
+                model.nv,
+                lambda part: fetch(model, (part,), Option(), backend, width),
+            )
+        elif model.nv > LARGEST and any(name in BY_COLUMNS for name in names):
+            found = _in_parts(model, names, option, lambda some: fetch(model, some, option, backend, width))
+        else:
+            found = compile_program(program(model, names, option), backend=backend, width=width)
+        model.compiled[key] = found
+    return found
+
+
+def _in_parts(
+    model: Model, names: tuple[str, ...], option: Option, fetch_some: Callable[[tuple[str, ...]], Any]
+) -> KernelList:
+    """Quantities by columns each alone, all others in one program that shares their work."""
+    together = tuple(name for name in names if name not in BY_COLUMNS)
+    groups = [(name,) for name in names if name in BY_COLUMNS] + ([together] if together else [])
+    first, places = 0, {}
+    for name in names:
+        places[name] = list(range(first, first + len(FORMULAS[name].outputs)))
+        first += len(FORMULAS[name].outputs)
+    parts = [
+        (
+            fetch_some(some),
+            [a.name for a in arguments(model, some, option)],
+            [k for x in some for k in places[x]],
+        )
+        for some in groups
+    ]
+    return KernelList(arguments(model, names, option), parts)
+
+
+def program(model: Model, names: tuple[str, ...], option: Option) -> Program:
+    """What the formulas do to scalars, for this model."""
+    tree = model.tree
+    inputs = arguments(model, names, option)
+    labels = [a.name for a in inputs]
+    outputs = tuple(
+        Argument(f"{name}_{label}" if len(names) > 1 else label, _shape(model, dims, option))
+        for name in names
+        for label, dims in FORMULAS[name].outputs.items()
+    )
+
+    def traced(ways: dict[str, Callable[..., tuple[Any, ...]]]) -> Program:
+        def evaluate(*values: Any) -> tuple[Any, ...]:
+            given = dict(zip(labels, values, strict=True))
+            return tuple(
+                x for name in names for x in ways[name](tree, option, **_chosen(name, given, option))
+            )
+
+        return trace("_".join(names), evaluate, inputs, outputs)
+
+    first = traced({name: FORMULAS[name].evaluate for name in names})
+    others = {name: FORMULAS[name].another or FORMULAS[name].evaluate for name in names}
+    if model.nv > SMALL or all(FORMULAS[name].another is None for name in names):
+        return first
+    return min(first, traced(others), key=lambda program: sum(program.operations.values()))
+
+
+def reference(model: Model, name: str, option: Option, *arrays: Array) -> Array | tuple[Array, ...]:
+    """The formula run on NumPy arrays instead of the compiled kernel; arguments and results as for the kernel."""
+    inputs = arguments(model, (name,), option)
+    batch = np.broadcast_shapes(
+        *(a.shape[: a.ndim - len(argument.shape)] for a, argument in zip(arrays, inputs, strict=True))
+    )
+    given = {
+        argument.name: _scalars(np.broadcast_to(a, batch + argument.shape), len(argument.shape))
+        for argument, a in zip(inputs, arrays, strict=True)
+    }
+    formula = FORMULAS[name]
+    values = formula.evaluate(model.tree, option, **_chosen(name, given, option))
+    results = tuple(
+        _array(value, batch, _shape(model, dims, option))
+        for value, dims in zip(values, formula.outputs.values(), strict=True)
+    )
+    return results[0] if len(results) == 1 else results
+
+
+def _array(value: Any, batch: tuple[int, ...], shape: tuple[int, ...]) -> Array:
+    """Nested scalars as one array (*batch, *shape)."""
+    flat = [np.broadcast_to(np.asarray(x, dtype=float), batch) for x in _flat(value, len(shape))]
+    return np.stack(flat, axis=-1).reshape(batch + shape) if flat else np.zeros(batch + shape)
+
+
+def arguments(model: Model, names: tuple[str, ...], option: Option) -> tuple[Argument, ...]:
+    """Inputs that the formulas need, each once, in the fixed order."""
+    wanted = {label for name in names for label in FORMULAS[name].inputs}
+    sizes = dict.fromkeys(POSITIONS, model.nq) | {"point": model.dim, "multipliers": model.tree.constraints}
+    plain = [
+        Argument(x, (sizes.get(x, model.nv),))
+        for x in _ORDER
+        if x in wanted and (x != "point" or option.point)
+    ]
+    loads = option.wrench_frames if "wrenches" in wanted else ()
+    # by index: the frames' names come from outside, and a program's names stand in generated text
+    return (*plain, *(Argument(_wrench(k), _shape(model, ("six",), option)) for k in range(len(loads))))
+
+
+def _wrench(k: int) -> str:
+    """Name of the input that acts at frame k of `wrench_frames`."""
+    return f"wrench{k}"
+
+
+def _chosen(name: str, given: dict[str, Any], option: Option) -> dict[str, Any]:
+    """Of the given inputs those that a formula takes."""
+    taken = {x: given[x] for x in FORMULAS[name].inputs if x in given}
+    if "wrenches" in FORMULAS[name].inputs:
+        taken["wrenches"] = tuple(given[_wrench(k)] for k in range(len(option.wrench_frames)))
+    return taken
+
+
+def _shape(model: Model, dims: tuple[str | int, ...], option: Option) -> tuple[int, ...]:
+    sizes = {
+        "nq": lambda: model.nq,
+        "nv": lambda: model.nv,
+        "nj": lambda: len(model.bodies),
+        "six": lambda: 6 if model.dim == 3 else 3,
+        "dim": lambda: model.dim,
+        "pose": lambda: model.dim + 1,
+        "rows": lambda: len(option.rows),
+        "equations": lambda: model.tree.constraints if option.equations is None else len(option.equations),
+        "constraints": lambda: model.tree.constraints,
+        "reactions": lambda: len(model.bodies) + len(model.loops),
+        "parameters": lambda: len(parameter_values(model.tree)),
+    }
+    return tuple(d if isinstance(d, int) else sizes[d]() for d in dims)
+
+
+def _scalars(array: Array, core: int) -> Any:
+    """An array as nested tuples over its core axes, each entry an array over the batch."""
+    if core == 0:
+        return array
+    axis = array.ndim - core
+    return tuple(_scalars(np.take(array, i, axis=axis), core - 1) for i in range(array.shape[axis]))
+
+
+def _flat(value: Any, depth: int) -> list[Any]:
+    return [value] if depth == 0 else [x for item in value for x in _flat(item, depth - 1)]

@@ -1,0 +1,1 @@
+"""Closed chains: closing them, their mobility, dynamics and reactions."""

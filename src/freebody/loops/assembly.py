@@ -1,0 +1,249 @@
+"""Closing the loops: positions, rates and accelerations that satisfy every loop equation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from freebody.arrays import Array, as_floats, at_sample, refuse_not_finite
+from freebody.errors import FreebodyError, LoopError, UnknownNameError
+from freebody.kernels.formulas import Option
+from freebody.kernels.lookup import fetch
+from freebody.loops.decompose import decomposed
+from freebody.loops.equations import (
+    CLOSED,
+    closing,
+    counting,
+    gaps,
+    refuse_inconsistent,
+    require_closed,
+    require_loops,
+    scaled_jacobian,
+    within_tolerance,
+)
+from freebody.loops.redundancy import EXACT
+from freebody.loops.scaled import (
+    backward,
+    every_residual,
+    length,
+    rate_scale,
+    row_scale,
+    shortest_way,
+)
+from freebody.model.model import Model
+from freebody.trees.calls import Vector, common_batch, finite_vector
+from freebody.trees.states import home_guess, integrate
+
+_RESTARTS = 32
+_NEARLY = 0.02  # gap, relative to the length, that rounded numbers may be the reason of
+
+
+def assemble(model: Model, q: Vector | None = None, free: Sequence[str] | None = None) -> Array:
+    """q (..., nq) near the guess q (default: the model's home) at which every loop is closed, to rounding.
+
+    free: names of the coordinates (`model.velocity_names`) or joints that may move; the others keep the values given.
+    None: all may. Where the way from the guess ends in a gap, other starts are tried and the nearest closed position is
+    taken. Raises LoopError with the loop and the gap when none is found. Levenberg-Marquardt on Φ (5.21).
+    """
+    require_loops(model, "assemble")
+    guess = finite_vector("assemble", model, "q", home_guess(model) if q is None else q)
+    moving = free_coordinates(model, free, "assemble")
+    flat = guess.reshape(-1, model.nq)
+    closed, left = closing(model, flat, moving)
+    for k in np.flatnonzero(~_is_closed(model, closed, left)):
+        closed[k] = _restarted(
+            model, flat[k], moving, closed[k], at_sample((int(k),) if guess.ndim > 1 else ())
+        )
+    return closed.reshape(guess.shape)
+
+
+def assembly_modes(model: Model, q: Vector, free: Sequence[str] | None = None, starts: int = 200) -> Array:
+    """All closed positions (k, nq) that were found with the fixed coordinates of q (nq,), nearest to q first.
+
+    free: as for `assemble`; the coordinates that differ from mode to mode. Planar mechanisms that come apart into dyads
+    (two unknown joints a loop) are solved in closed form, and these are all. Others by Newton's method from `starts`
+    starts spread over the free coordinates' whole range, so completeness is likely, not proved. Where the mechanism can
+    move with the fixed coordinates held, there are infinitely many and FreebodyError is raised.
+    """
+    require_loops(model, "assembly_modes")
+    guess = finite_vector("assembly_modes", model, "q", q)
+    if guess.shape != (model.nq,):
+        raise FreebodyError(
+            f"assembly_modes: q has shape {guess.shape}, expected ({model.nq},): one position."
+        )
+    if starts < 1:
+        raise FreebodyError(f"assembly_modes: starts is {starts}, expected at least 1.")
+    moving = free_coordinates(model, free, "assembly_modes")
+    found = _by_dyads(model, guess, moving)
+    in_closed_form = found is not None
+    if found is None:
+        found = _solutions(model, guess, moving, starts)
+    modes: list[Array] = []
+    for position in found:
+        if all(np.abs(shortest_way(model, position, other)).max() > 1e-6 for other in modes):
+            modes.append(position)
+    if modes and not in_closed_form:
+        J = scaled_jacobian(model, modes[0])[:, moving]
+        if np.linalg.matrix_rank(J, tol=1e-9) < len(moving):
+            raise FreebodyError(
+                f"assembly_modes: {model.name!r} still moves with the other coordinates held, so it has infinitely "
+                "many positions; free fewer coordinates."
+            )
+    return np.array(modes).reshape(-1, model.nq)
+
+
+def loop_velocity(model: Model, q: Vector, rates: Vector) -> Array:
+    """Rates qd (..., nv) that keep every loop closed at the closed position q (..., nq) (2.35, 5.22).
+
+    rates: {coordinate: value} for the independent coordinates, or a whole vector (..., nv), from which the nearest
+    consistent one is taken. Raises LoopError when the values given contradict the loops, FreebodyError when they leave
+    the motion open.
+    """
+    require_loops(model, "loop_velocity")
+    at = finite_vector("loop_velocity", model, "q", q)
+    require_closed("loop_velocity", model, at)
+    return _consistent("loop_velocity", model, at, rates, np.zeros((*at.shape[:-1], len(row_scale(model)))))
+
+
+def loop_acceleration(model: Model, q: Vector, qd: Vector, accelerations: Vector) -> Array:
+    """Accelerations qdd (..., nv) consistent with the loops at the closed state q, qd (5.28); arguments as for
+    `loop_velocity`."""
+    require_loops(model, "loop_acceleration")
+    at, rates = (finite_vector("loop_acceleration", model, n, x) for n, x in (("q", q), ("qd", qd)))
+    require_closed("loop_acceleration", model, at, rates)
+    right = fetch(model, ("constraint_bias",), Option())(at, rates)
+    return _consistent("loop_acceleration", model, at, accelerations, right)
+
+
+def free_coordinates(model: Model, names: Sequence[str] | None, function: str) -> list[int]:
+    """Indices of the coordinates named, each by itself or through its joint; None is all."""
+    if names is None:
+        return list(range(model.nv))
+    if isinstance(names, str):
+        names = (names,)
+    of_joint = {
+        body.joint.name: list(at.v)
+        for body, at in zip(model.bodies, model.coordinates, strict=True)
+        if body.joint.mimic is None
+    }
+    of_name = {name: [k] for k, name in enumerate(model.velocity_names)} | of_joint
+    for name in names:
+        if name not in of_name:
+            raise UnknownNameError("coordinate", name, f"{function}: {model.name!r}", of_name)
+    return sorted({k for name in names for k in of_name[name]})
+
+
+# ---------------------------------------------------------------- positions
+def _is_closed(model: Model, q: Array, left: Array) -> NDArray[np.bool_]:
+    return (left < EXACT) & within_tolerance(model, q).all(axis=-1) & ~backward(model, q).any(axis=-1)
+
+
+def _restarted(model: Model, guess: Array, moving: Sequence[int], best: Array, sample: str) -> Array:
+    """The closed position nearest to the guess among those reached from starts around it."""
+    found = _solutions(model, guess, moving, _RESTARTS)
+    if len(found):
+        return found[0]
+    gap = gaps(model, every_residual(model, best))
+    worst = int(np.argmax(gap))
+    name = model.loops[worst].name
+    if gap[worst] < CLOSED * length(model) and backward(model, best).any():
+        raise LoopError(
+            f"assemble: loop {name!r} of {model.name!r} closes only the wrong way round{sample}: its frames face "
+            "opposite ways. Start from another guess, or turn one frame."
+        )
+    if gap[worst] < _NEARLY * length(model):
+        raise LoopError(
+            f"assemble: loop {name!r} of {model.name!r} stays open by {gap[worst]:.3g} m{sample}, at the nearest "
+            "position found. Start from another guess, check lengths and frames, or, where redundant equations "
+            "contradict each other because numbers are rounded, state by how much: loop_tolerance=(metres, radians)."
+        )
+    fixed = [name for k, name in enumerate(model.velocity_names) if k not in moving]
+    remedy = f"let one of {', '.join(fixed)} move too" if fixed else "check lengths and frames"
+    raise LoopError(
+        f"assemble: loop {name!r} of {model.name!r} stays open by {gap[worst]:.3g} m{sample}, at the nearest position "
+        f"found; its links may be too short or too long to meet. Start from another guess, or {remedy}."
+    )
+
+
+def _by_dyads(model: Model, guess: Array, moving: Sequence[int]) -> Array | None:
+    """Closed positions (k, nq) in closed form, the nearest first; None where the mechanism is no row of dyads."""
+    plan = decomposed(model, moving) if model.nq == model.nv else None
+    found = None if plan is None else plan.solve(guess[None])
+    if found is None:
+        return None
+    closed, left = closing(model, found[0][np.isfinite(found[0]).all(axis=-1)], moving)
+    good = closed[_is_closed(model, closed, left)]
+    way = shortest_way(model, np.broadcast_to(guess, good.shape), good)
+    return (guess + way * rate_scale(model))[np.argsort(np.linalg.norm(way, axis=-1))]
+
+
+def _solutions(model: Model, guess: Array, moving: Sequence[int], starts: int) -> Array:
+    """Closed positions (k, nq) reached from starts spread about the guess, the nearest first."""
+    rng = np.random.default_rng(1)
+    near = np.concatenate([np.geomspace(0.02, 1.0, starts // 2), np.ones(starts - starts // 2)])
+    spread = rng.uniform(-np.pi, np.pi, size=(starts, model.nv)) * near[:, None]
+    spread[0] = 0.0
+    held = np.setdiff1d(np.arange(model.nv), moving)
+    spread[:, held] = 0.0
+    begun = integrate(model, np.broadcast_to(guess, (starts, model.nq)), spread * rate_scale(model))
+    closed, left = closing(model, begun, moving)
+    good = closed[_is_closed(model, closed, left)]
+    distance = np.linalg.norm(shortest_way(model, np.broadcast_to(guess, good.shape), good), axis=-1)
+    return good[np.argsort(distance)]
+
+
+# ---------------------------------------------------------------- rates
+def _given(
+    function: str, model: Model, given: ArrayLike | Mapping[str, ArrayLike]
+) -> tuple[list[int], Array]:
+    """(coordinates that are held to their values, the values (..., nv), 0 for coordinates that are not given)."""
+    if not isinstance(given, Mapping) or hasattr(given, "to_dataarray"):
+        return [], finite_vector(function, model, "rates", given)
+    names, columns = model.velocity_names, {}
+    for name, value in given.items():
+        if name not in names:
+            raise UnknownNameError("coordinate", name, f"{function}: {model.name!r}", names)
+        columns[name] = as_floats(function, f"rates[{name!r}]", value)
+        refuse_not_finite(function, f"rates[{name!r}]", columns[name], 0)
+    values = np.zeros((*common_batch(function, {n: x[..., None] for n, x in columns.items()}), model.nv))
+    for name, column in columns.items():
+        values[..., names.index(name)] = column
+    return sorted(map(names.index, columns)), values
+
+
+def _consistent(
+    function: str, model: Model, q: Array, given: ArrayLike | Mapping[str, ArrayLike], right: Array
+) -> Array:
+    """x (..., nv) with Φ_q x = right: with the values given, or nearest to the vector given."""
+    held, x = _given(function, model, given)
+    batch = common_batch(function, {"q": q, "rates": x, "qd": right})
+    q, x, right = (np.broadcast_to(a, (*batch, a.shape[-1])).reshape(-1, a.shape[-1]) for a in (q, x, right))
+    J = scaled_jacobian(model, q)
+    right, stretch = counting(model, q, row_scale(model) * right), rate_scale(model)
+    result = x / stretch
+    moving = np.setdiff1d(np.arange(model.nv), held)
+    missing = right - np.einsum("nmk,nk->nm", J, result)
+    step = np.einsum("nkm,nm->nk", np.linalg.pinv(J[..., moving], rcond=1e-10), missing)
+    result[:, moving] += step
+    left = right - np.einsum("nmk,nk->nm", J, result)
+    bad = np.flatnonzero(
+        np.abs(left).max(axis=-1, initial=0.0) > 1e-8 * (1.0 + np.abs(result).max(axis=-1, initial=0.0))
+    )
+    if len(bad):
+        sample = at_sample((int(bad[0]),) if batch else ())
+        refuse_inconsistent(
+            function,
+            model,
+            left[bad[0]],
+            f"does not allow the values given{sample}: they contradict its equations; give fewer of them"
+            if held
+            else f"cannot stay closed{sample}, whatever the values: the mechanism is stuck",
+        )
+    if isinstance(given, Mapping) and (np.linalg.matrix_rank(J[..., moving], tol=1e-9) < len(moving)).any():
+        raise FreebodyError(
+            f"{function}: the values given for {', '.join(given) or 'nothing'} leave {model.name!r} free to move; "
+            "give one for every independent coordinate: fb.mobility(model, q).independent names a choice."
+        )
+    return (result * stretch).reshape(*batch, model.nv)

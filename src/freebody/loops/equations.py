@@ -1,0 +1,169 @@
+"""The loop equations of a model as they count, scaled; how far they are from holding, and what is said of it.
+
+Where numbers are rounded and equations redundant, what counts are combinations of them: see `redundancy`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from freebody.arrays import Array, at_sample
+from freebody.errors import FreebodyError, LoopError
+from freebody.kernels.formulas import Option
+from freebody.kernels.lookup import fetch
+from freebody.loops.closing import Telling, closed_from
+from freebody.loops.redundancy import redundancy
+from freebody.loops.scaled import (
+    backward,
+    every_jacobian,
+    every_residual,
+    length,
+    loop_of_row,
+    rate_scale,
+    row_scale,
+    scales,
+    telling,
+)
+from freebody.loops.solving import BLURRED
+from freebody.model.model import Model
+
+CLOSED = 1e-6
+"""Gap, relative to the mechanism's length, from which a loop counts as open."""
+
+
+def require_loops(model: Model, function: str) -> None:
+    """Refuse a model without loops."""
+    if not model.loops:
+        raise FreebodyError(f"{function}: {model.name!r} has no loops; add one with model.with_loop(...).")
+
+
+def _projector(model: Model) -> Telling | None:
+    """Φ_q -> P, the combinations that count; None where every equation does."""
+    rank = redundancy(model).rank
+    return None if rank is None else lambda A: telling(A, rank)
+
+
+def counting(model: Model, q: Array, scaled: Array) -> Array:
+    """Of scaled equations (..., m), or derivatives of them, at q (..., nq) the combinations that count (..., m)."""
+    project = _projector(model)
+    return (
+        scaled
+        if project is None
+        else np.einsum("...ij,...j->...i", project(every_jacobian(model, q)), scaled)
+    )
+
+
+def blurred(model: Model) -> float:
+    """Singular values of Φ_q, relative to the largest, that count as zero where accelerations are sought: rounding of
+    size ε is divided by their square, and near a singular position they say as much about it as about the motion."""
+    return max(BLURRED, redundancy(model).blur ** (1.0 / 3.0))
+
+
+def telling_much(model: Model, q: Array, scaled: Array) -> Array:
+    """The same as `counting`, without combinations whose singular values are blurred."""
+    rank = redundancy(model).rank
+    if rank is None:
+        return scaled
+    A = every_jacobian(model, q)
+    above = blurred(model) * np.linalg.norm(A, ord=2, axis=(-2, -1))
+    return np.einsum("...ij,...j->...i", telling(A, rank, above[..., None]), scaled)
+
+
+def scaled_residual(model: Model, q: Array) -> Array:
+    """Φ(q) (..., m) in angles, as far as it counts."""
+    return counting(model, q, every_residual(model, q))
+
+
+def scaled_jacobian(model: Model, q: Array) -> Array:
+    """Φ_q (..., m, nv) over angular rates, in angles, as far as it counts; rows of nothing but rounding are zero."""
+    A = every_jacobian(model, q)
+    project = _projector(model)
+    return A if project is None else project(A) @ A
+
+
+def scaled_rate(model: Model, q: Array, qd: Array) -> Array:
+    """Φ_q q̇ (..., m) in angles, as far as it counts."""
+    return counting(model, q, row_scale(model) * fetch(model, ("constraint_rate",), Option())(q, qd))
+
+
+def closing(model: Model, q: Array, moving: Sequence[int]) -> tuple[Array, Array]:
+    """(positions (N, nq) as closed as they get from q (N, nq), largest scaled equation left (N,))."""
+    return closed_from(model, q, moving, _projector(model))
+
+
+def within_tolerance(model: Model, q: Array) -> NDArray[np.bool_]:
+    """(..., m): whether an equation that does not count by itself is open by no more than rounding at q (..., nq)."""
+    if redundancy(model).rank is None:
+        return np.ones((*q.shape[:-1], len(row_scale(model))), dtype=bool)
+    return np.abs(every_residual(model, q)) <= scales(model).tolerance
+
+
+def gaps(model: Model, phi: Array) -> Array:
+    """How far each loop is open (..., loops), from scaled Φ (..., m): metres and sines together, the latter times the
+    length."""
+    size = phi * length(model)
+    of_row = np.array(loop_of_row(model))
+    parts = [np.linalg.norm(size[..., of_row == i], axis=-1) for i in range(len(model.loops))]
+    return np.stack(parts, axis=-1)
+
+
+def require_closed(function: str, model: Model, q: Array, qd: Array | None = None) -> None:
+    """Refuse positions whose loops are open, and rates that would open them."""
+    reach, least = length(model), max(CLOSED, redundancy(model).slack)
+    gap = gaps(model, scaled_residual(model, q))
+    for at, name, sample in _marked(model, gap > least * reach):
+        raise LoopError(
+            f"{function}: loop {name!r} of {model.name!r} is open by {gap[at]:.3g} m{sample}; "
+            "close it with fb.assemble(model, q)."
+        )
+    require_within_tolerance(function, model, q)
+    for _, name, sample in _marked(model, backward(model, q)):
+        raise LoopError(
+            f"{function}: loop {name!r} of {model.name!r} is closed the wrong way round{sample}: its frames face "
+            "opposite ways; start fb.assemble from another guess, or turn one frame."
+        )
+    if qd is not None:
+        rate = gaps(model, scaled_rate(model, q, qd))
+        speed = reach * (1.0 + np.abs(qd / rate_scale(model)).max(axis=-1, initial=0.0))
+        for at, name, sample in _marked(model, rate > least * speed[..., None]):
+            raise LoopError(
+                f"{function}: loop {name!r} of {model.name!r} would open at {rate[at]:.3g} m/s{sample}; "
+                "make the rates consistent with fb.loop_velocity(model, q, qd)."
+            )
+
+
+def require_within_tolerance(function: str, model: Model, q: Array) -> None:
+    """Refuse positions at which redundant equations are open by more than rounding."""
+    bad = np.argwhere(~within_tolerance(model, q))
+    if len(bad):
+        at, row = tuple(map(int, bad[0][:-1])), int(bad[0][-1])
+        gap = abs(float(every_residual(model, q)[(*at, row)]))
+        open_by, allowed = (in_units(model, row, x) for x in (gap, float(scales(model).tolerance[row])))
+        raise LoopError(
+            f"{function}: loop {model.loops[loop_of_row(model)[row]].name!r} of {model.name!r} is open by {open_by}"
+            f"{at_sample(at)}, more than its loop_tolerance of {allowed}: there its redundant equations contradict "
+            "each other. Correct the numbers, or state how far they are rounded: loop_tolerance=(metres, radians)."
+        )
+
+
+def in_units(model: Model, row: int, scaled: float) -> str:
+    """A scaled equation with its unit."""
+    return f"{scaled * length(model):.3g} m" if scales(model).metres[row] else f"{scaled:.3g} rad"
+
+
+def _marked(model: Model, bad: NDArray[np.bool_]) -> Iterator[tuple[tuple[int, ...], str, str]]:
+    """(index, loop, text of the sample) of all (..., loops) that are marked."""
+    for index in np.argwhere(bad):
+        at = tuple(map(int, index))
+        yield at, model.loops[at[-1]].name, at_sample(at[:-1])
+
+
+def refuse_inconsistent(function: str, model: Model, left: Array, what: str) -> NoReturn:
+    """Raise for scaled equations (m,) that cannot hold together, naming the loop that misses most."""
+    worst = int(np.argmax(np.abs(left)))
+    name = model.loops[loop_of_row(model)[worst]].name
+    raise LoopError(f"{function}: loop {name!r} of {model.name!r} {what}.")

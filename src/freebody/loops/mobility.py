@@ -1,0 +1,169 @@
+"""How a mechanism can move: counted (Grübler), here (instantaneous), and in general (generic)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError
+from freebody.loops.equations import closing, require_closed, scaled_jacobian
+from freebody.loops.redundancy import redundancy
+from freebody.loops.scaled import null_space, rate_scale, row_names
+from freebody.model.model import Model
+from freebody.trees.calls import Vector, finite_vector
+from freebody.trees.states import difference, integrate
+from freebody.values import ByValue
+
+_RANK = (
+    1e-8  # singular values of the scaled Φ_q, relative to the largest, that count as zero at positions found
+)
+_STEPS = (0.05, 0.13, 0.31)  # rad: lengths of the ways along which the neighbourhood is explored
+
+
+@dataclass(frozen=True, eq=False)
+class Mobility(ByValue):
+    """Degrees of freedom of a closed chain, and where its equations depend on one another."""
+
+    model: str
+    instantaneous: int
+    """nv - rank Φ_q at this position: motions that no equation forbids at once."""
+    generic: int
+    """The same at nearby positions that can be reached: finite motions."""
+    gruebler: int
+    """nv - number of equations: the count that takes all equations as independent."""
+    equations: int
+    rank: int
+    """Of Φ_q in general."""
+    redundant: tuple[str, ...]
+    """Equations that follow from those before them, in general: without them the mechanism moves the same."""
+    independent: tuple[str, ...]
+    """A well-conditioned choice of coordinates that determine the others here; driven joints are preferred."""
+    misfit: tuple[float, float] = (0.0, 0.0)
+    """(m, rad): how far rounded numbers keep the redundant equations from holding, at most, where that was looked at;
+    0 where they hold but for rounding in the computation."""
+
+    @property
+    def singular(self) -> bool:
+        """Whether this position has more freedom at once than the mechanism in general."""
+        return self.instantaneous > self.generic
+
+    @property
+    def _misfit(self) -> str:
+        metres, radians = self.misfit
+        parts = [f"{metres:.2g} m"] * (metres > 0.0) + [f"{radians:.2g} rad"] * (radians > 0.0)
+        return f"; numbers are rounded, and leave them open by up to {' and '.join(parts)}" if parts else ""
+
+    def __str__(self) -> str:
+        lines = [
+            f"{self.model}: {self.generic} degree{'s' if self.generic != 1 else ''} of freedom "
+            f"(Grübler {self.gruebler}, here at once {self.instantaneous})",
+            f"  {self.equations} loop equations, rank {self.rank}",
+            f"  redundant: {', '.join(self.redundant) or 'none'}{self._misfit}",
+            f"  independent coordinates: {', '.join(self.independent) or 'none'}",
+        ]
+        if self.singular:
+            lines.append("  singular here: more motions are possible at once than in general")
+        return "\n".join(lines)
+
+
+def mobility(model: Model, q: Vector) -> Mobility:
+    """Mobility at the closed position q (nq,), and in general: at positions reached from it by finite motions.
+
+    A mechanism without loops has nv everywhere. Generic mobility comes from following the motion a little in many
+    directions; where no direction leads anywhere, it is 0. Raises LoopError when q is not closed.
+    """
+    at = finite_vector("mobility", model, "q", q)
+    if at.shape != (model.nq,):
+        raise FreebodyError(f"mobility: q has shape {at.shape}, expected ({model.nq},): one position.")
+    if not model.loops:
+        n = model.nv
+        return Mobility(model.name, n, n, n, 0, 0, (), model.velocity_names)
+    require_closed("mobility", model, at)
+    here, _ = null_space(scaled_jacobian(model, at), _RANK)
+    regular, moves = regular_jacobian(model, at)
+    finite = model.nv - _rank(regular) if moves else 0
+    names, known = row_names(model), redundancy(model)
+    rounded = known.rank is not None
+    redundant = sorted(set(range(len(names))) - set(known.rows)) if rounded else dependent_rows(regular)
+    return Mobility(
+        model.name,
+        here.shape[1],
+        finite,
+        model.nv - len(names),
+        len(names),
+        _rank(regular),
+        tuple(names[k] for k in redundant),
+        independent_coordinates(model, here),
+        known.misfit,
+    )
+
+
+def regular_jacobian(model: Model, q: Array) -> tuple[Array, bool]:
+    """(the scaled Φ_q (m, nv) of largest rank at q (nq,) and at positions reached from it, whether any is reached)."""
+    J = scaled_jacobian(model, q)
+    reached = _neighbours(model, q, null_space(J, _RANK)[0])
+    return max([J, *(scaled_jacobian(model, p) for p in reached)], key=_rank), len(reached) > 0
+
+
+def _rank(J: Array) -> int:
+    s = np.linalg.svd(J, compute_uv=False)
+    return int((s > _RANK * s.max(initial=1e-300)).sum())
+
+
+def _neighbours(model: Model, q: Array, directions: Array) -> Array:
+    """Closed positions (k, nq) that a finite motion leads to from q: steps along null directions that closing does not
+    undo."""
+    rng = np.random.default_rng(2)
+    n = directions.shape[1]
+    if n == 0:
+        return np.empty((0, model.nq))
+    ways = np.concatenate([np.eye(n), rng.normal(size=(4 * n, n))])
+    ways = np.concatenate([size * np.concatenate([ways, -ways]) for size in _STEPS])
+    ways *= np.repeat(_STEPS, len(ways) // len(_STEPS))[:, None] / np.linalg.norm(
+        ways, axis=-1, keepdims=True
+    )
+    start = np.broadcast_to(q, (len(ways), model.nq))
+    steps = ways @ directions.T * rate_scale(model)
+    closed, left = closing(model, integrate(model, start, steps), range(model.nv))
+    moved = np.linalg.norm(difference(model, start, closed) / rate_scale(model), axis=-1)
+    return closed[(left < 1e-12) & (moved > 0.3 * np.linalg.norm(ways, axis=-1))]
+
+
+def dependent_rows(J: Array) -> tuple[int, ...]:
+    """Rows of J (m, n) that are combinations of rows before them."""
+    basis = np.zeros((0, J.shape[1]))
+    found = []
+    for k, row in enumerate(J):
+        rest = row - basis.T @ (basis @ row)
+        rest -= basis.T @ (basis @ rest)
+        size = float(np.linalg.norm(rest))
+        if size <= 1e-7 * max(float(np.linalg.norm(row)), 1e-300):
+            found.append(k)
+        else:
+            basis = np.vstack([basis, rest / size])
+    return tuple(found)
+
+
+def independent_coordinates(model: Model, directions: Array) -> tuple[str, ...]:
+    """Names of coordinates whose rates tell all others: rows of the null space (nv, f) picked by pivoting."""
+    names = model.velocity_names
+    driven = {
+        k
+        for body, at in zip(model.bodies, model.coordinates, strict=True)
+        if body.joint.name in model.actuated and any(b.joint.passive for b in model.bodies)
+        for k in at.v
+    }
+    # a driven joint wins over a passive one that would do little better
+    left = (
+        directions * np.array([1.0 if k in driven or not driven else 0.1 for k in range(model.nv)])[:, None]
+    )
+    chosen: list[int] = []
+    for _ in range(directions.shape[1]):
+        sizes = np.linalg.norm(left, axis=1)
+        k = int(np.argmax(sizes.round(9)))  # ties go to the first
+        chosen.append(k)
+        unit = left[k] / sizes[k]
+        left = left - np.outer(left @ unit, unit)
+    return tuple(names[k] for k in sorted(chosen))

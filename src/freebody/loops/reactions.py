@@ -1,0 +1,198 @@
+"""Every reaction of a mechanism, of joints and of loops: which components are determined, and whether all balance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError, UnknownNameError
+from freebody.kernels.formulas import Option
+from freebody.kernels.lookup import fetch
+from freebody.loops.dynamics import (
+    STUCK,
+    WOULD_OPEN,
+    definite_accelerations,
+    drive_torques,
+    require_consistent,
+)
+from freebody.loops.equations import require_closed, scaled_jacobian
+from freebody.loops.scaled import every_jacobian, length, null_space, rate_scale, row_scale
+from freebody.loops.solving import RANK
+from freebody.model.model import Model
+from freebody.trees.balance import balance
+from freebody.trees.calls import Vector, Wrenches, checked_inputs
+from freebody.trees.kinematics import checked_reference, forward_kinematics
+from freebody.trees.passive import refuse_passive
+from freebody.values import ByValue
+
+_ADDED = 20.0  # times what rounding changes in the equations, for what it may change in wrenches
+_DETERMINED = 1e-7  # part of a wrench, relative to the largest, that undetermined multipliers may add
+
+
+@dataclass(frozen=True, eq=False)
+class Reactions(ByValue):
+    """Reaction wrenches of a mechanism in motion; arrays have the batch of the inputs in front."""
+
+    names: tuple[str, ...]
+    """Joints, then loops."""
+    wrenches: Array
+    """(..., k, six): force, then moment. Of a joint on its child by its parent at the child's joint origin; of a loop
+    on the second frame's body by the first's, at the second frame's origin. World axes, or those of child and second
+    frame."""
+    determined: Array
+    """(..., k, six) bool: whether the equations determine the component, in the axes of `wrenches`; others are the
+    smallest possible."""
+    multipliers: Array
+    """λ (..., m) of (5.23), one a loop equation; -Φ_qᵀ λ is what the loops do."""
+    qdd: Array
+    """(..., nv)."""
+    tau: Array
+    """(..., nv): of the drives."""
+    balance: float
+    """Largest of ΣF - m a (N) and (ΣM - Ḣ) / length (N) over all bodies, relative to the largest force: it checks the
+    wrenches against accelerations found from the poses alone."""
+
+    def __getitem__(self, name: str) -> Array:
+        """The wrench (..., six) of one joint or loop."""
+        if name not in self.names:
+            raise UnknownNameError("reaction", name, "this mechanism", self.names)
+        return self.wrenches[..., self.names.index(name), :]
+
+
+def reactions(
+    model: Model,
+    q: Vector,
+    qd: Vector,
+    *,
+    tau: Vector | None = None,
+    qdd: Vector | None = None,
+    wrenches: Wrenches = None,
+    actuated: Sequence[str] | None = None,
+    reference: Literal["world", "child"] = "world",
+) -> Reactions:
+    """All reactions of a tree or closed chain at the state q (..., nq), qd (..., nv).
+
+    Give tau (..., nv), the drives' torques, and the motion follows; or qdd (..., nv), and the torques of the driven
+    joints (`actuated`) follow. wrenches: as for `inverse_dynamics`. Raises LoopError for a state that the loops do not
+    allow, PassiveJointError for a torque at a joint that nothing drives.
+    Source: (5.23), (5.29); Newton and Euler body by body (3.1, 3.2, 6.1, 6.2).
+    """
+    if actuated is not None and not model.loops:
+        raise FreebodyError(
+            f"reactions: actuated= chooses among the joints of a closed chain; {model.name!r} has no loops."
+        )
+    if (tau is None) == (qdd is None):
+        raise FreebodyError("reactions: give either tau=, the torques, or qdd=, the accelerations.")
+    checked_reference(reference, ("world", "child"))
+    if tau is not None:
+        refuse_passive("reactions", model, tau)
+    name, third = ("tau", tau) if qdd is None else ("qdd", qdd)
+    frames, (at, rates, given, *loads) = checked_inputs(
+        "reactions", model, {"q": q, "qd": qd, name: third}, wrenches
+    )
+    if model.loops:
+        require_closed("reactions", model, at, rates)
+    needed = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))
+    if qdd is not None:
+        second = given
+        tree_torque = needed(at, rates, given, *loads)
+        drive = drive_torques("reactions", model, at, tree_torque, actuated) if model.loops else tree_torque
+    else:
+        drive = given
+        second = (
+            definite_accelerations(model, frames, at, rates, drive, *loads)
+            if model.loops
+            else fetch(model, ("forward_dynamics",), Option(wrench_frames=frames))(at, rates, drive, *loads)
+        )
+    if model.loops:
+        require_consistent("reactions", model, at, rates, second, STUCK if qdd is None else WOULD_OPEN)
+    return _found(model, frames, at, rates, second, drive, loads, reference)
+
+
+def _found(
+    model: Model,
+    frames: tuple[str, ...],
+    q: Array,
+    qd: Array,
+    qdd: Array,
+    tau: Array,
+    loads: list[Array],
+    reference: str,
+) -> Reactions:
+    batch, m = q.shape[:-1], model.tree.constraints
+    multipliers = np.zeros((*batch, m))
+    loose: dict[tuple[int, ...], Array] = {}
+    if m:
+        needed = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))(q, qd, qdd, *loads)
+        rows, rates = row_scale(model), rate_scale(model)
+        A, force = scaled_jacobian(model, q), rates * (tau - needed)
+        for at in np.ndindex(batch):
+            # Φ_qᵀ λ is what the drives do and the motion does not need
+            multipliers[at] = rows * (np.linalg.pinv(A[at].T, rcond=RANK) @ force[at])
+            loose[at] = rows[:, None] * null_space(A[at], RANK)[1]
+    option = Option(reference="world", wrench_frames=frames)
+    kernel = fetch(model, ("closed_wrenches",), option)
+
+    def wrench_of(sample: tuple[int, ...], weights: Array) -> Array:
+        """(k, reactions, six) for multipliers (k, m), in the axes asked for."""
+        return turned(
+            q[sample], kernel(q[sample], qd[sample], qdd[sample], weights, *(load[sample] for load in loads))
+        )
+
+    def turned(at: Array, world: Array) -> Array:
+        return world if reference == "world" else _in_child_axes(model, at, world)
+
+    found_wrenches = kernel(q, qd, qdd, multipliers, *loads)
+    determined = np.ones(found_wrenches.shape, dtype=bool)
+    for sample, combinations in loose.items():
+        if combinations.shape[1]:
+            still = wrench_of(sample, np.zeros((1, m)))
+            change = np.abs(wrench_of(sample, combinations.T) - still).max(axis=0)
+            change[:, model.dim :] /= length(model)  # forces and moments compare
+            doubt = max(_DETERMINED, _doubt(A[sample], every_jacobian(model, q[sample])))
+            determined[sample] = change < doubt * max(float(change.max()), 1e-300)
+    left = _miss(model, q, qd, qdd, found_wrenches, frames, loads)
+    return Reactions(model.reaction_names, turned(q, found_wrenches), determined, multipliers, qdd, tau, left)
+
+
+def _doubt(counting: Array, every: Array) -> float:
+    """What rounding in the model's numbers adds to a wrench that is determined, relative to what is not: equations
+    (m, nv) that do not count against the least of those that do."""
+    s = np.linalg.svd(counting, compute_uv=False)
+    least = float(s[s > RANK * s.max(initial=1e-300)].min(initial=1.0))
+    return _ADDED * float(np.abs(every - counting).max(initial=0.0)) / least
+
+
+def _in_child_axes(model: Model, q: Array, wrenches: Array) -> Array:
+    """Wrenches in the axes of the child, of loops in those of the second frame."""
+    result = wrenches.copy()
+    child = [body.name for body in model.bodies] + [loop.frames[1] for loop in model.loops]
+    for k, frame in enumerate(child):
+        R = forward_kinematics(model, q, frame)[..., : model.dim, : model.dim]
+        result[..., k, : model.dim] = np.einsum("...ji,...j->...i", R, wrenches[..., k, : model.dim])
+        if model.dim == 3:
+            result[..., k, 3:] = np.einsum("...ji,...j->...i", R, wrenches[..., k, 3:])
+    return result
+
+
+def _miss(
+    model: Model,
+    q: Array,
+    qd: Array,
+    qdd: Array,
+    wrenches: Array,
+    frames: tuple[str, ...],
+    loads: list[Array],
+) -> float:
+    """Largest miss of ΣF = m a and ΣM = Ḣ over all bodies, relative to the largest force that enters."""
+    samples = math.prod(q.shape[:-1])
+    q, qd, qdd = (x.reshape(samples, x.shape[-1]) for x in (q, qd, qdd))
+    external = {name: load.reshape(samples, load.shape[-1]) for name, load in zip(frames, loads, strict=True)}
+    found = balance(model, q, qd, qdd, wrenches.reshape(samples, *wrenches.shape[-2:]), external)
+    force, moment = (float(np.abs(x).max(initial=0.0)) for x in (found.force, found.moment))
+    return max(force, moment / length(model)) / (found.largest_force or 1.0)

@@ -1,0 +1,165 @@
+"""The loop equations of a model as arrays, every one of them, scaled so that lengths and angles compare."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from freebody.algorithms.kinematics import ancestors, frame_pose, joint_poses, world_poses
+from freebody.arrays import Array
+from freebody.kernels.formulas import Option
+from freebody.kernels.lookup import fetch
+from freebody.model.facts import fact
+from freebody.model.model import Model
+from freebody.spatial import dot, times
+from freebody.trees.states import difference
+
+_NOTHING = 1e-13  # an equation that holds wherever the mechanism goes
+_OF_LENGTH = 1e-3
+"""What rounding may do to a loop, relative to its size: files print three digits at least."""
+_MOST = (1e-3, 1e-3)
+"""(m, rad): files print metres to four digits and angles to three, and a loop adds up a few of them."""
+
+
+def row_names(model: Model) -> tuple[str, ...]:
+    """A name for each loop equation: the loop's, and the component of its reaction."""
+    space = model.tree.space
+    return tuple(f"{loop.name}.{part}" for loop in model.tree.loops for part in loop.closure.row_names(space))
+
+
+def loop_of_row(model: Model) -> tuple[int, ...]:
+    """For each equation the index of its loop."""
+    tree = model.tree
+    return tuple(i for i, loop in enumerate(tree.loops) for _ in range(loop.closure.size(tree.space)))
+
+
+@dataclass(frozen=True)
+class Scales:
+    """What makes lengths and angles compare: equations and rates become angles when multiplied by `rows`, divided by
+    `rates`."""
+
+    length: float
+    """The mechanism's length (m): the farthest that a joint or frame is placed from the one before."""
+    rows: Array
+    """(m,): 1 / length for equations in metres, 1 for sines of angles."""
+    metres: NDArray[np.bool_]
+    """(m,): whether an equation is one of lengths."""
+    rates: Array
+    """(nv,): the length for rates in m/s, 1 for angular ones."""
+    turns: NDArray[np.bool_]
+    """(nv,): whether a whole turn of the coordinate changes nothing."""
+    tolerance: Array
+    """(m,): of the scaled equations: what counts as rounding of the model's numbers (`loop_tolerance`)."""
+
+
+@fact
+def scales(model: Model) -> Scales:
+    """The scales of a model, found once."""
+    tree = model.tree
+    offsets = [body.p for body in tree.bodies] + [p for _, _, p in tree.frames.values()]
+    offsets += [(loop.distance,) for loop in tree.loops]
+    reach = max((float(np.linalg.norm(p)) for p in offsets), default=0.0) or 1.0
+    metres: list[bool] = []
+    tolerance: list[float] = []
+    for i, loop in enumerate(tree.loops):
+        turns = len(loop.closure.turns)
+        lengths = loop.closure.size(tree.space) - turns
+        apart, turned = tolerance_of_loop(model, i)
+        metres += [True] * lengths + [False] * turns
+        tolerance += [apart / reach] * lengths + [turned] * turns
+    rates, whole = np.ones(model.nv), np.ones(model.nv, dtype=bool)
+    for body in tree.bodies:
+        ratio = body.coordinates.ratio
+        for k, (_, linear) in zip(body.coordinates.v, body.columns, strict=True):
+            if any(linear):
+                rates[k] = reach
+            whole[k] &= not any(linear) and ratio == round(ratio)
+    lengths = np.array(metres, dtype=bool)
+    return Scales(reach, np.where(lengths, 1.0 / reach, 1.0), lengths, rates, whole, np.array(tolerance))
+
+
+def tolerance_of_loop(model: Model, index: int) -> tuple[float, float]:
+    """(metres, radians): the model's `loop_tolerance`, or its default for a loop of that size."""
+    if model.loop_tolerance is not None:
+        return model.loop_tolerance
+    tree = model.tree
+    loop = tree.loops[index]
+    first, second = (ancestors(tree, tree.frames[frame][0]) for frame in loop.frames)
+    offsets = [tree.bodies[i].p for i in set(first) ^ set(second)]
+    offsets += [tree.frames[frame][2] for frame in loop.frames] + [(loop.distance,)]
+    size = max(float(np.linalg.norm(np.asarray(p, dtype=float))) for p in offsets)
+    metres, radians = _MOST
+    return min(metres, _OF_LENGTH * size), radians
+
+
+def length(model: Model) -> float:
+    """See `Scales`."""
+    return scales(model).length
+
+
+def row_scale(model: Model) -> Array:
+    """See `Scales`."""
+    return scales(model).rows
+
+
+def rate_scale(model: Model) -> Array:
+    """See `Scales`."""
+    return scales(model).rates
+
+
+def shortest_way(model: Model, a: Array, b: Array) -> Array:
+    """The way from positions a to b (..., nq) as angles (..., nv), whole turns left out."""
+    way = difference(model, a, b) / rate_scale(model)
+    return np.where(scales(model).turns, (way + np.pi) % (2.0 * np.pi) - np.pi, way)
+
+
+def every_residual(model: Model, q: Array) -> Array:
+    """Φ(q) (..., m), in angles."""
+    return row_scale(model) * fetch(model, ("constraint",), Option())(q)
+
+
+def every_jacobian(model: Model, q: Array) -> Array:
+    """Φ_q (..., m, nv) over angular rates, in angles; rows that hold nothing but rounding are zero."""
+    phi = fetch(model, ("constraint_jacobian",), Option())(q)
+    A = row_scale(model)[:, None] * phi * rate_scale(model)
+    A[np.abs(A).max(axis=-1, initial=0.0) < _NOTHING] = 0.0
+    return A
+
+
+def backward(model: Model, q: Array) -> NDArray[np.bool_]:
+    """(..., loops): whether a loop is closed the wrong way round: turned by a half, or where three axes are held, by a
+    third, from which its equations cannot tell it."""
+    tree = model.tree
+    space = tree.space
+    if not any(loop.closure.turns for loop in tree.loops):
+        return np.zeros((*q.shape[:-1], len(tree.loops)), dtype=bool)
+    world = world_poses(tree, joint_poses(tree, tuple(np.moveaxis(q, -1, 0))))
+    found = np.zeros((*q.shape[:-1], len(tree.loops)), dtype=bool)
+    for i, loop in enumerate(tree.loops):
+        (A, _), (B, _) = (frame_pose(tree, world, frame) for frame in loop.frames)
+        for n, u in loop.closure.turns:
+            expected = space.turn(A, space.moment(u, n))
+            found[..., i] |= np.asarray(dot(expected, space.moment(times(B, u), times(A, n)))) < 0.5
+    return found
+
+
+def null_space(A: Array, tolerance: float) -> tuple[Array, Array]:
+    """(orthonormal basis of what A (m, n) maps to zero (n, k), of what Aᵀ does (m, l)); singular values below tolerance
+    times the largest are zero."""
+    if A.shape[0] == 0:
+        return np.eye(A.shape[1]), np.zeros((0, 0))
+    U, s, Vt = np.linalg.svd(A)
+    rank = int((s > tolerance * max(s.max(initial=0.0), 1e-300)).sum())
+    return Vt[rank:].T, U[:, rank:]
+
+
+def telling(A: Array, rank: int | None = None, above: float | Array = 0.0) -> Array:
+    """P (..., m, m) that takes the equations to their combinations which tell most: those of the `rank` largest
+    singular values of Φ_q = A (..., m, nv), or of all above a bound."""
+    U, s, _ = np.linalg.svd(A, full_matrices=False)
+    kept = s > above
+    if rank is not None:
+        kept &= np.arange(s.shape[-1]) < rank
+    return (U * kept[..., None, :]) @ np.swapaxes(U, -1, -2)

@@ -1,1 +1,0 @@
-"""The public numeric functions: validate, fetch the compiled kernel, call it."""

@@ -1,1 +1,0 @@
-"""Inverse kinematics: closed forms where the geometry has one, else from many starts; inverse rates; singularities."""

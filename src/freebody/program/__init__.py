@@ -1,0 +1,9 @@
+"""From a function over scalars to a program: straight-line arithmetic as data, that passes and targets read.
+
+trace -> Program -> passes -> segments.
+"""
+
+from freebody.program.program import Argument, Program, ProgramError, verify
+from freebody.program.trace import trace
+
+__all__ = ["Argument", "Program", "ProgramError", "trace", "verify"]

@@ -1,0 +1,76 @@
+"""From a function over scalars to a program: run it once on nodes of a fresh graph."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from freebody.program.passes import drop_dead
+from freebody.program.program import Argument, Program, ProgramError, verify
+from freebody.scalars.expr import Expr, Graph
+
+
+def trace(
+    name: str,
+    function: Callable[..., Any],
+    inputs: Sequence[Argument],
+    outputs: Sequence[Argument],
+) -> Program:
+    """The program of what `function` does to scalars.
+
+    Args:
+        name: name of the program, for messages and printing.
+        function: called once with one nested tuple of scalars for each input (a bare scalar for shape ()); returns
+            a sequence with one nested sequence of scalars or numbers for each output.
+        inputs: names and core shapes of the arguments.
+        outputs: names and core shapes of the results.
+
+    Raises:
+        ProgramError: if what the function returns does not have the shape of the outputs.
+        GraphError: if the function branches on a value or mixes scalars of two traces.
+    """
+    graph = Graph()
+    arguments = [_nested(graph, argument.name, argument.shape) for argument in inputs]
+    returned = function(*arguments)
+    if not isinstance(returned, (tuple, list)) or len(returned) != len(outputs):
+        given = f"{len(returned)} values" if isinstance(returned, (tuple, list)) else type(returned).__name__
+        raise ProgramError(
+            f"{name}: the traced function returned {given}, expected a tuple with one entry for each output: "
+            f"{', '.join(map(str, outputs))}."
+        )
+    results: list[int] = []
+    for argument, value in zip(outputs, returned, strict=True):
+        _flatten(graph, name, argument, argument.shape, value, results)
+    nodes = tuple(graph.op), tuple(graph.a), tuple(graph.b), tuple(graph.values)
+    return verify(drop_dead(Program(name, tuple(inputs), tuple(outputs), *nodes, tuple(results))))
+
+
+def _nested(graph: Graph, name: str, shape: tuple[int, ...], index: tuple[int, ...] = ()) -> Any:
+    if not shape:
+        return graph.input(f"{name}[{','.join(map(str, index))}]" if index else name)
+    return tuple(_nested(graph, name, shape[1:], (*index, i)) for i in range(shape[0]))
+
+
+def _flatten(
+    graph: Graph, name: str, argument: Argument, shape: tuple[int, ...], value: Any, results: list[int]
+) -> None:
+    if not shape:
+        index = graph.operand(value)
+        if index < 0:
+            raise ProgramError(f"{name}: output {argument} holds {_kind(value)} where a scalar was expected.")
+        results.append(index)
+        return
+    if isinstance(value, Expr) or not hasattr(value, "__len__") or len(value) != shape[0]:
+        raise ProgramError(
+            f"{name}: output {argument} holds {_kind(value)} where a sequence of {shape[0]} was expected."
+        )
+    for entry in value:
+        _flatten(graph, name, argument, shape[1:], entry, results)
+
+
+def _kind(value: Any) -> str:
+    if isinstance(value, Expr):
+        return "a scalar"
+    if hasattr(value, "__len__"):
+        return f"a {type(value).__name__} of {len(value)}"
+    return f"{type(value).__name__} {value!r}"

@@ -1,0 +1,199 @@
+"""A program run node by node by an array library: the fallback where llvmlite is missing, a second opinion in tests,
+and the way into JAX. No text is made, so none is executed.
+
+Each node is one operation over arrays; registers are reused as soon as their value is no longer read, so that a
+block of samples stays in the cache.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from freebody.program.program import Argument, Program
+from freebody.scalars.expr import ARITY
+
+BLOCK = 1024
+"""Samples evaluated at a time."""
+
+
+def functions(xp: Any) -> dict[str, Callable[..., Any]]:
+    """What each operation is in an array library (`numpy`, `jax.numpy`)."""
+    return {
+        "neg": operator.neg,
+        "sqrt": xp.sqrt,
+        "sin": xp.sin,
+        "cos": xp.cos,
+        "sign": xp.sign,
+        "add": operator.add,
+        "sub": operator.sub,
+        "mul": operator.mul,
+        "div": operator.truediv,
+    }
+
+
+@dataclass(frozen=True)
+class Interpreter:
+    """The steps of a program: function, register of its result, registers of its operands."""
+
+    steps: tuple[tuple[Callable[..., Any], int, tuple[int, ...]], ...]
+    registers: tuple[float | None, ...]
+    """What they hold at first: the constants."""
+    inputs: tuple[tuple[int, int], ...]
+    """Registers of the inputs that are read, with their positions among the scalars of all inputs."""
+    results: tuple[int, ...]
+
+    @classmethod
+    def of(cls, program: Program, xp: Any = np) -> Interpreter:
+        """The interpreter of a program for an array library."""
+        known, last = functions(xp), _last_reader(program)
+        held: list[float | None] = []
+        free: list[int] = []
+        place: list[int] = []
+        steps, inputs = [], []
+        for index, op in enumerate(program.op):
+            if not ARITY[op]:
+                place.append(len(held))
+                held.append(program.constants[program.a[index]] if op == "const" else None)
+                if op == "input":
+                    inputs.append((place[index], program.a[index]))
+                continue
+            operands = program.operands(index)
+            for operand in set(operands):
+                if last[operand] == index and ARITY[program.op[operand]]:
+                    free.append(place[operand])
+            if not free:
+                free.append(len(held))
+                held.append(None)
+            place.append(free.pop())
+            steps.append((known[op], place[index], tuple(place[i] for i in operands)))
+        return cls(tuple(steps), tuple(held), tuple(inputs), tuple(place[i] for i in program.results))
+
+    def __call__(self, scalars: Sequence[Any] | np.ndarray) -> list[Any]:
+        """The scalars of all outputs from those of all inputs, each an array or a number, in C order."""
+        held: list[Any] = list(self.registers)
+        for register, position in self.inputs:
+            held[register] = scalars[position]
+        for function, register, operands in self.steps:
+            held[register] = function(*(held[i] for i in operands))
+        return [held[i] for i in self.results]
+
+
+def _last_reader(program: Program) -> list[int]:
+    """The last node that reads each node; of a result one behind all."""
+    last = list(range(len(program)))
+    for index in range(len(program)):
+        for operand in program.operands(index):
+            last[operand] = index
+    for index in program.results:
+        last[index] = len(program)
+    return last
+
+
+def array_function(program: Program, xp: Any) -> Callable[..., Any]:
+    """A pure function of arrays (..., *core) of a library, which broadcast: an array or a tuple of arrays."""
+    interpreter = Interpreter.of(program, xp)
+
+    def function(*arrays: Any) -> Any:
+        if len(arrays) != len(program.inputs):
+            wanted = ", ".join(map(str, program.inputs))
+            raise TypeError(
+                f"{program.name}() takes {len(program.inputs)} arrays ({wanted}), got {len(arrays)}"
+            )
+        values = [xp.asarray(array) for array in arrays]
+        batch = xp.broadcast_shapes(*map(_batch_shape, values, program.inputs))
+        scalars = [
+            value[(..., *index)]
+            for value, argument in zip(values, program.inputs, strict=True)
+            for index in np.ndindex(argument.shape)
+        ]
+        made = [xp.broadcast_to(x, batch) for x in interpreter(scalars)]
+        results, start = [], 0
+        for argument in program.outputs:
+            part = made[start : start + argument.size]
+            start += argument.size
+            results.append(
+                xp.stack(part, axis=-1).reshape(*batch, *argument.shape) if argument.shape else part[0]
+            )
+        return results[0] if len(results) == 1 else tuple(results)
+
+    function.__name__ = function.__qualname__ = program.name
+    return function
+
+
+class BlockedFunction:
+    """Behaves as the generalized ufunc of a program would, block by block in NumPy.
+
+    Called with one array for each input: core shape last, any leading shapes that broadcast. Returns the
+    output, or the tuple of outputs.
+    """
+
+    def __init__(self, program: Program):
+        self.inputs, self.outputs = program.inputs, program.outputs
+        self.__name__ = program.name
+        self._interpreter = Interpreter.of(program)
+
+    def __call__(self, *arrays: ArrayLike, out: Any = None) -> Any:
+        if len(arrays) != len(self.inputs):
+            raise TypeError(f"{self.__name__}() takes {len(self.inputs)} arrays, got {len(arrays)}")
+        values = [_float64(array) for array in arrays]
+        batch = np.broadcast_shapes(*map(_batch_shape, values, self.inputs))
+        given = out if isinstance(out, tuple) else (out,) * len(self.outputs) if out is None else (out,)
+        results = [
+            np.empty(batch + argument.shape) if array is None else array
+            for array, argument in zip(given, self.outputs, strict=True)
+        ]
+        for array, argument in zip(results, self.outputs, strict=True):
+            if array.shape != batch + argument.shape:
+                raise ValueError(
+                    f"out for {argument} has shape {array.shape}, expected {batch + argument.shape}"
+                )
+        count = int(np.prod(batch))
+        rows = [
+            np.broadcast_to(value, batch + argument.shape).reshape(count, argument.size)
+            for value, argument in zip(values, self.inputs, strict=True)
+        ]
+        y = np.empty((sum(argument.size for argument in self.outputs), count))
+        with np.errstate(all="ignore"):
+            for start in range(0, count, BLOCK):
+                self._block(rows, y, slice(start, min(start + BLOCK, count)))
+        row = 0
+        for array, argument in zip(results, self.outputs, strict=True):
+            made = y[row : row + argument.size].T.reshape(batch + argument.shape)
+            np.copyto(array, made, casting="same_kind")  # as a ufunc does
+            row += argument.size
+        if out is None:
+            # a number where there are no axes, as NumPy's ufuncs do
+            results = [array[()] for array in results]
+        return results[0] if len(results) == 1 else tuple(results)
+
+    def _block(self, rows: Sequence[np.ndarray], y: np.ndarray, part: slice) -> None:
+        x = (
+            np.concatenate([array[part].T for array in rows])
+            if rows
+            else np.empty((0, part.stop - part.start))
+        )
+        for position, values in enumerate(self._interpreter(x)):
+            y[position, part] = values
+        bad = ~np.isfinite(x).all(axis=0)
+        if bad.any():
+            y[:, part][:, bad] = np.nan
+
+
+def _float64(value: ArrayLike) -> np.ndarray:
+    array = np.asarray(value)
+    if not np.can_cast(array.dtype, np.float64, "safe"):
+        raise TypeError(f"cannot cast {array.dtype} to float64 safely")
+    return array.astype(np.float64, copy=False)
+
+
+def _batch_shape(value: np.ndarray, argument: Argument) -> tuple[int, ...]:
+    core = len(argument.shape)
+    if value.ndim < core or value.shape[value.ndim - core :] != argument.shape:
+        raise ValueError(f"{argument} was given an array of shape {value.shape}")
+    return value.shape[: value.ndim - core]

@@ -1,0 +1,221 @@
+"""Program to LLVM text: a table from each operation to its instruction over one vector of lanes.
+
+The text is built by hand: making it through llvmlite.ir takes longer than compiling it. A module holds one
+function for each segment of the program, `@compute` that runs them on a tile of slots, and the gufunc loop
+around it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from freebody.program.program import Program
+from freebody.program.segments import Segment, SinCos, segment
+from freebody.targets.llvm.loop import gufunc_loop
+from freebody.targets.llvm.machine import Target
+from freebody.targets.llvm.sincos import double, sincos, sines, splat
+
+LONG = 700
+"""Nodes from which the code of a program is fetched anew for each group: two groups a round are 5-20 % faster."""
+
+PIECES = 32
+"""Pieces of a program that one function runs: LLVM's time grows with the square of the loops in a function."""
+
+CHECKED = 128
+"""Inputs that are looked at without a loop; LLVM's time grows with the square of the loads in a function."""
+
+TOGETHER = 8
+"""Sines and cosines in one function: their arithmetic overlaps, and one branch serves all."""
+
+INSTRUCTION = {
+    "add": "{r} = fadd contract {v} {a}, {b}",
+    "sub": "{r} = fsub contract {v} {a}, {b}",
+    "mul": "{r} = fmul contract {v} {a}, {b}",
+    "div": "{r} = fdiv {v} {a}, {b}",
+    "neg": "{r} = fneg contract {v} {a}",
+    "sqrt": "{r} = call {v} @llvm.sqrt.v{w}f64({v} {a})",
+    "sign": (
+        "{r}.u = call {v} @llvm.copysign.v{w}f64({v} {one}, {v} {a})\n"
+        "  {r}.c = fcmp one {v} {a}, zeroinitializer\n"
+        "  {r}.z = fadd {v} {a}, zeroinitializer\n"
+        "  {r} = select <{w} x i1> {r}.c, {v} {r}.u, {v} {r}.z"
+    ),
+}
+"""Only contraction to fused multiply-add is allowed: other fast-math flags break range reduction and NaN."""
+
+
+def emit(program: Program, target: Target) -> str:
+    """LLVM text of the kernel of `program`: `void @kernel(ptr args, ptr dims, ptr steps, ptr data)`, a gufunc
+    loop.
+
+    Args:
+        program: a verified program with at least one input and one output scalar.
+        target: the machine, as far as the text depends on it.
+    """
+    layout, width = segment(program), target.width
+    tiles = 1 if len(program) < LONG else 2
+    v = f"<{width} x double>"
+    parts = [
+        f"; {program}",
+        sincos(width, target.fma),
+        _finite(program.input_size, len(layout.results), width),
+    ]
+    pieces: list[str] = []
+    for number, those in enumerate(_joined(layout.steps)):
+        if isinstance(those, Segment):
+            pieces.append(f"@segment{number}")
+            parts.append(_arithmetic(pieces[-1], program, those, width))
+        else:
+            pieces.append(f"@sines{number}")
+            parts.append(sines(pieces[-1], those, width, target.fma))
+    parts.append(_compute([*pieces, "@finite"], 8 * width * layout.slots, tiles))
+    parts.append(gufunc_loop(program, target, layout, tiles))
+    parts.append(
+        f"declare {v} @llvm.sqrt.v{width}f64({v})\n"
+        f"declare {v} @llvm.copysign.v{width}f64({v}, {v})\n"
+        f'attributes #0 = {{ nounwind "min-legal-vector-width"="{64 * width}" '
+        f'"prefer-vector-width"="{64 * width}" }}\n'
+    )
+    return "\n".join(parts)
+
+
+def _joined(steps: Sequence[Segment | SinCos]) -> Iterator[Segment | list[SinCos]]:
+    """The steps in order, sines and cosines that do not need each other up to `TOGETHER` at a time."""
+    some: list[SinCos] = []
+    for step in steps:  # the last is a segment
+        if some and (
+            isinstance(step, Segment)
+            or len(some) == TOGETHER
+            or any(step.argument in (x.sine, x.cosine) for x in some)
+        ):
+            yield some
+            some = []
+        if isinstance(step, Segment):
+            yield step
+        else:
+            some.append(step)
+
+
+def _arithmetic(title: str, program: Program, step: Segment, width: int) -> str:
+    """Loads, instructions and stores of a segment, the loads at first use."""
+    v, align = f"<{width} x double>", 8 * width
+    lines = [f"define internal void {title}(ptr noalias %tile) #0 {{"]
+    names: dict[int, str] = {}
+
+    def name(index: int) -> str:
+        """The value of a node: a constant, or a name, loaded at its first use."""
+        known = names.get(index)
+        if known is None:
+            if program.op[index] == "const":
+                known = splat(width, "double", double(program.constants[program.a[index]]))
+            else:
+                known = f"%v{index}"
+                lines.append(f"  %p{index} = getelementptr {v}, ptr %tile, i64 {step.loads[index]}")
+                lines.append(f"  {known} = load {v}, ptr %p{index}, align {align}")
+            names[index] = known
+        return known
+
+    one = splat(width, "double", double(1.0))
+    for index in step.nodes:
+        a, b = program.a[index], program.b[index]
+        a_name, b_name = name(a), name(b) if b >= 0 else ""
+        result = names[index] = f"%v{index}"
+        text = INSTRUCTION[program.op[index]]
+        lines.append("  " + text.format(r=result, v=v, a=a_name, b=b_name, w=width, one=one))
+        for position, slot in enumerate(step.stores.get(index, ())):
+            lines.append(f"  %q{index}.{position} = getelementptr {v}, ptr %tile, i64 {slot}")
+            lines.append(f"  store {v} {result}, ptr %q{index}.{position}, align {align}")
+    for index, slots in step.stores.items():
+        if index in step.loads or program.op[index] == "const":
+            for position, slot in enumerate(slots):
+                value = name(index)
+                lines.append(f"  %q{index}.{position} = getelementptr {v}, ptr %tile, i64 {slot}")
+                lines.append(f"  store {v} {value}, ptr %q{index}.{position}, align {align}")
+    return "\n".join([*lines, "  ret void", "}", ""])
+
+
+def _compute(pieces: list[str], size: int, tiles: int) -> str:
+    """`@compute`: run the pieces on `count` tiles of `size` bytes, each piece on all tiles before the next."""
+    if len(pieces) <= PIECES:
+        return _run("@compute", pieces, size, tiles)
+    groups = [pieces[k : k + PIECES] for k in range(0, len(pieces), PIECES)]
+    parts = [_run(f"@compute{k}", group, size, tiles) for k, group in enumerate(groups)]
+    calls = "".join(f"  call void @compute{k}(ptr %tile, i64 %count)\n" for k in range(len(groups)))
+    parts.append(f"define internal void @compute(ptr %tile, i64 %count) #0 {{\n{calls}  ret void\n}}\n")
+    return "\n".join(parts)
+
+
+def _run(title: str, pieces: list[str], size: int, tiles: int) -> str:
+    lines = [f"define internal void {title}(ptr %tile, i64 %count) #0 {{", "entry:"]
+    if tiles == 1:
+        return "\n".join(
+            [*lines, *(f"  call void {piece}(ptr %tile)" for piece in pieces), "  ret void", "}", ""]
+        )
+    for k, piece in enumerate(pieces):
+        before = f"leave{k - 1}" if k else "entry"
+        lines.append(f"""\
+  br label %piece{k}
+piece{k}:
+  %g{k} = phi i64 [ 0, %{before} ], [ %next{k}, %piece{k} ]
+  %skip{k} = mul i64 %g{k}, {size}
+  %tile{k} = getelementptr i8, ptr %tile, i64 %skip{k}
+  call void {piece}(ptr %tile{k})
+  %next{k} = add i64 %g{k}, 1
+  %more{k} = icmp ult i64 %next{k}, %count
+  br i1 %more{k}, label %piece{k}, label %leave{k}
+leave{k}:""")
+    return "\n".join([*lines, "  ret void", "}", ""])
+
+
+def _finite(inputs: int, results: int, width: int) -> str:
+    """Make every result NaN in the lanes whose inputs are not all finite.
+
+    0 * x is NaN for NaN and infinite x, so the sum of these products tells. It runs in four strands.
+    """
+    v, align = f"<{width} x double>", 8 * width
+    lines = ["define internal void @finite(ptr noalias %tile) #0 {", "entry:"]
+    strands, before = ["zeroinitializer"] * 4, "entry"
+    looped = inputs - inputs % CHECKED if inputs > CHECKED else 0
+
+    def look(slot: str, k: int) -> None:
+        lines.append(f"  %in{k} = getelementptr {v}, ptr %tile, i64 {slot}")
+        lines.append(f"  %i{k} = load {v}, ptr %in{k}, align {align}")
+        lines.append(f"  %m{k} = fmul contract {v} %i{k}, zeroinitializer")
+        lines.append(f"  %a{k} = fadd contract {v} {strands[k % 4]}, %m{k}")
+        strands[k % 4] = f"%a{k}"
+
+    if looped:
+        last = [f"%a{CHECKED - 4 + s}" for s in range(4)]
+        lines += ["  br label %block", "block:", "  %j = phi i64 [ 0, %entry ], [ %j.next, %block ]"]
+        for s in range(4):
+            lines.append(f"  %s{s} = phi {v} [ zeroinitializer, %entry ], [ {last[s]}, %block ]")
+        strands, before = [f"%s{s}" for s in range(4)], "rest"
+        for k in range(CHECKED):
+            lines.append(f"  %at{k} = add i64 %j, {k}")
+            look(f"%at{k}", k)
+        lines.append(f"  %j.next = add i64 %j, {CHECKED}\n  %whole = icmp ult i64 %j.next, {looped}")
+        lines.append("  br i1 %whole, label %block, label %rest\nrest:")
+    for slot in range(looped, inputs):
+        look(str(slot), slot)
+    lines.append(f"""\
+  %sum01 = fadd {v} {strands[0]}, {strands[1]}
+  %sum23 = fadd {v} {strands[2]}, {strands[3]}
+  %sum = fadd {v} %sum01, %sum23
+  %bad = fcmp uno {v} %sum, zeroinitializer
+  %bits = bitcast <{width} x i1> %bad to i{width}
+  %any = icmp ne i{width} %bits, 0
+  br i1 %any, label %poison, label %done
+poison:
+  %k = phi i64 [ {inputs}, %{before} ], [ %k.next, %poison ]
+  %out = getelementptr {v}, ptr %tile, i64 %k
+  %old = load {v}, ptr %out, align {align}
+  %new = select <{width} x i1> %bad, {v} {splat(width, "double", "0x7FF8000000000000")}, {v} %old
+  store {v} %new, ptr %out, align {align}
+  %k.next = add i64 %k, 1
+  %more = icmp ult i64 %k.next, {inputs + results}
+  br i1 %more, label %poison, label %done
+done:
+  ret void
+}}
+""")
+    return "\n".join(lines)

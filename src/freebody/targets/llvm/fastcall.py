@@ -1,0 +1,364 @@
+"""One sample, called from Python: a C function for the interpreter in front of the gufunc loop.
+
+NumPy's ufunc machinery takes longer than the arithmetic of one robot. So each kernel also has a function of CPython's
+fast calling convention that looks at its arguments itself: exact float64 arrays of the core shapes, contiguous and
+aligned. It makes the outputs, or takes those given as `out=` if they are such arrays too and overlap nothing, runs the
+loop once and returns; anything else goes to the general way, unchanged.
+
+It knows where CPython and NumPy keep the fields of an object and an array: both layouts are part of their stable binary
+interfaces on 64-bit builds with the GIL, and `available` is false elsewhere.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import importlib
+import struct
+import sys
+import sysconfig
+from collections.abc import Callable, Mapping
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from freebody.program.program import Argument, Program
+from freebody.targets.llvm.forever import forever
+
+_NEW = 93  # position of PyArray_New in the table of __multiarray_api.h
+_FASTCALL_KEYWORDS = 0x0080 | 0x0002
+_CONTIGUOUS_ALIGNED = 0x0001 | 0x0100
+_WRITEABLE = 0x0400
+_DOUBLE = 12  # NPY_DOUBLE
+_TYPE, _DATA, _ND, _DIMS, _DESCR, _FLAGS = 8, 16, 24, 32, 56, 64  # offsets in PyObject and PyArrayObject
+_COUNT, _ITEMS = 16, 24  # offsets in PyTupleObject
+_OUT = sys.intern("out")  # as the name of a keyword is
+
+
+class _MethodDef(ctypes.Structure):
+    _fields_ = (
+        ("name", ctypes.c_char_p),
+        ("function", ctypes.c_void_p),
+        ("flags", ctypes.c_int),
+        ("doc", ctypes.c_char_p),
+    )
+
+
+def available(program: Program) -> bool:
+    """Whether this interpreter has the known layouts, and the program's outputs are arrays."""
+    known = (
+        sys.implementation.name == "cpython"
+        and struct.calcsize("P") == 8
+        and not sysconfig.get_config_var("Py_GIL_DISABLED")
+        and not hasattr(sys, "getobjects")  # builds with traced references have longer objects
+    )
+    return known and all(argument.shape for argument in program.outputs)
+
+
+def text(program: Program) -> str:
+    """LLVM text of `ptr @fastcall(ptr self, ptr args, i64 nargs, ptr kwnames)`, in front of `@kernel`."""
+    inputs, outputs = program.inputs, program.outputs
+    arguments = (*inputs, *outputs)
+    lines = [
+        "@PyArray_Type = external global i8",
+        "@double_descr = external global i8",
+        "; the Python callables for everything else, set after linking",
+        "@general = global ptr null, align 8",
+        "@general.checked = global ptr null, align 8",
+        "@PyTuple_Type = external global i8",
+        "@name.out = external global i8",
+        "declare ptr @PyObject_Vectorcall(ptr, ptr, i64, ptr)",
+        "declare ptr @PyArray_New(ptr, i32, ptr, i32, ptr, ptr, i32, i32, ptr)",
+        "declare ptr @PyTuple_New(i64)",
+        "declare i32 @PyTuple_SetItem(ptr, i64, ptr)",
+        "declare void @Py_IncRef(ptr)",
+        "declare void @Py_DecRef(ptr)",
+        _FINITE,
+        _numbers("fast.dims", [1, *(n for a in arguments for n in a.shape)]),
+        _numbers("fast.steps", [8 * a.size for a in arguments] + [s for a in arguments for s in _strides(a)]),
+        *(_numbers(f"fast.shape{k}", list(a.shape)) for k, a in enumerate(outputs)),
+        "define ptr @fastcall(ptr %self, ptr %args, i64 %nargs, ptr %kwnames) {",
+        "entry:",
+        f"  %data = alloca [{len(arguments)} x ptr], align 16",
+        f"  %right.count = icmp eq i64 %nargs, {len(inputs)}",
+        "  %no.names = icmp eq ptr %kwnames, null",
+        "  br i1 %right.count, label %counted, label %general",
+        *_named_out(len(inputs), len(outputs)),
+    ]
+    for k, argument in enumerate(inputs):
+        lines += _look(k, argument, f"%args, i64 {k}", _CONTIGUOUS_ALIGNED)
+    lines += [f"look{len(inputs)}:", "  br i1 %no.names, label %make, label %taken"]
+    lines += _taken(len(outputs))
+    lines.append(f"  br label %look{len(inputs) + 1}")
+    for k, argument in enumerate(outputs, len(inputs) + 1):
+        lines += _look(k, argument, f"%outs, i64 {k - len(inputs) - 1}", _CONTIGUOUS_ALIGNED | _WRITEABLE, -1)
+    lines += [
+        f"look{len(arguments) + 1}:",
+        *_apart(arguments, len(inputs)),
+        "run:",
+        "  call void @kernel(ptr %data, ptr @fast.dims, ptr @fast.steps, ptr null)",
+        "  call void @Py_IncRef(ptr %given)",
+        "  ret ptr %given",
+        "make:",
+    ]
+    for k, argument in enumerate(outputs):
+        lines += _make(k, len(inputs) + k, argument, len(outputs))
+    lines.append("  call void @kernel(ptr %data, ptr @fast.dims, ptr @fast.steps, ptr null)")
+    lines += _checked(outputs)
+    lines += ["  ret ptr %out0"] if len(outputs) == 1 else _tuple(len(outputs))
+    lines += [
+        "general:",
+        "  %unasked = icmp eq ptr %self, null",
+        "  %callable.at = select i1 %unasked, ptr @general, ptr @general.checked",
+        "  %callable = load ptr, ptr %callable.at, align 8",
+        "  %result = call ptr @PyObject_Vectorcall(ptr %callable, ptr %args, i64 %nargs, ptr %kwnames)",
+        "  ret ptr %result",
+        "failed:",
+        "  ret ptr null",
+        "}",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+@cache
+def symbols() -> dict[str, int]:
+    """Addresses of what the text refers to."""
+    python = ctypes.pythonapi
+    named = {
+        name: ctypes.cast(getattr(python, name), ctypes.c_void_p).value or 0
+        for name in ("PyObject_Vectorcall", "PyTuple_New", "PyTuple_SetItem", "Py_IncRef", "Py_DecRef")
+    }
+    return named | {
+        "PyArray_Type": id(np.ndarray),
+        "PyTuple_Type": id(tuple),
+        "name.out": id(_OUT),
+        "double_descr": id(np.dtype(np.float64)),
+        "PyArray_New": _array_api(_NEW),
+    }
+
+
+def make(
+    linked: Mapping[str, int], name: str, call: Callable[..., Any], checked: Callable[..., Any]
+) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """The Python functions of a compiled `@fastcall`: one that goes to `call` with what is not plain, and one that goes
+    to `checked`, also when an entry of an output is not finite; told apart by the `self` that they hand over."""
+    made = []
+    new = ctypes.pythonapi.PyCFunction_NewEx
+    new.restype = ctypes.py_object
+    new.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]
+    definition = _MethodDef(name.encode(), linked["fastcall"], _FASTCALL_KEYWORDS, None)
+    for slot, general, itself in (("general", call, None), ("general.checked", checked, id(None))):
+        ctypes.c_void_p.from_address(linked[slot]).value = id(general)
+        forever(definition, general)
+        made.append(new(ctypes.addressof(definition), itself, None))
+    return made[0], made[1]
+
+
+@cache
+def _array_api(position: int) -> int:
+    pointer = ctypes.pythonapi.PyCapsule_GetPointer
+    pointer.restype, pointer.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
+    table = pointer(importlib.import_module("numpy._core._multiarray_umath")._ARRAY_API, None)
+    return ctypes.cast(table, ctypes.POINTER(ctypes.c_void_p))[position] or 0
+
+
+def _numbers(name: str, values: list[int]) -> str:
+    entries = ", ".join(f"i64 {value}" for value in values)
+    return f"@{name} = private constant [{len(values)} x i64] [{entries}], align 8"
+
+
+def _strides(argument: Argument) -> list[int]:
+    """Bytes between neighbours along each core axis, C order."""
+    strides, step = [], 8
+    for size in reversed(argument.shape):
+        strides.append(step)
+        step *= size
+    return strides[::-1]
+
+
+def _named_out(inputs: int, outputs: int) -> list[str]:
+    """No keyword, or the one that is `out`: its value `%given`, and where the arrays in it stand, `%outs`."""
+    lines = [
+        "counted:",
+        f"  %given.at = getelementptr ptr, ptr %args, i64 {inputs}",
+        "  br i1 %no.names, label %look0, label %named",
+        "named:",
+        f"  %names.at = getelementptr i8, ptr %kwnames, i64 {_COUNT}",
+        "  %names = load i64, ptr %names.at, align 8",
+        "  %one.name = icmp eq i64 %names, 1",
+        f"  %name.at = getelementptr i8, ptr %kwnames, i64 {_ITEMS}",
+        "  %name = load ptr, ptr %name.at, align 8",
+        "  %is.out = icmp eq ptr %name, @name.out",
+        "  %only.out = and i1 %one.name, %is.out",
+    ]
+    if outputs == 1:
+        lines.append("  br i1 %only.out, label %look0, label %general")
+    else:
+        lines += [
+            "  br i1 %only.out, label %several, label %general",
+            "several:",
+            "  %tuple.given = load ptr, ptr %given.at, align 8",
+            f"  %kind.at = getelementptr i8, ptr %tuple.given, i64 {_TYPE}",
+            "  %kind = load ptr, ptr %kind.at, align 8",
+            "  %is.tuple = icmp eq ptr %kind, @PyTuple_Type",
+            "  br i1 %is.tuple, label %counting, label %general",
+            "counting:",
+            f"  %length.at = getelementptr i8, ptr %tuple.given, i64 {_COUNT}",
+            "  %length = load i64, ptr %length.at, align 8",
+            f"  %as.many = icmp eq i64 %length, {outputs}",
+            "  br i1 %as.many, label %look0, label %general",
+        ]
+    return lines
+
+
+def _taken(outputs: int) -> list[str]:
+    """What was given as `out`, and where its arrays stand."""
+    lines = ["taken:", "  %given = load ptr, ptr %given.at, align 8"]
+    if outputs == 1:
+        return [*lines, "  %outs = getelementptr ptr, ptr %given.at, i64 0"]
+    return [*lines, f"  %outs = getelementptr i8, ptr %given, i64 {_ITEMS}"]
+
+
+def _apart(arguments: tuple[Argument, ...], inputs: int) -> list[str]:
+    """On to `run` if no output lies where another argument does, else the general way."""
+    lines, apart = [], "true"
+    for k, argument in enumerate(arguments):
+        lines += [
+            f"  %start.at{k} = getelementptr ptr, ptr %data, i64 {k}",
+            f"  %start{k} = load ptr, ptr %start.at{k}, align 8",
+            f"  %stop{k} = getelementptr i8, ptr %start{k}, i64 {8 * argument.size}",
+        ]
+    for k in range(inputs, len(arguments)):
+        for other in range(k):
+            pair = f"{k}.{other}"
+            lines += [
+                f"  %before{pair} = icmp ule ptr %stop{k}, %start{other}",
+                f"  %after{pair} = icmp uge ptr %start{k}, %stop{other}",
+                f"  %beside{pair} = or i1 %before{pair}, %after{pair}",
+                f"  %apart{pair} = and i1 {apart}, %beside{pair}",
+            ]
+            apart = f"%apart{pair}"
+    return [*lines, f"  br i1 {apart}, label %run, label %general"]
+
+
+def _look(k: int, argument: Argument, place: str, flags: int, shift: int = 0) -> list[str]:
+    """Argument k, found at `place`: on to the next if it is a plain array of its core shape, else the general way.
+
+    Its data become entry k + shift of those that the loop takes.
+    """
+    nd = len(argument.shape)
+    lines = [
+        f"look{k}:",
+        f"  %slot{k} = getelementptr ptr, ptr {place}",
+        f"  %object{k} = load ptr, ptr %slot{k}, align 8",
+        *_field(k, "type", _TYPE, "ptr"),
+        f"  %is{k} = icmp eq ptr %type{k}, @PyArray_Type",
+        f"  br i1 %is{k}, label %array{k}, label %general",
+        f"array{k}:",
+        *_field(k, "nd", _ND, "i32"),
+        *_field(k, "descr", _DESCR, "ptr"),
+        *_field(k, "flags", _FLAGS, "i32"),
+        f"  %masked{k} = and i32 %flags{k}, {flags}",
+        f"  %a{k} = icmp eq i32 %nd{k}, {nd}",
+        f"  %b{k} = icmp eq ptr %descr{k}, @double_descr",
+        f"  %c{k} = icmp eq i32 %masked{k}, {flags}",
+        f"  %ab{k} = and i1 %a{k}, %b{k}",
+        f"  %abc{k} = and i1 %ab{k}, %c{k}",
+        f"  br i1 %abc{k}, label %shape{k}, label %general",
+        f"shape{k}:",
+        *_field(k, "dims", _DIMS, "ptr"),
+    ]
+    fits = "true"
+    for axis, size in enumerate(argument.shape):
+        lines += [
+            f"  %at{k}.{axis} = getelementptr i64, ptr %dims{k}, i64 {axis}",
+            f"  %size{k}.{axis} = load i64, ptr %at{k}.{axis}, align 8",
+            f"  %same{k}.{axis} = icmp eq i64 %size{k}.{axis}, {size}",
+            f"  %fits{k}.{axis} = and i1 {fits}, %same{k}.{axis}",
+        ]
+        fits = f"%fits{k}.{axis}"
+    return [
+        *lines,
+        *_field(k, "buffer", _DATA, "ptr"),
+        f"  %entry{k} = getelementptr ptr, ptr %data, i64 {k + shift}",
+        f"  store ptr %buffer{k}, ptr %entry{k}, align 8",
+        f"  br i1 {fits}, label %look{k + 1}, label %general",
+    ]
+
+
+def _field(k: int, name: str, offset: int, kind: str) -> list[str]:
+    return [
+        f"  %{name}.at{k} = getelementptr i8, ptr %object{k}, i64 {offset}",
+        f"  %{name}{k} = load {kind}, ptr %{name}.at{k}, align {8 if kind == 'ptr' else 4}",
+    ]
+
+
+def _make(k: int, position: int, argument: Argument, count: int) -> list[str]:
+    """Output k: a new array; `position` among all arguments."""
+    return [
+        f"  %out{k} = call ptr @PyArray_New(ptr @PyArray_Type, i32 {len(argument.shape)}, ptr @fast.shape{k}, "
+        f"i32 {_DOUBLE}, ptr null, ptr null, i32 0, i32 0, ptr null)",
+        f"  %made{k} = icmp ne ptr %out{k}, null",
+        f"  br i1 %made{k}, label %made.{k}, label %failed",
+        f"made.{k}:",
+        f"  %out.at{k} = getelementptr i8, ptr %out{k}, i64 {_DATA}",
+        f"  %out.data{k} = load ptr, ptr %out.at{k}, align 8",
+        f"  %out.entry{k} = getelementptr ptr, ptr %data, i64 {position}",
+        f"  store ptr %out.data{k}, ptr %out.entry{k}, align 8",
+    ]
+
+
+_FINITE = """\
+define internal i1 @fast.finite(ptr %values, i64 %count) {
+entry:
+  br label %loop
+loop:
+  %k = phi i64 [0, %entry], [%next, %loop]
+  %so.far = phi i1 [true, %entry], [%both, %loop]
+  %at = getelementptr i64, ptr %values, i64 %k
+  %bits = load i64, ptr %at, align 8
+  %exponent = and i64 %bits, 9218868437227405312
+  %fine = icmp ne i64 %exponent, 9218868437227405312
+  %both = and i1 %so.far, %fine
+  %next = add i64 %k, 1
+  %more = icmp ult i64 %next, %count
+  br i1 %more, label %loop, label %done
+done:
+  ret i1 %both
+}"""
+
+
+def _checked(outputs: tuple[Argument, ...]) -> list[str]:
+    """If asked for, look whether all entries of the outputs are finite; else let go of them, and go the general way."""
+    lines = [
+        "  %unchecked = icmp eq ptr %self, null",
+        "  br i1 %unchecked, label %good, label %check",
+        "check:",
+    ]
+    fine = "true"
+    for k, argument in enumerate(outputs):
+        lines += [
+            f"  %finite{k} = call i1 @fast.finite(ptr %out.data{k}, i64 {argument.size})",
+            f"  %fine{k} = and i1 {fine}, %finite{k}",
+        ]
+        fine = f"%fine{k}"
+    return [
+        *lines,
+        f"  br i1 {fine}, label %good, label %bad",
+        "bad:",
+        *(f"  call void @Py_DecRef(ptr %out{k})" for k in range(len(outputs))),
+        "  br label %general",
+        "good:",
+    ]
+
+
+def _tuple(count: int) -> list[str]:
+    """Return the outputs as a tuple, which takes over their references."""
+    return [
+        f"  %tuple = call ptr @PyTuple_New(i64 {count})",
+        "  %tupled = icmp ne ptr %tuple, null",
+        "  br i1 %tupled, label %fill, label %failed",
+        "fill:",
+        *(f"  %set{k} = call i32 @PyTuple_SetItem(ptr %tuple, i64 {k}, ptr %out{k})" for k in range(count)),
+        "  ret ptr %tuple",
+    ]

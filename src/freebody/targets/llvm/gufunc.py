@@ -1,0 +1,64 @@
+"""A NumPy generalized ufunc from the address of a compiled loop, through NumPy's C API."""
+
+from __future__ import annotations
+
+import ctypes
+import importlib
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from freebody.program.program import Argument
+from freebody.targets.llvm.forever import forever
+
+_FROM_FUNC_AND_DATA_AND_SIGNATURE = 31  # position in the table of __ufunc_api.h; part of NumPy's stable ABI
+_DOUBLE = 12  # NPY_DOUBLE
+_NONE = -1  # PyUFunc_None: no identity
+
+
+def signature(inputs: Sequence[Argument], outputs: Sequence[Argument]) -> str:
+    """Core sizes as NumPy writes them: `(6),(6),(6)->(6,6)`."""
+
+    def side(arguments: Sequence[Argument]) -> str:
+        return ",".join(f"({','.join(map(str, argument.shape))})" for argument in arguments)
+
+    return f"{side(inputs)}->{side(outputs)}"
+
+
+def make_gufunc(
+    address: int, name: str, inputs: Sequence[Argument], outputs: Sequence[Argument], keep: Any
+) -> np.ufunc:
+    """The ufunc of a loop over float64, with fixed core sizes.
+
+    Args:
+        address: of `void loop(char **args, intptr_t *dimensions, intptr_t *steps, void *data)`.
+        name: shown by NumPy in its messages.
+        inputs: names and core shapes.
+        outputs: names and core shapes.
+        keep: whatever must live as long as the code is callable.
+    """
+    count = len(inputs) + len(outputs)
+    functions = (ctypes.c_void_p * 1)(address)
+    data = (ctypes.c_void_p * 1)(None)
+    types = (ctypes.c_char * count)(*[_DOUBLE] * count)
+    text = [name.encode(), signature(inputs, outputs).encode(), signature(inputs, outputs).encode()]
+    forever(functions, data, types, text, keep)
+    make = _api(
+        _FROM_FUNC_AND_DATA_AND_SIGNATURE,
+        ctypes.py_object,
+        *[ctypes.c_void_p] * 3,
+        *[ctypes.c_int] * 4,
+        *[ctypes.c_char_p] * 2,
+        ctypes.c_int,
+        ctypes.c_char_p,
+    )
+    return make(functions, data, types, 1, len(inputs), len(outputs), _NONE, text[0], text[1], 0, text[2])
+
+
+def _api(position: int, result: Any, *arguments: Any) -> Any:
+    pointer = ctypes.pythonapi.PyCapsule_GetPointer
+    pointer.restype, pointer.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
+    table = pointer(importlib.import_module("numpy._core._multiarray_umath")._UFUNC_API, None)
+    address = ctypes.cast(table, ctypes.POINTER(ctypes.c_void_p))[position]
+    return ctypes.PYFUNCTYPE(result, *arguments)(address)

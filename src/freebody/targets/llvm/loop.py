@@ -1,0 +1,296 @@
+"""LLVM text of the gufunc loop: groups of samples in, `@compute` on a tile of slots, groups out.
+
+Results of one round go out after the inputs of the next one have come in, from tiles of their own: the processor
+computes while its stores wait for the memory.
+
+A tile holds one vector of lanes for each slot: lane l of slot j is scalar j of sample l. How an argument gets
+there and back is chosen when the loop begins, see `llvm_tile`.
+
+The last group may be short. Its surplus lanes take the addresses of its last sample, on the way in and on the
+way out: the same code runs, the same bits come out, and the last row is written more than once with the same
+values.
+"""
+
+from __future__ import annotations
+
+from freebody.program.program import Argument, Program
+from freebody.program.segments import Layout
+from freebody.targets.llvm.machine import Target
+from freebody.targets.llvm.tile import integers, transfers
+
+
+def gufunc_loop(program: Program, target: Target, layout: Layout, tiles: int) -> str:
+    """`void @kernel(ptr args, ptr dims, ptr steps, ptr data)` and what it calls.
+
+    A round takes `tiles` groups, each on a tile of its own.
+    """
+    parts = [
+        transfers(program, layout, target.width),
+        _loop(program, target, layout.slots, tiles),
+        _FLAGS[target.x86]["declare"],
+        "declare ptr @malloc(i64)\ndeclare void @free(ptr)\n",
+    ]
+    return "\n".join(parts)
+
+
+_LARGEST_ON_STACK = 2**16
+
+# NumPy turns floating-point flags into warnings; NaN in, NaN out is no reason to warn, and surplus lanes set
+# them too
+_FLAGS = {
+    True: {
+        "save": "  %flags = alloca i32, align 4\n  call void @llvm.x86.sse.stmxcsr(ptr %flags)",
+        "restore": "  call void @llvm.x86.sse.ldmxcsr(ptr %flags)",
+        "declare": "declare void @llvm.x86.sse.stmxcsr(ptr)\ndeclare void @llvm.x86.sse.ldmxcsr(ptr)\n",
+    },
+    False: {
+        "save": "",
+        "restore": "  %cleared = call i32 @feclearexcept(i32 31)",
+        "declare": "declare i32 @feclearexcept(i32)\n",
+    },
+}
+
+
+def _loop(program: Program, target: Target, slots: int, tiles: int) -> str:
+    """Rounds of `tiles` groups: all in, those of the round before out, `@compute`."""
+    width = target.width
+    arguments = program.inputs + program.outputs
+    lanes = 8 * width * len(arguments)
+    sizes = {
+        "tile.a": 8 * width * slots * tiles,
+        "tile.b": 8 * width * slots * tiles,
+        "lanes": lanes,
+        "lanes.short": lanes,
+        "offsets": 8 * sum(argument.size for argument in arguments),
+    }
+    get, give_back = _workspace(sizes)
+    lines = [
+        "define void @kernel(ptr %args, ptr %dims, ptr %steps, ptr %data) #0 {",
+        "entry:",
+        "  %n = load i64, ptr %dims, align 8",
+        _FLAGS[target.x86]["save"],
+        *get,
+    ]
+    core, first = len(arguments), 0
+    for k, argument in enumerate(arguments):
+        lines += _prepare(k, argument, core, first, width)
+        core += len(argument.shape)
+        first += argument.size
+    lines.append(f"""\
+  br label %head
+head:
+  %i = phi i64 [ 0, %entry ], [ %i.next, %tail ]
+  %tile = phi ptr [ %tile.a, %entry ], [ %before.tile, %tail ]
+  %before.tile = phi ptr [ %tile.b, %entry ], [ %tile, %tail ]
+  %before = sub i64 %i, {width * tiles}
+  %more = icmp slt i64 %before, %n
+  br i1 %more, label %choose, label %end""")
+    inputs = list(enumerate(program.inputs))
+    outputs = list(enumerate(program.outputs, len(inputs)))
+    lines += _whole_round(inputs, outputs, width, slots, tiles)
+    lines += _phase("in", "%i", "%tile", inputs, width, slots, tiles)
+    lines.append("in.done:\n  %started = icmp ne i64 %i, 0\n  br i1 %started, label %out, label %out.done")
+    lines += _phase("out", "%before", "%before.tile", outputs, width, slots, tiles)
+    lines.append(f"""\
+out.done:
+  %some = icmp ne i64 %in.g, 0
+  br i1 %some, label %run, label %tail
+run:
+  %groups = phi i64 [ %in.g, %out.done ], [ {tiles}, %whole ]
+  call void @compute(ptr %tile, i64 %groups)
+  br label %tail
+tail:
+  %i.next = add i64 %i, {width * tiles}
+  br label %head
+end:""")
+    shapes = [f"@shape{k} = internal constant {integers(x.shape)}" for k, x in enumerate(arguments)]
+    return "\n".join([*lines, *give_back, _FLAGS[target.x86]["restore"], "  ret void", "}", *shapes, ""])
+
+
+def _whole_round(
+    inputs: list[tuple[int, Argument]],
+    outputs: list[tuple[int, Argument]],
+    width: int,
+    slots: int,
+    tiles: int,
+) -> list[str]:
+    """A round of full groups whose arguments are all rows, and the one before it, with nothing to be decided."""
+    lines, all_rows = ["choose:"], "%later"
+    lines.append("  %later = icmp ne i64 %i, 0")
+    for k, _ in inputs + outputs:
+        lines.append(f"  %only.rows{k} = xor i1 %addressed{k}, true")
+        lines.append(f"  %all{k} = and i1 {all_rows}, %only.rows{k}")
+        all_rows = f"%all{k}"
+    lines += [
+        f"  %i.end = add i64 %i, {width * tiles}",
+        "  %fits = icmp sle i64 %i.end, %n",
+        f"  %plain = and i1 {all_rows}, %fits",
+        "  br i1 %plain, label %whole, label %in",
+        "whole:",
+    ]
+    for start, tile, arguments in (("%i", "%tile", inputs), ("%before", "%before.tile", outputs)):
+        for k, _ in arguments:
+            lines += [
+                f"  %whole.move{k} = mul i64 {start}, %step{k}",
+                f"  %whole.at{k}.0 = getelementptr i8, ptr %base{k}, i64 %whole.move{k}",
+                f"  %whole.lane{k} = getelementptr i64, ptr %lanes, i64 {k * width}",
+                f"  %group{k} = mul i64 %step{k}, {width}",
+            ]
+            for g in range(tiles):
+                at = f"%whole.at{k}.{g}"
+                if g:
+                    lines.append(f"  {at} = getelementptr i8, ptr %whole.at{k}.{g - 1}, i64 %group{k}")
+                lines.append(
+                    f"  %whole.tile{k}.{g} = getelementptr i8, ptr {tile}, i64 {8 * width * slots * g}"
+                )
+                lines.append(f"  call void @rows{k}(ptr {at}, ptr %whole.lane{k}, ptr %whole.tile{k}.{g})")
+    return [*lines, "  br label %run"]
+
+
+def _phase(
+    way: str,
+    start: str,
+    tile: str,
+    arguments: list[tuple[int, Argument]],
+    width: int,
+    slots: int,
+    tiles: int,
+) -> list[str]:
+    """Move the groups of the round that begins with sample `start` in or out; afterwards `%in.g` is their number."""
+    before = {"in": "choose", "out": "in.done"}[way]
+    lines = [
+        f"{way}:",
+        f"  %{way}.g = phi i64 [ 0, %{before} ], [ %{way}.next, %{way}.end ]",
+        f"  %{way}.skip = mul i64 %{way}.g, {width}",
+        f"  %{way}.at = add i64 {start}, %{way}.skip",
+        f"  %{way}.rest = sub i64 %n, %{way}.at",
+        f"  %{way}.some = icmp sgt i64 %{way}.rest, 0",
+        f"  %{way}.room = icmp ult i64 %{way}.g, {tiles}",
+        f"  %{way}.more = and i1 %{way}.some, %{way}.room",
+        f"  br i1 %{way}.more, label %{way}.group, label %{way}.done",
+        f"{way}.group:",
+        f"  %{way}.full = icmp sge i64 %{way}.rest, {width}",
+        f"  %{way}.last = sub i64 %{way}.rest, 1",
+        f"  %{way}.lanes = select i1 %{way}.full, ptr %lanes, ptr %lanes.short",
+        f"  %{way}.skipped = mul i64 %{way}.g, {8 * width * slots}",
+        f"  %{way}.tile = getelementptr i8, ptr {tile}, i64 %{way}.skipped",
+        f"  br i1 %{way}.full, label %{way}.begin, label %{way}.short",
+        f"{way}.short:",
+    ]
+    for k, _ in arguments:
+        lines += _lanes(k, width, f"%{way}.last")
+    lines.append(f"  br label %{way}.begin\n{way}.begin:")
+    for k, argument in arguments:
+        lines += _transfer(k, argument, width, tiles, way)
+    return [
+        *lines,
+        f"  br label %{way}.end",
+        f"{way}.end:",
+        f"  %{way}.next = add i64 %{way}.g, 1",
+        f"  br label %{way}",
+    ]
+
+
+def _workspace(sizes: dict[str, int]) -> tuple[list[str], list[str]]:
+    """Named places of `sizes` bytes, and what gives the room back.
+
+    It is on the stack unless it is large: threads may have little of it.
+    """
+    total, places = 0, []
+    for name, size in sizes.items():
+        places.append(f"  %{name} = getelementptr i8, ptr %room, i64 {total}")
+        total += size
+    if total <= _LARGEST_ON_STACK:
+        return [f"  %room = alloca [{total} x i8], align 64", *places], []
+    get = f"""\
+  %raw = call ptr @malloc(i64 {total + 64})
+  %raw.number = ptrtoint ptr %raw to i64
+  %odd = and i64 %raw.number, 63
+  %up = sub i64 64, %odd
+  %room = getelementptr i8, ptr %raw, i64 %up"""
+    return [get, *places], ["  call void @free(ptr %raw)"]
+
+
+def _prepare(k: int, argument: Argument, core: int, first: int, width: int) -> list[str]:
+    """Base, step, way of access, addresses of the scalars and lanes of argument k."""
+    lines = [
+        f"  %pbase{k} = getelementptr ptr, ptr %args, i64 {k}",
+        f"  %base{k} = load ptr, ptr %pbase{k}, align 8",
+        f"  %pstep{k} = getelementptr i64, ptr %steps, i64 {k}",
+        f"  %step{k} = load i64, ptr %pstep{k}, align 8",
+        f"  %columns{k} = icmp eq i64 %step{k}, 8",
+    ]
+    rows, natural = "true", 8
+    for d in reversed(range(len(argument.shape))):
+        lines += [
+            f"  %pcore{k}.{d} = getelementptr i64, ptr %steps, i64 {core + d}",
+            f"  %core{k}.{d} = load i64, ptr %pcore{k}.{d}, align 8",
+        ]
+        if argument.shape[d] > 1:  # the stride along an axis of one entry means nothing
+            lines.append(f"  %natural{k}.{d} = icmp eq i64 %core{k}.{d}, {natural}")
+            lines.append(f"  %rows{k}.{d} = and i1 {rows}, %natural{k}.{d}")
+            rows = f"%rows{k}.{d}"
+        natural *= argument.shape[d]
+    lines.append(f"  %rows{k} = and i1 {rows}, true")
+    lines += _lanes(k, width, None)
+    return [
+        *lines,
+        f"  %blocks{k} = xor i1 %rows{k}, true",
+        f"  %addressed{k} = or i1 %blocks{k}, %columns{k}",
+        f"  %count{k} = select i1 %addressed{k}, i64 {argument.size}, i64 0",
+        f"  %offset{k} = getelementptr i64, ptr %offsets, i64 {first}",
+        f"  %strides{k} = getelementptr i64, ptr %steps, i64 {core}",
+        f"  call void @offsets(ptr %strides{k}, ptr @shape{k}, i64 {len(argument.shape)}, i64 %count{k}, "
+        f"ptr %offset{k})",
+    ]
+
+
+def _lanes(k: int, width: int, last: str | None) -> list[str]:
+    """Fill the table of lane addresses of argument k; of a short group, lanes beyond the `last` sample repeat it."""
+    lines, tag, table = [], f"{k}.{'s' if last else 'f'}", "%lanes.short" if last else "%lanes"
+    for lane in range(width):
+        number = str(lane)
+        if last:
+            number = f"%n{tag}{lane}"
+            lines.append(f"  %b{tag}{lane} = icmp slt i64 {lane}, {last}")
+            lines.append(f"  {number} = select i1 %b{tag}{lane}, i64 {lane}, i64 {last}")
+        lines.append(f"  %l{tag}{lane} = mul i64 %step{k}, {number}")
+        lines.append(f"  %pl{tag}{lane} = getelementptr i64, ptr {table}, i64 {k * width + lane}")
+        lines.append(f"  store i64 %l{tag}{lane}, ptr %pl{tag}{lane}, align 8")
+    return lines
+
+
+def _transfer(k: int, argument: Argument, width: int, tiles: int, way: str) -> list[str]:
+    """Move one group of argument k between array and tile."""
+    lines = [
+        f"  %move{k} = mul i64 %{way}.at, %step{k}",
+        f"  %at{k} = getelementptr i8, ptr %base{k}, i64 %move{k}",
+        f"  %lane{k} = getelementptr i64, ptr %{way}.lanes, i64 {k * width}",
+    ]
+    if way == "in":  # a broadcast input stays in the tiles, of which two rounds have their own
+        lines += [
+            f"  %moves{k} = icmp ne i64 %step{k}, 0",
+            f"  %first{k} = icmp ult i64 %i, {2 * width * tiles}",
+            f"  %needed{k} = or i1 %moves{k}, %first{k}",
+            f"  br i1 %needed{k}, label %load{k}, label %after{k}",
+            f"load{k}:",
+        ]
+    at = f"ptr %at{k}, ptr %lane{k}, ptr %{way}.tile"
+    call = f"{at}, ptr @places{k}, ptr %offset{k}, i64 {argument.size}"
+    return [
+        *lines,
+        f"  %streams{k} = and i1 %{way}.full, %columns{k}",
+        f"  br i1 %streams{k}, label %columns.{k}, label %other{k}",
+        f"columns.{k}:",
+        f"  call void @columns_{way}({call})",
+        f"  br label %after{k}",
+        f"other{k}:",
+        f"  br i1 %rows{k}, label %rows.{k}, label %strided{k}",
+        f"rows.{k}:",
+        f"  call void @rows{k}({at})",
+        f"  br label %after{k}",
+        f"strided{k}:",
+        f"  call void @strided_{way}({call})",
+        f"  br label %after{k}",
+        f"after{k}:",
+    ]

@@ -1,0 +1,295 @@
+"""LLVM text of a vector sine and cosine.
+
+Cody-Waite reduction to |r| <= pi/4 by multiples of pi/2, then the minimax polynomials of fdlibm's __kernel_sin and
+__kernel_cos: within 2 ulp for |x| <= 1e5. Where the CPU has no fused multiply-add, the reduction subtracts four terms
+of 33 bits whose products with the quadrant are exact. Larger arguments are reduced after Payne and Hanek
+(product with the bits of 2/pi that matter), lane by lane, behind a branch that is rarely taken: within 4 ulp
+for every finite argument, where libm is not. Infinity and NaN give NaN. The sine is computed of |x| and
+signed at the end, so that sin(-0.0) is -0.0. Nothing outside the text is called, so the bits are the same on
+every system.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+
+from freebody.program.segments import SinCos
+
+LARGEST = 1e5
+"""Arguments up to here are reduced in vector code."""
+
+_SIN = (
+    1.58969099521155010221e-10,
+    -2.50507602534068634195e-08,
+    2.75573137070700676789e-06,
+    -1.98412698298579493134e-04,
+    8.33333333332248946124e-03,
+    -1.66666666666666324348e-01,
+)
+_COS = (
+    -1.13596475577881948265e-11,
+    2.08757232129817482790e-09,
+    -2.75573143513906633035e-07,
+    2.48015872894767294178e-05,
+    -1.38888888888741095749e-03,
+    4.16666666666666019037e-02,
+)
+# pi/2 in three doubles, and in three parts of 33 bits with the rest
+_PIO2_FMA = (1.5707963267948966, 6.123233995736766e-17, -1.4973849048591833e-33)
+_PIO2_SPLIT = (
+    1.57079632673412561417e00,
+    6.07710050630396597660e-11,
+    2.02226624871116645580e-21,
+    8.47842766036889956997e-32,
+)
+_TWO_OVER_PI = (  # 1216 bits of its fraction, 64 a word
+    0xA2F9836E4E441529,
+    0xFC2757D1F534DDC0,
+    0xDB6295993C439041,
+    0xFE5163ABDEBBC561,
+    0xB7246E3A424DD2E0,
+    0x06492EEA09D1921C,
+    0xFE1DEB1CB129A73E,
+    0xE88235F52EBB4484,
+    0xE99C7026B45F7E41,
+    0x3991D639835339F4,
+    0x9C845F8BBDF9283B,
+    0x1FF897FFDE05980F,
+    0xEF2F118B5A0A6D1F,
+    0x6D367ECF27CB09B7,
+    0x4F463F669E5FEA2D,
+    0x7527BAC7EBE5F17B,
+    0x3D0739F78A5292EA,
+    0x6BFB5FB11F8D5D08,
+    0x56033046FC7B6BAB,
+)
+_TO_INTEGER = 6755399441055744.0  # 1.5 * 2**52: after adding it, the low bits are the nearest integer
+
+
+def double(value: float) -> str:
+    """A double as LLVM reads it exactly."""
+    return f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
+
+
+def splat(width: int, kind: str, text: object) -> str:
+    """A constant vector of equal lanes."""
+    return "<" + ", ".join([f"{kind} {text}"] * width) + ">"
+
+
+def sincos(width: int, fma: bool) -> str:
+    """`void @sincos(ptr x, ptr sine, ptr cosine)`, each a vector of `width` doubles, for all arguments."""
+    code = _Code(width, fma)
+    v = code.v
+    code.lines.append(f"""\
+define internal void @sincos(ptr noalias %px0, ptr noalias %psin0, ptr noalias %pcos0) #0 {{
+  %x0 = load {v}, ptr %px0, align {8 * width}""")
+    code.reduce(0)
+    code.lines.append(_large_lanes(width))
+    code.polynomials(0, "%r", "%q")
+    return "\n".join(
+        [_REDUCE, *code.lines, "  ret void\n}", f"declare {v} @llvm.fma.v{width}f64({v}, {v}, {v})\n"]
+    )
+
+
+def sines(name: str, steps: Sequence[SinCos], width: int, fma: bool) -> str:
+    """`void name(ptr tile)`: sines and cosines of slots of the tile, none of which is another's argument.
+
+    One look at all arguments decides between straight code and a call of `@sincos` for each: the bits are the same.
+    """
+    code = _Code(width, fma)
+    v, mask, calls = code.v, f"<{width} x i1>", []
+    code.lines.append(f"define internal void {name}(ptr noalias %tile) #0 {{")
+    for k, step in enumerate(steps):
+        for letter, slot in (("x", step.argument), ("sin", step.sine), ("cos", step.cosine)):
+            code.lines.append(f"  %p{letter}{k} = getelementptr {v}, ptr %tile, i64 {slot}")
+        code.lines.append(f"  %x{k} = load {v}, ptr %px{k}, align {8 * width}")
+        calls.append(f"  call void @sincos(ptr %px{k}, ptr %psin{k}, ptr %pcos{k})")
+    large = ""
+    for k in range(len(steps)):
+        code.reduce(k)
+        code.lines.append(f"  %large{k} = fcmp ugt {v} %a{k}, {code.c(LARGEST)}")
+        if large:
+            code.lines.append(f"  %either{k} = or {mask} {large}, %large{k}")
+        large = f"%either{k}" if large else f"%large{k}"
+    code.lines.append(f"""\
+  %bits = bitcast {mask} {large} to i{width}
+  %any = icmp ne i{width} %bits, 0
+  br i1 %any, label %general, label %straight
+general:""")
+    code.lines += [*calls, "  ret void\nstraight:"]
+    for k in range(len(steps)):
+        code.polynomials(k, f"%r{k}", f"%quadrant{k}")
+    code.lines.append("  ret void\n}\n")
+    return "\n".join(code.lines)
+
+
+class _Code:
+    """Lines of vector code; names of the values of argument k end in k."""
+
+    def __init__(self, width: int, fma: bool):
+        self.width, self.fma = width, fma
+        self.v, self.i = f"<{width} x double>", f"<{width} x i64>"
+        self.lines: list[str] = []
+
+    def c(self, value: float) -> str:
+        return splat(self.width, "double", double(value))
+
+    def n(self, value: int) -> str:
+        return splat(self.width, "i64", value)
+
+    def multiply_add(self, result: str, x: str, y: str, z: str) -> str:
+        """x y + z"""
+        v = self.v
+        if self.fma:
+            text = f"  {result} = call {v} @llvm.fma.v{self.width}f64({v} {x}, {v} {y}, {v} {z})"
+        else:
+            text = f"  {result}.p = fmul {v} {x}, {y}\n  {result} = fadd {v} {result}.p, {z}"
+        self.lines.append(text)
+        return result
+
+    def horner(self, name: str, coefficients: tuple[float, ...], z: str) -> str:
+        """Value of the polynomial in z, the highest coefficient first."""
+        last = self.c(coefficients[0])
+        for k, coefficient in enumerate(coefficients[1:]):
+            last = self.multiply_add(f"{name}.{k}", last, z, self.c(coefficient))
+        return last
+
+    def reduce(self, k: int) -> None:
+        """From %x: its sign, its absolute value %a, the quadrant in the low bits of %quadrant, and %r, the rest."""
+        v, i = self.v, self.i
+        self.lines.append(f"""\
+  %x.bits{k} = bitcast {v} %x{k} to {i}
+  %sign{k} = and {i} %x.bits{k}, {self.n(-(2**63))}
+  %a.bits{k} = and {i} %x.bits{k}, {self.n(2**63 - 1)}
+  %a{k} = bitcast {i} %a.bits{k} to {v}""")
+        self.multiply_add(f"%shifted{k}", f"%a{k}", self.c(0.6366197723675814), self.c(_TO_INTEGER))
+        self.lines.append(f"""\
+  %quadrant{k} = bitcast {v} %shifted{k} to {i}
+  %k{k} = fsub {v} %shifted{k}, {self.c(_TO_INTEGER)}
+  %minus.k{k} = fneg {v} %k{k}""")
+        parts = _PIO2_FMA if self.fma else _PIO2_SPLIT
+        last = f"%a{k}"
+        for term, part in enumerate(parts, 1):
+            name = f"%r{k}" if term == len(parts) else f"%r{k}.{term}"
+            last = self.multiply_add(name, f"%minus.k{k}", self.c(part), last)
+
+    def polynomials(self, k: int, r: str, q: str) -> None:
+        """Sine and cosine of r, turned by q quadrants, to where %psin and %pcos point."""
+        v, i = self.v, self.i
+        self.lines.append(f"  %z{k} = fmul {v} {r}, {r}\n  %zr{k} = fmul {v} %z{k}, {r}")
+        self.multiply_add(f"%s{k}", f"%zr{k}", self.horner(f"%ps{k}", _SIN, f"%z{k}"), r)
+        cosine = self.horner(f"%pc{k}", (*_COS, -0.5, 1.0), f"%z{k}")
+        self.lines.append(f"""\
+  %odd{k} = trunc {i} {q} to <{self.width} x i1>
+  %s.abs{k} = select <{self.width} x i1> %odd{k}, {v} {cosine}, {v} %s{k}
+  %c.abs{k} = select <{self.width} x i1> %odd{k}, {v} %s{k}, {v} {cosine}
+  %s.turn{k} = shl {i} {q}, {self.n(62)}
+  %s.flip0{k} = and {i} %s.turn{k}, {self.n(-(2**63))}
+  %s.flip{k} = xor {i} %s.flip0{k}, %sign{k}
+  %next{k} = add {i} {q}, {self.n(1)}
+  %c.turn{k} = shl {i} %next{k}, {self.n(62)}
+  %c.flip{k} = and {i} %c.turn{k}, {self.n(-(2**63))}
+  %s.bits0{k} = bitcast {v} %s.abs{k} to {i}
+  %c.bits0{k} = bitcast {v} %c.abs{k} to {i}
+  %s.bits{k} = xor {i} %s.bits0{k}, %s.flip{k}
+  %c.bits{k} = xor {i} %c.bits0{k}, %c.flip{k}
+  %sine{k} = bitcast {i} %s.bits{k} to {v}
+  %cosine{k} = bitcast {i} %c.bits{k} to {v}
+  store {v} %sine{k}, ptr %psin{k}, align {8 * self.width}
+  store {v} %cosine{k}, ptr %pcos{k}, align {8 * self.width}""")
+
+
+def _large_lanes(width: int) -> str:
+    """%r and %q: the reduced argument and the quadrant, from the slow way in lanes that need it."""
+    v, i, mask = f"<{width} x double>", f"<{width} x i64>", f"<{width} x i1>"
+    lines = [
+        f"  %large = fcmp ugt {v} %a0, {splat(width, 'double', double(LARGEST))}",
+        f"  %safe = select {mask} %large, {v} %a0, {v} {splat(width, 'double', double(2 * LARGEST))}",
+    ]
+    reduced, quadrants = "poison", "poison"
+    for lane in range(width):
+        lines += [
+            f"  %safe{lane} = extractelement {v} %safe, i64 {lane}",
+            f"  %both{lane} = call {{ double, i64 }} @reduce(double %safe{lane})",
+            f"  %lane.r{lane} = extractvalue {{ double, i64 }} %both{lane}, 0",
+            f"  %lane.q{lane} = extractvalue {{ double, i64 }} %both{lane}, 1",
+            f"  %slow.r{lane} = insertelement {v} {reduced}, double %lane.r{lane}, i64 {lane}",
+            f"  %slow.q{lane} = insertelement {i} {quadrants}, i64 %lane.q{lane}, i64 {lane}",
+        ]
+        reduced, quadrants = f"%slow.r{lane}", f"%slow.q{lane}"
+    lines += [
+        f"  %r = select {mask} %large, {v} {reduced}, {v} %r0",
+        f"  %q = select {mask} %large, {i} {quadrants}, {i} %quadrant0",
+    ]
+    return "\n".join(lines)
+
+
+# a = m 2^e. Of 2/pi the bits above 2^(2-e) give multiples of 4 quadrants; 192 bits from there times m are a
+# 2/pi modulo 4, with 2 bits of quadrant and 190 of fraction. At least 60 of the upper 126 are left in the
+# worst case.
+_REDUCE = f"""\
+@two_over_pi = internal constant [{len(_TWO_OVER_PI) + 1} x i64] [i64 0, {", ".join(f"i64 {w}" for w in _TWO_OVER_PI)}]
+define internal {{ double, i64 }} @reduce(double %a) #0 {{
+  %bits = bitcast double %a to i64
+  %exponent = lshr i64 %bits, 52
+  %fraction = and i64 %bits, {2**52 - 1}
+  %m = or i64 %fraction, {2**52}
+  %position = sub i64 %exponent, {1075 + 2 - 64}
+  %word = lshr i64 %position, 6
+  %shift = and i64 %position, 63
+  %p0 = getelementptr i64, ptr @two_over_pi, i64 %word
+  %p1 = getelementptr i64, ptr %p0, i64 1
+  %p2 = getelementptr i64, ptr %p0, i64 2
+  %p3 = getelementptr i64, ptr %p0, i64 3
+  %t0 = load i64, ptr %p0, align 8
+  %t1 = load i64, ptr %p1, align 8
+  %t2 = load i64, ptr %p2, align 8
+  %t3 = load i64, ptr %p3, align 8
+  %w0 = call i64 @llvm.fshl.i64(i64 %t0, i64 %t1, i64 %shift)
+  %w1 = call i64 @llvm.fshl.i64(i64 %t1, i64 %t2, i64 %shift)
+  %w2 = call i64 @llvm.fshl.i64(i64 %t2, i64 %t3, i64 %shift)
+  %wide.m = zext i64 %m to i128
+  %wide.w1 = zext i64 %w1 to i128
+  %wide.w2 = zext i64 %w2 to i128
+  %low = mul i128 %wide.m, %wide.w2
+  %low.carry = lshr i128 %low, 64
+  %middle0 = mul i128 %wide.m, %wide.w1
+  %middle = add i128 %middle0, %low.carry
+  %middle.carry = lshr i128 %middle, 64
+  %carry = trunc i128 %middle.carry to i64
+  %high0 = mul i64 %m, %w0
+  %high = add i64 %high0, %carry
+  %rounded = add i64 %high, {2**61}
+  %quadrant = lshr i64 %rounded, 62
+  %whole = shl i64 %quadrant, 62
+  %rest = sub i64 %high, %whole
+  %wide.rest = sext i64 %rest to i128
+  %upper = shl i128 %wide.rest, 64
+  %lower = and i128 %middle, {2**64 - 1}
+  %f = or i128 %upper, %lower
+  %negative = icmp slt i128 %f, 0
+  %minus.f = sub i128 0, %f
+  %f.abs = select i1 %negative, i128 %minus.f, i128 %f
+  %zeros = call i128 @llvm.ctlz.i128(i128 %f.abs, i1 false)
+  %normal = shl i128 %f.abs, %zeros
+  %top = lshr i128 %normal, 65
+  %digits = trunc i128 %top to i64
+  %mantissa = sitofp i64 %digits to double
+  %zeros64 = trunc i128 %zeros to i64
+  %scale.exponent = sub i64 {1023 - 61}, %zeros64
+  %scale.bits = shl i64 %scale.exponent, 52
+  %scale = bitcast i64 %scale.bits to double
+  %f.double = fmul double %mantissa, %scale
+  %r.abs = fmul double %f.double, {double(_PIO2_FMA[0])}
+  %r.minus = fneg double %r.abs
+  %r.signed = select i1 %negative, double %r.minus, double %r.abs
+  %nothing = fsub double %a, %a
+  %r = fadd double %r.signed, %nothing
+  %result0 = insertvalue {{ double, i64 }} poison, double %r, 0
+  %result = insertvalue {{ double, i64 }} %result0, i64 %quadrant, 1
+  ret {{ double, i64 }} %result
+}}
+declare i64 @llvm.fshl.i64(i64, i64, i64)
+declare i128 @llvm.ctlz.i128(i128, i1)
+"""

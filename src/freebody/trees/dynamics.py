@@ -1,0 +1,232 @@
+"""Dynamics: forces from motion, motion from forces, and what stands between them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from freebody.arrays import Array, at_sample
+from freebody.errors import FreebodyError, SingularError
+from freebody.kernels.closed_chains import closed
+from freebody.kernels.formulas import Option
+from freebody.model.model import Model
+from freebody.model.required import require_model
+from freebody.trees.calls import Vector, Wrenches, common_batch, evaluate, finite_vector
+from freebody.trees.kinematics import checked_reference, jacobian
+from freebody.trees.massless import refuse_massless
+from freebody.trees.passive import refuse_passive
+
+
+def inverse_dynamics(
+    model: Model,
+    q: Vector,
+    qd: Vector,
+    qdd: Vector,
+    wrenches: Wrenches = None,
+    actuated: Sequence[str] | None = None,
+) -> Array:
+    """tau (..., nv): M q̈ + c + g + friction + springs + rotors - Σ Jᵀ w (N m, N), by recursive Newton-Euler.
+
+    q: (..., nq); qd, qdd: (..., nv), rad or m and s. wrenches: {frame: (..., 6)} or one array for the tip: force,
+    then moment, that act on the arm at the frame's origin, world axes ((..., 3): fx, fy, m in the plane). Raises
+    ShapeError, NotFiniteError, UnknownNameError, MissingValueError. Source: Luh, Walker, Paul 1980; notes 4.6-4.15,
+    6.16-6.29.
+
+    Of an open chain the entries of passive joints (`model.passive`) are what is missing: the torque that would be
+    needed there; the motion is possible where they are zero.
+
+    Closed chains: the torques of the driven joints (`actuated`: names; default those not passive), zero elsewhere; of
+    more drives than the mechanism needs, the smallest torques. Raises LoopError for a state that its loops do not
+    allow, SingularError where the drives do not determine the motion.
+    """
+    require_model("inverse_dynamics", model)
+    if model.loops:
+        return closed("inverse_dynamics")(model, q, qd, qdd, wrenches, actuated)
+    if actuated is not None:
+        raise FreebodyError(
+            f"inverse_dynamics: actuated= chooses among the joints of a closed chain; {model.name!r} has no loops."
+        )
+    return evaluate("inverse_dynamics", model, (q, qd, qdd), None, wrenches)
+
+
+def forward_dynamics(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches = None) -> Array:
+    """q̈ (..., nv) under joint torques tau (..., nv); other arguments as for `inverse_dynamics` (3.29).
+
+    Closed chains: (5.29), with dependent equations and at singular positions, where a motion keeps its branch. Raises
+    SingularError naming the joint that moves no inertia, LoopError for a state that the loops do not allow,
+    PassiveJointError for a torque at a joint that nothing drives.
+    """
+    require_model("forward_dynamics", model)
+    refuse_passive("forward_dynamics", model, tau)
+    if model.loops:
+        return closed("forward_dynamics")(model, q, qd, tau, wrenches)
+    refuse_massless(model, "forward_dynamics")
+    result = evaluate("forward_dynamics", model, (q, qd, tau), None, wrenches)
+    _refuse_singular("forward_dynamics", model, result)
+    return result
+
+
+def _refuse_singular(function: str, model: Model, accelerations: Array) -> None:
+    """Finite inputs and an acceleration (..., nv) that is not finite: M is singular there."""
+    single = accelerations.ndim == 1  # plain Python is quicker there
+    if math.isfinite(sum(accelerations.tolist())) if single else np.isfinite(accelerations).all():
+        return
+    *sample, k = map(int, np.argwhere(~np.isfinite(accelerations))[0])
+    raise SingularError(
+        f"{function}: the mass matrix of {model.name!r} is singular{at_sample(sample)}: "
+        f"joint coordinate {model.velocity_names[k]!r} has no finite acceleration."
+    )
+
+
+def inverse_dynamics_derivatives(
+    model: Model, q: Vector, qd: Vector, qdd: Vector
+) -> tuple[Array, Array, Array]:
+    """(∂tau/∂q, ∂tau/∂q̇, M), each (..., nv, nv), rows tau; friction (Coulomb's is constant), springs, rotors included.
+
+    q: (..., nq); qd, qdd: (..., nv). With free, spherical and quaternion coordinates ∂/∂q is on the tangent space:
+    along `fb.integrate(model, q, v)`. Source: Singh, Russell, Wensing 2022.
+    """
+    return evaluate("inverse_dynamics_derivatives", model, (q, qd, qdd))
+
+
+def inverse_dynamics_second_derivatives(
+    model: Model, q: Vector, qd: Vector, qdd: Vector
+) -> tuple[Array, Array, Array, Array]:
+    """Second derivatives of tau, each (..., nv, nv, nv), the last axis the last direction of differentiation.
+
+    (∂²tau/∂q∂q, ∂²tau/∂q̇∂q, ∂²tau/∂q̇∂q̇, ∂M/∂q); those with respect to q̈ and q̇, and to q̈ twice, are zero. On the tangent
+    space, the derivative along q of what `inverse_dynamics_derivatives` returns.
+    """
+    return evaluate("inverse_dynamics_second_derivatives", model, (q, qd, qdd))
+
+
+def forward_dynamics_derivatives(
+    model: Model, q: Vector, qd: Vector, tau: Vector
+) -> tuple[Array, Array, Array]:
+    """(∂q̈/∂q, ∂q̈/∂q̇, ∂q̈/∂tau = M⁻¹), each (..., nv, nv), on the tangent space; arguments as for `forward_dynamics`.
+
+    Raises SingularError naming the joint that moves no inertia, PassiveJointError for a torque at a passive joint.
+    """
+    require_model("forward_dynamics_derivatives", model)
+    refuse_passive("forward_dynamics_derivatives", model, tau)
+    refuse_massless(model, "forward_dynamics_derivatives")
+    result = evaluate("forward_dynamics_derivatives", model, (q, qd, tau))
+    _refuse_singular("forward_dynamics_derivatives", model, np.diagonal(result[2], axis1=-2, axis2=-1))
+    return result
+
+
+def mass_matrix(model: Model, q: Vector) -> Array:
+    """M (..., nv, nv), rotors included, by composite bodies. q: (..., nq)."""
+    return evaluate("mass_matrix", model, (q,))
+
+
+def coriolis_matrix(model: Model, q: Vector, qd: Vector) -> Array:
+    """C (..., nv, nv): C q̇ is the velocity term and Ṁ - 2C is skew-symmetric (Christoffel).
+
+    q: (..., nq); qd: (..., nv). With free or spherical joints the matrix of Echeandia and Wensing 2021.
+    """
+    return evaluate("coriolis_matrix", model, (q, qd))
+
+
+def bias(model: Model, q: Vector, qd: Vector) -> Array:
+    """c + g, friction and springs (..., nv): the inverse dynamics at zero acceleration."""
+    return evaluate("bias", model, (q, qd))
+
+
+def gravity_torque(model: Model, q: Vector) -> Array:
+    """g (..., nv): the torque that holds the arm still against gravity, springs not counted."""
+    return evaluate("gravity_torque", model, (q,))
+
+
+def static_torque(model: Model, q: Vector, wrenches: Wrenches = None) -> Array:
+    """g + springs - Σ Jᵀ w (..., nv): the torque that holds the arm still (2.41-2.49).
+
+    wrenches act on the arm, as for `inverse_dynamics`; the notes' (2.52) prints the torque that exerts f, its negative.
+    An open chain rests where the entries of its passive joints are zero; elsewhere they are the holding torque that is
+    missing. Closed chains: the torques of the driven joints, as for `inverse_dynamics`.
+    """
+    require_model("static_torque", model)
+    if model.loops:
+        return closed("static_torque")(model, q, wrenches)
+    return evaluate("static_torque", model, (q,), None, wrenches)
+
+
+def tip_wrench(model: Model, q: Vector, tau: Vector, frame: str | None = None) -> Array:
+    """Wrench (..., 6) that the arm exerts on its surroundings with torques tau (..., nv): J⁻ᵀ tau (2.51).
+
+    In the plane (..., 3). With fewer joints than rows the least-squares solution is not taken: a planar arm of two
+    joints returns the force alone (moment 0). Gravity and springs are not counted. Raises SingularError at a singular
+    Jacobian, PassiveJointError for a torque at a joint that nothing drives.
+    """
+    require_model("tip_wrench", model)
+    refuse_passive("tip_wrench", model, tau)
+    if model.loops:
+        raise FreebodyError(
+            f"tip_wrench: {model.name!r} is a closed chain; with J = fb.input_output(model, q).J it is J⁻ᵀ tau."
+        )
+    J = jacobian(model, q, frame)
+    rows = J.shape[-2] if model.nv >= J.shape[-2] else model.dim
+    if rows != model.nv:
+        raise SingularError(
+            f"tip_wrench: {model.name!r} has {model.nv} joints but the wrench {rows} components; "
+            "torques determine it only when these are equal."
+        )
+    square = J[..., :rows, :]
+    smallest = np.linalg.svd(square, compute_uv=False)
+    singular = np.argwhere(smallest[..., -1] <= 1e-12 * smallest[..., 0])
+    if len(singular):
+        raise SingularError(
+            f"tip_wrench: the Jacobian of {model.name!r} is singular{at_sample(singular[0])}: "
+            "some wrench at its frame needs no torque, and torques do not tell it. Choose another q."
+        )
+    torque = finite_vector("tip_wrench", model, "tau", tau)
+    batch = common_batch("tip_wrench", {"q": J[..., 0], "tau": torque})
+    wrench = np.zeros((*batch, J.shape[-2]))
+    wrench[..., :rows] = np.linalg.solve(np.swapaxes(square, -1, -2), torque[..., None])[..., 0]
+    return wrench
+
+
+def joint_wrenches(
+    model: Model,
+    q: Vector,
+    qd: Vector,
+    qdd: Vector,
+    wrenches: Wrenches = None,
+    reference: Literal["world", "child"] = "world",
+) -> Array:
+    """Reaction wrench (..., nj, 6) of every joint: force (N), then moment (N m); (..., nj, 3) in the plane.
+
+    Row i belongs to joint_names[i]: all that the parent does to the child, at the child's joint origin, world axes or
+    the child's. Arguments as for `inverse_dynamics`. Closed chains: a row for each loop follows, on the second frame's
+    body by the first's; `reactions` also says which components are determined.
+    """
+    require_model("joint_wrenches", model)
+    if model.loops:
+        found = closed("joint_wrenches")(model, q, qd, qdd=qdd, wrenches=wrenches, reference=reference)
+        return found.wrenches
+    option = Option(reference=checked_reference(reference, ("world", "child")))
+    return evaluate("joint_wrenches", model, (q, qd, qdd), option, wrenches)
+
+
+def kinetic_energy(model: Model, q: Vector, qd: Vector) -> Array:
+    """T (...) in J, rotors included (5.1-5.3)."""
+    return evaluate("kinetic_energy", model, (q, qd))
+
+
+def potential_energy(model: Model, q: Vector) -> Array:
+    """V (...) in J: gravity, zero at the world's origin, and springs (5.4, 5.5)."""
+    return evaluate("potential_energy", model, (q,))
+
+
+def momentum(model: Model, q: Vector, qd: Vector, about: ArrayLike | None = None) -> Array:
+    """Linear (kg m/s), then angular momentum (kg m²/s), (..., 6), about a point of the world (default its origin).
+
+    (..., 3) in the plane. Momentum of the bodies; rotors are not counted.
+    """
+    require_model("momentum", model)
+    extra = () if about is None else (finite_vector("momentum", model, "about", about),)
+    return evaluate("momentum", model, (q, qd, *extra), Option(point=about is not None))

@@ -1,0 +1,102 @@
+"""Kinematics of frames and points."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from numpy.typing import ArrayLike
+
+from freebody.arrays import Array
+from freebody.errors import SingularError, UnknownNameError
+from freebody.kernels.formulas import Option
+from freebody.model.model import Model
+from freebody.model.required import require_model
+from freebody.trees.calls import Vector, evaluate
+
+Reference = Literal["world", "body"]
+
+
+def forward_kinematics(model: Model, q: Vector, frame: str | None = None) -> Array:
+    """Pose T_WF (..., 4, 4) of a frame in the world; (..., 3, 3) in the plane (2.10-2.13).
+
+    q: (..., nq). frame: name, default the tip. Raises ShapeError, NotFiniteError, UnknownNameError.
+    """
+    require_model("forward_kinematics", model)
+    return evaluate("forward_kinematics", model, (q,), Option(model.frame(frame).name))
+
+
+def velocity(
+    model: Model, q: Vector, qd: Vector, frame: str | None = None, point: ArrayLike | None = None
+) -> Array:
+    """Velocity (..., 6) of a frame: linear (m/s) of its origin or of `point`, then angular (rad/s), world axes.
+
+    In the plane (..., 3): ẋ, ẏ, ω. q: (..., nq); qd: (..., nv); point: (..., dim), fixed to the frame, in its axes (m).
+    Source: (2.16-2.18), (4.3), (6.16-6.19).
+    """
+    require_model("velocity", model)
+    option = Option(model.frame(frame).name, point=point is not None)
+    extra = () if point is None else (point,)
+    return evaluate("velocity", model, (q, qd, *extra), option)
+
+
+def acceleration(
+    model: Model, q: Vector, qd: Vector, qdd: Vector, frame: str | None = None, point: ArrayLike | None = None
+) -> Array:
+    """Acceleration (..., 6): time derivative of `velocity`, linear (m/s²) then angular (rad/s²), world axes.
+
+    It is the acceleration of the point itself, not a spatial (Plücker) one. Arguments as for `velocity`;
+    qdd: (..., nv).
+    Source: (2.24), (4.5), (6.20-6.22).
+    """
+    require_model("acceleration", model)
+    option = Option(model.frame(frame).name, point=point is not None)
+    extra = () if point is None else (point,)
+    return evaluate("acceleration", model, (q, qd, qdd, *extra), option)
+
+
+def jacobian(model: Model, q: Vector, frame: str | None = None, reference: Reference = "world") -> Array:
+    """Jacobian (..., 6, nv), (..., 3, nv) in the plane: rows linear velocity of the frame's origin, then angular.
+
+    q: (..., nq). reference: "world" axes, or those of the frame ("body"). The notes' planar J (2.19) is [..., :2, :].
+    """
+    require_model("jacobian", model)
+    return evaluate("jacobian", model, (q,), Option(model.frame(frame).name, checked_reference(reference)))
+
+
+def jacobian_dot(
+    model: Model, q: Vector, qd: Vector, frame: str | None = None, reference: Reference = "world"
+) -> Array:
+    """Time derivative (..., 6, nv) of `jacobian` along qd (..., nv): acceleration = J qdd + J̇ qd (2.24)."""
+    require_model("jacobian_dot", model)
+    option = Option(model.frame(frame).name, checked_reference(reference))
+    return evaluate("jacobian_dot", model, (q, qd), option)
+
+
+def jacobian_derivatives(
+    model: Model, q: Vector, frame: str | None = None, reference: Reference = "world"
+) -> Array:
+    """∂J/∂q (..., 6, nv, nv), (..., 3, nv, nv) in the plane, the last axis the direction, on the tangent space.
+
+    Arguments as for `jacobian`; `jacobian_dot` is its product with qd.
+    """
+    require_model("jacobian_derivatives", model)
+    option = Option(model.frame(frame).name, checked_reference(reference))
+    return evaluate("jacobian_derivatives", model, (q,), option)
+
+
+def center_of_mass(model: Model, q: Vector) -> Array:
+    """Centre of mass (..., dim) of all links, the base's included, in the world (m) (1.15).
+
+    q: (..., nq). Raises SingularError without mass.
+    """
+    require_model("center_of_mass", model)
+    if model.mass == 0.0:
+        raise SingularError(f"center_of_mass: {model.name!r} has no mass; give its links an inertia.")
+    return evaluate("center_of_mass", model, (q,))
+
+
+def checked_reference(reference: str, allowed: tuple[str, ...] = ("world", "body")) -> str:
+    """`reference`, if it is a known one."""
+    if reference not in allowed:
+        raise UnknownNameError("reference", reference, "reference=", allowed)
+    return reference

@@ -1,0 +1,122 @@
+"""Quantities for control and identification: operational space, the centre of mass, linear parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from freebody.algorithms.regressor import DRIVE, body_parameters, parameter_values
+from freebody.arrays import Array, at_sample
+from freebody.errors import SingularError
+from freebody.kernels.formulas import Option
+from freebody.kernels.lookup import motion_rows
+from freebody.model.model import Model
+from freebody.model.required import require_model
+from freebody.trees.calls import Vector, evaluate
+from freebody.trees.kinematics import jacobian
+from freebody.trees.massless import refuse_massless
+from freebody.trees.passive import refuse_passive
+
+
+def mass_matrix_inverse(model: Model, q: Vector) -> Array:
+    """M⁻¹ (..., nv, nv). q: (..., nq). Raises SingularError naming the joint that moves no inertia."""
+    require_model("mass_matrix_inverse", model)
+    refuse_massless(model, "mass_matrix_inverse")
+    return evaluate("mass_matrix_inverse", model, (q,))
+
+
+def operational_space_inertia(
+    model: Model, q: Vector, frame: str | None = None, rows: Sequence[str] | None = None
+) -> Array:
+    """Λ = (J M⁻¹ Jᵀ)⁻¹ (..., r, r) of a frame's motion, rows linear then angular, world axes (Khatib 1987).
+
+    q: (..., nq). frame: name, default the tip. rows: which of "vx", "vy", "vz", "wx", "wy", "wz" (plane: "vx", "vy",
+    "w"); default all. Raises SingularError where the arm cannot move the frame along all of them.
+    """
+    require_model("operational_space_inertia", model)
+    option = _operational(model, frame, rows, "operational_space_inertia")
+    result = evaluate("operational_space_inertia", model, (q,), option)
+    _refuse_dependent_rows("operational_space_inertia", model, q, option)
+    return result
+
+
+def operational_space_bias(
+    model: Model, q: Vector, qd: Vector, frame: str | None = None, rows: Sequence[str] | None = None
+) -> Array:
+    """μ (..., r) with Λ ẍ + μ = the wrench at the frame that moves the arm so: velocity, gravity, friction, springs.
+
+    qd: (..., nv); other arguments and errors as for `operational_space_inertia`.
+    """
+    require_model("operational_space_bias", model)
+    option = _operational(model, frame, rows, "operational_space_bias")
+    result = evaluate("operational_space_bias", model, (q, qd), option)
+    _refuse_dependent_rows("operational_space_bias", model, q, option)
+    return result
+
+
+def _operational(model: Model, frame: str | None, rows: Sequence[str] | None, function: str) -> Option:
+    refuse_massless(model, function)
+    option = Option(model.frame(frame).name, rows=motion_rows(model, rows))
+    if len(option.rows) > model.nv:
+        raise SingularError(
+            f"{function}: {model.name!r} has {model.nv} joint coordinates and cannot move a frame "
+            f"along {len(option.rows)} rows; "
+            'choose as many at most, such as rows=("vx", "vy").'
+        )
+    return option
+
+
+def _refuse_dependent_rows(function: str, model: Model, q: Vector, option: Option) -> None:
+    J = jacobian(model, q, option.frame)[..., option.rows, :]
+    values = np.linalg.svd(J, compute_uv=False)
+    singular = np.argwhere(values[..., -1] <= 1e-10 * values[..., 0])
+    if len(singular):
+        raise SingularError(
+            f"{function}: frame {option.frame!r} of {model.name!r} is at a singularity{at_sample(singular[0])}: "
+            "the rows of its Jacobian depend. Choose fewer rows, or another q."
+        )
+
+
+def centroidal_momentum_matrix(model: Model, q: Vector) -> Array:
+    """A (..., 6, nv): A q̇ is the momentum about the centre of mass of what moves, linear then angular, world axes.
+
+    (..., 3, nv) in the plane. q: (..., nq). Raises SingularError where nothing that moves has a mass. Source: Orin,
+    Goswami, Lee 2013.
+    """
+    return evaluate("centroidal_momentum_matrix", model, (q,))
+
+
+def regressor(model: Model, q: Vector, qd: Vector, qdd: Vector) -> Array:
+    """Y (..., nv, p) with tau = Y π, π = `fb.inertial_parameters(model)`, in its order."""
+    return evaluate("regressor", model, (q, qd, qdd))
+
+
+def energy_regressor(model: Model, q: Vector, qd: Vector) -> Array:
+    """(..., 2, p): kinetic and potential energy (without the springs' constants) as linear functions of π."""
+    return evaluate("energy_regressor", model, (q, qd))
+
+
+def inertial_parameters(model: Model) -> dict[str, float]:
+    """π by name: of each body m, hx, hy, hz (first moment), Ixx, Ixy, Ixz, Iyy, Iyz, Izz about its joint's origin, in
+    its axes (plane: m, hx, hy, I); then of each joint with a drive viscous, coulomb, rotor, stiffness,
+    stiffness_rest."""
+    require_model("inertial_parameters", model)
+    tree = model.tree
+    names = [f"{body.name}.{p}" for body in model.bodies for p in body_parameters(tree.space)]
+    joints = [
+        model.bodies[i].joint.name for i, k in enumerate(tree.body_of) if tree.bodies[k].drive is not None
+    ]
+    names += [f"{joint}.{p}" for joint in joints for p in DRIVE]
+    return dict(zip(names, map(float, parameter_values(tree)), strict=True))
+
+
+def forward_dynamics_parameter_derivatives(model: Model, q: Vector, qd: Vector, tau: Vector) -> Array:
+    """∂q̈/∂π (..., nv, p) = -M⁻¹ Y, π in the order of `fb.inertial_parameters`; the regressor Y is ∂tau/∂π.
+
+    Raises as `forward_dynamics_derivatives` does.
+    """
+    require_model("forward_dynamics_parameter_derivatives", model)
+    refuse_passive("forward_dynamics_parameter_derivatives", model, tau)
+    refuse_massless(model, "forward_dynamics_parameter_derivatives")
+    return evaluate("forward_dynamics_parameter_derivatives", model, (q, qd, tau))
