@@ -25,10 +25,12 @@ class Argument:
     """Name and core shape of an input or output; () is a scalar.
 
     The name is a word of freebody's own, never one from a file: it stands in generated text.
+    A uniform input is one value for the whole batch: it is read, and what follows from it alone computed, once a call.
     """
 
     name: str
     shape: tuple[int, ...]
+    uniform: bool = False
 
     @property
     def size(self) -> int:
@@ -145,6 +147,7 @@ def verify(program: Program) -> Program:
         names = [argument.name for argument in arguments]
         demand(len(set(names)) == len(names), f"the names of {kind} are used once: {', '.join(names)}")
     demand(len(program.outputs) > 0, "a program has at least one output")
+    demand(not any(argument.uniform for argument in program.outputs), "an output belongs to a sample")
     for argument in program.inputs + program.outputs:
         demand(all(size >= 0 for size in argument.shape), f"{argument} has a negative size")
     count = len(program.op)
