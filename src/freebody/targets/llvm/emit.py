@@ -8,12 +8,14 @@ around it.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from math import nan
 
 from freebody.program.program import Program
 from freebody.program.segments import Segment, SinCos, segment
+from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.loop import gufunc_loop
 from freebody.targets.llvm.machine import Target
-from freebody.targets.llvm.sincos import double, sincos, sines, splat
+from freebody.targets.llvm.sincos import sincos, sines
 
 LONG = 700
 """Nodes from which the code of a program is fetched anew for each group: two groups a round are 5-20 % faster."""
@@ -33,12 +35,12 @@ INSTRUCTION = {
     "mul": "{r} = fmul contract {v} {a}, {b}",
     "div": "{r} = fdiv {v} {a}, {b}",
     "neg": "{r} = fneg contract {v} {a}",
-    "sqrt": "{r} = call {v} @llvm.sqrt.v{w}f64({v} {a})",
+    "sqrt": "{r} = call {v} @llvm.sqrt.{n}({v} {a})",
     "sign": (
-        "{r}.u = call {v} @llvm.copysign.v{w}f64({v} {one}, {v} {a})\n"
+        "{r}.u = call {v} @llvm.copysign.{n}({v} {one}, {v} {a})\n"
         "  {r}.c = fcmp one {v} {a}, zeroinitializer\n"
         "  {r}.z = fadd {v} {a}, zeroinitializer\n"
-        "  {r} = select <{w} x i1> {r}.c, {v} {r}.u, {v} {r}.z"
+        "  {r} = select {mask} {r}.c, {v} {r}.u, {v} {r}.z"
     ),
 }
 """Only contraction to fused multiply-add is allowed: other fast-math flags break range reduction and NaN."""
@@ -52,29 +54,29 @@ def emit(program: Program, target: Target) -> str:
         program: a verified program with at least one input and one output scalar.
         target: the machine, as far as the text depends on it.
     """
-    layout, width = segment(program), target.width
+    layout, lanes = segment(program), target.lanes
     tiles = 1 if len(program) < LONG else 2
-    v = f"<{width} x double>"
+    v, n = lanes.v, lanes.suffix
     parts = [
         f"; {program}",
-        sincos(width, target.fma),
-        _finite(program.input_size, len(layout.results), width),
+        sincos(lanes, target.fma),
+        _finite(program.input_size, len(layout.results), lanes),
     ]
     pieces: list[str] = []
     for number, those in enumerate(_joined(layout.steps)):
         if isinstance(those, Segment):
             pieces.append(f"@segment{number}")
-            parts.append(_arithmetic(pieces[-1], program, those, width))
+            parts.append(_arithmetic(pieces[-1], program, those, lanes))
         else:
             pieces.append(f"@sines{number}")
-            parts.append(sines(pieces[-1], those, width, target.fma))
-    parts.append(_compute([*pieces, "@finite"], 8 * width * layout.slots, tiles))
+            parts.append(sines(pieces[-1], those, lanes, target.fma))
+    parts.append(_compute([*pieces, "@finite"], lanes.size * layout.slots, tiles))
     parts.append(gufunc_loop(program, target, layout, tiles))
     parts.append(
-        f"declare {v} @llvm.sqrt.v{width}f64({v})\n"
-        f"declare {v} @llvm.copysign.v{width}f64({v}, {v})\n"
-        f'attributes #0 = {{ nounwind "min-legal-vector-width"="{64 * width}" '
-        f'"prefer-vector-width"="{64 * width}" }}\n'
+        f"declare {v} @llvm.sqrt.{n}({v})\n"
+        f"declare {v} @llvm.copysign.{n}({v}, {v})\n"
+        f'attributes #0 = {{ nounwind "min-legal-vector-width"="{8 * lanes.size}" '
+        f'"prefer-vector-width"="{8 * lanes.size}" }}\n'
     )
     return "\n".join(parts)
 
@@ -96,9 +98,9 @@ def _joined(steps: Sequence[Segment | SinCos]) -> Iterator[Segment | list[SinCos
             some.append(step)
 
 
-def _arithmetic(title: str, program: Program, step: Segment, width: int) -> str:
+def _arithmetic(title: str, program: Program, step: Segment, lanes: Lanes) -> str:
     """Loads, instructions and stores of a segment, the loads at first use."""
-    v, align = f"<{width} x double>", 8 * width
+    v, align = lanes.v, lanes.size
     lines = [f"define internal void {title}(ptr noalias %tile) #0 {{"]
     names: dict[int, str] = {}
 
@@ -107,7 +109,7 @@ def _arithmetic(title: str, program: Program, step: Segment, width: int) -> str:
         known = names.get(index)
         if known is None:
             if program.op[index] == "const":
-                known = splat(width, "double", double(program.constants[program.a[index]]))
+                known = lanes.constant(program.constants[program.a[index]])
             else:
                 known = f"%v{index}"
                 lines.append(f"  %p{index} = getelementptr {v}, ptr %tile, i64 {step.loads[index]}")
@@ -115,13 +117,13 @@ def _arithmetic(title: str, program: Program, step: Segment, width: int) -> str:
             names[index] = known
         return known
 
-    one = splat(width, "double", double(1.0))
+    fixed = {"v": v, "n": lanes.suffix, "mask": lanes.mask, "one": lanes.constant(1.0)}
     for index in step.nodes:
         a, b = program.a[index], program.b[index]
         a_name, b_name = name(a), name(b) if b >= 0 else ""
         result = names[index] = f"%v{index}"
         text = INSTRUCTION[program.op[index]]
-        lines.append("  " + text.format(r=result, v=v, a=a_name, b=b_name, w=width, one=one))
+        lines.append("  " + text.format(r=result, a=a_name, b=b_name, **fixed))
         for position, slot in enumerate(step.stores.get(index, ())):
             lines.append(f"  %q{index}.{position} = getelementptr {v}, ptr %tile, i64 {slot}")
             lines.append(f"  store {v} {result}, ptr %q{index}.{position}, align {align}")
@@ -167,12 +169,12 @@ leave{k}:""")
     return "\n".join([*lines, "  ret void", "}", ""])
 
 
-def _finite(inputs: int, results: int, width: int) -> str:
+def _finite(inputs: int, results: int, lanes: Lanes) -> str:
     """Make every result NaN in the lanes whose inputs are not all finite.
 
     0 * x is NaN for NaN and infinite x, so the sum of these products tells. It runs in four strands.
     """
-    v, align = f"<{width} x double>", 8 * width
+    v, align, width = lanes.v, lanes.size, lanes.width
     lines = ["define internal void @finite(ptr noalias %tile) #0 {", "entry:"]
     strands, before = ["zeroinitializer"] * 4, "entry"
     looped = inputs - inputs % CHECKED if inputs > CHECKED else 0
@@ -202,14 +204,14 @@ def _finite(inputs: int, results: int, width: int) -> str:
   %sum23 = fadd {v} {strands[2]}, {strands[3]}
   %sum = fadd {v} %sum01, %sum23
   %bad = fcmp uno {v} %sum, zeroinitializer
-  %bits = bitcast <{width} x i1> %bad to i{width}
+  %bits = bitcast {lanes.mask} %bad to i{width}
   %any = icmp ne i{width} %bits, 0
   br i1 %any, label %poison, label %done
 poison:
   %k = phi i64 [ {inputs}, %{before} ], [ %k.next, %poison ]
   %out = getelementptr {v}, ptr %tile, i64 %k
   %old = load {v}, ptr %out, align {align}
-  %new = select <{width} x i1> %bad, {v} {splat(width, "double", "0x7FF8000000000000")}, {v} %old
+  %new = select {lanes.mask} %bad, {v} {lanes.constant(nan)}, {v} %old
   store {v} %new, ptr %out, align {align}
   %k.next = add i64 %k, 1
   %more = icmp ult i64 %k.next, {inputs + results}

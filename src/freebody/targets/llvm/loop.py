@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from freebody.program.program import Argument, Program
 from freebody.program.segments import Layout
+from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.machine import Target
 from freebody.targets.llvm.tile import integers, transfers
 
@@ -25,7 +26,7 @@ def gufunc_loop(program: Program, target: Target, layout: Layout, tiles: int) ->
     A round takes `tiles` groups, each on a tile of its own.
     """
     parts = [
-        transfers(program, layout, target.width),
+        transfers(program, layout, target.lanes),
         _loop(program, target, layout.slots, tiles),
         _FLAGS[target.x86]["declare"],
         "declare ptr @malloc(i64)\ndeclare void @free(ptr)\n",
@@ -53,14 +54,14 @@ _FLAGS = {
 
 def _loop(program: Program, target: Target, slots: int, tiles: int) -> str:
     """Rounds of `tiles` groups: all in, those of the round before out, `@compute`."""
-    width = target.width
+    lanes, width = target.lanes, target.width
     arguments = program.inputs + program.outputs
-    lanes = 8 * width * len(arguments)
+    addresses = 8 * width * len(arguments)
     sizes = {
-        "tile.a": 8 * width * slots * tiles,
-        "tile.b": 8 * width * slots * tiles,
-        "lanes": lanes,
-        "lanes.short": lanes,
+        "tile.a": lanes.size * slots * tiles,
+        "tile.b": lanes.size * slots * tiles,
+        "lanes": addresses,
+        "lanes.short": addresses,
         "offsets": 8 * sum(argument.size for argument in arguments),
     }
     get, give_back = _workspace(sizes)
@@ -73,7 +74,7 @@ def _loop(program: Program, target: Target, slots: int, tiles: int) -> str:
     ]
     core, first = len(arguments), 0
     for k, argument in enumerate(arguments):
-        lines += _prepare(k, argument, core, first, width)
+        lines += _prepare(k, argument, core, first, lanes)
         core += len(argument.shape)
         first += argument.size
     lines.append(f"""\
@@ -87,10 +88,10 @@ head:
   br i1 %more, label %choose, label %end""")
     inputs = list(enumerate(program.inputs))
     outputs = list(enumerate(program.outputs, len(inputs)))
-    lines += _whole_round(inputs, outputs, width, slots, tiles)
-    lines += _phase("in", "%i", "%tile", inputs, width, slots, tiles)
+    lines += _whole_round(inputs, outputs, lanes, slots, tiles)
+    lines += _phase("in", "%i", "%tile", inputs, lanes, slots, tiles)
     lines.append("in.done:\n  %started = icmp ne i64 %i, 0\n  br i1 %started, label %out, label %out.done")
-    lines += _phase("out", "%before", "%before.tile", outputs, width, slots, tiles)
+    lines += _phase("out", "%before", "%before.tile", outputs, lanes, slots, tiles)
     lines.append(f"""\
 out.done:
   %some = icmp ne i64 %in.g, 0
@@ -110,12 +111,12 @@ end:""")
 def _whole_round(
     inputs: list[tuple[int, Argument]],
     outputs: list[tuple[int, Argument]],
-    width: int,
+    lanes: Lanes,
     slots: int,
     tiles: int,
 ) -> list[str]:
     """A round of full groups whose arguments are all rows, and the one before it, with nothing to be decided."""
-    lines, all_rows = ["choose:"], "%later"
+    lines, all_rows, width = ["choose:"], "%later", lanes.width
     lines.append("  %later = icmp ne i64 %i, 0")
     for k, _ in inputs + outputs:
         lines.append(f"  %only.rows{k} = xor i1 %addressed{k}, true")
@@ -141,7 +142,7 @@ def _whole_round(
                 if g:
                     lines.append(f"  {at} = getelementptr i8, ptr %whole.at{k}.{g - 1}, i64 %group{k}")
                 lines.append(
-                    f"  %whole.tile{k}.{g} = getelementptr i8, ptr {tile}, i64 {8 * width * slots * g}"
+                    f"  %whole.tile{k}.{g} = getelementptr i8, ptr {tile}, i64 {lanes.size * slots * g}"
                 )
                 lines.append(f"  call void @rows{k}(ptr {at}, ptr %whole.lane{k}, ptr %whole.tile{k}.{g})")
     return [*lines, "  br label %run"]
@@ -152,12 +153,12 @@ def _phase(
     start: str,
     tile: str,
     arguments: list[tuple[int, Argument]],
-    width: int,
+    lanes: Lanes,
     slots: int,
     tiles: int,
 ) -> list[str]:
     """Move the groups of the round that begins with sample `start` in or out; afterwards `%in.g` is their number."""
-    before = {"in": "choose", "out": "in.done"}[way]
+    before, width = {"in": "choose", "out": "in.done"}[way], lanes.width
     lines = [
         f"{way}:",
         f"  %{way}.g = phi i64 [ 0, %{before} ], [ %{way}.next, %{way}.end ]",
@@ -172,7 +173,7 @@ def _phase(
         f"  %{way}.full = icmp sge i64 %{way}.rest, {width}",
         f"  %{way}.last = sub i64 %{way}.rest, 1",
         f"  %{way}.lanes = select i1 %{way}.full, ptr %lanes, ptr %lanes.short",
-        f"  %{way}.skipped = mul i64 %{way}.g, {8 * width * slots}",
+        f"  %{way}.skipped = mul i64 %{way}.g, {lanes.size * slots}",
         f"  %{way}.tile = getelementptr i8, ptr {tile}, i64 %{way}.skipped",
         f"  br i1 %{way}.full, label %{way}.begin, label %{way}.short",
         f"{way}.short:",
@@ -211,16 +212,16 @@ def _workspace(sizes: dict[str, int]) -> tuple[list[str], list[str]]:
     return [get, *places], ["  call void @free(ptr %raw)"]
 
 
-def _prepare(k: int, argument: Argument, core: int, first: int, width: int) -> list[str]:
+def _prepare(k: int, argument: Argument, core: int, first: int, lanes: Lanes) -> list[str]:
     """Base, step, way of access, addresses of the scalars and lanes of argument k."""
     lines = [
         f"  %pbase{k} = getelementptr ptr, ptr %args, i64 {k}",
         f"  %base{k} = load ptr, ptr %pbase{k}, align 8",
         f"  %pstep{k} = getelementptr i64, ptr %steps, i64 {k}",
         f"  %step{k} = load i64, ptr %pstep{k}, align 8",
-        f"  %columns{k} = icmp eq i64 %step{k}, 8",
+        f"  %columns{k} = icmp eq i64 %step{k}, {lanes.real.size}",
     ]
-    rows, natural = "true", 8
+    rows, natural = "true", lanes.real.size
     for d in reversed(range(len(argument.shape))):
         lines += [
             f"  %pcore{k}.{d} = getelementptr i64, ptr %steps, i64 {core + d}",
@@ -232,7 +233,7 @@ def _prepare(k: int, argument: Argument, core: int, first: int, width: int) -> l
             rows = f"%rows{k}.{d}"
         natural *= argument.shape[d]
     lines.append(f"  %rows{k} = and i1 {rows}, true")
-    lines += _lanes(k, width, None)
+    lines += _lanes(k, lanes.width, None)
     return [
         *lines,
         f"  %blocks{k} = xor i1 %rows{k}, true",

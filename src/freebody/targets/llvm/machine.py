@@ -13,6 +13,7 @@ from functools import cache
 from typing import Any
 
 from freebody.errors import FreebodyError
+from freebody.targets.llvm.lanes import DOUBLE, Lanes, Real
 
 WIDTHS = (2, 4, 8)
 
@@ -24,6 +25,12 @@ class Target:
     width: int
     fma: bool
     x86: bool
+    real: Real = DOUBLE
+
+    @property
+    def lanes(self) -> Lanes:
+        """The vectors that a kernel computes with."""
+        return Lanes(self.real, self.width)
 
 
 class CompileError(FreebodyError, RuntimeError):

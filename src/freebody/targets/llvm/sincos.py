@@ -11,10 +11,10 @@ every system.
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Sequence
 
 from freebody.program.segments import SinCos
+from freebody.targets.llvm.lanes import DOUBLE, Lanes
 
 LARGEST = 1e5
 """Arguments up to here are reduced in vector code."""
@@ -67,54 +67,44 @@ _TWO_OVER_PI = (  # 1216 bits of its fraction, 64 a word
 _TO_INTEGER = 6755399441055744.0  # 1.5 * 2**52: after adding it, the low bits are the nearest integer
 
 
-def double(value: float) -> str:
-    """A double as LLVM reads it exactly."""
-    return f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
-
-
-def splat(width: int, kind: str, text: object) -> str:
-    """A constant vector of equal lanes."""
-    return "<" + ", ".join([f"{kind} {text}"] * width) + ">"
-
-
-def sincos(width: int, fma: bool) -> str:
-    """`void @sincos(ptr x, ptr sine, ptr cosine)`, each a vector of `width` doubles, for all arguments."""
-    code = _Code(width, fma)
-    v = code.v
+def sincos(lanes: Lanes, fma: bool) -> str:
+    """`void @sincos(ptr x, ptr sine, ptr cosine)`, each a vector of numbers, for all arguments."""
+    code = _Code(lanes, fma)
+    v = lanes.v
     code.lines.append(f"""\
 define internal void @sincos(ptr noalias %px0, ptr noalias %psin0, ptr noalias %pcos0) #0 {{
-  %x0 = load {v}, ptr %px0, align {8 * width}""")
+  %x0 = load {v}, ptr %px0, align {lanes.size}""")
     code.reduce(0)
-    code.lines.append(_large_lanes(width))
+    code.lines.append(_large_lanes(lanes))
     code.polynomials(0, "%r", "%q")
     return "\n".join(
-        [_REDUCE, *code.lines, "  ret void\n}", f"declare {v} @llvm.fma.v{width}f64({v}, {v}, {v})\n"]
+        [_REDUCE, *code.lines, "  ret void\n}", f"declare {v} @llvm.fma.{lanes.suffix}({v}, {v}, {v})\n"]
     )
 
 
-def sines(name: str, steps: Sequence[SinCos], width: int, fma: bool) -> str:
+def sines(name: str, steps: Sequence[SinCos], lanes: Lanes, fma: bool) -> str:
     """`void name(ptr tile)`: sines and cosines of slots of the tile, none of which is another's argument.
 
     One look at all arguments decides between straight code and a call of `@sincos` for each: the bits are the same.
     """
-    code = _Code(width, fma)
-    v, mask, calls = code.v, f"<{width} x i1>", []
+    code = _Code(lanes, fma)
+    v, mask, calls = lanes.v, lanes.mask, []
     code.lines.append(f"define internal void {name}(ptr noalias %tile) #0 {{")
     for k, step in enumerate(steps):
         for letter, slot in (("x", step.argument), ("sin", step.sine), ("cos", step.cosine)):
             code.lines.append(f"  %p{letter}{k} = getelementptr {v}, ptr %tile, i64 {slot}")
-        code.lines.append(f"  %x{k} = load {v}, ptr %px{k}, align {8 * width}")
+        code.lines.append(f"  %x{k} = load {v}, ptr %px{k}, align {lanes.size}")
         calls.append(f"  call void @sincos(ptr %px{k}, ptr %psin{k}, ptr %pcos{k})")
     large = ""
     for k in range(len(steps)):
         code.reduce(k)
-        code.lines.append(f"  %large{k} = fcmp ugt {v} %a{k}, {code.c(LARGEST)}")
+        code.lines.append(f"  %large{k} = fcmp ugt {v} %a{k}, {lanes.constant(LARGEST)}")
         if large:
             code.lines.append(f"  %either{k} = or {mask} {large}, %large{k}")
         large = f"%either{k}" if large else f"%large{k}"
     code.lines.append(f"""\
-  %bits = bitcast {mask} {large} to i{width}
-  %any = icmp ne i{width} %bits, 0
+  %bits = bitcast {mask} {large} to i{lanes.width}
+  %any = icmp ne i{lanes.width} %bits, 0
   br i1 %any, label %general, label %straight
 general:""")
     code.lines += [*calls, "  ret void\nstraight:"]
@@ -127,22 +117,15 @@ general:""")
 class _Code:
     """Lines of vector code; names of the values of argument k end in k."""
 
-    def __init__(self, width: int, fma: bool):
-        self.width, self.fma = width, fma
-        self.v, self.i = f"<{width} x double>", f"<{width} x i64>"
+    def __init__(self, lanes: Lanes, fma: bool):
+        self.lanes, self.fma = lanes, fma
         self.lines: list[str] = []
-
-    def c(self, value: float) -> str:
-        return splat(self.width, "double", double(value))
-
-    def n(self, value: int) -> str:
-        return splat(self.width, "i64", value)
 
     def multiply_add(self, result: str, x: str, y: str, z: str) -> str:
         """x y + z"""
-        v = self.v
+        v = self.lanes.v
         if self.fma:
-            text = f"  {result} = call {v} @llvm.fma.v{self.width}f64({v} {x}, {v} {y}, {v} {z})"
+            text = f"  {result} = call {v} @llvm.fma.{self.lanes.suffix}({v} {x}, {v} {y}, {v} {z})"
         else:
             text = f"  {result}.p = fmul {v} {x}, {y}\n  {result} = fadd {v} {result}.p, {z}"
         self.lines.append(text)
@@ -150,65 +133,70 @@ class _Code:
 
     def horner(self, name: str, coefficients: tuple[float, ...], z: str) -> str:
         """Value of the polynomial in z, the highest coefficient first."""
-        last = self.c(coefficients[0])
+        last = self.lanes.constant(coefficients[0])
         for k, coefficient in enumerate(coefficients[1:]):
-            last = self.multiply_add(f"{name}.{k}", last, z, self.c(coefficient))
+            last = self.multiply_add(f"{name}.{k}", last, z, self.lanes.constant(coefficient))
         return last
 
     def reduce(self, k: int) -> None:
         """From %x: its sign, its absolute value %a, the quadrant in the low bits of %quadrant, and %r, the rest."""
-        v, i = self.v, self.i
+        v, i = self.lanes.v, self.lanes.i
         self.lines.append(f"""\
   %x.bits{k} = bitcast {v} %x{k} to {i}
-  %sign{k} = and {i} %x.bits{k}, {self.n(-(2**63))}
-  %a.bits{k} = and {i} %x.bits{k}, {self.n(2**63 - 1)}
+  %sign{k} = and {i} %x.bits{k}, {self.lanes.whole(-(2**63))}
+  %a.bits{k} = and {i} %x.bits{k}, {self.lanes.whole(2**63 - 1)}
   %a{k} = bitcast {i} %a.bits{k} to {v}""")
-        self.multiply_add(f"%shifted{k}", f"%a{k}", self.c(0.6366197723675814), self.c(_TO_INTEGER))
+        self.multiply_add(
+            f"%shifted{k}",
+            f"%a{k}",
+            self.lanes.constant(0.6366197723675814),
+            self.lanes.constant(_TO_INTEGER),
+        )
         self.lines.append(f"""\
   %quadrant{k} = bitcast {v} %shifted{k} to {i}
-  %k{k} = fsub {v} %shifted{k}, {self.c(_TO_INTEGER)}
+  %k{k} = fsub {v} %shifted{k}, {self.lanes.constant(_TO_INTEGER)}
   %minus.k{k} = fneg {v} %k{k}""")
         parts = _PIO2_FMA if self.fma else _PIO2_SPLIT
         last = f"%a{k}"
         for term, part in enumerate(parts, 1):
             name = f"%r{k}" if term == len(parts) else f"%r{k}.{term}"
-            last = self.multiply_add(name, f"%minus.k{k}", self.c(part), last)
+            last = self.multiply_add(name, f"%minus.k{k}", self.lanes.constant(part), last)
 
     def polynomials(self, k: int, r: str, q: str) -> None:
         """Sine and cosine of r, turned by q quadrants, to where %psin and %pcos point."""
-        v, i = self.v, self.i
+        v, i = self.lanes.v, self.lanes.i
         self.lines.append(f"  %z{k} = fmul {v} {r}, {r}\n  %zr{k} = fmul {v} %z{k}, {r}")
         self.multiply_add(f"%s{k}", f"%zr{k}", self.horner(f"%ps{k}", _SIN, f"%z{k}"), r)
         cosine = self.horner(f"%pc{k}", (*_COS, -0.5, 1.0), f"%z{k}")
         self.lines.append(f"""\
-  %odd{k} = trunc {i} {q} to <{self.width} x i1>
-  %s.abs{k} = select <{self.width} x i1> %odd{k}, {v} {cosine}, {v} %s{k}
-  %c.abs{k} = select <{self.width} x i1> %odd{k}, {v} %s{k}, {v} {cosine}
-  %s.turn{k} = shl {i} {q}, {self.n(62)}
-  %s.flip0{k} = and {i} %s.turn{k}, {self.n(-(2**63))}
+  %odd{k} = trunc {i} {q} to {self.lanes.mask}
+  %s.abs{k} = select {self.lanes.mask} %odd{k}, {v} {cosine}, {v} %s{k}
+  %c.abs{k} = select {self.lanes.mask} %odd{k}, {v} %s{k}, {v} {cosine}
+  %s.turn{k} = shl {i} {q}, {self.lanes.whole(62)}
+  %s.flip0{k} = and {i} %s.turn{k}, {self.lanes.whole(-(2**63))}
   %s.flip{k} = xor {i} %s.flip0{k}, %sign{k}
-  %next{k} = add {i} {q}, {self.n(1)}
-  %c.turn{k} = shl {i} %next{k}, {self.n(62)}
-  %c.flip{k} = and {i} %c.turn{k}, {self.n(-(2**63))}
+  %next{k} = add {i} {q}, {self.lanes.whole(1)}
+  %c.turn{k} = shl {i} %next{k}, {self.lanes.whole(62)}
+  %c.flip{k} = and {i} %c.turn{k}, {self.lanes.whole(-(2**63))}
   %s.bits0{k} = bitcast {v} %s.abs{k} to {i}
   %c.bits0{k} = bitcast {v} %c.abs{k} to {i}
   %s.bits{k} = xor {i} %s.bits0{k}, %s.flip{k}
   %c.bits{k} = xor {i} %c.bits0{k}, %c.flip{k}
   %sine{k} = bitcast {i} %s.bits{k} to {v}
   %cosine{k} = bitcast {i} %c.bits{k} to {v}
-  store {v} %sine{k}, ptr %psin{k}, align {8 * self.width}
-  store {v} %cosine{k}, ptr %pcos{k}, align {8 * self.width}""")
+  store {v} %sine{k}, ptr %psin{k}, align {self.lanes.size}
+  store {v} %cosine{k}, ptr %pcos{k}, align {self.lanes.size}""")
 
 
-def _large_lanes(width: int) -> str:
+def _large_lanes(lanes: Lanes) -> str:
     """%r and %q: the reduced argument and the quadrant, from the slow way in lanes that need it."""
-    v, i, mask = f"<{width} x double>", f"<{width} x i64>", f"<{width} x i1>"
+    v, i, mask = lanes.v, lanes.i, lanes.mask
     lines = [
-        f"  %large = fcmp ugt {v} %a0, {splat(width, 'double', double(LARGEST))}",
-        f"  %safe = select {mask} %large, {v} %a0, {v} {splat(width, 'double', double(2 * LARGEST))}",
+        f"  %large = fcmp ugt {v} %a0, {lanes.constant(LARGEST)}",
+        f"  %safe = select {mask} %large, {v} %a0, {v} {lanes.constant(2 * LARGEST)}",
     ]
     reduced, quadrants = "poison", "poison"
-    for lane in range(width):
+    for lane in range(lanes.width):
         lines += [
             f"  %safe{lane} = extractelement {v} %safe, i64 {lane}",
             f"  %both{lane} = call {{ double, i64 }} @reduce(double %safe{lane})",
@@ -281,7 +269,7 @@ define internal {{ double, i64 }} @reduce(double %a) #0 {{
   %scale.bits = shl i64 %scale.exponent, 52
   %scale = bitcast i64 %scale.bits to double
   %f.double = fmul double %mantissa, %scale
-  %r.abs = fmul double %f.double, {double(_PIO2_FMA[0])}
+  %r.abs = fmul double %f.double, {DOUBLE.constant(_PIO2_FMA[0])}
   %r.minus = fneg double %r.abs
   %r.signed = select i1 %negative, double %r.minus, double %r.abs
   %nothing = fsub double %a, %a

@@ -5,7 +5,7 @@ There are three ways:
 - rows: the scalars of a sample are contiguous. Vectors are loaded along the rows and transposed in registers;
   a mask keeps the last block of columns inside the row, so that nothing outside the array is touched.
 - columns: samples are contiguous, so each scalar is one vector load.
-- strided: anything else, one double at a time.
+- strided: anything else, one number at a time.
 
 The address of scalar j of the sample in lane l is `at + offsets[j] + lanes[l]`, in bytes.
 """
@@ -16,9 +16,10 @@ from collections.abc import Sequence
 
 from freebody.program.program import Program
 from freebody.program.segments import Layout
+from freebody.targets.llvm.lanes import Lanes, Real
 
 
-def transfers(program: Program, layout: Layout, width: int) -> str:
+def transfers(program: Program, layout: Layout, lanes: Lanes) -> str:
     """`@places0`, `@rows0`, … for each argument, `@columns_in`, `@strided_out`, … and `@offsets`."""
     places, first = [], 0
     for argument in program.inputs:
@@ -30,9 +31,9 @@ def transfers(program: Program, layout: Layout, width: int) -> str:
         first += argument.size
     parts = [f"@places{k} = internal constant {integers(those)}" for k, those in enumerate(places)]
     for k, those in enumerate(places):
-        parts.append((_rows_in if k < len(program.inputs) else _rows_out)(k, those, width))
-    parts += [write(way, width) for write in (_columns, _strided) for way in ("in", "out")]
-    return "\n".join([*parts, _OFFSETS, _declarations(width)])
+        parts.append((_rows_in if k < len(program.inputs) else _rows_out)(k, those, lanes))
+    parts += [write(way, lanes) for write in (_columns, _strided) for way in ("in", "out")]
+    return "\n".join([*parts, _OFFSETS, _declarations(lanes)])
 
 
 def integers(numbers: Sequence[int]) -> str:
@@ -40,20 +41,20 @@ def integers(numbers: Sequence[int]) -> str:
     return f"[{len(numbers)} x i64] [{', '.join(f'i64 {n}' for n in numbers)}]"
 
 
-def _rows_in(k: int, places: list[int], width: int) -> str:
+def _rows_in(k: int, places: list[int], lanes: Lanes) -> str:
     """Rows of input k to `places` of the tile: a loop over whole blocks of `width` columns, then the masked rest."""
-    size, first = len(places), places[0] if places else 0
+    size, first, width = len(places), places[0] if places else 0, lanes.width
     whole = size - size % width
     lines = _begin_rows(k, width)
     if whole:
         lines.append("  br label %block\nblock:\n  %j = phi i64 [ 0, %entry ], [ %j.next, %block ]")
-        lines += _load_block("w", "%j", first, width, width)
+        lines += _load_block("w", "%j", first, width, lanes)
         lines.append(
             f"  %j.next = add i64 %j, {width}\n  %more = icmp ult i64 %j.next, {whole}\n"
             "  br i1 %more, label %block, label %rest\nrest:"
         )
     if whole < size:
-        lines += _load_block("r", str(whole), first, size - whole, width)
+        lines += _load_block("r", str(whole), first, size - whole, lanes)
     return "\n".join([*lines, "  ret void", "}", ""])
 
 
@@ -70,22 +71,22 @@ def _begin_rows(k: int, width: int) -> list[str]:
     return lines
 
 
-def _load_block(tag: str, j: str, first: int, columns: int, width: int) -> list[str]:
-    v, lines = f"<{width} x double>", []
+def _load_block(tag: str, j: str, first: int, columns: int, lanes: Lanes) -> list[str]:
+    v, real, width, lines = lanes.v, lanes.real, lanes.width, list[str]()
     for lane in range(width):
-        lines.append(f"  %{tag}p{lane} = getelementptr double, ptr %row{lane}, i64 {j}")
+        lines.append(f"  %{tag}p{lane} = getelementptr {real.name}, ptr %row{lane}, i64 {j}")
         if columns == width:
-            lines.append(f"  %{tag}in{lane} = load {v}, ptr %{tag}p{lane}, align 8")
+            lines.append(f"  %{tag}in{lane} = load {v}, ptr %{tag}p{lane}, align {real.size}")
         else:
             lines.append(
-                f"  %{tag}in{lane} = call {v} @llvm.masked.load.v{width}f64.p0(ptr %{tag}p{lane}, i32 8, "
+                f"  %{tag}in{lane} = call {v} @llvm.masked.load.{lanes.suffix}.p0(ptr %{tag}p{lane}, i32 {real.size}, "
                 f"{_mask(columns, width)}, {v} zeroinitializer)"
             )
-    names = _transpose(lines, tag, [f"%{tag}in{lane}" for lane in range(width)], width)
+    names = _transpose(lines, tag, [f"%{tag}in{lane}" for lane in range(width)], lanes.real)
     for column in range(columns):
         lines.append(f"  %{tag}o{column} = add i64 {j}, {first + column}")
         lines.append(f"  %{tag}q{column} = getelementptr {v}, ptr %tile, i64 %{tag}o{column}")
-        lines.append(f"  store {v} {names[column]}, ptr %{tag}q{column}, align {8 * width}")
+        lines.append(f"  store {v} {names[column]}, ptr %{tag}q{column}, align {lanes.size}")
     return lines
 
 
@@ -93,12 +94,13 @@ _PANEL = 4
 """Blocks of columns that are turned together: of half the lanes, so that all fits the registers."""
 
 
-def _rows_out(k: int, places: list[int], width: int) -> str:
+def _rows_out(k: int, places: list[int], lanes: Lanes) -> str:
     """Rows of output k from `places` of the tile, each row's scalars in the order of their addresses.
 
     The order matters: where a store crosses into the next cache line, the following one joins it there.
     """
-    size, step = len(places), _PANEL * width
+    size, width = len(places), lanes.width
+    step = _PANEL * width
     looped = size - size % step if size > 2 * step else 0
     lines = _begin_rows(k, width)
     if looped:
@@ -107,20 +109,20 @@ def _rows_out(k: int, places: list[int], width: int) -> str:
         for column in range(step):
             lines.append(f"  %place.at{column} = getelementptr i64, ptr %place, i64 {column}")
             lines.append(f"  %place{column} = load i64, ptr %place.at{column}, align 8")
-        lines += _store_panel("p", "%j", [f"%place{column}" for column in range(step)], width)
+        lines += _store_panel("p", "%j", [f"%place{column}" for column in range(step)], lanes)
         lines.append(
             f"  %j.next = add i64 %j, {step}\n  %more = icmp ult i64 %j.next, {looped}\n"
             "  br i1 %more, label %panel, label %rest\nrest:"
         )
     for j in range(looped, size, step):
-        lines += _store_panel(f"r{j}.", str(j), [str(place) for place in places[j : j + step]], width)
+        lines += _store_panel(f"r{j}.", str(j), [str(place) for place in places[j : j + step]], lanes)
     return "\n".join([*lines, "  ret void", "}", ""])
 
 
-def _store_panel(tag: str, j: str, places: list[str], width: int) -> list[str]:
+def _store_panel(tag: str, j: str, places: list[str], lanes: Lanes) -> list[str]:
     """Columns from j on: half the lanes, then the others; of each the blocks of `width`, width / 2, … columns."""
-    lines, half = [], width // 2
-    blocks, first, columns = [], 0, width
+    lines, real, half = [], lanes.real, lanes.width // 2
+    blocks, first, columns = [], 0, lanes.width
     while first < len(places):
         while columns > len(places) - first:
             columns //= 2
@@ -131,74 +133,73 @@ def _store_panel(tag: str, j: str, places: list[str], width: int) -> list[str]:
             [] for _ in range(half)
         ]  # of each lane (name, first column, columns)
         for first, columns in blocks:
-            turn = _turn_half if columns == width else _turn_squares
-            names = turn(lines, f"{tag}{start}.{first}.", places[first : first + columns], start, width)
+            turn = _turn_half if columns == lanes.width else _turn_squares
+            names = turn(lines, f"{tag}{start}.{first}.", places[first : first + columns], start, lanes)
             for row, name in zip(rows, names, strict=True):
                 row.append((name, first, columns))
         for lane, row in enumerate(rows, start):
             for name, first, columns in row:
                 at = f"%{tag}{start}.{first}.p{lane}"
                 lines.append(f"  {at}.j = add i64 {j}, {first}")
-                lines.append(f"  {at} = getelementptr double, ptr %row{lane}, i64 {at}.j")
-                lines.append(f"  store <{columns} x double> {name}, ptr {at}, align 8")
+                lines.append(f"  {at} = getelementptr {real.name}, ptr %row{lane}, i64 {at}.j")
+                lines.append(f"  store <{columns} x {real.name}> {name}, ptr {at}, align {real.size}")
     return lines
 
 
-def _turn_half(lines: list[str], tag: str, places: list[str], start: int, width: int) -> list[str]:
+def _turn_half(lines: list[str], tag: str, places: list[str], start: int, lanes: Lanes) -> list[str]:
     """Rows of `width` columns of the lanes from `start` on, half of them.
 
-    Halves of two columns are put side by side, which a load does, neighbours interleaved, and 128-bit lanes gathered.
+    Halves of two columns are put side by side, which a load does; what lies in 128 bits is turned, and 128-bit parts
+    gathered.
     """
+    real, width = lanes.real, lanes.width
     half = width // 2
     parts = [
-        _load_lanes(lines, f"{tag}c{column}", place, start, half, width)
+        _load_lanes(lines, f"{tag}c{column}", place, start, half, lanes)
         for column, place in enumerate(places)
     ]
-    apart = min(2, half)
+    apart = min(128 // real.bits, half)
     pairs = [
-        _shuffle(lines, f"{tag}a{i}", parts[i], parts[i + apart], half, list(range(width)))
+        _shuffle(lines, f"{tag}a{i}", parts[i], parts[i + apart], half, list(range(width)), real)
         for i in range(width)
         if not i & apart
     ]
-    if width == 2:
-        return pairs
-    low = [k + side * width for k in range(0, width, 2) for side in (0, 1)]
-    rows = []
-    for odd in (0, 1):
-        mixed = [
-            _shuffle(lines, f"{tag}b{odd}{i}", pairs[i], pairs[i + 1], width, [k + odd for k in low])
-            for i in range(0, half, 2)
-        ]
-        if width == 4:
-            rows.append(mixed)
-            continue
-        picks = [[2 * p + e for p in (x, x + 2, x + 4, x + 6) for e in (0, 1)] for x in (0, 1)]
-        rows.append([_shuffle(lines, f"{tag}r{odd}{x}", mixed[0], mixed[1], width, picks[x]) for x in (0, 1)])
-    return [name for both in zip(*rows, strict=True) for name in both]
+    turned = [
+        _turn_parts(lines, f"{tag}b{i}.", pairs[i : i + apart], width, real) for i in range(0, half, apart)
+    ]
+    if half == apart:
+        return turned[0]
+    picks = [_gathered(width, apart, odd) for odd in (0, 1)]
+    return [
+        _shuffle(lines, f"{tag}r{j}.{odd}", turned[0][j], turned[1][j], width, picks[odd], real)
+        for odd in (0, 1)
+        for j in range(apart)
+    ]
 
 
-def _turn_squares(lines: list[str], tag: str, places: list[str], start: int, width: int) -> list[str]:
+def _turn_squares(lines: list[str], tag: str, places: list[str], start: int, lanes: Lanes) -> list[str]:
     """Rows of fewer columns, a power of two, of the lanes from `start` on, half of them: square by square."""
     size, rows = len(places), []
-    for first in range(start, start + width // 2, size):
+    for first in range(start, start + lanes.width // 2, size):
         square = [
-            _load_lanes(lines, f"{tag}s{first}.{column}", place, first, size, width)
+            _load_lanes(lines, f"{tag}s{first}.{column}", place, first, size, lanes)
             for column, place in enumerate(places)
         ]
-        rows += square if size == 1 else _transpose(lines, f"{tag}t{first}.", square, size)
+        rows += square if size == 1 else _transpose(lines, f"{tag}t{first}.", square, lanes.real)
     return rows
 
 
-def _load_lanes(lines: list[str], name: str, place: str, start: int, count: int, width: int) -> str:
+def _load_lanes(lines: list[str], name: str, place: str, start: int, count: int, lanes: Lanes) -> str:
     """`count` lanes of a slot from lane `start` on."""
-    lines.append(f"  %{name}.s = getelementptr <{width} x double>, ptr %tile, i64 {place}")
-    lines.append(f"  %{name}.p = getelementptr double, ptr %{name}.s, i64 {start}")
-    lines.append(f"  %{name} = load <{count} x double>, ptr %{name}.p, align {8 * count}")
+    kind = lanes.real.name
+    lines.append(f"  %{name}.s = getelementptr {lanes.v}, ptr %tile, i64 {place}")
+    lines.append(f"  %{name}.p = getelementptr {kind}, ptr %{name}.s, i64 {start}")
+    lines.append(f"  %{name} = load <{count} x {kind}>, ptr %{name}.p, align {lanes.real.size * count}")
     return f"%{name}"
 
 
-def _shuffle(lines: list[str], name: str, x: str, y: str, size: int, picks: list[int]) -> str:
-    v, mask = f"<{size} x double>", ", ".join(f"i32 {pick}" for pick in picks)
+def _shuffle(lines: list[str], name: str, x: str, y: str, size: int, picks: list[int], real: Real) -> str:
+    v, mask = f"<{size} x {real.name}>", ", ".join(f"i32 {pick}" for pick in picks)
     lines.append(f"  %{name} = shufflevector {v} {x}, {v} {y}, <{len(picks)} x i32> <{mask}>")
     return f"%{name}"
 
@@ -207,26 +208,20 @@ def _mask(columns: int, width: int) -> str:
     return f"<{width} x i1> <" + ", ".join(f"i1 {int(k < columns)}" for k in range(width)) + ">"
 
 
-def _transpose(lines: list[str], tag: str, rows: list[str], width: int) -> list[str]:
+def _transpose(lines: list[str], tag: str, rows: list[str], real: Real) -> list[str]:
     """Transpose a square of registers with log2(width) rounds of two-operand shuffles that x86 has as one
     instruction.
 
-    First neighbours are interleaved; then 128-bit lanes are gathered, the even ones of a pair and the odd
+    First what lies in 128 bits is turned; then 128-bit parts are gathered, the even ones of a pair and the odd
     ones.
     """
-    count = 0
-
-    def shuffle(x: str, y: str, picks: list[int]) -> str:
-        nonlocal count
-        count += 1
-        return _shuffle(lines, f"{tag}t{count}", x, y, width, picks)
-
-    def interleave(x: str, y: str, odd: int) -> str:
-        return shuffle(x, y, [k + odd + side * width for k in range(0, width, 2) for side in (0, 1)])
+    width, count = len(rows), 0
+    part = min(128 // real.bits, width)
 
     def halves(x: str, y: str, odd: int) -> str:
-        pairs = [p for p in range(width) if p % 2 == odd]  # 128-bit lanes of x, then of y
-        return shuffle(x, y, [2 * p + e for p in pairs for e in (0, 1)])
+        nonlocal count
+        count += 1
+        return _shuffle(lines, f"{tag}t{count}", x, y, width, _gathered(width, part, odd), real)
 
     def gather(vectors: list[str]) -> list[str]:
         if len(vectors) == 1:
@@ -235,16 +230,46 @@ def _transpose(lines: list[str], tag: str, rows: list[str], width: int) -> list[
         even, odd = (gather([halves(x, y, parity) for x, y in pairs]) for parity in (0, 1))
         return [name for both in zip(even, odd, strict=True) for name in both]
 
-    pairs = list(zip(rows[::2], rows[1::2], strict=True))
-    even, odd = (gather([interleave(x, y, parity) for x, y in pairs]) for parity in (0, 1))
-    return [name for both in zip(even, odd, strict=True) for name in both]
+    turned = [
+        _turn_parts(lines, f"{tag}p{k}.", rows[k : k + part], width, real) for k in range(0, width, part)
+    ]
+    columns = [gather([those[j] for those in turned]) for j in range(part)]
+    return [name for several in zip(*columns, strict=True) for name in several]
 
 
-def _columns(way: str, width: int) -> str:
+def _gathered(width: int, part: int, odd: int) -> list[int]:
+    """The even (or odd) ones of the parts of two vectors."""
+    return [part * p + e for p in range(odd, 2 * width // part, 2) for e in range(part)]
+
+
+def _turn_parts(lines: list[str], tag: str, rows: list[str], width: int, real: Real) -> list[str]:
+    """Transpose the squares that lie side by side in 1, 2 or 4 rows: neighbours are interleaved, then pairs."""
+
+    def interleaved(x: str, y: str, high: int, of: int) -> str:
+        """Of each square the lower (or higher) half of x and y, `of` entries of one and of the other by turns."""
+        picks = [
+            start + high * size // 2 + k + side * width + e
+            for start in range(0, width, size)
+            for k in range(0, size // 2, of)
+            for side in (0, 1)
+            for e in range(of)
+        ]
+        return _shuffle(lines, f"{tag}{len(lines)}", x, y, width, picks, real)
+
+    size = len(rows)
+    if size == 1:
+        return rows
+    if size == 2:
+        return [interleaved(*rows, high, 1) for high in (0, 1)]
+    one, other = ([interleaved(rows[k], rows[k + 1], high, 1) for high in (0, 1)] for k in (0, 2))
+    return [interleaved(x, y, high, 2) for x, y in zip(one, other, strict=True) for high in (0, 1)]
+
+
+def _columns(way: str, lanes: Lanes) -> str:
     """Slots from (or to) places where the samples are contiguous."""
-    v = f"<{width} x double>"
+    v = lanes.v
     source, target = ("%p", "%slot") if way == "in" else ("%slot", "%p")
-    align = {"%p": 8, "%slot": 8 * width}
+    align = {"%p": lanes.real.size, "%slot": lanes.size}
     return f"""\
 define internal void @columns_{way}(ptr %at, ptr %lanes, ptr %tile, ptr %places, ptr %offsets, i64 %n) #0 {{
 entry:
@@ -268,8 +293,9 @@ end:
 """
 
 
-def _strided(way: str, width: int) -> str:
-    """Slots from (or to) places anywhere, one double at a time."""
+def _strided(way: str, lanes: Lanes) -> str:
+    """Slots from (or to) places anywhere, one number at a time."""
+    kind, align = lanes.real.name, lanes.real.size
     source, target = ("%p", "%q") if way == "in" else ("%q", "%p")
     return f"""\
 define internal void @strided_{way}(ptr %at, ptr %lanes, ptr %tile, ptr %places, ptr %offsets, i64 %n) #0 {{
@@ -282,18 +308,18 @@ scalar:
   %pj = getelementptr i8, ptr %at, i64 %o
   %place.at = getelementptr i64, ptr %places, i64 %j
   %place = load i64, ptr %place.at, align 8
-  %slot = getelementptr <{width} x double>, ptr %tile, i64 %place
+  %slot = getelementptr {lanes.v}, ptr %tile, i64 %place
   br label %lane
 lane:
   %l = phi i64 [ 0, %scalar ], [ %l.next, %lane ]
   %pl = getelementptr i64, ptr %lanes, i64 %l
   %ol = load i64, ptr %pl, align 8
   %p = getelementptr i8, ptr %pj, i64 %ol
-  %q = getelementptr double, ptr %slot, i64 %l
-  %x = load double, ptr {source}, align 8
-  store double %x, ptr {target}, align 8
+  %q = getelementptr {kind}, ptr %slot, i64 %l
+  %x = load {kind}, ptr {source}, align {align}
+  store {kind} %x, ptr {target}, align {align}
   %l.next = add i64 %l, 1
-  %more.lanes = icmp ult i64 %l.next, {width}
+  %more.lanes = icmp ult i64 %l.next, {lanes.width}
   br i1 %more.lanes, label %lane, label %scalar.end
 scalar.end:
   %j.next = add i64 %j, 1
@@ -351,6 +377,5 @@ end:
 """
 
 
-def _declarations(width: int) -> str:
-    v = f"<{width} x double>"
-    return f"declare {v} @llvm.masked.load.v{width}f64.p0(ptr, i32, <{width} x i1>, {v})\n"
+def _declarations(lanes: Lanes) -> str:
+    return f"declare {lanes.v} @llvm.masked.load.{lanes.suffix}.p0(ptr, i32, {lanes.mask}, {lanes.v})\n"

@@ -1,0 +1,83 @@
+"""A number type and a vector of it, as LLVM writes them."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Real:
+    """A floating-point type: its name in LLVM, in NumPy, its number and code in NumPy's C interface."""
+
+    name: str
+    dtype: str
+    bits: int
+    number: int
+    code: str
+
+    @property
+    def size(self) -> int:
+        """Bytes."""
+        return self.bits // 8
+
+    @property
+    def integer(self) -> str:
+        """The integer type of as many bits."""
+        return f"i{self.bits}"
+
+    def constant(self, value: float) -> str:
+        """The number as LLVM reads it exactly: the bits of a double of the same value, for any type."""
+        nearest = struct.unpack(self.code, struct.pack(self.code, value))[0]
+        return f"0x{struct.unpack('<Q', struct.pack('<d', nearest))[0]:016X}"
+
+
+DOUBLE = Real("double", "float64", 64, 12, "<d")
+FLOAT = Real("float", "float32", 32, 11, "<f")
+REALS = {real.dtype: real for real in (DOUBLE, FLOAT)}
+"""By the name that NumPy has for them."""
+
+
+@dataclass(frozen=True)
+class Lanes:
+    """A vector of `width` numbers, one a sample."""
+
+    real: Real
+    width: int
+
+    @property
+    def v(self) -> str:
+        """Type of the vector."""
+        return f"<{self.width} x {self.real.name}>"
+
+    @property
+    def i(self) -> str:
+        """Type of a vector of integers of as many bits."""
+        return f"<{self.width} x {self.real.integer}>"
+
+    @property
+    def mask(self) -> str:
+        """Type of a vector of truth values."""
+        return f"<{self.width} x i1>"
+
+    @property
+    def suffix(self) -> str:
+        """What the names of LLVM's own functions end in."""
+        return f"v{self.width}f{self.real.bits}"
+
+    @property
+    def size(self) -> int:
+        """Bytes, and alignment."""
+        return self.real.size * self.width
+
+    def constant(self, value: float) -> str:
+        """A vector of equal numbers."""
+        return self._equal(self.real.name, self.real.constant(value))
+
+    def whole(self, value: int) -> str:
+        """A vector of equal integers."""
+        return self._equal(self.real.integer, value)
+
+    def _equal(self, kind: str, text: Any) -> str:
+        return "<" + ", ".join([f"{kind} {text}"] * self.width) + ">"
