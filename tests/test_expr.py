@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from freebody.elementary import cos, sign, sin, sqrt
-from freebody.scalars.expr import ARITY, FOLD, Expr, Graph, GraphError
+from freebody.scalars.expr import Expr, Graph
+from freebody.scalars.nodes import GraphError
 
 
 @pytest.fixture
@@ -28,7 +29,7 @@ def test_equal_rows_are_one_node(graph, xyz):
     x, y, _ = xyz
     assert x + y == y + x
     assert x * y == y * x
-    assert x.sin() == x.sin()
+    assert sin(x) == sin(x)
     assert x * 2.0 == 2 * x
     before = len(graph)
     (x + y) * (y + x)
@@ -165,7 +166,7 @@ def test_what_has_no_finite_value_is_refused(graph, xyz):
         graph.constant(math.nan)
     with pytest.raises(GraphError, match="division by the constant 0"):
         xyz[0] / 0.0
-    with pytest.raises(GraphError, match=r"square root of the constant -1\.0"):
+    with pytest.raises(GraphError, match=r"sqrt\(-1\.0\) has no finite value"):
         sqrt(graph.constant(-1.0))
 
 
@@ -174,10 +175,6 @@ def test_it_says_what_it_is(xyz):
     assert repr(x) == "Expr(%2 = x)"
     assert repr(x * y) == "Expr(%5 = mul(%2, %3))"
     assert len({x, y, x + y, y + x}) == 3
-
-
-def test_every_operation_has_its_rules():
-    assert set(FOLD) == {op for op, arity in ARITY.items() if arity}
 
 
 def test_folding_keeps_values():

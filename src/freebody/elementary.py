@@ -1,12 +1,14 @@
 """The elementary functions of an algorithm, over any scalar.
 
-A scalar is anything that adds, subtracts, multiplies and divides, and either has the methods `sin`, `cos`, `sqrt`
-and `sign` or is understood by NumPy. So floats, NumPy arrays (one entry a sample) and traced or symbolic scalars all
-run through the same text.
+A scalar is anything that adds, subtracts, multiplies and divides, and either is understood by NumPy or has a method
+`elementary(name, operands)`: the value of the function of that name, or NotImplemented, which leaves it to another
+operand. So floats, NumPy arrays (one entry a sample), traced, symbolic and differentiated scalars all run through the
+same text.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,18 +16,49 @@ import numpy as np
 Scalar = Any
 """A float, a NumPy array, or any object with the arithmetic above."""
 
+FUNCTIONS: dict[str, Callable[..., Scalar]] = {}
+"""Every function of this module by its name, which is that of the operation in a program."""
 
-def _dispatch(name: str, numeric: Any) -> Any:
-    def function(x: Scalar) -> Scalar:
-        method = getattr(x, name, None)
-        return method() if method is not None else numeric(x)
 
-    function.__name__ = name
-    function.__doc__ = f"{name}(x) of a scalar of any kind."
+def _dispatch(name: str, numeric: Callable[..., Any], doc: str) -> Callable[..., Scalar]:
+    def function(*operands: Scalar) -> Scalar:
+        for x in operands:
+            handler = getattr(x, "elementary", None)
+            if handler is not None:
+                result = handler(name, operands)
+                if result is not NotImplemented:
+                    return result
+        return numeric(*operands)
+
+    function.__name__ = function.__qualname__ = name
+    function.__doc__ = doc
+    FUNCTIONS[name] = function
     return function
 
 
-sin = _dispatch("sin", np.sin)
-cos = _dispatch("cos", np.cos)
-sqrt = _dispatch("sqrt", np.sqrt)
-sign = _dispatch("sign", np.sign)
+def _flag(compare: Callable[..., Any]) -> Callable[..., Any]:
+    """1.0 and 0.0 instead of True and False, so that the results can be reckoned with."""
+    return lambda a, b: np.where(compare(a, b), 1.0, 0.0)[()]
+
+
+def _chosen(condition: Any, a: Any, b: Any) -> Any:
+    return np.where(np.not_equal(condition, 0.0), a, b)[()]
+
+
+sin = _dispatch("sin", np.sin, "Sine of an angle in radians.")
+cos = _dispatch("cos", np.cos, "Cosine of an angle in radians.")
+sqrt = _dispatch("sqrt", np.sqrt, "Square root; NaN where negative.")
+sign = _dispatch("sign", np.sign, "-1, 0 or 1; 0 at 0.")
+absolute = _dispatch("absolute", np.absolute, "|x|; its derivative at 0 is 0.")
+less = _dispatch("less", _flag(np.less), "1 where a < b, else 0.")
+less_equal = _dispatch("less_equal", _flag(np.less_equal), "1 where a <= b, else 0.")
+equal = _dispatch("equal", _flag(np.equal), "1 where a and b are equal, else 0.")
+where = _dispatch(
+    "where", _chosen, "a where the condition is not 0, else b; the derivative is that of the one chosen."
+)
+minimum = _dispatch(
+    "minimum", np.minimum, "The smaller one, NaN if one is NaN; where they are equal, the derivative is a's."
+)
+maximum = _dispatch(
+    "maximum", np.maximum, "The larger one, NaN if one is NaN; where they are equal, the derivative is a's."
+)

@@ -16,7 +16,7 @@ from freebody.derivations.expression import Equation, Expression, Symbol
 from freebody.derivations.names import sym
 from freebody.derivations.naming import motors
 from freebody.derivations.symbols import RATE, SECOND, Symbols
-from freebody.elementary import Scalar
+from freebody.elementary import Scalar, cos, sin
 from freebody.model.parameters import Parameter, Quantity
 from freebody.model.reading import Reader, exact_sin_cos
 from freebody.model.tree import lower
@@ -45,7 +45,7 @@ class GraphReader(Reader):
 
     def sin_cos(self, angle: Quantity) -> tuple[Scalar, Scalar]:
         if isinstance(angle, Parameter) and not self.numbers:
-            return self.input(angle.name).sin(), self.input(angle.name).cos()
+            return sin(self.input(angle.name)), cos(self.input(angle.name))
         return exact_sin_cos(super().quantity(angle))
 
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from freebody.program.program import Program, verify
-from freebody.scalars.expr import ARITY
+from freebody.scalars.operations import ARITY
 
 
 def drop_dead(program: Program) -> Program:
@@ -118,40 +118,32 @@ class _Nodes:
     """Rows of a new program, and where each node of the old one went."""
 
     def __init__(self) -> None:
-        self.rows: list[tuple[str, int, int]] = []
+        self.rows: list[tuple[str, int, int, int]] = []
         self.new: list[int] = []
 
-    def add(self, op: str, a: int, b: int = -1) -> int:
-        self.rows.append((op, a, b))
+    def add(self, op: str, a: int, b: int = -1, c: int = -1) -> int:
+        self.rows.append((op, a, b, c))
         return len(self.rows) - 1
 
     def copy(self, program: Program, index: int) -> None:
-        op, a, b = program.op[index], program.a[index], program.b[index]
-        arity = ARITY[op]
-        self.new.append(self.add(op, self.new[a] if arity else a, self.new[b] if arity == 2 else -1))
+        operands = [self.new[i] for i in program.operands(index)] or [program.a[index]]
+        self.new.append(self.add(program.op[index], *operands))
 
     def program(self, old: Program) -> Program:
-        op, a, b = zip(*self.rows, strict=True)
-        return replace(old, op=op, a=a, b=b, results=tuple(self.new[index] for index in old.results))
+        op, a, b, c = zip(*self.rows, strict=True) if self.rows else ((), (), (), ())
+        return replace(old, op=op, a=a, b=b, c=c, results=tuple(self.new[index] for index in old.results))
 
 
 def _reordered(program: Program, order: Iterable[int]) -> Program:
     """The nodes in `order`, renumbered; constants renumbered too."""
     new = [-1] * len(program)
-    op: list[str] = []
-    a: list[int] = []
-    b: list[int] = []
+    nodes = _Nodes()
     constants: list[float] = []
     for index in order:
-        new[index] = len(op)
-        kind = program.op[index]
-        arity = ARITY[kind]
-        op.append(kind)
-        if kind == "const":
-            a.append(len(constants))
+        operands = [new[i] for i in program.operands(index)] or [program.a[index]]
+        if program.op[index] == "const":
+            operands = [len(constants)]
             constants.append(program.constants[program.a[index]])
-        else:
-            a.append(new[program.a[index]] if arity else program.a[index])
-        b.append(new[program.b[index]] if arity == 2 else -1)
-    results = tuple(new[index] for index in program.results)
-    return replace(program, op=tuple(op), a=tuple(a), b=tuple(b), constants=tuple(constants), results=results)
+        new[index] = nodes.add(program.op[index], *operands)
+    nodes.new = new
+    return replace(nodes.program(program), constants=tuple(constants))

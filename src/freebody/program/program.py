@@ -13,7 +13,7 @@ from math import isfinite, prod
 from freebody.errors import FreebodyError
 from freebody.identifiers import is_identifier
 from freebody.lazy import cached_property
-from freebody.scalars.expr import ARITY
+from freebody.scalars.operations import ARITY
 
 
 class ProgramError(FreebodyError, ValueError):
@@ -47,11 +47,11 @@ class Argument:
 
 @dataclass(frozen=True)
 class Program:
-    """Nodes (op, a, b) in an order in which operands precede, and the nodes that are the results.
+    """Nodes (op, a, b, c) in an order in which operands precede, and the nodes that are the results.
 
-    `a` and `b` index nodes, -1 where there is no operand; an "input" has in `a` its position among the
-    scalars of all inputs (C order), a "const" its position in `constants`. `results` lists the node of each
-    scalar of all outputs, in C order.
+    `a`, `b` and `c` index nodes, -1 where there is no operand; `c` may be left out where no operation has three.
+    An "input" has in `a` its position among the scalars of all inputs (C order), a "const" its position in
+    `constants`. `results` lists the node of each scalar of all outputs, in C order.
     """
 
     name: str
@@ -62,6 +62,11 @@ class Program:
     b: tuple[int, ...]
     constants: tuple[float, ...]
     results: tuple[int, ...]
+    c: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.c:
+            object.__setattr__(self, "c", (-1,) * len(self.op))
 
     def __len__(self) -> int:
         return len(self.op)
@@ -70,7 +75,8 @@ class Program:
     def digest(self) -> str:
         """SHA-256 of the content, in hexadecimal."""
         head = repr((self.name, self.inputs, self.outputs, self.results)).encode()
-        body = "".join(f"{op} {a} {b}\n" for op, a, b in zip(self.op, self.a, self.b, strict=True)).encode()
+        rows = zip(self.op, self.a, self.b, self.c, strict=True)
+        body = "".join(f"{op} {a} {b} {c}\n" for op, a, b, c in rows).encode()
         numbers = struct.pack(f"<{len(self.constants)}d", *self.constants)
         digest = hashlib.sha256()
         for part in (head, body, numbers):
@@ -94,7 +100,7 @@ class Program:
 
     def operands(self, index: int) -> tuple[int, ...]:
         """The operands of a node."""
-        return (self.a[index], self.b[index])[: ARITY[self.op[index]]]
+        return (self.a[index], self.b[index], self.c[index])[: ARITY[self.op[index]]]
 
     def listing(self) -> str:
         """The whole program, one node a line."""
@@ -151,20 +157,11 @@ def verify(program: Program) -> Program:
     for argument in program.inputs + program.outputs:
         demand(all(size >= 0 for size in argument.shape), f"{argument} has a negative size")
     count = len(program.op)
-    demand(len(program.a) == len(program.b) == count, "op, a and b have one entry a node")
-    for index, op in enumerate(program.op):
-        demand(op in ARITY, f"%{index}: unknown operation {op!r}; known: {', '.join(ARITY)}")
-        a, b = program.a[index], program.b[index]
-        if op == "input":
-            demand(0 <= a < program.input_size and b == -1, f"%{index}: input {a} of {program.input_size}")
-        elif op == "const":
-            demand(0 <= a < len(program.constants) and b == -1, f"%{index}: constant {a}")
-        else:
-            demand(0 <= a < index, f"%{index} = {op} %{a}: an operand precedes its use")
-            demand(
-                0 <= b < index if ARITY[op] == 2 else b == -1,
-                f"%{index} = {op} %{a} %{b}: wrong second operand",
-            )
+    columns = (program.a, program.b, program.c)
+    demand(all(len(x) == count for x in columns), "op, a, b and c have one entry a node")
+    for index in range(count):
+        if fault := _fault(program, index):
+            raise ProgramError(f"{program.name}: {fault}.")
     demand(all(isfinite(value) for value in program.constants), "constants are finite")
     demand(
         len(program.results) == program.output_size,
@@ -172,6 +169,22 @@ def verify(program: Program) -> Program:
     )
     demand(all(0 <= index < count for index in program.results), "a result is a node")
     return program
+
+
+def _fault(program: Program, index: int) -> str:
+    """What is wrong with one node; "" if nothing is."""
+    op, row = program.op[index], (program.a[index], program.b[index], program.c[index])
+    if op not in ARITY:
+        return f"%{index}: unknown operation {op!r}; known: {', '.join(ARITY)}"
+    arity = ARITY[op]
+    if not arity:
+        what, most = ("input", program.input_size) if op == "input" else ("constant", len(program.constants))
+        return "" if 0 <= row[0] < most and row[1:] == (-1, -1) else f"%{index}: {what} {row[0]} of {most}"
+    if not all(0 <= i < index for i in row[:arity]):
+        return f"%{index} = {op} {' '.join(f'%{i}' for i in row[:arity])}: an operand precedes its use"
+    if any(i != -1 for i in row[arity:]):
+        return f"%{index} = {op}: it has {arity} operands, what is left of (a, b, c) = {row} is -1"
+    return ""
 
 
 def _listed(arguments: tuple[Argument, ...]) -> str:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from itertools import accumulate, pairwise
 
 from freebody.program.program import Program
-from freebody.scalars.expr import ARITY
+from freebody.scalars.operations import ARITY
 
 LONGEST = 1000
 """Weight of one segment: a node counts 1, the store of an output `_STORE`."""

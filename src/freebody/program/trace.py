@@ -41,8 +41,18 @@ def trace(
     results: list[int] = []
     for argument, value in zip(outputs, returned, strict=True):
         _flatten(graph, name, argument, argument.shape, value, results)
-    nodes = tuple(graph.op), tuple(graph.a), tuple(graph.b), tuple(graph.values)
-    return verify(drop_dead(Program(name, tuple(inputs), tuple(outputs), *nodes, tuple(results))))
+    program = Program(
+        name,
+        tuple(inputs),
+        tuple(outputs),
+        op=tuple(graph.op),
+        a=tuple(graph.a),
+        b=tuple(graph.b),
+        c=tuple(graph.c),
+        constants=tuple(graph.values),
+        results=tuple(results),
+    )
+    return verify(drop_dead(program))
 
 
 def _nested(graph: Graph, name: str, shape: tuple[int, ...], index: tuple[int, ...] = ()) -> Any:

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from freebody.elementary import Scalar, cos, sign, sin, sqrt
+from freebody.elementary import FUNCTIONS, Scalar, where
+from freebody.scalars.operations import OPERATIONS
 
 Slopes = dict[int, Scalar]
 
@@ -60,22 +61,22 @@ class Dual:
         ratio = other / self.value
         return Dual(ratio, _scaled(-(ratio / self.value), self.slopes))
 
-    def sin(self) -> Dual:
-        """Sine."""
-        return Dual(sin(self.value), _scaled(cos(self.value), self.slopes))
+    def __abs__(self) -> Dual:
+        return self.elementary("absolute", (self,))
 
-    def cos(self) -> Dual:
-        """Cosine."""
-        return Dual(cos(self.value), _scaled(-sin(self.value), self.slopes))
-
-    def sqrt(self) -> Dual:
-        """Square root."""
-        root = sqrt(self.value)
-        return Dual(root, _scaled(0.5 / root, self.slopes))
-
-    def sign(self) -> Scalar:
-        """Sign: constant where it has a derivative."""
-        return sign(self.value)
+    def elementary(self, name: str, operands: tuple[Any, ...]) -> Any:
+        """An elementary function and its slopes; a plain scalar where it is constant wherever it has a derivative."""
+        operation, values = OPERATIONS[name], [value(x) for x in operands]
+        result = FUNCTIONS[name](*values)
+        if operation.chooses is not None:
+            return Dual(result, _chosen(operation.chooses(*values), *operands[-2:]))
+        if operation.partials is None:
+            return result
+        total: Slopes = {}
+        for x, partial in zip(operands, operation.partials(result, *values), strict=True):
+            if isinstance(x, Dual):
+                total = _sum(total, _scaled(partial, x.slopes))
+        return Dual(result, total)
 
 
 def slopes(x: Scalar, directions: int) -> list[Scalar]:
@@ -93,6 +94,12 @@ def _scaled(s: Scalar, by: Slopes) -> Slopes:
     if isinstance(s, float) and s == 0.0:
         return {}
     return {k: s * slope for k, slope in by.items()}
+
+
+def _chosen(condition: Scalar, a: Scalar, b: Scalar) -> Slopes:
+    """The slopes of one of two scalars; chosen, not weighted: what is not chosen may be infinite."""
+    of_a, of_b = (x.slopes if isinstance(x, Dual) else {} for x in (a, b))
+    return {k: where(condition, of_a.get(k, 0.0), of_b.get(k, 0.0)) for k in dict.fromkeys((*of_a, *of_b))}
 
 
 def _sum(a: Slopes, b: Slopes) -> Slopes:

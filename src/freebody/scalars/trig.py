@@ -212,6 +212,14 @@ class Trig:
         )
 
     # ------------------------------------------------------------ angles
+    def elementary(self, name: str, operands: tuple[Any, ...]) -> Trig:
+        """An elementary function, as far as its values are polynomials."""
+        if name not in ("sin", "cos", "sign"):
+            raise FreebodyError(
+                f"{name} of {self}: closed forms are polynomials in sines and cosines. For numbers, use a kernel."
+            )
+        return getattr(self, name)()
+
     def sin(self) -> Trig:
         """Sine of a sum of angles and a constant."""
         return self._sin_cos[0]

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.program.program import Argument, Program
-from freebody.scalars.expr import ARITY
+from freebody.scalars.operations import ARITY
 
 BLOCK = 1024
 """Samples evaluated at a time."""
@@ -34,6 +34,13 @@ def functions(xp: Any) -> dict[str, Callable[..., Any]]:
         "sub": operator.sub,
         "mul": operator.mul,
         "div": operator.truediv,
+        "absolute": xp.absolute,
+        "less": lambda a, b: xp.where(a < b, 1.0, 0.0),
+        "less_equal": lambda a, b: xp.where(a <= b, 1.0, 0.0),
+        "equal": lambda a, b: xp.where(a == b, 1.0, 0.0),
+        "where": lambda c, a, b: xp.where(c != 0.0, a, b),
+        "minimum": xp.minimum,
+        "maximum": xp.maximum,
     }
 
 

@@ -21,6 +21,7 @@ from freebody.errors import FreebodyError, ShapeError
 from freebody.lazy import cached_property
 from freebody.program.passes import optimise
 from freebody.program.program import Argument, Program, verify
+from freebody.scalars.operations import OPERATIONS
 from freebody.targets import memory
 from freebody.targets.interpret import BlockedFunction
 from freebody.targets.llvm import cache, fastcall
@@ -41,9 +42,6 @@ _SLICE = 50 * _WORTH
 
 _MOVE = 4.0
 """What an entry read or written costs where a batch does not fit into the processor's caches."""
-
-_COST = {"sin": 15.0, "cos": 15.0, "div": 8.0, "sqrt": 8.0}
-"""What is dearer than an addition."""
 
 
 class KernelError(FreebodyError, TypeError):
@@ -75,7 +73,7 @@ class Kernel:
         self.width = width
         self.ufunc = ufunc
         self.signature = signature(program.inputs, program.outputs)
-        self._cost = sum(_COST.get(op, 1.0) * count for op, count in program.operations.items()) + 1.0
+        self._cost = sum(OPERATIONS[op].cost * count for op, count in program.operations.items()) + 1.0
         self._cores = [len(argument.shape) for argument in program.inputs + program.outputs]
         moved = _MOVE * (program.input_size + program.output_size)
         self._longest = max(1, int(_SLICE / (self._cost + moved)))

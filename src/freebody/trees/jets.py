@@ -55,16 +55,21 @@ class Jet:
     def __rtruediv__(self, other: Number) -> Jet:
         return jet(other) / self
 
-    def sin(self) -> Jet:
-        return self._through(lambda x: (np.sin(x), np.cos(x), -np.sin(x)))
-
-    def cos(self) -> Jet:
-        return self._through(lambda x: (np.cos(x), -np.sin(x), -np.cos(x)))
+    def elementary(self, name: str, operands: tuple[Any, ...]) -> Jet:
+        """Sine or cosine: all that kinematics needs."""
+        return self._through(_DERIVATIVES[name])
 
     def _through(self, function: Any) -> Jet:
         """f(x), f' ẋ, f'' ẋ² + f' ẍ."""
         f, slope, bend = function(self.x)
         return Jet(f, slope * self.xd, bend * self.xd**2 + slope * self.xdd)
+
+
+_DERIVATIVES: dict[str, Any] = {
+    "sin": lambda x: (np.sin(x), np.cos(x), -np.sin(x)),
+    "cos": lambda x: (np.cos(x), -np.sin(x), -np.cos(x)),
+}
+"""Value, first and second derivative."""
 
 
 def jet(x: Number) -> Jet:

@@ -1,4 +1,4 @@
-"""Program to LLVM text: a table from each operation to its instruction over one vector of lanes.
+"""Program to LLVM text, over one vector of lanes.
 
 The text is built by hand: making it through llvmlite.ir takes longer than compiling it. A module holds one
 function for each segment of the program, `@compute` that runs them on a tile of slots, and the gufunc loop
@@ -12,6 +12,7 @@ from math import nan
 
 from freebody.program.program import Program
 from freebody.program.segments import Segment, SinCos, segment
+from freebody.targets.llvm.instructions import declarations, instruction
 from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.loop import gufunc_loop
 from freebody.targets.llvm.machine import Target
@@ -29,22 +30,6 @@ CHECKED = 128
 TOGETHER = 8
 """Sines and cosines in one function: their arithmetic overlaps, and one branch serves all."""
 
-INSTRUCTION = {
-    "add": "{r} = fadd contract {v} {a}, {b}",
-    "sub": "{r} = fsub contract {v} {a}, {b}",
-    "mul": "{r} = fmul contract {v} {a}, {b}",
-    "div": "{r} = fdiv {v} {a}, {b}",
-    "neg": "{r} = fneg contract {v} {a}",
-    "sqrt": "{r} = call {v} @llvm.sqrt.{n}({v} {a})",
-    "sign": (
-        "{r}.u = call {v} @llvm.copysign.{n}({v} {one}, {v} {a})\n"
-        "  {r}.c = fcmp one {v} {a}, zeroinitializer\n"
-        "  {r}.z = fadd {v} {a}, zeroinitializer\n"
-        "  {r} = select {mask} {r}.c, {v} {r}.u, {v} {r}.z"
-    ),
-}
-"""Only contraction to fused multiply-add is allowed: other fast-math flags break range reduction and NaN."""
-
 
 def emit(program: Program, target: Target) -> str:
     """LLVM text of the kernel of `program`: `void @kernel(ptr args, ptr dims, ptr steps, ptr data)`, a gufunc
@@ -56,7 +41,6 @@ def emit(program: Program, target: Target) -> str:
     """
     layout, lanes = segment(program), target.lanes
     tiles = 1 if len(program) < LONG else 2
-    v, n = lanes.v, lanes.suffix
     parts = [
         f"; {program}",
         sincos(lanes, target.fma),
@@ -73,9 +57,7 @@ def emit(program: Program, target: Target) -> str:
     parts.append(_compute([*pieces, "@finite"], lanes.size * layout.slots, tiles))
     parts.append(gufunc_loop(program, target, layout, tiles))
     parts.append(
-        f"declare {v} @llvm.sqrt.{n}({v})\n"
-        f"declare {v} @llvm.copysign.{n}({v}, {v})\n"
-        f'attributes #0 = {{ nounwind "min-legal-vector-width"="{8 * lanes.size}" '
+        declarations(lanes) + f'attributes #0 = {{ nounwind "min-legal-vector-width"="{8 * lanes.size}" '
         f'"prefer-vector-width"="{8 * lanes.size}" }}\n'
     )
     return "\n".join(parts)
@@ -117,13 +99,10 @@ def _arithmetic(title: str, program: Program, step: Segment, lanes: Lanes) -> st
             names[index] = known
         return known
 
-    fixed = {"v": v, "n": lanes.suffix, "mask": lanes.mask, "one": lanes.constant(1.0)}
     for index in step.nodes:
-        a, b = program.a[index], program.b[index]
-        a_name, b_name = name(a), name(b) if b >= 0 else ""
+        operands = [name(i) for i in program.operands(index)]
         result = names[index] = f"%v{index}"
-        text = INSTRUCTION[program.op[index]]
-        lines.append("  " + text.format(r=result, a=a_name, b=b_name, **fixed))
+        lines.append("  " + instruction(program.op[index], result, operands, lanes))
         for position, slot in enumerate(step.stores.get(index, ())):
             lines.append(f"  %q{index}.{position} = getelementptr {v}, ptr %tile, i64 {slot}")
             lines.append(f"  store {v} {result}, ptr %q{index}.{position}, align {align}")

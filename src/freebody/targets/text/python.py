@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from freebody.identifiers import identifiers
 from freebody.program.program import Argument, Program, verify
-from freebody.scalars.expr import ARITY
 
 MODULES = {"numpy": "numpy", "jax": "jax.numpy"}
 """Module that the text imports as `xp`, by language."""
@@ -19,6 +18,13 @@ EXPRESSION = {
     "sub": "{a} - {b}",
     "mul": "{a} * {b}",
     "div": "{a} / {b}",
+    "absolute": "xp.absolute({a})",
+    "less": "xp.where({a} < {b}, 1.0, 0.0)",
+    "less_equal": "xp.where({a} <= {b}, 1.0, 0.0)",
+    "equal": "xp.where({a} == {b}, 1.0, 0.0)",
+    "where": "xp.where({a} != 0.0, {b}, {c})",
+    "minimum": "xp.minimum({a}, {b})",
+    "maximum": "xp.maximum({a}, {b})",
 }
 
 _OWN = ("xp", "cos", "sign", "sin", "sqrt", "batch")
@@ -54,8 +60,8 @@ def emit(program: Program, language: str) -> str:
         if op == "input":
             text = entries[program.a[index]]
         else:
-            a, b = program.a[index], program.b[index]
-            text = EXPRESSION[op].format(a=names[a], b=names[b] if ARITY[op] == 2 else "")
+            operands = dict(zip("abc", (names[i] for i in program.operands(index)), strict=False))
+            text = EXPRESSION[op].format(**operands)
         lines.append(f"    {names[index]} = {text}")
     batches = ", ".join(_batch(argument, words[argument.name]) for argument in program.inputs)
     lines.append(f"    batch = xp.broadcast_shapes({batches})")

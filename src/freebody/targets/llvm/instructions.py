@@ -1,0 +1,65 @@
+"""What each operation of a program is over a vector of lanes: a table of LLVM instructions.
+
+Sine and cosine are not among them: they stand between segments, see `sincos`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from freebody.targets.llvm.lanes import Lanes
+
+_FLAG = "{r}.c = fcmp ORDER {v} {a}, {b}\n  {r} = select {mask} {r}.c, {v} {one}, {v} zeroinitializer"
+
+# the machine's own minimum and maximum give their second operand where one is NaN
+_EXTREMUM = (
+    "{r}.c = fcmp ORDER {v} {b}, {a}\n"
+    "  {r}.m = select {mask} {r}.c, {v} {b}, {v} {a}\n"
+    "  {r}.n = fcmp uno {v} {b}, zeroinitializer\n"
+    "  {r} = select {mask} {r}.n, {v} {b}, {v} {r}.m"
+)
+
+INSTRUCTION = {
+    "add": "{r} = fadd contract {v} {a}, {b}",
+    "sub": "{r} = fsub contract {v} {a}, {b}",
+    "mul": "{r} = fmul contract {v} {a}, {b}",
+    "div": "{r} = fdiv {v} {a}, {b}",
+    "neg": "{r} = fneg contract {v} {a}",
+    "sqrt": "{r} = call {v} @llvm.sqrt.{n}({v} {a})",
+    "sign": (
+        "{r}.u = call {v} @llvm.copysign.{n}({v} {one}, {v} {a})\n"
+        "  {r}.c = fcmp one {v} {a}, zeroinitializer\n"
+        "  {r}.z = fadd {v} {a}, zeroinitializer\n"
+        "  {r} = select {mask} {r}.c, {v} {r}.u, {v} {r}.z"
+    ),
+    "absolute": "{r} = call {v} @llvm.fabs.{n}({v} {a})",
+    "less": _FLAG.replace("ORDER", "olt"),
+    "less_equal": _FLAG.replace("ORDER", "ole"),
+    "equal": _FLAG.replace("ORDER", "oeq"),
+    "where": "{r}.c = fcmp une {v} {a}, zeroinitializer\n  {r} = select {mask} {r}.c, {v} {b}, {v} {c}",
+    "minimum": _EXTREMUM.replace("ORDER", "olt"),
+    "maximum": _EXTREMUM.replace("ORDER", "ogt"),
+}
+"""Only contraction to fused multiply-add is allowed: other fast-math flags break range reduction and NaN."""
+
+
+def instruction(op: str, result: str, operands: Sequence[str], lanes: Lanes) -> str:
+    """The text that computes `result` by an operation from the names of its operands."""
+    return INSTRUCTION[op].format(
+        r=result,
+        v=lanes.v,
+        n=lanes.suffix,
+        mask=lanes.mask,
+        one=lanes.constant(1.0),
+        **dict(zip("abc", operands, strict=False)),
+    )
+
+
+def declarations(lanes: Lanes) -> str:
+    """Of the functions of LLVM's that the instructions call."""
+    v, n = lanes.v, lanes.suffix
+    return (
+        f"declare {v} @llvm.sqrt.{n}({v})\n"
+        f"declare {v} @llvm.fabs.{n}({v})\n"
+        f"declare {v} @llvm.copysign.{n}({v}, {v})\n"
+    )
