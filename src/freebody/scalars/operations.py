@@ -10,7 +10,7 @@ import math
 import operator
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from freebody.elementary import Scalar, cos, less_equal, sign, sin
 from freebody.scalars import folding

@@ -6,6 +6,7 @@ Sine and cosine are not among them: they stand between segments, see `sincos`.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 
 from freebody.targets.llvm.lanes import Lanes
 
@@ -45,14 +46,13 @@ INSTRUCTION = {
 
 def instruction(op: str, result: str, operands: Sequence[str], lanes: Lanes) -> str:
     """The text that computes `result` by an operation from the names of its operands."""
-    return INSTRUCTION[op].format(
-        r=result,
-        v=lanes.v,
-        n=lanes.suffix,
-        mask=lanes.mask,
-        one=lanes.constant(1.0),
-        **dict(zip("abc", operands, strict=False)),
-    )
+    return INSTRUCTION[op].format(r=result, **dict(zip("abc", operands, strict=False)), **_words(lanes))
+
+
+@cache
+def _words(lanes: Lanes) -> dict[str, str]:
+    """What words of the table stand for."""
+    return {"v": lanes.v, "n": lanes.suffix, "mask": lanes.mask, "one": lanes.constant(1.0)}
 
 
 def declarations(lanes: Lanes) -> str:
