@@ -11,8 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from freebody.algorithms.crba import bias, crba, factor, substitute
+from freebody.algorithms.crba import Factors, bias, crba, factor, substitute
 from freebody.algorithms.kinematics import (
     Column,
     Pose,
@@ -20,13 +21,14 @@ from freebody.algorithms.kinematics import (
     frame_motion,
     frame_pose,
     joint_poses,
+    moved,
     outward,
     world_poses,
 )
 from freebody.algorithms.rnea import External
 from freebody.elementary import Scalar
 from freebody.model.tree import Tree, TreeLoop
-from freebody.spatial import AnySpace, Matrix, Vector, add, dot, identity, scale, sub, times, transposed
+from freebody.spatial import AnySpace, Matrix, Vector, add, dot, identity, neg, scale, sub, times, transposed
 
 
 @dataclass(frozen=True)
@@ -189,18 +191,50 @@ def constrained_dynamics(
     rows: Sequence[int] | None = None,
 ) -> Constrained:
     """q̈ and λ from (5.29) by M⁻¹ and S = Φ_q M⁻¹ Φ_qᵀ, for equations `rows` (default all) that are independent."""
-    kept = range(tree.constraints) if rows is None else rows
-    phi, c = constraint_jacobian(tree, q), constraint_bias(tree, q, qd)
-    phi, c = tuple(phi[k] for k in kept), tuple(c[k] for k in kept)
     factors = factor(tree, crba(tree, q))
-    free = substitute(tree, factors, sub(tau, bias(tree, q, qd, external)))
-    columns = [substitute(tree, factors, row) for row in phi]
+    return constrained_motion(tree, q, qd, factors, sub(tau, bias(tree, q, qd, external)), rows)
+
+
+def constrained_motion(
+    tree: Tree, q: Vector, qd: Vector, factors: Factors, forces: Vector, rows: Sequence[int] | None = None
+) -> Constrained:
+    """q̈ and λ of M q̈ + Φ_qᵀ λ = forces and Φ_q q̈ = c, from the factors of M."""
+    phi, c = _kept(constraint_jacobian(tree, q), rows), _kept(constraint_bias(tree, q, qd), rows)
+    free = substitute(tree, factors, forces)
     missing = tuple(dot(row, free) - x for row, x in zip(phi, c, strict=True))
-    multipliers, pivots = _solved([[dot(row, x) for x in columns] for row in phi], missing)
-    qdd = free
+    change, multipliers, pivots = _least_change(tree, factors, phi, missing)
+    return Constrained(sub(free, change), multipliers, pivots)
+
+
+def closed(
+    tree: Tree,
+    q: Vector,
+    qd: Vector,
+    factors: Factors,
+    rows: Sequence[int] | None = None,
+    iterations: int = 1,
+) -> tuple[Vector, Vector]:
+    """(q, q̇) brought back onto loops that are a little open, by Newton steps of least change in the metric M."""
+    for _ in range(iterations):
+        phi, left = _kept(constraint_jacobian(tree, q), rows), _kept(constraint(tree, q), rows)
+        q = moved(tree, q, neg(_least_change(tree, factors, phi, left)[0]))
+    phi = _kept(constraint_jacobian(tree, q), rows)
+    return q, sub(qd, _least_change(tree, factors, phi, times(phi, qd))[0])
+
+
+def _kept(values: tuple[Any, ...], rows: Sequence[int] | None) -> tuple[Any, ...]:
+    """Of one value an equation those of `rows`; None: all."""
+    return values if rows is None else tuple(values[k] for k in rows)
+
+
+def _least_change(tree: Tree, factors: Factors, phi: Matrix, wanted: Vector) -> tuple[Vector, Vector, Vector]:
+    """The x smallest in the metric M with Φ_q x = wanted, its multipliers λ (M x = Φ_qᵀ λ), and the pivots of S."""
+    columns = [substitute(tree, factors, row) for row in phi]
+    multipliers, pivots = _solved([[dot(row, x) for x in columns] for row in phi], wanted)
+    change: Vector = (0.0,) * tree.nv
     for multiplier, column in zip(multipliers, columns, strict=True):
-        qdd = sub(qdd, scale(multiplier, column))
-    return Constrained(qdd, multipliers, pivots)
+        change = add(change, scale(multiplier, column))
+    return change, multipliers, pivots
 
 
 def _solved(S: list[list[Scalar]], right: Vector) -> tuple[Vector, Vector]:

@@ -66,6 +66,17 @@ def between(tree: Tree, q0: Vector, q1: Vector) -> Vector:
     return tuple(way)
 
 
+def coordinate_rates(tree: Tree, x: Vector, v: Vector) -> Vector:
+    """The rates of x where the position is `moved(q, x)` and changes with the rates v: dexp⁻¹(x) v, to second order."""
+    rates: list[Scalar] = [0.0] * tree.nv
+    for body in tree.bodies:
+        at = body.coordinates.v
+        own = body.primitive.dexp_inverse(tree.space, tuple(x[k] for k in at), tuple(v[k] for k in at))
+        for k, rate in zip(at, own, strict=True):
+            rates[k] = rate
+    return tuple(rates)
+
+
 def world_poses(tree: Tree, joints: list[Pose]) -> list[Pose]:
     """Pose of each body in the world."""
     world: list[Pose] = []

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from freebody.algorithms import energy, kinematics
+from freebody.algorithms import energy, kinematics, steps
 from freebody.algorithms.aba import aba
 from freebody.algorithms.constraints import (
     constrained_dynamics,
@@ -40,11 +40,12 @@ from freebody.algorithms.derivatives import (
 from freebody.algorithms.operational import centroidal_momentum_matrix, mass_matrix_inverse, operational_space
 from freebody.algorithms.regressor import energy_regressor, regressor
 from freebody.algorithms.rnea import External, external_on_frame, joint_wrenches, rnea
+from freebody.elementary import Scalar
 from freebody.model.tree import Tree
 from freebody.scalars.dual import Dual, slopes
 from freebody.spatial import Vector, identity, neg, sub, times, transposed
 
-POSITIONS = ("q", "q0", "q1")
+POSITIONS = ("q", "q0", "q1", "q_ref")
 """Inputs that are positions (nq); the others are velocities and what acts along them (nv), or named below."""
 
 
@@ -65,7 +66,8 @@ class Option(NamedTuple):
 class Formula:
     """A computable quantity.
 
-    inputs: names among q, q0, q1 (nq each), qd, qdd, v, tau, x, dq, dqd (nv each), multipliers, point, wrenches.
+    inputs: names among q, q0, q1, q_ref (nq each), qd, qdd, v, tau, x, dq, dqd, qd_ref, kp, kd (nv each), h (a number),
+    multipliers, point, wrenches.
     outputs: name -> dimensions: numbers, or names among nq, nv, nj, six, dim, pose (dim + 1), rows, parameters,
     constraints (loop equations), equations (those that count), reactions (joints and loops).
     evaluate(tree, option, **inputs): a tuple of nested sequences of scalars; wrenches is a tuple of vectors, one for
@@ -124,6 +126,38 @@ def prefers_articulated_bodies(tree: Tree) -> bool:
     """Whether articulated bodies take fewer operations than factoring the mass matrix: chains are long."""
     longest = max((len(above) for above in supports(tree).values()), default=0)
     return longest >= 24 and not tree.follows
+
+
+def _step(method: Callable[..., steps.State]) -> Callable[..., tuple[Any, ...]]:
+    """A step by an explicit method, the torque and the wrenches held."""
+
+    def evaluate(
+        tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector, h: Scalar, wrenches: Any = ()
+    ) -> tuple[Any, ...]:
+        def acceleration(q: Vector, qd: Vector) -> Vector:
+            return _forward(tree, o, q, qd, tau, wrenches)[0]
+
+        return steps.on_loops(tree, q, method(tree, q, qd, h, acceleration), o.equations)
+
+    return evaluate
+
+
+def _implicit_step(
+    tree: Tree,
+    o: Option,
+    q: Vector,
+    qd: Vector,
+    tau: Vector,
+    h: Scalar,
+    wrenches: Any = (),
+    **feedback: Vector,
+) -> tuple[Any, ...]:
+    def loads(q: Vector) -> list[External]:
+        return _external(tree, o, q, wrenches)
+
+    law = steps.Feedback(**feedback) if feedback else None
+    reached = steps.implicit(tree, q, qd, tau, h, loads, law, o.equations)
+    return steps.on_loops(tree, q, reached, o.equations)
 
 
 def _gravity(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
@@ -239,6 +273,9 @@ def _frame(o: Option) -> str:
     return o.frame
 
 
+_STEP = ("q", "qd", "tau", "h", "wrenches")
+_STATE: dict[str, tuple[str | int, ...]] = {"q1": ("nq",), "qd1": ("nv",)}
+
 FORMULAS: dict[str, Formula] = {
     "forward_kinematics": Formula(("q",), {"T": ("pose", "pose")}, _pose),
     "velocity": Formula(("q", "qd", "point"), {"V": ("six",)}, _velocity),
@@ -312,6 +349,10 @@ FORMULAS: dict[str, Formula] = {
     "difference": Formula(
         ("q0", "q1"), {"v": ("nv",)}, lambda t, o, q0, q1: (kinematics.between(t, q0, q1),)
     ),
+    "semi_implicit_step": Formula(_STEP, _STATE, _step(steps.semi_implicit)),
+    "rk4_step": Formula(_STEP, _STATE, _step(steps.runge_kutta)),
+    "implicit_step": Formula(_STEP, _STATE, _implicit_step),
+    "implicit_feedback_step": Formula((*_STEP, "q_ref", "qd_ref", "kp", "kd"), _STATE, _implicit_step),
     "constraint": Formula(("q",), {"Phi": ("constraints",)}, lambda t, o, q: (constraint(t, q),)),
     "constraint_jacobian": Formula(
         ("q",), {"Phi_q": ("constraints", "nv")}, lambda t, o, q: (constraint_jacobian(t, q),)
@@ -353,3 +394,13 @@ OF_TREES = (
     "regressor",
 )
 """Formulas that leave loops out, so that a closed chain must not be given to them."""
+
+OF_INDEPENDENT_EQUATIONS = (
+    "forward_dynamics",
+    "semi_implicit_step",
+    "rk4_step",
+    "implicit_step",
+    "implicit_feedback_step",
+)
+"""Formulas whose kernel for a closed chain has to do for all positions: equations that depend on others at home are
+left out."""

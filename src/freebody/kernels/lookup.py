@@ -12,7 +12,7 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.kernels.closed_chains import closed
 from freebody.kernels.columns import BY_COLUMNS, LARGEST, ColumnKernel, KernelList
-from freebody.kernels.formulas import FORMULAS, OF_TREES, POSITIONS, Option
+from freebody.kernels.formulas import FORMULAS, OF_INDEPENDENT_EQUATIONS, OF_TREES, POSITIONS, Option
 from freebody.model.model import Model
 from freebody.program import Argument, Program, trace
 from freebody.targets import Kernel, compile_program
@@ -44,8 +44,7 @@ def kernel(
     listed, option = chosen_option(
         model, names, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows
     )
-    if model.loops and "forward_dynamics" in listed:
-        # one kernel has to do for all positions: equations that depend on others at home are left out
+    if model.loops and any(name in OF_INDEPENDENT_EQUATIONS for name in listed):
         option = option._replace(equations=closed("independent_rows")(model))
     return fetch(model, listed, option, backend, width)
 
@@ -125,7 +124,10 @@ def _require_used(listed: Sequence[str], **given: Any) -> None:
 SMALL = 12
 """Coordinates up to which two ways to the same values are both traced."""
 
-_ORDER = ("q", "q0", "q1", "qd", "qdd", "v", "tau", "x", "dq", "dqd", "multipliers", "point")
+_ORDER = (
+    *("q", "q0", "q1", "qd", "qdd", "v", "tau", "x", "dq", "dqd", "multipliers", "point"),
+    *("h", "q_ref", "qd_ref", "kp", "kd"),
+)
 
 
 def fetch(
@@ -227,9 +229,13 @@ def _array(value: Any, batch: tuple[int, ...], shape: tuple[int, ...]) -> Array:
 def arguments(model: Model, names: tuple[str, ...], option: Option) -> tuple[Argument, ...]:
     """Inputs that the formulas need, each once, in the fixed order."""
     wanted = {label for name in names for label in FORMULAS[name].inputs}
-    sizes = dict.fromkeys(POSITIONS, model.nq) | {"point": model.dim, "multipliers": model.tree.constraints}
+    shapes = dict.fromkeys(POSITIONS, (model.nq,)) | {
+        "point": (model.dim,),
+        "multipliers": (model.tree.constraints,),
+        "h": (),
+    }
     plain = [
-        Argument(x, (sizes.get(x, model.nv),))
+        Argument(x, shapes.get(x, (model.nv,)))
         for x in _ORDER
         if x in wanted and (x != "point" or option.point)
     ]

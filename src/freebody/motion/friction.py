@@ -6,12 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from freebody.algorithms.steps import FRICTION_WIDTH
 from freebody.arrays import Array
 from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.trees.coordinates import Index
 
-WIDTH = 1e-3
+WIDTH = FRICTION_WIDTH
 """rad/s or m/s: sticking creeps at rates below this."""
 
 

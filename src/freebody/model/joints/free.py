@@ -5,7 +5,7 @@ from __future__ import annotations
 from freebody.model.joints import quaternions as turn
 from freebody.model.joints.kind import Column, JointKind, Primitive
 from freebody.model.joints.spherical import PIVOTING, QUATERNION
-from freebody.spatial import AnySpace, Matrix, Vector, add, identity, sub, times, transposed
+from freebody.spatial import AnySpace, Matrix, Vector, add, identity, scale, sub, times, transposed
 
 
 class Floating(Primitive):
@@ -35,6 +35,14 @@ class Floating(Primitive):
         R, p = self.pose(space, (), q0)
         w = PIVOTING.between(space, q0[3:], q1[3:])
         return turn.unshifted(space, w, times(transposed(R), sub(q1[:3], p))) + w
+
+    def dexp_inverse(self, space: AnySpace, x: Vector, v: Vector) -> Vector:
+        def bracket(v: Vector) -> Vector:
+            linear = add(space.cross(x[3:], v[:3]), space.cross(x[:3], v[3:]))
+            return linear + space.cross(x[3:], v[3:])
+
+        once = bracket(v)
+        return add(v, scale(0.5, once), scale(1.0 / 12.0, bracket(once)))
 
     def bias(self, space: AnySpace, rates: Vector) -> Column:
         # p̈ = d/dt (R v) = R (v̇ + ω × v)

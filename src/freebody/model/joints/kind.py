@@ -41,6 +41,11 @@ class Primitive(ABC):
         """The constant rates that lead from q0 to q1 in unit time: the inverse of `moved`."""
         return sub(q1, q0)
 
+    def dexp_inverse(self, space: AnySpace, x: Vector, v: Vector) -> Vector:
+        """ẋ where the position is moved(q, x) and changes with the rates v; of the series v + ½ [x, v] +
+        ¹⁄₁₂ [x, [x, v]] + … these three terms, which methods up to order 4 need (Munthe-Kaas 1998)."""
+        return v
+
     def bias(self, space: AnySpace, rates: Vector) -> Column:
         """The part of the child's acceleration relative to the joint's frame (the time derivative of its point's
         velocity, in the child's axes) that does not stem from the second rates."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from freebody.model.joints import quaternions as turn
 from freebody.model.joints.kind import Column, JointKind, Primitive
-from freebody.spatial import AnySpace, Matrix, Space, Vector, identity
+from freebody.spatial import AnySpace, Matrix, Space, Vector, add, identity, scale
 
 QUATERNION = ("quat_w", "quat_x", "quat_y", "quat_z")
 
@@ -33,6 +33,10 @@ class Pivoting(Primitive):
 
     def between(self, space: AnySpace, q0: Vector, q1: Vector) -> Vector:
         return turn.logarithm(turn.product(turn.conjugate(q0), q1))
+
+    def dexp_inverse(self, space: AnySpace, x: Vector, v: Vector) -> Vector:
+        once = space.cross(x, v)
+        return add(v, scale(0.5, once), scale(1.0 / 12.0, space.cross(x, once)))
 
 
 PIVOTING = Pivoting()
