@@ -94,6 +94,11 @@ class Program:
         return sum(argument.size for argument in self.inputs)
 
     @property
+    def sampled_size(self) -> int:
+        """Number of scalars of the inputs that are not uniform."""
+        return sum(argument.size for argument in self.inputs if not argument.uniform)
+
+    @property
     def output_size(self) -> int:
         """Number of scalars of all outputs."""
         return sum(argument.size for argument in self.outputs)

@@ -1,7 +1,8 @@
 """Cut a program into segments: pieces of straight-line code, with the sines and cosines between them.
 
 Code generation grows faster than linearly with the length of a function, so long programs are cut; values
-that cross a cut live in slots of a tile, one vector of lanes each. Sines and cosines are computed by a
+that cross a cut live in slots of a tile, one vector of lanes each. Constants and uniform inputs are at hand
+everywhere, without a slot. Sines and cosines are computed by a
 routine that reads and writes slots, so they stand between segments too: first what leads to their arguments,
 then they, then the rest.
 """
@@ -44,7 +45,7 @@ class SinCos:
 class Layout:
     """Steps in order, and what lies where.
 
-    Inputs come first, then each different result once, then what crosses cuts.
+    Inputs come first, but for the uniform ones, then each different result once, then what crosses cuts.
     """
 
     steps: tuple[Segment | SinCos, ...]
@@ -54,7 +55,7 @@ class Layout:
 
 
 def segment(program: Program, longest: int = LONGEST) -> Layout:
-    """Cut `program`, keeping its order within each stage."""
+    """Cut `program`, whose uniform inputs are the last, keeping its order within each stage."""
     stage = _stages(program)
     last = max(stage, default=0)
     stores = Counter(program.results)
@@ -112,27 +113,31 @@ def _trigonometric(program: Program, nodes: list[int]) -> list[list[int]]:
 
 def _allocate(program: Program, steps: list[list[int]]) -> Layout:
     """Give slots to values that cross steps, reusing those whose last reader is done."""
+    sampled = program.sampled_size
+    at_hand = [
+        op == "const" or (op == "input" and program.a[i] >= sampled) for i, op in enumerate(program.op)
+    ]
     producer = {index: number for number, nodes in enumerate(steps) for index in nodes}
     readers: dict[int, set[int]] = {}
     for number, nodes in enumerate(steps):
         for index in nodes:
             for operand in program.operands(index):
-                if producer.get(operand, -1) != number and program.op[operand] != "const":
+                if producer.get(operand, -1) != number and not at_hand[operand]:
                     readers.setdefault(operand, set()).add(number)
     distinct = dict.fromkeys(program.results)
-    results = {index: program.input_size + k for k, index in enumerate(distinct)}
+    results = {index: sampled + k for k, index in enumerate(distinct)}
     storing: dict[int, list[int]] = {}  # step -> results it stores
     for index in results:
         trigonometric = program.op[index] in _TRIG
         number = producer.get(index, len(steps) - 1) if not trigonometric else len(steps) - 1
         storing.setdefault(number, []).append(index)
-        if producer.get(index, -1) != number and program.op[index] != "const":
+        if producer.get(index, -1) != number and not at_hand[index]:
             readers.setdefault(index, set()).add(number)
 
-    slot = {i: program.a[i] for i, op in enumerate(program.op) if op == "input"}
+    slot = {i: program.a[i] for i, op in enumerate(program.op) if op == "input" and not at_hand[i]}
     free: list[int] = []
     expiring: dict[int, list[int]] = {}
-    slots = program.input_size + len(results)
+    slots = sampled + len(results)
     done: list[Segment | SinCos] = []
 
     def take(step: int, index: int) -> int:
@@ -153,7 +158,7 @@ def _allocate(program: Program, steps: list[list[int]]) -> Layout:
         else:
             step = Segment(nodes)
             for index in {i for node in nodes for i in program.operands(node)} | set(storing.get(number, [])):
-                if producer.get(index, -1) != number and program.op[index] != "const":
+                if producer.get(index, -1) != number and not at_hand[index]:
                     step.loads[index] = slot[index]
             for index in nodes:
                 if index in readers:

@@ -9,6 +9,7 @@ import importlib.util
 import os
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import combinations
 from math import prod
 from pathlib import Path
@@ -19,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from freebody.errors import FreebodyError, ShapeError
 from freebody.lazy import cached_property
+from freebody.program.hoist import hoist
 from freebody.program.passes import optimise
 from freebody.program.program import Argument, Program, verify
 from freebody.scalars.operations import OPERATIONS
@@ -56,7 +58,8 @@ class Kernel:
     """A program ready to run on arrays.
 
     Each argument has its core shape last; leading batch shapes broadcast; any strides. Integers and float32
-    are converted, complex numbers and objects refused. A sample with an input that is not finite has NaN in
+    are converted, complex numbers and objects refused. Where a uniform input is given with leading axes, `per_sample`
+    answers. A sample with an input that is not finite has NaN in
     all outputs; no other sample is touched. The GIL is released.
 
     Attributes:
@@ -73,9 +76,14 @@ class Kernel:
         self.width = width
         self.ufunc = ufunc
         self.signature = signature(program.inputs, program.outputs)
-        self._cost = sum(OPERATIONS[op].cost * count for op, count in program.operations.items()) + 1.0
+        # NumPy's way broadcasts them as any others
+        self._uniform = [
+            (k, len(x.shape)) for k, x in enumerate(program.inputs) if x.uniform and backend == "llvm"
+        ]
+        every = hoist(program)[1] if self._uniform else program
+        self._cost = sum(OPERATIONS[op].cost * count for op, count in every.operations.items()) + 1.0
         self._cores = [len(argument.shape) for argument in program.inputs + program.outputs]
-        moved = _MOVE * (program.input_size + program.output_size)
+        moved = _MOVE * (program.sampled_size + program.output_size)
         self._longest = max(1, int(_SLICE / (self._cost + moved)))
         # samples that are surely neither worth threads nor memory from the store
         largest = max((argument.size for argument in program.outputs), default=1) or 1
@@ -95,11 +103,21 @@ class Kernel:
             KernelError: wrong number or type of arguments.
         """
         try:
+            if self._uniform and any(
+                np.ndim(arrays[k]) > core for k, core in self._uniform if k < len(arrays)
+            ):
+                return self.per_sample(*arrays, out=out, threads=threads)
             if (threads is None or threads == 1) and self._is_small(arrays):
                 return self.ufunc(*arrays) if out is None else self.ufunc(*arrays, out=out)
             return self._long(arrays, out, threads)
         except (TypeError, ValueError) as problem:
             raise self._explained(arrays, problem) from None
+
+    @cached_property
+    def per_sample(self) -> Kernel:
+        """The kernel of the same program with no input uniform: what answers where one has a value for every sample."""
+        inputs = tuple(replace(argument, uniform=False) for argument in self.program.inputs)
+        return compile_program(replace(self.program, inputs=inputs), backend=self.backend, width=self.width)
 
     def checked(self, *arrays: ArrayLike) -> Any:
         """As `__call__`; None where an input is no plain array or an output may not be what is meant (see `sound`)."""

@@ -10,13 +10,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from math import nan
 
+from freebody.program.hoist import hoist
+from freebody.program.passes import schedule
 from freebody.program.program import Program
-from freebody.program.segments import Segment, SinCos, segment
+from freebody.program.segments import Layout, Segment, SinCos, segment
 from freebody.targets.llvm.instructions import declarations, instruction
 from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.loop import gufunc_loop
 from freebody.targets.llvm.machine import Target
-from freebody.targets.llvm.sincos import sincos, sines
+from freebody.targets.llvm.sincos import reduction, sincos, sines
+from freebody.targets.llvm.uniform import reading
 
 LONG = 700
 """Nodes from which the code of a program is fetched anew for each group: two groups a round are 5-20 % faster."""
@@ -39,28 +42,48 @@ def emit(program: Program, target: Target) -> str:
         program: a verified program with at least one input and one output scalar.
         target: the machine, as far as the text depends on it.
     """
-    layout, lanes = segment(program), target.lanes
-    tiles = 1 if len(program) < LONG else 2
-    parts = [
-        f"; {program}",
-        sincos(lanes, target.fma),
-        _finite(program.input_size, len(layout.results), lanes),
-    ]
-    pieces: list[str] = []
-    for number, those in enumerate(_joined(layout.steps)):
-        if isinstance(those, Segment):
-            pieces.append(f"@segment{number}")
-            parts.append(_arithmetic(pieces[-1], program, those, lanes))
-        else:
-            pieces.append(f"@sines{number}")
-            parts.append(sines(pieces[-1], those, lanes, target.fma))
+    lanes, parts, shared, every = target.lanes, [f"; {program}"], None, program
+    if "sin" in program.operations or "cos" in program.operations:
+        parts.append(reduction())
+    if any(argument.uniform for argument in program.inputs):
+        once, every = map(schedule, hoist(program))
+        shared = segment(once)
+        parts += [*_once(once, shared, target), reading(once.input_size, shared.slots, lanes)]
+    layout = segment(every)
+    tiles = 1 if len(every) < LONG else 2
+    pieces, made = _pieces("", every, layout, lanes, target.fma)
+    poison = None if shared is None else shared.slots
+    parts += [*made, _finite(every.sampled_size, len(layout.results), poison, lanes)]
     parts.append(_compute([*pieces, "@finite"], lanes.size * layout.slots, tiles))
-    parts.append(gufunc_loop(program, target, layout, tiles))
+    parts.append(gufunc_loop(program, every, target, layout, tiles, shared))
     parts.append(
-        declarations(lanes) + f'attributes #0 = {{ nounwind "min-legal-vector-width"="{8 * lanes.size}" '
+        f'attributes #0 = {{ nounwind "min-legal-vector-width"="{8 * lanes.size}" '
         f'"prefer-vector-width"="{8 * lanes.size}" }}\n'
     )
     return "\n".join(parts)
+
+
+def _once(program: Program, layout: Layout, target: Target) -> list[str]:
+    """`@once`: the code of all segments for a single lane."""
+    pieces, made = _pieces("once.", program, layout, Lanes(target.real, 1), target.fma)
+    calls = "".join(f"  call void {piece}(ptr %values, ptr null)\n" for piece in pieces)
+    return [*made, f"define internal void @once(ptr %values) #0 {{\n{calls}  ret void\n}}\n"]
+
+
+def _pieces(
+    before: str, program: Program, layout: Layout, lanes: Lanes, fma: bool
+) -> tuple[list[str], list[str]]:
+    """Names of the functions of the steps, `before` in front, and the text of what they are and need."""
+    pieces: list[str] = []
+    parts = [sincos(lanes, fma)] if any(isinstance(step, SinCos) for step in layout.steps) else []
+    for number, those in enumerate(_joined(layout.steps)):
+        if isinstance(those, Segment):
+            pieces.append(f"@{before}segment{number}")
+            parts.append(_arithmetic(pieces[-1], program, those, lanes))
+        else:
+            pieces.append(f"@{before}sines{number}")
+            parts.append(sines(pieces[-1], those, lanes, fma))
+    return pieces, [*parts, declarations(lanes)]
 
 
 def _joined(steps: Sequence[Segment | SinCos]) -> Iterator[Segment | list[SinCos]]:
@@ -82,15 +105,17 @@ def _joined(steps: Sequence[Segment | SinCos]) -> Iterator[Segment | list[SinCos
 
 def _arithmetic(title: str, program: Program, step: Segment, lanes: Lanes) -> str:
     """Loads, instructions and stores of a segment, the loads at first use."""
-    v, align = lanes.v, lanes.size
-    lines = [f"define internal void {title}(ptr noalias %tile) #0 {{"]
+    v, align, sampled = lanes.v, lanes.size, program.sampled_size
+    lines = [f"define internal void {title}(ptr noalias %tile, ptr noalias %uniform) #0 {{"]
     names: dict[int, str] = {}
 
     def name(index: int) -> str:
         """The value of a node: a constant, or a name, loaded at its first use."""
         known = names.get(index)
         if known is None:
-            if program.op[index] == "const":
+            if program.op[index] == "input" and program.a[index] >= sampled:
+                known = _spread(lines, index, program.a[index] - sampled, lanes)
+            elif program.op[index] == "const":
                 known = lanes.constant(program.constants[program.a[index]])
             else:
                 known = f"%v{index}"
@@ -106,13 +131,26 @@ def _arithmetic(title: str, program: Program, step: Segment, lanes: Lanes) -> st
         for position, slot in enumerate(step.stores.get(index, ())):
             lines.append(f"  %q{index}.{position} = getelementptr {v}, ptr %tile, i64 {slot}")
             lines.append(f"  store {v} {result}, ptr %q{index}.{position}, align {align}")
+    computed = set(step.nodes)
     for index, slots in step.stores.items():
-        if index in step.loads or program.op[index] == "const":
+        if index not in computed:
             for position, slot in enumerate(slots):
                 value = name(index)
                 lines.append(f"  %q{index}.{position} = getelementptr {v}, ptr %tile, i64 {slot}")
                 lines.append(f"  store {v} {value}, ptr %q{index}.{position}, align {align}")
     return "\n".join([*lines, "  ret void", "}", ""])
+
+
+def _spread(lines: list[str], index: int, number: int, lanes: Lanes) -> str:
+    """A uniform number in all lanes."""
+    kind, v = lanes.real.name, lanes.v
+    lines += [
+        f"  %u{index}.p = getelementptr {kind}, ptr %uniform, i64 {number}",
+        f"  %u{index} = load {kind}, ptr %u{index}.p, align {lanes.real.size}",
+        f"  %u{index}.v = insertelement {v} poison, {kind} %u{index}, i64 0",
+        f"  %v{index} = shufflevector {v} %u{index}.v, {v} poison, <{lanes.width} x i32> zeroinitializer",
+    ]
+    return f"%v{index}"
 
 
 def _compute(pieces: list[str], size: int, tiles: int) -> str:
@@ -121,16 +159,26 @@ def _compute(pieces: list[str], size: int, tiles: int) -> str:
         return _run("@compute", pieces, size, tiles)
     groups = [pieces[k : k + PIECES] for k in range(0, len(pieces), PIECES)]
     parts = [_run(f"@compute{k}", group, size, tiles) for k, group in enumerate(groups)]
-    calls = "".join(f"  call void @compute{k}(ptr %tile, i64 %count)\n" for k in range(len(groups)))
-    parts.append(f"define internal void @compute(ptr %tile, i64 %count) #0 {{\n{calls}  ret void\n}}\n")
+    calls = "".join(
+        f"  call void @compute{k}(ptr %tile, ptr %uniform, i64 %count)\n" for k in range(len(groups))
+    )
+    parts.append(
+        f"define internal void @compute(ptr %tile, ptr %uniform, i64 %count) #0 {{\n{calls}  ret void\n}}\n"
+    )
     return "\n".join(parts)
 
 
 def _run(title: str, pieces: list[str], size: int, tiles: int) -> str:
-    lines = [f"define internal void {title}(ptr %tile, i64 %count) #0 {{", "entry:"]
+    lines = [f"define internal void {title}(ptr %tile, ptr %uniform, i64 %count) #0 {{", "entry:"]
     if tiles == 1:
         return "\n".join(
-            [*lines, *(f"  call void {piece}(ptr %tile)" for piece in pieces), "  ret void", "}", ""]
+            [
+                *lines,
+                *(f"  call void {piece}(ptr %tile, ptr %uniform)" for piece in pieces),
+                "  ret void",
+                "}",
+                "",
+            ]
         )
     for k, piece in enumerate(pieces):
         before = f"leave{k - 1}" if k else "entry"
@@ -140,7 +188,7 @@ piece{k}:
   %g{k} = phi i64 [ 0, %{before} ], [ %next{k}, %piece{k} ]
   %skip{k} = mul i64 %g{k}, {size}
   %tile{k} = getelementptr i8, ptr %tile, i64 %skip{k}
-  call void {piece}(ptr %tile{k})
+  call void {piece}(ptr %tile{k}, ptr %uniform)
   %next{k} = add i64 %g{k}, 1
   %more{k} = icmp ult i64 %next{k}, %count
   br i1 %more{k}, label %piece{k}, label %leave{k}
@@ -148,14 +196,17 @@ leave{k}:""")
     return "\n".join([*lines, "  ret void", "}", ""])
 
 
-def _finite(inputs: int, results: int, lanes: Lanes) -> str:
+def _finite(inputs: int, results: int, poison: int | None, lanes: Lanes) -> str:
     """Make every result NaN in the lanes whose inputs are not all finite.
 
-    0 * x is NaN for NaN and infinite x, so the sum of these products tells. It runs in four strands.
+    0 * x is NaN for NaN and infinite x, so the sum of these products tells. It runs in four strands, of which one
+    begins with the uniform number at `poison`, if there is one: 0, or NaN for all lanes.
     """
     v, align, width = lanes.v, lanes.size, lanes.width
-    lines = ["define internal void @finite(ptr noalias %tile) #0 {", "entry:"]
+    lines = ["define internal void @finite(ptr noalias %tile, ptr noalias %uniform) #0 {", "entry:"]
     strands, before = ["zeroinitializer"] * 4, "entry"
+    if poison is not None:
+        strands[0] = _spread(lines, 0, poison, lanes)
     looped = inputs - inputs % CHECKED if inputs > CHECKED else 0
 
     def look(slot: str, k: int) -> None:
@@ -169,7 +220,7 @@ def _finite(inputs: int, results: int, lanes: Lanes) -> str:
         last = [f"%a{CHECKED - 4 + s}" for s in range(4)]
         lines += ["  br label %block", "block:", "  %j = phi i64 [ 0, %entry ], [ %j.next, %block ]"]
         for s in range(4):
-            lines.append(f"  %s{s} = phi {v} [ zeroinitializer, %entry ], [ {last[s]}, %block ]")
+            lines.append(f"  %s{s} = phi {v} [ {strands[s]}, %entry ], [ {last[s]}, %block ]")
         strands, before = [f"%s{s}" for s in range(4)], "rest"
         for k in range(CHECKED):
             lines.append(f"  %at{k} = add i64 %j, {k}")

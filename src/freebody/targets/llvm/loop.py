@@ -18,16 +18,27 @@ from freebody.program.segments import Layout
 from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.machine import Target
 from freebody.targets.llvm.tile import integers, transfers
+from freebody.targets.llvm.uniform import one_by_one
 
 
-def gufunc_loop(program: Program, target: Target, layout: Layout, tiles: int) -> str:
+def gufunc_loop(
+    program: Program, every: Program, target: Target, layout: Layout, tiles: int, shared: Layout | None
+) -> str:
     """`void @kernel(ptr args, ptr dims, ptr steps, ptr data)` and what it calls.
 
     A round takes `tiles` groups, each on a tile of its own.
+
+    Args:
+        program: the whole program, whose arguments come in.
+        every: what is computed for every sample (see `hoist`), on tiles of `layout`.
+        target: the machine, as far as the text depends on it.
+        tiles: groups in a round.
+        shared: where the uniform numbers are, and what is computed of them once; None if there are none.
     """
     parts = [
-        transfers(program, layout, target.lanes),
-        _loop(program, target, layout.slots, tiles),
+        transfers(program, every, layout, target.lanes),
+        _loop(program, target, layout.slots, tiles, shared),
+        one_by_one(program) if shared else "",
         _FLAGS[target.x86]["declare"],
         "declare ptr @malloc(i64)\ndeclare void @free(ptr)\n",
     ]
@@ -52,8 +63,8 @@ _FLAGS = {
 }
 
 
-def _loop(program: Program, target: Target, slots: int, tiles: int) -> str:
-    """Rounds of `tiles` groups: all in, those of the round before out, `@compute`."""
+def _loop(program: Program, target: Target, slots: int, tiles: int, shared: Layout | None) -> str:
+    """The uniform numbers, then rounds of `tiles` groups: all in, those of the round before out, `@compute`."""
     lanes, width = target.lanes, target.width
     arguments = program.inputs + program.outputs
     addresses = 8 * width * len(arguments)
@@ -63,20 +74,30 @@ def _loop(program: Program, target: Target, slots: int, tiles: int) -> str:
         "lanes": addresses,
         "lanes.short": addresses,
         "offsets": 8 * sum(argument.size for argument in arguments),
+        "uniform": lanes.real.size * (shared.slots + 1) if shared else 0,
     }
     get, give_back = _workspace(sizes)
     lines = [
-        "define void @kernel(ptr %args, ptr %dims, ptr %steps, ptr %data) #0 {",
+        f"define {'internal void @loop' if shared else 'void @kernel'}"
+        "(ptr %args, ptr %dims, ptr %steps, ptr %data) #0 {",
         "entry:",
         "  %n = load i64, ptr %dims, align 8",
         _FLAGS[target.x86]["save"],
         *get,
     ]
     core, first = len(arguments), 0
+    number = 0
     for k, argument in enumerate(arguments):
-        lines += _prepare(k, argument, core, first, lanes)
+        lines += _contiguous(k, argument, core, lanes.real.size)
+        if argument.uniform:
+            lines += _gather(k, argument, first, number, lanes.real.name)
+            number += argument.size
+        else:
+            lines += _prepare(k, argument, first, lanes)
         core += len(argument.shape)
         first += argument.size
+    if shared:
+        lines.append("  call void @uniform.finite(ptr %uniform)\n  call void @once(ptr %uniform)")
     lines.append(f"""\
   br label %head
 head:
@@ -86,8 +107,8 @@ head:
   %before = sub i64 %i, {width * tiles}
   %more = icmp slt i64 %before, %n
   br i1 %more, label %choose, label %end""")
-    inputs = list(enumerate(program.inputs))
-    outputs = list(enumerate(program.outputs, len(inputs)))
+    inputs = [(k, argument) for k, argument in enumerate(program.inputs) if not argument.uniform]
+    outputs = list(enumerate(program.outputs, len(program.inputs)))
     lines += _whole_round(inputs, outputs, lanes, slots, tiles)
     lines += _phase("in", "%i", "%tile", inputs, lanes, slots, tiles)
     lines.append("in.done:\n  %started = icmp ne i64 %i, 0\n  br i1 %started, label %out, label %out.done")
@@ -98,7 +119,7 @@ out.done:
   br i1 %some, label %run, label %tail
 run:
   %groups = phi i64 [ %in.g, %out.done ], [ {tiles}, %whole ]
-  call void @compute(ptr %tile, i64 %groups)
+  call void @compute(ptr %tile, ptr %uniform, i64 %groups)
   br label %tail
 tail:
   %i.next = add i64 %i, {width * tiles}
@@ -212,16 +233,16 @@ def _workspace(sizes: dict[str, int]) -> tuple[list[str], list[str]]:
     return [get, *places], ["  call void @free(ptr %raw)"]
 
 
-def _prepare(k: int, argument: Argument, core: int, first: int, lanes: Lanes) -> list[str]:
-    """Base, step, way of access, addresses of the scalars and lanes of argument k."""
+def _contiguous(k: int, argument: Argument, core: int, size: int) -> list[str]:
+    """Base and step of argument k, and whether the scalars of one sample lie one after the other."""
     lines = [
         f"  %pbase{k} = getelementptr ptr, ptr %args, i64 {k}",
         f"  %base{k} = load ptr, ptr %pbase{k}, align 8",
         f"  %pstep{k} = getelementptr i64, ptr %steps, i64 {k}",
         f"  %step{k} = load i64, ptr %pstep{k}, align 8",
-        f"  %columns{k} = icmp eq i64 %step{k}, {lanes.real.size}",
+        f"  %strides{k} = getelementptr i64, ptr %steps, i64 {core}",
     ]
-    rows, natural = "true", lanes.real.size
+    rows, natural = "true", size
     for d in reversed(range(len(argument.shape))):
         lines += [
             f"  %pcore{k}.{d} = getelementptr i64, ptr %steps, i64 {core + d}",
@@ -232,15 +253,28 @@ def _prepare(k: int, argument: Argument, core: int, first: int, lanes: Lanes) ->
             lines.append(f"  %rows{k}.{d} = and i1 {rows}, %natural{k}.{d}")
             rows = f"%rows{k}.{d}"
         natural *= argument.shape[d]
-    lines.append(f"  %rows{k} = and i1 {rows}, true")
-    lines += _lanes(k, lanes.width, None)
+    return [*lines, f"  %rows{k} = and i1 {rows}, true"]
+
+
+def _gather(k: int, argument: Argument, first: int, number: int, kind: str) -> list[str]:
+    """Copy uniform argument k to the uniform numbers from `number` on; `first`: of its offsets in their table."""
     return [
-        *lines,
+        f"  %offset{k} = getelementptr i64, ptr %offsets, i64 {first}",
+        f"  %uniform{k} = getelementptr {kind}, ptr %uniform, i64 {number}",
+        f"  call void @gather(ptr %base{k}, i1 %rows{k}, ptr %strides{k}, ptr @shape{k}, "
+        f"i64 {len(argument.shape)}, i64 {argument.size}, ptr %offset{k}, ptr %uniform{k})",
+    ]
+
+
+def _prepare(k: int, argument: Argument, first: int, lanes: Lanes) -> list[str]:
+    """Way of access, addresses of the scalars and lanes of argument k."""
+    return [
+        f"  %columns{k} = icmp eq i64 %step{k}, {lanes.real.size}",
+        *_lanes(k, lanes.width, None),
         f"  %blocks{k} = xor i1 %rows{k}, true",
         f"  %addressed{k} = or i1 %blocks{k}, %columns{k}",
         f"  %count{k} = select i1 %addressed{k}, i64 {argument.size}, i64 0",
         f"  %offset{k} = getelementptr i64, ptr %offsets, i64 {first}",
-        f"  %strides{k} = getelementptr i64, ptr %steps, i64 {core}",
         f"  call void @offsets(ptr %strides{k}, ptr @shape{k}, i64 {len(argument.shape)}, i64 %count{k}, "
         f"ptr %offset{k})",
     ]

@@ -67,34 +67,37 @@ _TWO_OVER_PI = (  # 1216 bits of its fraction, 64 a word
 _TO_INTEGER = 6755399441055744.0  # 1.5 * 2**52: after adding it, the low bits are the nearest integer
 
 
+def reduction() -> str:
+    """`{ double, i64 } @reduce(double x)`: what is left of a large x, and the quadrant."""
+    return _REDUCE
+
+
 def sincos(lanes: Lanes, fma: bool) -> str:
-    """`void @sincos(ptr x, ptr sine, ptr cosine)`, each a vector of numbers, for all arguments."""
+    """`void @sincos.v8f64(ptr x, ptr sine, ptr cosine)`, each a vector of numbers, for all arguments."""
     code = _Code(lanes, fma)
     v = lanes.v
     code.lines.append(f"""\
-define internal void @sincos(ptr noalias %px0, ptr noalias %psin0, ptr noalias %pcos0) #0 {{
+define internal void @sincos.{lanes.suffix}(ptr noalias %px0, ptr noalias %psin0, ptr noalias %pcos0) #0 {{
   %x0 = load {v}, ptr %px0, align {lanes.size}""")
     code.reduce(0)
     code.lines.append(_large_lanes(lanes))
     code.polynomials(0, "%r", "%q")
-    return "\n".join(
-        [_REDUCE, *code.lines, "  ret void\n}", f"declare {v} @llvm.fma.{lanes.suffix}({v}, {v}, {v})\n"]
-    )
+    return "\n".join([*code.lines, "  ret void\n}", f"declare {v} @llvm.fma.{lanes.suffix}({v}, {v}, {v})\n"])
 
 
 def sines(name: str, steps: Sequence[SinCos], lanes: Lanes, fma: bool) -> str:
     """`void name(ptr tile)`: sines and cosines of slots of the tile, none of which is another's argument.
 
-    One look at all arguments decides between straight code and a call of `@sincos` for each: the bits are the same.
+    One look at all arguments decides between straight code and a call of `@sincos.…` for each: the bits are the same.
     """
     code = _Code(lanes, fma)
     v, mask, calls = lanes.v, lanes.mask, []
-    code.lines.append(f"define internal void {name}(ptr noalias %tile) #0 {{")
+    code.lines.append(f"define internal void {name}(ptr noalias %tile, ptr %uniform) #0 {{")
     for k, step in enumerate(steps):
         for letter, slot in (("x", step.argument), ("sin", step.sine), ("cos", step.cosine)):
             code.lines.append(f"  %p{letter}{k} = getelementptr {v}, ptr %tile, i64 {slot}")
         code.lines.append(f"  %x{k} = load {v}, ptr %px{k}, align {lanes.size}")
-        calls.append(f"  call void @sincos(ptr %px{k}, ptr %psin{k}, ptr %pcos{k})")
+        calls.append(f"  call void @sincos.{lanes.suffix}(ptr %px{k}, ptr %psin{k}, ptr %pcos{k})")
     large = ""
     for k in range(len(steps)):
         code.reduce(k)

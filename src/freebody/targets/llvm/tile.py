@@ -19,18 +19,23 @@ from freebody.program.segments import Layout
 from freebody.targets.llvm.lanes import Lanes, Real
 
 
-def transfers(program: Program, layout: Layout, lanes: Lanes) -> str:
-    """`@places0`, `@rows0`, … for each argument, `@columns_in`, `@strided_out`, … and `@offsets`."""
-    places, first = [], 0
-    for argument in program.inputs:
-        places.append(list(range(first, first + argument.size)))
-        first += argument.size
+def transfers(program: Program, every: Program, layout: Layout, lanes: Lanes) -> str:
+    """`@places0`, `@rows0`, … for each argument that is not uniform, `@columns_in`, `@strided_out`, … and `@offsets`.
+
+    program: whose arguments are numbered. every: what is computed on a tile of `layout`.
+    """
+    places: dict[int, list[int]] = {}
     first = 0
-    for argument in program.outputs:
-        places.append([layout.results[i] for i in program.results[first : first + argument.size]])
+    for k, argument in enumerate(program.inputs):
+        if not argument.uniform:
+            places[k] = list(range(first, first + argument.size))
+            first += argument.size
+    first = 0
+    for k, argument in enumerate(program.outputs, len(program.inputs)):
+        places[k] = [layout.results[i] for i in every.results[first : first + argument.size]]
         first += argument.size
-    parts = [f"@places{k} = internal constant {integers(those)}" for k, those in enumerate(places)]
-    for k, those in enumerate(places):
+    parts = [f"@places{k} = internal constant {integers(those)}" for k, those in places.items()]
+    for k, those in places.items():
         parts.append((_rows_in if k < len(program.inputs) else _rows_out)(k, those, lanes))
     parts += [write(way, lanes) for write in (_columns, _strided) for way in ("in", "out")]
     return "\n".join([*parts, _OFFSETS, _declarations(lanes)])
@@ -260,7 +265,7 @@ def _turn_parts(lines: list[str], tag: str, rows: list[str], width: int, real: R
     if size == 1:
         return rows
     if size == 2:
-        return [interleaved(*rows, high, 1) for high in (0, 1)]
+        return [interleaved(rows[0], rows[1], high, 1) for high in (0, 1)]
     one, other = ([interleaved(rows[k], rows[k + 1], high, 1) for high in (0, 1)] for k in (0, 2))
     return [interleaved(x, y, high, 2) for x, y in zip(one, other, strict=True) for high in (0, 1)]
 
