@@ -10,6 +10,7 @@ import sys
 import numpy as np
 import pytest
 
+from freebody.elementary import sin
 from freebody.errors import ShapeError
 from freebody.program import Argument, trace
 from freebody.targets import Kernel, KernelError, compile_program
@@ -21,7 +22,7 @@ from freebody.targets.llvm import fastcall
 def kernel():
     program = trace(
         "both",
-        lambda q, A: ([q[0] * A[0][1], q[1].sin()], [[x * q[0] for x in row] for row in A]),
+        lambda q, A: ([q[0] * A[0][1], sin(q[1])], [[x * q[0] for x in row] for row in A]),
         [Argument("q", (2,)), Argument("A", (2, 3))],
         [Argument("y", (2,)), Argument("B", (2, 3))],
     )

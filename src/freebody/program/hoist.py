@@ -15,7 +15,7 @@ def hoist(program: Program) -> tuple[Program, Program]:
     The first has what were the uniform inputs, and one output: what it computes of them. The second has the other
     inputs, and one uniform input, the last: the scalars of the uniform ones, then that output.
     """
-    uniform = uniform_nodes(program)
+    uniform = program.uniform
     place = _places(program)
     known = sum(x.size for x in program.inputs if x.uniform)
     read = {operand for index, once in enumerate(uniform) if not once for operand in program.operands(index)}
@@ -47,17 +47,6 @@ def hoist(program: Program) -> tuple[Program, Program]:
         c=tuple(c),
     )
     return drop_dead(once), drop_dead(every)
-
-
-def uniform_nodes(program: Program) -> list[bool]:
-    """For each node whether it is the same for the whole batch: it follows from uniform inputs and constants alone."""
-    scalars = [x.uniform for x in program.inputs for _ in range(x.size)]
-    uniform: list[bool] = []
-    for index, op in enumerate(program.op):
-        uniform.append(
-            scalars[program.a[index]] if op == "input" else all(uniform[i] for i in program.operands(index))
-        )
-    return uniform
 
 
 def _places(program: Program) -> list[int]:

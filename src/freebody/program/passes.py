@@ -28,12 +28,16 @@ def drop_dead(program: Program) -> Program:
 
 
 def share_reciprocals(program: Program) -> Program:
-    """Quotients by one denominator become products with its reciprocal.
+    """Quotients by one denominator become products with its reciprocal; a quotient by a uniform one does.
 
     A division costs as much as ten products.
     """
-    denominators = Counter(program.b[index] for index, op in enumerate(program.op) if op == "div")
+    quotients = [index for index, op in enumerate(program.op) if op == "div"]
+    denominators = Counter(program.b[index] for index in quotients)
     shared = {index for index, count in denominators.items() if count > 1}
+    if any(argument.uniform for argument in program.inputs):
+        uniform = program.uniform
+        shared |= {program.b[i] for i in quotients if uniform[program.b[i]] and not uniform[i]}
     if not shared:
         return program
     nodes = _Nodes()

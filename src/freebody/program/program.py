@@ -88,6 +88,17 @@ class Program:
         """How often each arithmetic operation occurs."""
         return dict(Counter(op for op in self.op if ARITY[op]))
 
+    @cached_property
+    def uniform(self) -> tuple[bool, ...]:
+        """For each node whether it is the same for the whole batch: it follows from uniform inputs and constants alone."""
+        scalars = [argument.uniform for argument in self.inputs for _ in range(argument.size)]
+        found: list[bool] = []
+        for index, op in enumerate(self.op):
+            found.append(
+                scalars[self.a[index]] if op == "input" else all(found[i] for i in self.operands(index))
+            )
+        return tuple(found)
+
     @property
     def input_size(self) -> int:
         """Number of scalars of all inputs."""
