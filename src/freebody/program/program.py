@@ -90,7 +90,7 @@ class Program:
 
     @cached_property
     def uniform(self) -> tuple[bool, ...]:
-        """For each node whether it is the same for the whole batch: it follows from uniform inputs and constants alone."""
+        """For each node whether it follows from uniform inputs and constants alone: the same for the whole batch."""
         scalars = [argument.uniform for argument in self.inputs for _ in range(argument.size)]
         found: list[bool] = []
         for index, op in enumerate(self.op):
