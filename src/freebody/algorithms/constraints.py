@@ -26,7 +26,7 @@ from freebody.algorithms.kinematics import (
     world_poses,
 )
 from freebody.algorithms.rnea import External
-from freebody.elementary import Scalar
+from freebody.elementary import Scalar, sign, sqrt
 from freebody.model.tree import Tree, TreeLoop
 from freebody.spatial import AnySpace, Matrix, Vector, add, dot, identity, neg, scale, sub, times, transposed
 
@@ -162,12 +162,12 @@ def loop_loads(tree: Tree, q: Vector, multipliers: Vector) -> list[External]:
     for loop in tree.loops:
         ends = _ends(tree, world, loop)
         for e in loop_equations(space, loop, *ends):
-            for frame, sign, moment in ((loop.frames[1], -1.0, e.n_b), (loop.frames[0], 1.0, e.n_a)):
+            for frame, side, moment in ((loop.frames[1], -1.0, e.n_b), (loop.frames[0], 1.0, e.n_a)):
                 body, _, at = tree.frames[frame]
                 if body >= 0:
                     E = transposed(world[body][0])
-                    force = times(E, scale(sign * multipliers[k], e.f))
-                    turning = space.turn(E, scale(sign * multipliers[k], moment))
+                    force = times(E, scale(side * multipliers[k], e.f))
+                    turning = space.turn(E, scale(side * multipliers[k], moment))
                     loads.append((body, force, add(turning, space.moment(at, force))))
             k += 1
     return loads
@@ -207,19 +207,41 @@ def constrained_motion(
 
 
 def closed(
-    tree: Tree,
-    q: Vector,
-    qd: Vector,
-    factors: Factors,
-    rows: Sequence[int] | None = None,
-    iterations: int = 1,
+    tree: Tree, q: Vector, qd: Vector, factors: Factors, rows: Sequence[int] | None = None
 ) -> tuple[Vector, Vector]:
-    """(q, q̇) brought back onto loops that are a little open, by Newton steps of least change in the metric M."""
-    for _ in range(iterations):
-        phi, left = _kept(constraint_jacobian(tree, q), rows), _kept(constraint(tree, q), rows)
-        q = moved(tree, q, neg(_least_change(tree, factors, phi, left)[0]))
+    """(q, q̇) brought back onto loops that are a little open: one Newton step of positions, then the rates projected.
+
+    Both are the least change in the metric M. NaN where the equations `rows` depend on one another, so that others
+    would have to count, and where the loops stay open.
+    """
+    before = _kept(constraint(tree, q), rows)
     phi = _kept(constraint_jacobian(tree, q), rows)
-    return q, sub(qd, _least_change(tree, factors, phi, times(phi, qd))[0])
+    q = moved(tree, q, neg(_least_change(tree, factors, phi, before)[0]))
+    after = _kept(constraint(tree, q), rows)
+    phi = _kept(constraint_jacobian(tree, q), rows)
+    change, _, pivots = _least_change(tree, factors, phi, times(phi, qd))
+    squares = (dot(row, substitute(tree, factors, row)) for row in phi)
+    independent = [pivot - _DEPENDENT * square for pivot, square in zip(pivots, squares, strict=True)]
+    left = dot(after, after)
+    nearer = (_LESS**2 * dot(before, before) + _CLOSED**2) - left
+    valid = _one_if_positive(*independent, nearer, _OPEN**2 - left)
+    return scale(valid, q), scale(valid, sub(qd, change))
+
+
+_DEPENDENT = 1e-10
+"""sin² of the least angle between a loop equation and those before it, in the metric M⁻¹."""
+_LESS = 0.125
+"""What a Newton step leaves of the gap, at most."""
+_CLOSED, _OPEN = 1e-9, 1e-4
+"""m, or the sine of an angle: loops open by less are closed, loops open by more are not."""
+
+
+def _one_if_positive(*margins: Scalar) -> Scalar:
+    """1 where all are positive, else NaN."""
+    count: Scalar = 0.5 - len(margins)
+    for margin in margins:
+        count = count + sign(margin)
+    return sqrt(sign(count))
 
 
 def _kept(values: tuple[Any, ...], rows: Sequence[int] | None) -> tuple[Any, ...]:
