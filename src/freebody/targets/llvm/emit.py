@@ -56,11 +56,17 @@ def emit(program: Program, target: Target) -> str:
     parts += [*made, _finite(every.sampled_size, len(layout.results), poison, lanes)]
     parts.append(_compute([*pieces, "@finite"], lanes.size * layout.slots, tiles))
     parts.append(gufunc_loop(program, every, target, layout, tiles, shared))
-    parts.append(
-        f'attributes #0 = {{ nounwind "min-legal-vector-width"="{8 * lanes.size}" '
-        f'"prefer-vector-width"="{8 * lanes.size}" }}\n'
-    )
+    parts.append(_attributes(lanes))
     return "\n".join(parts)
+
+
+def _attributes(lanes: Lanes) -> str:
+    """Of all functions, and of those that keep many vectors on the stack: with a frame, these are aligned there."""
+    vectors = f'"min-legal-vector-width"="{8 * lanes.size}" "prefer-vector-width"="{8 * lanes.size}"'
+    return (
+        f"attributes #0 = {{ nounwind {vectors} }}\n"
+        f'attributes #1 = {{ nounwind "frame-pointer"="all" {vectors} }}\n'
+    )
 
 
 def _once(program: Program, layout: Layout, target: Target) -> list[str]:
@@ -106,7 +112,7 @@ def _joined(steps: Sequence[Segment | SinCos]) -> Iterator[Segment | list[SinCos
 def _arithmetic(title: str, program: Program, step: Segment, lanes: Lanes) -> str:
     """Loads, instructions and stores of a segment, the loads at first use."""
     v, align, sampled = lanes.v, lanes.size, program.sampled_size
-    lines = [f"define internal void {title}(ptr noalias %tile, ptr noalias %uniform) #0 {{"]
+    lines = [f"define internal void {title}(ptr noalias %tile, ptr noalias %uniform) #1 {{"]
     names: dict[int, str] = {}
 
     def name(index: int) -> str:

@@ -92,7 +92,7 @@ def sines(name: str, steps: Sequence[SinCos], lanes: Lanes, fma: bool) -> str:
     """
     code = _Code(lanes, fma)
     v, mask, calls = lanes.v, lanes.mask, []
-    code.lines.append(f"define internal void {name}(ptr noalias %tile, ptr %uniform) #0 {{")
+    code.lines.append(f"define internal void {name}(ptr noalias %tile, ptr %uniform) #1 {{")
     for k, step in enumerate(steps):
         for letter, slot in (("x", step.argument), ("sin", step.sine), ("cos", step.cosine)):
             code.lines.append(f"  %p{letter}{k} = getelementptr {v}, ptr %tile, i64 {slot}")
