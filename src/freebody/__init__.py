@@ -22,6 +22,7 @@ _PLACES = {
     "freebody.model.inertia": ("Inertia",),
     "freebody.model.integral": ("inertia_from", "integrated_inertia"),
     "freebody.model.parameters": ("Parameter",),
+    "freebody.model.numbers": ("parameters",),
     "freebody.model.parts": ("Drive", "Limits"),
     "freebody.model.model": ("Model",),
     "freebody.model.planar": ("planar",),

@@ -50,7 +50,6 @@ class _Writer:
         attached = [a for body in model.bodies for a in body.inertias] + list(model.base_inertias)
         self.inertia_of = {part.link: part for part in attached if not part.load}
         self.loads = [part for part in attached if part.load]
-        self.carrier = {id(a): i for i, body in enumerate(model.bodies) for a in body.inertias}
 
     # ------------------------------------------------------------ the file, top to bottom
     def head(self) -> str:
@@ -111,11 +110,8 @@ class _Writer:
 
     def payload(self, part: Attached) -> str:
         """A load sits in some frame of its body."""
-        body = self.carrier.get(id(part), -1)
-        at = [f for f in self.model.frames if f.body == body and f.placement == part.placement]
-        frame = next((f for f in at if f.name == part.link), at[0])
         return _section(
-            "payload", {"name": _text(part.link), "frame": _text(frame.name), **_mass(part.inertia)}
+            "payload", {"name": _text(part.link), "frame": _text(part.frame), **_mass(part.inertia)}
         )
 
 

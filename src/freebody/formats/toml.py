@@ -146,12 +146,9 @@ def _dh(top: Table) -> Description:
         convention=convention,
         file=top.file,
         lines=[t.line or 0 for t in tables],
+        joint_names=[row.get("joint_name") for row in rows],
     )
-    joints = tuple(
-        replace(joint, name=row.get("joint_name", joint.name))
-        for joint, row in zip(described.joints, rows, strict=True)
-    )
-    return replace(described, joints=joints, gravity=parts.gravity(top, 3))
+    return replace(described, gravity=parts.gravity(top, 3))
 
 
 _FORMS = {"tree": _tree, "planar": _planar, "dh": _dh}

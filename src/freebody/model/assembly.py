@@ -22,7 +22,6 @@ from freebody.model.parts import (
     Description,
     Drive,
     Joint,
-    Limits,
     Link,
     Loop,
     Mimic,
@@ -149,20 +148,9 @@ class _Assembly:
         return unit(axis)
 
     def check_limits(self, joint: Joint, where: str) -> None:
-        limits: Limits = joint.limits
-        values = (limits.lower, limits.upper, limits.velocity, limits.effort)
-        if any(np.isnan(x) for x in values):
-            self.refuse(f"{where}: a limit is not a number; correct it.", joint.line)
-        if limits.lower > limits.upper:
-            self.refuse(
-                f"{where}: lower limit {limits.lower:g} is above upper {limits.upper:g}; swap them.",
-                joint.line,
-            )
-        if limits.lower == np.inf or limits.upper == -np.inf:
-            self.refuse(f"{where}: no position lies between its limits; make one finite.", joint.line)
-        for what, most in (("velocity", limits.velocity), ("effort", limits.effort)):
-            if most < 0.0:
-                self.refuse(f"{where}: {what} limit {most:g} is negative; give its size.", joint.line)
+        problem = joint.limits.fault()
+        if problem:
+            self.refuse(f"{where}: {problem}.", joint.line)
 
     def check_inertia(self, link: Link) -> None:
         """The policy on inertias that no rigid body has: the numbers are used as given, or refused."""
@@ -311,7 +299,9 @@ class _Assembly:
                 self.refuse(str(UnknownNameError("frame", load.frame, f"payload {load.name!r}", carrier)))
             body, placement = carrier[load.frame]
             try:
-                parts[body].append(changes.attached(load.inertia, placement, load.name, d.dim, d.name))
+                parts[body].append(
+                    changes.attached(load.inertia, placement, load.name, load.frame, d.dim, d.name)
+                )
             except ModelError as error:
                 self.refuse(str(error))
         bodies = []

@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Sequence
 from dataclasses import replace
 from numbers import Real
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,9 +14,10 @@ from freebody.arrays import Array
 from freebody.errors import ModelError, UnknownNameError
 from freebody.model.bodies import Body, Frame
 from freebody.model.closures import LOOP_KINDS
-from freebody.model.inertia import Inertia
+from freebody.model.inertia import Inertia, faults
 from freebody.model.loops import checked_loop
-from freebody.model.parameters import finite
+from freebody.model.members import is_array, members
+from freebody.model.parameters import LARGEST, Quantity, finite, quantity
 from freebody.model.parts import Loop
 from freebody.model.placement import Placement, Rotate, Shift, Turn, rotate, shift
 from freebody.model.tree import Attached
@@ -60,24 +61,53 @@ def actuated(model: Model, names: Sequence[str]) -> tuple[Body, ...]:
     )
 
 
-def load(
-    inertia: Inertia | float | None, mass: float | None, com: Sequence[float] | None, dim: int
-) -> Inertia:
+def load(inertia: Any, mass: Any, com: Any, dim: int) -> Inertia:
     """What the arguments of `Model.with_payload` mean."""
     if inertia is not None and mass is not None:
         raise ModelError("with_payload: inertia and mass= exclude each other; give one of them.")
     given = mass if inertia is None else inertia
+    centre = None if com is None else _entries(com, dim)
     if isinstance(given, int | float | Real):
-        return Inertia.point(float(given), (0.0,) * dim if com is None else com)
+        return Inertia.point(float(given), (0.0,) * dim if centre is None else centre)
+    if is_array(given):
+        masses = members(given, "with_payload: mass", LARGEST)
+        return Inertia.point(masses, (0.0,) * dim if centre is None else centre)
     if not isinstance(given, Inertia):
         raise ModelError("with_payload: give an Inertia, or mass= (and com=).")
-    return given if com is None else given.moved_to(com)
+    return given if centre is None else given.moved_to(centre)
+
+
+def _entries(com: Any, dim: int) -> tuple[Quantity, ...]:
+    """The entries of a centre of mass (..., dim), or of dim entries each of which may be an array over the members."""
+    if isinstance(com, np.ndarray) and com.ndim > 1:
+        if com.shape[-1] != dim:
+            raise ModelError(f"with_payload: com has shape {com.shape}, expected (..., {dim}).")
+        return tuple(members(com[..., k], "with_payload: com", LARGEST) for k in range(dim))
+    return tuple(members(x, "with_payload: com", LARGEST) if is_array(x) else x for x in com)
+
+
+def with_drive(model: Model, joint: str, given: dict[str, Any]) -> Model:
+    """See `Model.with_drive`."""
+    free = [body.joint.name for body in model.bodies if body.kind.nv == 1]
+    if joint not in free:
+        raise UnknownNameError("joint with one axis", joint, f"{model.name!r}", free)
+    k = model.joint_names.index(joint)
+    body = model.bodies[k]
+    numbers = {
+        name: members(x, f"with_drive: {name}", LARGEST)
+        if is_array(x)
+        else quantity(x, f"with_drive: {name}")
+        for name, x in given.items()
+        if x is not None
+    }
+    driven = replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **numbers)))
+    return replace(model, bodies=(*model.bodies[:k], driven, *model.bodies[k + 1 :]))
 
 
 def with_payload(model: Model, inertia: Inertia, frame: str | None, name: str) -> Model:
     """See `Model.with_payload`."""
     at = model.frame(frame)
-    added = attached(inertia, at.placement, name, model.dim, model.name)
+    added = attached(inertia, at.placement, name, at.name, model.dim, model.name)
     if at.body < 0:
         return replace(model, base_inertias=(*model.base_inertias, added))
     bodies = list(model.bodies)
@@ -85,14 +115,14 @@ def with_payload(model: Model, inertia: Inertia, frame: str | None, name: str) -
     return replace(model, bodies=tuple(bodies))
 
 
-def attached(inertia: Inertia, placement: Placement, name: str, dim: int, owner: str) -> Attached:
-    """A load at a place in a body; refuses one that no rigid body is."""
+def attached(inertia: Inertia, placement: Placement, name: str, frame: str, dim: int, owner: str) -> Attached:
+    """A load in a frame at a place in a body; refuses one that no rigid body is."""
     if inertia.dim != dim:
         raise ModelError(f"with_payload: the inertia is {inertia.dim}D but {owner!r} is {dim}D.")
-    fault = inertia.fault()
+    fault = faults(inertia)
     if fault:
         raise ModelError(f"with_payload: {name!r}: {fault}.")
-    return Attached(name, inertia, placement, load=True)
+    return Attached(name, inertia, placement, load=True, frame=frame)
 
 
 def with_frame(

@@ -17,10 +17,11 @@ from freebody.errors import FileError, ModelError, UnknownNameError, shown
 from freebody.model.assembly import Policy, assemble
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
+from freebody.model.members import Entry
 from freebody.model.model import Model
 from freebody.model.parameters import Quantity, quantity
 from freebody.model.parts import Description, Drive, Joint, Limits, Link, Mount
-from freebody.model.placement import Placement, shift, turn
+from freebody.model.placement import Placement, Shift, Turn
 
 Convention = Literal["standard", "modified"]
 KEYS = (
@@ -57,8 +58,9 @@ def describe(
     source: str = "",
     file: str | None = None,
     lines: Sequence[int] | None = None,
+    joint_names: Sequence[str | None] = (),
 ) -> Description:
-    """The links and joints of a DH table; for a file also its name and the line of each row."""
+    """The links and joints of a DH table; for a file also its name, the line of each row, and names of joints."""
     if convention not in ("standard", "modified"):
         raise UnknownNameError("convention", convention, "dh", ("standard", "modified"))
     if not isinstance(rows, Sequence) or not all(isinstance(row, Mapping) for row in rows):
@@ -73,7 +75,8 @@ def describe(
     for i, row in enumerate(rows):
         line = lines[i] if lines else None
         try:
-            link, joint, frame = _row(row, i, convention, behind, links[-1].name, line)
+            called = (joint_names[i] if joint_names else None) or f"joint{i + 1}"
+            link, joint, frame = _row(row, i, convention, behind, links[-1].name, line, called)
         except ModelError as error:
             if file:
                 raise FileError(file, line, str(error)) from None
@@ -96,7 +99,13 @@ def describe(
 
 
 def _row(
-    row: Mapping[str, Any], i: int, convention: Convention, behind: Placement, parent: str, line: int | None
+    row: Mapping[str, Any],
+    i: int,
+    convention: Convention,
+    behind: Placement,
+    parent: str,
+    line: int | None,
+    name: str,
 ) -> tuple[Link, Joint, Placement]:
     """Link, joint and the placement of DH frame i in the link's frame."""
     where = f"dh row {i + 1}"
@@ -106,23 +115,20 @@ def _row(
     letter = row.get("joint", "R")
     if letter not in ("R", "P"):
         raise ModelError(f"{where}: joint is {letter!r}, expected 'R' or 'P'.")
-    theta, d, a, alpha = (
-        quantity(row.get(key, 0.0), f"{where}: {key}") for key in ("theta", "d", "a", "alpha")
-    )
-    about_z, along_z = turn("z", theta), shift(0.0, 0.0, d)
-    link_shape = shift(a, 0.0, 0.0).then(turn("x", alpha))
+    theta, d, a, alpha = (_entry(row, key, where, name) for key in ("theta", "d", "a", "alpha"))
+    # steps of their own, also where they are zero: each entry keeps its place
+    about_z, along_z = Placement((Turn("z", theta),)), Placement((Shift((0.0, 0.0, d)),))
+    along_x, about_x = Placement((Shift((a, 0.0, 0.0)),)), Placement((Turn("x", alpha),))
+    link_shape = along_x.then(about_x)
     if convention == "modified":
-        placement, frame = (
-            behind.then(turn("x", alpha)).then(shift(a, 0.0, 0.0)).then(about_z).then(along_z),
-            Placement(),
-        )
+        placement, frame = behind.then(about_x).then(along_x).then(about_z).then(along_z), Placement()
     elif letter == "R":
         placement, frame = behind.then(about_z), along_z.then(link_shape)
     else:
         placement, frame = behind.then(about_z).then(along_z), link_shape
     link = Link(str(row.get("name", f"link{i + 1}")), _inertia(row, where), frame, line)
     joint = Joint(
-        f"joint{i + 1}",
+        name,
         "revolute" if letter == "R" else "prismatic",
         parent,
         link.name,
@@ -134,6 +140,12 @@ def _row(
         passive=_flag(row.get("passive", False), where),
     )
     return link, joint, frame
+
+
+def _entry(row: Mapping[str, Any], key: str, where: str, joint: str) -> Quantity:
+    """A number of the table, which keeps its name, or a symbol."""
+    given = quantity(row.get(key, 0.0), f"{where}: {key}")
+    return Entry(given, (joint, key)) if isinstance(given, float) else given
 
 
 def _flag(value: object, where: str) -> bool:

@@ -5,31 +5,51 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from numbers import Real
+from typing import Any
 
 import numpy as np
 
 from freebody.errors import ModelError
 from freebody.labels import refuse_labelled
-from freebody.model.parameters import Parameter, Quantity, finite, quantity
+from freebody.model.members import Members, members
+from freebody.model.parameters import LARGEST, Parameter, Quantity, finite, quantity
 from freebody.spatial import unit
 
 
 def gravity_of(
-    given: float | str | Parameter | Sequence[float],
+    given: float | str | Parameter | Sequence[float] | np.ndarray,
     dim: int,
-    direction: tuple[float, ...] | None = None,
+    direction: tuple[Any, ...] | None = None,
     name: str | None = None,
-) -> tuple[Quantity, tuple[float, ...]]:
+) -> tuple[Quantity, tuple[Any, ...]]:
     """(size, unit direction) from a vector, a size or a name; a size keeps `direction` (default: down).
 
-    A size becomes the value of the parameter `name`, so that equations can show a letter.
+    Vectors (..., dim) are those of a family. A size becomes the value of the parameter `name`, so that equations can
+    show a letter.
     """
     down = (0.0,) * (dim - 1) + (-1.0,)
     direction = direction or down
     if isinstance(given, str | Parameter | int | float | Real):
         return quantity(given, "gravity", name), direction
     refuse_labelled("gravity", given)
+    if np.ndim(given) > 1:  # type: ignore[arg-type]
+        return _of_members(given, dim, direction)
     vector = np.array([finite(x, "gravity") for x in given])
     if vector.shape != (dim,):
         raise ModelError(f"gravity: a vector of {dim} entries in world axes is needed, not {len(vector)}.")
     return (math.hypot(*vector), unit(vector)) if vector.any() else (0.0, direction)
+
+
+def _of_members(given: object, dim: int, direction: tuple[Any, ...]) -> tuple[Quantity, tuple[Any, ...]]:
+    """Gravity of a family: a size for each member, and where they do not agree a direction for each."""
+    vectors = members(given, "gravity", LARGEST).array
+    if vectors.shape[-1] != dim:
+        raise ModelError(
+            f"gravity: vectors of {dim} entries in world axes are needed, not {vectors.shape[-1]}."
+        )
+    sizes = np.sqrt((vectors * vectors).sum(axis=-1))
+    nowhere = [x if isinstance(x, float) else 0.0 for x in direction]
+    units = np.where(sizes[..., None] > 0.0, vectors / np.where(sizes, sizes, 1.0)[..., None], nowhere)
+    if (units == units.reshape(-1, dim)[0]).all():
+        return Members(sizes), tuple(map(float, units.reshape(-1, dim)[0]))
+    return Members(sizes), tuple(Members(units[..., k]) for k in range(dim))

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from freebody.elementary import Scalar
 from freebody.errors import MissingValueError, ModelError
-from freebody.model.parameters import Parameter, Quantity, each_parameter, finite, quantity
+from freebody.model.members import Members, arrays_in, common_shape, members, of_member, taken
+from freebody.model.parameters import LARGEST, Parameter, Product, Quantity, each_parameter, finite, quantity
 from freebody.model.placement import rotation_matrix
 from freebody.model.reading import VALUES, Reader
 from freebody.spatial import Vector
@@ -24,7 +26,8 @@ class Inertia:
     """Mass properties in some frame: `mass` (kg), `com` (m), `tensor` about the com (kg m²), axes of the frame.
 
     In space `tensor` holds ixx, ixy, ixz, iyy, iyz, izz (symmetric matrix entries, no sign convention of products of
-    inertia); in the plane one number. Entries are numbers or parameters.
+    inertia); in the plane one number. Entries are numbers, parameters, or arrays with a number for each member of a
+    family.
     """
 
     mass: Quantity
@@ -38,13 +41,18 @@ class Inertia:
                 "(ixx, ixy, ixz, iyy, iyz, izz) in space, 2 and 1 in the plane."
             )
         for name, values in (("mass", (self.mass,)), ("com", self.com), ("tensor", self.tensor)):
-            cleaned = tuple(x if isinstance(x, Parameter) else finite(x, f"Inertia: {name}") for x in values)
+            cleaned = tuple(_number(x, f"Inertia: {name}") for x in values)
             object.__setattr__(self, name, cleaned[0] if name == "mass" else cleaned)
 
     @property
     def dim(self) -> int:
         """2 or 3."""
         return len(self.com)
+
+    @property
+    def is_family(self) -> bool:
+        """Whether some number has a value for each member of a family."""
+        return bool(arrays_in((self.mass, self.com, self.tensor)))
 
     # ------------------------------------------------------------ constructors
     @staticmethod
@@ -73,7 +81,7 @@ class Inertia:
         return Inertia(0.0, (0.0,) * dim, (0.0,) * (6 if dim == 3 else 1))
 
     @staticmethod
-    def point(mass: float, com: Sequence[float] = (0.0, 0.0, 0.0)) -> Inertia:
+    def point(mass: Any, com: Sequence[Any] = (0.0, 0.0, 0.0)) -> Inertia:
         """A particle at `com`; two entries make it planar."""
         return Inertia(mass, tuple(com), (0.0,) * (6 if len(com) == 3 else 1))
 
@@ -96,7 +104,7 @@ class Inertia:
         return _shape(mass, dim, 0.0, mass * l2 / 12, mass * l2 / 12)
 
     @staticmethod
-    def box(mass: float, size: Sequence[float]) -> Inertia:
+    def box(mass: Any, size: Sequence[float]) -> Inertia:
         """Uniform box with sides along the axes; two sides make a planar rectangle."""
         if len(size) not in (2, 3):
             raise ModelError(f"Inertia.box: size has {len(size)} entries, expected 3, or 2 in the plane.")
@@ -121,6 +129,8 @@ class Inertia:
         missing = [p.name for p in each_parameter(self) if p.value is None]
         if missing:
             raise MissingValueError("Inertia", missing)
+        if self.is_family:
+            raise ModelError("Inertia: it holds numbers of several members; ask each member of the model.")
         m, c, t = self.lower(VALUES)
         return float(m), np.array(c, dtype=float), np.array(t if self.dim == 3 else [[t]], dtype=float)
 
@@ -171,6 +181,40 @@ class Inertia:
         if a < -_TOLERANCE * abs(c):
             return f"principal moment {a:g} kg m² is negative"
         return f"principal moments {a:g}, {b:g}, {c:g} kg m² break the triangle inequality ({a:g} + {b:g} < {c:g})"
+
+
+def _number(x: Any, owner: str) -> Quantity:
+    if isinstance(x, (Parameter, Members, Product)):
+        return x  # type: ignore[return-value]
+    return members(x, owner, LARGEST) if isinstance(x, np.ndarray) and x.ndim else finite(x, owner)
+
+
+def faults(inertia: Inertia) -> str | None:
+    """`Inertia.fault`, of a family that of the first member that has one, by its index."""
+    arrays = arrays_in(inertia)
+    if not arrays:
+        return inertia.fault()
+    shape = common_shape(arrays, "Inertia")
+    for index in _doubtful(inertia, shape):
+        fault = taken(inertia, shape, index).fault()
+        if fault:
+            return f"{fault}{of_member(index)}"
+    return None
+
+
+def _doubtful(inertia: Inertia, shape: tuple[int, ...]) -> list[tuple[int, ...]]:
+    """Members that a look at all of them at once does not find physical."""
+    if any(p.value is None for p in each_parameter(inertia)):
+        return []
+    m, _, t = inertia.lower(VALUES)
+    m = np.broadcast_to(m, shape)
+    if inertia.dim == 2:
+        sound = (m >= 0.0) & (np.broadcast_to(t, shape) >= 0.0)
+    else:
+        tensor = np.stack([np.broadcast_to(x, shape) for row in t for x in row], axis=-1)
+        principal = np.linalg.eigvalsh(tensor.reshape(*shape, 3, 3))
+        sound = (m >= 0.0) & (principal[..., 0] + principal[..., 1] >= principal[..., 2])
+    return [tuple(map(int, index)) for index in np.argwhere(~sound)]
 
 
 def combined(parts: Sequence[Inertia]) -> Inertia:

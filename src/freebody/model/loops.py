@@ -9,7 +9,8 @@ import numpy as np
 
 from freebody.errors import ModelError, UnknownNameError
 from freebody.model.closures import LOOP_KINDS
-from freebody.model.parameters import Parameter, quantity
+from freebody.model.members import Members
+from freebody.model.parameters import Parameter, Quantity, quantity
 from freebody.model.parts import Loop
 from freebody.spatial import unit
 
@@ -70,7 +71,7 @@ def _axis(loop: Loop, dim: int, where: str) -> tuple[float, ...]:
     return unit(axis)
 
 
-def checked_distance(loop: Loop) -> float | Parameter | None:
+def checked_distance(loop: Loop) -> Quantity | None:
     """The distance of a loop, refused where its kind has none, where it is missing, or not above 0."""
     where = f"loop {loop.name!r}"
     if not LOOP_KINDS[loop.kind].needs_distance:
@@ -81,8 +82,9 @@ def checked_distance(loop: Loop) -> float | Parameter | None:
         raise ModelError(f"{where}: give the distance (m) between its frames.")
     distance = quantity(loop.distance, f"{where}: distance")
     value = distance.value if isinstance(distance, Parameter) else distance
-    if value is not None and value <= 0.0:
+    smallest = value.array.min() if isinstance(value, Members) else value
+    if smallest is not None and smallest <= 0.0:
         raise ModelError(
-            f"{where}: distance is {value:g} m, expected more than 0; for 0 hold the origins together instead."
+            f"{where}: distance is {smallest:g} m, expected more than 0; for 0 hold the origins together instead."
         )
     return distance

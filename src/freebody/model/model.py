@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError, MissingValueError, ModelError, UnknownNameError
+from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.model import changes as changed
+from freebody.model import numbers
 from freebody.model.bodies import Body, Frame, JointLimits
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import JointKind
-from freebody.model.loops import checked_distance, checked_tolerance
-from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
+from freebody.model.loops import checked_tolerance
+from freebody.model.members import taken
+from freebody.model.parameters import Quantity, each_parameter
 from freebody.model.parts import ESTIMATED, Loop, Notice
 from freebody.model.reading import VALUES
 from freebody.model.tree import Attached, Coordinates, Tree, lower
@@ -34,7 +36,7 @@ class Model(ByValue):
     bodies: tuple[Body, ...]
     frames: tuple[Frame, ...]
     gravity_size: Quantity
-    gravity_direction: tuple[float, ...]
+    gravity_direction: tuple[Any, ...]
     base_inertias: tuple[Attached, ...] = ()
     loops: tuple[Loop, ...] = ()
     home: tuple[tuple[str, float], ...] = ()
@@ -187,7 +189,7 @@ class Model(ByValue):
 
     # ------------------------------------------------------------ numbers
     @property
-    def parameters(self) -> dict[str, float | None]:
+    def parameters(self) -> dict[str, Any]:
         """Names and values of the parameters."""
         return {parameter.name: parameter.value for parameter in each_parameter(self)}
 
@@ -211,6 +213,23 @@ class Model(ByValue):
             )
 
     @cached_property
+    def family(self) -> tuple[int, ...]:
+        """The shape of the family of robots that the model is, where some of its numbers are arrays; () for one robot.
+
+        Results of numeric functions have this shape, broadcast with that of the samples.
+        """
+        return numbers.family(self)
+
+    def __getitem__(self, index: Any) -> Model:
+        """A member of a family, or by slices some of them; indices are those of an array of its shape."""
+        if not self.family:
+            raise FreebodyError(f"{self.name!r} is one robot, no family: it has no member {index!r}.")
+        return taken(self, self.family, index)
+
+    # a family is no sequence that runs out: members are asked by index
+    __iter__ = None
+
+    @cached_property
     def tree(self) -> Tree:
         """The model in numbers, as the algorithms take it."""
         self.require_values("the numbers")
@@ -232,12 +251,13 @@ class Model(ByValue):
         return {}
 
     @cached_property
-    def mass(self) -> float:
-        """Total mass (kg) of all links, those fixed to the base included."""
+    def mass(self) -> Any:
+        """Total mass (kg) of all links, those fixed to the base included; of a family an array of its shape."""
         missing = [p.name for a in self._attached for p in each_parameter(a.inertia.mass) if p.value is None]
         if missing:
             raise MissingValueError(f"the mass of {self.name!r}", missing)
-        return float(sum(VALUES.quantity(a.inertia.mass) for a in self._attached))
+        total = sum(VALUES.quantity(a.inertia.mass) for a in self._attached)
+        return np.broadcast_to(total, self.family).copy() if self.family else float(total)
 
     @property
     def is_estimated(self) -> bool:
@@ -246,25 +266,31 @@ class Model(ByValue):
 
     @property
     def gravity(self) -> Array:
-        """The gravity field (dim,) in world axes, m/s²."""
+        """The gravity field (dim,) in world axes, m/s²; of a family (*family, dim)."""
         missing = [p.name for p in each_parameter(self.gravity_size) if p.value is None]
         if missing:
             raise MissingValueError(f"the gravity of {self.name!r}", missing)
         size = VALUES.quantity(self.gravity_size)
-        return size * np.array(self.gravity_direction)
+        entries = [size * VALUES.quantity(x) for x in self.gravity_direction]
+        return np.stack([np.broadcast_to(x, self.family) for x in entries], axis=-1)
 
     @property
     def limits(self) -> JointLimits:
-        """Limits of the coordinates, arrays (nv,), as written; infinite where there are none."""
-        rows = []
+        """Limits of the coordinates, arrays (nv,), of a family (*family, nv), as written; infinite where none."""
+        rows: list[tuple[Any, ...]] = []
         for body in self.bodies:
             if body.joint.mimic is None:
                 limits = body.joint.limits
-                rows += [(limits.lower, limits.upper, limits.velocity, limits.effort)] * body.kind.nv
-        return (
-            JointLimits(*(np.array(column, dtype=float) for column in zip(*rows, strict=True)))
-            if rows
-            else JointLimits(*(np.zeros(0) for _ in range(4)))
+                row = (limits.lower, limits.upper, limits.velocity, limits.effort)
+                rows += [tuple(map(VALUES.quantity, row))] * body.kind.nv
+        if not rows:
+            return JointLimits(*(np.zeros((*self.family, 0)) for _ in range(4)))
+        columns = zip(*rows, strict=True)
+        return JointLimits(
+            *(
+                np.stack([np.broadcast_to(np.float64(x), self.family) for x in column], axis=-1)
+                for column in columns
+            )
         )
 
     @property
@@ -273,37 +299,29 @@ class Model(ByValue):
         return (*self.base_inertias, *(part for body in self.bodies for part in body.inertias))
 
     # ------------------------------------------------------------ changed copies
-    def bind(self, **values: float) -> Model:
-        """The model with values for parameters: model.bind(l1=0.4, m1=2)."""
-        known = self.parameters
-        for name in values:
-            if name not in known:
-                raise UnknownNameError("parameter", name, f"{self.name!r}", known)
-        bound = with_parameters(
-            self,
-            lambda p: Parameter(p.name, values[p.name]) if p.name in values else p,  # type: ignore[arg-type]
-        )
-        for old, new in zip(self._attached, bound._attached, strict=True):
-            if new is not old:  # what was accepted before stays so
-                fault = new.inertia.fault()
-                if fault:
-                    raise ModelError(f"{self.name!r}: link {new.link!r}: {fault}. Bind a physical value.")
-        for loop in bound.loops:
-            checked_distance(loop)
-        return bound
+    def bind(self, values: Mapping[Any, Any] | None = None, /, **symbols: Any) -> Model:
+        """The model with other numbers: model.bind(l1=0.4, m1=2), model.bind({"forearm.mass": 3.0}).
+
+        values: by the names that `fb.parameters` lists; a name that holds a dot itself is given as a tuple of its
+        parts, ("a.b", "mass"). link.mass keeps centre and inertia, link.scale scales mass and inertia together. An
+        array gives each member of a family its own (`family`); arrays broadcast together. Raises UnknownNameError,
+        ModelError for what no rigid body is, naming the member.
+        """
+        return numbers.bind(self, {**(values or {}), **symbols})
 
     def replace(
         self,
         *,
         name: str | None = None,
-        gravity: float | Sequence[float] | str | None = None,
+        gravity: Any = None,
         tip: str | None = None,
         actuated: Sequence[str] | None = None,
         loop_tolerance: tuple[float, float] | None = None,
     ) -> Model:
         """The model with another name, tip, gravity, choice of driven joints, or tolerance of its loops.
 
-        gravity: a size (0 for none), a name, or a vector in world axes. actuated: names; all other joints are passive.
+        gravity: a size (0 for none), a name, or a vector in world axes; vectors (..., dim) are those of a family
+        (sizes of a family: bind({"gravity": sizes})). actuated: names; all other joints are passive.
         loop_tolerance: (m, rad), see `with_loop`.
         """
         changes: dict[str, object] = {}
@@ -321,24 +339,44 @@ class Model(ByValue):
             changes["loop_tolerance"] = checked_tolerance(loop_tolerance, "Model.replace")
         return dataclasses.replace(self, **changes)  # type: ignore[arg-type]
 
+    def with_drive(
+        self,
+        joint: str,
+        *,
+        rotor: Any = None,
+        gear: Any = None,
+        viscous: Any = None,
+        coulomb: Any = None,
+        stiffness: Any = None,
+        rest: Any = None,
+    ) -> Model:
+        """The model with another rotor (kg m², before the gear), gear, friction (N m s/rad, N m) or spring (N m/rad,
+        rad) in a joint of one axis; of a prismatic joint kg, N s/m, N, N/m, m. What is not given stays. Numbers, names,
+        or arrays with a number for each member of a family."""
+        given = {
+            "rotor": rotor, "gear": gear, "viscous": viscous, "coulomb": coulomb, "stiffness": stiffness, "rest": rest,
+        }  # fmt: skip
+        return changed.with_drive(self, joint, given)
+
     def without(self, *features: str) -> Model:
         """The model without "friction", "rotors", "springs", or "loops" (the tree that is left when they are cut)."""
         return changed.without(self, features)
 
     def with_payload(
         self,
-        inertia: Inertia | float | None = None,
+        inertia: Any = None,
         *,
-        mass: float | None = None,
-        com: Sequence[float] | None = None,
+        mass: Any = None,
+        com: Any = None,
         frame: str | None = None,
         name: str = "payload",
     ) -> Model:
         """The model carrying a rigid load in `frame` (default: the tip).
 
         inertia: an Inertia in the frame's axes, or a number: the mass (kg) of a particle, as `mass` is. com: (dim,) m,
-        where the load's centre of mass is in the frame; default the Inertia's own, of a particle the origin. Raises
-        ModelError for a load that no rigid body is.
+        where the load's centre of mass is in the frame; default the Inertia's own, of a particle the origin. Arrays of
+        masses, and of centres (..., dim), give each member of a family its own. Raises ModelError for a load that no
+        rigid body is.
         """
         return changed.with_payload(self, changed.load(inertia, mass, com, self.dim), frame, name)
 

@@ -6,10 +6,10 @@ import dataclasses
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 from freebody.errors import ModelError, shown
+from freebody.model.members import Members, fields_of
 
 
 @dataclass(frozen=True)
@@ -17,18 +17,26 @@ class Parameter:
     """A named quantity: equations show the name, numbers use the value (None: not known yet)."""
 
     name: str
-    value: float | None = None
+    value: Any = None
+    """A float, `Members`, or None."""
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.isidentifier():
             raise ModelError(
                 f"parameter name {self.name!r} must be a word of letters, digits and _, such as 'l1'."
             )
-        if self.value is not None:
+        if self.value is not None and not isinstance(self.value, Members):
             object.__setattr__(self, "value", finite(self.value, f"parameter {self.name!r}"))
 
 
-Quantity = float | Parameter
+@dataclass(frozen=True)
+class Product:
+    """A quantity that a kernel forms of others, some of which are its inputs."""
+
+    factors: tuple[Any, ...]
+
+
+Quantity = float | Parameter | Members
 
 LARGEST = 1e60
 """No number of a robot is larger, in any unit; some products of five such numbers would overflow."""
@@ -62,7 +70,7 @@ def quantity(value: object, owner: str, default_name: str | None = None) -> Quan
     A name becomes a parameter without value, None the parameter `default_name`; with a `default_name` a number
     becomes that parameter's value.
     """
-    if isinstance(value, Parameter):
+    if isinstance(value, (Parameter, Members)):
         return value
     if isinstance(value, str):
         return Parameter(value)
@@ -83,14 +91,8 @@ def each_parameter(thing: Any) -> Iterator[Parameter]:
             if type(item) is not float:  # most are
                 yield from each_parameter(item)
     else:
-        for name in _fields(type(thing)):
+        for name in fields_of(type(thing)):
             yield from each_parameter(getattr(thing, name))
-
-
-@cache
-def _fields(kind: type) -> tuple[str, ...]:
-    """The names of a dataclass's fields, of anything else none."""
-    return tuple(field.name for field in dataclasses.fields(kind)) if dataclasses.is_dataclass(kind) else ()
 
 
 def with_parameters(thing: Any, change: Callable[[Parameter], Any]) -> Any:

@@ -6,8 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
+import numpy as np
+
 from freebody.errors import ModelError
 from freebody.model.inertia import Inertia
+from freebody.model.members import Members
 from freebody.model.parameters import Quantity, finite, quantity, real
 from freebody.model.placement import Placement
 from freebody.model.shapes import Shape
@@ -21,14 +24,35 @@ MOST_LINKS = 50_000
 class Limits:
     """Range of a one-axis joint: position (rad or m), speed, effort (N m or N)."""
 
-    lower: float = -INFINITE
-    upper: float = INFINITE
-    velocity: float = INFINITE
-    effort: float = INFINITE
+    lower: float | Members = -INFINITE
+    upper: float | Members = INFINITE
+    velocity: float | Members = INFINITE
+    effort: float | Members = INFINITE
 
     def __post_init__(self) -> None:
         for name, value in tuple(vars(self).items()):
-            object.__setattr__(self, name, real(value, f"Limits: {name}"))
+            if not isinstance(value, Members):
+                object.__setattr__(self, name, real(value, f"Limits: {name}"))
+
+    def fault(self) -> str | None:
+        """Why no joint has these limits, or None; of a family, of the first member that has none."""
+        given = (
+            x.array if isinstance(x, Members) else x
+            for x in (self.lower, self.upper, self.velocity, self.effort)
+        )
+        columns = np.broadcast_arrays(*given)
+        for row in zip(*(column.ravel().tolist() for column in columns), strict=True):
+            lower, upper, velocity, effort = row
+            if any(x != x for x in row):
+                return "a limit is not a number; correct it"
+            if lower > upper:
+                return f"lower limit {lower:g} is above upper {upper:g}; swap them"
+            if lower == INFINITE or upper == -INFINITE:
+                return "no position lies between its limits; make one finite"
+            for what, most in (("velocity", velocity), ("effort", effort)):
+                if most < 0.0:
+                    return f"{what} limit {most:g} is negative; give its size"
+        return None
 
     @property
     def meant(self) -> Limits:

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
+from math import prod
+
+import numpy as np
 
 from freebody.elementary import Scalar
 from freebody.errors import ModelError
-from freebody.model.parameters import Parameter, Quantity
+from freebody.model.members import Members
+from freebody.model.parameters import Parameter, Product, Quantity
 from freebody.spatial import Matrix, Vector
 
 EXACT = 1e-12
@@ -20,16 +24,19 @@ class Reader:
     """Whether the inertias of links that are lumped may be added up as numbers."""
 
     def quantity(self, q: Quantity) -> Scalar:
-        """The scalar of a number or parameter."""
+        """The scalar of a number or parameter; of a family an array of its shape."""
         if isinstance(q, Parameter):
             if q.value is None:
                 raise ModelError(f"parameter {q.name!r} has no value.")
-            return q.value
-        return q
+            return q.value.array if isinstance(q.value, Members) else q.value
+        if isinstance(q, Members):
+            return q.array
+        return prod(map(self.quantity, q.factors)) if isinstance(q, Product) else q
 
     def sin_cos(self, angle: Quantity) -> tuple[Scalar, Scalar]:
         """Sine and cosine of a constant angle."""
-        return exact_sin_cos(self.quantity(angle))
+        read = self.quantity(angle)
+        return _exact_each(read) if isinstance(read, np.ndarray) else exact_sin_cos(read)
 
     def rotation(self, matrix: Matrix) -> Matrix:
         """A constant rotation matrix."""
@@ -49,3 +56,11 @@ def exact_sin_cos(angle: float, tolerance: float = EXACT) -> tuple[float, float]
     if tolerance > 0.0 and abs(angle - quarter * (math.pi / 2)) <= tolerance:
         return ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))[quarter % 4]
     return math.sin(angle), math.cos(angle)
+
+
+def _exact_each(angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """`exact_sin_cos` of an angle for each member."""
+    quarter = np.round(angles / (math.pi / 2))
+    right = np.abs(angles - quarter * (math.pi / 2)) <= EXACT
+    table = np.array([(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)])[quarter.astype(int) % 4]
+    return np.where(right, table[..., 0], np.sin(angles)), np.where(right, table[..., 1], np.cos(angles))

@@ -13,6 +13,7 @@ from freebody.elementary import Scalar
 from freebody.model.closures import LOOP_KINDS, Closure
 from freebody.model.inertia import Inertia, combined
 from freebody.model.joints.kind import Column, Primitive
+from freebody.model.members import arrays_in
 from freebody.model.parameters import each_parameter
 from freebody.model.placement import Placement
 from freebody.model.reading import Reader
@@ -31,6 +32,8 @@ class Attached:
     inertia: Inertia
     placement: Placement = Placement()
     load: bool = False
+    frame: str = ""
+    """Of a load: the frame that it rides in."""
 
 
 @dataclass(frozen=True)
@@ -172,7 +175,7 @@ def lower(model: Model, reader: Reader) -> Tree:
     return Tree(
         space,
         tuple(bodies),
-        scale(size, model.gravity_direction),
+        scale(size, tuple(reader.quantity(x) for x in model.gravity_direction)),
         model.nq,
         model.nv,
         tuple(body_of[i] for i in range(len(model.bodies))),
@@ -204,9 +207,12 @@ def _parents_first(model: Model) -> list[int]:
 
 
 def _masses(space: AnySpace, parts: tuple[Attached, ...], reader: Reader) -> tuple[Mass, ...]:
-    """Masses in the body's axes; those without parameters are made one."""
-    plain = [a for a in parts if not any(each_parameter(a)) and any((a.inertia.mass, *a.inertia.tensor))]
-    named = [a for a in parts if any(each_parameter(a))]
+    """Masses in the body's axes; those with numbers alone are made one."""
+    varied = [any(each_parameter(a)) or bool(arrays_in(a)) for a in parts]
+    plain = [
+        a for a, x in zip(parts, varied, strict=True) if not x and any((a.inertia.mass, *a.inertia.tensor))
+    ]
+    named = [a for a, x in zip(parts, varied, strict=True) if x]
     # negative masses may add up to a first moment without mass, which has no centre
     positive = all(a.inertia.numbers()[0] >= 0.0 for a in plain)
     if reader.combines and len(plain) > 1 and positive:

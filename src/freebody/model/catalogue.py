@@ -1,0 +1,274 @@
+"""Names of all numbers that a model is made of: what `fb.parameters` lists, `bind` sets and kernels take as inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+from freebody.model.bodies import Body, Frame
+from freebody.model.places import (
+    ANGLES,
+    TENSOR,
+    Attributes,
+    Editor,
+    Leaves,
+    Load,
+    Mass,
+    Path,
+    Pose,
+    get,
+    is_plain,
+    named_leaves,
+)
+from freebody.model.tree import Attached
+from freebody.spatial import AnySpace, of_dimension
+
+if TYPE_CHECKING:
+    from freebody.model.model import Model
+
+Sort = Literal["inertia", "placement", "drive", "limit", "symbol", "other"]
+
+PAYLOAD = "payload"
+"""The load whose numbers exist also when it is not there."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One number of a model: its name in parts, what it belongs to, and the editor and field that hold it."""
+
+    parts: tuple[str, ...]
+    owner: str
+    """Kind of what it belongs to: joint, link, load, frame, loop, model, symbol."""
+    editor: Editor
+    field: str
+    unit: str
+    what: str
+    sort: Sort = "other"
+
+    @property
+    def name(self) -> str:
+        """The parts, joined by dots."""
+        return ".".join(self.parts)
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """All rows in order, and those found by name."""
+
+    rows: dict[str, Row]
+    """By a name that only one of them has."""
+    several: dict[str, tuple[str, ...]]
+    """Names that several things share -> what each is called instead."""
+    told: dict[str, str]
+    """Names of places that a symbol, or an entry of a DH table, stands in -> its name."""
+
+
+def catalogue(model: Model) -> Catalogue:
+    """The named numbers of a model."""
+    space = of_dimension(model.dim)
+    leaves = named_leaves(model)
+    at = {path: name for name, paths in leaves.items() for path in paths}
+    held: dict[tuple[str, ...], Row] = {}
+    told: dict[str, str] = {}
+    rows: list[Row] = []
+    for row, path in _places(model, space):
+        own = at.get(path)
+        if own is None:
+            rows.append(row)
+            continue
+        if own not in held:
+            held[own] = _leaf(own, leaves[own], row)
+            rows.append(held[own])
+        if len(leaves[own]) == 1:
+            told[row.name] = held[own].name
+    for own, paths in leaves.items():  # in placements of several steps, where no place has a name
+        if own not in held:
+            held[own] = _leaf(own, paths, None)
+            rows.append(held[own])
+    return _by_name(rows, told)
+
+
+def _leaf(own: tuple[str, ...], paths: list[Path], row: Row | None) -> Row:
+    """A symbol, or an entry of a DH table; unit and meaning are those of the first place that it stands in."""
+    editor = Leaves(tuple(paths))
+    if len(own) > 1:
+        angle = own[1] in ("theta", "alpha")
+        what = f"{own[1]} of {own[0]} in the DH table"
+        return Row(own, "joint", editor, "", "rad" if angle else "m", what, "placement")
+    unit, what = (row.unit, row.what) if row else ("", "in a placement")
+    return Row(own, "symbol", editor, "", unit, what, "symbol")
+
+
+def _by_name(rows: list[Row], told: dict[str, str]) -> Catalogue:
+    """Rows whose names are taken twice say what they belong to, and are counted where that does not do."""
+    sharing: dict[str, list[Row]] = {}
+    for row in rows:
+        sharing.setdefault(row.name, []).append(row)
+    found: dict[str, Row] = {}
+    several: dict[str, list[str]] = {}
+    for row in rows:
+        name = row.name
+        if len(sharing[name]) > 1:
+            name = longer = f"{row.owner}:{row.name}"
+            count = 1
+            while name in found or name in sharing:
+                count += 1
+                name = f"{longer} ({count})"
+            several.setdefault(row.name, []).append(name)
+        found[name] = row
+    kept = {alias: name for alias, name in told.items() if alias not in sharing and name in found}
+    return Catalogue(found, {name: tuple(names) for name, names in several.items()}, kept)
+
+
+# ---------------------------------------------------------------- all places, in order
+def _places(model: Model, space: AnySpace) -> Iterator[tuple[Row, Path]]:
+    """Each number's row, and the path at which it stands as it is."""
+    gravity = Attributes((), {"gravity": "gravity_size"})
+    yield (
+        Row(("gravity",), "model", gravity, "gravity", "m/s²", "size of the gravity field"),
+        ("gravity_size",),
+    )
+    for k, part in enumerate(model.base_inertias):
+        yield from _part(model, part, ("base_inertias", k), space)
+    for i, body in enumerate(model.bodies):
+        yield from _joint(model, body, ("bodies", i), space)
+        for k, part in enumerate(body.inertias):
+            yield from _part(model, part, ("bodies", i, "inertias", k), space)
+    for k, frame in enumerate(model.frames):
+        if frame.parent:
+            yield from _frame(model, frame, k, space)
+    for k, loop in enumerate(model.loops):
+        if loop.distance is not None:
+            path = ("loops", k)
+            editor, what = (
+                Attributes(path, {"distance": "distance"}),
+                f"between the frames of loop {loop.name!r}",
+            )
+            yield Row((loop.name, "distance"), "loop", editor, "distance", "m", what), (*path, "distance")
+    if model.tip is not None and not any(part.link == PAYLOAD and part.load for part in _loads(model)):
+        editor = Load(PAYLOAD, model.tip, space)
+        yield from _mass(PAYLOAD, "load", editor, (), space, f"load in frame {model.tip!r}")
+
+
+def _loads(model: Model) -> Iterator[Attached]:
+    yield from model.base_inertias
+    for body in model.bodies:
+        yield from body.inertias
+
+
+def _outer(model: Model, name: str, steps: tuple[object, ...]) -> str | None:
+    """The frame of that name, if a placement's steps lead by way of it; long rows of them are put together."""
+    outer = model.frame(name).placement.steps
+    return name if steps[: len(outer)] == outer else None
+
+
+def _joint(model: Model, body: Body, path: Path, space: AnySpace) -> Iterator[tuple[Row, Path]]:
+    joint = body.joint
+    if joint.parent:
+        outer = _outer(model, joint.parent, joint.placement.steps)
+        pose = Pose((*path, "joint", "placement"), outer, space)
+        where = "its body" if outer is None else repr(outer)
+        yield from _pose(
+            model, joint.name, "joint", pose, f"of the origin of joint {joint.name!r} in {where}"
+        )
+    if body.kind.nv != 1:
+        return
+    turns = body.kind.name != "prismatic"
+    for label, attribute, unit, what in _DRIVE[turns]:
+        editor = Attributes((*path, "joint", "drive"), {label: attribute})
+        row = Row(
+            (joint.name, *label.split(".")),
+            "joint",
+            editor,
+            label,
+            unit,
+            f"{what} of joint {joint.name!r}",
+            "drive",
+        )
+        yield row, (*editor.path, attribute)
+    for attribute, unit in _LIMITS[turns].items():
+        editor = Attributes((*path, "joint", "limits"), {attribute: attribute})
+        what = f"{attribute} limit of joint {joint.name!r}"
+        row = Row((joint.name, "limits", attribute), "joint", editor, attribute, unit, what, "limit")
+        yield row, (*editor.path, attribute)
+
+
+def _drive_table(effort: str, position: str, rotor: str) -> tuple[tuple[str, str, str, str], ...]:
+    return (
+        ("friction.viscous", "viscous", f"{effort} s/{position}", "viscous friction"),
+        ("friction.coulomb", "coulomb", effort, "Coulomb friction"),
+        ("rotor.inertia", "rotor", rotor, "rotor inertia before the gear"),
+        ("rotor.gear", "gear", "1", "gear ratio of the rotor"),
+        ("spring.stiffness", "stiffness", f"{effort}/{position}", "spring stiffness"),
+        ("spring.rest", "rest", position, "position at rest of the spring"),
+    )
+
+
+_DRIVE = {True: _drive_table("N m", "rad", "kg m²"), False: _drive_table("N", "m", "kg")}
+_LIMITS = {
+    True: {"lower": "rad", "upper": "rad", "velocity": "rad/s", "effort": "N m"},
+    False: {"lower": "m", "upper": "m", "velocity": "m/s", "effort": "N"},
+}
+"""For joints that turn, and for those that slide."""
+
+
+def _part(model: Model, part: Attached, path: Path, space: AnySpace) -> Iterator[tuple[Row, Path]]:
+    steps = part.placement.steps
+    owner = "load" if part.load else "link"
+    editor = Mass(path, None if part.load else _outer(model, part.link, steps), space)
+    yield from _mass(part.link, owner, editor, path, space, f"{owner} {part.link!r}", is_plain(part.inertia))
+
+
+def _mass(
+    name: str, owner: str, editor: Editor, path: Path, space: AnySpace, what: str, scales: bool = False
+) -> Iterator[tuple[Row, Path]]:
+    """mass, com, inertia; `scale` only of what is there, and whose numbers have no names of their own."""
+    fields = [("mass", "kg", ("mass",), f"mass of {what}")]
+    fields += [(f"com.{x}", "m", ("com", k), f"centre of mass of {what}") for k, x in enumerate(space.axes)]
+    about = f"inertia of {what} about its centre of mass"
+    fields += [(f"inertia.{x}", "kg m²", ("tensor", k), about) for k, x in enumerate(TENSOR[space.dim])]
+    for field, unit, leaf, text in fields:
+        row = Row((name, *field.split(".")), owner, editor, field, unit, text, "inertia")
+        yield row, (*path, "inertia", *leaf) if path else ()
+    if scales:
+        yield (
+            Row(
+                (name, "scale"),
+                owner,
+                editor,
+                "scale",
+                "1",
+                f"factor on mass and inertia of {what}",
+                "inertia",
+            ),
+            (),
+        )
+
+
+def _frame(model: Model, frame: Frame, k: int, space: AnySpace) -> Iterator[tuple[Row, Path]]:
+    """Of a frame that is mounted, or of a link that is fixed to another."""
+    outer = _outer(model, frame.parent, frame.placement.steps)
+    pose = Pose(("frames", k, "placement"), outer, space, frame.name)
+    where = "its body" if outer is None else repr(outer)
+    yield from _pose(model, frame.name, "frame", pose, f"of frame {frame.name!r} in {where}")
+
+
+def _pose(model: Model, name: str, owner: str, pose: Pose, what: str) -> Iterator[tuple[Row, Path]]:
+    start = pose.start(model)
+    if not Pose.tells(get(model, pose.path).steps[start:]):
+        return
+    fields = pose.read(model)
+    for field in fields:
+        angle = field in ANGLES[pose.space.dim]
+        row = Row(
+            (name, "placement", field),
+            owner,
+            pose,
+            field,
+            "rad" if angle else "m",
+            f"{field} {what}",
+            "placement",
+        )
+        at = () if angle else (*pose.path, "steps", start, "by", pose.space.axes.index(field))
+        yield row, at

@@ -1,0 +1,151 @@
+"""Numbers of many robots at once: a model some of whose numbers hold one value for each member is a *family*."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError, ModelError, shown
+from freebody.values import ByValue
+
+
+@dataclass(frozen=True, eq=False)
+class Members(ByValue):
+    """One number of a model for each member of a family: an array of the family's shape, or one that broadcasts to it.
+
+    Equal by value, hashable, read-only; it has no truth and no order of its own, so that nothing is decided from it.
+    """
+
+    array: Array
+    name: tuple[str, str] | None = None
+    """Of an `Entry`: its own name."""
+    _aside = ("name",)
+    _copies = True
+
+
+class Entry(float):
+    """A number of placements that has a name of its own: an entry of a DH table, wherever it is used."""
+
+    __slots__ = ("name",)
+    name: tuple[str, str]
+
+    def __new__(cls, value: float, name: tuple[str, str]) -> Entry:
+        entry = super().__new__(cls, value)
+        entry.name = name
+        return entry
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Entry, (float(self), self.name)
+
+
+def is_array(value: object) -> bool:
+    """Whether something is given as one number for each member: an array, or nested sequences, of at least one axis."""
+    return isinstance(value, (list, tuple, np.ndarray)) and np.ndim(value) > 0  # type: ignore[arg-type]
+
+
+def members(value: Any, owner: str, largest: float) -> Members:
+    """Finite numbers, one a member, or an error that names their owner and the member."""
+    try:
+        array = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        raise ModelError(f"{owner}: {shown(value)} is not an array of numbers, one a member.") from None
+    if np.iscomplexobj(value):
+        raise ModelError(f"{owner}: the numbers are complex.")
+    if not array.size:
+        raise ModelError(
+            f"{owner}: an array of shape {array.shape} holds no number, and a family has members."
+        )
+    wrong = np.argwhere(~(np.abs(array) <= largest))
+    if len(wrong):
+        at = tuple(map(int, wrong[0]))
+        raise ModelError(f"{owner}: {array[at]:g}{of_member(at)} must be a finite number below {largest:g}.")
+    return Members(array)
+
+
+def of_member(index: tuple[int, ...]) -> str:
+    """` of member 3`, ` of member (3, 0)`."""
+    return f" of member {index[0] if len(index) == 1 else index}" if index else ""
+
+
+def arrays_in(thing: Any) -> list[Members]:
+    """All numbers with members inside a tree of dataclasses and tuples."""
+    found: list[Members] = []
+    _collect(thing, found)
+    return found
+
+
+def _collect(thing: Any, found: list[Members]) -> None:
+    kind = type(thing)
+    if kind is float or kind is str:
+        return
+    if kind is Members:
+        found.append(thing)
+    elif kind is tuple:
+        for item in thing:
+            _collect(item, found)
+    else:
+        for name in fields_of(kind):
+            _collect(getattr(thing, name), found)
+
+
+@cache
+def fields_of(kind: type) -> tuple[str, ...]:
+    """The names of a dataclass's fields, of anything else none."""
+    return tuple(field.name for field in dataclasses.fields(kind)) if dataclasses.is_dataclass(kind) else ()
+
+
+def common_shape(arrays: list[Members], owner: str) -> tuple[int, ...]:
+    """The shape that arrays of numbers broadcast to; () without any."""
+    shapes = [x.array.shape for x in arrays]
+    try:
+        return np.broadcast_shapes(*shapes)
+    except ValueError:
+        listed = ", ".join(map(str, dict.fromkeys(shapes)))
+        raise ModelError(
+            f"{owner}: arrays of shapes {listed} do not broadcast to one family; give one number a member."
+        ) from None
+
+
+def taken(thing: Any, shape: tuple[int, ...], index: Any) -> Any:
+    """A tree of dataclasses and tuples with the members that `index` picks out of a family of that shape."""
+    if isinstance(thing, Members):
+        picked = np.broadcast_to(thing.array, shape)[index]
+        number = float(picked) if np.ndim(picked) == 0 else None
+        if number is None:
+            return Members(picked, thing.name)
+        return number if thing.name is None else Entry(number, thing.name)
+    if isinstance(thing, tuple):
+        items = tuple(taken(item, shape, index) for item in thing)
+        return thing if all(a is b for a, b in zip(items, thing, strict=True)) else items
+    names = fields_of(type(thing))
+    new = {name: taken(getattr(thing, name), shape, index) for name in names}
+    if all(new[name] is getattr(thing, name) for name in names):
+        return thing
+    return changed(thing, new)
+
+
+def changed(thing: Any, new: dict[str, Any]) -> Any:
+    """A copy of a frozen dataclass with some fields other, unchecked: for numbers that have been checked where they
+    came in. What the old one has found out since it was made is not carried over."""
+    copy = object.__new__(type(thing))
+    old, own = thing.__dict__, copy.__dict__
+    for name in fields_of(type(thing)):
+        own[name] = old[name]
+    own.update(new)
+    return copy
+
+
+class FamilyError(FreebodyError, TypeError):
+    """A family where one robot is needed."""
+
+    def __init__(self, function: str, name: str, shape: tuple[int, ...]):
+        example = ", ".join("0" for _ in shape)
+        super().__init__(
+            f"{function}: {name!r} is a family of robots, shape {shape}, and this is about one of them: "
+            f"take a member, model[{example}]."
+        )

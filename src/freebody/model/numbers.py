@@ -1,0 +1,300 @@
+"""The numbers of a model by name: listed (`fb.parameters`), found by name or pattern, and changed (`Model.bind`)."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import ModelError, UnknownNameError, likely, listed, shown
+from freebody.model.catalogue import Catalogue, Row, catalogue
+from freebody.model.inertia import faults
+from freebody.model.loops import checked_distance
+from freebody.model.members import Members, arrays_in, common_shape, is_array, members
+from freebody.model.parameters import LARGEST, Parameter, Quantity, finite, real
+from freebody.model.reading import EXACT
+from freebody.outputs.text import legal
+from freebody.values import ByValue
+
+if TYPE_CHECKING:
+    from freebody.model.model import Model
+
+Name = str | tuple[str, ...]
+"""A name as one text, its parts joined by dots, or as a tuple of its parts."""
+
+
+@dataclass(frozen=True, eq=False)
+class ModelParameter(ByValue):
+    """One number that a model is made of.
+
+    value: None where a symbol has none yet; of a family an array where members differ. structural: an exact zero or
+    right angle of a placement, which patterns leave out, as they do limits; a name in full takes them.
+    """
+
+    name: str
+    parts: tuple[str, ...]
+    value: float | Array | None
+    unit: str
+    what: str
+    structural: bool = False
+    limit: bool = False
+
+
+class Parameters(Sequence[ModelParameter]):
+    """All numbers of a model, in order: a sequence of records that is also asked by name, as text or as its parts."""
+
+    def __init__(self, model: Model):
+        self._catalogue = known(model)
+        self._model = model
+        self._records = tuple(_records(model, self._catalogue))
+        self._at = {record.name: record for record in self._records}
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names in order."""
+        return tuple(self._at)
+
+    @property
+    def values(self) -> Array:
+        """Values (..., k) in order, NaN where there is none; of a family its shape stands in front."""
+        columns = [np.nan if record.value is None else record.value for record in self._records]
+        return np.stack(np.broadcast_arrays(*columns), axis=-1) if columns else np.zeros(0)
+
+    def matching(self, pattern: Name) -> tuple[ModelParameter, ...]:
+        """Those that a name in full, or a pattern of the shell (`*`, `?`, `[ab]`), means; see `fb.kernel`, inputs=."""
+        return tuple(self._at[name] for name in matching(self._catalogue, self, pattern, self._model))
+
+    def __getitem__(self, index: Any) -> Any:
+        if isinstance(index, (str, tuple)):
+            return self._at[found(self._catalogue, index, self._model)]
+        return self._records[index]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._at or name in self._records
+
+    def __len__(self) -> int:
+        return len(self._records)
+
+    def __iter__(self) -> Iterator[ModelParameter]:
+        return iter(self._records)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Parameters) and self._records == other._records
+
+    def __hash__(self) -> int:
+        return hash(self._records)
+
+    def __repr__(self) -> str:
+        rows = [(legal(r.name), _cell(r.value), r.unit, _what(r)) for r in self._records]
+        widths = [max((len(row[k]) for row in rows), default=0) for k in range(3)]
+        return "\n".join(
+            f"{name:<{widths[0]}}  {value:>{widths[1]}}  {unit:<{widths[2]}}  {what}"
+            for name, value, unit, what in rows
+        )
+
+    def _repr_html_(self) -> str:
+        head = "".join(f"<th>{x}</th>" for x in ("name", "value", "unit", ""))
+        cells = ((r.name, _cell(r.value), r.unit, _what(r)) for r in self._records)
+        rows = "".join(
+            f"<tr>{''.join(f'<td>{html.escape(legal(x))}</td>' for x in row)}</tr>" for row in cells
+        )
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+
+
+def _cell(value: float | Array | None) -> str:
+    if value is None:
+        return "?"
+    if isinstance(value, np.ndarray):
+        return f"{value.min():.6g} … {value.max():.6g}"
+    return f"{value:.6g}"
+
+
+def _what(record: ModelParameter) -> str:
+    return legal(f"{record.what} (structural)" if record.structural else record.what)
+
+
+def parameters(model: Model) -> Parameters:
+    """Every number that a model is made of, by name, with its value, unit and what it is.
+
+    Names: forearm.mass, forearm.com.x, forearm.inertia.xx (about the centre of mass, in the link's axes), forearm.scale
+    (a factor on mass and inertia); elbow.placement.x … yaw (where the joint sits in its parent link);
+    elbow.friction.viscous, elbow.rotor.gear, elbow.spring.stiffness, elbow.limits.upper; elbow.a, elbow.alpha of a DH
+    table; gravity; loop.distance; tool.placement.z of frames; payload.mass at the tip, zero where there is no load;
+    and the model's own symbols (l1), by which the places are known where they stand.
+    Joints' axes, mimic ratios and the direction of gravity are structure and have no name.
+    Names shared by two things are told apart by what they belong to: "joint:elbow.placement.x".
+    """
+    return Parameters(model)
+
+
+def known(model: Model) -> Catalogue:
+    """The model's catalogue, made once and handed on to copies in which other numbers stand at the same places."""
+    kept = model.__dict__.get("_catalogue")
+    if kept is None:
+        kept = model.__dict__.setdefault("_catalogue", catalogue(model))
+    return kept
+
+
+def _records(model: Model, names: Catalogue) -> Iterator[ModelParameter]:
+    read: dict[int, dict[str, Quantity]] = {}
+    for name, row in names.rows.items():
+        fields = read.get(id(row.editor))
+        if fields is None:
+            fields = read[id(row.editor)] = row.editor.read(model)
+        value = _plain(fields[row.field])
+        structural = row.sort == "placement" and _is_structural(value, row.unit)
+        yield ModelParameter(name, row.parts, value, row.unit, row.what, structural, row.sort == "limit")
+
+
+def _plain(value: Quantity | None) -> float | Array | None:
+    if isinstance(value, Parameter):
+        value = value.value
+    if isinstance(value, Members):
+        return value.array
+    return None if value is None else float(value)  # type: ignore[arg-type]
+
+
+def _is_structural(value: float | Array | None, unit: str) -> bool:
+    if not isinstance(value, float):
+        return False
+    if unit != "rad":
+        return value == 0.0
+    quarter = math.pi / 2
+    return abs(value - round(value / quarter) * quarter) <= EXACT
+
+
+# ---------------------------------------------------------------- names
+def found(names: Catalogue, given: Name, model: Model) -> str:
+    """The name of a number, by its text or parts, or by the place where its symbol stands; else an error."""
+    name = given
+    if isinstance(given, tuple) and given and all(isinstance(part, str) for part in given):
+        name = ".".join(given)
+    if isinstance(name, str):
+        if name in names.rows:
+            return name
+        if name in names.told:
+            return names.told[name]
+        if name in names.several:
+            longer = listed(map(repr, names.several[name]))
+            raise ModelError(f"{model.name!r}: several things have a number {name!r}; write {longer}.")
+    symbols = model.parameters  # a bare word is meant for one of them
+    bare = isinstance(name, str) and "." not in name and symbols
+    raise UnknownNameError("parameter", given, repr(model.name), symbols if bare else names.rows)
+
+
+def matching(names: Catalogue, records: Sequence[ModelParameter], pattern: Name, model: Model) -> list[str]:
+    """Names that one name in full or one pattern means, in the model's order."""
+    if (
+        isinstance(pattern, tuple)
+        or pattern in names.rows
+        or pattern in names.told
+        or pattern in names.several
+    ):
+        return [found(names, pattern, model)]
+    if not isinstance(pattern, str) or not set(pattern) & set("*?["):
+        return [found(names, pattern, model)]
+    usual = [r.name for r in records if not r.structural and not r.limit]
+    meant = {name for name in usual if fnmatchcase(name, pattern)}
+    meant |= {name for told, name in names.told.items() if fnmatchcase(told, pattern)} & set(usual)
+    if not meant:
+        bare = pattern.translate({ord(c): None for c in "*?[]"})
+        near = likely(bare, usual, 3) or [x for x in usual if bare.strip(".") and bare.strip(".") in x][:3]
+        hint = f" Near it: {', '.join(near)}." if near else ""
+        left = [r.name for r in records if r.structural and fnmatchcase(r.name, pattern)]
+        if left:
+            hint = f" {left[0]!r} is an exact zero or right angle of a placement: write it in full."
+        raise ModelError(
+            f"no parameter of {model.name!r} matches {shown(pattern)}.{hint} fb.parameters(model).names lists them."
+        )
+    return [name for name in usual if name in meant]
+
+
+# ---------------------------------------------------------------- other numbers
+def bind(model: Model, values: Mapping[Any, Any]) -> Model:
+    """See `Model.bind`."""
+    names = known(model)
+    wanted: dict[str, Quantity] = {}
+    for given, value in values.items():
+        name = found(names, given, model)
+        if name in wanted:
+            raise ModelError(f"{model.name!r}: parameter {name!r} is given twice; give it once.")
+        wanted[name] = _checked(names.rows[name], value, name)
+    return written(model, wanted)
+
+
+def _checked(row: Row, value: Any, name: str) -> float | Members:
+    owner = f"parameter {name!r}"
+    if type(value) is not float and is_array(value):
+        return members(value, owner, math.inf if row.sort == "limit" else LARGEST)
+    if row.sort == "limit":
+        return real(value, owner)
+    return finite(value, owner)
+
+
+def written(model: Model, wanted: Mapping[str, Quantity]) -> Model:
+    """The model with other numbers at some names, checked as far as they are numbers."""
+    names = known(model)
+    by_editor: dict[int, tuple[Any, dict[str, Quantity]]] = {}
+    for name, value in wanted.items():
+        row = names.rows[name]
+        by_editor.setdefault(id(row.editor), (row.editor, {}))[1][row.field] = value
+    result, same_places = model, True
+    for editor, fields in sorted(by_editor.values(), key=lambda item: not item[0].first):
+        old = editor.read(result, fields)
+        other = {field: value for field, value in fields.items() if not _same(old[field], value)}
+        if other:
+            result = editor.write(result, other)
+            same_places = same_places and editor.keeps_places
+    if result is model:
+        return model
+    if same_places:
+        result.__dict__["_catalogue"] = names
+    _check(model, result)
+    return result
+
+
+def _same(old: Quantity, new: Quantity) -> bool:
+    value = old.value if isinstance(old, Parameter) and not isinstance(new, Parameter) else old
+    return bool(value == new)
+
+
+def _check(old: Model, new: Model) -> None:
+    """Refuse what no robot is, where it is other than before; what was accepted before stays so."""
+    for before, after in _pairs(old, new):
+        if before is not after:
+            fault = faults(after.inertia)
+            if fault:
+                raise ModelError(f"{new.name!r}: link {after.link!r}: {fault}. Bind a physical value.")
+    if new.loops is not old.loops:
+        for loop in new.loops:
+            checked_distance(loop)
+    for b, a in zip(old.bodies, new.bodies, strict=True):
+        if a is not b and a.joint.limits is not b.joint.limits:
+            problem = a.joint.limits.fault()
+            if problem:
+                raise ModelError(f"{new.name!r}: joint {a.joint.name!r}: {problem}.")
+
+
+def _pairs(old: Model, new: Model) -> Iterable[tuple[Any, Any]]:
+    """Inertias of both models, side by side; a load that is new beside nothing."""
+    if new.base_inertias is not old.base_inertias:
+        yield from _beside(old.base_inertias, new.base_inertias)
+    if new.bodies is not old.bodies:
+        for b, a in zip(old.bodies, new.bodies, strict=True):
+            if a is not b and a.inertias is not b.inertias:
+                yield from _beside(b.inertias, a.inertias)
+
+
+def _beside(old: tuple[Any, ...], new: tuple[Any, ...]) -> Iterable[tuple[Any, Any]]:
+    return zip((*old, *(None,) * (len(new) - len(old))), new, strict=True)
+
+
+def family(model: Model) -> tuple[int, ...]:
+    """The shape of the family that a model is: () of one robot."""
+    return common_shape(arrays_in(model), repr(model.name))

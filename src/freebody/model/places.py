@@ -1,0 +1,383 @@
+"""Where each number of a model stands, and how another is put there: one mechanism for names, values and inputs.
+
+An *editor* knows one piece of the model (a placement, the inertia of a link, a drive): it reads the numbers that the
+piece is made of, by field, and writes some of them. What is written may be a number, one for each member of a family,
+or a parameter that a kernel reads as an input.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol, cast
+
+import numpy as np
+
+from freebody.elementary import Scalar
+from freebody.errors import ModelError
+from freebody.model.inertia import Inertia
+from freebody.model.members import Entry, Members, changed, fields_of
+from freebody.model.parameters import Parameter, Product, Quantity, each_parameter
+from freebody.model.placement import Placement, Rotate, Shift, Turn, shift, turn
+from freebody.model.reading import VALUES
+from freebody.model.tree import Attached
+from freebody.spatial import AnySpace, Matrix, Vector, identity
+
+if TYPE_CHECKING:
+    from freebody.model.model import Model
+
+Path = tuple[Any, ...]
+"""Names of fields and indices of tuples that lead from a model to one of its pieces."""
+Fields = Mapping[str, Quantity]
+
+TENSOR = {2: ("zz",), 3: ("xx", "xy", "xz", "yy", "yz", "zz")}
+ANGLES = {2: ("yaw",), 3: ("roll", "pitch", "yaw")}
+
+
+# ---------------------------------------------------------------- pieces of a model
+def get(thing: Any, path: Path) -> Any:
+    """The piece at a path."""
+    for step in path:
+        thing = thing[step] if type(step) is int else getattr(thing, step)
+    return thing
+
+
+def put(thing: Any, path: Path, piece: Any) -> Any:
+    """A copy of the thing with another piece at a path."""
+    if not path:
+        return piece
+    step, rest = path[0], path[1:]
+    if type(step) is int:
+        return (*thing[:step], put(thing[step], rest, piece), *thing[step + 1 :])
+    return changed(thing, {step: put(getattr(thing, step), rest, piece)})
+
+
+def named_leaves(thing: Any) -> dict[tuple[str, ...], list[Path]]:
+    """Where each symbol, and each entry with a name of its own, stands; in order."""
+    found: dict[tuple[str, ...], list[Path]] = {}
+    _walk(thing, (), found)
+    return found
+
+
+def _walk(thing: Any, path: Path, found: dict[tuple[str, ...], list[Path]]) -> None:
+    kind = type(thing)
+    if kind is float or kind is str:
+        return
+    if isinstance(thing, Parameter):
+        found.setdefault((thing.name,), []).append(path)
+    elif kind is Entry or (kind is Members and thing.name):
+        found.setdefault(thing.name, []).append(path)
+    elif kind is tuple:
+        for i, item in enumerate(thing):
+            _walk(item, (*path, i), found)
+    elif kind is not Members:
+        for name in fields_of(kind):
+            _walk(getattr(thing, name), (*path, name), found)
+
+
+def is_plain(thing: Any) -> bool:
+    """Whether neither symbols nor entries with a name of their own are in it."""
+    return not named_leaves(thing)
+
+
+# ---------------------------------------------------------------- editors
+class Editor(Protocol):
+    """What reads and writes the numbers of one piece."""
+
+    @property
+    def first(self) -> bool:
+        """Whether it writes at paths that others may move, and so goes before them."""
+        ...
+
+    @property
+    def keeps_places(self) -> bool:
+        """Whether all numbers stand where they stood after it has written."""
+        ...
+
+    def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
+        """Field -> number, symbol, or members: of all fields, or at least of those wanted."""
+        ...
+
+    def write(self, model: Model, values: Fields) -> Model:
+        """The model with other numbers in some fields."""
+        ...
+
+
+@dataclass(frozen=True)
+class Leaves:
+    """A symbol, or an entry with a name of its own, wherever it stands."""
+
+    paths: tuple[Path, ...]
+    first = True
+    keeps_places = True
+
+    def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
+        return {"": get(model, self.paths[0])}
+
+    def write(self, model: Model, values: Fields) -> Model:
+        value = values[""]
+        old = get(model, self.paths[0])
+        if not isinstance(value, Parameter):
+            if isinstance(old, Parameter):
+                value = Parameter(old.name, value)  # type: ignore[arg-type]
+            elif isinstance(value, Members):
+                value = Members(value.array, old.name)
+            else:
+                value = Entry(value, old.name)  # type: ignore[arg-type]
+        for path in self.paths:
+            model = put(model, path, value)
+        return model
+
+
+@dataclass(frozen=True)
+class Attributes:
+    """Numbers that are attributes of a piece: field -> attribute."""
+
+    path: Path
+    attributes: Mapping[str, str]
+    first = False
+    keeps_places = True
+
+    def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
+        piece = get(model, self.path)
+        return {field: getattr(piece, name) for field, name in self.attributes.items()}
+
+    def write(self, model: Model, values: Fields) -> Model:
+        piece = get(model, self.path)
+        return put(model, self.path, changed(piece, {self.attributes[f]: x for f, x in values.items()}))
+
+
+@dataclass(frozen=True)
+class Mass:
+    """The inertia of a link, about its centre of mass and in the axes of the link; `scale` is a factor on all of it.
+
+    frame: the link's, where the steps of the placement lead by way of it. Without, the numbers stay in the frame in
+    which they are given.
+    """
+
+    path: Path
+    frame: str | None
+    space: AnySpace
+    first = False
+    keeps_places = True
+
+    def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
+        part = get(model, self.path)
+        told = part if wanted is not None and _FACTORS.issuperset(wanted) else self._told(model, part)
+        return self._fields(told.inertia) | {"scale": 1.0}
+
+    def write(self, model: Model, values: Fields) -> Model:
+        part = get(model, self.path)
+        factor = values.get("scale", 1.0)
+        if not _FACTORS.issuperset(values):
+            part = self._told(model, part)
+        fields = self._fields(part.inertia) | {f: x for f, x in values.items() if f != "scale"}
+        com = tuple(fields[f"com.{x}"] for x in self.space.axes)
+        tensor = tuple(_times(fields[f"inertia.{x}"], factor) for x in TENSOR[self.space.dim])
+        inertia = changed(
+            part.inertia, {"mass": _times(fields["mass"], factor), "com": com, "tensor": tensor}
+        )
+        return put(model, self.path, changed(part, {"inertia": inertia}))
+
+    def _fields(self, inertia: Inertia) -> dict[str, Quantity]:
+        fields = {"mass": inertia.mass}
+        fields |= {f"com.{x}": c for x, c in zip(self.space.axes, inertia.com, strict=True)}
+        labels = TENSOR[self.space.dim]
+        return fields | {f"inertia.{x}": t for x, t in zip(labels, inertia.tensor, strict=True)}
+
+    def _told(self, model: Model, part: Attached) -> Attached:
+        """The part with its inertia in the link's frame, where numbers alone lead there."""
+        steps = part.placement.steps
+        start = len(steps) if self.frame is None else _length(model, self.frame)
+        inner = Placement(steps[start:])
+        if not inner.steps or not is_plain((inner.steps, part.inertia)):
+            return part
+        R, p = inner.lower(self.space, VALUES)
+        m, c, tensor = part.inertia.lower(VALUES)
+        turned = self.space.inertia_matrix(self.space.turned_inertia(R, tensor))
+        com = tuple(x + sum(a * b for a, b in zip(row, c, strict=True)) for x, row in zip(p, R, strict=True))
+        entries = tuple(turned[i][j] for i in range(len(turned)) for j in range(i, len(turned)))
+        inertia = changed(
+            part.inertia,
+            {"mass": _kept(m), "com": tuple(map(_kept, com)), "tensor": tuple(map(_kept, entries))},
+        )
+        return changed(part, {"inertia": inertia, "placement": Placement(steps[:start])})
+
+
+@dataclass(frozen=True)
+class Load:
+    """A load that is not there yet, at the tip."""
+
+    name: str
+    frame: str
+    space: AnySpace
+    first = False
+    keeps_places = False
+
+    def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
+        labels = (*(f"com.{x}" for x in self.space.axes), *(f"inertia.{x}" for x in TENSOR[self.space.dim]))
+        return dict.fromkeys(("mass", *labels), 0.0)
+
+    def write(self, model: Model, values: Fields) -> Model:
+        at = model.frame(self.frame)
+        added = Attached(self.name, Inertia.nothing(self.space.dim), at.placement, True, self.frame)
+        path = ("base_inertias",) if at.body < 0 else ("bodies", at.body, "inertias")
+        there = get(model, path)
+        grown = put(model, path, (*there, added))
+        return Mass((*path, len(there)), None, self.space).write(grown, values)
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A placement: x, y, z (m), then roll, pitch, yaw (rad) about the axes of the frame that it is told in,
+    R = Rz(yaw) Ry(pitch) Rx(roll).
+
+    outer: the frame that its first steps lead to, and that it is told in; None: the body's.
+    frame: its name, where it is a frame's: all that is fixed to that frame moves with it.
+    """
+
+    path: Path
+    outer: str | None
+    space: AnySpace
+    frame: str = ""
+    first = False
+
+    @property
+    def keeps_places(self) -> bool:
+        """What is fixed to a frame may have other steps in front."""
+        return not self.frame
+
+    @staticmethod
+    def tells(own: tuple[Any, ...]) -> bool:
+        """Whether such numbers can be told of these steps, which may hold symbols."""
+        leaves = named_leaves(own)
+        if any(len(name) > 1 for name in leaves):  # entries of a DH table are the numbers there
+            return False
+        return not leaves or not any(isinstance(step, Shift) for step in own[1:])
+
+    def start(self, model: Model) -> int:
+        """How many steps lead to the outer frame."""
+        return 0 if self.outer is None else _length(model, self.outer)
+
+    def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
+        by, turns = self._split(get(model, self.path).steps[self.start(model) :])
+        return self._fields(by, turns)
+
+    def write(self, model: Model, values: Fields) -> Model:
+        old = get(model, self.path)
+        start = self.start(model)
+        outer, own = old.steps[:start], old.steps[start:]
+        by, turns = self._split(own)
+        by = tuple(values.get(x, b) for x, b in zip(self.space.axes, by, strict=True))
+        names = ANGLES[self.space.dim]
+        if not values.keys().isdisjoint(names):
+            angles = self._fields(by, turns) | dict(values)
+            turns = tuple(step for x in reversed(names) for step in turn(_ABOUT[x], angles[x]).steps)
+        new = Placement((*outer, *shift(*by).steps, *turns))
+        model = put(model, self.path, new)
+        for path in _riders(model, self.frame) if self.frame else ():
+            ridden = get(model, path).steps
+            if ridden[: len(old.steps)] != old.steps:
+                raise ModelError(
+                    f"{model.name!r}: frame {self.frame!r} carries a long row of fixed links, whose placements have "
+                    "been put together; it cannot be moved any more. Give the number before the model is made."
+                )
+            model = put(model, path, Placement((*new.steps, *ridden[len(old.steps) :])))
+        return model
+
+    def _split(self, own: Iterable[Any]) -> tuple[Vector, tuple[Any, ...]]:
+        """One shift, and the turns behind it, that come to the same as the steps."""
+        steps = tuple(own)
+        first, rest = (
+            (steps[0].by, steps[1:]) if steps and isinstance(steps[0], Shift) else (self.space.zero, steps)
+        )
+        if not any(isinstance(step, Shift) for step in rest):
+            return first, rest
+        R, p = Placement(steps).lower(self.space, VALUES)
+        if all(isinstance(x, float) for row in R for x in row):
+            turns: tuple[Any, ...] = (Rotate(R),)
+        else:  # a member each: as angles, which have numbers for members
+            angles = _angles_of(R)
+            turns = tuple(Turn(_ABOUT[x], _kept(angles[x])) for x in reversed(ANGLES[self.space.dim]))
+        return tuple(map(_kept, p)), turns
+
+    def _fields(self, by: Vector, turns: tuple[Any, ...]) -> dict[str, Quantity]:
+        fields: dict[str, Quantity] = dict(zip(self.space.axes, by, strict=True))
+        order = [_LETTER[step.axis] for step in turns if isinstance(step, Turn)]
+        names = ANGLES[self.space.dim]
+        if len(order) == len(turns) and order == sorted(set(order), reverse=True):  # already such turns
+            told = {_ABOUT[x]: x for x in names}
+            return fields | dict.fromkeys(names, 0.0) | {told[step.axis]: step.angle for step in turns}
+        if not is_plain(turns):
+            return fields
+        R, _ = Placement(turns).lower(self.space, VALUES)
+        return fields | {x: _kept(angle) for x, angle in _angles_of(R).items()}
+
+
+def _length(model: Model, frame: str) -> int:
+    """How many steps lead to a frame of its body."""
+    return len(model.frame(frame).placement.steps)
+
+
+def _riders(model: Model, name: str) -> list[Path]:
+    """Paths of the placements that begin with that of a frame: of frames, inertias, loads and joints fixed to it."""
+    on: dict[str, list[str]] = {}
+    for frame in model.frames:
+        on.setdefault(frame.parent, []).append(frame.name)
+    reached, waiting = {name}, [name]
+    while waiting:
+        below = on.get(waiting.pop(), [])
+        reached.update(below)
+        waiting += below
+    paths: list[Path] = [
+        ("frames", k, "placement") for k, f in enumerate(model.frames) if f.name in reached and f.name != name
+    ]
+    parts = [("base_inertias", k) for k in range(len(model.base_inertias))]
+    for i, body in enumerate(model.bodies):
+        parts += [("bodies", i, "inertias", k) for k in range(len(body.inertias))]
+        if body.joint.parent in reached:
+            paths.append(("bodies", i, "joint", "placement"))
+    for path in parts:
+        part = get(model, path)
+        if (part.frame if part.load else part.link) in reached:
+            paths.append((*path, "placement"))
+    return paths
+
+
+_FACTORS = frozenset({"mass", "scale"})
+"""What is the same in any axes and about any point."""
+_ABOUT = {"roll": "x", "pitch": "y", "yaw": "z"}
+_LETTER = {"x": 0, "y": 1, "z": 2}
+
+
+def _angles_of(R: Matrix) -> dict[str, Scalar]:
+    """Roll, pitch and yaw of a rotation, in the plane yaw; where they are not unique, yaw = 0."""
+    if identity(len(R)) == R:
+        return dict.fromkeys(ANGLES[len(R)], 0.0)
+    atan2 = math.atan2 if all(isinstance(x, float) for row in R for x in row) else np.arctan2
+    if len(R) == 2:
+        return {"yaw": atan2(R[1][0], R[0][0]) + 0.0}
+    flat = R[0][0] * R[0][0] + R[1][0] * R[1][0]
+    upright = flat < 1e-24
+    if atan2 is math.atan2:
+        roll = math.atan2(-R[1][2], R[1][1]) if upright else math.atan2(R[2][1], R[2][2])
+        yaw = 0.0 if upright else math.atan2(R[1][0], R[0][0])
+    else:
+        roll = np.where(upright, np.arctan2(-R[1][2], R[1][1]), np.arctan2(R[2][1], R[2][2]))
+        yaw = np.where(upright, 0.0, np.arctan2(R[1][0], R[0][0]))
+    return {"roll": roll + 0.0, "pitch": atan2(-R[2][0], np.sqrt(flat)) + 0.0, "yaw": yaw + 0.0}
+
+
+def _kept(x: Scalar) -> Quantity:
+    """A computed scalar as a number of the model."""
+    return Members(x) if isinstance(x, np.ndarray) and x.ndim else float(x)
+
+
+def _times(x: Quantity, factor: Quantity) -> Quantity:
+    """x · factor; of what a kernel reads, a product that it forms."""
+    if isinstance(factor, float) and factor == 1.0:
+        return x
+    if any(each_parameter((x, factor))):
+        return cast(Quantity, Product((x, factor)))
+    return _kept(VALUES.quantity(x) * VALUES.quantity(factor))
