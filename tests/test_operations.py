@@ -194,8 +194,16 @@ def test_traced_and_differentiated_scalars_mix():
 
 def test_domains_of_constants():
     graph = Graph()
-    with pytest.raises(GraphError, match=r"sqrt\(-2\.0\) has no finite value"):
-        elementary.sqrt(graph.constant(-2.0))
+    for name, value in (
+        ("sqrt", -2.0),
+        ("log", 0.0),
+        ("log", -1.0),
+        ("asin", 1.1),
+        ("acos", -1.1),
+        ("exp", 710.0),
+    ):
+        with pytest.raises(GraphError, match=rf"{name}\({value}\) has no finite value"):
+            elementary.FUNCTIONS[name](graph.constant(value))
 
 
 def test_closed_forms_refuse_what_is_no_polynomial():

@@ -48,6 +48,18 @@ def _chosen(condition: Any, a: Any, b: Any) -> Any:
 sin = _dispatch("sin", np.sin, "Sine of an angle in radians.")
 cos = _dispatch("cos", np.cos, "Cosine of an angle in radians.")
 sqrt = _dispatch("sqrt", np.sqrt, "Square root; NaN where negative.")
+exp = _dispatch("exp", np.exp, "e to the power of x; infinite from 709.8 on.")
+log = _dispatch("log", np.log, "Natural logarithm; -infinity of 0, NaN where negative.")
+tanh = _dispatch("tanh", np.tanh, "Hyperbolic tangent, which saturates at -1 and 1.")
+atan2 = _dispatch(
+    "atan2",
+    np.arctan2,
+    "atan2(y, x): the angle of the vector (x, y), -pi to pi; 0 of (0, 0), whose slopes are NaN.",
+)
+asin = _dispatch(
+    "asin", np.arcsin, "Arc sine, -pi/2 to pi/2; NaN beyond -1 and 1, where its slope is infinite."
+)
+acos = _dispatch("acos", np.arccos, "Arc cosine, 0 to pi; NaN beyond -1 and 1, where its slope is infinite.")
 sign = _dispatch("sign", np.sign, "-1, 0 or 1; 0 at 0.")
 absolute = _dispatch("absolute", np.absolute, "|x|; its derivative at 0 is 0.")
 less = _dispatch("less", _flag(np.less), "1 where a < b, else 0.")

@@ -14,7 +14,7 @@ from freebody.program.hoist import hoist
 from freebody.program.passes import schedule
 from freebody.program.program import Program
 from freebody.program.segments import Layout, Segment, SinCos, segment
-from freebody.targets.llvm.instructions import declarations, instruction
+from freebody.targets.llvm.instructions import declarations, functions, instruction
 from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.loop import gufunc_loop
 from freebody.targets.llvm.machine import Target
@@ -57,7 +57,14 @@ def emit(program: Program, target: Target) -> str:
     parts.append(_compute([*pieces, "@finite"], lanes.size * layout.slots, tiles))
     parts.append(gufunc_loop(program, every, target, layout, tiles, shared))
     parts.append(_attributes(lanes))
-    return "\n".join(parts)
+    return _declared_once("\n".join(parts))
+
+
+def _declared_once(text: str) -> str:
+    """Each piece declares what it calls; LLVM refuses to be told twice."""
+    lines = text.split("\n")
+    declared = dict.fromkeys(line for line in lines if line.startswith("declare "))
+    return "\n".join([*(line for line in lines if line not in declared), *declared, ""])
 
 
 def _attributes(lanes: Lanes) -> str:
@@ -89,7 +96,7 @@ def _pieces(
         else:
             pieces.append(f"@{before}sines{number}")
             parts.append(sines(pieces[-1], those, lanes, fma))
-    return pieces, [*parts, declarations(lanes)]
+    return pieces, [*parts, functions(program, lanes, fma), declarations(lanes)]
 
 
 def _joined(steps: Sequence[Segment | SinCos]) -> Iterator[Segment | list[SinCos]]:

@@ -8,7 +8,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 
+from freebody.program.program import Program
+from freebody.scalars.operations import OPERATIONS
+from freebody.targets.llvm import exponential, inverse_trig
 from freebody.targets.llvm.lanes import Lanes
+from freebody.targets.llvm.vector import function
+
+FUNCTIONS = {
+    "exp": exponential.exp,
+    "log": exponential.log,
+    "tanh": exponential.tanh,
+    "atan2": inverse_trig.atan2,
+    "asin": inverse_trig.asin,
+    "acos": inverse_trig.acos,
+}
+"""Operations of many instructions: each is a function of the module where a program has it."""
 
 _FLAG = "{r}.c = fcmp ORDER {v} {a}, {b}\n  {r} = select {mask} {r}.c, {v} {one}, {v} zeroinitializer"
 
@@ -40,6 +54,9 @@ INSTRUCTION = {
     "where": "{r}.c = fcmp une {v} {a}, zeroinitializer\n  {r} = select {mask} {r}.c, {v} {b}, {v} {c}",
     "minimum": _EXTREMUM.replace("ORDER", "olt"),
     "maximum": _EXTREMUM.replace("ORDER", "ogt"),
+} | {
+    name: f"{{r}} = call {{v}} @vector.{name}.{{n}}({', '.join(f'{{v}} {{{x}}}' for x in 'ab'[: OPERATIONS[name].arity])})"
+    for name in FUNCTIONS
 }
 """Only contraction to fused multiply-add is allowed: other fast-math flags break range reduction and NaN."""
 
@@ -53,6 +70,15 @@ def instruction(op: str, result: str, operands: Sequence[str], lanes: Lanes) -> 
 def _words(lanes: Lanes) -> dict[str, str]:
     """What words of the table stand for."""
     return {"v": lanes.v, "n": lanes.suffix, "mask": lanes.mask, "one": lanes.constant(1.0)}
+
+
+def functions(program: Program, lanes: Lanes, fma: bool) -> str:
+    """The functions that a program's operations call."""
+    return "\n".join(
+        function(f"@vector.{name}.{lanes.suffix}", OPERATIONS[name].arity, make, lanes, fma)
+        for name, make in FUNCTIONS.items()
+        if name in program.operations
+    )
 
 
 def declarations(lanes: Lanes) -> str:

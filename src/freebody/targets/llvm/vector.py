@@ -1,0 +1,176 @@
+"""Vector functions of doubles, written as arithmetic: values with operators that write LLVM text.
+
+Nothing is contracted or reordered, so that a difference that is exact stays exact; `fma` rounds once where the CPU has
+it and twice where it has not, and what is built on it must do with either.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from freebody.targets.llvm.lanes import DOUBLE, Lanes
+
+TO_INTEGER = 6755399441055744.0
+"""1.5 * 2**52: after adding it, the low bits are the nearest integer."""
+
+
+class Value:
+    """A vector in a block: of reals ("v"), of whole numbers of 64 bits ("i") or of truth values ("mask")."""
+
+    __slots__ = ("block", "kind", "name")
+
+    def __init__(self, block: Block, kind: str, name: str):
+        self.block, self.kind, self.name = block, kind, name
+
+    def _with(self, operation: str, other: Value | float, swapped: bool = False) -> Value:
+        x, y = self, self.block.lifted(other, self.kind)
+        if swapped:
+            x, y = y, x
+        return self.block.value(self.kind, f"{operation} {self.block.types[self.kind]} {x.name}, {y.name}")
+
+    def __add__(self, other: Value | float) -> Value:
+        return self._with("fadd" if self.kind == "v" else "add", other)
+
+    def __sub__(self, other: Value | float) -> Value:
+        return self._with("fsub" if self.kind == "v" else "sub", other)
+
+    def __rsub__(self, other: float) -> Value:
+        return self._with("fsub" if self.kind == "v" else "sub", other, swapped=True)
+
+    def __mul__(self, other: Value | float) -> Value:
+        return self._with("fmul", other)
+
+    def __truediv__(self, other: Value | float) -> Value:
+        return self._with("fdiv", other)
+
+    def __rtruediv__(self, other: float) -> Value:
+        return self._with("fdiv", other, swapped=True)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __neg__(self) -> Value:
+        return self.block.value("v", f"fneg {self.block.types['v']} {self.name}")
+
+    def __and__(self, other: Value | int) -> Value:
+        return self._with("and", other)
+
+    def __or__(self, other: Value | int) -> Value:
+        return self._with("or", other)
+
+    def __xor__(self, other: Value | int) -> Value:
+        return self._with("xor", other)
+
+    def __lshift__(self, count: int) -> Value:
+        return self._with("shl", count)
+
+    def __rshift__(self, count: int) -> Value:
+        """Without regard to a sign."""
+        return self._with("lshr", count)
+
+    def __lt__(self, other: Value | float) -> Value:
+        return self._compared("olt", other)
+
+    def __gt__(self, other: Value | float) -> Value:
+        return self._compared("ogt", other)
+
+    def equals(self, other: Value | float) -> Value:
+        """Whether two reals are equal; false of NaN."""
+        return self._compared("oeq", other)
+
+    def unordered(self, other: Value) -> Value:
+        """Whether one of two reals is NaN."""
+        return self._compared("uno", other)
+
+    def _compared(self, how: str, other: Value | float) -> Value:
+        y = self.block.lifted(other, "v")
+        return self.block.value("mask", f"fcmp {how} {self.block.types['v']} {self.name}, {y.name}")
+
+    @property
+    def bits(self) -> Value:
+        """A real's 64 bits."""
+        types = self.block.types
+        return self.block.value("i", f"bitcast {types['v']} {self.name} to {types['i']}")
+
+    @property
+    def real(self) -> Value:
+        """The real that has these bits."""
+        types = self.block.types
+        return self.block.value("v", f"bitcast {types['i']} {self.name} to {types['v']}")
+
+
+class Block:
+    """The lines of one function."""
+
+    def __init__(self, lanes: Lanes, fma: bool):
+        self.lanes, self.fused = lanes, fma
+        self.types = {"v": lanes.v, "i": lanes.i, "mask": lanes.mask}
+        self.lines: list[str] = []
+
+    def value(self, kind: str, text: str) -> Value:
+        """A new value, computed by an instruction."""
+        name = f"%t{len(self.lines)}"
+        self.lines.append(f"  {name} = {text}")
+        return Value(self, kind, name)
+
+    def lifted(self, x: Value | float, kind: str) -> Value:
+        """A constant in every lane; values as they are."""
+        if isinstance(x, Value):
+            return x
+        constant = self.lanes.constant(x) if kind == "v" else self.lanes.whole(int(x))
+        return Value(self, kind, constant)
+
+    def fma(self, x: Value, y: Value | float, z: Value | float) -> Value:
+        """x y + z."""
+        y, z = self.lifted(y, "v"), self.lifted(z, "v")
+        if not self.fused:
+            return x * y + z
+        v = self.types["v"]
+        return self.value(
+            "v", f"call {v} @llvm.fma.{self.lanes.suffix}({v} {x.name}, {v} {y.name}, {v} {z.name})"
+        )
+
+    def horner(self, coefficients: Sequence[float], z: Value) -> Value:
+        """The polynomial in z, the highest coefficient first."""
+        last = self.lifted(coefficients[0], "v")
+        for coefficient in coefficients[1:]:
+            last = self.fma(last, z, coefficient)
+        return last
+
+    def where(self, condition: Value, x: Value | float, y: Value | float) -> Value:
+        """x in the lanes where the condition holds, else y."""
+        x, y = self.lifted(x, "v"), self.lifted(y, "v")
+        v, mask = self.types["v"], self.types["mask"]
+        return self.value("v", f"select {mask} {condition.name}, {v} {x.name}, {v} {y.name}")
+
+    def absolute(self, x: Value) -> Value:
+        """|x|."""
+        return (x.bits & (2**63 - 1)).real
+
+    def signed(self, size: Value, sign: Value) -> Value:
+        """`size`, which is not negative, with the sign of another value."""
+        return ((sign.bits & -(2**63)) | size.bits).real
+
+    def sqrt(self, x: Value) -> Value:
+        """The square root."""
+        v = self.types["v"]
+        return self.value("v", f"call {v} @llvm.sqrt.{self.lanes.suffix}({v} {x.name})")
+
+    def power_of_two(self, whole: Value) -> Value:
+        """2^k of a real that is a whole number from -1022 to 1023."""
+        return (((whole + TO_INTEGER).bits + 1023) << 52).real
+
+
+def function(name: str, arity: int, make: Callable[..., Value], lanes: Lanes, fma: bool) -> str:
+    """`name`, a function of vectors as `lanes` has them, that `make(block, *values)` computes in doubles."""
+    block = Block(Lanes(DOUBLE, lanes.width), fma)
+    given = [Value(block, "v", f"%x{k}") for k in range(arity)]
+    if lanes.real is not DOUBLE:
+        given = [block.value("v", f"fpext {lanes.v} {x.name} to {block.types['v']}") for x in given]
+    result = make(block, *given)
+    if lanes.real is not DOUBLE:
+        result = block.value("v", f"fptrunc {block.types['v']} {result.name} to {lanes.v}")
+    taken = ", ".join(f"{lanes.v} %x{k}" for k in range(arity))
+    lines = [f"define internal {lanes.v} {name}({taken}) #0 {{", *block.lines]
+    v, n = block.types["v"], block.lanes.suffix
+    declared = [f"declare {v} @llvm.sqrt.{n}({v})", f"declare {v} @llvm.fma.{n}({v}, {v}, {v})"]
+    return "\n".join([*lines, f"  ret {lanes.v} {result.name}", "}", *declared, ""])

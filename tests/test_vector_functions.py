@@ -1,0 +1,215 @@
+"""Exponential, logarithm, hyperbolic tangent and inverse trigonometric functions in vector code, against mpmath."""
+
+import dataclasses
+import itertools
+import math
+
+import mpmath
+import numpy as np
+import pytest
+
+from freebody.elementary import FUNCTIONS
+from freebody.program import Argument, trace
+from freebody.targets import compile_program
+from freebody.targets.llvm import machine
+
+LARGEST = {"exp": 1.0, "log": 1.0, "tanh": 2.0, "atan2": 2.0, "asin": 1.0, "acos": 1.0}
+"""Error in units of the last place that the documentation states."""
+EXACT = {
+    "exp": mpmath.exp,
+    "log": mpmath.log,
+    "tanh": mpmath.tanh,
+    "atan2": mpmath.atan2,
+    "asin": mpmath.asin,
+    "acos": mpmath.acos,
+}
+SPECIAL = (
+    0.0,
+    -0.0,
+    5e-324,
+    -5e-324,
+    1e-310,
+    0.5,
+    -0.5,
+    1.0,
+    -1.0,
+    2.0,
+    -2.0,
+    1e300,
+    -1.7e308,
+    math.inf,
+    -math.inf,
+    math.nan,
+)
+
+
+@pytest.fixture(autouse=True)
+def memory_only(monkeypatch):
+    monkeypatch.setenv("FREEBODY_CACHE", "off")
+
+
+def compiled(name, arity=1, width=None, title=None, of=lambda *x: x):
+    """The function of a name of its inputs, or of what `of` makes of them."""
+    inputs = [Argument(x, ()) for x in "xyzuvw"[:arity]]
+    program = trace(
+        title or f"just_{name}", lambda *x: (FUNCTIONS[name](*of(*x)),), inputs, [Argument("r", ())]
+    )
+    return compile_program(program, backend="llvm", width=width)
+
+
+def anywhere(rng, n):
+    """Finite doubles of any exponent."""
+    x = rng.integers(0, 2**63, 2 * n, dtype=np.int64).view(np.float64)
+    return x[np.isfinite(x)][:n] * rng.choice([-1.0, 1.0], n)
+
+
+def near(rng, centre, n):
+    """On both sides of a number, at all distances."""
+    return centre + rng.choice([-1.0, 1.0], n) * 10.0 ** rng.uniform(-17, -0.3, n)
+
+
+def samples(name, rng, n):
+    """Arguments of the function, the places among them where its code changes its way, and the ends of its domain."""
+    if name == "exp":
+        ends = [
+            709.782712893384,
+            709.7827128933841,
+            -708.3964185322641,
+            -745.1332191019411,
+            -745.1332191019412,
+        ]
+        return (
+            np.concatenate(
+                [rng.uniform(-746, 710, n), rng.uniform(-1, 1, n), near(rng, 0, n), anywhere(rng, n), ends]
+            ),
+        )
+    if name == "log":
+        subnormal = rng.integers(1, 2**52, n) * 5e-324
+        ends = [5e-324, 2.2250738585072014e-308, math.sqrt(0.5), math.sqrt(2.0), 1.7976931348623157e308]
+        return (
+            np.concatenate(
+                [abs(anywhere(rng, n)), rng.uniform(0.5, 2, n), abs(near(rng, 1, n)), subnormal, ends]
+            ),
+        )
+    if name == "tanh":
+        return (
+            np.concatenate(
+                [
+                    anywhere(rng, n),
+                    rng.uniform(-20, 20, n),
+                    near(rng, 0.625, n),
+                    rng.uniform(0, 1, n),
+                    [0.625],
+                ]
+            ),
+        )
+    if name == "atan2":
+        y, x = (np.concatenate([rng.normal(size=n), anywhere(rng, n), near(rng, 0, n)]) for _ in range(2))
+        borders = rng.choice([0.4375, 0.6875, 1.0, 16 / 11, 16 / 7], 3 * n) * near(rng, 1, 3 * n)
+        return np.concatenate([y, 0.25 * x * borders]), np.concatenate([x, 0.25 * x])
+    inside = np.concatenate([rng.uniform(-1, 1, n), near(rng, 0, n), near(rng, 0.5, n), -near(rng, 0.5, n)])
+    ends = 1.0 - 10.0 ** rng.uniform(-16, -1, n)
+    return (
+        np.concatenate(
+            [inside[abs(inside) <= 1], ends, -ends, anywhere(rng, n) * 2.0**-1024, [1.0, -1.0, 0.5, -0.5]]
+        ),
+    )
+
+
+def errors(name, kernel, columns):
+    """Error of each sample in units of the last place of the exact value, the largest double for what is beyond it."""
+    found = kernel(*columns)
+    assert found.dtype == np.float64
+    with mpmath.workprec(140):
+        for row in zip(found.tolist(), *(c.tolist() for c in columns), strict=True):
+            exact = EXACT[name](*map(mpmath.mpf, row[1:]))
+            nearest = float(exact)
+            if math.isinf(nearest):
+                yield 0.0 if row[0] == nearest else math.inf, row
+            else:
+                yield float(abs(exact - row[0]) / math.ulp(nearest)), row
+
+
+@pytest.mark.parametrize("width", [2, 4, 8])
+@pytest.mark.parametrize("name", LARGEST)
+def test_within_the_stated_error(name, width):
+    columns = samples(name, np.random.default_rng(width), 150)
+    worst, row = max(errors(name, compiled(name, len(columns), width), columns))
+    assert worst <= LARGEST[name], row
+
+
+@pytest.mark.parametrize("name", LARGEST)
+def test_without_fused_multiply_add(name, monkeypatch):
+    whole = machine.Host.target
+    monkeypatch.setattr(
+        machine.Host, "target", lambda *a, **k: dataclasses.replace(whole(*a, **k), fma=False)
+    )
+    columns = samples(name, np.random.default_rng(1), 150)
+    kernel = compiled(name, len(columns), 4, f"bare_{name}")
+    assert "@llvm.fma.v4f64(<4 x double> %" not in kernel.ir
+    worst, row = max(errors(name, kernel, columns))
+    assert worst <= LARGEST[name], row
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", LARGEST)
+def test_within_the_stated_error_everywhere(name):
+    columns = samples(name, np.random.default_rng(5), 50_000)
+    worst, row = max(errors(name, compiled(name, len(columns)), columns))
+    assert worst <= LARGEST[name], row
+
+
+@pytest.mark.parametrize("width", [2, 4, 8])
+@pytest.mark.parametrize("name", LARGEST)
+def test_special_values_are_those_of_c(name, width):
+    """Zeros with their signs, infinities and NaN, made inside: an input that is not finite is another matter."""
+    arity = 2 if name == "atan2" else 1
+    kernel = compiled(
+        name,
+        2 * arity,
+        width,
+        f"special_{name}",
+        lambda *x: [a / b for a, b in zip(x[::2], x[1::2], strict=True)],
+    )
+    quotients = {
+        math.inf: (1.0, 0.0),
+        -math.inf: (-1.0, 0.0),
+        math.nan: (0.0, 0.0),
+    }
+    rows = list(itertools.product(SPECIAL, repeat=arity))
+    columns = [
+        np.array(c)
+        for c in zip(*([p for x in row for p in quotients.get(x, (x, 1.0))] for row in rows), strict=True)
+    ]
+    wanted = {"atan2": np.arctan2, "asin": np.arcsin, "acos": np.arccos}.get(name) or getattr(np, name)
+    with np.errstate(all="ignore"):
+        expected = wanted(*np.array(rows).T)
+    found = kernel(*columns)
+    np.testing.assert_array_equal(np.isnan(found), np.isnan(expected))
+    number = ~np.isnan(expected)
+    np.testing.assert_array_equal(np.signbit(found[number]), np.signbit(expected[number]))
+    np.testing.assert_allclose(found[number], expected[number], rtol=5e-16, atol=5e-324)
+
+
+@pytest.mark.parametrize("name", LARGEST)
+def test_functions_stand_in_long_programs(name):
+    """Many calls, in several segments, beside sines: the same bits as one call of each."""
+    arity = 2 if name == "atan2" else 1
+    rng = np.random.default_rng(3)
+    columns = rng.uniform(0.1, 0.9, (200, arity, 13))
+    flat = columns.reshape(200 * arity, 13).T
+
+    def many(x):
+        calls = [
+            FUNCTIONS[name](*(FUNCTIONS["sin"](v) for v in x[arity * k : arity * (k + 1)]))
+            for k in range(200)
+        ]
+        return (calls,)
+
+    program = trace("many", many, [Argument("x", (200 * arity,))], [Argument("r", (200,))])
+    sines = compile_program(
+        trace("s", lambda x: (FUNCTIONS["sin"](x),), [Argument("x", ())], [Argument("r", ())])
+    )
+    np.testing.assert_array_equal(
+        compile_program(program)(flat).T, compiled(name, arity)(*(sines(columns[:, k]) for k in range(arity)))
+    )
