@@ -213,3 +213,19 @@ def test_functions_stand_in_long_programs(name):
     np.testing.assert_array_equal(
         compile_program(program)(flat).T, compiled(name, arity)(*(sines(columns[:, k]) for k in range(arity)))
     )
+
+
+@pytest.mark.parametrize("name", LARGEST)
+def test_of_uniform_inputs_once_a_call(name):
+    """The code for a single lane gives the bits that the vector code gives."""
+    arity = 2 if name == "atan2" else 1
+    x = np.random.default_rng(4).uniform(0.1, 0.9, (30, arity))
+    program = trace(
+        f"uniform_{name}",
+        lambda p, y: (FUNCTIONS[name](*p) + 0.0 * y, y),
+        [Argument("p", (arity,), uniform=True), Argument("y", ())],
+        [Argument("r", ()), Argument("s", ())],
+    )
+    kernel = compile_program(program)
+    once = [kernel(row, np.zeros(3))[0] for row in x]
+    np.testing.assert_array_equal(np.array(once)[:, 0], compiled(name, arity)(*x.T))

@@ -34,6 +34,12 @@ _EXTREMUM = (
     "  {r} = select {mask} {r}.n, {v} {b}, {v} {r}.m"
 )
 
+
+def _call(name: str) -> str:
+    operands = ", ".join(f"{{v}} {{{x}}}" for x in "ab"[: OPERATIONS[name].arity])
+    return f"{{r}} = call {{v}} @vector.{name}.{{n}}({operands})"
+
+
 INSTRUCTION = {
     "add": "{r} = fadd contract {v} {a}, {b}",
     "sub": "{r} = fsub contract {v} {a}, {b}",
@@ -54,10 +60,7 @@ INSTRUCTION = {
     "where": "{r}.c = fcmp une {v} {a}, zeroinitializer\n  {r} = select {mask} {r}.c, {v} {b}, {v} {c}",
     "minimum": _EXTREMUM.replace("ORDER", "olt"),
     "maximum": _EXTREMUM.replace("ORDER", "ogt"),
-} | {
-    name: f"{{r}} = call {{v}} @vector.{name}.{{n}}({', '.join(f'{{v}} {{{x}}}' for x in 'ab'[: OPERATIONS[name].arity])})"
-    for name in FUNCTIONS
-}
+} | {name: _call(name) for name in FUNCTIONS}
 """Only contraction to fused multiply-add is allowed: other fast-math flags break range reduction and NaN."""
 
 
