@@ -39,7 +39,9 @@ def kernel(
     Returns k(q, qd, …, out=None, threads=None), which broadcasts like a NumPy ufunc, lets NaN through and checks no
     names; its inputs are those of the quantities, in the order q, qd, qdd, tau, wrenches, and its outputs in the order
     of `names`. The forward dynamics of a closed chain takes its state to be closed, and is not defined at singular
-    positions, where `fb.forward_dynamics` is. Raises UnknownNameError.
+    positions, where `fb.forward_dynamics` is. One step of a simulation is a quantity too: "rk4_step",
+    "semi_implicit_step", "implicit_step" and "implicit_feedback_step", with the step's length h after tau, return
+    (q1, qd1); see docs/stepping.md. Raises UnknownNameError.
     """
     listed, option = chosen_option(
         model, names, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows

@@ -126,6 +126,8 @@ class Kernel:
     def _is_small(self, arrays: tuple[ArrayLike, ...]) -> bool:
         """Whether the batch is surely short, by a look at the arrays: a call takes a microsecond."""
         for array, core in zip(arrays, self._cores, strict=False):
+            if type(array) is float and not core:
+                continue
             if not isinstance(array, np.ndarray):
                 return False
             axes = array.ndim - core
