@@ -22,7 +22,7 @@ from freebody.identifiers import identifiers, in_words, is_identifier
 from freebody.notes import registry, steps
 from freebody.program import Argument, ProgramError, trace
 from freebody.targets import compile_program
-from freebody.targets.text.python import emit
+from freebody.targets.text import LANGUAGES, Unit
 
 SOURCE = Path(freebody.__file__).parent
 
@@ -165,14 +165,23 @@ def test_a_name_from_outside_is_refused_in_a_program(name):
         with pytest.raises(ProgramError, match="is no word"):
             compile_program(dataclasses.replace(made, name=name), backend=backend)
     with pytest.raises(ProgramError, match="is no word"):
-        emit(dataclasses.replace(made, outputs=(Argument(name, (1,)),)), "numpy")
+        Unit(dataclasses.replace(made, outputs=(Argument(name, (1,)),)), "f")
+    with pytest.raises(ProgramError, match="is no word"):
+        Unit(made, name)
+
+
+@pytest.mark.parametrize("remark", ["*/ int x;", '"""', "a\nb", "\\", "θ", "%{", "${x}", "#{x}", "`"])
+def test_a_remark_that_could_end_a_comment_is_refused(remark):
+    made = trace("f", lambda x: ([x[0]],), [Argument("q", (1,))], [Argument("y", (1,))])
+    with pytest.raises(ProgramError, match="no comment may hold"):
+        Unit(made, "f", (remark,))
 
 
 def test_inputs_that_are_called_like_the_emitted_texts_own_words_are_renamed():
     inputs = [Argument(x, (1,)) for x in ("batch", "xp", "sin", "v0", "f", "q")]
     program = trace("f", lambda *x: ([sum(y[0] for y in x)],), inputs, [Argument("y", (1,))])
     scope: dict = {}
-    exec(emit(program, "numpy"), scope)
+    exec(LANGUAGES["numpy"].emit(Unit(program, "f")), scope)
     assert scope["f"](*(np.array([float(k)]) for k in range(6))).tolist() == [15.0]
 
 

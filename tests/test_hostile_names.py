@@ -7,6 +7,7 @@ import csv
 import io
 import json
 import pickle
+import re
 import tomllib
 import xml.etree.ElementTree as ElementTree
 from html.parser import HTMLParser
@@ -19,6 +20,7 @@ import xarray as xr
 import freebody as fb
 from freebody.cli.app import run
 from freebody.kernels.lookup import chosen_option, program
+from freebody.targets.text import LANGUAGES
 
 CODE = "__import__('builtins').__dict__.__setitem__('hacked', True)"
 HOSTILE = {
@@ -124,15 +126,35 @@ def test_a_wrench_at_a_tip_of_any_name(model, tame, backend, monkeypatch):
     np.testing.assert_allclose(taus[0], fb.inverse_dynamics(tame, *STATE) - J.T @ LOAD)
 
 
-@pytest.mark.parametrize("language", ["numpy", "jax"])
+REMARKS = re.compile(
+    r'"""[^"]*"""|/\*.*?\*/|(?://|#|%)[ A-Za-z0-9_ .,:;()\[\]/^+<>=-]*$', re.DOTALL | re.MULTILINE
+)
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
 def test_source_text_is_that_of_a_robot_with_plain_names(model, tame, language):
     texts = [fb.source(m, QUANTITIES[:2], language, wrench_frames=[m.tip]) for m in (model, tame)]
-    assert texts[0] == texts[1]
+    assert texts[0].isascii()
+    code = [REMARKS.sub("", text) for text in texts]
+    assert code[0] == code[1], "a name changes a remark, nothing else"
+    assert "sin" in code[0]
     if language == "numpy":
         scope: dict = {}
         exec(texts[0], scope)
         tau, _ = scope["_".join(QUANTITIES[:2])](*STATE, np.zeros(2), LOAD)
         np.testing.assert_allclose(tau, fb.inverse_dynamics(tame, *STATE, LOAD))
+
+
+def test_a_package_holds_the_names_and_nothing_runs_them(model, hostile, tmp_path):
+    before = set(tmp_path.rglob("*"))
+    paths = fb.export(model, "inverse_dynamics", tmp_path / "out", "numpy", wrench_frames=[model.tip])
+    assert set(tmp_path.rglob("*")) - before == {tmp_path / "out", *paths}
+    names = json.loads((tmp_path / "out" / "names.json").read_text(encoding="utf-8"))
+    assert list(names["robot"].values()) == [hostile]
+    assert tuple(names["joints"].values()) == model.joint_names
+    assert set(model.frame_names) <= set(names["bodies and frames"].values())
+    for path in paths:
+        assert path.name == "names.json" or path.read_text(encoding="utf-8").isascii()
 
 
 def test_jax(tame, tmp_path):

@@ -17,7 +17,7 @@ from freebody.scalars.trig import TrigRing
 from freebody.targets import compile_program
 from freebody.targets.interpret import functions
 from freebody.targets.llvm.instructions import INSTRUCTION
-from freebody.targets.text.python import EXPRESSION, emit
+from freebody.targets.text import LANGUAGES, Unit
 
 BACKENDS = [("numpy", None), ("llvm", 2), ("llvm", 4), ("llvm", 8)]
 every_backend = pytest.mark.parametrize(("backend", "width"), BACKENDS)
@@ -48,7 +48,6 @@ def test_every_target_knows_every_operation(name):
     tables = {
         "NumPy": functions(np),
         "LLVM": INSTRUCTION | dict.fromkeys(("sin", "cos")),
-        "Python": EXPRESSION,
     }
     assert not [target for target, table in tables.items() if name not in table]
 
@@ -222,6 +221,6 @@ def test_python_text(name):
     inputs = [Argument(x, ()) for x in "xyz"[: operation.arity]]
     program = trace("f", lambda *x: (elementary.FUNCTIONS[name](*x),), inputs, [Argument("r", ())])
     space = {}
-    exec(emit(program, "numpy"), space)
+    exec(LANGUAGES["numpy"].emit(Unit(program, program.name)), space)
     columns = np.random.default_rng(1).uniform(0.1, 0.9, (operation.arity, 20))
     np.testing.assert_array_equal(space["f"](*columns), compile_program(program, backend="numpy")(*columns))

@@ -83,7 +83,7 @@ _PLACES = {
     "freebody.inverse.rates": ("inverse_velocity", "inverse_acceleration"),
     "freebody.inverse.singularities": ("singularities",),
     "freebody.kernels.lookup": ("kernel",),
-    "freebody.kernels.exports": ("source", "to_jax"),
+    "freebody.kernels.exports": ("export", "source", "to_jax"),
     "freebody.derivations.equations": ("equations",),
     "freebody.derivations.closed.loops": ("loop_equations",),
     "freebody.figures.illustrate": ("derive",),

@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from freebody import __version__
-from freebody.cli import INTERRUPTED, check, derive, fbd, models, notes, show, study, terminal
+from freebody.cli import INTERRUPTED, check, derive, export, fbd, models, notes, show, study, terminal
 from freebody.errors import FreebodyError
 
 _UNREAD = 141
@@ -29,6 +29,7 @@ app.command(epilog=show.EXAMPLE)(show.show)
 app.command(epilog=derive.EXAMPLE)(derive.derive)
 app.command(epilog=check.EXAMPLE)(check.check)
 app.command(epilog=fbd.EXAMPLE)(fbd.fbd)
+app.command(epilog=export.EXAMPLE)(export.export)
 app.command(epilog=notes.EXAMPLE)(notes.notes)
 app.command(epilog=models.EXAMPLE)(models.models)
 

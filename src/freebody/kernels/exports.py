@@ -1,27 +1,74 @@
-"""The traced computations as source text, and as functions of other array libraries."""
+"""The traced computations as source text, as packages with a self-test, and as functions of other array libraries."""
 
 from __future__ import annotations
 
+import json
+import os
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
+from freebody import __version__
 from freebody.errors import FreebodyError, UnknownNameError
+from freebody.identifiers import is_identifier
+from freebody.kernels.describe import Description, of_program
 from freebody.kernels.lookup import chosen_option, program
+from freebody.kernels.vectors import vectors
 from freebody.model.model import Model
+from freebody.model.required import require_model
+from freebody.outputs.folder import write_folder
+from freebody.program.passes import share_reciprocals
+from freebody.targets import Kernel
 from freebody.targets.interpret import array_function
-from freebody.targets.text.python import MODULES, emit
+from freebody.targets.text import LANGUAGES, Unit
 
 
-def source(model: Model, names: str | Sequence[str], language: str = "numpy", **options: Any) -> str:
-    """Python text of a pure function that computes one quantity, or several that share their work.
+def source(
+    what: Model | Kernel,
+    names: str | Sequence[str] | None = None,
+    language: str = "numpy",
+    *,
+    name: str | None = None,
+    dtype: str = "float64",
+    **options: Any,
+) -> str:
+    """Text of a function that computes one quantity, or several that share their work, in another language.
 
-    names, options: as for `fb.kernel` (frame, reference, wrench_frames, rows). language: "numpy" or "jax".
-    The function is called like the kernel, with arrays whose leading shapes broadcast.
+    what: a model with all values and `names` of quantities, or a kernel of fb.compile. names, options: as for
+    `fb.kernel` (frame, reference, wrench_frames, rows). language: "c", "cpp", "javascript" (a module),
+    "javascript-script", "rust", "julia", "matlab" (Octave too), "numpy", "jax", "casadi". name: of the function, by
+    default the quantities'. dtype: "float64", or "float32" (c, rust, julia).
+    Arguments are those of the kernel, in its order, in SI units; the text's head says all that is needed to call it.
+    It is ASCII, names in it are words, and the same robot gives the same text. Raises UnknownNameError, FreebodyError.
     """
-    if language not in MODULES:
-        raise UnknownNameError("language", language, "fb.source", MODULES)
-    listed, option = chosen_option(model, names, **options)
-    return emit(program(model, listed, option), language)
+    unit, _ = _unit("fb.source", what, names, language, name, dtype, options)
+    return LANGUAGES[language].emit(unit)
+
+
+def export(
+    what: Model | Kernel,
+    names: str | Sequence[str] | None = None,
+    out: str | os.PathLike[str] = ".",
+    language: str = "c",
+    *,
+    name: str | None = None,
+    dtype: str = "float64",
+    **options: Any,
+) -> list[Path]:
+    """Write `fb.source`'s text into the folder `out` as a package that tests itself; the paths of its files.
+
+    Arguments as for `fb.source`. Beside the text: a self-test with test vectors, README.txt with the command that runs
+    it, names.json with names as they were where the text has words, and manifest.json. Nothing but freebody's own files
+    is replaced. Raises FileError, OutputError too.
+    """
+    unit, described = _unit("fb.export", what, names, language, name, dtype, options)
+    known = LANGUAGES[language]
+    files = known.package(unit, vectors(unit.program, dtype, what if isinstance(what, Model) else None))
+    word = next(iter(files)).partition(".")[0]
+    files["README.txt"] = _readme(unit, known.test.format(name=word), known.note, list(files))
+    files["names.json"] = json.dumps(described, indent=1) + "\n"
+    about = {"freebody": __version__, "function": word, "language": language, "dtype": dtype}
+    return write_folder(out, {key: (lambda text=text: text) for key, text in files.items()}, about)
 
 
 def to_jax(model: Model, names: str | Sequence[str], **options: Any) -> Callable[..., Any]:
@@ -35,3 +82,53 @@ def to_jax(model: Model, names: str | Sequence[str], **options: Any) -> Callable
         raise FreebodyError("to_jax: JAX is not installed; pip install 'freebody[jax]'.") from None
     listed, option = chosen_option(model, names, **options)
     return array_function(program(model, listed, option), jax.numpy)
+
+
+def _unit(
+    function: str,
+    what: Model | Kernel,
+    names: str | Sequence[str] | None,
+    language: str,
+    name: str | None,
+    dtype: str,
+    options: dict[str, Any],
+) -> tuple[Unit, dict[str, Any]]:
+    """What is written, and the names behind its words."""
+    if language not in LANGUAGES:
+        raise UnknownNameError("language", language, function, LANGUAGES)
+    dtypes = LANGUAGES[language].dtypes
+    if dtype not in dtypes:
+        raise FreebodyError(f"{function}: dtype={dtype!r} in {language}; it can be {' or '.join(dtypes)}.")
+    if name is not None and not is_identifier(name):
+        raise FreebodyError(
+            f"{function}: name={name!r} is no word of letters a-z, digits and _ that could be a function's name."
+        )
+    if isinstance(what, Kernel):
+        if names is not None or options:
+            raise FreebodyError(f"{function}: a kernel has its quantities already; give language= only.")
+        traced = share_reciprocals(what.program)
+        return Unit(traced, name or traced.name, of_program(traced), None, dtype), {}
+    require_model(function.removeprefix("fb."), what)
+    if names is None:
+        raise FreebodyError(f"{function}: give the quantities, such as 'inverse_dynamics'.")
+    listed, option = chosen_option(what, names, **options)
+    traced = share_reciprocals(program(what, listed, option))
+    about = Description(what, listed, option, traced)
+    return Unit(traced, name or traced.name, about.comment, about.joints, dtype), about.names
+
+
+def _readme(unit: Unit, command: str, note: str, files: list[str]) -> str:
+    """What lies in the folder and how it is tried."""
+    return "\n".join(
+        [
+            *unit.comment,
+            "",
+            f"Files: {', '.join(files)};",
+            "names.json has the names as they were where the text has words, manifest.json checksums.",
+            "",
+            "The self-test compares with results in more digits, and ends with status 0 if they agree:",
+            f"    {command}",
+            *(["", note] if note else []),
+            "",
+        ]
+    )

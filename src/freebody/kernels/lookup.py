@@ -9,7 +9,7 @@ import numpy as np
 
 from freebody.algorithms.regressor import parameter_values
 from freebody.arrays import Array
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody.errors import FreebodyError, SingularError, UnknownNameError
 from freebody.kernels.closed_chains import closed
 from freebody.kernels.columns import BY_COLUMNS, LARGEST, ColumnKernel, KernelList
 from freebody.kernels.formulas import FORMULAS, OF_INDEPENDENT_EQUATIONS, OF_TREES, POSITIONS, Option
@@ -46,8 +46,6 @@ def kernel(
     listed, option = chosen_option(
         model, names, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows
     )
-    if model.loops and any(name in OF_INDEPENDENT_EQUATIONS for name in listed):
-        option = option._replace(equations=closed("independent_rows")(model))
     return fetch(model, listed, option, backend, width)
 
 
@@ -80,6 +78,8 @@ def chosen_option(
         tuple(model.frame(f).name for f in wrench_frames),
         rows=motion_rows(model, rows),
     )
+    if model.loops and any(name in OF_INDEPENDENT_EQUATIONS for name in listed):
+        option = option._replace(equations=closed("independent_rows")(model))
     return listed, option
 
 
@@ -194,7 +194,13 @@ def program(model: Model, names: tuple[str, ...], option: Option) -> Program:
                 x for name in names for x in ways[name](tree, option, **_chosen(name, given, option))
             )
 
-        return trace("_".join(names), evaluate, inputs, outputs)
+        try:
+            return trace("_".join(names), evaluate, inputs, outputs)
+        except ZeroDivisionError:
+            raise SingularError(
+                f"{', '.join(names)} of {model.name!r} divides by zero in every state: a joint moves no mass and no "
+                "inertia, or a loop does not hold anything."
+            ) from None
 
     first = traced({name: FORMULAS[name].evaluate for name in names})
     others = {name: FORMULAS[name].another or FORMULAS[name].evaluate for name in names}

@@ -1,1 +1,28 @@
 """Programs as source text of other languages."""
+
+from __future__ import annotations
+
+from freebody.targets.text.c import CPP, C
+from freebody.targets.text.javascript import MODULE, SCRIPT
+from freebody.targets.text.julia import JULIA
+from freebody.targets.text.language import Language, Vectors
+from freebody.targets.text.matlab import MATLAB
+from freebody.targets.text.python import CASADI, JAX, NUMPY
+from freebody.targets.text.rust import RUST
+from freebody.targets.text.unit import Joints, Unit
+
+__all__ = ["LANGUAGES", "Joints", "Language", "Unit", "Vectors"]
+
+LANGUAGES: dict[str, Language] = {
+    "c": C,
+    "cpp": CPP,
+    "javascript": MODULE,
+    "javascript-script": SCRIPT,
+    "rust": RUST,
+    "julia": JULIA,
+    "matlab": MATLAB,
+    "numpy": NUMPY,
+    "jax": JAX,
+    "casadi": CASADI,
+}
+"""Languages by name. A further one is a file and a line here."""

@@ -1,23 +1,19 @@
-"""Program to a readable, pure Python function over NumPy or JAX arrays: source to keep, to read or to differentiate."""
+"""Python: a pure function over NumPy or JAX arrays, and one that builds a CasADi function."""
 
 from __future__ import annotations
 
-from freebody.identifiers import identifiers
-from freebody.program.program import Argument, Program, verify
+from collections.abc import Callable, Sequence
+from functools import partial
 
-MODULES = {"numpy": "numpy", "jax": "jax.numpy"}
-"""Module that the text imports as `xp`, by language."""
+import numpy as np
 
-EXPRESSION = {
-    "neg": "-{a}",
-    "sqrt": "sqrt({a})",
-    "sin": "sin({a})",
-    "cos": "cos({a})",
-    "sign": "sign({a})",
-    "add": "{a} + {b}",
-    "sub": "{a} - {b}",
-    "mul": "{a} * {b}",
-    "div": "{a} / {b}",
+from freebody.program.program import Argument
+from freebody.targets.text.language import Language, Vectors, flat, helpers, number
+from freebody.targets.text.statements import Spelling, Words, lines, statements, words_of
+from freebody.targets.text.unit import Unit
+
+_IMPORTED = ("cos", "sign", "sin", "sqrt")
+_FUNCTIONS = {op: f"{op}({{a}})" for op in _IMPORTED} | {
     "exp": "xp.exp({a})",
     "log": "xp.log({a})",
     "tanh": "xp.tanh({a})",
@@ -32,52 +28,81 @@ EXPRESSION = {
     "minimum": "xp.minimum({a}, {b})",
     "maximum": "xp.maximum({a}, {b})",
 }
+_CASADI = {op: f"ca.{op}({{a}})" for op in (*_IMPORTED, "exp", "log", "tanh", "asin", "acos")} | {
+    "absolute": "ca.fabs({a})",
+    "atan2": "ca.atan2({a}, {b})",
+    "less": "({a} < {b})",
+    "less_equal": "({a} <= {b})",
+    "equal": "({a} == {b})",
+    "where": "ca.if_else({a} != 0.0, {b}, {c})",
+    "minimum": "min_of({a}, {b})",
+    "maximum": "max_of({a}, {b})",
+}
+_CASADI_HELPERS = {
+    op: f"def {name}(a, b):\n    return ca.if_else(ca.logic_or({test}, a != a), a, b)\n\n\n"
+    for op, name, test in (("minimum", "min_of", "a <= b"), ("maximum", "max_of", "b <= a"))
+}
+"""NaN that arises on the way stays."""
+_TEST = "python {name}_test.py"
+_OWN = frozenset(("xp", "ca", "batch", "min_of", "max_of", *_IMPORTED))
 
-_OWN = ("xp", "cos", "sign", "sin", "sqrt", "batch")
+
+def _indexed(word: str, argument: Argument, position: int) -> str:
+    if not argument.shape:
+        return word
+    index = np.unravel_index(position, argument.shape)
+    return f"{word}[..., {', '.join(str(int(i)) for i in index)}]"
 
 
-def emit(program: Program, language: str) -> str:
-    """Text of a function with the program's name: arrays (..., *core) that broadcast in, an array or a tuple out."""
-    verify(program)  # its names are words
-    own = {*_OWN, program.name, *(f"v{index}" for index in range(len(program)))}
-    words = identifiers((argument.name for argument in program.inputs), own)
-    names = {}
-    lines = [
-        f'"""{program}"""',
-        "",
-        f"import {MODULES[language]} as xp",
-        f"from {MODULES[language]} import cos, sign, sin, sqrt",
-        "",
-        "",
-        f"def {program.name}({', '.join(words.values())}):",
+_ARRAYS = Spelling(
+    _FUNCTIONS, number, _indexed, flat, "{word} = {text}", "{word} = {text}", "# {text}", inputs_first=True
+)
+_SCALARS = Spelling(
+    _CASADI,
+    number,
+    lambda word, argument, k: f"{word}[{k}]",
+    flat,
+    "{word} = {text}",
+    "{word} = {text}",
+    "# {text}",
+)
+
+
+def _computed(unit: Unit, words: Words, spelling: Spelling) -> tuple[list[str], list[list[str]]]:
+    """Lines that compute, and for each output the texts of its scalars."""
+    done = statements(unit, words, spelling, _OWN)
+    inner = [statement for statement in done if not statement.writes]
+    results = iter([statement.text for statement in done if statement.writes])
+    return lines(inner, spelling, "    "), [
+        [next(results) for _ in range(a.size)] for a in unit.program.outputs
     ]
-    entries = [
-        f"{words[argument.name]}[..., {', '.join(map(str, index))}]"
-        if argument.shape
-        else words[argument.name]
-        for argument in program.inputs
-        for index in argument.indices()
-    ]
-    for index, op in enumerate(program.op):
-        if op == "const":
-            names[index] = repr(program.constants[program.a[index]])
-            continue
-        names[index] = f"v{index}"
-        if op == "input":
-            text = entries[program.a[index]]
-        else:
-            operands = dict(zip("abc", (names[i] for i in program.operands(index)), strict=False))
-            text = EXPRESSION[op].format(**operands)
-        lines.append(f"    {names[index]} = {text}")
-    batches = ", ".join(_batch(argument, words[argument.name]) for argument in program.inputs)
-    lines.append(f"    batch = xp.broadcast_shapes({batches})")
-    returned, position = [], 0
-    for argument in program.outputs:
-        scalars = [names[i] for i in program.results[position : position + argument.size]]
-        position += argument.size
-        returned.append(_array(argument, scalars))
-    lines.append(f"    return {', '.join(returned)}")
-    return "\n".join(lines) + "\n"
+
+
+def _docstring(unit: Unit) -> list[str]:
+    comment = unit.comment or (str(unit.program),)
+    return [f'"""{comment[0]}', *(["", *comment[1:]] if len(comment) > 1 else []), '"""']
+
+
+def _emit_arrays(module: str, unit: Unit) -> str:
+    """A function of arrays (..., *core) that broadcast: an array or a tuple out."""
+    words, program = words_of(unit, _OWN), unit.program
+    body, results = _computed(unit, words, _ARRAYS)
+    batches = [_batch(a, word) for word, a in zip(words.inputs, program.inputs, strict=True)]
+    returned = [_array(a, scalars) for a, scalars in zip(program.outputs, results, strict=True)]
+    return "\n".join(
+        [
+            *_docstring(unit),
+            "",
+            f"import {module} as xp",
+            f"from {module} import {', '.join(_IMPORTED)}",
+            "",
+            "",
+            f"def {words.function}({', '.join(words.inputs)}):",
+            *body,
+            f"    batch = xp.broadcast_shapes({', '.join(batches)})",
+            f"    return {', '.join(returned)}\n",
+        ]
+    )
 
 
 def _batch(argument: Argument, word: str) -> str:
@@ -87,10 +112,101 @@ def _batch(argument: Argument, word: str) -> str:
 def _array(argument: Argument, scalars: list[str]) -> str:
     if not argument.shape:
         return f"xp.broadcast_to({scalars[0]}, batch)"
+    shape = ", ".join(map(str, argument.shape))
+    if not scalars:
+        return f"xp.zeros((*batch, {shape}))"
     listed = ", ".join(f"xp.broadcast_to({s}, batch)" for s in scalars)
     stacked = f"xp.stack([{listed}], axis=-1)"
-    return (
-        stacked
-        if len(argument.shape) == 1
-        else f"{stacked}.reshape(*batch, {', '.join(map(str, argument.shape))})"
+    return stacked if len(argument.shape) == 1 else f"{stacked}.reshape(*batch, {shape})"
+
+
+def _emit_casadi(unit: Unit) -> str:
+    """A function without arguments that builds a casadi.Function of columns and matrices."""
+    words, program = words_of(unit, _OWN), unit.program
+    body, results = _computed(unit, words, _SCALARS)
+    symbols = [
+        f'    {word} = ca.SX.sym("{word}", {a.size})'
+        for word, a in zip(words.inputs, program.inputs, strict=True)
+    ]
+    outs = [_matrix(a, scalars) for a, scalars in zip(program.outputs, results, strict=True)]
+    names = (", ".join(f'"{word}"' for word in listed) for listed in (words.inputs, words.outputs))
+    return "\n".join(
+        [
+            *_docstring(unit),
+            "",
+            "import casadi as ca\n\n",
+            *(text.rstrip("\n") + "\n\n" for text in helpers(program, _CASADI_HELPERS)),
+            f"def {words.function}():",
+            *symbols,
+            *body,
+            f'    return ca.Function("{words.function}", [{", ".join(words.inputs)}], [{", ".join(outs)}], '
+            f"[{next(names)}], [{next(names)}])\n",
+        ]
     )
+
+
+def _matrix(argument: Argument, scalars: Sequence[str]) -> str:
+    """Of three dimensions the last two become one; CasADi has two."""
+    if len(argument.shape) < 2:
+        return f"ca.vertcat({', '.join(scalars)})" if scalars else "ca.SX(0, 1)"
+    rows = argument.shape[0]
+    width = argument.size // rows if rows else 0
+    if not width:
+        return f"ca.SX({rows}, {width})"
+    listed = (", ".join(scalars[k * width : (k + 1) * width]) for k in range(rows))
+    return f"ca.vertcat({', '.join(f'ca.horzcat({row})' for row in listed)})"
+
+
+def _package(
+    emit: Callable[[Unit], str], prelude: Sequence[str], function: str, unit: Unit, vectors: Vectors
+) -> dict[str, str]:
+    """Module and self-test; function: what is called with one sample, {name} being the word of the module's own."""
+    words = words_of(unit, _OWN)
+    shapes = [a.shape for a in (*unit.program.inputs, *unit.program.outputs)]
+    tables = [repr(rows.tolist()) for rows in (*vectors.inputs, *vectors.outputs)]
+    arrays = [
+        f"    np.array({table}).reshape({(vectors.count, *shape)!r}),"
+        for table, shape in zip(tables, shapes, strict=True)
+    ]
+    test = [
+        "import sys",
+        "",
+        "import numpy as np",
+        *prelude,
+        f"from {words.function} import {words.function}",
+        "",
+        "GIVEN = [",
+        *arrays[: len(words.inputs)],
+        "]",
+        "EXPECTED = [",
+        *arrays[len(words.inputs) :],
+        "]",
+        f"bad, f = False, {function.format(name=words.function)}",
+        f"found = [f(*(x[i] for x in GIVEN)) for i in range({vectors.count})]",
+        *(["found = [(x,) for x in found]"] if len(words.outputs) == 1 else []),
+        f"names, allowed = {list(words.outputs)!r}, {list(vectors.tolerances)!r}",
+        "for k, expected in enumerate(EXPECTED):",
+        "    got = np.array([x[k] for x in found]).reshape(expected.shape)",
+        "    off = np.abs(got - expected).max(initial=0.0) / (np.abs(expected).max(initial=0.0) or 1.0)",
+        '    print(f"{names[k]}: off by at most {off:.2g} of its largest entry; allowed {allowed[k]:.2g}")',
+        "    bad = bad or not off <= allowed[k]",
+        'print("FAILED" if bad else "passed")',
+        "sys.exit(bad)",
+    ]
+    return {f"{words.function}.py": emit(unit), f"{words.function}_test.py": "\n".join(test) + "\n"}
+
+
+NUMPY = Language(
+    partial(_emit_arrays, "numpy"), partial(_package, partial(_emit_arrays, "numpy"), (), "{name}"), _TEST
+)
+JAX = Language(
+    partial(_emit_arrays, "jax.numpy"),
+    partial(
+        _package,
+        partial(_emit_arrays, "jax.numpy"),
+        ("import jax", 'jax.config.update("jax_enable_x64", True)'),
+        "{name}",
+    ),
+    _TEST,
+)
+CASADI = Language(_emit_casadi, partial(_package, _emit_casadi, (), "{name}()"), _TEST)

@@ -1,0 +1,81 @@
+"""`freebody export`."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from freebody.cli import options, terminal
+
+EXAMPLE = "Example: freebody export ur5e inverse_dynamics mass_matrix --language c --out controller"
+
+
+class NumberChoice(StrEnum):
+    """Types of number."""
+
+    float64 = "float64"
+    float32 = "float32"
+
+
+def export(
+    robot: options.Robot,
+    quantities: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="QUANTITY…", help="What the function computes: inverse_dynamics, mass_matrix, jacobian, …"
+        ),
+    ],
+    language: Annotated[
+        str,
+        typer.Option(
+            help="c, cpp, javascript, javascript-script, rust, julia, matlab (Octave), numpy, jax or casadi."
+        ),
+    ] = "c",
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder for the files. Default: export-ROBOT.")
+    ] = None,
+    name: Annotated[
+        str | None, typer.Option(metavar="WORD", help="The function's name. Default: the quantities'.")
+    ] = None,
+    dtype: Annotated[
+        NumberChoice, typer.Option(help="Type of number (float32: c, rust, julia).")
+    ] = NumberChoice.float64,
+    frame: Annotated[
+        str | None, typer.Option(help="Frame of kinematic quantities. Default: the tip.")
+    ] = None,
+    reference: Annotated[
+        str, typer.Option(help="Axes of Jacobians and wrenches: world, body or child.")
+    ] = "world",
+    wrench: Annotated[
+        list[str] | None,
+        typer.Option(metavar="FRAME", help="A frame that carries a wrench; may be repeated."),
+    ] = None,
+    tip: options.Tip = None,
+    base: options.Base = None,
+    convention: options.Convention = None,
+) -> None:
+    """Write what freebody computes for a robot as source text that needs nothing else, with a self-test.
+
+    The folder's README.txt has the command that compiles and runs the self-test.
+    """
+    with terminal.progress("reading") as progress:
+        from freebody.kernels.exports import export as write
+
+        model = options.load(robot, tip, base, convention=convention)
+        progress(f"writing {language}", 0.3)
+        paths = write(
+            model,
+            quantities,
+            out or Path(f"export-{Path(robot).stem}"),
+            language,
+            name=name,
+            dtype=dtype.value,
+            frame=frame,
+            reference=reference,
+            wrench_frames=wrench or (),
+        )
+    for path in paths:
+        terminal.out().print(f"written: {path}", markup=False, soft_wrap=True)

@@ -1,0 +1,132 @@
+"""A program told to whoever reads it as text: arguments with units, the robot's structure, counts, all in words.
+
+Every name from outside becomes a word; which word is which name stands in `names`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from freebody import __version__
+from freebody.identifiers import identifiers
+from freebody.kernels.formulas import FORMULAS, POSITIONS, Option
+from freebody.kernels.meanings import INPUTS, OUTPUTS
+from freebody.model.model import Model
+from freebody.program import Argument, Program
+from freebody.targets.text import Joints
+
+_OF_RATES = frozenset(INPUTS) - {*POSITIONS, "point", "multipliers", "h"}
+"""Inputs with an entry for each rate."""
+
+
+class Description:
+    """Of a program of a model. Attributes: comment, joints (see `Unit`), names."""
+
+    def __init__(self, model: Model, quantities: tuple[str, ...], option: Option, program: Program):
+        self.model, self.option, self.program = model, option, program
+        self._joint_words = identifiers(model.joint_names)
+        self._body_words = identifiers([*(body.name for body in model.bodies), *model.frame_names])
+        self._meanings = self._worded(quantities)
+
+    @property
+    def comment(self) -> tuple[str, ...]:
+        """Lines for the head of the text."""
+        program, model = self.program, self.model
+        (robot,) = identifiers([model.name]).values()
+        counts = ", ".join(f"{count} {op}" for op, count in sorted(program.operations.items()))
+        lines = [
+            f"{program.name} of the robot {robot}.",
+            f"{sum(program.operations.values())} operations: {counts or 'none'}.",
+            f"Written by freebody {__version__} for this robot alone: its numbers stand in the text.",
+            "",
+            *self._arguments("Inputs", program.inputs),
+            *self._arguments("Outputs", program.outputs),
+            *self._structure(),
+        ]
+        if self.option.frame is not None:
+            frame = self._body_words[self.option.frame]
+            lines.append(f"The frame is {frame}; axes: {self.option.reference}.")
+        return tuple(lines)
+
+    @property
+    def joints(self) -> Joints:
+        """Which joint each scalar belongs to: entries of q and of the rates, and rows of what has one for each."""
+        by_q, by_v = [-1] * self.model.nq, [-1] * self.model.nv
+        for k, at in reversed(list(enumerate(self.model.coordinates))):
+            for owner, entries in ((by_q, at.q), (by_v, at.v)):
+                for i in entries:
+                    owner[i] = k
+        last = len(self.model.bodies) - 1
+        inputs: list[int] = []
+        for argument in self.program.inputs:
+            inputs += by_q if argument.name in POSITIONS else []
+            inputs += by_v if argument.name in _OF_RATES else []
+            inputs += [-1] * (argument.size if argument.name not in {*POSITIONS, *_OF_RATES} else 0)
+        outputs: list[int] = []
+        for argument in self.program.outputs:
+            rows = argument.shape and argument.shape[0] == self.model.nv
+            outputs += [by_v[index[0]] if rows else last for index in argument.indices()]
+        return Joints(tuple(inputs), tuple(outputs), tuple(self._joint_words.values()))
+
+    @property
+    def names(self) -> dict[str, Any]:
+        """The names as they were, by the word that stands for each."""
+        (robot,) = identifiers([self.model.name]).values()
+        return {
+            "robot": {robot: self.model.name},
+            "joints": {word: name for name, word in self._joint_words.items()},
+            "bodies and frames": {word: name for name, word in self._body_words.items()},
+        }
+
+    def _worded(self, quantities: tuple[str, ...]) -> dict[str, str]:
+        """What each argument is."""
+        found = dict(INPUTS)
+        for k, frame in enumerate(self.option.wrench_frames):
+            found[f"wrench{k}"] = (
+                f"wrench on the frame {self._body_words[frame]}: force, then moment about its origin, world axes "
+                "(N, N m)"
+            )
+        for name in quantities:
+            for label in FORMULAS[name].outputs:
+                full = f"{name}_{label}" if len(quantities) > 1 else label
+                found[f"out {full}"] = OUTPUTS[name][label]
+        return found
+
+    def _arguments(self, title: str, arguments: Iterable[Argument]) -> list[str]:
+        kind = "out " if title == "Outputs" else ""
+        return [
+            f"{title}:",
+            *(f"  {a}: {self._meanings.get(kind + a.name, 'as named')}" for a in arguments),
+            "",
+        ]
+
+    def _structure(self) -> list[str]:
+        """One line a joint: what it is, which entries move it, what it carries."""
+        model = self.model
+        lines = [f"Joints, in {model.dim} dimensions:"]
+        for k, (body, at) in enumerate(zip(model.bodies, model.coordinates, strict=True)):
+            parent = self._body_words[model.bodies[body.parent].name] if body.parent >= 0 else "the base"
+            follows = " (follows another)" if body.joint.mimic is not None else ""
+            lines.append(
+                f"  {k + 1} {self._joint_words[body.joint.name]}: {body.kind.name}{follows}, q {_span(at.q)}, "
+                f"qd {_span(at.v)}, carries {self._body_words[body.name]} on {parent}"
+            )
+        if model.loops:
+            lines.append(f"  and {len(model.loops)} loops that close the chain")
+        return lines
+
+
+def _span(entries: tuple[int, ...]) -> str:
+    """Positions from 0 on."""
+    return f"[{entries[0]}]" if len(entries) == 1 else f"[{entries[0]}..{entries[-1]}]" if entries else "[]"
+
+
+def of_program(program: Program) -> tuple[str, ...]:
+    """The head of the text of a program that is of no model."""
+    counts = ", ".join(f"{count} {op}" for op, count in sorted(program.operations.items()))
+    return (
+        f"{program.name}: {', '.join(map(str, program.inputs))} -> {', '.join(map(str, program.outputs))}.",
+        f"{sum(program.operations.values())} operations: {counts or 'none'}.",
+        f"Written by freebody {__version__}.",
+    )

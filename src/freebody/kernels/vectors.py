@@ -1,0 +1,83 @@
+"""Numbers to test exported text with: random inputs, and what they give in arithmetic of more digits."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError
+from freebody.kernels.formulas import POSITIONS
+from freebody.model.model import Model
+from freebody.program import Program
+from freebody.targets.interpret import Interpreter
+from freebody.targets.text import Vectors
+
+COUNT = 5
+"""Samples."""
+_TRIES = 40
+_FLOOR = {"float64": 1e-13, "float32": 1e-5}
+_MARGIN = 16.0
+"""Another order of operations, or another sine, may cost more than was seen."""
+
+
+def vectors(program: Program, dtype: str, model: Model | None = None) -> Vectors:
+    """Inputs at which all outputs are finite, what they give in extended precision, and how far off the text may be:
+    sixteen times what NumPy in `dtype` is off here, at least 1e-13 (float32: 1e-5).
+
+    Raises FreebodyError where none are found.
+    """
+    rng = np.random.default_rng(0)
+    given = [_samples(a.name, a.shape, model, rng) for a in program.inputs]
+    given = [x.astype(dtype).astype(np.float64) for x in given]
+    exact = _run(program, given, np.longdouble)
+    fine = np.logical_and.reduce([np.isfinite(x).all(axis=1) for x in exact])
+    if not fine.any():
+        raise FreebodyError(
+            f"{program.name}: outputs are infinite or NaN at all of {_TRIES} random inputs; there is nothing to test "
+            "an export with. Is the robot singular everywhere (a joint that moves no mass)?"
+        )
+    chosen = np.flatnonzero(fine)[:COUNT]
+    rounded = _run(program, given, np.dtype(dtype).type)
+    tolerances = []
+    for values, with_rounding in zip(exact, rounded, strict=True):
+        largest = float(np.abs(values[chosen]).max(initial=0.0)) or 1.0
+        off = float(np.abs(with_rounding[chosen] - values[chosen]).max(initial=0.0)) / largest
+        tolerances.append(max(_FLOOR[dtype], _MARGIN * off))
+    return Vectors(
+        tuple(x[chosen] for x in given),
+        tuple(x[chosen].astype(np.float64) for x in exact),
+        tuple(float(f"{tolerance:.1e}") for tolerance in tolerances),
+    )
+
+
+def _samples(name: str, shape: tuple[int, ...], model: Model | None, rng: np.random.Generator) -> Array:
+    """(tries, size): positions about home, anything else of size 1."""
+    size = int(np.prod(shape))
+    values = rng.uniform(-1.0, 1.0, size=(_TRIES, size))
+    if model is None or name not in POSITIONS:
+        return values
+    home = dict(model.home)
+    for k, position in enumerate(model.position_names):
+        if model.loops:  # a state that is nearly closed
+            values[:, k] *= 0.1
+        values[:, k] += home.get(position, 0.0)
+    for body, at in zip(model.bodies, model.coordinates, strict=True):
+        start = body.kind.quaternion
+        if start is not None:
+            quaternion = values[:, at.q[start:]]
+            values[:, at.q[start:]] = quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)
+    return values
+
+
+def _run(program: Program, given: list[Array], kind: type) -> list[np.ndarray]:
+    """Outputs (tries, size) in arithmetic of a type."""
+    rows = [column for x in given for column in x.astype(kind).T]
+    with np.errstate(all="ignore"):
+        scalars = Interpreter.of(program)(rows)
+    done = [np.broadcast_to(np.asarray(x, kind), (_TRIES,)) for x in scalars]
+    results, start = [], 0
+    for argument in program.outputs:
+        part = done[start : start + argument.size]
+        start += argument.size
+        results.append(np.stack(part, axis=1) if part else np.zeros((_TRIES, 0), kind))
+    return results

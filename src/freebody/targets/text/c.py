@@ -1,0 +1,337 @@
+"""C99, and C++ templates: no allocation, no dependency but the standard mathematics, arrays that may overlap."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+from freebody.program.program import Argument
+from freebody.targets.text.language import (
+    Language,
+    Vectors,
+    comment_block,
+    flat,
+    helpers,
+    largest_entries,
+    number,
+    number_lists,
+    single,
+    word_set,
+)
+from freebody.targets.text.pieces import Piece, cut
+from freebody.targets.text.statements import Spelling, Words, lines, statements, words_of
+from freebody.targets.text.unit import Unit
+
+LONGEST = 4000
+"""Operations of one function: compilers take longer than in proportion."""
+
+_KEYWORDS = word_set(
+    """alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t class
+compl const constexpr const_cast continue decltype default delete do double dynamic_cast else enum
+explicit export extern false float for friend goto if inline int long mutable namespace new noexcept not
+not_eq nullptr operator or or_eq private protected public register reinterpret_cast restrict return
+short signed sizeof static static_assert static_cast struct switch template this thread_local throw true
+try typedef typeid typename union unsigned using virtual void volatile wchar_t while xor xor_eq NAN
+INFINITY isfinite main std w S min_of max_of all_finite fill sign_of"""
+)
+_FUNCTIONS = word_set(
+    """sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp exp2 expm1 log log2 log10 log1p
+logb ilogb pow sqrt cbrt fabs fmin fmax fmod fdim fma floor ceil round lround rint lrint trunc hypot erf
+erfc gamma lgamma tgamma frexp ldexp modf scalbn nan j0 j1 jn y0 y1 yn signgam div abs remainder remquo
+copysign nextafter drem significand"""
+)
+RESERVED = frozenset(
+    (*_KEYWORDS, *_FUNCTIONS, *(f"{x}f" for x in _FUNCTIONS), *(f"{x}l" for x in _FUNCTIONS))
+)
+
+_ONE = ("sqrt", "sin", "cos", "exp", "log", "tanh", "asin", "acos")
+FUNCTIONS = {op: f"{op}{{f}}({{a}})" for op in _ONE} | {
+    "absolute": "fabs{f}({a})",
+    "atan2": "atan2{f}({a}, {b})",
+    "sign": "sign_of({a})",
+    "less": "({a} < {b} ? {one} : {zero})",
+    "less_equal": "({a} <= {b} ? {one} : {zero})",
+    "equal": "({a} == {b} ? {one} : {zero})",
+    "where": "({a} != {zero} ? {b} : {c})",
+    "minimum": "min_of({a}, {b})",
+    "maximum": "max_of({a}, {b})",
+}
+_HELPERS = {
+    "sign": "{before}{t} sign_of({t} x)\n{{\n    return {cast}((x > {zero}) - (x < {zero}));\n}}\n",
+    "minimum": "{before}{t} min_of({t} a, {t} b)\n{{\n    return a <= b || a != a ? a : b;\n}}\n",
+    "maximum": "{before}{t} max_of({t} a, {t} b)\n{{\n    return b <= a || a != a ? a : b;\n}}\n",
+}
+_CHECKS = """{before}int all_finite(int n, const {t} *x)
+{{
+    for (int i = 0; i < n; i++) {{
+        if (!({finite})) {{
+            return 0;
+        }}
+    }}
+    return 1;
+}}
+
+{before}void fill(int n, {t} *x)
+{{
+    for (int i = 0; i < n; i++) {{
+        x[i] = {nan};
+    }}
+}}
+"""
+
+
+@dataclass(frozen=True)
+class _Dialect:
+    """What C in double and in float, and C++, write differently."""
+
+    t: str
+    f: str
+    number: Callable[[float], str]
+    before: str = "static "
+    head: str = ""
+    finite: str = "isfinite(x[i])"
+    nan: str = "NAN"
+
+    def written(self, text: str) -> str:
+        """The template of an operation, {a}, {b} and {c} left open."""
+        one, zero = self.number(1.0), self.number(0.0)
+        return text.replace("{f}", self.f).replace("{one}", one).replace("{zero}", zero)
+
+    def filled(self, text: str) -> str:
+        """A template of code in this dialect."""
+        return text.format(
+            before=self.before,
+            t=self.t,
+            cast=f"({self.t})",
+            finite=self.finite,
+            nan=self.nan,
+            zero=self.number(0.0),
+        )
+
+
+_DOUBLE = _Dialect("double", "", number)
+_FLOAT = _Dialect("float", "f", partial(single, suffix="f"))
+_TEMPLATE = _Dialect(
+    "S",
+    "",
+    lambda value: f"S({value!r})",
+    "template <class S>\n",
+    "template <class S>\n",
+    "x[i]*S(0.0) == S(0.0)",
+    "S(NAN)",
+)
+
+
+def _spelling(dialect: _Dialect) -> Spelling:
+    return Spelling(
+        {op: dialect.written(text) for op, text in FUNCTIONS.items()},
+        dialect.number,
+        flat,
+        lambda word, argument, k: flat(word, argument, k) if argument.shape else f"*{word}",
+        f"const {dialect.t} {{word}} = {{text}};",
+        "{word} = {text};",
+        "/* {text} */",
+    )
+
+
+def _parameters(unit: Unit, words: Words, t: str) -> dict[str, str]:
+    """Each argument's word and its declaration."""
+
+    def declared(word: str, argument: Argument, const: str, scalar: str) -> str:
+        if not argument.shape:
+            return f"{t} {scalar}{word}"
+        return f"{const}{t} {word}[{argument.size}]" if argument.size else f"{const}{t} *{word}"
+
+    ins = zip(words.inputs, unit.program.inputs, strict=True)
+    outs = zip(words.outputs, unit.program.outputs, strict=True)
+    return {w: declared(w, a, "const ", "") for w, a in ins} | {w: declared(w, a, "", "*") for w, a in outs}
+
+
+def _prototype(unit: Unit, dialect: _Dialect) -> str:
+    words = words_of(unit, RESERVED)
+    return f"{dialect.head}int {words.function}({', '.join(_parameters(unit, words, dialect.t).values())})"
+
+
+def _definitions(unit: Unit, dialect: _Dialect) -> list[str]:
+    """The function, after what it calls."""
+    words, spelling = words_of(unit, RESERVED), _spelling(dialect)
+    pieces, slots = cut(statements(unit, words, spelling, RESERVED), LONGEST)
+    parameters = _parameters(unit, words, dialect.t)
+    made = [dialect.filled(text) for text in (*helpers(unit.program, _HELPERS), _CHECKS)]
+    body = _checks(unit, words, dialect)
+    if len(pieces) == 1:
+        body += lines(pieces[0].statements, spelling, "    ")
+    else:
+        body.append(f"    {dialect.t} w[{max(slots, 1)}];")
+        for k, piece in enumerate(pieces):
+            called, used = f"{words.function}_part{k + 1}", piece.arguments(list(parameters))
+            made.append(_part(called, piece, [parameters[x] for x in used], dialect, spelling))
+            body.append(f"    {called}({', '.join([*used, 'w'])});")
+    made.append("\n".join([_prototype(unit, dialect), "{", *body, "    return 0;", "}"]) + "\n")
+    return made
+
+
+def _part(name: str, piece: Piece, parameters: list[str], dialect: _Dialect, spelling: Spelling) -> str:
+    t = dialect.t
+    return "\n".join(
+        [
+            f"{dialect.before}void {name}({', '.join([*parameters, f'{t} *w'])})",
+            "{",
+            *(f"    const {t} {word} = w[{slot}];" for word, slot in piece.loads),
+            *lines(piece.statements, spelling, "    "),
+            *(f"    w[{slot}] = {word};" for word, slot in piece.stores),
+            *([] if piece.loads or piece.stores else ["    (void)w;"]),
+            "}\n",
+        ]
+    )
+
+
+def _checks(unit: Unit, words: Words, dialect: _Dialect) -> list[str]:
+    """What answers a call with an input that is not finite."""
+    program = unit.program
+    tests = [
+        f"all_finite({a.size}, {word if a.shape else f'&{word}'})"
+        for word, a in zip(words.inputs, program.inputs, strict=True)
+    ]
+    fills = [
+        f"        fill({a.size}, {word});" for word, a in zip(words.outputs, program.outputs, strict=True)
+    ]
+    return [f"    if (!({' && '.join(tests) or '1'})) {{", *fills, "        return 1;", "    }"]
+
+
+_USE = (
+    "Matrices are stored row by row. Arrays may overlap. Returns 0; or 1 if an input is NaN or infinite: all outputs",
+    "are then NaN. Do not compile with -ffast-math, which takes that check away.",
+)
+
+
+def _head(unit: Unit, *more: str) -> list[str]:
+    return comment_block((*unit.comment, *_USE, *more), "/*", " *", " */")
+
+
+def _dialect(unit: Unit) -> _Dialect:
+    return _FLOAT if unit.dtype == "float32" else _DOUBLE
+
+
+def _emit_c(unit: Unit) -> str:
+    """One file of C, complete."""
+    return "\n".join([*_head(unit), "#include <math.h>", "", *_definitions(unit, _dialect(unit))])
+
+
+def _emit_cpp(unit: Unit) -> str:
+    """A header of C++: a template over the scalar."""
+    scalar = "S is double, float, or a scalar of automatic differentiation."
+    called = ("acos", "asin", "atan2", "cos", "exp", "fabs", "log", "sin", "sqrt", "tanh")
+    using = [f"using std::{function};" for function in called]
+    guard = f"{words_of(unit, RESERVED).function.upper()}_HPP"
+    return "\n".join(
+        [
+            *_head(unit, scalar),
+            f"#ifndef {guard}\n#define {guard}\n",
+            "#include <cmath>\n",
+            f"namespace {words_of(unit, RESERVED).function}_detail {{\n",
+            *using,
+            "",
+            *_definitions(unit, _TEMPLATE),
+            "}\n",
+            f"using {words_of(unit, RESERVED).function}_detail::{words_of(unit, RESERVED).function};\n",
+            "#endif\n",
+        ]
+    )
+
+
+def _package_c(unit: Unit, vectors: Vectors) -> dict[str, str]:
+    """Header, source and self-test."""
+    word, dialect = words_of(unit, RESERVED).function, _dialect(unit)
+    guard = f"{word.upper()}_H"
+    header = [
+        *_head(unit),
+        f"#ifndef {guard}\n#define {guard}\n",
+        '#ifdef __cplusplus\nextern "C" {\n#endif\n',
+        f"{_prototype(unit, dialect)};\n",
+        "#ifdef __cplusplus\n}\n#endif\n\n#endif\n",
+    ]
+    source = [f'#include "{word}.h"', "", "#include <math.h>", "", *_definitions(unit, dialect)]
+    return {
+        f"{word}.h": "\n".join(header),
+        f"{word}.c": "\n".join(source),
+        f"{word}_test.c": _self_test(unit, vectors, dialect, f'#include "{word}.h"\n\n#include <math.h>'),
+    }
+
+
+def _package_cpp(unit: Unit, vectors: Vectors) -> dict[str, str]:
+    word = words_of(unit, RESERVED).function
+    return {
+        f"{word}.hpp": _emit_cpp(unit),
+        f"{word}_test.cpp": _self_test(unit, vectors, _DOUBLE, f'#include "{word}.hpp"\n'),
+    }
+
+
+_OFF = """static {t} off_by(int n, const {t} *found, const {t} *expected, {t} largest)
+{{
+    {t} off = {zero};
+    for (int i = 0; i < n; i++) {{
+        const {t} d = (found[i] > expected[i] ? found[i] - expected[i] : expected[i] - found[i]) / largest;
+        off = d <= off ? off : d; /* NaN counts */
+    }}
+    return off;
+}}
+"""
+
+
+def _self_test(unit: Unit, vectors: Vectors, dialect: _Dialect, include: str) -> str:
+    words, program = words_of(unit, RESERVED), unit.program
+    found = [f"{'' if a.shape else '&'}found{k}" for k, a in enumerate(program.outputs)]
+    given = [f"given{k}[i]" if a.shape else f"given{k}[i][0]" for k, a in enumerate(program.inputs)]
+    calls, verdicts, made = [], [], []
+    spell, t, largest = dialect.number, dialect.t, largest_entries(vectors)
+    for k, (word, argument) in enumerate(zip(words.outputs, program.outputs, strict=True)):
+        at = "" if argument.shape else "&"
+        array = f"[{max(argument.size, 1)}]" if argument.shape else ""
+        made.append(f"    {t} worst{k} = {spell(0.0)}, found{k}{array};")
+        calls += [
+            f"        const {t} d{k} = off_by({argument.size}, {at}found{k}, expected{k}[i], {spell(largest[k])});",
+            f"        worst{k} = d{k} <= worst{k} ? worst{k} : d{k};",
+        ]
+        verdicts += [
+            f'    printf("{word}: off by at most %.2g of its largest entry; allowed {vectors.tolerances[k]:.2g}\\n", '
+            f"(double)worst{k});",
+            f"    bad |= !(worst{k} <= {spell(vectors.tolerances[k])});",
+        ]
+    return "\n".join(
+        [
+            f"{include}\n#include <stdio.h>\n",
+            *_tables("given", vectors.inputs, dialect),
+            *_tables("expected", vectors.outputs, dialect),
+            dialect.filled(_OFF),
+            "int main(void)\n{",
+            *made,
+            "    int bad = 0;",
+            f"    for (int i = 0; i < {vectors.count}; i++) {{",
+            f"        bad |= {words.function}({', '.join([*given, *found])});",
+            *calls,
+            "    }",
+            *verdicts,
+            '    puts(bad ? "FAILED" : "passed");\n    return bad;\n}\n',
+        ]
+    )
+
+
+def _tables(prefix: str, values: tuple, dialect: _Dialect) -> list[str]:
+    made = []
+    for k, rows in enumerate(values):
+        listed = ",\n".join(f"    {{{row}}}" for row in number_lists(rows, dialect.number))
+        made.append(
+            f"static const {dialect.t} {prefix}{k}[{len(rows)}][{max(rows.shape[1], 1)}] = {{\n{listed}\n}};\n"
+        )
+    return made
+
+
+C = Language(
+    _emit_c,
+    _package_c,
+    "cc -std=c99 -O2 {name}.c {name}_test.c -lm -o {name}_test && ./{name}_test",
+    ("float64", "float32"),
+)
+CPP = Language(_emit_cpp, _package_cpp, "c++ -std=c++11 -O2 {name}_test.cpp -o {name}_test && ./{name}_test")

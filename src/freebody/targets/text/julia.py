@@ -1,0 +1,156 @@
+"""Julia: a function that writes to arrays it is given, outputs first, as the `!` in its name says."""
+
+from __future__ import annotations
+
+from freebody.program.program import Argument
+from freebody.targets.text.language import (
+    Language,
+    Vectors,
+    comment_block,
+    helpers,
+    largest_entries,
+    number,
+    number_lists,
+    single,
+    word_set,
+)
+from freebody.targets.text.pieces import cut
+from freebody.targets.text.statements import Spelling, Words, lines, statements, words_of
+from freebody.targets.text.unit import Unit
+
+LONGEST = 4000
+"""Operations of one function: compilers take longer than in proportion."""
+
+RESERVED = word_set(
+    """asin acos atan sqrt_of log_of asin_of acos_of oftype one zero min max tanh baremodule begin break catch
+const continue do else elseif end export false finally for function global if import in isa let local
+macro mutable module primitive quote return struct true try type using while where abs all cos fill
+include isfinite exp im log pi println sign sin sqrt maximum minimum error zeros ones w Inf NaN Float32
+Float64"""
+)
+_ONE = ("sin", "cos", "exp", "tanh", "sign")
+_PARTIAL = {"sqrt": "x >= 0", "log": "x >= 0", "asin": "abs(x) <= 1", "acos": "abs(x) <= 1"}
+"""Functions that Julia refuses outside of a condition, where the kernel gives NaN."""
+FUNCTIONS = (
+    {op: f"{op}({{a}})" for op in _ONE}
+    | {op: f"{op}_of({{a}})" for op in _PARTIAL}
+    | {
+        "absolute": "abs({a})",
+        "atan2": "atan({a}, {b})",
+        "less": "({a} < {b} ? one({a}) : zero({a}))",
+        "less_equal": "({a} <= {b} ? one({a}) : zero({a}))",
+        "equal": "({a} == {b} ? one({a}) : zero({a}))",
+        "where": "({a} != 0 ? {b} : {c})",
+        "minimum": "min({a}, {b})",
+        "maximum": "max({a}, {b})",
+    }
+)
+_HELPERS = {op: f"{op}_of(x) = {known} ? {op}(x) : oftype(x, NaN)\n" for op, known in _PARTIAL.items()}
+
+
+def _single(value: float) -> str:
+    text = single(value)
+    return text.replace("e", "f") if "e" in text else f"{text}f0"
+
+
+def _entry(word: str, argument: Argument, position: int) -> str:
+    return f"{word}[{position + 1}]" if argument.shape else word
+
+
+def _spelling(unit: Unit) -> Spelling:
+    return Spelling(
+        FUNCTIONS,
+        _single if unit.dtype == "float32" else number,
+        _entry,
+        lambda word, argument, k: f"{word}[{k + 1}]",
+        "{word} = {text}",
+        "{word} = {text}",
+        "# {text}",
+    )
+
+
+def _type(unit: Unit) -> str:
+    return "Float32" if unit.dtype == "float32" else "Float64"
+
+
+def _definitions(unit: Unit) -> list[str]:
+    words, spelling = words_of(unit, RESERVED), _spelling(unit)
+    pieces, slots = cut(statements(unit, words, spelling, RESERVED), LONGEST)
+    order = [*words.outputs, *words.inputs]
+    made, body = helpers(unit.program, _HELPERS), _checks(unit, words)
+    if len(pieces) == 1:
+        body += lines(pieces[0].statements, spelling, "    ")
+    else:
+        body.append(f"    w = zeros({_type(unit)}, {slots})")
+        for k, piece in enumerate(pieces):
+            called, used = f"{words.function}_part{k + 1}!", [*piece.arguments(order), "w"]
+            loads = [f"    {word} = w[{slot + 1}]" for word, slot in piece.loads]
+            stores = [f"    w[{slot + 1}] = {word}" for word, slot in piece.stores]
+            inner = [*loads, *lines(piece.statements, spelling, "    "), *stores, "    return nothing"]
+            made.append("\n".join([f"function {called}({', '.join(used)})", *inner, "end\n"]))
+            body.append(f"    {called}({', '.join(used)})")
+    head = f"function {words.function}!({', '.join(order)})"
+    made.append("\n".join([head, *body, "    return true", "end\n"]))
+    return made
+
+
+def _checks(unit: Unit, words: Words) -> list[str]:
+    """What answers a call with an input that is not finite."""
+    tests = [
+        f"all(isfinite, {word})" if a.shape else f"isfinite({word})"
+        for word, a in zip(words.inputs, unit.program.inputs, strict=True)
+    ]
+    fills = [f"        {word} .= NaN" for word in words.outputs]
+    return [f"    if !({' && '.join(tests)})", *fills, "        return false", "    end"] if tests else []
+
+
+_USE = (
+    "Called with the arrays that receive the outputs first: vectors, matrices row by row, a scalar as a vector of one.",
+    "Returns true; or false if an input is NaN or infinite: all outputs are then NaN.",
+)
+
+
+def _emit(unit: Unit) -> str:
+    return "\n".join([*comment_block((*unit.comment, *_USE), "", "#", ""), "", *_definitions(unit)])
+
+
+def _package(unit: Unit, vectors: Vectors) -> dict[str, str]:
+    word = words_of(unit, RESERVED).function
+    return {f"{word}.jl": _emit(unit), f"{word}_test.jl": _self_test(unit, vectors)}
+
+
+def _self_test(unit: Unit, vectors: Vectors) -> str:
+    words, spell, t = words_of(unit, RESERVED), _spelling(unit).number, _type(unit)
+
+    def table(rows: list[str]) -> str:
+        return f"Vector{{{t}}}[{', '.join(f'[{row}]' for row in rows)}]"
+
+    named = [f"given{k + 1}" for k in range(len(vectors.inputs))]
+    given = [f"{x}[i]" if a.shape else f"{x}[i][1]" for x, a in zip(named, unit.program.inputs, strict=True)]
+    text = [f'include("{words.function}.jl")', ""]
+    text += [f"{x} = {table(number_lists(v, spell))}" for x, v in zip(named, vectors.inputs, strict=True)]
+    text += ["bad = false"]
+    checks = zip(words.outputs, vectors.outputs, largest_entries(vectors), vectors.tolerances, strict=True)
+    found = [f"zeros({t}, {a.size})" for a in unit.program.outputs]
+    text += [f"results = [({', '.join(found)},) for i in 1:{vectors.count}]"]
+    text += [f"for i in 1:{vectors.count}"]
+    text += [f"    {words.function}!({', '.join(['results[i]...', *given])})", "end"]
+    for k, (word, rows, largest, tolerance) in enumerate(checks):
+        text += [
+            f"expected = {table(number_lists(rows, spell))}",
+            f"off = maximum(maximum(abs.(results[i][{k + 1}] .- expected[i]) ./ {spell(largest)}; init = 0.0) "
+            f"for i in 1:{vectors.count})",
+            f'println("{word}: off by at most ", off, " of its largest entry; allowed {tolerance:.2g}")',
+            f"global bad |= !(off <= {spell(tolerance)})",
+        ]
+    text += ['println(bad ? "FAILED" : "passed")', "exit(bad ? 1 : 0)", ""]
+    return "\n".join(text)
+
+
+JULIA = Language(
+    _emit,
+    _package,
+    "julia {name}_test.jl",
+    ("float64", "float32"),
+    "No Julia was at hand when freebody was made: the text has never been run. Run the self-test.",
+)

@@ -1,0 +1,129 @@
+"""MATLAB and Octave: a function file."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from freebody.program.program import Argument
+from freebody.targets.text.language import (
+    Language,
+    Vectors,
+    comment_block,
+    helpers,
+    largest_entries,
+    number,
+    word_set,
+)
+from freebody.targets.text.statements import Spelling, Words, lines, statements, words_of
+from freebody.targets.text.unit import Unit
+
+RESERVED = word_set(
+    """min_of max_of isnan acos asin atan2 acos_of asin_of double log_of sqrt_of tanh where_of break case catch
+classdef continue else elseif end for function global if otherwise parfor persistent return spmd switch
+try while end_try_catch end_unwind_protect endfor endfunction endif endswitch endwhile until
+unwind_protect unwind_protect_cleanup do abs all ans cos disp error exp exit fprintf i inf Inf isfinite
+j log max min nan NaN numel ones pi reshape sign sin sqrt zeros false true nargin nargout"""
+)
+_ONE = ("sin", "cos", "exp", "tanh", "sign")
+_PARTIAL = {"sqrt": "x >= 0", "log": "x >= 0", "asin": "abs(x) <= 1", "acos": "abs(x) <= 1"}
+"""Functions that are complex outside of a condition, where the kernel gives NaN."""
+FUNCTIONS = (
+    {op: f"{op}({{a}})" for op in _ONE}
+    | {op: f"{op}_of({{a}})" for op in _PARTIAL}
+    | {
+        "absolute": "abs({a})",
+        "atan2": "atan2({a}, {b})",
+        "less": "double({a} < {b})",
+        "less_equal": "double({a} <= {b})",
+        "equal": "double({a} == {b})",
+        "where": "where_of({a}, {b}, {c})",
+        "minimum": "min_of({a}, {b})",
+        "maximum": "max_of({a}, {b})",
+    }
+)
+_HELPERS = {
+    op: f"function y = {op}_of(x)\n  y = NaN;\n  if {known}\n    y = {op}(x);\n  end\nend\n"
+    for op, known in _PARTIAL.items()
+} | {
+    op: f"function y = {name}\n  if {known}\n    y = a;\n  else\n    y = b;\n  end\nend\n"
+    for op, name, known in (
+        ("where", "where_of(c, a, b)", "c ~= 0"),
+        ("minimum", "min_of(a, b)", "a <= b || isnan(a)"),  # NaN that arises on the way stays
+        ("maximum", "max_of(a, b)", "b <= a || isnan(a)"),
+    )
+}
+
+
+def _entry(word: str, argument: Argument, position: int) -> str:
+    if not argument.shape:
+        return word
+    index = np.unravel_index(position, argument.shape)
+    return f"{word}({', '.join(str(int(i) + 1) for i in index)})"
+
+
+_SPELLING = Spelling(FUNCTIONS, number, _entry, _entry, "{word} = {text};", "{word} = {text};", "% {text}")
+
+
+def _sizes(argument: Argument) -> str:
+    """Of an array in MATLAB: vectors stand upright."""
+    return ", ".join(map(str, argument.shape if len(argument.shape) > 1 else (*argument.shape, 1, 1)[:2]))
+
+
+def _emit(unit: Unit) -> str:
+    words, outputs = words_of(unit, RESERVED), unit.program.outputs
+    returned = words.outputs[0] if len(outputs) == 1 else f"[{', '.join(words.outputs)}]"
+    body = [f"  {word} = NaN({_sizes(a)});" for word, a in zip(words.outputs, outputs, strict=True)]
+    body += _checks(unit, words)
+    body += lines(statements(unit, words, _SPELLING, RESERVED), _SPELLING, "  ")
+    head = [
+        f"function {returned} = {words.function}({', '.join(words.inputs)})",
+        *comment_block((*unit.comment, *_USE), "", "%", ""),
+    ]
+    return "\n".join([*head, *body, "end\n", *helpers(unit.program, _HELPERS)])
+
+
+def _checks(unit: Unit, words: Words) -> list[str]:
+    """What answers a call with an input that is not finite."""
+    if not words.inputs:
+        return []
+    tests = " && ".join(f"all(isfinite({word}(:)))" for word in words.inputs)
+    return [f"  if ~({tests})", "    return;", "  end"]
+
+
+_USE = ("Vectors are columns. An input that is NaN or infinite makes all outputs NaN.",)
+
+
+def _package(unit: Unit, vectors: Vectors) -> dict[str, str]:
+    word = words_of(unit, RESERVED).function
+    return {f"{word}.m": _emit(unit), f"{word}_test.m": _self_test(unit, vectors)}
+
+
+def _array(row: np.ndarray, argument: Argument) -> str:
+    """One sample of an argument; MATLAB counts columns first."""
+    order = np.asarray(row).reshape(argument.shape or (1,)).ravel(order="F")
+    return f"reshape([{', '.join(map(number, order.tolist()))}], {_sizes(argument)})"
+
+
+def _self_test(unit: Unit, vectors: Vectors) -> str:
+    words, program = words_of(unit, RESERVED), unit.program
+    found = [f"found{k + 1}" for k in range(len(program.outputs))]
+    text = ["bad = false;", f"worst = zeros(1, {len(found)});"]
+    for i in range(vectors.count):
+        given = [_array(v[i], a) for v, a in zip(vectors.inputs, program.inputs, strict=True)]
+        text.append(f"[{', '.join(found)}] = {words.function}({', '.join(given)});")
+        for k, (rows, argument) in enumerate(zip(vectors.outputs, program.outputs, strict=True)):
+            largest = number(largest_entries(vectors)[k])
+            text.append(
+                f"worst({k + 1}) = max([worst({k + 1}); abs({found[k]}(:) - {_array(rows[i], argument)}(:)) "
+                f"/ {largest}; any(isnan({found[k]}(:))) * 1e300]);"
+            )
+    for k, (word, tolerance) in enumerate(zip(words.outputs, vectors.tolerances, strict=True)):
+        text += [
+            f"fprintf('{word}: off by at most %.2g of its largest entry; allowed {tolerance:.2g}\\n', worst({k + 1}));",
+            f"bad = bad || ~(worst({k + 1}) <= {number(tolerance)});",
+        ]
+    text += ["if bad", "  disp('FAILED');", "  exit(1);", "end", "disp('passed');", ""]
+    return "\n".join(text)
+
+
+MATLAB = Language(_emit, _package, "octave --quiet {name}_test.m")

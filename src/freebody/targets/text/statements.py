@@ -1,0 +1,216 @@
+"""A program as statements of an infix language: a value that is read once stands where it is read."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+from freebody.identifiers import identifiers
+from freebody.program.program import Argument, Program
+from freebody.targets.text.unit import Section, Unit, sections
+
+INFIX = {"add": ("{a} + {b}", 1, 1, 2), "sub": ("{a} - {b}", 1, 1, 2), "mul": ("{a}*{b}", 2, 2, 3)}
+INFIX |= {"div": ("{a}/{b}", 2, 2, 3), "neg": ("-{a}", 1, 2, 0)}
+"""Template, how tightly it binds, and how tightly its operands must. A sum of a sum keeps its brackets: rounding."""
+
+_ATOM = 4
+_LONGEST = 56
+"""Letters up to which a value that is read once is written where it is read."""
+
+
+@dataclass(frozen=True)
+class Spelling:
+    """How a language writes scalars.
+
+    functions: template of every operation that is no sum, product, quotient or negation, with {a}, {b}, {c}.
+    entry, result (word, argument, position): one scalar of an input, of an output, by its position in C order.
+    declare, assign: templates of a statement with {word} and {text}. comment: template of a line with {text}.
+    """
+
+    functions: Mapping[str, str]
+    number: Callable[[float], str]
+    entry: Callable[[str, Argument, int], str]
+    result: Callable[[str, Argument, int], str]
+    declare: str
+    assign: str
+    comment: str
+    inputs_first: bool = False
+    """Whether entries of inputs get a word of their own before they are read."""
+
+
+@dataclass(frozen=True)
+class Statement:
+    """`word` becomes the value of `text`."""
+
+    word: str
+    text: str
+    reads: frozenset[str]
+    """Words of other statements."""
+    arguments: frozenset[str]
+    """Words of arguments that are read or written."""
+    weight: int
+    section: str
+    writes: bool = False
+    """Whether it writes an entry of an output."""
+
+
+@dataclass(frozen=True)
+class Words:
+    """What things are called in the text: the function, its inputs and its outputs in their order."""
+
+    function: str
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+
+    @property
+    def all(self) -> frozenset[str]:
+        """Every word."""
+        return frozenset((self.function, *self.inputs, *self.outputs))
+
+
+def words_of(unit: Unit, reserved: Collection[str]) -> Words:
+    """Words that are none of a language's own, and no two alike."""
+    function = identifiers([unit.name], reserved)[unit.name]
+    taken = {*reserved, function}
+    inputs = identifiers((a.name for a in unit.program.inputs), taken)
+    outputs = identifiers((a.name for a in unit.program.outputs), taken | {*inputs.values()})
+    return Words(function, tuple(inputs.values()), tuple(outputs.values()))
+
+
+@dataclass(frozen=True)
+class _Value:
+    text: str
+    binds: int
+    reads: frozenset[str] = frozenset()
+    arguments: frozenset[str] = frozenset()
+    weight: int = 0
+
+    def within(self, binds: int) -> str:
+        return self.text if self.binds >= binds else f"({self.text})"
+
+
+def statements(unit: Unit, words: Words, spelling: Spelling, reserved: Collection[str]) -> list[Statement]:
+    """The program, section by section, and last what writes the outputs."""
+    return _Writer(unit.program, words, spelling, reserved).run(sections(unit.program, unit.joints))
+
+
+class _Writer:
+    def __init__(self, program: Program, words: Words, spelling: Spelling, reserved: Collection[str]):
+        self.program, self.spelling = program, spelling
+        self.taken = {*words.all, *reserved}
+        self.entries = _entries(program.inputs, words.inputs, spelling.entry)
+        self.results = _entries(program.outputs, words.outputs, spelling.result)
+        self.uses = Counter(i for index in range(len(program)) for i in program.operands(index))
+        self.kept = set(program.results)
+        self.section_of: dict[int, str] = {}
+        self.reader: dict[int, int] = {}
+        self.values: dict[int, _Value] = {}
+        self.done: list[Statement] = []
+        self.count = 0
+
+    def run(self, parts: Sequence[Section]) -> list[Statement]:
+        program = self.program
+        for part in parts:
+            for index in part.nodes:
+                self.section_of[index] = part.title
+                for operand in program.operands(index):
+                    self.reader[operand] = index
+        for part in parts:
+            for index in part.nodes:
+                self.values[index] = self._value(index, part.title)
+        for (text, argument), index in zip(self.results, program.results, strict=True):
+            value = self.values[index]
+            self.done.append(
+                Statement(
+                    text, value.text, value.reads, value.arguments | {argument}, 1, "results", writes=True
+                )
+            )
+        return self.done
+
+    def _value(self, index: int, section: str) -> _Value:
+        program, op = self.program, self.program.op[index]
+        if op == "const":
+            number = program.constants[program.a[index]]
+            return _Value(self.spelling.number(number), _ATOM if number >= 0.0 else 1)
+        if op == "input":
+            text, argument = self.entries[program.a[index]]
+            value = _Value(text, _ATOM, arguments=frozenset([argument]))
+            return (
+                self._named(value, self._input_word(index), section) if self.spelling.inputs_first else value
+            )
+        operands = [self.values[i] for i in program.operands(index)]
+        if op in INFIX:
+            template, binds, *needed = INFIX[op]
+        else:
+            template, binds, needed = self.spelling.functions[op], _ATOM, [0] * len(operands)
+        texts = {k: v.within(n) for k, v, n in zip("abc", operands, needed, strict=False)}
+        value = _Value(
+            template.format(**texts),
+            binds,
+            frozenset().union(*(v.reads for v in operands)),
+            frozenset().union(*(v.arguments for v in operands)),
+            1 + sum(v.weight for v in operands),
+        )
+        return value if self._stays(index, value) else self._named(value, self._word(index), section)
+
+    def _stays(self, index: int, value: _Value) -> bool:
+        """Whether a value is written where it is read: once, in the same section, and short."""
+        return (
+            self.uses[index] == 1
+            and index not in self.kept
+            and self.program.op[index] in INFIX
+            and len(value.text) <= _LONGEST
+            and self.section_of[self.reader[index]] == self.section_of[index]
+        )
+
+    def _named(self, value: _Value, word: str, section: str) -> _Value:
+        self.done.append(Statement(word, value.text, value.reads, value.arguments, value.weight, section))
+        return _Value(word, _ATOM, frozenset([word]))
+
+    def _word(self, index: int) -> str:
+        """sin_q_2 for a sine of an input, else the next of v1, v2, …"""
+        op, operand = self.program.op[index], self.program.a[index]
+        if op in ("sin", "cos") and self.program.op[operand] == "input":
+            return self._fresh(f"{op}_{self._input_word(operand, fresh=False)}")
+        self.count += 1
+        return self._fresh(f"v{self.count}")
+
+    def _input_word(self, index: int, fresh: bool = True) -> str:
+        position, start = self.program.a[index], 0
+        for argument in self.program.inputs:
+            if position < start + argument.size:
+                word = f"{argument.name}_{position - start}" if argument.shape else argument.name
+                return self._fresh(word) if fresh else word
+            start += argument.size
+        raise AssertionError(position)
+
+    def _fresh(self, word: str) -> str:
+        while word in self.taken:
+            word += "_"
+        self.taken.add(word)
+        return word
+
+
+def _entries(
+    arguments: Sequence[Argument], words: Sequence[str], spell: Callable[[str, Argument, int], str]
+) -> list[tuple[str, str]]:
+    """For each scalar its text and the argument's word."""
+    return [
+        (spell(word, argument, k), word)
+        for argument, word in zip(arguments, words, strict=True)
+        for k in range(argument.size)
+    ]
+
+
+def lines(done: Sequence[Statement], spelling: Spelling, indent: str) -> list[str]:
+    """Statements as lines, a comment where a section begins."""
+    made, section = [], ""
+    for statement in done:
+        if statement.section != section:
+            section = statement.section
+            if section:
+                made += ["", indent + spelling.comment.format(text=section)]
+        template = spelling.assign if statement.writes else spelling.declare
+        made.append(indent + template.format(word=statement.word, text=statement.text))
+    return made

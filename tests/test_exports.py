@@ -1,0 +1,374 @@
+"""Text in other languages: compiled or run by the language's own tool, it gives what the kernel gives."""
+
+from __future__ import annotations
+
+import ctypes
+import dataclasses
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.cli.app import run
+from freebody.elementary import less, less_equal, maximum, minimum, sign, sin, sqrt, where
+from freebody.kernels.formulas import FORMULAS
+from freebody.kernels.meanings import INPUTS, OUTPUTS
+from freebody.kernels.vectors import vectors
+from freebody.program import Argument, Program, trace
+from freebody.scalars.expr import Expr
+from freebody.scalars.operations import OPERATIONS
+from freebody.targets import compile_program
+from freebody.targets.text import LANGUAGES, Unit, c, javascript, julia, rust
+
+TOOL = {
+    "c": "cc", "cpp": "c++", "javascript": "node", "javascript-script": "node", "rust": "rustc", "julia": "julia",
+    "matlab": "octave", "numpy": sys.executable, "jax": sys.executable, "casadi": sys.executable,
+}  # fmt: skip
+NEEDS = {"jax": "jax", "casadi": "casadi"}
+STRICT = {
+    "cc -std=c99": "cc -std=c99 -Wall -Wextra -Wconversion -pedantic -Werror",
+    "c++ ": "c++ -Wall -Wextra -Wconversion -pedantic -Werror ",
+    "rustc ": "rustc -D warnings ",
+    "python ": f"{sys.executable} ",
+    "-O2": "-O1",
+}
+
+
+def require(language: str) -> None:
+    if shutil.which(TOOL[language]) is None:
+        pytest.skip(f"{TOOL[language]} is not installed: {language} is written, not run")
+    if language in NEEDS:
+        pytest.importorskip(NEEDS[language], reason=f"{NEEDS[language]} is not installed")
+
+
+def self_test(folder: Path, language: str, word: str) -> subprocess.CompletedProcess[str]:
+    """The package's own test, compiled with all warnings as errors."""
+    command = LANGUAGES[language].test.format(name=word)
+    for plain, strict in STRICT.items():
+        command = command.replace(plain, strict)
+    return subprocess.run(
+        command, shell=True, cwd=folder, capture_output=True, text=True, check=False, timeout=300
+    )
+
+
+def passes(folder: Path, language: str, word: str) -> None:
+    done = self_test(folder, language, word)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "passed" in done.stdout
+
+
+def package(program: Program, folder: Path, language: str, dtype: str = "float64") -> None:
+    """As fb.export does it, of any program."""
+    files = LANGUAGES[language].package(Unit(program, program.name, dtype=dtype), vectors(program, dtype))
+    for name, text in files.items():
+        (folder / name).write_text(text, encoding="ascii")
+
+
+def compiled(folder: Path, word: str) -> ctypes.CDLL:
+    """The C of a package as a library."""
+    command = ["cc", "-std=c99", "-O1", "-shared", "-fPIC", f"{word}.c", "-o", f"{word}.so", "-lm"]
+    subprocess.run(command, cwd=folder, check=True)
+    return ctypes.CDLL(str(folder / f"{word}.so"))
+
+
+def pointer(array: np.ndarray) -> ctypes._Pointer:
+    return array.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+
+
+ROBOTS = {
+    "arm": lambda: fb.load("ur5e"),
+    "plane": lambda: fb.planar("RPR", l=[0.4, 0.3, 0.2], lc=[0.2, 0.1, 0.1], m=[2, 1, 1], I=[0.1, 0.1, 0.1]),
+    "stewart": lambda: fb.load("stewart"),
+}
+
+
+# ---------------------------------------------------------------- each language runs
+@pytest.mark.parametrize("language", [x for x in LANGUAGES if x != "casadi"])
+def test_a_package_passes_its_own_test_and_its_test_can_fail(language, tmp_path):
+    fb.export(ROBOTS["plane"](), ("inverse_dynamics", "mass_matrix", "kinetic_energy"), tmp_path, language)
+    word = "inverse_dynamics_mass_matrix_kinetic_energy"
+    require(language)
+    passes(tmp_path, language, word)
+    wrong = 0
+    for path in tmp_path.glob(f"{word}.*"):
+        text = path.read_text(encoding="ascii")
+        path.write_text(text.replace("9.81", "9.8101"), encoding="ascii")
+        wrong += text.count("9.81")
+    assert wrong
+    done = self_test(tmp_path, language, word)
+    assert done.returncode != 0, done.stdout
+    assert "FAILED" in done.stdout
+
+
+def everything() -> Program:
+    """Every operation there is, on inputs of every shape."""
+
+    def body(q, k, A):
+        known = {1: (q[0],), 2: (q[0], A[1][1]), 3: (q[0], A[0][1], k)}
+        made = []
+        for op, record in OPERATIONS.items():
+            operands = known[record.arity]
+            if op in ("sqrt", "log", "asin", "acos"):
+                operands = (operands[0] * operands[0] / 8.0 + 0.25,)
+            graph = operands[0].graph
+            made.append(Expr(graph, record.node(graph, *(x.index for x in operands))))
+        total = sum(made[1:], made[0])
+        # NaN that arises on the way is not hidden, is not 0, and is less than nothing
+        nan = sqrt(-1.0 - k * k)
+        made += [less(f(*x), 5.0) for f in (minimum, maximum) for x in ((nan, 1.0), (1.0, nan))]
+        made += [where(nan, 2.0, 3.0), less(nan, 5.0), less_equal(5.0, nan)]
+        return (
+            made,
+            [[total, -total, q[1]], [k, 0.0, -2.5e-7]],
+            [q[0] - (k - A[0][0]) / (A[1][0] - q[1])],
+            k,
+            [],
+        )
+
+    outputs = [
+        Argument("y", (len(OPERATIONS) + 7,)),
+        Argument("Y", (2, 3)),
+        Argument("z", (1,)),
+        Argument("s", ()),
+    ]
+    inputs = [Argument("q", (2,)), Argument("k", ()), Argument("A", (2, 2)), Argument("none", (0,))]
+    return trace(
+        "everything", lambda q, k, A, _: body(q, k, A), inputs, [*outputs, Argument("nothing", (0,))]
+    )
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_every_operation_in_every_language(language, tmp_path):
+    program = everything()
+    assert set(program.operations) == set(OPERATIONS)
+    for dtype in LANGUAGES[language].dtypes:
+        package(program, tmp_path, language, dtype)
+        if shutil.which(TOOL[language]) and language != "casadi":
+            if language in NEEDS:
+                pytest.importorskip(NEEDS[language])
+            passes(tmp_path, language, "everything")
+    require(language)
+
+
+@pytest.mark.parametrize("language", ["c", "cpp", "javascript", "rust"])
+def test_long_programs_are_cut_and_compute_the_same(language, tmp_path, monkeypatch):
+    for module in (c, javascript, rust, julia):
+        monkeypatch.setattr(module, "LONGEST", 60)
+    fb.export(ROBOTS["arm"](), ("forward_dynamics", "mass_matrix"), tmp_path, language, name="cut")
+    text = "".join(path.read_text() for path in tmp_path.glob("cut.*"))
+    assert len(set(re.findall(r"cut_part\d+", text))) > 10
+    require(language)
+    passes(tmp_path, language, "cut")
+
+
+# ---------------------------------------------------------------- C beside the kernel
+@pytest.mark.parametrize("robot", ROBOTS)
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_c_gives_what_the_kernel_gives(robot, dtype, tmp_path):
+    require("c")
+    model = ROBOTS[robot]()
+    names = ["forward_dynamics", "mass_matrix", "constraint_jacobian" if model.loops else "inverse_dynamics"]
+    fb.export(model, names, tmp_path, dtype=dtype, name="f")
+    passes(tmp_path, "c", "f")
+    if dtype == "float32":
+        return
+    kernel = fb.kernel(model, names)
+    given = vectors(kernel.program, dtype, model).inputs
+    expected = kernel(*given)
+    library = compiled(tmp_path, "f")
+    for i in range(len(given[0])):
+        outs = [np.zeros(argument.shape) for argument in kernel.program.outputs]
+        assert library.f(*(pointer(np.ascontiguousarray(x[i])) for x in given), *map(pointer, outs)) == 0
+        for found, wanted in zip(outs, expected, strict=True):
+            np.testing.assert_allclose(found, wanted[i], rtol=0, atol=1e-12 * np.abs(wanted).max())
+
+
+def test_arrays_of_c_may_overlap_and_what_is_not_finite_gives_nan(tmp_path):
+    require("c")
+    model = ROBOTS["arm"]()
+    fb.export(model, "inverse_dynamics", tmp_path)
+    library = compiled(tmp_path, "inverse_dynamics")
+    q, qd, qdd = fb.random_state(model, 1)
+    expected = fb.inverse_dynamics(model, q, qd, qdd)
+    shared = qdd.copy()
+    assert library.inverse_dynamics(pointer(q), pointer(qd), pointer(shared), pointer(shared)) == 0
+    np.testing.assert_allclose(shared, expected, atol=1e-12 * np.abs(expected).max())
+    for bad in (np.nan, np.inf, -np.inf):
+        tau, wrong = np.zeros(6), qd.copy()
+        wrong[5] = bad
+        assert library.inverse_dynamics(pointer(q), pointer(wrong), pointer(qdd), pointer(tau)) == 1
+        assert np.isnan(tau).all()
+
+
+def test_clang_has_no_warning_either(tmp_path):
+    if shutil.which("clang") is None:
+        pytest.skip("clang is not installed")
+    package(everything(), tmp_path, "c", "float32")
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-pedantic", "-Werror", "-c"]
+    for name in ("everything.c", "everything_test.c"):
+        subprocess.run(["clang", *flags, name], cwd=tmp_path, check=True)
+
+
+def test_javascript_that_is_not_given_finite_numbers_gives_nan(tmp_path):
+    require("javascript")
+    fb.export(ROBOTS["plane"](), ("inverse_dynamics", "mass_matrix"), tmp_path, "javascript", name="f")
+    program = (
+        'import { f } from "./f.mjs"; const M = new Float64Array(9), t = new Float64Array(3);'
+        "const [a, b] = f([0, 0, 0], [0, NaN, 0], [0, 0, 0], t, M);"
+        "console.log(a === t && b === M && [...a, ...b].every(Number.isNaN));"
+    )
+    (tmp_path / "try.mjs").write_text(program)
+    done = subprocess.run(["node", "try.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "true"
+
+
+# ---------------------------------------------------------------- words
+WORDS = (
+    "double", "let", "fn", "end", "v1", "v2", "w", "sin", "cos_a_0", "n", "x", "i", "function", "self",
+    "given0", "sign_of", "all_finite", "fill", "q_0", "q", "batch", "xp", "ca", "np", "S", "f64", "zeros",
+    "tan", "int",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_arguments_that_are_called_like_the_languages_own_words(language, tmp_path):
+    inputs = [Argument(word, (2,)) for word in WORDS]
+
+    def mixed(*args):
+        return [[sign(sin(a[0])) + a[1] * args[0][0] for a in args] for _ in WORDS]
+
+    outputs = [Argument(word, (len(WORDS),)) for word in WORDS]  # an output may be called like an input
+    program = trace("switch", mixed, inputs, outputs)
+    package(program, tmp_path, language)
+    require(language)
+    (word,) = {path.name.partition("_test")[0] for path in tmp_path.glob("*_test.*")}
+    passes(tmp_path, language, word)
+
+
+def test_names_of_a_robot_are_words_in_the_text_and_as_they_were_in_names_json(tmp_path):
+    hostile = 'tool"""\n*/ int x; /* %{ θ\\'
+    model = dataclasses.replace(
+        fb.load("2R").bind(l1=1, l2=1, lc1=0.5, lc2=0.5, m1=1, m2=1, I1=1, I2=1), name=hostile
+    )
+    for language in LANGUAGES:
+        text = fb.source(model, "inverse_dynamics", language)
+        assert text.isascii()
+        assert "int x;" not in text
+    fb.export(model, "inverse_dynamics", tmp_path / "out")
+    names = json.loads((tmp_path / "out" / "names.json").read_text())
+    assert list(names["robot"].values()) == [hostile]
+    assert set(tmp_path.iterdir()) == {tmp_path / "out"}
+
+
+@pytest.mark.parametrize("name", ["a b", "", "int main", "θ", "lambda", "../x"])
+def test_a_function_has_a_word_for_a_name(name):
+    with pytest.raises(fb.FreebodyError, match="is no word of letters"):
+        fb.source(ROBOTS["plane"](), "bias", "c", name=name)
+
+
+# ---------------------------------------------------------------- the text itself
+def test_text_is_the_same_in_every_process():
+    code = (
+        "import freebody as fb, hashlib; from freebody.targets.text import LANGUAGES; m = fb.load('ur5e')\n"
+        "t = ''.join(fb.source(m, ('forward_dynamics', 'jacobian'), x) for x in LANGUAGES)\n"
+        "print(hashlib.sha256(t.encode()).hexdigest())"
+    )
+    found = {
+        subprocess.run(
+            [sys.executable, "-c", code],
+            env=os.environ | {"PYTHONHASHSEED": seed},
+            capture_output=True, text=True, check=True,
+        ).stdout
+        for seed in ("1", "2")
+    }  # fmt: skip
+    assert len(found) == 1
+
+
+def test_the_head_says_what_is_needed_to_call_it():
+    model = fb.load("ur5e")
+    head = fb.source(
+        model, ("inverse_dynamics", "jacobian"), "c", wrench_frames=["wrist_3_link"], frame="forearm_link"
+    )
+    head = head.partition("*/")[0]
+    for line in (
+        "qd(6): rates (rad/s", "wrench0(6): wrench on the frame wrist_3_link", "inverse_dynamics_tau(6): torques",
+        "jacobian_J(6, 6): Jacobian", "3 elbow_joint: revolute, q [2], qd [2], carries forearm_link on upper_arm_link",
+        "The frame is forearm_link; axes: world.", "operations: ",
+    ):  # fmt: skip
+        assert line in head, line
+    count = int(re.search(r"(\d+) operations", head)[1])
+    kernel = fb.kernel(
+        model, ("inverse_dynamics", "jacobian"), wrench_frames=["wrist_3_link"], frame="forearm_link"
+    )
+    assert count == pytest.approx(sum(kernel.program.operations.values()), rel=0.05)
+
+
+def test_sections_follow_the_recursion():
+    text = fb.source(fb.load("ur5e"), "inverse_dynamics", "c")
+    titles = re.findall(r"/\* (outward|inward), (?:up )?to joint (\d) (\w+) \*/", text)
+    assert titles == [("outward", str(k), fb.load("ur5e").joint_names[k - 1]) for k in range(1, 6)] + [
+        ("inward", str(k), fb.load("ur5e").joint_names[k - 1]) for k in range(6, 0, -1)
+    ]
+
+
+def test_every_formula_has_words_for_its_arguments():
+    assert {name: set(formula.outputs) for name, formula in FORMULAS.items()} == {
+        name: set(words) for name, words in OUTPUTS.items()
+    }
+    taken = {x for formula in FORMULAS.values() for x in formula.inputs}
+    assert taken - {"wrenches"} == set(INPUTS)
+
+
+def test_source_of_a_kernel_of_ones_own():
+    program = trace("f", lambda x: ([x[0] * sin(x[1])],), [Argument("x", (2,))], [Argument("y", (1,))])
+    text = fb.source(compile_program(program, backend="numpy"), language="c", name="mine")
+    assert "int mine(const double x[2], double y[1])" in text
+    with pytest.raises(fb.FreebodyError, match="a kernel has its quantities already"):
+        fb.source(compile_program(program, backend="numpy"), "bias", "c")
+
+
+# ---------------------------------------------------------------- refusals, and the command
+def test_what_cannot_be_written_is_refused():
+    model = ROBOTS["plane"]()
+    with pytest.raises(fb.FreebodyError, match=r"no language 'fortran' in fb.source. Languages: c, cpp"):
+        fb.source(model, "bias", "fortran")
+    with pytest.raises(fb.FreebodyError, match=r"dtype='float32' in matlab; it can be float64"):
+        fb.source(model, "bias", "matlab", dtype="float32")
+    with pytest.raises(fb.FreebodyError, match="give the quantities"):
+        fb.source(model, language="c")
+    with pytest.raises(fb.FreebodyError, match=r"fb.source\(fb.load\('ur5e'\)"):
+        fb.source("ur5e", "bias", "c")
+    heavy = trace("f", lambda x: ([1e39 * x[0]],), [Argument("x", (1,))], [Argument("y", (1,))])
+    with pytest.raises(fb.FreebodyError, match="beyond what float32 can hold"):
+        fb.source(compile_program(heavy, backend="numpy"), language="c", dtype="float32")
+
+
+def test_what_has_no_value_anywhere_is_refused_before_a_file_is_written(tmp_path):
+    massless = fb.planar("R", l=[1], lc=[0], m=[0], I=[0])
+    with pytest.raises(fb.FreebodyError, match="divides by zero in every state"):
+        fb.export(massless, "forward_dynamics", tmp_path / "out")
+    root = trace("f", lambda x: ([sqrt(-1.0 - x[0] * x[0])],), [Argument("x", (1,))], [Argument("y", (1,))])
+    with pytest.raises(fb.FreebodyError, match="infinite or NaN at all of 40 random inputs"):
+        fb.export(compile_program(root, backend="numpy"), out=tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_command(tmp_path, capsys):
+    out = tmp_path / "out"
+    arguments = ["export", "ur5e", "inverse_dynamics", "mass_matrix", "--out", str(out), "--name", "arm"]
+    assert run([*arguments, "--wrench", "wrist_3_link"]) == 0
+    assert {"arm.c", "arm.h", "arm_test.c", "README.txt", "names.json", "manifest.json"} == {
+        path.name for path in out.iterdir()
+    }
+    assert run([*arguments, "--language", "fortran"]) == 2
+    assert "error: no language 'fortran' in fb.export." in capsys.readouterr().err
+    (out / "arm.c").write_text("mine")
+    assert run(arguments) == 2
+    assert (out / "arm.c").read_text() == "mine"
