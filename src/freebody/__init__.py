@@ -84,6 +84,7 @@ _PLACES = {
     "freebody.inverse.singularities": ("singularities",),
     "freebody.kernels.lookup": ("kernel",),
     "freebody.kernels.exports": ("export", "source", "to_jax"),
+    "freebody.kernels.compiled": ("compile",),
     "freebody.derivations.equations": ("equations",),
     "freebody.derivations.closed.loops": ("loop_equations",),
     "freebody.figures.illustrate": ("derive",),
@@ -116,10 +117,13 @@ _QUICK = tuple(
 warnings would point at it."""
 
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
-__all__ = [*_PLACE_OF, "__version__"]
+_MODULES = ("math",)
+__all__ = [*_PLACE_OF, *_MODULES, "__version__"]
 
 
 def __getattr__(name: str) -> Any:
+    if name in _MODULES:
+        return importlib.import_module(f"freebody.{name}")
     if name not in _PLACE_OF:
         raise AttributeError(f"module 'freebody' has no attribute {name!r}")
     value = getattr(importlib.import_module(_PLACE_OF[name]), name)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
+
 from freebody.program.passes import drop_dead
 from freebody.program.program import Argument, Program, ProgramError, verify
 from freebody.scalars.expr import Expr, Graph
@@ -14,16 +16,16 @@ def trace(
     name: str,
     function: Callable[..., Any],
     inputs: Sequence[Argument],
-    outputs: Sequence[Argument],
+    outputs: Sequence[Argument] | None,
 ) -> Program:
     """The program of what `function` does to scalars.
 
     Args:
         name: name of the program, for messages and printing.
         function: called once with one nested tuple of scalars for each input (a bare scalar for shape ()); returns
-            a sequence with one nested sequence of scalars or numbers for each output.
+            a sequence with one nested sequence of scalars or numbers for each output, or arrays of objects.
         inputs: names and core shapes of the arguments.
-        outputs: names and core shapes of the results.
+        outputs: names and core shapes of the results; None: the function returns {name: array of objects}, which says.
 
     Raises:
         ProgramError: if what the function returns does not have the shape of the outputs.
@@ -32,6 +34,9 @@ def trace(
     graph = Graph()
     arguments = [_nested(graph, argument.name, argument.shape) for argument in inputs]
     returned = function(*arguments)
+    if outputs is None:
+        outputs = [Argument(label, array.shape) for label, array in returned.items()]
+        returned = tuple(returned.values())
     if not isinstance(returned, (tuple, list)) or len(returned) != len(outputs):
         given = f"{len(returned)} values" if isinstance(returned, (tuple, list)) else type(returned).__name__
         raise ProgramError(
@@ -64,6 +69,8 @@ def _nested(graph: Graph, name: str, shape: tuple[int, ...], index: tuple[int, .
 def _flatten(
     graph: Graph, name: str, argument: Argument, shape: tuple[int, ...], value: Any, results: list[int]
 ) -> None:
+    if isinstance(value, np.ndarray):
+        value = value.tolist()  # of no axes: its one entry
     if not shape:
         index = graph.operand(value)
         if index < 0:

@@ -61,6 +61,31 @@ class Dual:
         ratio = other / self.value
         return Dual(ratio, _scaled(-(ratio / self.value), self.slopes))
 
+    def __pow__(self, exponent: Any) -> Dual:
+        if exponent == 0:
+            return Dual(self.value**exponent, {})
+        return Dual(self.value**exponent, _scaled(exponent * self.value ** (exponent - 1), self.slopes))
+
+    def __bool__(self) -> bool:
+        return bool(self.value)
+
+    def __eq__(self, other: object) -> bool:
+        return self.value == value(other)
+
+    def __lt__(self, other: Any) -> bool:
+        return self.value < value(other)
+
+    def __le__(self, other: Any) -> bool:
+        return self.value <= value(other)
+
+    def __gt__(self, other: Any) -> bool:
+        return self.value > value(other)
+
+    def __ge__(self, other: Any) -> bool:
+        return self.value >= value(other)
+
+    __hash__ = None  # type: ignore[assignment]
+
     def __abs__(self) -> Dual:
         return self.elementary("absolute", (self,))
 

@@ -60,8 +60,8 @@ class Graph(Nodes):
 class Expr:
     """Handle on one node of a graph; behaves as a number under `+ - * / **` and the functions of `elementary`.
 
-    Two handles are equal if they stand for the same node. Comparing values is refused: what a trace does may
-    depend on the structure of the robot, never on the value of a scalar.
+    A handle equals one of the same node. Comparing values is refused: what a trace does may depend on the structure of
+    the robot, never on the value of a scalar.
     """
 
     __slots__ = ("graph", "index")
@@ -115,7 +115,8 @@ class Expr:
     def __pow__(self, exponent: Any) -> Expr:
         if not isinstance(exponent, (int, float)) or exponent != int(exponent) or abs(exponent) > 64:
             raise GraphError(
-                f"x ** {exponent!r}: the exponent of a traced scalar is a whole number from -64 to 64."
+                f"x ** {exponent!r}: the exponent of a traced scalar is a whole number from -64 to 64; else "
+                "there are sqrt(x) and exp(exponent * log(x)) of freebody.math."
             )
         if exponent < 0:
             return 1.0 / self**-exponent
@@ -140,8 +141,8 @@ class Expr:
         return Expr(graph, OPERATIONS[name].node(graph, *indices))
 
     def __eq__(self, other: object) -> bool:
-        if type(other) is Expr:
-            return other.graph is self.graph and other.index == self.index
+        if type(other) is Expr and other.graph is self.graph and other.index == self.index:
+            return True
         raise _branch("==")
 
     def __hash__(self) -> int:
