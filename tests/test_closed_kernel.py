@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody.errors import SingularError
+from freebody.loops.partition import partition
+from freebody.loops.scaled import rate_scale
 from freebody.trees.passive import all_driven
+from helpers import numbers
 
 CLOSED = [
     "four_bar",
@@ -48,7 +52,77 @@ def test_wrenches_on_frames():
     np.testing.assert_allclose(kernel(q, still, still, load), expected, rtol=1e-12)
 
 
-@pytest.mark.parametrize("name", ["inverse_dynamics", "static_torque", "mass_matrix_inverse"])
+@pytest.mark.parametrize("every", [False, True], ids=["own drives", "all driven"])
+@pytest.mark.parametrize("name", CLOSED)
+def test_torques_of_the_drives_do_what_the_tree_needs(name: str, every: bool):
+    """The same power in every motion that the loops allow, and no smaller torques do that: by singular values."""
+    model = fb.load(name)
+    model = all_driven(model) if every else model
+    motion = fb.default_motion(model, samples=9)
+    loads = np.random.default_rng(4).normal(size=(9, 3 if model.dim == 2 else 6))
+    state = motion.q, motion.qd, motion.qdd
+    found = fb.kernel(model, "inverse_dynamics", wrench_frames=[model.frame().name])(*state, loads)
+    needed = fb.inverse_dynamics(model.opened, *state, loads)
+    driven = [k for k, body in enumerate(model.bodies) if not body.joint.passive]
+    driven = [k for b in driven for k in model.coordinates[b].v]
+    assert not np.delete(found, driven, axis=-1).any()
+    rates = rate_scale(model)
+    for k in range(9):
+        J = numbers(model, "constraint_jacobian", motion.q[k]) * rates
+        _, s, Vt = np.linalg.svd(J)
+        N = Vt[int((s > 1e-9 * s[0]).sum()) :].T
+        least = np.linalg.pinv(N[driven].T) @ N.T @ (rates * needed[k])
+        np.testing.assert_allclose(
+            rates[driven] * found[k, driven], least, atol=1e-11 * np.abs(needed[k]).max()
+        )
+    np.testing.assert_allclose(
+        fb.inverse_dynamics(model, *state, loads), found, rtol=0, atol=1e-13 * (1.0 + np.abs(found).max())
+    )
+    held = fb.kernel(model, "static_torque")(motion.q)
+    np.testing.assert_allclose(
+        fb.static_torque(model, motion.q), held, rtol=0, atol=1e-13 * (1.0 + np.abs(held).max())
+    )
+
+
+def test_a_lane_where_the_choice_fails_is_nan_and_the_function_takes_care():
+    """Both distal links of a five-bar in line: cranks do not hold the tip there, though an elbow's drive would."""
+    model = fb.load("five_bar")
+    p = model.parameters
+    angle = np.arccos(((p["l3"] + p["l4"]) / 2 - p["b"]) / p["l1"])
+    at = {"theta1": np.pi - angle, "B": angle - np.pi, "theta2": angle, "D": np.pi - angle}
+    singular = np.array([at[name] for name in model.joint_names])
+    q = fb.default_motion(model, samples=9).q.copy()
+    alone = fb.static_torque(model, q)
+    q[3] = singular
+    found = fb.kernel(model, "static_torque")(q)
+    np.testing.assert_array_equal(np.isnan(found[:, :2]).all(axis=-1), np.arange(9) == 3)
+    np.testing.assert_array_equal(np.delete(found, 3, axis=0), np.delete(alone, 3, axis=0))
+    with pytest.raises(
+        SingularError, match=r"static_torque: .* at sample 3: it moves though they stand still"
+    ):
+        fb.static_torque(model, q)
+    # with a third drive the fixed choice still fails there, and another one is taken
+    more = model.replace(actuated=["theta1", "theta2", "B"])
+    chosen = partition(more)
+    assert chosen is not None
+    tau = fb.static_torque(more, q)
+    assert np.isfinite(tau).all()
+    np.testing.assert_array_equal(tau[3], fb.static_torque(more, singular))
+
+
+@pytest.mark.parametrize("name", ["five_bar", "3RRR"])
+def test_one_singular_sample_leaves_the_others(name: str):
+    model = fb.load(name)
+    motion = fb.default_motion(model, samples=9)
+    few = model.replace(actuated=model.actuated[:1])
+    assert partition(few) is None
+    with pytest.raises(SingularError, match="holds near its home, which a compiled kernel needs"):
+        fb.kernel(few, "inverse_dynamics")
+    with pytest.raises(SingularError, match="at sample 0: it moves though they stand still"):
+        fb.static_torque(few, motion.q)
+
+
+@pytest.mark.parametrize("name", ["joint_wrenches", "mass_matrix_inverse"])
 def test_what_leaves_loops_out_is_refused(name: str):
     with pytest.raises(fb.FreebodyError, match=f"kernel: {name}: 'five_bar' is a closed chain"):
         fb.kernel(fb.load("five_bar"), name)

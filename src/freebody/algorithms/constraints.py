@@ -138,17 +138,22 @@ def _equation_rates(
         yield still, moment, moment
 
 
-def loop_wrenches(tree: Tree, q: Vector, multipliers: Vector) -> list[Vector]:
-    """For each loop (force, moment) on B by A at the origin of B, world axes: what -Φ_qᵀ λ (5.23) stands for."""
+def loop_wrenches(tree: Tree, q: Vector, multipliers: Vector, reference: str = "world") -> list[Vector]:
+    """For each loop (force, moment) on B by A at the origin of B, world axes or B's ("child"): what -Φ_qᵀ λ (5.23)
+    stands for."""
     space = tree.space
     world = world_poses(tree, joint_poses(tree, q))
     wrenches, k = [], 0
     for loop in tree.loops:
         force, moment = space.zero, space.zero_angular
-        for e in loop_equations(space, loop, *_ends(tree, world, loop)):
+        a, b = _ends(tree, world, loop)
+        for e in loop_equations(space, loop, a, b):
             force = sub(force, scale(multipliers[k], e.f))
             moment = sub(moment, scale(multipliers[k], e.n_b))
             k += 1
+        if reference == "child":
+            E = transposed(b[0])
+            force, moment = times(E, force), space.turn(E, moment)
         wrenches.append(force + moment)
     return wrenches
 
@@ -224,7 +229,7 @@ def closed(
     independent = [pivot - _DEPENDENT * square for pivot, square in zip(pivots, squares, strict=True)]
     left = dot(after, after)
     nearer = (_LESS**2 * dot(before, before) + _CLOSED**2) - left
-    valid = _one_if_positive(*independent, nearer, _OPEN**2 - left)
+    valid = one_if_positive(*independent, nearer, _OPEN**2 - left)
     return scale(valid, q), scale(valid, sub(qd, change))
 
 
@@ -236,7 +241,7 @@ _CLOSED, _OPEN = 1e-9, 1e-4
 """m, or the sine of an angle: loops open by less are closed, loops open by more are not."""
 
 
-def _one_if_positive(*margins: Scalar) -> Scalar:
+def one_if_positive(*margins: Scalar) -> Scalar:
     """1 where all are positive, else NaN."""
     count: Scalar = 0.5 - len(margins)
     for margin in margins:
@@ -252,14 +257,14 @@ def _kept(values: tuple[Any, ...], rows: Sequence[int] | None) -> tuple[Any, ...
 def _least_change(tree: Tree, factors: Factors, phi: Matrix, wanted: Vector) -> tuple[Vector, Vector, Vector]:
     """The x smallest in the metric M with Φ_q x = wanted, its multipliers λ (M x = Φ_qᵀ λ), and the pivots of S."""
     columns = [substitute(tree, factors, row) for row in phi]
-    multipliers, pivots = _solved([[dot(row, x) for x in columns] for row in phi], wanted)
+    multipliers, pivots = solved([[dot(row, x) for x in columns] for row in phi], wanted)
     change: Vector = (0.0,) * tree.nv
     for multiplier, column in zip(multipliers, columns, strict=True):
         change = add(change, scale(multiplier, column))
     return change, multipliers, pivots
 
 
-def _solved(S: list[list[Scalar]], right: Vector) -> tuple[Vector, Vector]:
+def solved(S: list[list[Scalar]], right: Vector) -> tuple[Vector, Vector]:
     """x with S x = right for a symmetric positive definite S = L D Lᵀ, and D."""
     n = len(S)
     L: list[list[Scalar]] = [[0.0] * n for _ in range(n)]

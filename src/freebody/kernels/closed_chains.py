@@ -12,7 +12,8 @@ _PLACES = {
     "forward_dynamics": ("freebody.loops.dynamics", "forward"),
     "static_torque": ("freebody.loops.dynamics", "holding"),
     "joint_wrenches": ("freebody.loops.reactions", "reactions"),
-    "independent_rows": ("freebody.loops.dynamics", "independent_rows"),
+    "independent_rows": ("freebody.loops.partition", "independent_rows"),
+    "require_partition": ("freebody.loops.partition", "require_partition"),
 }
 
 

@@ -37,6 +37,7 @@ from freebody.algorithms.derivatives import (
     forward_dynamics_derivatives,
     inverse_dynamics_derivatives,
 )
+from freebody.algorithms.loop_forces import Partition, drive_torques, loop_multipliers, loose_recursions
 from freebody.algorithms.operational import centroidal_momentum_matrix, mass_matrix_inverse, operational_space
 from freebody.algorithms.regressor import energy_regressor, regressor
 from freebody.algorithms.rnea import External, external_on_frame, joint_wrenches, rnea
@@ -60,6 +61,8 @@ class Option(NamedTuple):
     """Rows of a frame's motion, for the quantities of operational space."""
     equations: tuple[int, ...] | None = None
     """Loop equations that count; None: all. The others follow from them."""
+    partition: Partition | None = None
+    """Of a closed chain's equations and coordinates, for what its drives do."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +72,8 @@ class Formula:
     inputs: names among q, q0, q1, q_ref (nq each), qd, qdd, v, tau, x, dq, dqd, qd_ref, kp, kd (nv each), h (a number),
     multipliers, point, wrenches.
     outputs: name -> dimensions: numbers, or names among nq, nv, nj, six, dim, pose (dim + 1), rows, parameters,
-    constraints (loop equations), equations (those that count), reactions (joints and loops).
+    constraints (loop equations), equations (those that count), loose (those that the partition leaves out), reactions
+    (joints and loops).
     evaluate(tree, option, **inputs): a tuple of nested sequences of scalars; wrenches is a tuple of vectors, one for
     each of option.wrench_frames. another: a second way to the same values; for robots of few joints both are traced and
     the shorter program is compiled.
@@ -110,7 +114,7 @@ def _acceleration(
 def _inverse(
     tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, wrenches: Any = ()
 ) -> tuple[Any, ...]:
-    return (rnea(tree, q, qd, qdd, _external(tree, o, q, wrenches)).tau,)
+    return (_driven(tree, o, q, rnea(tree, q, qd, qdd, _external(tree, o, q, wrenches)).tau),)
 
 
 def _forward(
@@ -167,7 +171,7 @@ def _gravity(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
 
 def _static(tree: Tree, o: Option, q: Vector, wrenches: Any = ()) -> tuple[Any, ...]:
     still = _zeros(tree)
-    return (rnea(tree, q, still, still, _external(tree, o, q, wrenches)).tau,)
+    return (_driven(tree, o, q, rnea(tree, q, still, still, _external(tree, o, q, wrenches)).tau),)
 
 
 def _wrenches(
@@ -196,7 +200,32 @@ def _closed_wrenches(
     """Of every joint, then of every loop."""
     loads = _external(tree, o, q, wrenches) + loop_loads(tree, q, multipliers)
     recursion = rnea(tree, q, qd, qdd, loads)
-    return ([*joint_wrenches(tree, recursion, o.reference), *loop_wrenches(tree, q, multipliers)],)
+    return (
+        [*joint_wrenches(tree, recursion, o.reference), *loop_wrenches(tree, q, multipliers, o.reference)],
+    )
+
+
+def _loose_wrenches(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
+    """What each combination of multipliers that no motion feels does to every joint and loop."""
+    return (
+        [
+            [
+                *joint_wrenches(tree, recursion, o.reference),
+                *loop_wrenches(tree, q, multipliers, o.reference),
+            ]
+            for multipliers, recursion in loose_recursions(tree, q, _partition(o))
+        ],
+    )
+
+
+def _driven(tree: Tree, o: Option, q: Vector, needed: Vector) -> Vector:
+    """Torques of a tree, or of the drives of a closed chain that do the same."""
+    return drive_torques(tree, q, needed, _partition(o)) if tree.loops else needed
+
+
+def _partition(o: Option) -> Partition:
+    assert o.partition is not None  # `kernel` and the functions of closed chains choose it
+    return o.partition
 
 
 def _momentum(tree: Tree, o: Option, q: Vector, qd: Vector, point: Vector | None = None) -> tuple[Any, ...]:
@@ -374,15 +403,24 @@ FORMULAS: dict[str, Formula] = {
     "closed_wrenches": Formula(
         ("q", "qd", "qdd", "multipliers", "wrenches"), {"W": ("reactions", "six")}, _closed_wrenches
     ),
+    "drive_torques": Formula(
+        ("q", "x"),
+        {"tau": ("nv",)},
+        lambda t, o, q, x: (drive_torques(t, q, x, _partition(o)),),
+    ),
+    "loop_multipliers": Formula(
+        ("q", "x"),
+        {"multipliers": ("constraints",)},
+        lambda t, o, q, x: (loop_multipliers(t, q, x, _partition(o)),),
+    ),
+    "loose_wrenches": Formula(("q",), {"W": ("loose", "reactions", "six")}, _loose_wrenches),
     "kinetic_energy": Formula(("q", "qd"), {"T": ()}, lambda t, o, q, qd: (energy.kinetic_energy(t, q, qd),)),
     "potential_energy": Formula(("q",), {"V": ()}, lambda t, o, q: (energy.potential_energy(t, q),)),
     "momentum": Formula(("q", "qd", "point"), {"h": ("six",)}, _momentum),
 }
 
 OF_TREES = (
-    "inverse_dynamics",
     "joint_wrenches",
-    "static_torque",
     "inverse_dynamics_derivatives",
     "inverse_dynamics_second_derivatives",
     "inverse_dynamics_along",
@@ -404,3 +442,9 @@ OF_INDEPENDENT_EQUATIONS = (
 )
 """Formulas whose kernel for a closed chain has to do for all positions: equations that depend on others at home are
 left out."""
+
+OF_PARTITION = ("inverse_dynamics", "static_torque", "drive_torques", "loop_multipliers", "loose_wrenches")
+"""Formulas that, of a closed chain, take its equations and coordinates apart as is right near home."""
+
+OF_LOOPS = ("drive_torques", "loop_multipliers", "loose_wrenches")
+"""Formulas that say nothing of an open chain."""

@@ -12,7 +12,15 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, SingularError, UnknownNameError
 from freebody.kernels.closed_chains import closed
 from freebody.kernels.columns import BY_COLUMNS, LARGEST, ColumnKernel, KernelList
-from freebody.kernels.formulas import FORMULAS, OF_INDEPENDENT_EQUATIONS, OF_TREES, POSITIONS, Option
+from freebody.kernels.formulas import (
+    FORMULAS,
+    OF_INDEPENDENT_EQUATIONS,
+    OF_LOOPS,
+    OF_PARTITION,
+    OF_TREES,
+    POSITIONS,
+    Option,
+)
 from freebody.model.model import Model
 from freebody.program import Argument, Program, trace
 from freebody.targets import Kernel, compile_program
@@ -38,15 +46,26 @@ def kernel(
     their order.
     Returns k(q, qd, …, out=None, threads=None), which broadcasts like a NumPy ufunc, lets NaN through and checks no
     names; its inputs are those of the quantities, in the order q, qd, qdd, tau, wrenches, and its outputs in the order
-    of `names`. The forward dynamics of a closed chain takes its state to be closed, and is not defined at singular
-    positions, where `fb.forward_dynamics` is. One step of a simulation is a quantity too: "rk4_step",
-    "semi_implicit_step", "implicit_step" and "implicit_feedback_step", with the step's length h after tau, return
-    (q1, qd1); see docs/stepping.md. Raises UnknownNameError.
+    of `names`. Dynamics of a closed chain take its state to be closed, and are not defined at singular positions, where
+    the functions of the same names are: torques of the drives are NaN there. One step of a simulation is a quantity
+    too: "rk4_step", "semi_implicit_step", "implicit_step" and "implicit_feedback_step", with the step's length h after
+    tau, return (q1, qd1); see docs/stepping.md. Raises UnknownNameError, SingularError where the drives of a closed
+    chain do not force its motion.
     """
     listed, option = chosen_option(
         model, names, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows
     )
     return fetch(model, listed, option, backend, width)
+
+
+def _near_home(model: Model, listed: tuple[str, ...], option: Option) -> Option:
+    """Of a closed chain's equations and coordinates those that tell all near its home, whatever positions will come."""
+    if any(name in OF_INDEPENDENT_EQUATIONS for name in listed):
+        option = option._replace(equations=closed("independent_rows")(model))
+    for name in listed:
+        if name in OF_PARTITION and option.partition is None:
+            option = option._replace(partition=closed("require_partition")(f"kernel: {name}", model))
+    return option
 
 
 def chosen_option(
@@ -65,6 +84,10 @@ def chosen_option(
             raise UnknownNameError("quantity", name, "fb.kernel", FORMULAS)
         if name in OF_TREES:
             model.require_tree(f"kernel: {name}")
+        if name in OF_LOOPS and not model.loops:
+            raise FreebodyError(
+                f"kernel: {name}: {model.name!r} has no loops; add one with model.with_loop(...)."
+            )
     if not listed:
         raise FreebodyError("fb.kernel: give at least one quantity.")
     references = ("world", "child") if listed == ("joint_wrenches",) else ("world", "body")
@@ -78,9 +101,7 @@ def chosen_option(
         tuple(model.frame(f).name for f in wrench_frames),
         rows=motion_rows(model, rows),
     )
-    if model.loops and any(name in OF_INDEPENDENT_EQUATIONS for name in listed):
-        option = option._replace(equations=closed("independent_rows")(model))
-    return listed, option
+    return listed, _near_home(model, listed, option) if model.loops else option
 
 
 def motion_rows(model: Model, rows: Sequence[str] | None) -> tuple[int, ...]:
@@ -276,6 +297,7 @@ def _shape(model: Model, dims: tuple[str | int, ...], option: Option) -> tuple[i
         "rows": lambda: len(option.rows),
         "equations": lambda: model.tree.constraints if option.equations is None else len(option.equations),
         "constraints": lambda: model.tree.constraints,
+        "loose": lambda: model.tree.constraints - len(option.partition.rows if option.partition else ()),
         "reactions": lambda: len(model.bodies) + len(model.loops),
         "parameters": lambda: len(parameter_values(model.tree)),
     }

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array, at_sample
-from freebody.errors import LoopError, SingularError
+from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
 from freebody.kernels.lookup import fetch
-from freebody.loops.assembly import assemble, free_coordinates
+from freebody.loops.assembly import free_coordinates
 from freebody.loops.equations import (
     blurred,
     closing,
@@ -21,15 +21,14 @@ from freebody.loops.equations import (
     scaled_jacobian,
     telling_much,
 )
-from freebody.loops.mobility import dependent_rows, regular_jacobian
+from freebody.loops.partition import independent_rows, partition
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled import length, loop_of_row, null_space, rate_scale, row_scale
 from freebody.loops.solving import BLURRED, RANK, Idle, Jerk, solve
-from freebody.model.facts import fact
 from freebody.model.model import Model
 from freebody.trees.calls import Vector, Wrenches, checked_inputs
 from freebody.trees.massless import massless
-from freebody.trees.states import difference, integrate, random_state
+from freebody.trees.states import difference, integrate
 
 _PIVOT = 1e-6
 """The smallest pivot of the quick solution relative to the largest; below, the careful solution takes over."""
@@ -37,7 +36,6 @@ _REGULAR = 1e-2  # of the same, from which stages of an integration need no care
 _LIGHT = 1e10  # the mechanism's inertia over that which resists a loop; rad/s²
 _SHORT = 0.01  # rad: a motion that shows where accelerations lead
 _ASIDE = 0.03  # part of what accelerations add to it by which it may miss the closed positions: terms of third order
-_SEEDS = 8  # starts from which a closed position is sought where home leads to none
 _LEFT = 1e-6  # of an equation, relative to its terms: more is no rounding
 WOULD_OPEN = "would open{} under these accelerations; make them consistent with fb.loop_acceleration(model, q, qd, qdd)"
 STUCK = "cannot stay closed at these rates{}: the mechanism is stuck"
@@ -119,31 +117,6 @@ def _light(model: Model, kept: tuple[int, ...], pivots: Array, qdd: Array) -> ND
     scaled = pivots * row_scale(model)[list(kept)] ** 2 * model.mass * length(model) ** 2
     fastest = np.abs(qdd / rate_scale(model)).max(axis=-1, initial=0.0)
     return (scaled.max(axis=-1, initial=0.0) > _LIGHT) | (fastest > _LIGHT)
-
-
-@fact
-def independent_rows(model: Model) -> tuple[int, ...]:
-    """Equations that do not follow from others near the model's home; found once a model.
-
-    Where the loops cannot be closed from home, near the first of some fixed starts from which they can; all, where
-    there is none.
-    """
-    known = redundancy(model)
-    if known.rank is not None:
-        return known.rows
-    at = _anywhere(model)
-    dropped = () if at is None else dependent_rows(regular_jacobian(model, at)[0])
-    return tuple(k for k in range(model.tree.constraints) if k not in dropped)
-
-
-def _anywhere(model: Model) -> Array | None:
-    """A closed position (nq,), the same whatever was asked before: home's, else the first found from fixed starts."""
-    for start in (None, *random_state(model, seed=5, batch=_SEEDS)[0]):
-        try:
-            return assemble(model, start)
-        except LoopError:
-            continue
-    return None
 
 
 def careful(model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array) -> Array:
@@ -238,12 +211,26 @@ def drive_torques(
     needed (..., nv): torques of the tree that is left when all loops are cut. Least norm where too many drive.
     """
     driven = free_coordinates(model, model.actuated if actuated is None else actuated, function)
+    chosen = partition(model, driven)
+    if chosen is None:
+        tau, with_care = np.zeros(needed.shape), np.ones(needed.shape[:-1], dtype=bool)
+    else:
+        tau = fetch(model, ("drive_torques",), Option(partition=chosen))(q, needed)
+        with_care = np.isnan(tau).any(axis=-1)
+    if with_care.any():
+        q = np.broadcast_to(q, (*needed.shape[:-1], model.nq))
+        tau[with_care] = _careful_torques(function, model, q, needed, driven, with_care)
+    return tau
+
+
+def _careful_torques(
+    function: str, model: Model, q: Array, needed: Array, driven: list[int], chosen: NDArray[np.bool_]
+) -> Array:
+    """The same at the chosen samples of a batch, (N, nv), whatever the rank; refuses what the drives cannot do."""
     rates = rate_scale(model)
-    batch = needed.shape[:-1]
-    q = np.broadcast_to(q, (*batch, model.nq)).reshape(-1, model.nq)
-    asked = (rates * needed).reshape(-1, model.nv)
+    asked = rates * needed[chosen]
     tau = np.zeros_like(asked)
-    _, s, Vt = np.linalg.svd(scaled_jacobian(model, q))
+    _, s, Vt = np.linalg.svd(scaled_jacobian(model, q[chosen]))
     ranks = (s > RANK * s.max(axis=-1, keepdims=True, initial=1e-300)).sum(axis=-1)
     for rank in np.unique(ranks):
         at = np.flatnonzero(ranks == rank)
@@ -255,14 +242,14 @@ def drive_torques(
         bad = np.flatnonzero(missed > 1e-9 * (1.0 + np.abs(power).max(axis=-1, initial=0.0)))
         if len(bad):
             names = ", ".join(model.velocity_names[k] for k in driven) or "none"
-            where = at_sample(tuple(map(int, np.unravel_index(at[bad[0]], batch))) if batch else ())
+            where = at_sample(tuple(map(int, np.argwhere(chosen)[at[bad[0]]])))
             raise SingularError(
                 f"{function}: the driven joints of {model.name!r} ({names}) cannot force this motion{where}: it moves "
                 "though they stand still (too few drives, or a singular position of the second type). "
                 "Drive another joint: actuated=[...]."
             )
         tau[at[:, None], driven] = found / rates[driven]
-    return tau.reshape(needed.shape)
+    return tau
 
 
 def _left(model: Model, q: Array, qd: Array, qdd: Array) -> Array:

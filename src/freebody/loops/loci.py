@@ -17,8 +17,8 @@ from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.kernels.lookup import motion_rows
 from freebody.loops.assembly import assemble, free_coordinates
-from freebody.loops.dynamics import independent_rows
 from freebody.loops.equations import require_loops, scaled_jacobian, scaled_residual
+from freebody.loops.partition import independent_rows
 from freebody.loops.scaled import backward, length, rate_scale, shortest_way
 from freebody.model.model import Model
 from freebody.trees.kinematics import jacobian

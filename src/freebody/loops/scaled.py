@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.algorithms.kinematics import ancestors, frame_pose, joint_poses, world_poses
+from freebody.algorithms.loop_scales import equations_of_lengths, mechanism_length, rates_of_lengths
 from freebody.arrays import Array
 from freebody.kernels.formulas import Option
 from freebody.kernels.lookup import fetch
@@ -58,25 +59,19 @@ class Scales:
 def scales(model: Model) -> Scales:
     """The scales of a model, found once."""
     tree = model.tree
-    offsets = [body.p for body in tree.bodies] + [p for _, _, p in tree.frames.values()]
-    offsets += [(loop.distance,) for loop in tree.loops]
-    reach = max((float(np.linalg.norm(p)) for p in offsets), default=0.0) or 1.0
-    metres: list[bool] = []
+    reach = float(mechanism_length(tree))
     tolerance: list[float] = []
     for i, loop in enumerate(tree.loops):
         turns = len(loop.closure.turns)
         lengths = loop.closure.size(tree.space) - turns
         apart, turned = tolerance_of_loop(model, i)
-        metres += [True] * lengths + [False] * turns
         tolerance += [apart / reach] * lengths + [turned] * turns
-    rates, whole = np.ones(model.nv), np.ones(model.nv, dtype=bool)
+    along = np.array(rates_of_lengths(tree), dtype=bool)
+    whole = ~along
     for body in tree.bodies:
         ratio = body.coordinates.ratio
-        for k, (_, linear) in zip(body.coordinates.v, body.columns, strict=True):
-            if any(linear):
-                rates[k] = reach
-            whole[k] &= not any(linear) and ratio == round(ratio)
-    lengths = np.array(metres, dtype=bool)
+        whole[list(body.coordinates.v)] &= ratio == round(ratio)
+    lengths, rates = np.array(equations_of_lengths(tree), dtype=bool), np.where(along, reach, 1.0)
     return Scales(reach, np.where(lengths, 1.0 / reach, 1.0), lengths, rates, whole, np.array(tolerance))
 
 

@@ -1,0 +1,42 @@
+"""What makes lengths and angles of a closed chain compare: everything becomes an angle, over the mechanism's length."""
+
+from __future__ import annotations
+
+from freebody.elementary import Scalar, maximum, sqrt
+from freebody.model.tree import Tree
+from freebody.spatial import Vector, dot
+
+
+def mechanism_length(tree: Tree) -> Scalar:
+    """The farthest that a joint or frame is placed from the one before, or a rod is long (m); 1 where all is at one
+    place."""
+    offsets = [body.p for body in tree.bodies] + [p for _, _, p in tree.frames.values()]
+    offsets += [(loop.distance,) for loop in tree.loops]
+    sizes = [sqrt(dot(p, p)) for p in offsets if not _vanishes(p)]
+    longest: Scalar = sizes[0] if sizes else 1.0
+    for size in sizes[1:]:
+        longest = maximum(longest, size)
+    return longest
+
+
+def equations_of_lengths(tree: Tree) -> tuple[bool, ...]:
+    """For each loop equation whether it is one of lengths (m); others are sines of angles."""
+    found: list[bool] = []
+    for loop in tree.loops:
+        turns = len(loop.closure.turns)
+        found += [True] * (loop.closure.size(tree.space) - turns) + [False] * turns
+    return tuple(found)
+
+
+def rates_of_lengths(tree: Tree) -> tuple[bool, ...]:
+    """For each rate whether it is one of lengths (m/s); others are angular."""
+    found = [False] * tree.nv
+    for body in tree.bodies:
+        for k, (_, linear) in zip(body.coordinates.v, body.columns, strict=True):
+            found[k] = found[k] or not _vanishes(linear)
+    return tuple(found)
+
+
+def _vanishes(vector: Vector) -> bool:
+    """Whether a vector is zero by structure, whatever the numbers are."""
+    return all(isinstance(x, int | float) and x == 0.0 for x in vector)

@@ -1,0 +1,134 @@
+"""Which loop equations and coordinates compiled kernels take as independent: chosen once a model, near its home.
+
+A kernel is straight-line arithmetic and cannot choose at a position. Where the choice does not hold it returns NaN, or
+says by its pivots how good it is, and the functions of closed chains take those samples with care.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from freebody.algorithms.loop_forces import Partition
+from freebody.arrays import Array
+from freebody.errors import LoopError, SingularError
+from freebody.loops.assembly import assemble, free_coordinates
+from freebody.loops.mobility import dependent_rows, regular_jacobian
+from freebody.loops.redundancy import redundancy
+from freebody.model.facts import fact
+from freebody.model.model import Model
+from freebody.trees.states import random_state
+
+_SEEDS = 8  # starts from which a closed position is sought where home leads to none
+_REGULAR = 1e-2  # the smallest part, relative to the largest, that a coordinate has of its own
+_NOTHING = 1e-12  # an entry of a scaled Φ_q that is rounding
+
+
+@fact
+def independent_rows(model: Model) -> tuple[int, ...]:
+    """Equations that do not follow from others near the model's home; found once a model.
+
+    Where the loops cannot be closed from home, near the first of some fixed starts from which they can; all, where
+    there is none.
+    """
+    known = redundancy(model)
+    if known.rank is not None:
+        return known.rows
+    regular = _regular(model)
+    dropped = () if regular is None else dependent_rows(regular)
+    return tuple(k for k in range(model.tree.constraints) if k not in dropped)
+
+
+@fact
+def _regular(model: Model) -> Array | None:
+    """Φ_q (m, nv), scaled, at a regular position near home; None where no closed position was found."""
+    at = _anywhere(model)
+    return None if at is None else regular_jacobian(model, at)[0]
+
+
+def _anywhere(model: Model) -> Array | None:
+    """A closed position (nq,), the same whatever was asked before: home's, else the first found from fixed starts."""
+    for start in (None, *random_state(model, seed=5, batch=_SEEDS)[0]):
+        try:
+            return assemble(model, start)
+        except LoopError:
+            continue
+    return None
+
+
+def partition(model: Model, driven: Sequence[int] | None = None) -> Partition | None:
+    """The partition for drives in the coordinates `driven` (default: the model's own).
+
+    None where no fixed choice does: too few drives, numbers that are rounded (`redundancy`), no closed position near
+    home.
+    """
+    chosen = tuple(free_coordinates(model, model.actuated, "partition") if driven is None else driven)
+    return _partitions(model, chosen)
+
+
+def require_partition(function: str, model: Model) -> Partition:
+    """The same for the model's own drives; SingularError where there is none."""
+    found = partition(model)
+    if found is None:
+        raise SingularError(
+            f"{function}: no choice of equations and coordinates of {model.name!r} holds near its home, which a "
+            "compiled kernel needs: the drives do not force every motion, or redundant equations are rounded. Use "
+            "fb.inverse_dynamics or fb.static_torque, which choose at each position."
+        )
+    return found
+
+
+def _partitions(model: Model, driven: tuple[int, ...]) -> Partition | None:
+    """Kept with the model's facts, one for each choice of drives."""
+    facts = model.facts
+    key = f"{__name__}.partition {driven}"
+    if key not in facts:
+        facts.setdefault(key, _chosen(model, driven))
+    return facts[key]
+
+
+def _chosen(model: Model, driven: tuple[int, ...]) -> Partition | None:
+    regular = None if redundancy(model).rank is not None else _regular(model)
+    if regular is None:
+        return None
+    rows = independent_rows(model)
+    columns = regular[list(rows)].T
+    undriven = [k for k in range(model.nv) if k not in driven]
+    dependent = _pivoted(columns, undriven, len(undriven))
+    if dependent is not None:
+        left = columns - _along(columns, dependent)
+        more = _pivoted(left, list(driven), len(rows) - len(undriven))
+        if more is not None:
+            # columns with few entries first: what they fill is little
+            few = np.count_nonzero(np.abs(columns) > _NOTHING, axis=1)
+            ordered = sorted([*dependent, *more], key=lambda k: (few[k], k))
+            return Partition(rows, tuple(ordered), driven)
+    return None
+
+
+def _along(columns: Array, chosen: list[int]) -> Array:
+    """Of each column (n, m) the part along those chosen."""
+    if not chosen:
+        return np.zeros_like(columns)
+    units = np.linalg.svd(columns[chosen], full_matrices=False)[2]
+    return columns @ units.T @ units
+
+
+def _pivoted(columns: Array, among: list[int], count: int) -> list[int] | None:
+    """`count` of the columns (n, m) that are well independent, the largest first, ties to the first; None where there
+    are fewer."""
+    if count < 0:
+        return None
+    left, chosen = columns.copy(), []
+    largest = float(np.linalg.norm(columns, axis=1).max(initial=1e-300))
+    for _ in range(count):
+        sizes = np.linalg.norm(left, axis=1)
+        free = [k for k in among if k not in chosen]
+        k = max(free, key=lambda k: (sizes[k].round(9), -k), default=-1)
+        if k < 0 or sizes[k] <= _REGULAR * largest:
+            return None
+        chosen.append(k)
+        unit = left[k] / sizes[k]
+        left = left - np.outer(left @ unit, unit)
+    return chosen
