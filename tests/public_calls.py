@@ -17,6 +17,7 @@ NOT_OF_STATES = frozenset(
         "default_motion",
         "derive",
         "equations",
+        "formula",
         "inertial_parameters",
         "kernel",
         "loop_equations",

@@ -303,3 +303,94 @@ def test_numbers_and_arrays_take_the_same_functions():
     np.testing.assert_array_equal(fm.maximum(np.arange(3), 1), [1, 1, 2])
     assert fm.pi == math.pi
     assert fb.math is fm
+
+
+# ---------------------------------------------------------------- formulas inside
+def computed_torque(arm):
+    inverse = fb.formula(arm, "inverse_dynamics")
+
+    def law(q, qd, goal, kp, kd):
+        return inverse(q, qd, [kp * (g - x) - kd * v for x, v, g in zip(q, qd, goal, strict=True)])
+
+    return law
+
+
+def test_a_law_with_the_dynamics_inside():
+    arm = fb.load("ur5e")
+    n, inputs = 6, {"q": 6, "qd": 6, "goal": 6, "kp": (), "kd": ()}
+    q, qd, goal = np.random.default_rng(0).normal(size=(3, 40, n))
+    asked = 30.0 * (goal - q) - 4.0 * qd
+    tau, by_q, by_qd = fb.compile(computed_torque(arm), inputs, {"tau": 6}, by=("q", "qd"))(
+        q, qd, goal, 30.0, 4.0
+    )
+    np.testing.assert_allclose(tau, fb.inverse_dynamics(arm, q, qd, asked), rtol=1e-12, atol=1e-11)
+    of_q, of_qd, M = fb.inverse_dynamics_derivatives(arm, q, qd, asked)
+    np.testing.assert_allclose(by_q, of_q - 30.0 * M, rtol=1e-11, atol=1e-11)
+    np.testing.assert_allclose(by_qd, of_qd - 4.0 * M, rtol=1e-11, atol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("robot", "name", "options"),
+    [
+        ("ur5e", "mass_matrix", {}),
+        ("ur5e", "jacobian", {"frame": "wrist_3_link", "reference": "body"}),
+        ("ur5e", "inverse_dynamics", {"wrench_frames": ["wrist_3_link", "forearm_link"]}),
+        ("2R", "forward_dynamics", {}),
+        ("2R", "inverse_dynamics_derivatives", {}),
+        ("five_bar", "forward_dynamics", {}),
+    ],
+)
+def test_formulas_are_the_kernels(robot, name, options):
+    model = fb.load(robot)
+    kernel, function = fb.kernel(model, name, **options), fb.formula(model, name, **options)
+    inputs = {a.name: a.shape for a in kernel.program.inputs}
+    parameters = [inspect.Parameter(x, inspect.Parameter.POSITIONAL_OR_KEYWORD) for x in inputs]
+
+    def called(**given):
+        found = function(*(given[x] for x in inputs))
+        names = [a.name for a in kernel.program.outputs]
+        return dict(zip(names, found if len(names) > 1 else (found,), strict=True))
+
+    called.__signature__ = inspect.Signature(parameters)
+    own = fb.compile(called, inputs)
+    rng = np.random.default_rng(2)
+    given = [rng.normal(size=(9, *shape)) for shape in inputs.values()]
+    expected = kernel(*given)
+    columns = [np.moveaxis(x, 0, -1) for x in given]  # arrays over the samples
+    direct = function(*columns)
+    if not isinstance(expected, tuple):
+        expected, direct = (expected,), (direct,)
+    results = own(*given) if len(expected) > 1 else (own(*given),)
+    for found, by_arrays, exact in zip(results, direct, expected, strict=True):
+        np.testing.assert_allclose(found, exact, rtol=1e-11, atol=1e-11)
+        np.testing.assert_allclose(
+            np.broadcast_to(by_arrays_stacked(by_arrays), exact.shape), exact, rtol=1e-9, atol=1e-9
+        )
+
+
+def by_arrays_stacked(nested):
+    """Nested tuples of arrays over the samples, the samples first."""
+    if not isinstance(nested, tuple):
+        return np.broadcast_to(nested, 9)
+    return np.stack([by_arrays_stacked(x) for x in nested], axis=1)
+
+
+def test_formulas_say_what_is_wrong():
+    arm = fb.load("2R")
+    function = fb.formula(arm, "inverse_dynamics")
+    with pytest.raises(
+        FreebodyError, match=r"inverse_dynamics: 2 arguments given, expected 3: q\(2\), qd\(2\), qdd\(2\)"
+    ):
+        function([0, 0], [0, 0])
+    with pytest.raises(FreebodyError, match=r"inverse_dynamics: qd has shape \(3,\), expected \(2,\)"):
+        function([0, 0], [0, 0, 0], [0, 0])
+    with pytest.raises(FreebodyError, match=r"inverse_dynamics: q has shape \(\), expected \(2,\)"):
+        function(0.0, [0, 0], [0, 0])
+    with pytest.raises(FreebodyError, match="give the name of one quantity"):
+        fb.formula(arm, ["bias", "mass_matrix"])
+    with pytest.raises(UnknownNameError, match="no quantity 'inertia'"):
+        fb.formula(arm, "inertia")
+    with pytest.raises(FreebodyError, match=r"is a family of robots; take one of them, model\[i\]"):
+        fb.formula(arm.bind({"m1": [1.0, 2.0]}), "bias")
+    with pytest.raises(KindError, match=r"formula: the first argument is str 'ur5e', expected a Model"):
+        fb.formula("ur5e", "bias")

@@ -85,6 +85,7 @@ _PLACES = {
     "freebody.kernels.lookup": ("kernel",),
     "freebody.kernels.exports": ("export", "source", "to_jax"),
     "freebody.kernels.compiled": ("compile",),
+    "freebody.kernels.scalar_formulas": ("formula",),
     "freebody.derivations.equations": ("equations",),
     "freebody.derivations.closed.loops": ("loop_equations",),
     "freebody.figures.illustrate": ("derive",),

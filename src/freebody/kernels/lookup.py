@@ -211,9 +211,7 @@ def program(model: Model, names: tuple[str, ...], option: Option) -> Program:
     def traced(ways: dict[str, Callable[..., tuple[Any, ...]]]) -> Program:
         def evaluate(*values: Any) -> tuple[Any, ...]:
             given = dict(zip(labels, values, strict=True))
-            return tuple(
-                x for name in names for x in ways[name](tree, option, **_chosen(name, given, option))
-            )
+            return tuple(x for name in names for x in ways[name](tree, option, **chosen(name, given, option)))
 
         try:
             return trace("_".join(names), evaluate, inputs, outputs)
@@ -241,7 +239,7 @@ def reference(model: Model, name: str, option: Option, *arrays: Array) -> Array 
         for argument, a in zip(inputs, arrays, strict=True)
     }
     formula = FORMULAS[name]
-    values = formula.evaluate(model.tree, option, **_chosen(name, given, option))
+    values = formula.evaluate(model.tree, option, **chosen(name, given, option))
     results = tuple(
         _array(value, batch, _shape(model, dims, option))
         for value, dims in zip(values, formula.outputs.values(), strict=True)
@@ -278,7 +276,7 @@ def _wrench(k: int) -> str:
     return f"wrench{k}"
 
 
-def _chosen(name: str, given: dict[str, Any], option: Option) -> dict[str, Any]:
+def chosen(name: str, given: dict[str, Any], option: Option) -> dict[str, Any]:
     """Of the given inputs those that a formula takes."""
     taken = {x: given[x] for x in FORMULAS[name].inputs if x in given}
     if "wrenches" in FORMULAS[name].inputs:
