@@ -12,31 +12,56 @@ every system.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from freebody.program.segments import SinCos
-from freebody.targets.llvm.lanes import DOUBLE, Lanes
+from freebody.targets.llvm.lanes import DOUBLE, FLOAT, Lanes
 
+
+@dataclass(frozen=True)
+class _Series:
+    """How a number type gets its sines: the highest coefficients first, of z = r r."""
+
+    sine: tuple[float, ...]
+    cosine: tuple[float, ...]
+    half_pi: tuple[float, ...]
+    """pi/2 in parts, for fused multiply-add."""
+    to_integer: float
+    """After adding it, the low bits are the nearest integer."""
+
+
+_SERIES = {
+    DOUBLE: _Series(
+        sine=(
+            1.58969099521155010221e-10,
+            -2.50507602534068634195e-08,
+            2.75573137070700676789e-06,
+            -1.98412698298579493134e-04,
+            8.33333333332248946124e-03,
+            -1.66666666666666324348e-01,
+        ),
+        cosine=(
+            -1.13596475577881948265e-11,
+            2.08757232129817482790e-09,
+            -2.75573143513906633035e-07,
+            2.48015872894767294178e-05,
+            -1.38888888888741095749e-03,
+            4.16666666666666019037e-02,
+        ),
+        half_pi=(1.5707963267948966, 6.123233995736766e-17, -1.4973849048591833e-33),
+        to_integer=1.5 * 2**52,
+    ),
+    FLOAT: _Series(
+        sine=(-1.9515295891e-4, 8.3321608736e-3, -1.6666654611e-1),
+        cosine=(2.443315711809948e-5, -1.388731625493765e-3, 4.166664568298827e-2),
+        half_pi=(1.5707963705062866, -4.371138828673793e-08, -1.7151245100059665e-15),
+        to_integer=1.5 * 2**23,
+    ),
+}
 LARGEST = 1e5
 """Arguments up to here are reduced in vector code."""
 
-_SIN = (
-    1.58969099521155010221e-10,
-    -2.50507602534068634195e-08,
-    2.75573137070700676789e-06,
-    -1.98412698298579493134e-04,
-    8.33333333332248946124e-03,
-    -1.66666666666666324348e-01,
-)
-_COS = (
-    -1.13596475577881948265e-11,
-    2.08757232129817482790e-09,
-    -2.75573143513906633035e-07,
-    2.48015872894767294178e-05,
-    -1.38888888888741095749e-03,
-    4.16666666666666019037e-02,
-)
-# pi/2 in three doubles, and in three parts of 33 bits with the rest
-_PIO2_FMA = (1.5707963267948966, 6.123233995736766e-17, -1.4973849048591833e-33)
+# pi/2 in three parts of 33 bits with the rest
 _PIO2_SPLIT = (
     1.57079632673412561417e00,
     6.07710050630396597660e-11,
@@ -64,8 +89,6 @@ _TWO_OVER_PI = (  # 1216 bits of its fraction, 64 a word
     0x6BFB5FB11F8D5D08,
     0x56033046FC7B6BAB,
 )
-_TO_INTEGER = 6755399441055744.0  # 1.5 * 2**52: after adding it, the low bits are the nearest integer
-
 
 def reduction() -> str:
     """`{ double, i64 } @reduce(double x)`: what is left of a large x, and the quadrant."""
@@ -143,44 +166,55 @@ class _Code:
 
     def reduce(self, k: int) -> None:
         """From %x: its sign, its absolute value %a, the quadrant in the low bits of %quadrant, and %r, the rest."""
-        v, i = self.lanes.v, self.lanes.i
+        v, i, top = self.lanes.v, self.lanes.i, self.lanes.real.bits - 1
         self.lines.append(f"""\
   %x.bits{k} = bitcast {v} %x{k} to {i}
-  %sign{k} = and {i} %x.bits{k}, {self.lanes.whole(-(2**63))}
-  %a.bits{k} = and {i} %x.bits{k}, {self.lanes.whole(2**63 - 1)}
+  %sign{k} = and {i} %x.bits{k}, {self.lanes.whole(-(2**top))}
+  %a.bits{k} = and {i} %x.bits{k}, {self.lanes.whole(2**top - 1)}
   %a{k} = bitcast {i} %a.bits{k} to {v}""")
-        self.multiply_add(
-            f"%shifted{k}",
-            f"%a{k}",
-            self.lanes.constant(0.6366197723675814),
-            self.lanes.constant(_TO_INTEGER),
-        )
+        if self.fma or self.lanes.real == DOUBLE:
+            self.subtract(f"%a{k}", f"%quadrant{k}", f"%r{k}", k)
+            return
+        # what is exact in parts of 33 bits would need many of 8
+        wide = _Code(Lanes(DOUBLE, self.lanes.width), self.fma)
+        wide.lines = self.lines
+        self.lines.append(f"  %wide{k} = fpext {v} %a{k} to {wide.lanes.v}")
+        wide.subtract(f"%wide{k}", f"%wide.q{k}", f"%wide.r{k}", k)
+        self.lines.append(f"  %quadrant{k} = trunc {wide.lanes.i} %wide.q{k} to {i}")
+        self.lines.append(f"  %r{k} = fptrunc {wide.lanes.v} %wide.r{k} to {v}")
+
+    def subtract(self, a: str, quadrant: str, rest: str, k: int) -> None:
+        """Multiples of pi/2 from a: their number in the low bits of `quadrant`, and what is left."""
+        series, constant = _SERIES[self.lanes.real], self.lanes.constant
+        v, up = self.lanes.v, constant(series.to_integer)
+        self.multiply_add(f"%shifted{k}", a, constant(0.6366197723675814), up)
         self.lines.append(f"""\
-  %quadrant{k} = bitcast {v} %shifted{k} to {i}
-  %k{k} = fsub {v} %shifted{k}, {self.lanes.constant(_TO_INTEGER)}
+  {quadrant} = bitcast {v} %shifted{k} to {self.lanes.i}
+  %k{k} = fsub {v} %shifted{k}, {up}
   %minus.k{k} = fneg {v} %k{k}""")
-        parts = _PIO2_FMA if self.fma else _PIO2_SPLIT
-        last = f"%a{k}"
+        parts = series.half_pi if self.fma else _PIO2_SPLIT
+        last = a
         for term, part in enumerate(parts, 1):
-            name = f"%r{k}" if term == len(parts) else f"%r{k}.{term}"
-            last = self.multiply_add(name, f"%minus.k{k}", self.lanes.constant(part), last)
+            name = rest if term == len(parts) else f"{rest}.{term}"
+            last = self.multiply_add(name, f"%minus.k{k}", constant(part), last)
 
     def polynomials(self, k: int, r: str, q: str) -> None:
         """Sine and cosine of r, turned by q quadrants, to where %psin and %pcos point."""
-        v, i = self.lanes.v, self.lanes.i
+        v, i, series = self.lanes.v, self.lanes.i, _SERIES[self.lanes.real]
+        top = self.lanes.real.bits - 1
         self.lines.append(f"  %z{k} = fmul {v} {r}, {r}\n  %zr{k} = fmul {v} %z{k}, {r}")
-        self.multiply_add(f"%s{k}", f"%zr{k}", self.horner(f"%ps{k}", _SIN, f"%z{k}"), r)
-        cosine = self.horner(f"%pc{k}", (*_COS, -0.5, 1.0), f"%z{k}")
+        self.multiply_add(f"%s{k}", f"%zr{k}", self.horner(f"%ps{k}", series.sine, f"%z{k}"), r)
+        cosine = self.horner(f"%pc{k}", (*series.cosine, -0.5, 1.0), f"%z{k}")
         self.lines.append(f"""\
   %odd{k} = trunc {i} {q} to {self.lanes.mask}
   %s.abs{k} = select {self.lanes.mask} %odd{k}, {v} {cosine}, {v} %s{k}
   %c.abs{k} = select {self.lanes.mask} %odd{k}, {v} %s{k}, {v} {cosine}
-  %s.turn{k} = shl {i} {q}, {self.lanes.whole(62)}
-  %s.flip0{k} = and {i} %s.turn{k}, {self.lanes.whole(-(2**63))}
+  %s.turn{k} = shl {i} {q}, {self.lanes.whole(top - 1)}
+  %s.flip0{k} = and {i} %s.turn{k}, {self.lanes.whole(-(2**top))}
   %s.flip{k} = xor {i} %s.flip0{k}, %sign{k}
   %next{k} = add {i} {q}, {self.lanes.whole(1)}
-  %c.turn{k} = shl {i} %next{k}, {self.lanes.whole(62)}
-  %c.flip{k} = and {i} %c.turn{k}, {self.lanes.whole(-(2**63))}
+  %c.turn{k} = shl {i} %next{k}, {self.lanes.whole(top - 1)}
+  %c.flip{k} = and {i} %c.turn{k}, {self.lanes.whole(-(2**top))}
   %s.bits0{k} = bitcast {v} %s.abs{k} to {i}
   %c.bits0{k} = bitcast {v} %c.abs{k} to {i}
   %s.bits{k} = xor {i} %s.bits0{k}, %s.flip{k}
@@ -193,20 +227,30 @@ class _Code:
 
 def _large_lanes(lanes: Lanes) -> str:
     """%r and %q: the reduced argument and the quadrant, from the slow way in lanes that need it."""
-    v, i, mask = lanes.v, lanes.i, lanes.mask
+    v, i, mask, kind = lanes.v, lanes.i, lanes.mask, lanes.real.name
     lines = [
         f"  %large = fcmp ugt {v} %a0, {lanes.constant(LARGEST)}",
         f"  %safe = select {mask} %large, {v} %a0, {v} {lanes.constant(2 * LARGEST)}",
     ]
     reduced, quadrants = "poison", "poison"
     for lane in range(lanes.width):
+        x, r, q = f"%safe{lane}", f"%lane.r{lane}", f"%lane.q{lane}"
+        lines.append(f"  {x} = extractelement {v} %safe, i64 {lane}")
+        if lanes.real != DOUBLE:
+            lines.append(f"  {x}.wide = fpext {kind} {x} to double")
+            x = f"{x}.wide"
         lines += [
-            f"  %safe{lane} = extractelement {v} %safe, i64 {lane}",
-            f"  %both{lane} = call {{ double, i64 }} @reduce(double %safe{lane})",
-            f"  %lane.r{lane} = extractvalue {{ double, i64 }} %both{lane}, 0",
-            f"  %lane.q{lane} = extractvalue {{ double, i64 }} %both{lane}, 1",
-            f"  %slow.r{lane} = insertelement {v} {reduced}, double %lane.r{lane}, i64 {lane}",
-            f"  %slow.q{lane} = insertelement {i} {quadrants}, i64 %lane.q{lane}, i64 {lane}",
+            f"  %both{lane} = call {{ double, i64 }} @reduce(double {x})",
+            f"  {r} = extractvalue {{ double, i64 }} %both{lane}, 0",
+            f"  {q} = extractvalue {{ double, i64 }} %both{lane}, 1",
+        ]
+        if lanes.real != DOUBLE:
+            lines.append(f"  {r}.short = fptrunc double {r} to {kind}")
+            lines.append(f"  {q}.short = trunc i64 {q} to {lanes.real.integer}")
+            r, q = f"{r}.short", f"{q}.short"
+        lines += [
+            f"  %slow.r{lane} = insertelement {v} {reduced}, {kind} {r}, i64 {lane}",
+            f"  %slow.q{lane} = insertelement {i} {quadrants}, {lanes.real.integer} {q}, i64 {lane}",
         ]
         reduced, quadrants = f"%slow.r{lane}", f"%slow.q{lane}"
     lines += [
@@ -272,7 +316,7 @@ define internal {{ double, i64 }} @reduce(double %a) #0 {{
   %scale.bits = shl i64 %scale.exponent, 52
   %scale = bitcast i64 %scale.bits to double
   %f.double = fmul double %mantissa, %scale
-  %r.abs = fmul double %f.double, {DOUBLE.constant(_PIO2_FMA[0])}
+  %r.abs = fmul double %f.double, {DOUBLE.constant(_SERIES[DOUBLE].half_pi[0])}
   %r.minus = fneg double %r.abs
   %r.signed = select i1 %negative, double %r.minus, double %r.abs
   %nothing = fsub double %a, %a
