@@ -146,19 +146,19 @@ class BlockedFunction:
     output, or the tuple of outputs.
     """
 
-    def __init__(self, program: Program):
-        self.inputs, self.outputs = program.inputs, program.outputs
+    def __init__(self, program: Program, dtype: str = "float64"):
+        self.inputs, self.outputs, self.dtype = program.inputs, program.outputs, np.dtype(dtype)
         self.__name__ = program.name
         self._interpreter = Interpreter.of(program)
 
     def __call__(self, *arrays: ArrayLike, out: Any = None) -> Any:
         if len(arrays) != len(self.inputs):
             raise TypeError(f"{self.__name__}() takes {len(self.inputs)} arrays, got {len(arrays)}")
-        values = [_float64(array) for array in arrays]
+        values = [_real(array, self.dtype) for array in arrays]
         batch = np.broadcast_shapes(*map(_batch_shape, values, self.inputs))
         given = out if isinstance(out, tuple) else (out,) * len(self.outputs) if out is None else (out,)
         results = [
-            np.empty(batch + argument.shape) if array is None else array
+            np.empty(batch + argument.shape, self.dtype) if array is None else array
             for array, argument in zip(given, self.outputs, strict=True)
         ]
         for array, argument in zip(results, self.outputs, strict=True):
@@ -171,7 +171,7 @@ class BlockedFunction:
             np.broadcast_to(value, batch + argument.shape).reshape(count, argument.size)
             for value, argument in zip(values, self.inputs, strict=True)
         ]
-        y = np.empty((sum(argument.size for argument in self.outputs), count))
+        y = np.empty((sum(argument.size for argument in self.outputs), count), self.dtype)
         with np.errstate(all="ignore"):
             for start in range(0, count, BLOCK):
                 self._block(rows, y, slice(start, min(start + BLOCK, count)))
@@ -189,7 +189,7 @@ class BlockedFunction:
         x = (
             np.concatenate([array[part].T for array in rows])
             if rows
-            else np.empty((0, part.stop - part.start))
+            else np.empty((0, part.stop - part.start), self.dtype)
         )
         for position, values in enumerate(self._interpreter(x)):
             y[position, part] = values
@@ -198,11 +198,11 @@ class BlockedFunction:
             y[:, part][:, bad] = np.nan
 
 
-def _float64(value: ArrayLike) -> np.ndarray:
+def _real(value: ArrayLike, dtype: np.dtype) -> np.ndarray:
     array = np.asarray(value)
-    if not np.can_cast(array.dtype, np.float64, "safe"):
-        raise TypeError(f"cannot cast {array.dtype} to float64 safely")
-    return array.astype(np.float64, copy=False)
+    if not np.can_cast(array.dtype, dtype, "same_kind"):
+        raise TypeError(f"cannot make {dtype} of {array.dtype}")
+    return array.astype(dtype, copy=False)
 
 
 def _batch_shape(value: np.ndarray, argument: Argument) -> tuple[int, ...]:

@@ -29,7 +29,8 @@ from freebody.targets.interpret import BlockedFunction
 from freebody.targets.llvm import cache, fastcall
 from freebody.targets.llvm.emit import emit
 from freebody.targets.llvm.gufunc import make_gufunc, signature
-from freebody.targets.llvm.machine import WIDTHS, assembly, host, link, object_code
+from freebody.targets.llvm.lanes import DOUBLE, REALS, Real
+from freebody.targets.llvm.machine import LONGEST_VECTOR, WIDTHS, assembly, host, link, object_code
 from freebody.targets.sound import sound
 from freebody.targets.threads import cpus, run_split
 
@@ -57,23 +58,27 @@ class BatchError(FreebodyError, ValueError):
 class Kernel:
     """A program ready to run on arrays.
 
-    Each argument has its core shape last; leading batch shapes broadcast; any strides. Integers and float32
-    are converted, complex numbers and objects refused. Where a uniform input is given with leading axes, `per_sample`
-    answers. A sample with an input that is not finite has NaN in
-    all outputs; no other sample is touched. The GIL is released.
+    Each argument has its core shape last; leading batch shapes broadcast; any strides. Numbers of another real type
+    are converted to the kernel's, complex numbers and objects refused. Where a uniform input is given with leading axes,
+    `per_sample` answers. A sample with an input that is not finite has NaN in all outputs; no other sample is touched.
+    The GIL is released.
 
     Attributes:
         program: what was traced.
         backend: "llvm" or "numpy".
         width: samples in a vector; 1 with NumPy.
+        dtype: NumPy's type of the numbers that it computes with and returns.
         ufunc: what runs, without the checks: a np.ufunc, or a function called like one with NumPy.
         signature: core sizes as NumPy writes them.
     """
 
-    def __init__(self, program: Program, backend: str, width: int, ufunc: Callable[..., Any]):
+    def __init__(
+        self, program: Program, backend: str, width: int, ufunc: Callable[..., Any], real: Real = DOUBLE
+    ):
         self.program = program
         self.backend = backend
         self.width = width
+        self.dtype = np.dtype(real.dtype)
         self.ufunc = ufunc
         self.signature = signature(program.inputs, program.outputs)
         # NumPy's way broadcasts them as any others
@@ -87,7 +92,7 @@ class Kernel:
         self._longest = max(1, int(_SLICE / (self._cost + moved)))
         # samples that are surely neither worth threads nor memory from the store
         largest = max((argument.size for argument in program.outputs), default=1) or 1
-        self._small = min(int(2 * _WORTH / self._cost), memory.SMALLEST // (8 * largest))
+        self._small = min(int(2 * _WORTH / self._cost), memory.SMALLEST // (real.size * largest))
 
     def __call__(self, *arrays: ArrayLike, out: Any = None, threads: int | None = None) -> Any:
         """The output, or the tuple of outputs.
@@ -117,7 +122,12 @@ class Kernel:
     def per_sample(self) -> Kernel:
         """The kernel of the same program with no input uniform: what answers where one has a value for every sample."""
         inputs = tuple(replace(argument, uniform=False) for argument in self.program.inputs)
-        return compile_program(replace(self.program, inputs=inputs), backend=self.backend, width=self.width)
+        return compile_program(
+            replace(self.program, inputs=inputs),
+            backend=self.backend,
+            width=self.width,
+            dtype=self.dtype.name,
+        )
 
     def checked(self, *arrays: ArrayLike) -> Any:
         """As `__call__`; None where an input is no plain array or an output may not be what is meant (see `sound`)."""
@@ -128,7 +138,7 @@ class Kernel:
         for array, core in zip(arrays, self._cores, strict=False):
             if type(array) is float and not core:
                 continue
-            if not isinstance(array, np.ndarray):
+            if not isinstance(array, np.ndarray) or array.dtype is not self.dtype:
                 return False
             axes = array.ndim - core
             if axes > 1 or (axes == 1 and array.shape[0] > self._small):
@@ -140,7 +150,7 @@ class Kernel:
 
         At once where there is no batch, or where NumPy has something to say about the arrays.
         """
-        values = [np.asarray(array) for array in arrays]
+        values = [self._converted(np.asarray(array)) for array in arrays]
         if threads is not None and (not isinstance(threads, int) or threads < 1):
             raise KernelError(f"{self.program.name}: threads={threads!r}, expected a whole number from 1 up.")
         shapes = {x.shape[: x.ndim - core] for x, core in zip(values, self._cores, strict=False)}
@@ -151,7 +161,9 @@ class Kernel:
             return self.ufunc(*values) if out is None else self.ufunc(*values, out=out)
         if threads is None:
             threads = max(1, min(cpus(), int(count * self._cost / _WORTH)))
-        outs = given or tuple(memory.empty(batch + argument.shape) for argument in self.program.outputs)
+        outs = given or tuple(
+            memory.empty(batch + argument.shape, self.dtype) for argument in self.program.outputs
+        )
         if given:  # of what is written over, a copy is read, as NumPy does
             values = [x.copy() if any(np.may_share_memory(x, y) for y in given) else x for x in values]
         if threads == 1 and count <= self._longest:
@@ -159,6 +171,12 @@ class Kernel:
         else:
             run_split(self.ufunc, values, outs, self._cores, batch, threads, self._longest)
         return outs[0] if len(outs) == 1 else outs
+
+    def _converted(self, array: np.ndarray) -> np.ndarray:
+        """As the kernel's own numbers, where that is another real type; what cannot be is left for NumPy to refuse."""
+        if array.dtype == self.dtype or not np.can_cast(array.dtype, self.dtype, "same_kind"):
+            return array
+        return array.astype(self.dtype)
 
     def _fits(self, values: list[np.ndarray], outs: tuple[Any, ...], batch: tuple[int, ...]) -> bool:
         """Whether arrays have the core shapes, and those to write to the whole shape and no memory in common."""
@@ -175,10 +193,11 @@ class Kernel:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Another process compiles the program for itself, or finds it in the cache."""
-        return _compiled_again, (self.program, self.backend, self.width if self.backend == "llvm" else None)
+        width = self.width if self.backend == "llvm" else None
+        return _compiled_again, (self.program, self.backend, width, self.dtype.name)
 
     def __repr__(self) -> str:
-        return f"Kernel({self.program}; {self.backend}, width {self.width})"
+        return f"Kernel({self.program}; {self.dtype}, {self.backend}, width {self.width})"
 
     @cached_property
     def source(self) -> str:
@@ -188,7 +207,7 @@ class Kernel:
     @property
     def ir(self) -> str:
         """The LLVM text."""
-        return emit(optimise(self.program), host().target(self.width))
+        return emit(optimise(self.program), host().target(self.width, REALS[self.dtype.name]))
 
     def assembly(self) -> str:
         """The machine's assembly of the LLVM text."""
@@ -202,7 +221,7 @@ class Kernel:
             return KernelError(f"{name}: {len(arrays)} arguments given, expected {len(inputs)}: {wanted}.")
         for array, argument in zip(arrays, inputs, strict=True):
             given = np.asarray(array)
-            if not np.can_cast(given.dtype, np.float64, "safe"):
+            if not np.can_cast(given.dtype, self.dtype, "same_kind"):
                 return KernelError(
                     f"{name}: {argument.name} holds {given.dtype} values, expected real numbers."
                 )
@@ -223,60 +242,74 @@ def _batch_error(name: str, inputs: tuple[Argument, ...], arrays: tuple[ArrayLik
     return None
 
 
-def compile_program(program: Program, *, backend: str | None = None, width: int | None = None) -> Kernel:
+def compile_program(
+    program: Program, *, backend: str | None = None, width: int | None = None, dtype: str = "float64"
+) -> Kernel:
     """The kernel of a program.
 
     Args:
         program: from `trace`.
         backend: "llvm" or "numpy"; by default the environment's FREEBODY_BACKEND, else LLVM where it is installed.
-        width: samples in a vector (2, 4, 8); by default FREEBODY_WIDTH, else what suits the CPU.
+        width: samples in a vector (2, 4, 8; 16 of float32); by default FREEBODY_WIDTH, else what suits the CPU.
+        dtype: "float64" or "float32", of the numbers that come in, are computed with and come out.
 
     Raises:
-        KernelError: an unknown backend or width.
+        KernelError: an unknown backend, width or dtype; a constant beyond the range of the dtype.
     """
     backend = backend or os.environ.get("FREEBODY_BACKEND") or _default_backend()
     if backend not in BACKENDS:
         known = ", ".join(BACKENDS)
         raise KernelError(f"no backend {backend!r}. Backends: {known} (argument or FREEBODY_BACKEND).")
-    width = _width(width)
+    if dtype not in REALS:
+        raise KernelError(f"no dtype {dtype!r} of kernels. Known: {', '.join(REALS)}.")
+    real = REALS[dtype]
+    width = _width(width, real)
     if not _has_scalars(program):
         backend = "numpy"
     with _lock:
-        key = (program.digest, backend, width)
+        key = (program.digest, backend, width, dtype)
         kernel = _kernels.get(key)
         if kernel is None:
-            kernel = _kernels[key] = _COMPILE[backend](verify(program), width)
+            kernel = _kernels[key] = _COMPILE[backend](_in_range(verify(program), real), width, real)
     return kernel
 
 
-def _compiled_again(program: Program, backend: str, width: int | None) -> Kernel:
-    return compile_program(program, backend=backend, width=width)
+def _compiled_again(program: Program, backend: str, width: int | None, dtype: str) -> Kernel:
+    return compile_program(program, backend=backend, width=width, dtype=dtype)
+
+
+def _in_range(program: Program, real: Real) -> Program:
+    """The program itself, if its constants are finite as numbers of that type."""
+    for value in program.constants:
+        if abs(value) > np.finfo(real.dtype).max:
+            raise KernelError(f"{program.name}: the constant {value!r} is beyond the range of {real.dtype}.")
+    return program
 
 
 _lock = threading.Lock()
 if hasattr(os, "register_at_fork"):  # a fork waits, since its child would find the lock taken for ever
     os.register_at_fork(before=_lock.acquire, after_in_parent=_lock.release, after_in_child=_lock.release)
-_kernels: dict[tuple[str, str, int | None], Kernel] = {}
+_kernels: dict[tuple[str, str, int | None, str], Kernel] = {}
 
 
-def _compile_numpy(program: Program, width: int | None) -> Kernel:
-    return Kernel(program, "numpy", 1, BlockedFunction(optimise(program)))
+def _compile_numpy(program: Program, width: int | None, real: Real) -> Kernel:
+    return Kernel(program, "numpy", 1, BlockedFunction(optimise(program), real.dtype), real)
 
 
-def _compile_llvm(program: Program, width: int | None) -> Kernel:
+def _compile_llvm(program: Program, width: int | None, real: Real) -> Kernel:
     here = host()
-    machine = here.target(width)
+    machine = here.target(width, real)
     key = cache.key(program.digest, here, machine, _compiler_version(), fastcall.available(program))
     fast = fastcall.available(program)
     code = cache.load(key)
     if code is None:
         text = emit(optimise(program), machine)
-        code = object_code(text + fastcall.text(program) if fast else text)
+        code = object_code(text + fastcall.text(program, real) if fast else text)
         cache.store(key, code)
     symbols = ("kernel", "fastcall", "general", "general.checked") if fast else ("kernel",)
-    linked = link(code, symbols, fastcall.symbols() if fast else {})
-    ufunc = make_gufunc(linked["kernel"], program.name, program.inputs, program.outputs, linked)
-    kernel = Kernel(program, "llvm", machine.width, ufunc)
+    linked = link(code, symbols, fastcall.symbols(real) if fast else {})
+    ufunc = make_gufunc(linked["kernel"], program.name, program.inputs, program.outputs, linked, real)
+    kernel = Kernel(program, "llvm", machine.width, ufunc, real)
     return _with_fastcall(kernel, linked) if fast else kernel
 
 
@@ -286,7 +319,7 @@ def _with_fastcall(kernel: Kernel, linked: Any) -> Kernel:
     call, checked = fastcall.make(linked, name, kernel.__call__, kernel.checked)
     # calling an object looks `__call__` up in its class: a class for each kernel costs nothing at the call
     quick = type("Kernel", (Kernel,), {"__call__": call, "checked": checked, "__doc__": Kernel.__doc__})
-    return quick(kernel.program, kernel.backend, kernel.width, kernel.ufunc)
+    return quick(kernel.program, kernel.backend, kernel.width, kernel.ufunc, REALS[kernel.dtype.name])
 
 
 _COMPILE = {"llvm": _compile_llvm, "numpy": _compile_numpy}
@@ -313,13 +346,14 @@ def _default_backend() -> str:
     return "llvm" if importlib.util.find_spec("llvmlite") else "numpy"
 
 
-def _width(width: int | None) -> int | None:
+def _width(width: int | None, real: Real) -> int | None:
     given = os.environ.get("FREEBODY_WIDTH") if width is None else str(width)
     if not given:
         return None
-    if given not in map(str, WIDTHS):
-        known = ", ".join(map(str, WIDTHS))
-        raise KernelError(f"no width {given}. Widths: {known} (argument or FREEBODY_WIDTH).")
+    known = [n for n in WIDTHS if n * real.bits <= LONGEST_VECTOR]
+    if given not in map(str, known):
+        listed = ", ".join(map(str, known))
+        raise KernelError(f"no width {given} of {real.dtype}. Widths: {listed} (argument or FREEBODY_WIDTH).")
     return int(given)
 
 

@@ -23,17 +23,19 @@ LARGEST = 2**25
 LIMIT = 2**26
 """Bytes that are kept in all, in pieces that nobody uses."""
 
+_FLOAT64 = np.dtype(np.float64)
+
 _kept: dict[int, deque[tuple[Array, int]]] = {}
 """Bytes of a piece -> pieces and their addresses; what was used last comes last."""
 
 
-def empty(shape: tuple[int, ...]) -> Array:
-    """An array of float64 whose values are whatever they are, C order."""
-    size = 8 * prod(shape)
+def empty(shape: tuple[int, ...], dtype: np.dtype = _FLOAT64) -> np.ndarray:
+    """An array whose values are whatever they are, C order."""
+    size = dtype.itemsize * prod(shape)
     if not SMALLEST <= size <= LARGEST:
-        return np.empty(shape)
+        return np.empty(shape, dtype)
     step = 1 << (size.bit_length() - 3)  # pieces of few different lengths
-    return np.asarray(_Piece(shape, -(-size // step) * step))
+    return np.asarray(_Piece(shape, -(-size // step) * step, dtype))
 
 
 class _Piece:
@@ -44,7 +46,7 @@ class _Piece:
 
     __slots__ = ("__array_interface__", "address", "memory")
 
-    def __init__(self, shape: tuple[int, ...], size: int):
+    def __init__(self, shape: tuple[int, ...], size: int, dtype: np.dtype):
         try:
             self.memory, self.address = _kept[size].pop()
         except (KeyError, IndexError):
@@ -53,16 +55,13 @@ class _Piece:
         self.__array_interface__ = {
             "data": (self.address, False),
             "shape": shape,
-            "typestr": _FLOAT,
+            "typestr": dtype.str,
             "version": 3,
         }
 
     def __del__(self) -> None:
         with contextlib.suppress(AttributeError, TypeError):  # the interpreter is ending
             _keep(self.memory, self.address)
-
-
-_FLOAT = np.dtype(np.float64).str
 
 
 def _keep(memory: Array, address: int) -> None:

@@ -1,9 +1,9 @@
 """One sample, called from Python: a C function for the interpreter in front of the gufunc loop.
 
 NumPy's ufunc machinery takes longer than the arithmetic of one robot. So each kernel also has a function of CPython's
-fast calling convention that looks at its arguments itself: exact float64 arrays of the core shapes, contiguous and
-aligned. It makes the outputs, or takes those given as `out=` if they are such arrays too and overlap nothing, runs the
-loop once and returns; anything else goes to the general way, unchanged.
+fast calling convention that looks at its arguments itself: exact arrays of its number type and the core shapes,
+contiguous and aligned. It makes the outputs, or takes those given as `out=` if they are such arrays too and overlap
+nothing, runs the loop once and returns; anything else goes to the general way, unchanged.
 
 It knows where CPython and NumPy keep the fields of an object and an array: both layouts are part of their stable binary
 interfaces on 64-bit builds with the GIL, and `available` is false elsewhere.
@@ -24,12 +24,12 @@ import numpy as np
 
 from freebody.program.program import Argument, Program
 from freebody.targets.llvm.forever import forever
+from freebody.targets.llvm.lanes import Real
 
 _NEW = 93  # position of PyArray_New in the table of __multiarray_api.h
 _FASTCALL_KEYWORDS = 0x0080 | 0x0002
 _CONTIGUOUS_ALIGNED = 0x0001 | 0x0100
 _WRITEABLE = 0x0400
-_DOUBLE = 12  # NPY_DOUBLE
 _TYPE, _DATA, _ND, _DIMS, _DESCR, _FLAGS = 8, 16, 24, 32, 56, 64  # offsets in PyObject and PyArrayObject
 _COUNT, _ITEMS = 16, 24  # offsets in PyTupleObject
 _OUT = sys.intern("out")  # as the name of a keyword is
@@ -55,13 +55,13 @@ def available(program: Program) -> bool:
     return known and all(argument.shape for argument in program.outputs)
 
 
-def text(program: Program) -> str:
+def text(program: Program, real: Real) -> str:
     """LLVM text of `ptr @fastcall(ptr self, ptr args, i64 nargs, ptr kwnames)`, in front of `@kernel`."""
     inputs, outputs = program.inputs, program.outputs
     arguments = (*inputs, *outputs)
     lines = [
         "@PyArray_Type = external global i8",
-        "@double_descr = external global i8",
+        "@real_descr = external global i8",
         "; the Python callables for everything else, set after linking",
         "@general = global ptr null, align 8",
         "@general.checked = global ptr null, align 8",
@@ -73,9 +73,12 @@ def text(program: Program) -> str:
         "declare i32 @PyTuple_SetItem(ptr, i64, ptr)",
         "declare void @Py_IncRef(ptr)",
         "declare void @Py_DecRef(ptr)",
-        _FINITE,
+        _finite(real),
         _numbers("fast.dims", [1, *(n for a in arguments for n in a.shape)]),
-        _numbers("fast.steps", [8 * a.size for a in arguments] + [s for a in arguments for s in _strides(a)]),
+        _numbers(
+            "fast.steps",
+            [real.size * a.size for a in arguments] + [s for a in arguments for s in _strides(a, real.size)],
+        ),
         *(_numbers(f"fast.shape{k}", list(a.shape)) for k, a in enumerate(outputs)),
         "define ptr @fastcall(ptr %self, ptr %args, i64 %nargs, ptr %kwnames) {",
         "entry:",
@@ -94,7 +97,7 @@ def text(program: Program) -> str:
         lines += _look(k, argument, f"%outs, i64 {k - len(inputs) - 1}", _CONTIGUOUS_ALIGNED | _WRITEABLE, -1)
     lines += [
         f"look{len(arguments) + 1}:",
-        *_apart(arguments, len(inputs)),
+        *_apart(arguments, len(inputs), real.size),
         "run:",
         "  call void @kernel(ptr %data, ptr @fast.dims, ptr @fast.steps, ptr null)",
         "  call void @Py_IncRef(ptr %given)",
@@ -102,7 +105,7 @@ def text(program: Program) -> str:
         "make:",
     ]
     for k, argument in enumerate(outputs):
-        lines += _make(k, len(inputs) + k, argument, len(outputs))
+        lines += _make(k, len(inputs) + k, argument, real)
     lines.append("  call void @kernel(ptr %data, ptr @fast.dims, ptr @fast.steps, ptr null)")
     lines += _checked(outputs)
     lines += ["  ret ptr %out0"] if len(outputs) == 1 else _tuple(len(outputs))
@@ -121,7 +124,7 @@ def text(program: Program) -> str:
 
 
 @cache
-def symbols() -> dict[str, int]:
+def symbols(real: Real) -> dict[str, int]:
     """Addresses of what the text refers to."""
     python = ctypes.pythonapi
     named = {
@@ -132,7 +135,7 @@ def symbols() -> dict[str, int]:
         "PyArray_Type": id(np.ndarray),
         "PyTuple_Type": id(tuple),
         "name.out": id(_OUT),
-        "double_descr": id(np.dtype(np.float64)),
+        "real_descr": id(np.dtype(real.dtype)),
         "PyArray_New": _array_api(_NEW),
     }
 
@@ -167,9 +170,9 @@ def _numbers(name: str, values: list[int]) -> str:
     return f"@{name} = private constant [{len(values)} x i64] [{entries}], align 8"
 
 
-def _strides(argument: Argument) -> list[int]:
-    """Bytes between neighbours along each core axis, C order."""
-    strides, step = [], 8
+def _strides(argument: Argument, step: int) -> list[int]:
+    """Bytes between neighbours along each core axis, C order; `step` of one number."""
+    strides = []
     for size in reversed(argument.shape):
         strides.append(step)
         step *= size
@@ -219,14 +222,14 @@ def _taken(outputs: int) -> list[str]:
     return [*lines, f"  %outs = getelementptr i8, ptr %given, i64 {_ITEMS}"]
 
 
-def _apart(arguments: tuple[Argument, ...], inputs: int) -> list[str]:
+def _apart(arguments: tuple[Argument, ...], inputs: int, size: int) -> list[str]:
     """On to `run` if no output lies where another argument does, else the general way."""
     lines, apart = [], "true"
     for k, argument in enumerate(arguments):
         lines += [
             f"  %start.at{k} = getelementptr ptr, ptr %data, i64 {k}",
             f"  %start{k} = load ptr, ptr %start.at{k}, align 8",
-            f"  %stop{k} = getelementptr i8, ptr %start{k}, i64 {8 * argument.size}",
+            f"  %stop{k} = getelementptr i8, ptr %start{k}, i64 {size * argument.size}",
         ]
     for k in range(inputs, len(arguments)):
         for other in range(k):
@@ -260,7 +263,7 @@ def _look(k: int, argument: Argument, place: str, flags: int, shift: int = 0) ->
         *_field(k, "flags", _FLAGS, "i32"),
         f"  %masked{k} = and i32 %flags{k}, {flags}",
         f"  %a{k} = icmp eq i32 %nd{k}, {nd}",
-        f"  %b{k} = icmp eq ptr %descr{k}, @double_descr",
+        f"  %b{k} = icmp eq ptr %descr{k}, @real_descr",
         f"  %c{k} = icmp eq i32 %masked{k}, {flags}",
         f"  %ab{k} = and i1 %a{k}, %b{k}",
         f"  %abc{k} = and i1 %ab{k}, %c{k}",
@@ -293,11 +296,11 @@ def _field(k: int, name: str, offset: int, kind: str) -> list[str]:
     ]
 
 
-def _make(k: int, position: int, argument: Argument, count: int) -> list[str]:
+def _make(k: int, position: int, argument: Argument, real: Real) -> list[str]:
     """Output k: a new array; `position` among all arguments."""
     return [
         f"  %out{k} = call ptr @PyArray_New(ptr @PyArray_Type, i32 {len(argument.shape)}, ptr @fast.shape{k}, "
-        f"i32 {_DOUBLE}, ptr null, ptr null, i32 0, i32 0, ptr null)",
+        f"i32 {real.number}, ptr null, ptr null, i32 0, i32 0, ptr null)",
         f"  %made{k} = icmp ne ptr %out{k}, null",
         f"  br i1 %made{k}, label %made.{k}, label %failed",
         f"made.{k}:",
@@ -308,24 +311,27 @@ def _make(k: int, position: int, argument: Argument, count: int) -> list[str]:
     ]
 
 
-_FINITE = """\
-define internal i1 @fast.finite(ptr %values, i64 %count) {
+def _finite(real: Real) -> str:
+    kind = real.integer
+    exponent = {64: 0x7FF << 52, 32: 0xFF << 23}[real.bits]
+    return f"""\
+define internal i1 @fast.finite(ptr %values, i64 %count) {{
 entry:
   br label %loop
 loop:
   %k = phi i64 [0, %entry], [%next, %loop]
   %so.far = phi i1 [true, %entry], [%both, %loop]
-  %at = getelementptr i64, ptr %values, i64 %k
-  %bits = load i64, ptr %at, align 8
-  %exponent = and i64 %bits, 9218868437227405312
-  %fine = icmp ne i64 %exponent, 9218868437227405312
+  %at = getelementptr {kind}, ptr %values, i64 %k
+  %bits = load {kind}, ptr %at, align {real.size}
+  %exponent = and {kind} %bits, {exponent}
+  %fine = icmp ne {kind} %exponent, {exponent}
   %both = and i1 %so.far, %fine
   %next = add i64 %k, 1
   %more = icmp ult i64 %next, %count
   br i1 %more, label %loop, label %done
 done:
   ret i1 %both
-}"""
+}}"""
 
 
 def _checked(outputs: tuple[Argument, ...]) -> list[str]:

@@ -11,9 +11,9 @@ import numpy as np
 
 from freebody.program.program import Argument
 from freebody.targets.llvm.forever import forever
+from freebody.targets.llvm.lanes import Real
 
 _FROM_FUNC_AND_DATA_AND_SIGNATURE = 31  # position in the table of __ufunc_api.h; part of NumPy's stable ABI
-_DOUBLE = 12  # NPY_DOUBLE
 _NONE = -1  # PyUFunc_None: no identity
 
 
@@ -27,9 +27,9 @@ def signature(inputs: Sequence[Argument], outputs: Sequence[Argument]) -> str:
 
 
 def make_gufunc(
-    address: int, name: str, inputs: Sequence[Argument], outputs: Sequence[Argument], keep: Any
+    address: int, name: str, inputs: Sequence[Argument], outputs: Sequence[Argument], keep: Any, real: Real
 ) -> np.ufunc:
-    """The ufunc of a loop over float64, with fixed core sizes.
+    """The ufunc of a loop over numbers of one type, with fixed core sizes.
 
     Args:
         address: of `void loop(char **args, intptr_t *dimensions, intptr_t *steps, void *data)`.
@@ -37,11 +37,12 @@ def make_gufunc(
         inputs: names and core shapes.
         outputs: names and core shapes.
         keep: whatever must live as long as the code is callable.
+        real: type of the numbers.
     """
     count = len(inputs) + len(outputs)
     functions = (ctypes.c_void_p * 1)(address)
     data = (ctypes.c_void_p * 1)(None)
-    types = (ctypes.c_char * count)(*[_DOUBLE] * count)
+    types = (ctypes.c_char * count)(*[real.number] * count)
     text = [name.encode(), signature(inputs, outputs).encode(), signature(inputs, outputs).encode()]
     forever(functions, data, types, text, keep)
     make = _api(

@@ -15,7 +15,9 @@ from typing import Any
 from freebody.errors import FreebodyError
 from freebody.targets.llvm.lanes import DOUBLE, Lanes, Real
 
-WIDTHS = (2, 4, 8)
+WIDTHS = (2, 4, 8, 16)
+LONGEST_VECTOR = 512
+"""Bits."""
 
 
 @dataclass(frozen=True)
@@ -56,12 +58,12 @@ class Host:
         """Whether this is a 64-bit x86."""
         return self.triple.startswith(("x86_64", "amd64"))
 
-    def target(self, width: int | None = None) -> Target:
+    def target(self, width: int | None = None, real: Real = DOUBLE) -> Target:
         """The target of kernels of `width`, or of the width that suits the CPU."""
         has = self.has
         fma = "fma" in has if self.x86 else True
-        best = 8 if "avx512f" in has and "avx512dq" in has else 4 if "avx2" in has and fma else 2
-        return Target(width or best, fma, self.x86)
+        bits = 512 if "avx512f" in has and "avx512dq" in has else 256 if "avx2" in has and fma else 128
+        return Target(width or bits // real.bits, fma, self.x86, real)
 
 
 @cache

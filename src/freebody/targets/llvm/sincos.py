@@ -90,6 +90,7 @@ _TWO_OVER_PI = (  # 1216 bits of its fraction, 64 a word
     0x56033046FC7B6BAB,
 )
 
+
 def reduction() -> str:
     """`{ double, i64 } @reduce(double x)`: what is left of a large x, and the quadrant."""
     return _REDUCE
