@@ -36,6 +36,7 @@ def kernel(
     rows: Sequence[str] | None = None,
     backend: str | None = None,
     width: int | None = None,
+    dtype: str = "float64",
 ) -> Kernel | ColumnKernel | KernelList:
     """The compiled function for one quantity, or for several that share their work.
 
@@ -44,6 +45,8 @@ def kernel(
     rows: of operational space, among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy", "w"; default all).
     wrench_frames: frames that carry external wrenches; each becomes a further input (..., 6): wrench0, wrench1, … in
     their order.
+    dtype: "float32" computes with numbers of 32 bits, about twice as quick in batches, to about 6 digits of a sample's
+    largest entry; arrays of other real types are rounded to it, and so are the robot's numbers.
     Returns k(q, qd, …, out=None, threads=None), which broadcasts like a NumPy ufunc, lets NaN through and checks no
     names; its inputs are those of the quantities, in the order q, qd, qdd, tau, wrenches, and its outputs in the order
     of `names`. Dynamics of a closed chain take its state to be closed, and are not defined at singular positions, where
@@ -55,7 +58,7 @@ def kernel(
     listed, option = chosen_option(
         model, names, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows
     )
-    return fetch(model, listed, option, backend, width)
+    return fetch(model, listed, option, backend, width, dtype)
 
 
 def _near_home(model: Model, listed: tuple[str, ...], option: Option) -> Option:
@@ -154,12 +157,23 @@ _ORDER = (
 
 
 def fetch(
-    model: Model, names: tuple[str, ...], option: Option, backend: str | None = None, width: int | None = None
+    model: Model,
+    names: tuple[str, ...],
+    option: Option,
+    backend: str | None = None,
+    width: int | None = None,
+    dtype: str = "float64",
 ) -> Kernel | ColumnKernel | KernelList:
     """The kernel, compiled on first use and kept as long as the model."""
-    key = (names, option, backend, width)
+    key = (names, option, backend, width, dtype)
     found = model.compiled.get(key)
     if found is None:
+        large = [name for name in names if model.nv > LARGEST and name in BY_COLUMNS]
+        if large and dtype != "float64":
+            raise FreebodyError(
+                f"fb.kernel: {large[0]} of {model.nv} coordinates is made column by column, which is there in float64 "
+                f"only (dtype={dtype!r} up to {LARGEST} coordinates)."
+            )
         if model.nv > LARGEST and len(names) == 1 and names[0] in BY_COLUMNS:
             (name,) = names
             found = ColumnKernel(
@@ -171,7 +185,7 @@ def fetch(
         elif model.nv > LARGEST and any(name in BY_COLUMNS for name in names):
             found = _in_parts(model, names, option, lambda some: fetch(model, some, option, backend, width))
         else:
-            found = compile_program(program(model, names, option), backend=backend, width=width)
+            found = compile_program(program(model, names, option), backend=backend, width=width, dtype=dtype)
         model.compiled[key] = found
     return found
 

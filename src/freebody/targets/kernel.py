@@ -59,7 +59,7 @@ class Kernel:
     """A program ready to run on arrays.
 
     Each argument has its core shape last; leading batch shapes broadcast; any strides. Numbers of another real type
-    are converted to the kernel's, complex numbers and objects refused. Where a uniform input is given with leading axes,
+    are converted to the kernel's, complex numbers and objects refused. Where a uniform input has leading axes,
     `per_sample` answers. A sample with an input that is not finite has NaN in all outputs; no other sample is touched.
     The GIL is released.
 
