@@ -16,7 +16,8 @@ from collections.abc import Sequence
 
 from freebody.program.program import Program
 from freebody.program.segments import Layout
-from freebody.targets.llvm.lanes import Lanes, Real
+from freebody.targets.llvm.lanes import Lanes
+from freebody.targets.llvm.rows import masked_loads, rows_in, rows_out
 
 
 def transfers(program: Program, every: Program, layout: Layout, lanes: Lanes) -> str:
@@ -36,238 +37,14 @@ def transfers(program: Program, every: Program, layout: Layout, lanes: Lanes) ->
         first += argument.size
     parts = [f"@places{k} = internal constant {integers(those)}" for k, those in places.items()]
     for k, those in places.items():
-        parts.append((_rows_in if k < len(program.inputs) else _rows_out)(k, those, lanes))
+        parts.append((rows_in if k < len(program.inputs) else rows_out)(k, those, lanes))
     parts += [write(way, lanes) for write in (_columns, _strided) for way in ("in", "out")]
-    return "\n".join([*parts, _OFFSETS, _declarations(lanes)])
+    return "\n".join([*parts, _OFFSETS, masked_loads(lanes)])
 
 
 def integers(numbers: Sequence[int]) -> str:
     """A constant array."""
     return f"[{len(numbers)} x i64] [{', '.join(f'i64 {n}' for n in numbers)}]"
-
-
-def _rows_in(k: int, places: list[int], lanes: Lanes) -> str:
-    """Rows of input k to `places` of the tile: a loop over whole blocks of `width` columns, then the masked rest."""
-    size, first, width = len(places), places[0] if places else 0, lanes.width
-    whole = size - size % width
-    lines = _begin_rows(k, width)
-    if whole:
-        lines.append("  br label %block\nblock:\n  %j = phi i64 [ 0, %entry ], [ %j.next, %block ]")
-        lines += _load_block("w", "%j", first, width, lanes)
-        lines.append(
-            f"  %j.next = add i64 %j, {width}\n  %more = icmp ult i64 %j.next, {whole}\n"
-            "  br i1 %more, label %block, label %rest\nrest:"
-        )
-    if whole < size:
-        lines += _load_block("r", str(whole), first, size - whole, lanes)
-    return "\n".join([*lines, "  ret void", "}", ""])
-
-
-def _begin_rows(k: int, width: int) -> list[str]:
-    """`@rows{k}` as far as the address of each lane's row."""
-    lines = [
-        f"define internal void @rows{k}(ptr noalias %at, ptr noalias %lanes, ptr noalias %tile) #0 {{",
-        "entry:",
-    ]
-    for lane in range(width):
-        lines.append(f"  %pl{lane} = getelementptr i64, ptr %lanes, i64 {lane}")
-        lines.append(f"  %l{lane} = load i64, ptr %pl{lane}, align 8")
-        lines.append(f"  %row{lane} = getelementptr i8, ptr %at, i64 %l{lane}")
-    return lines
-
-
-def _load_block(tag: str, j: str, first: int, columns: int, lanes: Lanes) -> list[str]:
-    v, real, width, lines = lanes.v, lanes.real, lanes.width, list[str]()
-    for lane in range(width):
-        lines.append(f"  %{tag}p{lane} = getelementptr {real.name}, ptr %row{lane}, i64 {j}")
-        if columns == width:
-            lines.append(f"  %{tag}in{lane} = load {v}, ptr %{tag}p{lane}, align {real.size}")
-        else:
-            lines.append(
-                f"  %{tag}in{lane} = call {v} @llvm.masked.load.{lanes.suffix}.p0(ptr %{tag}p{lane}, i32 {real.size}, "
-                f"{_mask(columns, width)}, {v} zeroinitializer)"
-            )
-    names = _transpose(lines, tag, [f"%{tag}in{lane}" for lane in range(width)], lanes.real)
-    for column in range(columns):
-        lines.append(f"  %{tag}o{column} = add i64 {j}, {first + column}")
-        lines.append(f"  %{tag}q{column} = getelementptr {v}, ptr %tile, i64 %{tag}o{column}")
-        lines.append(f"  store {v} {names[column]}, ptr %{tag}q{column}, align {lanes.size}")
-    return lines
-
-
-_PANEL = 4
-"""Blocks of columns that are turned together: of half the lanes, so that all fits the registers."""
-
-
-def _rows_out(k: int, places: list[int], lanes: Lanes) -> str:
-    """Rows of output k from `places` of the tile, each row's scalars in the order of their addresses.
-
-    The order matters: where a store crosses into the next cache line, the following one joins it there.
-    """
-    size, width = len(places), lanes.width
-    step = _PANEL * width
-    looped = size - size % step if size > 2 * step else 0
-    lines = _begin_rows(k, width)
-    if looped:
-        lines.append("  br label %panel\npanel:\n  %j = phi i64 [ 0, %entry ], [ %j.next, %panel ]")
-        lines.append(f"  %place = getelementptr i64, ptr @places{k}, i64 %j")
-        for column in range(step):
-            lines.append(f"  %place.at{column} = getelementptr i64, ptr %place, i64 {column}")
-            lines.append(f"  %place{column} = load i64, ptr %place.at{column}, align 8")
-        lines += _store_panel("p", "%j", [f"%place{column}" for column in range(step)], lanes)
-        lines.append(
-            f"  %j.next = add i64 %j, {step}\n  %more = icmp ult i64 %j.next, {looped}\n"
-            "  br i1 %more, label %panel, label %rest\nrest:"
-        )
-    for j in range(looped, size, step):
-        lines += _store_panel(f"r{j}.", str(j), [str(place) for place in places[j : j + step]], lanes)
-    return "\n".join([*lines, "  ret void", "}", ""])
-
-
-def _store_panel(tag: str, j: str, places: list[str], lanes: Lanes) -> list[str]:
-    """Columns from j on: half the lanes, then the others; of each the blocks of `width`, width / 2, … columns."""
-    lines, real, half = [], lanes.real, lanes.width // 2
-    blocks, first, columns = [], 0, lanes.width
-    while first < len(places):
-        while columns > len(places) - first:
-            columns //= 2
-        blocks.append((first, columns))
-        first += columns
-    for start in (0, half):
-        rows: list[list[tuple[str, int, int]]] = [
-            [] for _ in range(half)
-        ]  # of each lane (name, first column, columns)
-        for first, columns in blocks:
-            turn = _turn_half if columns == lanes.width else _turn_squares
-            names = turn(lines, f"{tag}{start}.{first}.", places[first : first + columns], start, lanes)
-            for row, name in zip(rows, names, strict=True):
-                row.append((name, first, columns))
-        for lane, row in enumerate(rows, start):
-            for name, first, columns in row:
-                at = f"%{tag}{start}.{first}.p{lane}"
-                lines.append(f"  {at}.j = add i64 {j}, {first}")
-                lines.append(f"  {at} = getelementptr {real.name}, ptr %row{lane}, i64 {at}.j")
-                lines.append(f"  store <{columns} x {real.name}> {name}, ptr {at}, align {real.size}")
-    return lines
-
-
-def _turn_half(lines: list[str], tag: str, places: list[str], start: int, lanes: Lanes) -> list[str]:
-    """Rows of `width` columns of the lanes from `start` on, half of them.
-
-    Halves of two columns are put side by side, which a load does; what lies in 128 bits is turned, and 128-bit parts
-    gathered.
-    """
-    real, width = lanes.real, lanes.width
-    half = width // 2
-    parts = [
-        _load_lanes(lines, f"{tag}c{column}", place, start, half, lanes)
-        for column, place in enumerate(places)
-    ]
-    apart = min(128 // real.bits, half)
-    pairs = [
-        _shuffle(lines, f"{tag}a{i}", parts[i], parts[i + apart], half, list(range(width)), real)
-        for i in range(width)
-        if not i & apart
-    ]
-    turned = [
-        _turn_parts(lines, f"{tag}b{i}.", pairs[i : i + apart], width, real) for i in range(0, half, apart)
-    ]
-    if half == apart:
-        return turned[0]
-    picks = [_gathered(width, apart, odd) for odd in (0, 1)]
-    return [
-        _shuffle(lines, f"{tag}r{j}.{odd}", turned[0][j], turned[1][j], width, picks[odd], real)
-        for odd in (0, 1)
-        for j in range(apart)
-    ]
-
-
-def _turn_squares(lines: list[str], tag: str, places: list[str], start: int, lanes: Lanes) -> list[str]:
-    """Rows of fewer columns, a power of two, of the lanes from `start` on, half of them: square by square."""
-    size, rows = len(places), []
-    for first in range(start, start + lanes.width // 2, size):
-        square = [
-            _load_lanes(lines, f"{tag}s{first}.{column}", place, first, size, lanes)
-            for column, place in enumerate(places)
-        ]
-        rows += square if size == 1 else _transpose(lines, f"{tag}t{first}.", square, lanes.real)
-    return rows
-
-
-def _load_lanes(lines: list[str], name: str, place: str, start: int, count: int, lanes: Lanes) -> str:
-    """`count` lanes of a slot from lane `start` on."""
-    kind = lanes.real.name
-    lines.append(f"  %{name}.s = getelementptr {lanes.v}, ptr %tile, i64 {place}")
-    lines.append(f"  %{name}.p = getelementptr {kind}, ptr %{name}.s, i64 {start}")
-    lines.append(f"  %{name} = load <{count} x {kind}>, ptr %{name}.p, align {lanes.real.size * count}")
-    return f"%{name}"
-
-
-def _shuffle(lines: list[str], name: str, x: str, y: str, size: int, picks: list[int], real: Real) -> str:
-    v, mask = f"<{size} x {real.name}>", ", ".join(f"i32 {pick}" for pick in picks)
-    lines.append(f"  %{name} = shufflevector {v} {x}, {v} {y}, <{len(picks)} x i32> <{mask}>")
-    return f"%{name}"
-
-
-def _mask(columns: int, width: int) -> str:
-    return f"<{width} x i1> <" + ", ".join(f"i1 {int(k < columns)}" for k in range(width)) + ">"
-
-
-def _transpose(lines: list[str], tag: str, rows: list[str], real: Real) -> list[str]:
-    """Transpose a square of registers with log2(width) rounds of two-operand shuffles that x86 has as one
-    instruction.
-
-    First what lies in 128 bits is turned; then 128-bit parts are gathered, the even ones of a pair and the odd
-    ones.
-    """
-    width, count = len(rows), 0
-    part = min(128 // real.bits, width)
-
-    def halves(x: str, y: str, odd: int) -> str:
-        nonlocal count
-        count += 1
-        return _shuffle(lines, f"{tag}t{count}", x, y, width, _gathered(width, part, odd), real)
-
-    def gather(vectors: list[str]) -> list[str]:
-        if len(vectors) == 1:
-            return vectors
-        pairs = list(zip(vectors[::2], vectors[1::2], strict=True))
-        even, odd = (gather([halves(x, y, parity) for x, y in pairs]) for parity in (0, 1))
-        return [name for both in zip(even, odd, strict=True) for name in both]
-
-    turned = [
-        _turn_parts(lines, f"{tag}p{k}.", rows[k : k + part], width, real) for k in range(0, width, part)
-    ]
-    columns = [gather([those[j] for those in turned]) for j in range(part)]
-    return [name for several in zip(*columns, strict=True) for name in several]
-
-
-def _gathered(width: int, part: int, odd: int) -> list[int]:
-    """The even (or odd) ones of the parts of two vectors."""
-    return [part * p + e for p in range(odd, 2 * width // part, 2) for e in range(part)]
-
-
-def _turn_parts(lines: list[str], tag: str, rows: list[str], width: int, real: Real) -> list[str]:
-    """Transpose the squares that lie side by side in 1, 2 or 4 rows: neighbours are interleaved, then pairs."""
-
-    def interleaved(x: str, y: str, high: int, of: int) -> str:
-        """Of each square the lower (or higher) half of x and y, `of` entries of one and of the other by turns."""
-        picks = [
-            start + high * size // 2 + k + side * width + e
-            for start in range(0, width, size)
-            for k in range(0, size // 2, of)
-            for side in (0, 1)
-            for e in range(of)
-        ]
-        return _shuffle(lines, f"{tag}{len(lines)}", x, y, width, picks, real)
-
-    size = len(rows)
-    if size == 1:
-        return rows
-    if size == 2:
-        return [interleaved(rows[0], rows[1], high, 1) for high in (0, 1)]
-    one, other = ([interleaved(rows[k], rows[k + 1], high, 1) for high in (0, 1)] for k in (0, 2))
-    return [interleaved(x, y, high, 2) for x, y in zip(one, other, strict=True) for high in (0, 1)]
 
 
 def _columns(way: str, lanes: Lanes) -> str:
@@ -380,7 +157,3 @@ end:
   ret void
 }
 """
-
-
-def _declarations(lanes: Lanes) -> str:
-    return f"declare {lanes.v} @llvm.masked.load.{lanes.suffix}.p0(ptr, i32, {lanes.mask}, {lanes.v})\n"

@@ -1,0 +1,239 @@
+"""LLVM text that moves rows, the contiguous scalars of each sample, between an array and the tile."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from freebody.targets.llvm.lanes import Lanes, Real
+from freebody.targets.llvm.turn import gathered, part_of, shuffle, transpose, turn_parts
+
+
+def rows_in(k: int, places: list[int], lanes: Lanes) -> str:
+    """Rows of input k to `places` of the tile: a loop over whole blocks of `width` columns, then the masked rest."""
+    size, first, width = len(places), places[0] if places else 0, lanes.width
+    whole = size - size % width
+    lines = _begin_rows(k, width)
+    if whole:
+        lines.append("  br label %block\nblock:\n  %j = phi i64 [ 0, %entry ], [ %j.next, %block ]")
+        lines += _load_block("w", "%j", first, width, lanes)
+        lines.append(
+            f"  %j.next = add i64 %j, {width}\n  %more = icmp ult i64 %j.next, {whole}\n"
+            "  br i1 %more, label %block, label %rest\nrest:"
+        )
+    if whole < size:
+        lines += _load_block("r", str(whole), first, size - whole, lanes)
+    return "\n".join([*lines, "  ret void", "}", ""])
+
+
+def _begin_rows(k: int, width: int) -> list[str]:
+    """`@rows{k}` as far as the address of each lane's row."""
+    lines = [
+        f"define internal void @rows{k}(ptr noalias %at, ptr noalias %lanes, ptr noalias %tile) #0 {{",
+        "entry:",
+    ]
+    for lane in range(width):
+        lines.append(f"  %pl{lane} = getelementptr i64, ptr %lanes, i64 {lane}")
+        lines.append(f"  %l{lane} = load i64, ptr %pl{lane}, align 8")
+        lines.append(f"  %row{lane} = getelementptr i8, ptr %at, i64 %l{lane}")
+    return lines
+
+
+def _load_block(tag: str, j: str, first: int, columns: int, lanes: Lanes) -> list[str]:
+    """Columns from j on to slots from `first` + j on. Where they fill half a vector at most, it takes two rows."""
+    v, width, part = lanes.v, lanes.width, part_of(lanes.real, lanes.width)
+    lines: list[str] = []
+    several = 2 if 2 * columns <= width and 2 * part <= width else 1
+    loaded = [_load_row(lines, tag, lane, j, columns, several, lanes) for lane in range(width)]
+    if several == 2:
+        # side by side those rows that come out in order when 128-bit parts are gathered
+        loaded = [
+            shuffle(
+                lines,
+                f"{tag}two{lane}",
+                loaded[lane],
+                loaded[lane + part],
+                width // 2,
+                range(width),
+                lanes.real,
+            )
+            for lane in range(width)
+            if not lane & part
+        ]
+    names = transpose(lines, tag, loaded, width, lanes.real)
+    for column in range(columns):
+        lines.append(f"  %{tag}o{column} = add i64 {j}, {first + column}")
+        lines.append(f"  %{tag}q{column} = getelementptr {v}, ptr %tile, i64 %{tag}o{column}")
+        lines.append(f"  store {v} {names[column]}, ptr %{tag}q{column}, align {lanes.size}")
+    return lines
+
+
+def _load_row(lines: list[str], tag: str, lane: int, j: str, columns: int, several: int, lanes: Lanes) -> str:
+    """The row of one lane in a vector of which `several` make a whole one; a mask keeps it inside the row."""
+    real, width, name = lanes.real, lanes.width // several, f"%{tag}in{lane}"
+    v = f"<{width} x {real.name}>"
+    lines.append(f"  {name}.p = getelementptr {real.name}, ptr %row{lane}, i64 {j}")
+    if columns == width:
+        lines.append(f"  {name} = load {v}, ptr {name}.p, align {real.size}")
+    else:
+        mask = ", ".join(f"i1 {int(k < columns)}" for k in range(width))
+        lines.append(
+            f"  {name} = call {v} @llvm.masked.load.v{width}f{real.bits}.p0(ptr {name}.p, i32 {real.size}, "
+            f"<{width} x i1> <{mask}>, {v} zeroinitializer)"
+        )
+    return name
+
+
+def masked_loads(lanes: Lanes) -> str:
+    """The declarations of what reads rows."""
+    return "".join(
+        f"declare {some.v} @llvm.masked.load.{some.suffix}.p0(ptr, i32, {some.mask}, {some.v})\n"
+        for some in (lanes, Lanes(lanes.real, lanes.width // 2))
+    )
+
+
+_PANEL = 4
+"""Blocks of columns that are turned together: of half the lanes, so that all fits the registers."""
+
+
+def rows_out(k: int, places: list[int], lanes: Lanes) -> str:
+    """Rows of output k from `places` of the tile, each row's scalars in the order of their addresses.
+
+    The order matters: where a store crosses into the next cache line, the following one joins it there.
+    """
+    size, width = len(places), lanes.width
+    step = _PANEL * width
+    looped = size - size % step if size > 2 * step else 0
+    lines = _begin_rows(k, width)
+    if looped:
+        lines.append("  br label %panel\npanel:\n  %j = phi i64 [ 0, %entry ], [ %j.next, %panel ]")
+        lines.append(f"  %place = getelementptr i64, ptr @places{k}, i64 %j")
+        for column in range(step):
+            lines.append(f"  %place.at{column} = getelementptr i64, ptr %place, i64 {column}")
+            lines.append(f"  %place{column} = load i64, ptr %place.at{column}, align 8")
+        lines += _store_panel("p", "%j", [f"%place{column}" for column in range(step)], lanes)
+        lines.append(
+            f"  %j.next = add i64 %j, {step}\n  %more = icmp ult i64 %j.next, {looped}\n"
+            "  br i1 %more, label %panel, label %rest\nrest:"
+        )
+    for j in range(looped, size, step):
+        lines += _store_panel(f"r{j}.", str(j), [str(place) for place in places[j : j + step]], lanes)
+    return "\n".join([*lines, "  ret void", "}", ""])
+
+
+def _store_panel(tag: str, j: str, places: list[str], lanes: Lanes) -> list[str]:
+    """Columns from j on: half the lanes, then the others; of each the blocks of `width`, width / 2, … columns."""
+    lines, kind, half = [], lanes.real.name, lanes.width // 2
+    part = part_of(lanes.real, lanes.width)
+    blocks, first, columns = [], 0, lanes.width
+    while first < len(places):
+        while columns > len(places) - first:
+            columns //= 2
+        blocks.append((first, columns))
+        first += columns
+    whole: dict[int, list[_Entries]] = {}  # of narrow blocks, by their first column: where each lane's row is
+    for start in (0, half):
+        rows: list[list[tuple[_Entries, int, int]]] = [[] for _ in range(half)]  # (…, first column, columns)
+        for first, columns in blocks:
+            name, those = f"{tag}{start}.{first}.", places[first : first + columns]
+            if 1 < columns <= part and columns < lanes.width:
+                if first not in whole:
+                    whole[first] = _turn_narrow(lines, name, those, lanes)
+                found = whole[first][start : start + half]
+            else:
+                turn = _turn_half if columns == lanes.width else _turn_squares
+                found = [_Entries(x, columns, 0) for x in turn(lines, name, those, start, lanes)]
+            for row, entries in zip(rows, found, strict=True):
+                row.append((entries, first, columns))
+        for lane, row in enumerate(rows, start):
+            for entries, first, columns in row:
+                at = f"%{tag}{start}.{first}.p{lane}"
+                value = entries.taken(lines, f"{at[1:]}.v", columns, lanes.real)
+                lines.append(f"  {at}.j = add i64 {j}, {first}")
+                lines.append(f"  {at} = getelementptr {kind}, ptr %row{lane}, i64 {at}.j")
+                lines.append(f"  store <{columns} x {kind}> {value}, ptr {at}, align {lanes.real.size}")
+    return lines
+
+
+@dataclass(frozen=True)
+class _Entries:
+    """Neighbours in a vector of `width`, from `first` on."""
+
+    name: str
+    width: int
+    first: int
+
+    def taken(self, lines: list[str], name: str, count: int, real: Real) -> str:
+        """They alone."""
+        if count == self.width:
+            return self.name
+        picks = range(self.first, self.first + count)
+        return shuffle(lines, name, self.name, "poison", self.width, picks, real)
+
+
+def _turn_narrow(lines: list[str], tag: str, places: list[str], lanes: Lanes) -> list[_Entries]:
+    """Of columns that fill 128 bits or half of them: where the row of each lane is."""
+    columns, width = len(places), lanes.width
+    part = part_of(lanes.real, width)
+    loaded = [
+        _load_lanes(lines, f"{tag}w{column}", place, 0, width, lanes) for column, place in enumerate(places)
+    ]
+    turned = turn_parts(lines, f"{tag}n", loaded, part, width, lanes.real)
+    # of each part its first lanes are in the first vector, …
+    each = part // len(turned)
+    return [
+        _Entries(turned[lane % part // each], width, lane - lane % part + lane % each * columns)
+        for lane in range(width)
+    ]
+
+
+def _turn_half(lines: list[str], tag: str, places: list[str], start: int, lanes: Lanes) -> list[str]:
+    """Rows of `width` columns of the lanes from `start` on, half of them.
+
+    Halves of two columns are put side by side, which a load does; what lies in 128 bits is turned, and 128-bit parts
+    gathered.
+    """
+    real, width = lanes.real, lanes.width
+    half = width // 2
+    parts = [
+        _load_lanes(lines, f"{tag}c{column}", place, start, half, lanes)
+        for column, place in enumerate(places)
+    ]
+    apart = part_of(real, half)
+    pairs = [
+        shuffle(lines, f"{tag}a{i}", parts[i], parts[i + apart], half, list(range(width)), real)
+        for i in range(width)
+        if not i & apart
+    ]
+    turned = [
+        turn_parts(lines, f"{tag}b{i}.", pairs[i : i + apart], apart, width, real)
+        for i in range(0, half, apart)
+    ]
+    if half == apart:
+        return turned[0]
+    picks = [gathered(width, apart, odd) for odd in (0, 1)]
+    return [
+        shuffle(lines, f"{tag}r{j}.{odd}", turned[0][j], turned[1][j], width, picks[odd], real)
+        for odd in (0, 1)
+        for j in range(apart)
+    ]
+
+
+def _turn_squares(lines: list[str], tag: str, places: list[str], start: int, lanes: Lanes) -> list[str]:
+    """Rows of fewer columns, a power of two, of the lanes from `start` on, half of them: square by square."""
+    size, rows = len(places), []
+    for first in range(start, start + lanes.width // 2, size):
+        square = [
+            _load_lanes(lines, f"{tag}s{first}.{column}", place, first, size, lanes)
+            for column, place in enumerate(places)
+        ]
+        rows += square if size == 1 else transpose(lines, f"{tag}t{first}.", square, size, lanes.real)
+    return rows
+
+
+def _load_lanes(lines: list[str], name: str, place: str, start: int, count: int, lanes: Lanes) -> str:
+    """`count` lanes of a slot from lane `start` on."""
+    kind = lanes.real.name
+    lines.append(f"  %{name}.s = getelementptr {lanes.v}, ptr %tile, i64 {place}")
+    lines.append(f"  %{name}.p = getelementptr {kind}, ptr %{name}.s, i64 {start}")
+    lines.append(f"  %{name} = load <{count} x {kind}>, ptr %{name}.p, align {lanes.real.size * count}")
+    return f"%{name}"
