@@ -281,8 +281,12 @@ def _compiled_again(program: Program, backend: str, width: int | None, dtype: st
 def _in_range(program: Program, real: Real) -> Program:
     """The program itself, if its constants are finite as numbers of that type."""
     for value in program.constants:
-        if abs(value) > np.finfo(real.dtype).max:
-            raise KernelError(f"{program.name}: the constant {value!r} is beyond the range of {real.dtype}.")
+        try:
+            real.constant(value)
+        except OverflowError:
+            raise KernelError(
+                f"{program.name}: the constant {value!r} is beyond the range of {real.dtype}."
+            ) from None
     return program
 
 
