@@ -854,7 +854,7 @@ def test_overflow_before_a_sine_is_nan(width):
 
 
 def test_without_fused_multiply_add(monkeypatch):
-    monkeypatch.setattr(machine.Host, "target", lambda self, width=None: Target(4, False, self.x86))
+    monkeypatch.setattr(machine.Host, "target", lambda self, width, real: Target(4, False, self.x86, real))
     program = trace(
         "bare", lambda x: (sin(x), cos(x)), [Argument("x", ())], [Argument("s", ()), Argument("c", ())]
     )

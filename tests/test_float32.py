@@ -11,7 +11,6 @@ from freebody.errors import FreebodyError
 from freebody.program import Argument, trace
 from freebody.targets import KernelError, compile_program
 from freebody.targets.llvm import fastcall, machine
-from freebody.targets.llvm.lanes import FLOAT
 from freebody.targets.llvm.machine import Target
 
 WIDTHS = [2, 4, 8, 16]
@@ -261,7 +260,7 @@ def test_sine_and_cosine_of_one_in_a_hundred():
 
 def test_sine_and_cosine_without_fused_multiply_add(monkeypatch):
     monkeypatch.setattr(
-        machine.Host, "target", lambda self, width=None, real=FLOAT: Target(width or 4, False, self.x86, real)
+        machine.Host, "target", lambda self, width, real: Target(width or 4, False, self.x86, real)
     )
     program = trace(
         "bare", lambda x: (sin(x), cos(x)), [Argument("x", ())], [Argument("s", ()), Argument("c", ())]

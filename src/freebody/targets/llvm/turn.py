@@ -56,7 +56,7 @@ def gathered(width: int, part: int, odd: int) -> list[int]:
 
 
 def turn_parts(lines: list[str], tag: str, rows: list[str], part: int, width: int, real: Real) -> list[str]:
-    """Transpose what lies in parts of 1, 2 or 4 numbers in so many rows or fewer: neighbours interleaved, then pairs."""
+    """Transpose what lies in parts of 1, 2 or 4 numbers in so many rows or fewer: interleave neighbours, then pairs."""
 
     def interleaved(x: str, y: str, high: int, of: int) -> str:
         """Of each part the lower (or higher) half of x and y, `of` entries of one and of the other by turns."""
