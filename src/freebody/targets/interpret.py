@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from freebody.elementary import OF_ARRAYS
 from freebody.program.program import Argument, Program
 from freebody.scalars.operations import ARITY
 
@@ -24,30 +25,16 @@ BLOCK = 1024
 
 def functions(xp: Any) -> dict[str, Callable[..., Any]]:
     """What each operation is in an array library (`numpy`, `jax.numpy`)."""
-    return {
-        "neg": operator.neg,
-        "sqrt": xp.sqrt,
-        "sin": xp.sin,
-        "cos": xp.cos,
-        "sign": xp.sign,
-        "add": operator.add,
-        "sub": operator.sub,
-        "mul": operator.mul,
-        "div": operator.truediv,
-        "exp": xp.exp,
-        "log": xp.log,
-        "tanh": xp.tanh,
-        "atan2": xp.arctan2,
-        "asin": xp.arcsin,
-        "acos": xp.arccos,
-        "absolute": xp.absolute,
-        "less": lambda a, b: xp.where(a < b, 1.0, 0.0),
-        "less_equal": lambda a, b: xp.where(a <= b, 1.0, 0.0),
-        "equal": lambda a, b: xp.where(a == b, 1.0, 0.0),
-        "where": lambda c, a, b: xp.where(c != 0.0, a, b),
-        "minimum": xp.minimum,
-        "maximum": xp.maximum,
-    }
+    return _ARITHMETIC | {name: of_arrays(xp) for name, of_arrays in OF_ARRAYS.items()}
+
+
+_ARITHMETIC: dict[str, Callable[..., Any]] = {
+    "neg": operator.neg,
+    "add": operator.add,
+    "sub": operator.sub,
+    "mul": operator.mul,
+    "div": operator.truediv,
+}
 
 
 @dataclass(frozen=True)
