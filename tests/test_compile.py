@@ -62,6 +62,13 @@ def test_it_is_a_kernel():
         kernel(given[0][:7], *given[1:])
 
 
+def test_in_32_bits():
+    given = states(50)
+    single = fb.compile(law, LAW, {"tau": 3}, dtype="float32")(*given)
+    assert single.dtype == np.float32
+    np.testing.assert_allclose(single, fb.compile(law, LAW, {"tau": 3})(*given), rtol=1e-5, atol=1e-4)
+
+
 def smooth(x, y, s):
     """Everything with a derivative everywhere, over complex numbers too."""
     r = [fm.sin(x[0] * y[0][1]) + fm.exp(-x[1]), fm.log(3.0 + x[0] ** 2) * s, fm.sqrt(2.0 + x[1]) / (s + 4.0)]

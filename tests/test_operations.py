@@ -63,6 +63,17 @@ def test_choices_are_exact_everywhere(name, backend, width):
     assert [function(*values) for values in zip(*(c.tolist() for c in columns), strict=True)] == expected
 
 
+@pytest.mark.parametrize("name", CHOICES)
+def test_choices_are_exact_in_32_bits(name):
+    function, operation = elementary.FUNCTIONS[name], OPERATIONS[name]
+    edges = np.array([0.0, -0.0, 1.0, -1.0, 2.5, 1e-45, -1e-45, 3e38, -3e38], dtype=np.float32)
+    columns = [np.array(c) for c in zip(*itertools.product(edges, repeat=operation.arity), strict=True)]
+    inputs = [Argument(x, ()) for x in "xyz"[: operation.arity]]
+    program = trace("f", lambda *x: (function(*x),), inputs, [Argument("r", ())])
+    expected = [operation.number(*values) for values in zip(*(c.tolist() for c in columns), strict=True)]
+    np.testing.assert_array_equal(compile_program(program, dtype="float32")(*columns), expected)
+
+
 @every_backend
 @pytest.mark.parametrize("name", NAMED)
 def test_a_sample_that_is_not_finite_has_nan_whatever_is_chosen(name, backend, width):

@@ -229,3 +229,17 @@ def test_of_uniform_inputs_once_a_call(name):
     kernel = compile_program(program)
     once = [kernel(row, np.zeros(3))[0] for row in x]
     np.testing.assert_array_equal(np.array(once)[:, 0], compiled(name, arity)(*x.T))
+
+
+@pytest.mark.parametrize("name", LARGEST)
+def test_float32_is_the_double_rounded(name):
+    """Within half a unit in the last place and a little: computed in doubles, rounded at the end."""
+    arity = 2 if name == "atan2" else 1
+    rng = np.random.default_rng(6)
+    columns = [rng.uniform(0.01, 0.99, 4000).astype(np.float32) for _ in range(arity)]
+    inputs = [Argument(x, ()) for x in "xy"[:arity]]
+    program = trace(f"single_{name}", lambda *x: (FUNCTIONS[name](*x),), inputs, [Argument("r", ())])
+    found = compile_program(program, dtype="float32")(*columns)
+    assert found.dtype == np.float32
+    exact = compiled(name, arity)(*(c.astype(float) for c in columns))
+    assert (abs(found - exact) / np.spacing(abs(exact).astype(np.float32))).max() <= 0.5001

@@ -30,6 +30,7 @@ def compile(  # noqa: A001  the name that users look for
     outputs: Shapes | None = None,
     *,
     by: str | Sequence[str] = (),
+    dtype: str = "float64",
     backend: str | None = None,
     width: int | None = None,
 ) -> Kernel:
@@ -43,6 +44,7 @@ def compile(  # noqa: A001  the name that users look for
     does too. None: as returned, {name: value}, or one value, which is called "result".
     by: inputs by which each output is differentiated as well (exactly, in forward mode). Behind the outputs follow
     their derivatives, of core shape (*output, *input), called dtau_dq for tau by q; of each output in turn, by each.
+    dtype, backend, width: as for `fb.kernel`.
     Returns k(*inputs, out=None, threads=None): one output, or a tuple. The function is not kept; a pickle has its
     program. A sample with an input that is not finite has NaN in all outputs.
     Raises GraphError where the function does what cannot be traced, ProgramError where shapes do not fit.
@@ -74,7 +76,7 @@ def compile(  # noqa: A001  the name that users look for
                 found[title] = block
         return found
 
-    return compile_program(trace(name, evaluate, taken, None), backend=backend, width=width)
+    return compile_program(trace(name, evaluate, taken, None), backend=backend, width=width, dtype=dtype)
 
 
 def _arguments(what: str, shapes: Shapes) -> tuple[Argument, ...]:
