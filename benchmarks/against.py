@@ -2,8 +2,8 @@
 
     python benchmarks/against.py BEFORE [AFTER] [--robots ur5 panda talos] [--runs 5] [--dtype float64]
 
-Each commit is checked out into a folder of its own. Processes of both take turns, so that a machine that slows down slows
-both; within a process a row's time is the quickest of its rounds. AFTER is HEAD by default; `.` is the working tree.
+Each commit is checked out into a folder of its own. Processes of both take turns, so that a machine that slows down
+slows both; within a process a row's time is the quickest of its rounds. AFTER is HEAD by default; `.` is the working tree.
 """
 
 import argparse
@@ -13,6 +13,8 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -101,16 +103,16 @@ def measured(robots: list[str], dtype: str) -> dict[str, float]:
             rows[f"{robot}, {task}, compiling"] = (time.process_time() - start) * 1e9
             given = [rng.uniform(-1, 1, (BATCH, *x.shape)).astype(dtype) for x in kernel.program.inputs]
             one = [x[0] for x in given]
-            out = kernel(*given)
-            rows[f"{robot}, {task}, batch"] = quickest(lambda: kernel(*given, out=out, threads=1)) / BATCH
-            rows[f"{robot}, {task}, one call"] = quickest(lambda: kernel(*one), 300)
+            batch = partial(kernel, *given, out=kernel(*given), threads=1)
+            rows[f"{robot}, {task}, batch"] = quickest(batch) / BATCH
+            rows[f"{robot}, {task}, one call"] = quickest(partial(kernel, *one), 300)
             if hasattr(fb, task) and dtype == "float64":
-                public = getattr(fb, task)
-                rows[f"{robot}, {task}, function, one call"] = quickest(lambda: public(model, *one), 300)
+                public = partial(getattr(fb, task), model, *one)
+                rows[f"{robot}, {task}, function, one call"] = quickest(public, 300)
     return rows
 
 
-def quickest(call, times: int = 3) -> float:
+def quickest(call: Callable[[], object], times: int = 3) -> float:
     """Nanoseconds of a call: the mean of `times`, in the quickest of some rounds."""
     found = []
     for _ in range(ROUNDS):
