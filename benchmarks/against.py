@@ -3,7 +3,8 @@
     python benchmarks/against.py BEFORE [AFTER] [--robots ur5 panda talos] [--runs 5] [--dtype float64]
 
 Each commit is checked out into a folder of its own. Processes of both take turns, so that a machine that slows down
-slows both; within a process a row's time is the quickest of its rounds. AFTER is HEAD by default; `.` is the working tree.
+slows both; within a process a row's time is the quickest of its rounds. AFTER is HEAD by default; `.` is the working
+tree.
 """
 
 import argparse

@@ -116,7 +116,12 @@ class Program:
 
     def operands(self, index: int) -> tuple[int, ...]:
         """The operands of a node."""
-        return (self.a[index], self.b[index], self.c[index])[: ARITY[self.op[index]]]
+        return self._operands[index]
+
+    @cached_property
+    def _operands(self) -> tuple[tuple[int, ...], ...]:
+        rows = zip(self.op, self.a, self.b, self.c, strict=True)
+        return tuple([row[1 : 1 + ARITY[row[0]]] for row in rows])
 
     def listing(self) -> str:
         """The whole program, one node a line."""
@@ -196,9 +201,9 @@ def _fault(program: Program, index: int) -> str:
     if not arity:
         what, most = ("input", program.input_size) if op == "input" else ("constant", len(program.constants))
         return "" if 0 <= row[0] < most and row[1:] == (-1, -1) else f"%{index}: {what} {row[0]} of {most}"
-    if not all(0 <= i < index for i in row[:arity]):
+    if not 0 <= min(row[:arity]) <= max(row[:arity]) < index:
         return f"%{index} = {op} {' '.join(f'%{i}' for i in row[:arity])}: an operand precedes its use"
-    if any(i != -1 for i in row[arity:]):
+    if row[arity:].count(-1) < len(row) - arity:
         return f"%{index} = {op}: it has {arity} operands, what is left of (a, b, c) = {row} is -1"
     return ""
 

@@ -7,14 +7,14 @@ around it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import nan
 
 from freebody.program.hoist import hoist
 from freebody.program.passes import schedule
 from freebody.program.program import Program
 from freebody.program.segments import Layout, Segment, SinCos, segment
-from freebody.targets.llvm.instructions import declarations, functions, instruction
+from freebody.targets.llvm.instructions import declarations, functions, instructions
 from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.loop import gufunc_loop
 from freebody.targets.llvm.machine import Target
@@ -88,11 +88,12 @@ def _pieces(
 ) -> tuple[list[str], list[str]]:
     """Names of the functions of the steps, `before` in front, and the text of what they are and need."""
     pieces: list[str] = []
+    table = instructions(lanes)
     parts = [sincos(lanes, fma)] if any(isinstance(step, SinCos) for step in layout.steps) else []
     for number, those in enumerate(_joined(layout.steps)):
         if isinstance(those, Segment):
             pieces.append(f"@{before}segment{number}")
-            parts.append(_arithmetic(pieces[-1], program, those, lanes))
+            parts.append(_arithmetic(pieces[-1], program, those, lanes, table))
         else:
             pieces.append(f"@{before}sines{number}")
             parts.append(sines(pieces[-1], those, lanes, fma))
@@ -116,7 +117,7 @@ def _joined(steps: Sequence[Segment | SinCos]) -> Iterator[Segment | list[SinCos
             some.append(step)
 
 
-def _arithmetic(title: str, program: Program, step: Segment, lanes: Lanes) -> str:
+def _arithmetic(title: str, program: Program, step: Segment, lanes: Lanes, table: Mapping[str, str]) -> str:
     """Loads, instructions and stores of a segment, the loads at first use."""
     v, align, sampled = lanes.v, lanes.size, program.sampled_size
     lines = [f"define internal void {title}(ptr noalias %tile, ptr noalias %uniform) #1 {{"]
@@ -140,7 +141,7 @@ def _arithmetic(title: str, program: Program, step: Segment, lanes: Lanes) -> st
     for index in step.nodes:
         operands = [name(i) for i in program.operands(index)]
         result = names[index] = f"%v{index}"
-        lines.append("  " + instruction(program.op[index], result, operands, lanes))
+        lines.append("  " + table[program.op[index]].format(result, *operands))
         for position, slot in enumerate(step.stores.get(index, ())):
             lines.append(f"  %q{index}.{position} = getelementptr {v}, ptr %tile, i64 {slot}")
             lines.append(f"  store {v} {result}, ptr %q{index}.{position}, align {align}")

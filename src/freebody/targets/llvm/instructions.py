@@ -5,9 +5,6 @@ Sine and cosine are not among them: they stand between segments, see `sincos`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import cache
-
 from freebody.program.program import Program
 from freebody.scalars.operations import OPERATIONS
 from freebody.targets.llvm import exponential, inverse_trig
@@ -64,15 +61,11 @@ INSTRUCTION = {
 """Only contraction to fused multiply-add is allowed: other fast-math flags break range reduction and NaN."""
 
 
-def instruction(op: str, result: str, operands: Sequence[str], lanes: Lanes) -> str:
-    """The text that computes `result` by an operation from the names of its operands."""
-    return INSTRUCTION[op].format(r=result, **dict(zip("abc", operands, strict=False)), **_words(lanes))
-
-
-@cache
-def _words(lanes: Lanes) -> dict[str, str]:
-    """What words of the table stand for."""
-    return {"v": lanes.v, "n": lanes.suffix, "mask": lanes.mask, "one": lanes.constant(1.0)}
+def instructions(lanes: Lanes) -> dict[str, str]:
+    """The table for such vectors; what is left to say is {0}, the name of the result, and {1}, … of the operands."""
+    words = {"v": lanes.v, "n": lanes.suffix, "mask": lanes.mask, "one": lanes.constant(1.0)}
+    places = {"r": "{0}", "a": "{1}", "b": "{2}", "c": "{3}"}
+    return {op: text.format(**words, **places) for op, text in INSTRUCTION.items()}
 
 
 def functions(program: Program, lanes: Lanes, fma: bool) -> str:
