@@ -66,7 +66,7 @@ def model_in_cpp(model: fb.Model) -> str:
         long = "Revolute" if kind == "R" else "Prismatic"
         joint = f"JointModel{kind}{units[axis]}()" if axis in units else f"JointModel{long}Unaligned{axis}"
         lines.append(
-            f"R << {R}; p << {p}; id = model.addJoint({body.parent + 1}, {joint}, SE3(R, p), \"j{k}\");"
+            f'R << {R}; p << {p}; id = model.addJoint({body.parent + 1}, {joint}, SE3(R, p), "j{k}");'
         )
         for mass in body.masses:
             c = ", ".join(repr(float(x)) for x in mass.c)
@@ -81,13 +81,16 @@ def model_in_cpp(model: fb.Model) -> str:
 def program(model: fb.Model, task: str, q: np.ndarray, a: np.ndarray, b: np.ndarray, rounds: int) -> str:
     """C++ that compares and times both."""
     header, call, result = TASKS[task]
-    n, size = model.nv, {"mass_matrix": model.nv**2, "inverse_dynamics_derivatives": 3 * model.nv**2}.get(
-        task, model.nv
+    n, size = (
+        model.nv,
+        {"mass_matrix": model.nv**2, "inverse_dynamics_derivatives": 3 * model.nv**2}.get(task, model.nv),
     )
-    arguments = {"mass_matrix": "Q[i], out", "inverse_dynamics_derivatives": f"Q[i], A[i], B[i], out, out + {n * n}, "
-                 f"out + {2 * n * n}"}.get(task, "Q[i], A[i], B[i], out")
+    arguments = {
+        "mass_matrix": "Q[i], out",
+        "inverse_dynamics_derivatives": f"Q[i], A[i], B[i], out, out + {n * n}, out + {2 * n * n}",
+    }.get(task, "Q[i], A[i], B[i], out")
     tables = "\n".join(
-        f"static double {name}[{STATES}][{n}] = {{{', '.join('{' + ', '.join(map(repr, r)) + '}' for r in x.tolist())}}};"
+        f"static double {name}[{STATES}][{n}] = {str(x.tolist()).replace('[', '{').replace(']', '}')};"
         for name, x in (("Q", q), ("A", a), ("B", b))
     )
     return f"""#include <pinocchio/multibody.hpp>
@@ -172,8 +175,8 @@ def compare(robot: str, task: str, rounds: int, eigen: str) -> None:
         quick = ["-O3", "-march=native"]
         subprocess.run(["gcc", "-std=c99", *quick, "-c", "c/f.c", "-o", "f.o"], cwd=folder, check=True)
         subprocess.run(
-            ["g++", "-std=c++17", *quick, "-w", "-DNDEBUG", *BOOST, "-isystem", include, "-isystem", eigen, "-Ic", "run.cpp", "f.o",
-             "-lm", "-o", "run"],
+            ["g++", "-std=c++17", *quick, "-w", "-DNDEBUG", *BOOST, "-isystem", include, "-isystem", eigen, "-Ic",
+             "run.cpp", "f.o", "-lm", "-o", "run"],
             cwd=folder, check=True,
         )  # fmt: skip
         told = subprocess.run([folder / "run"], capture_output=True, text=True, check=True).stdout
@@ -200,8 +203,12 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=15)
     parser.add_argument("--eigen", default=os.environ.get("EIGEN", "/usr/include/eigen3"))
     given = parser.parse_args()
-    print(f"{cpu()}; Python {platform.python_version()}, freebody {fb.__version__}; ns a call, best of {given.rounds}")
-    print(f"{'robot':8} {'quantity':30} {'C':>8} {'C++ pin':>8} {'ratio':>7} {'JS':>8} {'JS/C':>7} {'C kB':>8} {'off':>9}")
+    print(
+        f"{cpu()}; Python {platform.python_version()}, freebody {fb.__version__}; ns a call, best of {given.rounds}"
+    )
+    print(
+        f"{'robot':8} {'quantity':30} {'C':>8} {'C++ pin':>8} {'ratio':>7} {'JS':>8} {'JS/C':>7} {'C kB':>8} {'off':>9}"
+    )
     for robot in given.robots:
         for task in given.tasks:
             compare(robot, task, given.rounds, given.eigen)

@@ -7,6 +7,7 @@ import dataclasses
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -18,7 +19,7 @@ import pytest
 import freebody as fb
 from freebody.cli.app import run
 from freebody.elementary import less, less_equal, maximum, minimum, sign, sin, sqrt, where
-from freebody.kernels.formulas import FORMULAS
+from freebody.kernels.formulas import FORMULAS, OF_LOOPS, OF_TREES
 from freebody.kernels.meanings import INPUTS, OUTPUTS
 from freebody.kernels.vectors import vectors
 from freebody.program import Argument, Program, trace
@@ -26,6 +27,8 @@ from freebody.scalars.expr import Expr
 from freebody.scalars.operations import OPERATIONS
 from freebody.targets import compile_program
 from freebody.targets.text import LANGUAGES, Unit, c, javascript, julia, rust
+from generate import model as mechanism
+from test_report_browser import browser
 
 TOOL = {
     "c": "cc", "cpp": "c++", "javascript": "node", "javascript-script": "node", "rust": "rustc", "julia": "julia",
@@ -37,7 +40,7 @@ STRICT = {
     "c++ ": "c++ -Wall -Wextra -Wconversion -pedantic -Werror ",
     "rustc ": "rustc -D warnings ",
     "python ": f"{sys.executable} ",
-    "-O2": "-O1",
+    "-O2": "-O0",
 }
 
 
@@ -207,6 +210,38 @@ def test_arrays_of_c_may_overlap_and_what_is_not_finite_gives_nan(tmp_path):
         assert np.isnan(tau).all()
 
 
+@pytest.mark.parametrize("language", ["c", "javascript"])
+def test_an_input_that_is_a_result_is_read_before_anything_is_written(language, tmp_path):
+    require(language)
+    x, y = Argument("x", (3,)), Argument("y", (3,))
+    program = trace("turned", lambda x: ([x[1], x[2] + x[0], x[0]],), [x], [y])
+    package(program, tmp_path, language)
+    if language == "c":
+        values = np.array([1.0, 2.0, 3.0])
+        assert compiled(tmp_path, "turned").turned(pointer(values), pointer(values)) == 0
+        assert values.tolist() == [2.0, 4.0, 1.0]
+    else:
+        text = 'import { turned } from "./turned.mjs"; const x = [1, 2, 3]; turned(x, x); console.log(String(x));'
+        (tmp_path / "try.mjs").write_text(text)
+        done = subprocess.run(["node", "try.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True)
+        assert done.stdout.strip() == "2,4,1"
+
+
+@pytest.mark.parametrize(
+    ("language", "closed"), [("c", False), ("javascript", True), ("matlab", True), ("numpy", False)]
+)
+def test_every_quantity(language, closed, tmp_path):
+    """Of a robot with a quaternion, and of a linkage, all in one text."""
+    require(language)
+    model = fb.load("five_bar") if closed else mechanism(24)
+    assert closed or model.nq > model.nv
+    loops = (*OF_LOOPS, "constraint", "constrained_dynamics", "closed_wrenches")
+    names = [x for x in FORMULAS if (x not in OF_TREES if closed else not x.startswith(loops))]
+    long = ("second_derivatives", "parameter_derivatives")  # each longer than all others together
+    fb.export(model, [x for x in names if not x.endswith(long)], tmp_path, language, name="f")
+    passes(tmp_path, language, "f")
+
+
 def test_clang_has_no_warning_either(tmp_path):
     if shutil.which("clang") is None:
         pytest.skip("clang is not installed")
@@ -372,3 +407,39 @@ def test_the_command(tmp_path, capsys):
     (out / "arm.c").write_text("mine")
     assert run(arguments) == 2
     assert (out / "arm.c").read_text() == "mine"
+
+
+# ---------------------------------------------------------------- the examples of docs/exports.md
+PAGE = (Path(__file__).parents[1] / "docs/exports.md").read_text(encoding="utf-8")
+
+
+def block(language: str) -> str:
+    (found,) = re.findall(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)
+    return found
+
+
+def test_the_controller_of_the_docs_reaches_its_goal(tmp_path, monkeypatch):
+    require("c")
+    monkeypatch.chdir(tmp_path)
+    for command in re.findall(r"^\$ freebody (.*)$", block("console"), re.MULTILINE):
+        assert run(shlex.split(command)) == 0
+    Path("loop.c").write_text(block("c"))
+    strict = block("sh").replace("-O2", "-O0 -Wall -Wextra -Wconversion -pedantic -Werror")
+    done = subprocess.run(strict, shell=True, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.browser
+def test_the_page_of_the_docs_moves(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    exec(block("python"), {})
+    Path("pendulum.html").write_text(block("html"), encoding="utf-8")
+    with browser(tmp_path / "profile") as chromium:
+        chromium.set_script_timeout(20)
+        chromium.get((tmp_path / "pendulum.html").as_uri())
+        seen = chromium.execute_async_script(
+            "const done = arguments[0], at = () => links.getAttribute('points'); const before = at();"
+            "const look = () => at() === before ? setTimeout(look, 20) : done([before, at()]); look();"
+        )
+        assert chromium.get_log("browser") == []
+    assert all(re.fullmatch(r"0,0( -?[\d.e-]+,-?[\d.e-]+){2}", points) for points in seen)

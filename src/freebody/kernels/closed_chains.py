@@ -12,6 +12,8 @@ _PLACES = {
     "forward_dynamics": ("freebody.loops.dynamics", "forward"),
     "static_torque": ("freebody.loops.dynamics", "holding"),
     "joint_wrenches": ("freebody.loops.reactions", "reactions"),
+    "assemble": ("freebody.loops.assembly", "assemble"),
+    "loop_velocity": ("freebody.loops.assembly", "loop_velocity"),
     "independent_rows": ("freebody.loops.partition", "independent_rows"),
     "require_partition": ("freebody.loops.partition", "require_partition"),
 }

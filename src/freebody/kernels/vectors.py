@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
+
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError
+from freebody.errors import FreebodyError, LoopError
+from freebody.kernels.closed_chains import closed
 from freebody.kernels.formulas import POSITIONS
 from freebody.model.model import Model
 from freebody.program import Program
@@ -15,6 +18,8 @@ from freebody.targets.text import Vectors
 COUNT = 5
 """Samples."""
 _TRIES = 40
+_POSITIVE = {"h": 1e-2, "kp": 1.0, "kd": 1.0}
+"""Sizes of inputs of the steps that make no sense below 0."""
 _FLOOR = {"float64": 1e-13, "float32": 1e-5}
 _MARGIN = 16.0
 """Another order of operations, or another sine, may cost more than was seen."""
@@ -28,6 +33,8 @@ def vectors(program: Program, dtype: str, model: Model | None = None) -> Vectors
     """
     rng = np.random.default_rng(0)
     given = [_samples(a.name, a.shape, model, rng) for a in program.inputs]
+    if model is not None and model.loops:
+        given = _closed(model, [a.name for a in program.inputs], given)
     given = [x.astype(dtype).astype(np.float64) for x in given]
     exact = _run(program, given, np.longdouble)
     fine = np.logical_and.reduce([np.isfinite(x).all(axis=1) for x in exact])
@@ -54,6 +61,8 @@ def _samples(name: str, shape: tuple[int, ...], model: Model | None, rng: np.ran
     """(tries, size): positions about home, anything else of size 1."""
     size = int(np.prod(shape))
     values = rng.uniform(-1.0, 1.0, size=(_TRIES, size))
+    if model is not None and name in _POSITIVE:
+        return np.abs(values) * _POSITIVE[name]
     if model is None or name not in POSITIONS:
         return values
     home = dict(model.home)
@@ -67,6 +76,18 @@ def _samples(name: str, shape: tuple[int, ...], model: Model | None, rng: np.ran
             quaternion = values[:, at.q[start:]]
             values[:, at.q[start:]] = quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)
     return values
+
+
+def _closed(model: Model, names: list[str], given: list[Array]) -> list[Array]:
+    """Positions at which the loops are closed, and rates that keep them so; as given where there are none near."""
+    found = dict(zip(names, given, strict=True))
+    with contextlib.suppress(LoopError):
+        for name in POSITIONS:
+            if name in found:
+                found[name] = closed("assemble")(model, found[name])
+        if {"q", "qd"} <= found.keys():
+            found["qd"] = closed("loop_velocity")(model, found["q"], found["qd"])
+    return list(found.values())
 
 
 def _run(program: Program, given: list[Array], kind: type) -> list[np.ndarray]:

@@ -136,9 +136,9 @@ class _Writer:
         if op == "input":
             text, argument = self.entries[program.a[index]]
             value = _Value(text, _ATOM, arguments=frozenset([argument]))
-            return (
-                self._named(value, self._input_word(index), section) if self.spelling.inputs_first else value
-            )
+            # an input that is a result is read before any output is written: the two may be one array
+            named = self.spelling.inputs_first or index in self.kept
+            return self._named(value, self._input_word(index), section) if named else value
         operands = [self.values[i] for i in program.operands(index)]
         if op in INFIX:
             template, binds, *needed = INFIX[op]
