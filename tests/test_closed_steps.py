@@ -29,7 +29,10 @@ def test_order(name: str):
         assert np.log2(rough / fine) == pytest.approx(order, abs=0.25), method
 
 
-@pytest.mark.parametrize("name", ["four_bar", "five_bar", "stewart", "bricard", "slider_crank"])
+@pytest.mark.parametrize(
+    "name",
+    ["four_bar", "five_bar", "bricard", "slider_crank", pytest.param("stewart", marks=pytest.mark.long)],
+)
 def test_ten_thousand_steps(name: str):
     """Swinging freely for 10 s: loops stay closed, and of order 4 the energy stays too."""
     model, state, _ = swing(name)
@@ -68,17 +71,19 @@ def test_dependent_equations_are_left_out(method: str):
 
 
 def test_a_lane_that_cannot_go_on_is_nan_alone():
-    """One that stands stretched, where other equations would have to count, and one whose loops are wide open."""
+    """Stretched, or nearly so, other equations would have to count; and a loop that is wide open does not close."""
     model = fb.load("double_four_bar")
-    q, qd = (np.stack(x) for x in zip(cranks(1.0, 0.5), cranks(0.0), cranks(1.0, 0.5), strict=True))
-    q[2, 3] += 1.0
+    states = [cranks(theta, 0.5) for theta in (1.0, 1e-3, 0.0, 1e-7, 1.0)]
+    q, qd = (np.stack(x) for x in zip(*states, strict=True))
+    q[4, 3] += 0.1
     for method in METHODS:
         step = fb.kernel(model, method)
-        q1, qd1 = step(q, qd, np.zeros(5), 0.0)
-        assert np.isnan(q1[1:]).all()
-        assert np.isnan(qd1[1:]).all()
-        np.testing.assert_array_equal(q1[0], step(q[0], qd[0], np.zeros(5), 0.0)[0])
-        assert apart(model, (q1[0], qd1[0]), (q[0], qd[0])) < 1e-14
+        q1, qd1 = step(q, qd, np.zeros(5), 1e-9)
+        assert np.isnan(q1[2:]).all()
+        assert np.isnan(qd1[2:]).all()
+        for k in (0, 1):
+            np.testing.assert_array_equal(q1[k], step(q[k], qd[k], np.zeros(5), 1e-9)[0])
+            assert apart(model, (q1[k], qd1[k]), (q[k], qd[k])) < 1e-7
 
 
 def test_a_slightly_open_loop_is_closed_at_rest():

@@ -9,6 +9,7 @@ import pytest
 
 import freebody as fb
 import generate
+from freebody.algorithms.kinematics import coordinate_rates
 from freebody.errors import FreebodyError
 from freebody.kernels.formulas import Option
 from freebody.kernels.lookup import reference
@@ -16,6 +17,7 @@ from freebody.model.assembly import assemble
 from freebody.model.gravity import gravity_of
 from freebody.model.model import Model
 from freebody.model.parts import Description, Joint, Link
+from helpers import numbers
 
 METHODS = {"semi_implicit_step": 1, "rk4_step": 4, "implicit_step": 2}
 """The order of each."""
@@ -77,6 +79,33 @@ def test_semi_implicit_euler_by_hand(seed: int):
     rates = qd + h[:, None] * fb.forward_dynamics(model, q, qd, tau)
     np.testing.assert_allclose(qd1, rates, rtol=1e-14, atol=1e-14 * np.abs(rates).max())
     np.testing.assert_allclose(q1, fb.integrate(model, q, h[:, None] * rates), rtol=1e-14, atol=1e-14)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_a_short_step_is_the_acceleration(seed: int):
+    """Of every kind of joint, coordinates that move several among them; by the formulas on plain numbers."""
+    model = generate.model(seed)
+    q, qd, tau = fb.random_state(model, seed, (2,))
+    qd, h = qd + np.copysign(0.5, qd), 1e-7  # all slide
+    expected = numbers(model, "forward_dynamics", q, qd, tau)
+    for method in METHODS:
+        _, qd1 = reference(model, method, Option(), q, qd, tau, np.full(2, h))
+        np.testing.assert_allclose(
+            (qd1 - qd) / h, expected, rtol=0, atol=2e-5 * np.abs(expected).max() + 1e-7
+        )
+
+
+@pytest.mark.parametrize("seed", [4, 20])
+def test_rates_of_the_coordinates_of_a_step(seed: int):
+    """dexp⁻¹(x) v is how the way from q to q ⊕ x changes when the robot moves on with v; three terms of it."""
+    model = generate.model(seed)
+    q, v, x = fb.random_state(model, seed)
+    x, tiny = 0.3 * x / np.abs(x).max(), 1e-5
+    ahead, back = (
+        fb.difference(model, q, fb.integrate(model, fb.integrate(model, q, x), t * v)) for t in (tiny, -tiny)
+    )
+    found = coordinate_rates(model.tree, tuple(x), tuple(v))
+    np.testing.assert_allclose(found, (ahead - back) / (2 * tiny), rtol=0, atol=1e-4 * np.abs(v).max())
 
 
 @pytest.mark.parametrize("method", [*METHODS, "implicit_feedback_step"])
@@ -260,6 +289,17 @@ def test_feedback_is_of_order_2_about_a_moving_reference():
             state = step(*state, tau, h, aim, qd_ref, kp, kd)
         errors.append(apart(model, state, end))
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2, abs=0.15)
+
+
+def test_feedback_follows_a_moving_reference_without_lag():
+    model, h = slide(viscous=0.0), 0.05
+    step = fb.kernel(model, "implicit_feedback_step")
+    q, qd, q_ref, speed = np.zeros(1), np.zeros(1), np.array([0.3]), np.array([0.7])
+    for _ in range(400):
+        q, qd = step(q, qd, np.zeros(1), h, q_ref, speed, np.array([50.0]), np.array([20.0]))
+        q_ref = q_ref + h * speed
+    np.testing.assert_allclose(q - q_ref, 0.0, atol=1e-12)
+    np.testing.assert_allclose(qd, speed, rtol=1e-12)
 
 
 def test_no_joints(tmp_path):

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from typing import Any
 
 from freebody.algorithms.crba import Factors, bias, crba, factor, substitute
@@ -25,8 +26,9 @@ from freebody.algorithms.kinematics import (
     outward,
     world_poses,
 )
+from freebody.algorithms.loop_scales import equations_of_lengths, mechanism_length
 from freebody.algorithms.rnea import External
-from freebody.elementary import Scalar, sign, sqrt
+from freebody.elementary import Scalar, maximum, minimum, sign, sqrt
 from freebody.model.tree import Tree, TreeLoop
 from freebody.spatial import AnySpace, Matrix, Vector, add, dot, identity, neg, scale, sub, times, transposed
 
@@ -219,26 +221,26 @@ def closed(
     Both are the least change in the metric M. NaN where the equations `rows` depend on one another, so that others
     would have to count, and where the loops stay open.
     """
-    before = _kept(constraint(tree, q), rows)
-    phi = _kept(constraint_jacobian(tree, q), rows)
-    q = moved(tree, q, neg(_least_change(tree, factors, phi, before)[0]))
-    after = _kept(constraint(tree, q), rows)
-    phi = _kept(constraint_jacobian(tree, q), rows)
+    phi, open_by = _kept(constraint_jacobian(tree, q), rows), _kept(constraint(tree, q), rows)
+    q = moved(tree, q, neg(_least_change(tree, factors, phi, open_by)[0]))
+    phi, left = _kept(constraint_jacobian(tree, q), rows), _kept(constraint(tree, q), rows)
     change, _, pivots = _least_change(tree, factors, phi, times(phi, qd))
-    squares = (dot(row, substitute(tree, factors, row)) for row in phi)
-    independent = [pivot - _DEPENDENT * square for pivot, square in zip(pivots, squares, strict=True)]
-    left = dot(after, after)
-    nearer = (_LESS**2 * dot(before, before) + _CLOSED**2) - left
-    valid = one_if_positive(*independent, nearer, _OPEN**2 - left)
+    if not phi:
+        return q, qd
+    # lengths over the mechanism's own, so that they compare with angles
+    per_length = 1.0 / mechanism_length(tree)
+    scales = tuple(per_length if of_length else 1.0 for of_length in _kept(equations_of_lengths(tree), rows))
+    sizes = [s * s * pivot for s, pivot in zip(scales, pivots, strict=True)]
+    gaps = tuple(s * x for s, x in zip(scales, left, strict=True))
+    independent = reduce(minimum, sizes) - _PIVOT * reduce(maximum, sizes)
+    valid = one_if_positive(independent, _OPEN**2 - dot(gaps, gaps))
     return scale(valid, q), scale(valid, sub(qd, change))
 
 
-_DEPENDENT = 1e-10
-"""sin² of the least angle between a loop equation and those before it, in the metric M⁻¹."""
-_LESS = 0.125
-"""What a Newton step leaves of the gap, at most."""
-_CLOSED, _OPEN = 1e-9, 1e-4
-"""m, or the sine of an angle: loops open by less are closed, loops open by more are not."""
+_PIVOT = 1e-10
+"""The smallest pivot of S relative to the largest, from which the equations are independent enough to project with."""
+_OPEN = 1e-5
+"""rad, or lengths of the mechanism: loops that a Newton step leaves open by more are not closed."""
 
 
 def one_if_positive(*margins: Scalar) -> Scalar:
