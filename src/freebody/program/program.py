@@ -120,8 +120,8 @@ class Program:
 
     @cached_property
     def _operands(self) -> tuple[tuple[int, ...], ...]:
-        rows = zip(self.op, self.a, self.b, self.c, strict=True)
-        return tuple([row[1 : 1 + ARITY[row[0]]] for row in rows])
+        rows = zip(self.a, self.b, self.c, strict=True)
+        return tuple([row[: ARITY[op]] for op, row in zip(self.op, rows, strict=True)])
 
     def listing(self) -> str:
         """The whole program, one node a line."""
