@@ -1,0 +1,130 @@
+"""What it costs that numbers are inputs, or have 32 bits: the time of one sample in a batch, on one thread.
+
+    python benchmarks/inputs.py [--robots ur5e ur5 panda talos] [--batch 4096] [--rounds 100]
+
+Beside the kernel of fixed numbers stand the same kernel with every number of the robot that is not 0 or ±1 an input
+(masses, centres, inertias, placements, gravity): one value for the batch, and one for every sample; and the kernel in
+float32, with its error against float64 relative to a sample's largest entry. Rounds are interleaved; times are the
+quickest round's.
+"""
+
+import argparse
+import os
+
+os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1", FREEBODY_CACHE="off")
+
+import time
+from functools import partial
+
+import numpy as np
+
+import freebody as fb
+from against import ROBOTS, folder
+from freebody.kernels import lookup
+from freebody.kernels.formulas import FORMULAS, Option
+from freebody.model.reading import VALUES, Reader
+from freebody.model.tree import lower
+from freebody.program import Argument, Program, trace
+from freebody.targets import compile_program
+
+TASKS = ("inverse_dynamics", "forward_dynamics")
+
+
+class Inputs(Reader):
+    """Reads every number but 0 and ±1 as the next of `values`; without them it keeps what it has read."""
+
+    combines = False
+
+    def __init__(self, values=None):
+        self.values, self.read = values, []
+
+    def one(self, x):
+        if x in (0.0, 1.0, -1.0):
+            return x
+        self.read.append(x)
+        return x if self.values is None else self.values[len(self.read) - 1]
+
+    def quantity(self, q):
+        return self.one(VALUES.quantity(q))
+
+    def sin_cos(self, angle):
+        return tuple(map(self.one, VALUES.sin_cos(angle)))
+
+    def rotation(self, matrix):
+        return tuple(tuple(map(self.one, row)) for row in matrix)
+
+
+def with_inputs(model: fb.Model, name: str) -> tuple[Program, np.ndarray]:
+    """The program of a quantity whose last input is the model's numbers, and these."""
+    reader = Inputs()
+    lower(model, reader)
+    given = lookup.program(model, (name,), Option())
+
+    def evaluate(*values):
+        arguments = dict(zip((x.name for x in given.inputs), values[:-1], strict=True))
+        return FORMULAS[name].evaluate(lower(model, Inputs(values[-1])), Option(), **arguments)
+
+    inputs = (*given.inputs, Argument("p", (len(reader.read),), uniform=True))
+    return trace(name, evaluate, inputs, given.outputs), np.array(reader.read)
+
+
+def quickest(runs: dict[str, object], rounds: int, samples: int) -> dict[str, float]:
+    """Nanoseconds a sample of each."""
+    best = dict.fromkeys(runs, np.inf)
+    for _ in range(rounds):
+        for name, run in runs.items():
+            start = time.perf_counter()
+            run()
+            best[name] = min(best[name], (time.perf_counter() - start) * 1e9 / samples)
+    return best
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--robots", nargs="+", default=["ur5e", "ur5", "panda", "talos"])
+    parser.add_argument("--batch", type=int, default=4096)
+    parser.add_argument("--rounds", type=int, default=100)
+    given = parser.parse_args()
+    rng = np.random.default_rng(20261122)
+    head = ("fixed", "uniform", "a sample", "float32", "error: median", "greatest")
+    print(f"{'':<26}{'numbers':>8}" + "".join(f"{title:>19}" for title in head))
+    for robot in given.robots:
+        if robot in ROBOTS:
+            file, tip = ROBOTS[robot]
+            model = fb.load(folder() / file, mimic="free", tip=tip, physical="ignore")
+        else:
+            model = fb.load(robot)
+        model = model.without("friction")
+        for task in TASKS:
+            program, numbers = with_inputs(model, task)
+            wide, short, open_ = (
+                fb.kernel(model, task),
+                fb.kernel(model, task, dtype="float32"),
+                compile_program(program),
+            )
+            q = rng.uniform(-1, 1, (3, given.batch, model.nv))
+            rounded, each = q.astype(np.float32), np.tile(numbers, (given.batch, 1))
+            out, out32 = wide(*q), short(*rounded)
+            scale = np.abs(out).max(axis=1)
+            assert np.abs(open_(*q, numbers) - out).max() <= 1e-9 * scale.max()
+            error = np.abs(out32 - out).max(axis=1) / scale
+            wanted = {
+                "fixed": (wide, q, np.empty_like(out)),
+                "uniform": (open_, (*q, numbers), np.empty_like(out)),
+                "a sample": (open_, (*q, each), np.empty_like(out)),
+                "float32": (short, rounded, np.empty_like(out32)),
+            }
+            runs = {title: partial(k, *x, out=into, threads=1) for title, (k, x, into) in wanted.items()}
+            found = quickest(runs, given.rounds, given.batch)
+            cells = [f"{ns:.1f} ns, {ns / found['fixed']:.2f}" for ns in found.values()]
+            cells += [f"{np.median(error):.1e}", f"{error.max():.1e}"]
+            print(
+                f"{robot + ' ' + task:<26}{len(numbers):>8}" + "".join(f"{cell:>19}" for cell in cells),
+                flush=True,
+            )
+
+
+if __name__ == "__main__":
+    main()
