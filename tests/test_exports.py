@@ -242,6 +242,51 @@ def test_every_quantity(language, closed, tmp_path):
     passes(tmp_path, language, "f")
 
 
+DUAL = """#include "inverse_dynamics.hpp"
+#include <cstdio>
+struct Dual {
+    double value, slope;
+    Dual(double v = 0.0, double s = 0.0) : value(v), slope(s) {}
+};
+inline Dual operator+(Dual a, Dual b) { return Dual(a.value + b.value, a.slope + b.slope); }
+inline Dual operator-(Dual a, Dual b) { return Dual(a.value - b.value, a.slope - b.slope); }
+inline Dual operator-(Dual a) { return Dual(-a.value, -a.slope); }
+inline Dual operator*(Dual a, Dual b) { return Dual(a.value*b.value, a.slope*b.value + a.value*b.slope); }
+inline bool operator==(Dual a, Dual b) { return a.value == b.value; }
+inline Dual sin(Dual a) { return Dual(std::sin(a.value), std::cos(a.value)*a.slope); }
+inline Dual cos(Dual a) { return Dual(std::cos(a.value), -std::sin(a.value)*a.slope); }
+int main()
+{
+    float q[3] = {0.3f, -0.2f, 0.9f}, qd[3] = {1.0f, 2.0f, -1.0f}, qdd[3] = {0.5f, 0.0f, 1.0f}, tau[3];
+    if (inverse_dynamics(q, qd, qdd, tau) != 0) return 1;
+    std::printf("%.9g %.9g %.9g\\n", double(tau[0]), double(tau[1]), double(tau[2]));
+    for (int k = 0; k < 3; k++) {
+        Dual x[3] = {0.3, -0.2, 0.9}, v[3] = {1.0, 2.0, -1.0}, a[3] = {0.5, 0.0, 1.0}, t[3];
+        x[k].slope = 1.0;
+        if (inverse_dynamics(x, v, a, t) != 0) return 1;
+        std::printf("%.17g %.17g %.17g\\n", t[0].slope, t[1].slope, t[2].slope);
+    }
+    q[1] = NAN;
+    return inverse_dynamics(q, qd, qdd, tau) == 1 && tau[0] != tau[0] ? 0 : 1;
+}
+"""
+
+
+def test_the_template_of_cpp_takes_float_and_a_scalar_that_differentiates(tmp_path):
+    require("cpp")
+    model = ROBOTS["plane"]()
+    fb.export(model, "inverse_dynamics", tmp_path, "cpp")
+    (tmp_path / "dual.cpp").write_text(DUAL)
+    flags = ["-std=c++11", "-Wall", "-Wextra", "-pedantic", "-Werror"]
+    subprocess.run(["c++", *flags, "dual.cpp", "-o", "dual"], cwd=tmp_path, check=True)
+    done = subprocess.run([tmp_path / "dual"], capture_output=True, text=True, check=True)
+    tau, *columns = np.array([line.split() for line in done.stdout.splitlines()], dtype=float)
+    state = np.array([[0.3, -0.2, 0.9], [1, 2, -1], [0.5, 0, 1]])
+    np.testing.assert_allclose(tau, fb.inverse_dynamics(model, *state), rtol=1e-5, atol=1e-5)
+    by_q = fb.inverse_dynamics_derivatives(model, *state)[0]
+    np.testing.assert_allclose(np.transpose(columns), by_q, rtol=0, atol=1e-12 * np.abs(by_q).max())
+
+
 def test_clang_has_no_warning_either(tmp_path):
     if shutil.which("clang") is None:
         pytest.skip("clang is not installed")

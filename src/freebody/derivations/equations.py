@@ -275,7 +275,7 @@ class Equations(ByValue):
         return source.python(self)
 
     def c_source(self) -> str:
-        """Source of a C function of the same."""
+        """Source of a C function of the same, the closed form term by term; long arms are shorter with `fb.source`."""
         return source.c(self)
 
     def substitute(self, **numbers: float) -> Equations:
