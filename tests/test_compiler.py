@@ -15,7 +15,23 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from freebody.elementary import cos, sign, sin, sqrt
+from freebody.elementary import (
+    absolute,
+    acos,
+    atan2,
+    cos,
+    exp,
+    less,
+    less_equal,
+    log,
+    maximum,
+    minimum,
+    sign,
+    sin,
+    sqrt,
+    tanh,
+    where,
+)
 from freebody.errors import ShapeError
 from freebody.program import Argument, Program, ProgramError, passes, trace, verify
 from freebody.program.segments import segment
@@ -53,6 +69,11 @@ def random_function(seed, length=60):
             lambda a, b: -a,
             lambda a, b: sign(a - b) * 0.5,
             lambda a, b: sin(sin(a + b)),
+            lambda a, b: where(less(a, b), a, 0.5 * b),
+            lambda a, b: maximum(minimum(a, 0.8), -absolute(b)),
+            lambda a, b: atan2(a, 1.5 + sin(b)) * exp(-b * b),
+            lambda a, b: tanh(a) + log(1.0 + b * b),
+            lambda a, b: acos(a / (1.0 + absolute(a))) - 1.5 * less_equal(b, a),
         ]
         for _ in range(length):
             a, b = (pool[i] for i in rng.integers(len(pool), size=2))

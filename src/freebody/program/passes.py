@@ -51,8 +51,7 @@ def share_reciprocals(program: Program) -> Program:
             nodes.new.append(nodes.add("mul", nodes.new[program.a[index]], reciprocal[below]))
         else:
             nodes.copy(program, index)
-    made = nodes.program(replace(program, constants=(*program.constants, 1.0)))
-    return drop_dead(made)
+    return drop_dead(_program(program, nodes.rows, nodes.new, (*program.constants, 1.0)))
 
 
 def schedule(program: Program) -> Program:
@@ -133,21 +132,30 @@ class _Nodes:
         operands = [self.new[i] for i in program.operands(index)] or [program.a[index]]
         self.new.append(self.add(program.op[index], *operands))
 
-    def program(self, old: Program) -> Program:
-        op, a, b, c = zip(*self.rows, strict=True) if self.rows else ((), (), (), ())
-        return replace(old, op=op, a=a, b=b, c=c, results=tuple(self.new[index] for index in old.results))
-
 
 def _reordered(program: Program, order: Iterable[int]) -> Program:
     """The nodes in `order`, renumbered; constants renumbered too."""
     new = [-1] * len(program)
-    nodes = _Nodes()
+    rows: list[tuple[str, int, int, int]] = []
     constants: list[float] = []
+    given = list(zip(program.op, program.a, program.b, program.c, strict=True))
     for index in order:
-        operands = [new[i] for i in program.operands(index)] or [program.a[index]]
-        if program.op[index] == "const":
-            operands = [len(constants)]
-            constants.append(program.constants[program.a[index]])
-        new[index] = nodes.add(program.op[index], *operands)
-    nodes.new = new
-    return replace(nodes.program(program), constants=tuple(constants))
+        op, a, b, c = given[index]
+        new[index] = len(rows)
+        if arity := ARITY[op]:
+            rows.append((op, new[a], new[b] if arity > 1 else -1, new[c] if arity > 2 else -1))
+        elif op == "const":
+            rows.append((op, len(constants), -1, -1))
+            constants.append(program.constants[a])
+        else:
+            rows.append((op, a, -1, -1))
+    return _program(program, rows, new, constants)
+
+
+def _program(
+    old: Program, rows: list[tuple[str, int, int, int]], new: list[int], constants: Iterable[float]
+) -> Program:
+    """The program of other rows, `new` telling where each node of the old one went."""
+    op, a, b, c = zip(*rows, strict=True) if rows else ((), (), (), ())
+    results = tuple(new[index] for index in old.results)
+    return replace(old, op=op, a=a, b=b, c=c, constants=tuple(constants), results=results)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from numbers import Real
 from typing import Any
 
-from freebody.scalars import folding
+from freebody.scalars.folding import add, div, mul, neg, sub
 from freebody.scalars.nodes import GraphError, Nodes
 from freebody.scalars.operations import ARITY, OPERATIONS
 
@@ -75,39 +75,39 @@ class Expr:
     def __add__(self, other: Any) -> Expr:
         graph = self.graph
         i = graph.operand(other)
-        return NotImplemented if i < 0 else Expr(graph, folding.add(graph, self.index, i))
+        return NotImplemented if i < 0 else Expr(graph, add(graph, self.index, i))
 
     __radd__ = __add__
 
     def __sub__(self, other: Any) -> Expr:
         graph = self.graph
         i = graph.operand(other)
-        return NotImplemented if i < 0 else Expr(graph, folding.sub(graph, self.index, i))
+        return NotImplemented if i < 0 else Expr(graph, sub(graph, self.index, i))
 
     def __rsub__(self, other: Any) -> Expr:
         graph = self.graph
         i = graph.operand(other)
-        return NotImplemented if i < 0 else Expr(graph, folding.sub(graph, i, self.index))
+        return NotImplemented if i < 0 else Expr(graph, sub(graph, i, self.index))
 
     def __mul__(self, other: Any) -> Expr:
         graph = self.graph
         i = graph.operand(other)
-        return NotImplemented if i < 0 else Expr(graph, folding.mul(graph, self.index, i))
+        return NotImplemented if i < 0 else Expr(graph, mul(graph, self.index, i))
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Any) -> Expr:
         graph = self.graph
         i = graph.operand(other)
-        return NotImplemented if i < 0 else Expr(graph, folding.div(graph, self.index, i))
+        return NotImplemented if i < 0 else Expr(graph, div(graph, self.index, i))
 
     def __rtruediv__(self, other: Any) -> Expr:
         graph = self.graph
         i = graph.operand(other)
-        return NotImplemented if i < 0 else Expr(graph, folding.div(graph, i, self.index))
+        return NotImplemented if i < 0 else Expr(graph, div(graph, i, self.index))
 
     def __neg__(self) -> Expr:
-        return Expr(self.graph, folding.neg(self.graph, self.index))
+        return Expr(self.graph, neg(self.graph, self.index))
 
     def __pos__(self) -> Expr:
         return self

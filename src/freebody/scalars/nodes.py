@@ -42,7 +42,11 @@ class Nodes:
         key = (op, a, b, c)
         index = self.interned.get(key)
         if index is None:
-            index = self.interned[key] = self._row(op, a, b, c)
+            index = self.interned[key] = len(self.op)
+            self.op.append(op)
+            self.a.append(a)
+            self.b.append(b)
+            self.c.append(c)
         return index
 
     def number(self, value: float) -> int:
@@ -52,14 +56,7 @@ class Nodes:
             if not math.isfinite(value):
                 raise GraphError(f"the constant {value} in a traced computation: constants must be finite.")
             value += 0.0  # -0.0 becomes 0.0
-            index = self.interned[value] = self._row("const", len(self.values), -1, -1)
+            index = self.interned[value] = self.node("const", len(self.values))
             self.values.append(value)
             self.constant_of[index] = value
         return index
-
-    def _row(self, op: str, a: int, b: int, c: int) -> int:
-        self.op.append(op)
-        self.a.append(a)
-        self.b.append(b)
-        self.c.append(c)
-        return len(self.op) - 1
