@@ -14,6 +14,7 @@ import os
 os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1", FREEBODY_CACHE="off")
 
 import time
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -22,9 +23,11 @@ import freebody as fb
 from against import ROBOTS, folder
 from freebody.kernels import lookup
 from freebody.kernels.formulas import FORMULAS, Option
+from freebody.model.inertia import combined
 from freebody.model.reading import VALUES, Reader
-from freebody.model.tree import lower
+from freebody.model.tree import Attached, lower
 from freebody.program import Argument, Program, trace
+from freebody.spatial import of_dimension
 from freebody.targets import compile_program
 
 TASKS = ("inverse_dynamics", "forward_dynamics")
@@ -52,6 +55,16 @@ class Inputs(Reader):
 
     def rotation(self, matrix):
         return tuple(tuple(map(self.one, row)) for row in matrix)
+
+
+def lumped(model: fb.Model) -> fb.Model:
+    """The model with one inertia a body, as the kernel of fixed numbers has them."""
+    space = of_dimension(model.dim)
+    bodies = []
+    for body in model.bodies:
+        moved = [x.inertia.placed(*x.placement.lower(space, VALUES)) for x in body.inertias if x.inertia.mass]
+        bodies.append(replace(body, inertias=(Attached(body.name, combined(moved)),) if moved else ()))
+    return replace(model, bodies=tuple(bodies))
 
 
 def with_inputs(model: fb.Model, name: str) -> tuple[Program, np.ndarray]:
@@ -96,7 +109,7 @@ def main() -> None:
             model = fb.load(folder() / file, mimic="free", tip=tip, physical="ignore")
         else:
             model = fb.load(robot)
-        model = model.without("friction")
+        model = lumped(model.without("friction"))
         for task in TASKS:
             program, numbers = with_inputs(model, task)
             wide, short, open_ = (

@@ -1,5 +1,7 @@
 """Uniform inputs: one value for the whole batch, read and worked up once a call."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -230,3 +232,26 @@ def test_what_is_uniform_is_computed_once():
 def test_a_uniform_denominator_is_divided_by_once():
     every = hoist(passes.optimise(PROGRAM))[1]
     assert every.operations.get("div") == 1  # by y, which is a sample's
+
+
+def test_uniform_factors_are_multiplied_once():
+    """Also where the inner product has another reader, and through several factors and a quotient."""
+
+    def function(u, x):
+        inner = u[0] * x[0]
+        return [inner, u[1] * inner, u[2] * (u[1] * inner) / u[3], 0.1 * (u[2] * (x[0] * x[1])), u[0] * u[1]]
+
+    program = trace(
+        "factors",
+        lambda u, x: (function(u, x),),
+        [Argument("u", (4,), uniform=True), Argument("x", (2,))],
+        [Argument("r", (5,))],
+    )
+    every = hoist(passes.optimise(program))[1]
+    assert every.operations == {"mul": 5}
+    rng = np.random.default_rng(3)
+    u, x = rng.uniform(0.5, 2.0, 4), rng.normal(size=(7, 2))
+    expected = np.stack(np.broadcast_arrays(*function(u, x.T)), axis=-1)
+    np.testing.assert_allclose(compile_program(program)(u, x), expected, rtol=1e-15)
+    plain = dataclasses.replace(program, inputs=tuple(Argument(i.name, i.shape) for i in program.inputs))
+    assert passes.gather_factors(plain) is plain

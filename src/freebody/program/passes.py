@@ -54,6 +54,35 @@ def share_reciprocals(program: Program) -> Program:
     return drop_dead(_program(program, nodes.rows, nodes.new, (*program.constants, 1.0)))
 
 
+def gather_factors(program: Program) -> Program:
+    """u (v x) becomes (u v) x where u and v are uniform: their product is computed once a call.
+
+    Of constants the trace itself does so.
+    """
+    if not any(argument.uniform for argument in program.inputs):
+        return program
+    uniform, nodes = program.uniform, _Nodes()
+    products: dict[tuple[int, int], int] = {}
+    factors: dict[int, tuple[int, int]] = {}  # product -> its uniform factor and the other, as new nodes
+    for index, op in enumerate(program.op):
+        operands = program.operands(index)
+        once = [i for i in operands if uniform[i]]
+        if op != "mul" or len(once) != 1:
+            nodes.copy(program, index)
+            continue
+        factor, x = nodes.new[once[0]], operands[0] if uniform[operands[1]] else operands[1]
+        rest = nodes.new[x]
+        if x in factors:
+            inner, rest = factors[x]
+            pair = (factor, inner) if factor < inner else (inner, factor)
+            if pair not in products:
+                products[pair] = nodes.add("mul", *pair)
+            factor = products[pair]
+        nodes.new.append(nodes.add("mul", factor, rest))
+        factors[index] = factor, rest
+    return drop_dead(_program(program, nodes.rows, nodes.new, program.constants))
+
+
 def schedule(program: Program) -> Program:
     """An order in which few values are alive at a time, so that they fit the registers.
 
@@ -105,6 +134,7 @@ def schedule(program: Program) -> Program:
 
 PASSES: dict[str, Callable[[Program], Program]] = {
     "share reciprocals": share_reciprocals,
+    "gather factors": gather_factors,
     "schedule": schedule,
 }
 """Passes by name, in the order in which they run."""
