@@ -401,3 +401,26 @@ def test_formulas_say_what_is_wrong():
         fb.formula(arm.bind({"m1": [1.0, 2.0]}), "bias")
     with pytest.raises(KindError, match=r"formula: the first argument is str 'ur5e', expected a Model"):
         fb.formula("ur5e", "bias")
+
+
+# ---------------------------------------------------------------- ways out
+def test_own_functions_go_out_as_text_and_to_jax(tmp_path):
+    kernel = fb.compile(smooth, {"x": 2, "y": (2, 2), "s": ()}, by="x")
+    rng = np.random.default_rng(4)
+    given = [rng.uniform(0.3, 1, (7, *shape)) for shape in ((2,), (2, 2), ())]
+    expected = kernel(*given)
+    scope: dict = {}
+    exec(fb.source(kernel), scope)
+    ways = [scope["smooth"](*given)]
+    jax = pytest.importorskip("jax", reason="JAX is an extra: pip install 'freebody[jax]'")
+    with jax.enable_x64(True):
+        ways.append([np.asarray(x) for x in fb.to_jax(kernel)(*given)])
+        by_jax = jax.vmap(jax.jacfwd(lambda *x: fb.to_jax(kernel)(*x)[0]))(*given)
+    for results in ways:
+        for found, exact in zip(results, expected, strict=True):
+            np.testing.assert_allclose(found, exact, rtol=1e-13, atol=1e-13)
+    np.testing.assert_allclose(by_jax, expected[2], rtol=1e-12, atol=1e-13)
+    with pytest.raises(FreebodyError, match=r"fb.to_jax: a kernel has its quantities already; give no names"):
+        fb.to_jax(kernel, "bias")
+    with pytest.raises(FreebodyError, match=r"to_jax: give the quantities, such as 'inverse_dynamics'"):
+        fb.to_jax(fb.load("2R"))

@@ -12,11 +12,13 @@ from freebody import __version__
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.identifiers import is_identifier
 from freebody.kernels.describe import Description, of_program
+from freebody.kernels.formulas import Option
 from freebody.kernels.lookup import chosen_option, program
 from freebody.kernels.vectors import vectors
 from freebody.model.model import Model
 from freebody.model.required import require_model
 from freebody.outputs.folder import write_folder
+from freebody.program import Program
 from freebody.program.passes import share_reciprocals
 from freebody.targets import Kernel
 from freebody.targets.interpret import array_function
@@ -71,17 +73,35 @@ def export(
     return write_folder(out, {key: (lambda text=text: text) for key, text in files.items()}, about)
 
 
-def to_jax(model: Model, names: str | Sequence[str], **options: Any) -> Callable[..., Any]:
+def to_jax(
+    what: Model | Kernel, names: str | Sequence[str] | None = None, **options: Any
+) -> Callable[..., Any]:
     """The same as a pure JAX function, which may be jitted, differentiated and mapped. Needs JAX.
 
-    64-bit floats are the caller's choice: jax.config.update("jax_enable_x64", True).
+    Arguments as for `fb.source`. 64-bit floats are the caller's choice: jax.config.update("jax_enable_x64", True).
     """
     try:
         import jax.numpy
     except ImportError:
         raise FreebodyError("to_jax: JAX is not installed; pip install 'freebody[jax]'.") from None
-    listed, option = chosen_option(model, names, **options)
-    return array_function(program(model, listed, option), jax.numpy)
+    return array_function(_traced("fb.to_jax", what, names, options)[0], jax.numpy)
+
+
+def _traced(
+    function: str, what: Model | Kernel, names: str | Sequence[str] | None, options: dict[str, Any]
+) -> tuple[Program, tuple[tuple[str, ...], Option] | None]:
+    """The program that is meant; of a model the quantities and the structure too."""
+    if isinstance(what, Kernel):
+        if names is not None or options:
+            raise FreebodyError(
+                f"{function}: a kernel has its quantities already; give no names and no options."
+            )
+        return what.program, None
+    require_model(function.removeprefix("fb."), what)
+    if names is None:
+        raise FreebodyError(f"{function}: give the quantities, such as 'inverse_dynamics'.")
+    listed, option = chosen_option(what, names, **options)
+    return program(what, listed, option), (listed, option)
 
 
 def _unit(
@@ -103,17 +123,11 @@ def _unit(
         raise FreebodyError(
             f"{function}: name={name!r} is no word of letters a-z, digits and _ that could be a function's name."
         )
-    if isinstance(what, Kernel):
-        if names is not None or options:
-            raise FreebodyError(f"{function}: a kernel has its quantities already; give language= only.")
-        traced = share_reciprocals(what.program)
+    traced, chosen = _traced(function, what, names, options)
+    traced = share_reciprocals(traced)
+    if chosen is None or not isinstance(what, Model):
         return Unit(traced, name or traced.name, of_program(traced), None, dtype), {}
-    require_model(function.removeprefix("fb."), what)
-    if names is None:
-        raise FreebodyError(f"{function}: give the quantities, such as 'inverse_dynamics'.")
-    listed, option = chosen_option(what, names, **options)
-    traced = share_reciprocals(program(what, listed, option))
-    about = Description(what, listed, option, traced)
+    about = Description(what, *chosen, traced)
     return Unit(traced, name or traced.name, about.comment, about.joints, dtype), about.names
 
 
