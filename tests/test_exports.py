@@ -15,9 +15,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import typer
 
 import freebody as fb
-from freebody.cli.app import run
+from freebody.cli.app import app, run
 from freebody.elementary import less, less_equal, maximum, minimum, sign, sin, sqrt, where
 from freebody.kernels.formulas import FORMULAS, OF_LOOPS, OF_TREES
 from freebody.kernels.meanings import INPUTS, OUTPUTS
@@ -330,6 +331,24 @@ def test_arguments_that_are_called_like_the_languages_own_words(language, tmp_pa
     require(language)
     (word,) = {path.name.partition("_test")[0] for path in tmp_path.glob("*_test.*")}
     passes(tmp_path, language, word)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize(
+    "name", ["bad", "found0", "d1", "printf", "main", "sys", "numpy", "names", "exit", "index", "off"]
+)
+def test_functions_that_are_called_like_what_stands_in_a_self_test(language, name, tmp_path):
+    require(language)
+    fb.export(ROBOTS["plane"](), "inverse_dynamics", tmp_path, language, name=name)
+    (word,) = {path.name.partition("_test")[0] for path in tmp_path.glob("*_test.*")}
+    passes(tmp_path, language, word)
+
+
+def test_every_language_is_named_where_people_look():
+    command = next(c for c in typer.main.get_group(app).commands["export"].params if c.name == "language")
+    for text in (PAGE, fb.source.__doc__, command.help):
+        assert {x for x in LANGUAGES if re.search(rf"\b{x}\b", text)} == set(LANGUAGES)
 
 
 def test_names_of_a_robot_are_words_in_the_text_and_as_they_were_in_names_json(tmp_path):

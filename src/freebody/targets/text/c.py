@@ -16,6 +16,7 @@ from freebody.targets.text.language import (
     largest_entries,
     number,
     number_lists,
+    numbered,
     single,
     word_set,
 )
@@ -41,8 +42,20 @@ logb ilogb pow sqrt cbrt fabs fmin fmax fmod fdim fma floor ceil round lround ri
 erfc gamma lgamma tgamma frexp ldexp modf scalbn nan j0 j1 jn y0 y1 yn signgam div abs remainder remquo
 copysign nextafter drem significand"""
 )
+_LIBRARY = word_set(
+    """printf fprintf sprintf scanf puts putchar getchar exit abort atexit malloc calloc realloc free memcpy
+memmove memset memcmp strlen strcpy strcat strcmp index time clock signal raise rand srand qsort bsearch
+system getenv remove rename read write open close stdin stdout stderr errno off_by bad"""
+)
 RESERVED = frozenset(
-    (*_KEYWORDS, *_FUNCTIONS, *(f"{x}f" for x in _FUNCTIONS), *(f"{x}l" for x in _FUNCTIONS))
+    (
+        *_KEYWORDS,
+        *_FUNCTIONS,
+        *_LIBRARY,
+        *numbered("given", "expected", "found", "worst", "d"),
+        *(f"{x}f" for x in _FUNCTIONS),
+        *(f"{x}l" for x in _FUNCTIONS),
+    )
 )
 
 _ONE = ("sqrt", "sin", "cos", "exp", "log", "tanh", "asin", "acos")

@@ -21,12 +21,12 @@ LONGEST = 800
 forward dynamics takes 0.5 us in pieces of 800 or less, 1.2 to 1.9 as one function of 2000."""
 
 RESERVED = word_set(
-    """abstract arguments async await boolean break byte case catch char class const continue debugger default
-delete do double else enum eval export extends false final finally float for function get goto if
-implements import in instanceof int interface let long native new null of package private protected
-public return set short static super switch synchronized this throw throws transient true try typeof
-undefined var void volatile while with yield NaN Infinity Math Number Object Array Float64Array
-globalThis window document self w all_finite"""
+    """require console given expected names sizes largest allowed worst bad abstract arguments async await
+boolean break byte case catch char class const continue debugger default delete do double else enum eval
+export extends false final finally float for function get goto if implements import in instanceof int
+interface let long native new null of package private protected public return set short static super
+switch synchronized this throw throws transient true try typeof undefined var void volatile while with
+yield NaN Infinity Math Number Object Array Float64Array globalThis window document self w all_finite"""
 )
 _ONE = ("sqrt", "sin", "cos", "exp", "log", "tanh", "asin", "acos", "sign")
 FUNCTIONS = {op: f"Math.{op}({{a}})" for op in _ONE} | {

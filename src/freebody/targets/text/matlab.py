@@ -12,18 +12,20 @@ from freebody.targets.text.language import (
     helpers,
     largest_entries,
     number,
+    numbered,
     word_set,
 )
 from freebody.targets.text.statements import Spelling, Words, lines, statements, words_of
 from freebody.targets.text.unit import Unit
 
 RESERVED = word_set(
-    """min_of max_of isnan acos asin atan2 acos_of asin_of double log_of sqrt_of tanh where_of break case catch
-classdef continue else elseif end for function global if otherwise parfor persistent return spmd switch
-try while end_try_catch end_unwind_protect endfor endfunction endif endswitch endwhile until
-unwind_protect unwind_protect_cleanup do abs all ans cos disp error exp exit fprintf i inf Inf isfinite
-j log max min nan NaN numel ones pi reshape sign sin sqrt zeros false true nargin nargout"""
-)
+    """worst bad any min_of max_of isnan acos asin atan2 acos_of asin_of double log_of sqrt_of tanh where_of
+break case catch classdef continue else elseif end for function global if otherwise parfor persistent
+return spmd switch try while end_try_catch end_unwind_protect endfor endfunction endif endswitch
+endwhile until unwind_protect unwind_protect_cleanup do abs all ans cos disp error exp exit fprintf i
+inf Inf isfinite j log max min nan NaN numel ones pi reshape sign sin sqrt zeros false true nargin
+nargout"""
+) | numbered("found")
 _ONE = ("sin", "cos", "exp", "tanh", "sign")
 _PARTIAL = {"sqrt": "x >= 0", "log": "x >= 0", "asin": "abs(x) <= 1", "acos": "abs(x) <= 1"}
 """Functions that are complex outside of a condition, where the kernel gives NaN."""

@@ -44,7 +44,7 @@ _CASADI_HELPERS = {
 }
 """NaN that arises on the way stays."""
 _TEST = "python {name}_test.py"
-_OWN = frozenset(("xp", "ca", "batch", "min_of", "max_of", *_IMPORTED))
+_OWN = frozenset(("np", "sys", "jax", "numpy", "casadi", "xp", "ca", "batch", "min_of", "max_of", *_IMPORTED))
 
 
 def _indexed(word: str, argument: Argument, position: int) -> str:
