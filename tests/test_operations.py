@@ -107,6 +107,27 @@ def test_nan_that_arises_inside_is_not_hidden_by_minimum_and_maximum(backend, wi
     np.testing.assert_array_equal(results, [[np.nan, 1.0], [np.nan, 2.0], [0.0, 0.0], [2.0, 2.0]])
 
 
+@pytest.mark.parametrize("width", [2, 4, 8])
+def test_a_choice_by_a_comparison_takes_its_truth_values(width):
+    """In one instruction; as exact where the comparison is a result too, or comes from elsewhere."""
+    e = elementary
+    x, y = np.random.default_rng(0).normal(size=(2, 50))
+    y[::5] = x[::5]
+    for compare in (e.less, e.less_equal, e.equal):
+        kernel = compiled(lambda a, b, compare=compare: e.where(compare(a, b), a - b, 7.0), 2, width=width)
+        assert "fcmp une" not in kernel.ir
+        np.testing.assert_array_equal(kernel(x, y), np.where(compare(x, y), x - y, 7.0))
+    both = trace(
+        "both",
+        lambda a, b: (e.less(a, b), e.where(e.less(a, b), e.where(a, b, 1.0), 3.0)),
+        [Argument("a", ()), Argument("b", ())],
+        [Argument("r", ()), Argument("s", ())],
+    )
+    flags, chosen = compile_program(both, width=width)(x, y)
+    np.testing.assert_array_equal(flags, x < y)
+    np.testing.assert_array_equal(chosen, np.where(x < y, y, 3.0))
+
+
 @pytest.mark.parametrize("name", NAMED)
 def test_constants_are_folded_as_the_float_function_says(name):
     graph, operation = Graph(), OPERATIONS[name]

@@ -9,7 +9,8 @@ is not kept.
 
 from __future__ import annotations
 
-from math import pi
+from math import inf, pi
+from numbers import Real
 
 from freebody.elementary import (
     Scalar,
@@ -75,8 +76,17 @@ def atan(x: Scalar) -> Scalar:
 
 
 def clip(x: Scalar, lowest: Scalar, highest: Scalar) -> Scalar:
-    """x within bounds, `highest` where lowest > highest; the derivative is that of what is returned."""
-    return minimum(maximum(x, lowest), highest)
+    """x within bounds, `highest` where lowest > highest; the derivative is that of what is returned.
+
+    A number that is infinite is no bound.
+    """
+    if not _is(lowest, -inf):
+        x = maximum(x, lowest)
+    return x if _is(highest, inf) else minimum(x, highest)
+
+
+def _is(bound: Scalar, value: float) -> bool:
+    return isinstance(bound, Real) and float(bound) == value
 
 
 def hypot(x: Scalar, y: Scalar) -> Scalar:

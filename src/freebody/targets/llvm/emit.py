@@ -14,7 +14,7 @@ from freebody.program.hoist import hoist
 from freebody.program.passes import schedule
 from freebody.program.program import Program
 from freebody.program.segments import Layout, Segment, SinCos, segment
-from freebody.targets.llvm.instructions import declarations, functions, instructions
+from freebody.targets.llvm.instructions import CHOICE, COMPARISONS, declarations, functions, instructions
 from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.loop import gufunc_loop
 from freebody.targets.llvm.machine import Target
@@ -122,6 +122,7 @@ def _arithmetic(title: str, program: Program, step: Segment, lanes: Lanes, table
     v, align, sampled = lanes.v, lanes.size, program.sampled_size
     lines = [f"define internal void {title}(ptr noalias %tile, ptr noalias %uniform) #1 {{"]
     names: dict[int, str] = {}
+    computed = set(step.nodes)
 
     def name(index: int) -> str:
         """The value of a node: a constant, or a name, loaded at its first use."""
@@ -141,11 +142,13 @@ def _arithmetic(title: str, program: Program, step: Segment, lanes: Lanes, table
     for index in step.nodes:
         operands = [name(i) for i in program.operands(index)]
         result = names[index] = f"%v{index}"
-        lines.append("  " + table[program.op[index]].format(result, *operands))
+        op, first = program.op[index], program.a[index]
+        if op == "where" and first in computed and program.op[first] in COMPARISONS:
+            op = CHOICE
+        lines.append("  " + table[op].format(result, *operands))
         for position, slot in enumerate(step.stores.get(index, ())):
             lines.append(f"  %q{index}.{position} = getelementptr {v}, ptr %tile, i64 {slot}")
             lines.append(f"  store {v} {result}, ptr %q{index}.{position}, align {align}")
-    computed = set(step.nodes)
     for index, slots in step.stores.items():
         if index not in computed:
             for position, slot in enumerate(slots):

@@ -21,6 +21,10 @@ FUNCTIONS = {
 }
 """Operations of many instructions: each is a function of the module where a program has it."""
 
+COMPARISONS = ("less", "less_equal", "equal")
+CHOICE = "where by a comparison"
+"""The choice by a comparison that stands in the same function: its truth values, `.c`, choose themselves."""
+
 _FLAG = "{r}.c = fcmp ORDER {v} {a}, {b}\n  {r} = select {mask} {r}.c, {v} {one}, {v} zeroinitializer"
 
 # the machine's own minimum and maximum give their second operand where one is NaN
@@ -57,6 +61,7 @@ INSTRUCTION = {
     "where": "{r}.c = fcmp une {v} {a}, zeroinitializer\n  {r} = select {mask} {r}.c, {v} {b}, {v} {c}",
     "minimum": _EXTREMUM.replace("ORDER", "olt"),
     "maximum": _EXTREMUM.replace("ORDER", "ogt"),
+    CHOICE: "{r} = select {mask} {a}.c, {v} {b}, {v} {c}",
 } | {name: _call(name) for name in FUNCTIONS}
 """Only contraction to fused multiply-add is allowed: other fast-math flags break range reduction and NaN."""
 
