@@ -90,9 +90,10 @@ class Kernel:
         self._cores = [len(argument.shape) for argument in program.inputs + program.outputs]
         moved = _MOVE * (program.sampled_size + program.output_size)
         self._longest = max(1, int(_SLICE / (self._cost + moved)))
-        # samples that are surely neither worth threads nor memory from the store
+        # samples that are surely not worth threads, and of these those whose results need no memory from the store
         largest = max((argument.size for argument in program.outputs), default=1) or 1
-        self._small = min(int(2 * _WORTH / self._cost), memory.SMALLEST // (real.size * largest))
+        self._few = min(int(2 * _WORTH / self._cost), self._longest)
+        self._small = min(self._few, memory.SMALLEST // (real.size * largest))
 
     def __call__(self, *arrays: ArrayLike, out: Any = None, threads: int | None = None) -> Any:
         """The output, or the tuple of outputs.
@@ -112,8 +113,12 @@ class Kernel:
                 np.ndim(arrays[k]) > core for k, core in self._uniform if k < len(arrays)
             ):
                 return self.per_sample(*arrays, out=out, threads=threads)
-            if (threads is None or threads == 1) and self._is_small(arrays):
-                return self.ufunc(*arrays) if out is None else self.ufunc(*arrays, out=out)
+            if threads is None or threads == 1:
+                if out is None:
+                    if self._at_most(self._small, arrays):
+                        return self.ufunc(*arrays)
+                elif self._at_most(self._longest if threads else self._few, arrays):
+                    return self.ufunc(*arrays, out=out)
             return self._long(arrays, out, threads)
         except (TypeError, ValueError) as problem:
             raise self._explained(arrays, problem) from None
@@ -133,15 +138,15 @@ class Kernel:
         """As `__call__`; None where an input is no plain array or an output may not be what is meant (see `sound`)."""
         return sound(self, arrays)
 
-    def _is_small(self, arrays: tuple[ArrayLike, ...]) -> bool:
-        """Whether the batch is surely short, by a look at the arrays: a call takes a microsecond."""
+    def _at_most(self, count: int, arrays: tuple[ArrayLike, ...]) -> bool:
+        """Whether the batch surely has at most so many samples, by a look at the arrays: a call takes a microsecond."""
         for array, core in zip(arrays, self._cores, strict=False):
             if type(array) is float and not core:
                 continue
             if not isinstance(array, np.ndarray) or array.dtype is not self.dtype:
                 return False
             axes = array.ndim - core
-            if axes > 1 or (axes == 1 and array.shape[0] > self._small):
+            if axes > 1 or (axes == 1 and array.shape[0] > count):
                 return False
         return True
 
