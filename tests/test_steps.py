@@ -9,7 +9,10 @@ import pytest
 
 import freebody as fb
 import generate
+from freebody.algorithms.aba import aba
+from freebody.algorithms.crba import bias, crba
 from freebody.algorithms.kinematics import coordinate_rates
+from freebody.algorithms.regroup import lightened
 from freebody.errors import FreebodyError
 from freebody.kernels.formulas import Option
 from freebody.kernels.lookup import reference
@@ -40,21 +43,21 @@ def apart(model: Model, one: State, other: State) -> float:
 
 # ---------------------------------------------------------------- orders
 TREES = {
-    "chain": 2,
-    "slides and planar joints": 3,
-    "spherical, mimic": 20,
-    "free base, mimic": 4,
-    "free base, springs": 14,
+    "planar": (7, 2),
+    "slides and planar joints": (3, 3),
+    "spherical, mimic": (20, 3),
+    "free base, mimic": (4, 3),
+    "free base, springs": (14, 3),
 }
-"""Seeds of random trees with friction, rotors, springs and payloads."""
+"""Seeds and dimensions of random trees with friction, rotors, springs and payloads."""
 
 
 @cache
-def motion(seed: int) -> tuple[State, np.ndarray, np.ndarray, State]:
+def motion(seed: int, dim: int) -> tuple[State, np.ndarray, np.ndarray, State]:
     """(start, torque, load, state after 0.1 s by DOP853) of a motion in which no joint stops, where sign(q̇) jumps."""
-    model = generate.model(seed)
+    model = generate.model(seed, dim)
     q, qd, qdd = fb.random_state(model, seed)
-    load = np.random.default_rng(seed).normal(size=6)
+    load = np.random.default_rng(seed).normal(size=6 if dim == 3 else 3)
     qd += np.copysign(0.5, qd)
     tau = fb.inverse_dynamics(model, q, qd, qdd, {"tool": load})
     true = fb.simulate(model, q, qd, [0, 0.1], tau, {"tool": load}, tolerance=1e-13, friction_width=1e-5)
@@ -62,17 +65,17 @@ def motion(seed: int) -> tuple[State, np.ndarray, np.ndarray, State]:
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("seed", TREES.values(), ids=list(TREES))
-def test_order(seed: int, method: str):
-    model = generate.model(seed)
-    start, tau, load, end = motion(seed)
+@pytest.mark.parametrize(("seed", "dim"), TREES.values(), ids=list(TREES))
+def test_order(seed: int, dim: int, method: str):
+    model = generate.model(seed, dim)
+    start, tau, load, end = motion(seed, dim)
     rough, fine = (apart(model, walk(model, method, start, tau, 0.1, n, load), end) for n in (16, 32))
     assert np.log2(rough / fine) == pytest.approx(METHODS[method], abs=0.15)
 
 
-@pytest.mark.parametrize("seed", TREES.values(), ids=list(TREES))
-def test_semi_implicit_euler_by_hand(seed: int):
-    model = generate.model(seed)
+@pytest.mark.parametrize(("seed", "dim"), TREES.values(), ids=list(TREES))
+def test_semi_implicit_euler_by_hand(seed: int, dim: int):
+    model = generate.model(seed, dim)
     q, qd, tau = fb.random_state(model, seed, (7,))
     h = np.linspace(0.0, 0.03, 7)
     q1, qd1 = fb.kernel(model, "semi_implicit_step")(q, qd, tau, h)
@@ -143,6 +146,32 @@ def test_other_samples_are_left_alone_by_nan():
         np.testing.assert_array_equal(np.delete(one, 4, axis=0), np.delete(other, 4, axis=0))
 
 
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("seed", range(20))
+def test_other_bodies_under_which_it_moves_alike(seed: int, dim: int):
+    """A step's program is shorter by regrouped inertial numbers; M and the bias are those of the robot's own."""
+    model = generate.model(seed, dim)
+    q, qd, _ = fb.random_state(model, seed)
+    own, light = model.tree, lightened(model.tree)
+    for found, expected in ((crba(light, q), crba(own, q)), (bias(light, q, qd), bias(own, q, qd))):
+        scale = np.abs(np.array(expected, dtype=float)).max()
+        np.testing.assert_allclose(
+            np.array(found, dtype=float), np.array(expected, dtype=float), rtol=0, atol=1e-13 * scale
+        )
+    if not own.follows:
+        np.testing.assert_allclose(aba(light, q, qd, qd), aba(own, q, qd, qd), rtol=1e-8, atol=1e-8)
+
+
+def test_a_step_takes_fewer_operations_than_the_acceleration():
+    """By an eighth and more for arms whose joints stand at right angles."""
+    model = fb.load("ur5e").without("friction")
+    step, acceleration = (
+        sum(fb.kernel(model, name).program.operations.values())
+        for name in ("semi_implicit_step", "forward_dynamics")
+    )
+    assert step < 0.875 * acceleration
+
+
 # ---------------------------------------------------------------- what stays
 def test_backward_in_time():
     """Of order 4 there and back: what is left falls with the fifth power of the step (the error's symmetric part)."""
@@ -193,6 +222,16 @@ def test_heavy_top():
     printed = np.array([-0.708279152975, 0.438781088126, 0.545728396145, 0.089399752823])
     np.testing.assert_allclose(q * np.sign(q @ printed), printed, rtol=0, atol=2e-11)
     np.testing.assert_allclose(qd, [-2.691590912, 150, 4.917260990], rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(("kind", "still"), [("free", [0.0, 0.0, 0.0]), ("spherical", [])])
+def test_a_free_axisymmetric_body(kind: str, still: list[float]):
+    # Drake, multibody/benchmarks/free_body
+    model = one_body(kind, 1.0, (0, 0, 0), (0.04, 0.04, 0.02), 0.0)
+    start = np.array([*still, 1.0, 0, 0, 0]), np.array([*still, 2.0, 4, 6])
+    q, qd = walk(model, "rk4_step", start, np.zeros(model.nv), 1.0, 4000)
+    np.testing.assert_allclose(qd[-3:], [-1.4155049609614219, -4.242210002521516, 6], rtol=0, atol=1e-12)
+    assert np.linalg.norm(q[-4:]) == pytest.approx(1.0, abs=1e-15)
 
 
 def test_pendulum_of_the_iftomm_library():

@@ -22,6 +22,8 @@ def own_inertia(space: AnySpace, body: TreeBody) -> Composite:
     for mass in body.masses:
         nothing = space.zero
         m, h = m + mass.m, add(h, scale(mass.m, mass.c))
+        if mass.h is not None:
+            h = add(h, mass.h)
         inertia = space.plus_inertia(
             inertia, space.plus_inertia(mass.inertia, space.steiner(mass.m, nothing, mass.c))
         )

@@ -8,18 +8,35 @@ Robots, 2002, chapter 9.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from freebody.algorithms.crba import Composite, own_inertia
 from freebody.algorithms.regressor import body_parameters
 from freebody.elementary import Scalar
 from freebody.model.joints.prismatic import Sliding
 from freebody.model.joints.revolute import Turning
-from freebody.model.tree import Tree, TreeBody
+from freebody.model.tree import Mass, Tree, TreeBody
 from freebody.spatial import AnySpace, add, scale, symmetric, times
 
 
 def regrouped(tree: Tree) -> list[Composite]:
     """(mass, first moment, inertia) of each body about its origin, with what its children hand down."""
     return regroup(tree, [own_inertia(tree.space, body) for body in tree.bodies])
+
+
+def lightened(tree: Tree) -> Tree:
+    """The tree with its inertial numbers regrouped: other bodies, of fewer numbers, under which it moves alike.
+
+    M and the bias are the same; joint forces, energies and momenta are not. As it is where a number is a symbol.
+    """
+    masses = [mass for body in tree.bodies for mass in body.masses]
+    if not all(isinstance(x, float) for mass in masses for x in (mass.m, *mass.c)):
+        return tree
+    bodies = tuple(
+        replace(body, masses=(Mass(m, tree.space.zero, inertia, h),))
+        for body, (m, h, inertia) in zip(tree.bodies, regrouped(tree), strict=True)
+    )
+    return replace(tree, bodies=bodies)
 
 
 def regroup(tree: Tree, composites: list[Composite]) -> list[Composite]:

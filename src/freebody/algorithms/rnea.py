@@ -7,6 +7,9 @@ Everything is in body axes. For body i, with c its centre of mass and (R, p) the
     f_i = F + Σ_k R f_k - f_external                    (4.14)
     n_i = N + c × F + Σ_k (R n_k + p × R f_k) - n_ext   (4.15)
     tau = column · (n_i, f_i) + rotor q̈ + friction + spring
+
+Where a mass is given about another point c than its centre, with first moment h about it, F gains ω̇ × h + ω × (ω × h)
+and N gains h × v̇_c.
 """
 
 from __future__ import annotations
@@ -60,6 +63,9 @@ def rnea(
             centre = add(motion.vd[i], times(motion.rates[i], mass.c))
             F = scale(mass.m, centre)
             N = space.euler(mass.inertia, motion.w[i], motion.wd[i])
+            if mass.h is not None:
+                F = add(F, times(motion.rates[i], mass.h))
+                N = add(N, space.moment(mass.h, centre if weights is None else sub(centre, weights[i])))
             needed = F if weights is None else sub(F, scale(mass.m, weights[i]))
             f_i, n_i = add(f_i, needed), add(n_i, N, space.moment(mass.c, needed))
             centres.append(centre)

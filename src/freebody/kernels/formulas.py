@@ -40,6 +40,7 @@ from freebody.algorithms.derivatives import (
 from freebody.algorithms.loop_forces import Partition, drive_torques, loop_multipliers, loose_recursions
 from freebody.algorithms.operational import centroidal_momentum_matrix, mass_matrix_inverse, operational_space
 from freebody.algorithms.regressor import energy_regressor, regressor
+from freebody.algorithms.regroup import lightened
 from freebody.algorithms.rnea import External, external_on_frame, joint_wrenches, rnea
 from freebody.elementary import Scalar
 from freebody.model.tree import Tree
@@ -138,6 +139,8 @@ def _step(method: Callable[..., steps.State]) -> Callable[..., tuple[Any, ...]]:
     def evaluate(
         tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector, h: Scalar, wrenches: Any = ()
     ) -> tuple[Any, ...]:
+        tree = lightened(tree)
+
         def acceleration(q: Vector, qd: Vector) -> Vector:
             return _forward(tree, o, q, qd, tau, wrenches)[0]
 
@@ -159,6 +162,7 @@ def _implicit_step(
     def loads(q: Vector) -> list[External]:
         return _external(tree, o, q, wrenches)
 
+    tree = lightened(tree)
     law = steps.Feedback(**feedback) if feedback else None
     reached = steps.implicit(tree, q, qd, tau, h, loads, law, o.equations)
     return steps.on_loops(tree, q, reached, o.equations)

@@ -48,11 +48,16 @@ class Coordinates:
 
 @dataclass(frozen=True)
 class Mass:
-    """Mass m, centre of mass c and inertia about it, in the body's axes."""
+    """Mass m, with first moment h and inertia about a point c of the body, in its axes.
+
+    In the central form c is the centre of mass and h None. In the linear form c is the body's origin: there masses add
+    up entry by entry, and without mass nothing is divided by it.
+    """
 
     m: Scalar
     c: Vector
     inertia: Scalar
+    h: Vector | None = None
 
 
 @dataclass(frozen=True)
