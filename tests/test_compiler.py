@@ -160,6 +160,8 @@ def test_the_digest_is_of_the_content():
     assert a.digest == b.digest
     assert dataclasses.replace(a, constants=(3.0,)).digest != a.digest
     assert dataclasses.replace(a, name="other").digest != a.digest
+    chosen = trace("f", lambda q: (where(q[0], q[1], q[2]),), [Argument("q", (3,))], [Argument("r", ())])
+    assert dataclasses.replace(chosen, c=tuple(min(k, 1) for k in chosen.c)).digest != chosen.digest
 
 
 @pytest.mark.parametrize(

@@ -117,15 +117,20 @@ def test_a_choice_by_a_comparison_takes_its_truth_values(width):
         kernel = compiled(lambda a, b, compare=compare: e.where(compare(a, b), a - b, 7.0), 2, width=width)
         assert "fcmp une" not in kernel.ir
         np.testing.assert_array_equal(kernel(x, y), np.where(compare(x, y), x - y, 7.0))
-    both = trace(
-        "both",
-        lambda a, b: (e.less(a, b), e.where(e.less(a, b), e.where(a, b, 1.0), 3.0)),
+    several = trace(
+        "several",
+        lambda a, b: (
+            e.less(a, b),
+            e.where(e.less(a, b), e.where(a, b, 1.0), 3.0),
+            e.where(e.less(a, b), e.sin(e.less(a, b) * a), 3.0),  # compared before the sine, chosen behind it
+        ),
         [Argument("a", ()), Argument("b", ())],
-        [Argument("r", ()), Argument("s", ())],
+        [Argument("r", ()), Argument("s", ()), Argument("t", ())],
     )
-    flags, chosen = compile_program(both, width=width)(x, y)
+    flags, chosen, behind = compile_program(several, width=width)(x, y)
     np.testing.assert_array_equal(flags, x < y)
     np.testing.assert_array_equal(chosen, np.where(x < y, y, 3.0))
+    np.testing.assert_allclose(behind, np.where(x < y, np.sin(x), 3.0), rtol=1e-15)
 
 
 @pytest.mark.parametrize("name", NAMED)
