@@ -295,6 +295,21 @@ def test_kernels_agree_with_floats(backend, width, seed):
     assert_close(compiled(*arrays), direct(seed, arrays))
 
 
+@pytest.mark.parametrize("flags", [(True, False, False), (False, True, True), (True, True, True)])
+@pytest.mark.parametrize("seed", range(2))
+def test_uniform_inputs_change_nothing_but_roundings(seed, flags):
+    program = random_program(seed, 80)
+    inputs = tuple(
+        dataclasses.replace(i, uniform=uniform) for i, uniform in zip(program.inputs, flags, strict=True)
+    )
+    arrays = [x[0] if uniform else x for x, uniform in zip(samples(21, seed), flags, strict=True)]
+    for backend, width in (("numpy", None), ("llvm", 8)):
+        compiled = compile_program(dataclasses.replace(program, inputs=inputs), backend=backend, width=width)
+        batch = arrays if False in flags else [x[None] for x in arrays]
+        assert_close(compiled(*batch), direct(seed, batch, 80))
+        assert_close(compiled(*arrays), direct(seed, arrays, 80))
+
+
 @every_backend
 def test_single_samples_and_more_axes(backend, width):
     compiled = compile_program(random_program(1), backend=backend, width=width)

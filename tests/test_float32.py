@@ -178,8 +178,7 @@ def test_the_interpreters_own_way_gives_the_bits_of_the_ufunc():
     out = (np.empty(2, np.float32), np.empty(2, np.float32))
     assert kernel(x, out=out) is out
     assert same_bits(out, kernel.ufunc(x))
-    zero = kernel.checked(np.array([1.0, 0.0], np.float32))
-    assert zero is None or not np.isfinite(zero[1]).all()
+    assert kernel.checked(np.array([1e-30, 1e-45], np.float32)) is None  # 1 / 1e-45 is beyond the range
     assert same_bits(kernel(x.astype(np.float64)), kernel.ufunc(x))
 
 
