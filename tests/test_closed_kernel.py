@@ -8,7 +8,7 @@ import pytest
 import freebody as fb
 from freebody.errors import SingularError
 from freebody.loops.partition import partition
-from freebody.loops.scaled import rate_scale
+from freebody.loops.scaled import rate_scale, row_scale
 from freebody.trees.passive import all_driven
 from helpers import numbers
 
@@ -120,6 +120,31 @@ def test_one_singular_sample_leaves_the_others(name: str):
         fb.kernel(few, "inverse_dynamics")
     with pytest.raises(SingularError, match="at sample 0: it moves though they stand still"):
         fb.static_torque(few, motion.q)
+
+
+@pytest.mark.parametrize("name", ["five_bar", "bricard", "double_four_bar", "flat", "stewart"])
+def test_multipliers_are_the_smallest_that_do_what_the_drives_do_not(name: str):
+    """By singular values; where equations depend on one another too. `flat`: ten equations of rank four, in space."""
+    model = fb.load("double_four_bar").to_space() if name == "flat" else fb.load(name)
+    motion = fb.default_motion(model, samples=9)
+    found = fb.reactions(model, motion.q, motion.qd, qdd=motion.qdd)
+    assert found.balance < 1e-12
+    needed = fb.inverse_dynamics(model.opened, motion.q, motion.qd, motion.qdd)
+    rows, rates = row_scale(model), rate_scale(model)
+    for k in range(9):
+        J = rows[:, None] * numbers(model, "constraint_jacobian", motion.q[k]) * rates
+        least = rows * (np.linalg.pinv(J.T, rcond=1e-9) @ (rates * (found.tau[k] - needed[k])))
+        np.testing.assert_allclose(found.multipliers[k], least, rtol=0, atol=1e-10 * np.abs(least).max())
+        _, s, Vt = np.linalg.svd(J.T)
+        loose = Vt[int((s > 1e-9 * s[0]).sum()) :]
+        # a component is determined if no multipliers without power change it
+        still = np.zeros(model.nv)
+        wrenches = fb.kernel(model, "closed_wrenches")
+        change = wrenches(motion.q[k], still, still, rows * loose) - wrenches(
+            motion.q[k], still, still, 0 * rows * loose
+        )
+        undisturbed = np.abs(change).max(axis=0, initial=0.0) < 1e-8
+        np.testing.assert_array_equal(found.determined[k], undisturbed)
 
 
 @pytest.mark.parametrize("name", ["joint_wrenches", "mass_matrix_inverse"])

@@ -18,8 +18,8 @@ from freebody.motion.motion import motion_of
 from freebody.report import replay as replays
 from freebody.report.checks import checks
 from freebody.report.tip import chosen_tip
+from freebody.scalars.jets import Jet, parts
 from freebody.spatial import space
-from freebody.trees.jets import Jet, stacked
 
 pytestmark = pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
 
@@ -144,19 +144,20 @@ def test_an_inverted_pendulum_drifts_as_it_must():
 def test_jets_are_exact():
     t = np.linspace(0, 1, 5)
     x = Jet(t, np.ones(5), np.zeros(5))
-    value, rate, second = stacked((sin(x) * x / (2.0 + cos(x)), 1.0 - x, 3.0), 5)
+    value, rate, second = parts((sin(x) * x / (2.0 + cos(x)), 1.0 - x, 3.0))
     c, s = np.cos(t), np.sin(t)
-    np.testing.assert_allclose(value[:, 0], s * t / (2 + c))
+    np.testing.assert_allclose(value[0], s * t / (2 + c))
     n, d = s * t, 2 + c
     nd, dd = c * t + s, -s
-    np.testing.assert_allclose(rate[:, 0], (nd * d - n * dd) / d**2)
+    np.testing.assert_allclose(rate[0], (nd * d - n * dd) / d**2)
     ndd, ddd = -s * t + 2 * c, -c
     np.testing.assert_allclose(
-        second[:, 0], (ndd - 2 * dd * (nd * d - n * dd) / d**2 - n / d * ddd) / d, atol=1e-14
+        second[0], (ndd - 2 * dd * (nd * d - n * dd) / d**2 - n / d * ddd) / d, atol=1e-14
     )
-    np.testing.assert_array_equal(rate[:, 1:], np.array([[-1.0, 0.0]] * 5))
-    R, Rd, _ = stacked(space.rotation((0.0, 0.0, 1.0), x), 5)
-    np.testing.assert_allclose(Rd[:, 0, 1], -R[:, 0, 0])
+    np.testing.assert_array_equal(rate[1], -np.ones(5))
+    assert rate[2] == 0.0
+    R, Rd, _ = parts(space.rotation((0.0, 0.0, 1.0), x))
+    np.testing.assert_allclose(Rd[0][1], -R[0][0])
 
 
 def test_the_worst_pose_of_a_planar_arm_is_stretched_out():

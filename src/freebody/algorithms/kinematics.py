@@ -167,7 +167,7 @@ def frame_motion(
 
 
 def ancestors(tree: Tree, body: int) -> list[int]:
-    """The body and all that carry it, outermost first."""
+    """The body and all that carry it, from the body to the ground."""
     chain = []
     while body >= 0:
         chain.append(body)

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from freebody.algorithms import energy, kinematics, steps
 from freebody.algorithms.aba import aba
+from freebody.algorithms.balance import Moving, balance
 from freebody.algorithms.constraints import (
     constrained_dynamics,
     constraint,
@@ -45,6 +46,7 @@ from freebody.algorithms.rnea import External, external_on_frame, joint_wrenches
 from freebody.elementary import Scalar
 from freebody.model.tree import Tree
 from freebody.scalars.dual import Dual, slopes
+from freebody.scalars.jets import Jet, parts
 from freebody.spatial import Vector, identity, neg, sub, times, transposed
 
 POSITIONS = ("q", "q0", "q1", "q_ref")
@@ -71,10 +73,10 @@ class Formula:
     """A computable quantity.
 
     inputs: names among q, q0, q1, q_ref (nq each), qd, qdd, v, tau, x, dq, dqd, qd_ref, kp, kd (nv each), h (a number),
-    multipliers, point, wrenches.
-    outputs: name -> dimensions: numbers, or names among nq, nv, nj, six, dim, pose (dim + 1), rows, parameters,
-    constraints (loop equations), equations (those that count), loose (those that the partition leaves out), reactions
-    (joints and loops).
+    multipliers, reactions (wrenches of joints and loops), point, wrenches.
+    outputs: name -> dimensions: numbers, or names among nq, nv, nj, six, dim, angular (3 or 1), pose (dim + 1), rows,
+    parameters, constraints (loop equations), equations (those that count), loose (those that the partition leaves out),
+    reactions (joints and loops).
     evaluate(tree, option, **inputs): a tuple of nested sequences of scalars; wrenches is a tuple of vectors, one for
     each of option.wrench_frames. another: a second way to the same values; for robots of few joints both are traced and
     the shorter program is compiled.
@@ -220,6 +222,18 @@ def _loose_wrenches(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
             for multipliers, recursion in loose_recursions(tree, q, _partition(o))
         ],
     )
+
+
+def _balance(
+    tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, reactions: Any, wrenches: Any = ()
+) -> tuple[Any, ...]:
+    """Poses and their derivatives come from the positions' alone, by jets in time."""
+    rates = kinematics.position_rates(tree, q, qd)
+    second = kinematics.position_rates(tree, _seeded(q, rates), _seeded(qd, qdd))
+    jets = tuple(Jet(*x) for x in zip(q, rates, (slopes(x, 1)[0] for x in second), strict=True))
+    world = kinematics.world_poses(tree, kinematics.joint_poses(tree, jets))
+    moving = [Moving(*parts(pose)) for pose in world]
+    return balance(tree, moving, reactions, tuple(zip(o.wrench_frames, wrenches, strict=True)))
 
 
 def _driven(tree: Tree, o: Option, q: Vector, needed: Vector) -> Vector:
@@ -416,6 +430,11 @@ FORMULAS: dict[str, Formula] = {
         ("q", "x"),
         {"multipliers": ("constraints",)},
         lambda t, o, q, x: (loop_multipliers(t, q, x, _partition(o)),),
+    ),
+    "balance": Formula(
+        ("q", "qd", "qdd", "reactions", "wrenches"),
+        {"force": ("nj", "dim"), "moment": ("nj", "angular"), "largest": (2,)},
+        _balance,
     ),
     "loose_wrenches": Formula(("q",), {"W": ("loose", "reactions", "six")}, _loose_wrenches),
     "kinetic_energy": Formula(("q", "qd"), {"T": ()}, lambda t, o, q, qd: (energy.kinetic_energy(t, q, qd),)),

@@ -151,7 +151,7 @@ SMALL = 12
 """Coordinates up to which two ways to the same values are both traced."""
 
 _ORDER = (
-    *("q", "q0", "q1", "qd", "qdd", "v", "tau", "x", "dq", "dqd", "multipliers", "point"),
+    *("q", "q0", "q1", "qd", "qdd", "v", "tau", "x", "dq", "dqd", "multipliers", "reactions", "point"),
     *("h", "q_ref", "qd_ref", "kp", "kd"),
 )
 
@@ -273,6 +273,7 @@ def arguments(model: Model, names: tuple[str, ...], option: Option) -> tuple[Arg
     shapes = dict.fromkeys(POSITIONS, (model.nq,)) | {
         "point": (model.dim,),
         "multipliers": (model.tree.constraints,),
+        "reactions": _shape(model, ("reactions", "six"), option),
         "h": (),
     }
     plain = [
@@ -305,6 +306,7 @@ def _shape(model: Model, dims: tuple[str | int, ...], option: Option) -> tuple[i
         "nj": lambda: len(model.bodies),
         "six": lambda: 6 if model.dim == 3 else 3,
         "dim": lambda: model.dim,
+        "angular": lambda: 3 if model.dim == 3 else 1,
         "pose": lambda: model.dim + 1,
         "rows": lambda: len(option.rows),
         "equations": lambda: model.tree.constraints if option.equations is None else len(option.equations),

@@ -61,10 +61,15 @@ def partition(model: Model, driven: Sequence[int] | None = None) -> Partition | 
     """The partition for drives in the coordinates `driven` (default: the model's own).
 
     None where no fixed choice does: too few drives, numbers that are rounded (`redundancy`), no closed position near
-    home.
+    home, or nothing that moves.
     """
     chosen = tuple(free_coordinates(model, model.actuated, "partition") if driven is None else driven)
     return _partitions(model, chosen)
+
+
+def partition_of_loops(model: Model) -> Partition | None:
+    """One for what the loops do, to which drives do not matter; None as of `partition`."""
+    return partition(model) or partition(model, range(model.nv))
 
 
 def require_partition(function: str, model: Model) -> Partition:
@@ -96,15 +101,15 @@ def _chosen(model: Model, driven: tuple[int, ...]) -> Partition | None:
     columns = regular[list(rows)].T
     undriven = [k for k in range(model.nv) if k not in driven]
     dependent = _pivoted(columns, undriven, len(undriven))
-    if dependent is not None:
-        left = columns - _along(columns, dependent)
-        more = _pivoted(left, list(driven), len(rows) - len(undriven))
-        if more is not None:
-            # columns with few entries first: what they fill is little
-            few = np.count_nonzero(np.abs(columns) > _NOTHING, axis=1)
-            ordered = sorted([*dependent, *more], key=lambda k: (few[k], k))
-            return Partition(rows, tuple(ordered), driven)
-    return None
+    if dependent is None or len(rows) == model.nv:
+        return None
+    more = _pivoted(columns - _along(columns, dependent), list(driven), len(rows) - len(undriven))
+    if more is None:
+        return None
+    few = np.count_nonzero(
+        np.abs(columns) > _NOTHING, axis=1
+    )  # columns with few entries first: they fill little
+    return Partition(rows, tuple(sorted([*dependent, *more], key=lambda k: (few[k], k))), driven)
 
 
 def _along(columns: Array, chosen: list[int]) -> Array:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, UnknownNameError
@@ -21,12 +22,13 @@ from freebody.loops.dynamics import (
     require_consistent,
 )
 from freebody.loops.equations import require_closed, scaled_jacobian
+from freebody.loops.partition import partition_of_loops
 from freebody.loops.scaled import every_jacobian, length, null_space, rate_scale, row_scale
 from freebody.loops.solving import RANK
 from freebody.model.model import Model
 from freebody.trees.balance import balance
 from freebody.trees.calls import Vector, Wrenches, checked_inputs
-from freebody.trees.kinematics import checked_reference, forward_kinematics
+from freebody.trees.kinematics import checked_reference
 from freebody.trees.passive import refuse_passive
 from freebody.values import ByValue
 
@@ -44,7 +46,7 @@ class Reactions(ByValue):
     """(..., k, six): force, then moment. Of a joint on its child by its parent at the child's joint origin; of a loop
     on the second frame's body by the first's, at the second frame's origin. World axes, or those of child and second
     frame."""
-    determined: Array
+    determined: NDArray[np.bool_]
     """(..., k, six) bool: whether the equations determine the component, in the axes of `wrenches`; others are the
     smallest possible."""
     multipliers: Array
@@ -124,40 +126,71 @@ def _found(
     loads: list[Array],
     reference: str,
 ) -> Reactions:
-    batch, m = q.shape[:-1], model.tree.constraints
-    multipliers = np.zeros((*batch, m))
-    loose: dict[tuple[int, ...], Array] = {}
-    if m:
+    def wrenches_in(axes: str) -> Array:
+        kernel = fetch(model, ("closed_wrenches",), Option(reference=axes, wrench_frames=frames))
+        return kernel(q, qd, qdd, multipliers, *loads)
+
+    multipliers = np.zeros((*q.shape[:-1], model.tree.constraints))
+    determined = np.ones((*q.shape[:-1], *_shape(model)), dtype=bool)
+    if model.loops:
         needed = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))(q, qd, qdd, *loads)
-        rows, rates = row_scale(model), rate_scale(model)
-        A, force = scaled_jacobian(model, q), rates * (tau - needed)
-        for at in np.ndindex(batch):
-            # Φ_qᵀ λ is what the drives do and the motion does not need
-            multipliers[at] = rows * (np.linalg.pinv(A[at].T, rcond=RANK) @ force[at])
-            loose[at] = rows[:, None] * null_space(A[at], RANK)[1]
-    option = Option(reference="world", wrench_frames=frames)
-    kernel = fetch(model, ("closed_wrenches",), option)
+        multipliers, determined = _multipliers(model, q, tau - needed, reference)
+    world = wrenches_in("world")
+    left = _miss(model, q, qd, qdd, world, frames, loads)
+    asked = world if reference == "world" else wrenches_in(reference)
+    return Reactions(model.reaction_names, asked, determined, multipliers, qdd, tau, left)
 
-    def wrench_of(sample: tuple[int, ...], weights: Array) -> Array:
-        """(k, reactions, six) for multipliers (k, m), in the axes asked for."""
-        return turned(
-            q[sample], kernel(q[sample], qd[sample], qdd[sample], weights, *(load[sample] for load in loads))
-        )
 
-    def turned(at: Array, world: Array) -> Array:
-        return world if reference == "world" else _in_child_axes(model, at, world)
+def _shape(model: Model) -> tuple[int, int]:
+    """Of the wrenches of one sample."""
+    return len(model.bodies) + len(model.loops), 6 if model.dim == 3 else 3
 
-    found_wrenches = kernel(q, qd, qdd, multipliers, *loads)
-    determined = np.ones(found_wrenches.shape, dtype=bool)
-    for sample, combinations in loose.items():
-        if combinations.shape[1]:
-            still = wrench_of(sample, np.zeros((1, m)))
-            change = np.abs(wrench_of(sample, combinations.T) - still).max(axis=0)
-            change[:, model.dim :] /= length(model)  # forces and moments compare
-            doubt = max(_DETERMINED, _doubt(A[sample], every_jacobian(model, q[sample])))
-            determined[sample] = change < doubt * max(float(change.max()), 1e-300)
-    left = _miss(model, q, qd, qdd, found_wrenches, frames, loads)
-    return Reactions(model.reaction_names, turned(q, found_wrenches), determined, multipliers, qdd, tau, left)
+
+def _multipliers(model: Model, q: Array, force: Array, reference: str) -> tuple[Array, NDArray[np.bool_]]:
+    """λ (..., m) with Φ_qᵀ λ = force (..., nv), what the drives do and the motion does not need; which components of
+    the wrenches they determine (..., k, six)."""
+    batch, chosen = q.shape[:-1], partition_of_loops(model)
+    determined = np.ones((*batch, *_shape(model)), dtype=bool)
+    if chosen is None:
+        multipliers, with_care = np.zeros((*batch, model.tree.constraints)), np.ones(batch, dtype=bool)
+    else:
+        multipliers = fetch(model, ("loop_multipliers",), Option(partition=chosen))(q, force)
+        with_care = np.isnan(multipliers).any(axis=-1)
+        if len(chosen.rows) < model.tree.constraints:
+            change = fetch(model, ("loose_wrenches",), Option(reference=reference, partition=chosen))(q)
+            determined = _undisturbed(model, np.abs(change).max(axis=-3), np.full(batch, _DETERMINED))
+    for index in np.argwhere(with_care):
+        at = tuple(index)
+        multipliers[at], determined[at] = _careful_multipliers(model, q[at], force[at], reference)
+    return multipliers, determined
+
+
+def _careful_multipliers(
+    model: Model, q: Array, force: Array, reference: str
+) -> tuple[Array, NDArray[np.bool_]]:
+    """The same of one sample, whatever the rank."""
+    rows = row_scale(model)
+    A = scaled_jacobian(model, q)
+    multipliers = rows * (np.linalg.pinv(A.T, rcond=RANK) @ (rate_scale(model) * force))
+    combinations = rows[:, None] * null_space(A, RANK)[1]
+    if not combinations.shape[1]:
+        return multipliers, np.ones(_shape(model), dtype=bool)
+    kernel, still = fetch(model, ("closed_wrenches",), Option(reference=reference)), np.zeros(model.nv)
+    rest = kernel(q, still, still, np.zeros(model.tree.constraints))
+    change = np.abs(kernel(q, still, still, combinations.T) - rest).max(axis=0)
+    doubt = max(_DETERMINED, _doubt(A, every_jacobian(model, q)))
+    return multipliers, _undisturbed(model, change, np.array(doubt))
+
+
+def _undisturbed(model: Model, change: Array, doubt: Array) -> NDArray[np.bool_]:
+    """(..., k, six): which components of the wrenches combinations of multipliers that no motion feels leave alone.
+
+    change (..., k, six): what they do, at most; doubt (...): relative to the largest of them, what is nothing.
+    """
+    size = change.copy()
+    size[..., model.dim :] /= length(model)  # forces and moments compare
+    largest = size.max(axis=(-2, -1), initial=1e-300)
+    return size < (doubt * largest)[..., None, None]
 
 
 def _doubt(counting: Array, every: Array) -> float:
@@ -166,18 +199,6 @@ def _doubt(counting: Array, every: Array) -> float:
     s = np.linalg.svd(counting, compute_uv=False)
     least = float(s[s > RANK * s.max(initial=1e-300)].min(initial=1.0))
     return _ADDED * float(np.abs(every - counting).max(initial=0.0)) / least
-
-
-def _in_child_axes(model: Model, q: Array, wrenches: Array) -> Array:
-    """Wrenches in the axes of the child, of loops in those of the second frame."""
-    result = wrenches.copy()
-    child = [body.name for body in model.bodies] + [loop.frames[1] for loop in model.loops]
-    for k, frame in enumerate(child):
-        R = forward_kinematics(model, q, frame)[..., : model.dim, : model.dim]
-        result[..., k, : model.dim] = np.einsum("...ji,...j->...i", R, wrenches[..., k, : model.dim])
-        if model.dim == 3:
-            result[..., k, 3:] = np.einsum("...ji,...j->...i", R, wrenches[..., k, 3:])
-    return result
 
 
 def _miss(
