@@ -30,7 +30,7 @@ from freebody.algorithms.loop_scales import equations_of_lengths, mechanism_leng
 from freebody.algorithms.rnea import External
 from freebody.elementary import Scalar, maximum, minimum, sign, sqrt
 from freebody.model.tree import Tree, TreeLoop
-from freebody.spatial import AnySpace, Matrix, Vector, add, dot, identity, neg, scale, sub, times, transposed
+from freebody.spatial import AnySpace, Matrix, Vector, add, dot, identity, scale, sub, times, transposed
 
 
 @dataclass(frozen=True)
@@ -209,8 +209,7 @@ def constrained_motion(
     phi, c = _kept(constraint_jacobian(tree, q), rows), _kept(constraint_bias(tree, q, qd), rows)
     free = substitute(tree, factors, forces)
     missing = tuple(dot(row, free) - x for row, x in zip(phi, c, strict=True))
-    change, multipliers, pivots = _least_change(tree, factors, phi, missing)
-    return Constrained(sub(free, change), multipliers, pivots)
+    return Constrained(*_nearest(tree, factors, phi, free, missing))
 
 
 def closed(
@@ -222,9 +221,9 @@ def closed(
     would have to count, and where the loops stay open.
     """
     phi, open_by = _kept(constraint_jacobian(tree, q), rows), _kept(constraint(tree, q), rows)
-    q = moved(tree, q, neg(_least_change(tree, factors, phi, open_by)[0]))
+    q = moved(tree, q, _nearest(tree, factors, phi, (0.0,) * tree.nv, open_by)[0])
     phi, left = _kept(constraint_jacobian(tree, q), rows), _kept(constraint(tree, q), rows)
-    change, _, pivots = _least_change(tree, factors, phi, times(phi, qd))
+    on, _, pivots = _nearest(tree, factors, phi, qd, times(phi, qd))
     if not phi:
         return q, qd
     # lengths over the mechanism's own, so that they compare with angles
@@ -234,7 +233,7 @@ def closed(
     gaps = tuple(s * x for s, x in zip(scales, left, strict=True))
     independent = reduce(minimum, sizes) - _PIVOT * reduce(maximum, sizes)
     valid = one_if_positive(independent, _OPEN**2 - dot(gaps, gaps))
-    return scale(valid, q), scale(valid, sub(qd, change))
+    return scale(valid, q), scale(valid, on)
 
 
 _PIVOT = 1e-10
@@ -256,14 +255,17 @@ def _kept(values: tuple[Any, ...], rows: Sequence[int] | None) -> tuple[Any, ...
     return values if rows is None else tuple(values[k] for k in rows)
 
 
-def _least_change(tree: Tree, factors: Factors, phi: Matrix, wanted: Vector) -> tuple[Vector, Vector, Vector]:
-    """The x smallest in the metric M with Φ_q x = wanted, its multipliers λ (M x = Φ_qᵀ λ), and the pivots of S."""
+def _nearest(
+    tree: Tree, factors: Factors, phi: Matrix, start: Vector, excess: Vector
+) -> tuple[Vector, Vector, Vector]:
+    """The x nearest to a start in the metric M with Φ_q x = Φ_q start - excess, the multipliers λ of the difference
+    (M (start - x) = Φ_qᵀ λ), and the pivots of S."""
     columns = [substitute(tree, factors, row) for row in phi]
-    multipliers, pivots = solved([[dot(row, x) for x in columns] for row in phi], wanted)
-    change: Vector = (0.0,) * tree.nv
+    multipliers, pivots = solved([[dot(row, x) for x in columns] for row in phi], excess)
+    # one at a time from the start: near singular positions the sum of all is much larger than what is left
     for multiplier, column in zip(multipliers, columns, strict=True):
-        change = add(change, scale(multiplier, column))
-    return change, multipliers, pivots
+        start = sub(start, scale(multiplier, column))
+    return start, multipliers, pivots
 
 
 def solved(S: list[list[Scalar]], right: Vector) -> tuple[Vector, Vector]:
