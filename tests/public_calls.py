@@ -22,6 +22,7 @@ NOT_OF_STATES = frozenset(
         "kernel",
         "loop_equations",
         "notes_figure",
+        "parameters",
         "quantities",
         "read_motion",
         "relation",
