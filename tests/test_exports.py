@@ -126,7 +126,8 @@ def everything() -> Program:
         total = sum(made[1:], made[0])
         # NaN that arises on the way is not hidden, is not 0, and is less than nothing
         nan = sqrt(-1.0 - k * k)
-        made += [less(f(*x), 5.0) for f in (minimum, maximum) for x in ((nan, 1.0), (1.0, nan))]
+        later = k + 17.25  # operands that may be swapped are ordered by age
+        made += [less(f(x, nan), 99.0) for f in (minimum, maximum) for x in (1.0, later)]
         made += [where(nan, 2.0, 3.0), less(nan, 5.0), less_equal(5.0, nan)]
         return (
             made,
@@ -214,18 +215,23 @@ def test_arrays_of_c_may_overlap_and_what_is_not_finite_gives_nan(tmp_path):
 @pytest.mark.parametrize("language", ["c", "javascript"])
 def test_an_input_that_is_a_result_is_read_before_anything_is_written(language, tmp_path):
     require(language)
-    x, y = Argument("x", (3,)), Argument("y", (3,))
-    program = trace("turned", lambda x: ([x[1], x[2] + x[0], x[0]],), [x], [y])
+    x, y = Argument("x", (4,)), Argument("y", (4,))
+
+    def turned(x):
+        product = x[0] * x[1]  # read once, and a result
+        return ([x[1], product, product + x[2], x[0]],)
+
+    program = trace("turned", turned, [x], [y])
     package(program, tmp_path, language)
     if language == "c":
-        values = np.array([1.0, 2.0, 3.0])
+        values = np.array([1.0, 2.0, 3.0, 4.0])
         assert compiled(tmp_path, "turned").turned(pointer(values), pointer(values)) == 0
-        assert values.tolist() == [2.0, 4.0, 1.0]
+        assert values.tolist() == [2.0, 2.0, 5.0, 1.0]
     else:
-        text = 'import { turned } from "./turned.mjs"; const x = [1, 2, 3]; turned(x, x); console.log(String(x));'
+        text = 'import { turned } from "./turned.mjs"; const x = [1, 2, 3, 4]; turned(x, x); console.log(String(x));'
         (tmp_path / "try.mjs").write_text(text)
         done = subprocess.run(["node", "try.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True)
-        assert done.stdout.strip() == "2,4,1"
+        assert done.stdout.strip() == "2,2,5,1"
 
 
 @pytest.mark.parametrize(
