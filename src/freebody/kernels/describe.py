@@ -16,8 +16,7 @@ from freebody.model.model import Model
 from freebody.program import Argument, Program
 from freebody.targets.text import Joints
 
-_OF_RATES = frozenset(INPUTS) - {*POSITIONS, "point", "multipliers", "h"}
-"""Inputs with an entry for each rate."""
+_OF_NO_JOINT = ("point", "multipliers", "h")
 
 
 class Description:
@@ -60,9 +59,9 @@ class Description:
         last = len(self.model.bodies) - 1
         inputs: list[int] = []
         for argument in self.program.inputs:
-            inputs += by_q if argument.name in POSITIONS else []
-            inputs += by_v if argument.name in _OF_RATES else []
-            inputs += [-1] * (argument.size if argument.name not in {*POSITIONS, *_OF_RATES} else 0)
+            rates = argument.shape == (self.model.nv,) and argument.name not in _OF_NO_JOINT
+            owners = by_q if argument.name in POSITIONS else by_v if rates else [-1] * argument.size
+            inputs += owners
         outputs: list[int] = []
         for argument in self.program.outputs:
             rows = argument.shape and argument.shape[0] == self.model.nv
@@ -90,7 +89,7 @@ class Description:
         for name in quantities:
             for label in FORMULAS[name].outputs:
                 full = f"{name}_{label}" if len(quantities) > 1 else label
-                found[f"out {full}"] = OUTPUTS[name][label]
+                found[f"out {full}"] = OUTPUTS.get(name, {}).get(label, "as named")
         return found
 
     def _arguments(self, title: str, arguments: Iterable[Argument]) -> list[str]:

@@ -19,6 +19,7 @@ INPUTS = {
     "qd_ref": "rates that the feedback leads to (rad/s, m/s)",
     "kp": "feedback by position (N m/rad, N/m)",
     "kd": "feedback by rate (N m s/rad, N s/m)",
+    "reactions": "wrench of each joint, then of each loop: force, then moment (N, N m)",
     "point": "a point, world axes (m)",
 }
 """By name; wrench0, wrench1, … are worded where their frames are known."""
@@ -76,6 +77,11 @@ OUTPUTS = {
     "rk4_step": _STEP,
     "implicit_step": _STEP,
     "implicit_feedback_step": _STEP,
+    "balance": {
+        "force": "force that the balance of each body lacks (N)",
+        "moment": "moment that the balance of each body lacks (N m)",
+        "largest": "largest force and moment in any balance (N, N m)",
+    },
     "constraint": {"Phi": "loop equations, zero where the loops are closed (m, or no unit)"},
     "constraint_jacobian": {"Phi_q": "derivative of the loop equations along the rates"},
     "constraint_bias": {"c": "right-hand side of Phi_q qdd = c"},
