@@ -97,14 +97,14 @@ _RECORDS = (
     Operation("sqrt", 1, math.sqrt, lambda y, x: (0.5 / y,), cost=8.0),
     Operation("sin", 1, math.sin, lambda y, x: (cos(x),), symmetry="odd", cost=15.0),
     Operation("cos", 1, math.cos, lambda y, x: (-sin(x),), symmetry="even", cost=15.0),
-    Operation("exp", 1, math.exp, lambda y, x: (y,), cost=30.0),
-    Operation("log", 1, math.log, lambda y, x: (1.0 / x,), cost=30.0),
-    Operation("tanh", 1, math.tanh, lambda y, x: (1.0 - y * y,), symmetry="odd", cost=50.0),
-    Operation("atan2", 2, math.atan2, _of_angle, symmetry="odd", cost=50.0),
+    Operation("exp", 1, math.exp, lambda y, x: (y,), cost=15.0),
+    Operation("log", 1, math.log, lambda y, x: (1.0 / x,), cost=15.0),
+    Operation("tanh", 1, math.tanh, lambda y, x: (1.0 - y * y,), symmetry="odd", cost=25.0),
+    Operation("atan2", 2, math.atan2, _of_angle, symmetry="odd", cost=30.0),
     Operation(
-        "asin", 1, math.asin, lambda y, x: (1.0 / sqrt((1.0 - x) * (1.0 + x)),), symmetry="odd", cost=40.0
+        "asin", 1, math.asin, lambda y, x: (1.0 / sqrt((1.0 - x) * (1.0 + x)),), symmetry="odd", cost=15.0
     ),
-    Operation("acos", 1, math.acos, lambda y, x: (-1.0 / sqrt((1.0 - x) * (1.0 + x)),), cost=40.0),
+    Operation("acos", 1, math.acos, lambda y, x: (-1.0 / sqrt((1.0 - x) * (1.0 + x)),), cost=15.0),
     Operation("sign", 1, lambda x: (x > 0.0) - (x < 0.0), symmetry="odd"),
     Operation("absolute", 1, abs, lambda y, x: (sign(x),), fold=_absolute, symmetry="even"),
     Operation("less", 2, operator.lt, fold=_alike(ZERO)),
