@@ -96,10 +96,14 @@ def mass_product(tree: Tree, q: Vector, x: Vector) -> Vector:
 
 def only_inertia(tree: Tree) -> Tree:
     """The tree without friction and springs; rotors stay."""
+    return without(tree, "viscous", "coulomb", "stiffness")
+
+
+def without(tree: Tree, *terms: str) -> Tree:
+    """The tree without some of what its drives do, by the names in `DriveScalars`."""
+    nothing = dict.fromkeys(terms, 0.0)
     bodies = tuple(
-        body
-        if body.drive is None
-        else replace(body, drive=replace(body.drive, viscous=0.0, coulomb=0.0, stiffness=0.0))
+        body if body.drive is None else replace(body, drive=replace(body.drive, **nothing))
         for body in tree.bodies
     )
     return replace(tree, bodies=bodies)

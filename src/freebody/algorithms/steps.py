@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from freebody.algorithms.constraints import closed, constrained_motion
-from freebody.algorithms.crba import bias, crba, factor, substitute
+from freebody.algorithms.crba import bias, crba, factor, substitute, without
 from freebody.algorithms.kinematics import between, coordinate_rates, moved
 from freebody.algorithms.rnea import External
 from freebody.elementary import Scalar, sqrt
@@ -23,6 +23,9 @@ State = tuple[Vector, Vector]
 
 Acceleration = Callable[[Vector, Vector], Vector]
 """q̈ of q and q̇."""
+
+Loads = Callable[[Vector], Sequence[External]]
+"""External wrenches on the bodies, of q."""
 
 FRICTION_WIDTH = 1e-3
 """rad/s or m/s: where `implicit` takes c q̇ / sqrt(q̇² + width²) for Coulomb friction c sign(q̇)."""
@@ -71,10 +74,6 @@ class Feedback:
         return replace(self, q_ref=moved(tree, self.q_ref, scale(time, self.qd_ref)))
 
 
-Loads = Callable[[Vector], Sequence[External]]
-"""External wrenches on the bodies, of q."""
-
-
 def implicit(
     tree: Tree,
     q: Vector,
@@ -118,7 +117,7 @@ def _implicit_euler(
     The forces are those at q and q̇; D and K on the left are the slopes of what the drives take of them.
     """
     damping, stiffness, drag = _slopes(tree, qd)
-    forces = sub(sub(tau, bias(_without_coulomb(tree), q, qd, loads(q))), _each(drag, qd))
+    forces = sub(sub(tau, bias(without(tree, "coulomb"), q, qd, loads(q))), _each(drag, qd))
     ahead = _each(stiffness, qd)
     if feedback is not None:
         apart, faster = between(tree, feedback.q_ref, q), sub(qd, feedback.qd_ref)
@@ -148,14 +147,6 @@ def _slopes(tree: Tree, qd: Vector) -> tuple[Vector, Vector, Vector]:
             stiffness[k] = stiffness[k] + square * body.drive.stiffness
             drag[k] = drag[k] + square * (body.drive.coulomb / size)
     return tuple(viscous), tuple(stiffness), tuple(drag)
-
-
-def _without_coulomb(tree: Tree) -> Tree:
-    bodies = tuple(
-        body if body.drive is None else replace(body, drive=replace(body.drive, coulomb=0.0))
-        for body in tree.bodies
-    )
-    return replace(tree, bodies=bodies)
 
 
 def _each(factors: Vector, values: Vector) -> Vector:
