@@ -8,6 +8,8 @@ import importlib.metadata
 import importlib.util
 import os
 import threading
+import weakref
+from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import combinations
@@ -30,7 +32,8 @@ from freebody.targets.llvm import cache, fastcall
 from freebody.targets.llvm.emit import emit
 from freebody.targets.llvm.gufunc import make_gufunc, signature
 from freebody.targets.llvm.lanes import DOUBLE, REALS, Real
-from freebody.targets.llvm.machine import LONGEST_VECTOR, WIDTHS, assembly, host, link, object_code
+from freebody.targets.llvm.loader import load
+from freebody.targets.llvm.machine import LONGEST_VECTOR, WIDTHS, assembly, host, object_code
 from freebody.targets.sound import sound
 from freebody.targets.threads import cpus, run_split
 
@@ -237,6 +240,16 @@ class Kernel:
         return _batch_error(name, inputs, arrays) or problem
 
 
+class _QuickKernel(Kernel):
+    """A kernel whose calls go to C functions of its own: Python finds them, by the class, in the kernel's slots."""
+
+    __slots__ = ("__call__", "checked")
+
+    def __init__(self, kernel: Kernel, call: Callable[..., Any], checked: Callable[..., Any]):
+        super().__init__(kernel.program, kernel.backend, kernel.width, kernel.ufunc, REALS[kernel.dtype.name])
+        self.__call__, self.checked = call, checked  # type: ignore[method-assign]
+
+
 def _batch_error(name: str, inputs: tuple[Argument, ...], arrays: tuple[ArrayLike, ...]) -> BatchError | None:
     shapes = [np.shape(x)[: np.ndim(x) - len(i.shape)] for x, i in zip(arrays, inputs, strict=True)]
     try:
@@ -271,11 +284,15 @@ def compile_program(
     width = _width(width, real)
     if not _has_scalars(program):
         backend = "numpy"
+    key = (program.digest, backend, width, dtype)
     with _lock:
-        key = (program.digest, backend, width, dtype)
         kernel = _kernels.get(key)
         if kernel is None:
             kernel = _kernels[key] = _COMPILE[backend](_in_range(verify(program), real), width, real)
+        _recent[key] = kernel
+        _recent.move_to_end(key)
+        if len(_recent) > RECENT:
+            _recent.popitem(last=False)
     return kernel
 
 
@@ -298,7 +315,14 @@ def _in_range(program: Program, real: Real) -> Program:
 _lock = threading.Lock()
 if hasattr(os, "register_at_fork"):  # a fork waits, since its child would find the lock taken for ever
     os.register_at_fork(before=_lock.acquire, after_in_parent=_lock.release, after_in_child=_lock.release)
-_kernels: dict[tuple[str, str, int | None, str], Kernel] = {}
+
+RECENT = 32
+"""Kernels that are kept although nobody has them any more, for the next who asks for one."""
+
+_Key = tuple[str, str, int | None, str]
+_kernels: weakref.WeakValueDictionary[_Key, Kernel] = weakref.WeakValueDictionary()
+_recent: OrderedDict[_Key, Kernel] = OrderedDict()
+"""Those that were asked for last, the last one at the end."""
 
 
 def _compile_numpy(program: Program, width: int | None, real: Real) -> Kernel:
@@ -315,20 +339,18 @@ def _compile_llvm(program: Program, width: int | None, real: Real) -> Kernel:
         text = emit(optimise(program), machine)
         code = object_code(text + fastcall.text(program, real) if fast else text)
         cache.store(key, code)
-    symbols = ("kernel", "fastcall", "general", "general.checked") if fast else ("kernel",)
-    linked = link(code, symbols, fastcall.symbols(real) if fast else {})
-    ufunc = make_gufunc(linked["kernel"], program.name, program.inputs, program.outputs, linked, real)
+    symbols = ("kernel", *fastcall.EXPORTS) if fast else ("kernel",)
+    loaded, addresses = load(code, symbols, fastcall.symbols(real) if fast else {})
+    ufunc = make_gufunc(addresses["kernel"], program.name, program.inputs, program.outputs, loaded, real)
     kernel = Kernel(program, "llvm", machine.width, ufunc, real)
-    return _with_fastcall(kernel, linked) if fast else kernel
-
-
-def _with_fastcall(kernel: Kernel, linked: Any) -> Kernel:
-    """The kernel, called through its C function, which hands what is not plain to the kernel's own `__call__`."""
-    name = kernel.program.name
-    call, checked = fastcall.make(linked, name, kernel.__call__, kernel.checked)
-    # calling an object looks `__call__` up in its class: a class for each kernel costs nothing at the call
-    quick = type("Kernel", (Kernel,), {"__call__": call, "checked": checked, "__doc__": Kernel.__doc__})
-    return quick(kernel.program, kernel.backend, kernel.width, kernel.ufunc, REALS[kernel.dtype.name])
+    if not fast:
+        return kernel
+    ways = (kernel.__call__, kernel.checked)  # for what is not plain
+    call, checked = (
+        fastcall.function(addresses[symbol], program.name, general, loaded)
+        for symbol, general in zip(fastcall.EXPORTS, ways, strict=True)
+    )
+    return _QuickKernel(kernel, call, checked)
 
 
 _COMPILE = {"llvm": _compile_llvm, "numpy": _compile_numpy}

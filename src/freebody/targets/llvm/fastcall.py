@@ -6,24 +6,25 @@ contiguous and aligned. It makes the outputs, or takes those given as `out=` if 
 nothing, runs the loop once and returns; anything else goes to the general way, unchanged.
 
 It knows where CPython and NumPy keep the fields of an object and an array: both layouts are part of their stable binary
-interfaces on 64-bit builds with the GIL, and `available` is false elsewhere.
+interfaces on 64-bit builds with the GIL, and `available` is false elsewhere, or where the environment says
+FREEBODY_FASTCALL=off.
 """
 
 from __future__ import annotations
 
 import ctypes
 import importlib
+import os
 import struct
 import sys
 import sysconfig
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import cache
 from typing import Any
 
 import numpy as np
 
 from freebody.program.program import Argument, Program
-from freebody.targets.llvm.forever import forever
 from freebody.targets.llvm.lanes import Real
 
 _NEW = 93  # position of PyArray_New in the table of __multiarray_api.h
@@ -32,22 +33,18 @@ _CONTIGUOUS_ALIGNED = 0x0001 | 0x0100
 _WRITEABLE = 0x0400
 _TYPE, _DATA, _ND, _DIMS, _DESCR, _FLAGS = 8, 16, 24, 32, 56, 64  # offsets in PyObject and PyArrayObject
 _COUNT, _ITEMS = 16, 24  # offsets in PyTupleObject
+_METHOD_DEF = "PPiP"  # PyMethodDef: name, function, flags, text
 _OUT = sys.intern("out")  # as the name of a keyword is
 
 
-class _MethodDef(ctypes.Structure):
-    _fields_ = (
-        ("name", ctypes.c_char_p),
-        ("function", ctypes.c_void_p),
-        ("flags", ctypes.c_int),
-        ("doc", ctypes.c_char_p),
-    )
+EXPORTS = ("fastcall", "fastcall.checked")
 
 
 def available(program: Program) -> bool:
-    """Whether this interpreter has the known layouts, and the program's outputs are arrays."""
+    """Whether this interpreter has the known layouts, the outputs are arrays, and FREEBODY_FASTCALL is not off."""
     known = (
-        sys.implementation.name == "cpython"
+        os.environ.get("FREEBODY_FASTCALL", "").lower() != "off"
+        and sys.implementation.name == "cpython"
         and struct.calcsize("P") == 8
         and not sysconfig.get_config_var("Py_GIL_DISABLED")
         and not hasattr(sys, "getobjects")  # builds with traced references have longer objects
@@ -56,19 +53,18 @@ def available(program: Program) -> bool:
 
 
 def text(program: Program, real: Real) -> str:
-    """LLVM text of `ptr @fastcall(ptr self, ptr args, i64 nargs, ptr kwnames)`, in front of `@kernel`."""
+    """LLVM text of `ptr @fastcall(ptr self, ptr args, i64 nargs, ptr kwnames)`, in front of `@kernel`, and of
+    `@fastcall.checked`, which also looks whether the outputs are finite; `self` is a tuple whose first entry is the
+    callable for everything else."""
     inputs, outputs = program.inputs, program.outputs
     arguments = (*inputs, *outputs)
     lines = [
-        "@PyArray_Type = external global i8",
-        "@real_descr = external global i8",
-        "; the Python callables for everything else, set after linking",
-        "@general = global ptr null, align 8",
-        "@general.checked = global ptr null, align 8",
-        "@PyTuple_Type = external global i8",
-        "@name.out = external global i8",
+        "@freebody.PyArray_Type = external global i8",
+        f"@{_descr(real)} = external global i8",
+        "@freebody.PyTuple_Type = external global i8",
+        "@freebody.name.out = external global i8",
         "declare ptr @PyObject_Vectorcall(ptr, ptr, i64, ptr)",
-        "declare ptr @PyArray_New(ptr, i32, ptr, i32, ptr, ptr, i32, i32, ptr)",
+        "declare ptr @freebody.PyArray_New(ptr, i32, ptr, i32, ptr, ptr, i32, i32, ptr)",
         "declare ptr @PyTuple_New(i64)",
         "declare i32 @PyTuple_SetItem(ptr, i64, ptr)",
         "declare void @Py_IncRef(ptr)",
@@ -80,7 +76,8 @@ def text(program: Program, real: Real) -> str:
             [real.size * a.size for a in arguments] + [s for a in arguments for s in _strides(a, real.size)],
         ),
         *(_numbers(f"fast.shape{k}", list(a.shape)) for k, a in enumerate(outputs)),
-        "define ptr @fastcall(ptr %self, ptr %args, i64 %nargs, ptr %kwnames) {",
+        *(_entry(name, checked) for name, checked in zip(EXPORTS, ("false", "true"), strict=True)),
+        "define internal ptr @fast(ptr %self, ptr %args, i64 %nargs, ptr %kwnames, i1 %checked) noinline {",
         "entry:",
         f"  %data = alloca [{len(arguments)} x ptr], align 16",
         f"  %right.count = icmp eq i64 %nargs, {len(inputs)}",
@@ -89,12 +86,14 @@ def text(program: Program, real: Real) -> str:
         *_named_out(len(inputs), len(outputs)),
     ]
     for k, argument in enumerate(inputs):
-        lines += _look(k, argument, f"%args, i64 {k}", _CONTIGUOUS_ALIGNED)
+        lines += _look(k, argument, real, f"%args, i64 {k}", _CONTIGUOUS_ALIGNED)
     lines += [f"look{len(inputs)}:", "  br i1 %no.names, label %make, label %taken"]
     lines += _taken(len(outputs))
     lines.append(f"  br label %look{len(inputs) + 1}")
     for k, argument in enumerate(outputs, len(inputs) + 1):
-        lines += _look(k, argument, f"%outs, i64 {k - len(inputs) - 1}", _CONTIGUOUS_ALIGNED | _WRITEABLE, -1)
+        lines += _look(
+            k, argument, real, f"%outs, i64 {k - len(inputs) - 1}", _CONTIGUOUS_ALIGNED | _WRITEABLE, -1
+        )
     lines += [
         f"look{len(arguments) + 1}:",
         *_apart(arguments, len(inputs), real.size),
@@ -111,8 +110,7 @@ def text(program: Program, real: Real) -> str:
     lines += ["  ret ptr %out0"] if len(outputs) == 1 else _tuple(len(outputs))
     lines += [
         "general:",
-        "  %unasked = icmp eq ptr %self, null",
-        "  %callable.at = select i1 %unasked, ptr @general, ptr @general.checked",
+        f"  %callable.at = getelementptr i8, ptr %self, i64 {_ITEMS}",
         "  %callable = load ptr, ptr %callable.at, align 8",
         "  %result = call ptr @PyObject_Vectorcall(ptr %callable, ptr %args, i64 %nargs, ptr %kwnames)",
         "  ret ptr %result",
@@ -132,29 +130,37 @@ def symbols(real: Real) -> dict[str, int]:
         for name in ("PyObject_Vectorcall", "PyTuple_New", "PyTuple_SetItem", "Py_IncRef", "Py_DecRef")
     }
     return named | {
-        "PyArray_Type": id(np.ndarray),
-        "PyTuple_Type": id(tuple),
-        "name.out": id(_OUT),
-        "real_descr": id(np.dtype(real.dtype)),
-        "PyArray_New": _array_api(_NEW),
+        "freebody.PyArray_Type": id(np.ndarray),
+        "freebody.PyTuple_Type": id(tuple),
+        "freebody.name.out": id(_OUT),
+        _descr(real): id(np.dtype(real.dtype)),
+        "freebody.PyArray_New": _array_api(_NEW),
     }
 
 
-def make(
-    linked: Mapping[str, int], name: str, call: Callable[..., Any], checked: Callable[..., Any]
-) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """The Python functions of a compiled `@fastcall`: one that goes to `call` with what is not plain, and one that goes
-    to `checked`, also when an entry of an output is not finite; told apart by the `self` that they hand over."""
-    made = []
+def function(address: int, name: str, general: Callable[..., Any], keep: Any) -> Callable[..., Any]:
+    """The Python function of one of `EXPORTS`, which goes to `general` with what is not plain.
+
+    It holds what it points to, and `keep`.
+    """
     new = ctypes.pythonapi.PyCFunction_NewEx
-    new.restype = ctypes.py_object
-    new.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]
-    definition = _MethodDef(name.encode(), linked["fastcall"], _FASTCALL_KEYWORDS, None)
-    for slot, general, itself in (("general", call, None), ("general.checked", checked, id(None))):
-        ctypes.c_void_p.from_address(linked[slot]).value = id(general)
-        forever(definition, general)
-        made.append(new(ctypes.addressof(definition), itself, None))
-    return made[0], made[1]
+    new.restype, new.argtypes = ctypes.py_object, [ctypes.c_char_p, ctypes.py_object, ctypes.c_void_p]
+    title = name.encode()
+    at = ctypes.cast(ctypes.c_char_p(title), ctypes.c_void_p).value
+    definition = struct.pack(_METHOD_DEF, at, address, _FASTCALL_KEYWORDS, 0)
+    return new(definition, (general, title, definition, keep), None)
+
+
+def _entry(name: str, checked: str) -> str:
+    return f"""\
+define ptr @{name}(ptr %self, ptr %args, i64 %nargs, ptr %kwnames) {{
+  %result = tail call ptr @fast(ptr %self, ptr %args, i64 %nargs, ptr %kwnames, i1 {checked})
+  ret ptr %result
+}}"""
+
+
+def _descr(real: Real) -> str:
+    return f"freebody.descr.{real.dtype}"
 
 
 @cache
@@ -191,7 +197,7 @@ def _named_out(inputs: int, outputs: int) -> list[str]:
         "  %one.name = icmp eq i64 %names, 1",
         f"  %name.at = getelementptr i8, ptr %kwnames, i64 {_ITEMS}",
         "  %name = load ptr, ptr %name.at, align 8",
-        "  %is.out = icmp eq ptr %name, @name.out",
+        "  %is.out = icmp eq ptr %name, @freebody.name.out",
         "  %only.out = and i1 %one.name, %is.out",
     ]
     if outputs == 1:
@@ -203,7 +209,7 @@ def _named_out(inputs: int, outputs: int) -> list[str]:
             "  %tuple.given = load ptr, ptr %given.at, align 8",
             f"  %kind.at = getelementptr i8, ptr %tuple.given, i64 {_TYPE}",
             "  %kind = load ptr, ptr %kind.at, align 8",
-            "  %is.tuple = icmp eq ptr %kind, @PyTuple_Type",
+            "  %is.tuple = icmp eq ptr %kind, @freebody.PyTuple_Type",
             "  br i1 %is.tuple, label %counting, label %general",
             "counting:",
             f"  %length.at = getelementptr i8, ptr %tuple.given, i64 {_COUNT}",
@@ -244,7 +250,7 @@ def _apart(arguments: tuple[Argument, ...], inputs: int, size: int) -> list[str]
     return [*lines, f"  br i1 {apart}, label %run, label %general"]
 
 
-def _look(k: int, argument: Argument, place: str, flags: int, shift: int = 0) -> list[str]:
+def _look(k: int, argument: Argument, real: Real, place: str, flags: int, shift: int = 0) -> list[str]:
     """Argument k, found at `place`: on to the next if it is a plain array of its core shape, else the general way.
 
     Its data become entry k + shift of those that the loop takes.
@@ -255,7 +261,7 @@ def _look(k: int, argument: Argument, place: str, flags: int, shift: int = 0) ->
         f"  %slot{k} = getelementptr ptr, ptr {place}",
         f"  %object{k} = load ptr, ptr %slot{k}, align 8",
         *_field(k, "type", _TYPE, "ptr"),
-        f"  %is{k} = icmp eq ptr %type{k}, @PyArray_Type",
+        f"  %is{k} = icmp eq ptr %type{k}, @freebody.PyArray_Type",
         f"  br i1 %is{k}, label %array{k}, label %general",
         f"array{k}:",
         *_field(k, "nd", _ND, "i32"),
@@ -263,7 +269,7 @@ def _look(k: int, argument: Argument, place: str, flags: int, shift: int = 0) ->
         *_field(k, "flags", _FLAGS, "i32"),
         f"  %masked{k} = and i32 %flags{k}, {flags}",
         f"  %a{k} = icmp eq i32 %nd{k}, {nd}",
-        f"  %b{k} = icmp eq ptr %descr{k}, @real_descr",
+        f"  %b{k} = icmp eq ptr %descr{k}, @{_descr(real)}",
         f"  %c{k} = icmp eq i32 %masked{k}, {flags}",
         f"  %ab{k} = and i1 %a{k}, %b{k}",
         f"  %abc{k} = and i1 %ab{k}, %c{k}",
@@ -299,8 +305,8 @@ def _field(k: int, name: str, offset: int, kind: str) -> list[str]:
 def _make(k: int, position: int, argument: Argument, real: Real) -> list[str]:
     """Output k: a new array; `position` among all arguments."""
     return [
-        f"  %out{k} = call ptr @PyArray_New(ptr @PyArray_Type, i32 {len(argument.shape)}, ptr @fast.shape{k}, "
-        f"i32 {real.number}, ptr null, ptr null, i32 0, i32 0, ptr null)",
+        f"  %out{k} = call ptr @freebody.PyArray_New(ptr @freebody.PyArray_Type, i32 {len(argument.shape)}, "
+        f"ptr @fast.shape{k}, i32 {real.number}, ptr null, ptr null, i32 0, i32 0, ptr null)",
         f"  %made{k} = icmp ne ptr %out{k}, null",
         f"  br i1 %made{k}, label %made.{k}, label %failed",
         f"made.{k}:",
@@ -337,8 +343,7 @@ done:
 def _checked(outputs: tuple[Argument, ...]) -> list[str]:
     """If asked for, look whether all entries of the outputs are finite; else let go of them, and go the general way."""
     lines = [
-        "  %unchecked = icmp eq ptr %self, null",
-        "  br i1 %unchecked, label %good, label %check",
+        "  br i1 %checked, label %check, label %good",
         "check:",
     ]
     fine = "true"

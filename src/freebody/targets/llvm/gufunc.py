@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import ctypes
 import importlib
+import struct
 from collections.abc import Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
 
 from freebody.program.program import Argument
-from freebody.targets.llvm.forever import forever
 from freebody.targets.llvm.lanes import Real
 
 _FROM_FUNC_AND_DATA_AND_SIGNATURE = 31  # position in the table of __ufunc_api.h; part of NumPy's stable ABI
 _NONE = -1  # PyUFunc_None: no identity
+_OBJ = 88  # offset of `obj` in PyUFuncObject of ufuncobject.h, on 64-bit builds
 
 
 def signature(inputs: Sequence[Argument], outputs: Sequence[Argument]) -> str:
@@ -39,22 +41,41 @@ def make_gufunc(
         keep: whatever must live as long as the code is callable.
         real: type of the numbers.
     """
-    count = len(inputs) + len(outputs)
-    functions = (ctypes.c_void_p * 1)(address)
-    data = (ctypes.c_void_p * 1)(None)
-    types = (ctypes.c_char * count)(*[real.number] * count)
-    text = [name.encode(), signature(inputs, outputs).encode(), signature(inputs, outputs).encode()]
-    forever(functions, data, types, text, keep)
+    functions, data = struct.pack("P", address), struct.pack("P", 0)
+    types = bytes([real.number] * (len(inputs) + len(outputs)))
+    title, core = name.encode(), signature(inputs, outputs).encode()
     make = _api(
         _FROM_FUNC_AND_DATA_AND_SIGNATURE,
         ctypes.py_object,
-        *[ctypes.c_void_p] * 3,
+        *[ctypes.c_char_p] * 3,
         *[ctypes.c_int] * 4,
         *[ctypes.c_char_p] * 2,
         ctypes.c_int,
         ctypes.c_char_p,
     )
-    return make(functions, data, types, 1, len(inputs), len(outputs), _NONE, text[0], text[1], 0, text[2])
+    ufunc = make(functions, data, types, 1, len(inputs), len(outputs), _NONE, title, core, 0, core)
+    _hold(ufunc, (functions, data, types, title, core, keep))
+    return ufunc
+
+
+def _hold(ufunc: np.ufunc, things: tuple[Any, ...]) -> None:
+    """Let a ufunc hold what it points to: in the place where `np.frompyfunc` keeps its callable, or for ever."""
+    if _has_place():
+        ctypes.c_void_p.from_address(id(ufunc) + _OBJ).value = id(things)
+    ctypes.pythonapi.Py_IncRef(ctypes.py_object(things))
+
+
+@cache
+def _has_place() -> bool:
+    """Whether NumPy's ufuncs have their callable where its headers say; in another layout things are kept for ever."""
+
+    def probe(x: Any) -> Any:
+        return x
+
+    known = np.frompyfunc(probe, 1, 1)
+    return np.ufunc.__basicsize__ >= _OBJ + ctypes.sizeof(ctypes.c_void_p) and ctypes.c_void_p.from_address(
+        id(known) + _OBJ
+    ).value == id(probe)
 
 
 def _api(position: int, result: Any, *arguments: Any) -> Any:

@@ -1,18 +1,13 @@
-"""The machine that kernels are compiled for, and the way from LLVM text to a function address."""
+"""The machine that kernels are compiled for, and the way from LLVM text to an object for it."""
 
 from __future__ import annotations
 
-import ctypes
-import itertools
-import os
-import sys
-import threading
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 from freebody.errors import FreebodyError
+from freebody.targets.llvm.exclusive import exclusive
 from freebody.targets.llvm.lanes import DOUBLE, Lanes, Real
 
 WIDTHS = (2, 4, 8, 16)
@@ -81,14 +76,6 @@ def host() -> Host:
     )
 
 
-_lock = threading.Lock()  # one compilation or link at a time
-if hasattr(
-    os, "register_at_fork"
-):  # a fork waits, since its child would find this lock and LLVM's taken for ever
-    os.register_at_fork(before=_lock.acquire, after_in_parent=_lock.release, after_in_child=_lock.release)
-_numbers = itertools.count()
-
-
 def object_code(text: str, opt: int = 2) -> bytes:
     """A relocatable object for the host."""
     return _emit(text, opt, "object")
@@ -103,48 +90,22 @@ def _emit(text: str, opt: int, kind: str) -> Any:
     import llvmlite.binding as llvm
 
     here = host()
-    with _lock:
-        machine = llvm.Target.from_triple(here.triple).create_target_machine(
-            cpu=here.cpu, features=here.features, opt=opt, reloc="pic", codemodel="small"
-        )
+    with exclusive(), host_machine(opt) as machine, llvm.create_context() as context:
+        # a context keeps all constants that were ever read in it: one for each text
         try:
-            module = llvm.parse_assembly(text)
+            module = llvm.parse_assembly(text, context)
         except RuntimeError as problem:
             raise CompileError(f"LLVM {here.llvm} refused the text of a kernel: {problem}") from None
-        module.triple, module.data_layout = here.triple, str(machine.target_data)
-        return machine.emit_object(module) if kind == "object" else machine.emit_assembly(module)
+        with module:
+            module.triple, module.data_layout = here.triple, str(machine.target_data)
+            return machine.emit_object(module) if kind == "object" else machine.emit_assembly(module)
 
 
-def link(code: bytes, exports: Sequence[str], imports: Mapping[str, int]) -> Any:
-    """Load an object into this process: a mapping from its exports to addresses, to be kept while they are used.
-
-    imports: addresses of the symbols that it refers to, besides the C functions that every kernel may call.
-    """
-    import llvmlite.binding as llvm
-
-    library = llvm.JITLibraryBuilder().add_object_img(code)
-    for symbol in exports:
-        library.export_symbol(symbol)
-    for name, address in {**_externals(), **imports}.items():
-        library.import_symbol(name, address)
-    with _lock:
-        return library.link(_jit(), f"freebody{next(_numbers)}")
-
-
-@cache
-def _jit() -> Any:
+def host_machine(opt: int = 2, jit: bool = False) -> Any:
+    """LLVM's code generator for the host."""
     import llvmlite.binding as llvm
 
     here = host()
-    machine = llvm.Target.from_triple(here.triple).create_target_machine(
-        cpu=here.cpu, features=here.features, opt=2, reloc="pic", codemodel="small", jit=True
+    return llvm.Target.from_triple(here.triple).create_target_machine(
+        cpu=here.cpu, features=here.features, opt=opt, reloc="pic", codemodel="small", jit=jit
     )
-    return llvm.create_lljit_compiler(machine)
-
-
-@cache
-def _externals() -> dict[str, int]:
-    """Addresses of the C functions that kernels call; on x86 they need no `feclearexcept`."""
-    library = ctypes.CDLL("ucrtbase" if sys.platform == "win32" else None)
-    names = ("malloc", "free") if host().x86 else ("malloc", "free", "feclearexcept")
-    return {name: ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0 for name in names}

@@ -1,0 +1,91 @@
+"""Compiled objects in this process: loaded to be called, and their memory given back when nothing can reach them."""
+
+from __future__ import annotations
+
+import ctypes
+import itertools
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from functools import cache
+from typing import Any
+
+from freebody.targets.llvm import exclusive
+from freebody.targets.llvm.machine import CompileError, host, host_machine
+
+
+class Code(int):
+    """A loaded object: its code and data stay as long as this does, so whatever may call it holds this.
+
+    It is an integer without a dict because the garbage collector does not know such objects: of those that it knows, it
+    runs `__del__` before the finalizers of others in the same garbage, which may still call a kernel.
+    """
+
+    __slots__ = ()
+
+    def __del__(self, ending: Any = sys.is_finalizing) -> None:
+        if not ending():  # else the system takes back everything, and threads may still be inside
+            _give_back(self)
+
+
+_engines: dict[int, tuple[Any, int]] = {}
+"""Number of the code -> LLVM's engine that holds it, and the process that loaded it."""
+
+_numbers = itertools.count()
+
+
+def load(code: bytes, exports: Sequence[str], imports: Mapping[str, int]) -> tuple[Code, dict[str, int]]:
+    """Load an object: what keeps it, and the addresses of its exported functions.
+
+    imports: addresses of the symbols that it refers to, besides the C functions that every kernel may call.
+
+    Raises:
+        CompileError: no object, or one that lacks an export.
+    """
+    import llvmlite.binding as llvm
+
+    for name, address in {**_externals(), **imports}.items():
+        if llvm.address_of_symbol(name) is None:
+            llvm.add_symbol(name, address)
+    with exclusive.exclusive():
+        # an engine of its own: what several share is not given back until all of them are gone
+        module = llvm.parse_assembly("", _context())
+        module.triple = host().triple
+        engine = llvm.create_mcjit_compiler(module, host_machine(jit=True))
+        engine.remove_module(module)  # it would be compiled, although there is nothing in it
+        try:
+            engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+        except RuntimeError as problem:
+            raise CompileError(f"LLVM {host().llvm} refused the object of a kernel: {problem}") from None
+        engine.finalize_object()
+        addresses = {name: engine.get_function_address(name) for name in exports}
+    number = next(_numbers)
+    _engines[number] = engine, os.getpid()
+    loaded = Code(number)
+    if not all(addresses.values()):
+        raise CompileError(f"the object of a kernel lacks one of {', '.join(exports)}.")
+    return loaded, addresses
+
+
+def _give_back(code: Code) -> None:
+    """Let LLVM free a code's memory; a forked child leaves alone what it found: its pages are its parent's."""
+    engine, process = _engines.pop(int(code))
+    if process == os.getpid():
+        exclusive.close(engine)
+    else:
+        engine.detach()
+
+
+@cache
+def _context() -> Any:
+    import llvmlite.binding as llvm
+
+    return llvm.create_context()
+
+
+@cache
+def _externals() -> dict[str, int]:
+    """Addresses of the C functions that kernels call; on x86 they need no `feclearexcept`."""
+    library = ctypes.CDLL("ucrtbase" if sys.platform == "win32" else None)
+    names = ("malloc", "free") if host().x86 else ("malloc", "free", "feclearexcept")
+    return {name: ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0 for name in names}
