@@ -58,13 +58,13 @@ KNOWN = {
         "parse_assembly",
     ): "LLVM text of a verified Program: its names are words of freebody's own",
     (
-        "targets/llvm/machine.py",
-        "add_object_img",
+        "targets/llvm/loader.py",
+        "add_object_file",
     ): "what was compiled from that text, or found in the user's own cache",
-    ("targets/llvm/machine.py", "CDLL"): "a constant: the C library",
-    ("targets/llvm/fastcall.py", "from_address"): "the address of a global that the linker gave",
+    ("targets/llvm/loader.py", "CDLL"): "a constant: the C library",
+    ("targets/llvm/loader.py", "parse_assembly"): "an empty text",
+    ("targets/llvm/gufunc.py", "from_address"): "a field of a ufunc that was just made",
     ("targets/llvm/fastcall.py", "pythonapi"): "constant names of CPython's functions",
-    ("targets/llvm/forever.py", "pythonapi"): "a constant name of CPython's functions",
     ("targets/llvm/gufunc.py", "pythonapi"): "constant names of CPython's functions",
     (
         "formats/estimate.py",
