@@ -99,6 +99,41 @@ def test_out_of_plain_arrays_never_leaves_the_interpreters_own_way(monkeypatch):
     assert len(general) == 3
 
 
+def test_numbers_of_python_go_the_quick_way(monkeypatch):
+    """A gain or a step's length: NumPy takes 4 microseconds to make two arrays of them."""
+    program = trace(
+        "scaled",
+        lambda q, a, b: ([a * q[0] + b, sin(b)],),
+        [Argument("q", (1,)), Argument("a", ()), Argument("b", ())],
+        [Argument("y", (2,))],
+    )
+    if not fastcall.available(program):
+        pytest.skip("this interpreter's objects are not laid out as the fast call expects")
+    general = []
+    whole = Kernel.__call__
+
+    def counted(self, *given, **named):
+        general.append(given)
+        return whole(self, *given, **named)
+
+    monkeypatch.setattr(Kernel, "__call__", counted)
+    scaled, q, out = compile_program(program, backend="llvm"), np.array([3.0]), np.empty(2)
+    expected = scaled.ufunc(q, 2.5, -0.1)
+    a, b = 2.5, float("-0.1")
+    before = sys.getrefcount(b)
+    for given in ((a, b), (np.array(a), b), (a, np.array(b))):
+        assert scaled(q, *given).tobytes() == expected.tobytes()
+        assert scaled(q, *given, out=out).tobytes() == expected.tobytes()
+    assert sys.getrefcount(b) <= before + 1  # of the tuples above
+    assert np.isnan(scaled(q, float("nan"), b)).all()
+    assert general == []
+    for other in (2, True, np.float64(2.0), np.float32(2.0), np.array([2.0])):
+        np.testing.assert_array_equal(scaled(q, other, b), scaled.ufunc(q, np.float64(other), b))
+    assert len(general) == 5
+    single = compile_program(program, backend="llvm", dtype="float32")
+    np.testing.assert_allclose(single(q.astype(np.float32), 2.5, -0.1), expected, rtol=1e-6)
+
+
 BUFFER = np.zeros(16)
 
 

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from freebody.program.program import Argument, Program
-from freebody.targets.llvm.lanes import Real
+from freebody.targets.llvm.lanes import DOUBLE, Real
 
 _NEW = 93  # position of PyArray_New in the table of __multiarray_api.h
 _FASTCALL_KEYWORDS = 0x0080 | 0x0002
@@ -33,6 +33,7 @@ _CONTIGUOUS_ALIGNED = 0x0001 | 0x0100
 _WRITEABLE = 0x0400
 _TYPE, _DATA, _ND, _DIMS, _DESCR, _FLAGS = 8, 16, 24, 32, 56, 64  # offsets in PyObject and PyArrayObject
 _COUNT, _ITEMS = 16, 24  # offsets in PyTupleObject
+_VALUE = 16  # offset in PyFloatObject
 _METHOD_DEF = "PPiP"  # PyMethodDef: name, function, flags, text
 _OUT = sys.intern("out")  # as the name of a keyword is
 
@@ -61,6 +62,7 @@ def text(program: Program, real: Real) -> str:
     lines = [
         "@freebody.PyArray_Type = external global i8",
         f"@{_descr(real)} = external global i8",
+        "@freebody.PyFloat_Type = external global i8",
         "@freebody.PyTuple_Type = external global i8",
         "@freebody.name.out = external global i8",
         "declare ptr @PyObject_Vectorcall(ptr, ptr, i64, ptr)",
@@ -86,7 +88,10 @@ def text(program: Program, real: Real) -> str:
         *_named_out(len(inputs), len(outputs)),
     ]
     for k, argument in enumerate(inputs):
-        lines += _look(k, argument, real, f"%args, i64 {k}", _CONTIGUOUS_ALIGNED)
+        is_number = not argument.shape and real is DOUBLE
+        otherwise = f"float{k}" if is_number else "general"
+        lines += _look(k, argument, real, f"%args, i64 {k}", _CONTIGUOUS_ALIGNED, otherwise=otherwise)
+        lines += _float(k) if is_number else []
     lines += [f"look{len(inputs)}:", "  br i1 %no.names, label %make, label %taken"]
     lines += _taken(len(outputs))
     lines.append(f"  br label %look{len(inputs) + 1}")
@@ -131,6 +136,7 @@ def symbols(real: Real) -> dict[str, int]:
     }
     return named | {
         "freebody.PyArray_Type": id(np.ndarray),
+        "freebody.PyFloat_Type": id(float),
         "freebody.PyTuple_Type": id(tuple),
         "freebody.name.out": id(_OUT),
         _descr(real): id(np.dtype(real.dtype)),
@@ -250,10 +256,18 @@ def _apart(arguments: tuple[Argument, ...], inputs: int, size: int) -> list[str]
     return [*lines, f"  br i1 {apart}, label %run, label %general"]
 
 
-def _look(k: int, argument: Argument, real: Real, place: str, flags: int, shift: int = 0) -> list[str]:
+def _look(
+    k: int,
+    argument: Argument,
+    real: Real,
+    place: str,
+    flags: int,
+    shift: int = 0,
+    otherwise: str = "general",
+) -> list[str]:
     """Argument k, found at `place`: on to the next if it is a plain array of its core shape, else the general way.
 
-    Its data become entry k + shift of those that the loop takes.
+    Its data become entry k + shift of those that the loop takes. otherwise: where what is no array goes.
     """
     nd = len(argument.shape)
     lines = [
@@ -262,7 +276,7 @@ def _look(k: int, argument: Argument, real: Real, place: str, flags: int, shift:
         f"  %object{k} = load ptr, ptr %slot{k}, align 8",
         *_field(k, "type", _TYPE, "ptr"),
         f"  %is{k} = icmp eq ptr %type{k}, @freebody.PyArray_Type",
-        f"  br i1 %is{k}, label %array{k}, label %general",
+        f"  br i1 %is{k}, label %array{k}, label %{otherwise}",
         f"array{k}:",
         *_field(k, "nd", _ND, "i32"),
         *_field(k, "descr", _DESCR, "ptr"),
@@ -292,6 +306,20 @@ def _look(k: int, argument: Argument, real: Real, place: str, flags: int, shift:
         f"  %entry{k} = getelementptr ptr, ptr %data, i64 {k + shift}",
         f"  store ptr %buffer{k}, ptr %entry{k}, align 8",
         f"  br i1 {fits}, label %look{k + 1}, label %general",
+    ]
+
+
+def _float(k: int) -> list[str]:
+    """Input k, which is no array: the double in it if it is a number of Python's, else the general way."""
+    return [
+        f"float{k}:",
+        f"  %is.float{k} = icmp eq ptr %type{k}, @freebody.PyFloat_Type",
+        f"  br i1 %is.float{k}, label %number{k}, label %general",
+        f"number{k}:",
+        f"  %value{k} = getelementptr i8, ptr %object{k}, i64 {_VALUE}",
+        f"  %value.entry{k} = getelementptr ptr, ptr %data, i64 {k}",
+        f"  store ptr %value{k}, ptr %value.entry{k}, align 8",
+        f"  br label %look{k + 1}",
     ]
 
 
