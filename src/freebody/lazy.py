@@ -2,10 +2,26 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar, overload
 
 T = TypeVar("T")
+
+
+class Keeps:
+    """A frozen dataclass that values are kept in: a pickle carries its fields, not what was found from them since."""
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}  # type: ignore[arg-type]
+
+
+def kept(instance: object, name: str, find: Callable[[], T]) -> T:
+    """What `find` says of a frozen instance (of `Keeps`, or one that pickles its fields alone), kept there by name."""
+    values = instance.__dict__
+    if name not in values:
+        values.setdefault(name, find())
+    return values[name]
 
 
 class cached_property(Generic[T]):

@@ -23,6 +23,8 @@ Matrix = tuple[Vector, ...]
 # ---------------------------------------------------------------- vectors and matrices of any size
 def add(*vectors: Vector) -> Vector:
     """Sum of vectors."""
+    if len(vectors) == 2:
+        return tuple([x + y for x, y in zip(*vectors, strict=True)])
     return tuple(reduce(lambda x, y: x + y, column) for column in zip(*vectors, strict=True))
 
 
@@ -43,6 +45,8 @@ def scale(s: Scalar, a: Vector) -> Vector:
 
 def dot(a: Vector, b: Vector) -> Scalar:
     """a · b."""
+    if len(a) == len(b) == 3:  # most are: tracing and lowering spend their time here
+        return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
     return reduce(lambda x, y: x + y, (x * y for x, y in zip(a, b, strict=True)))
 
 
@@ -66,7 +70,7 @@ def combine(vectors: tuple[Vector, ...], weights: Vector) -> Vector:
 
 def times(A: Matrix, x: Vector) -> Vector:
     """A x."""
-    return tuple(dot(row, x) for row in A)
+    return tuple([dot(row, x) for row in A])
 
 
 def transposed(A: Matrix, columns: int = 0) -> Matrix:
@@ -186,15 +190,17 @@ class Space:
     def steiner(self, m: Scalar, h: Vector, p: Vector) -> Matrix:
         """What an inertia about an origin gains when that origin (mass m, first moment h about it) lies at p (1.19)."""
         # the inertia of first moments a, b is (a·b) 1 - a bᵀ, made symmetric
-        twice = tuple(m * p[i] + 2.0 * h[i] for i in range(3))
-        d = dot(p, twice)
-        return symmetric(
-            3, lambda i, j: d - p[i] * twice[i] if i == j else -(m * p[i] * p[j] + p[i] * h[j] + h[i] * p[j])
-        )
+        (x, y, z), (hx, hy, hz) = p, h
+        mx, my, mz = m * x, m * y, m * z
+        xx, yy, zz = x * (mx + 2.0 * hx), y * (my + 2.0 * hy), z * (mz + 2.0 * hz)
+        xy, xz, yz = -(mx * y + x * hy + hx * y), -(mx * z + x * hz + hx * z), -(my * z + y * hz + hy * z)
+        return ((yy + zz, xy, xz), (xy, xx + zz, yz), (xz, yz, xx + yy))
 
     def plus_inertia(self, a: Matrix, b: Matrix) -> Matrix:
         """Sum of two inertias about the same point."""
-        return symmetric(3, lambda i, j: a[i][j] + b[i][j])
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = a
+        xy, xz, yz = xy + b[0][1], xz + b[0][2], yz + b[1][2]
+        return ((xx + b[0][0], xy, xz), (xy, yy + b[1][1], yz), (xz, yz, zz + b[2][2]))
 
     def skew(self, r: Vector) -> Matrix:
         """Matrix of r × f as a function of f: angular rows, linear columns."""

@@ -8,26 +8,13 @@ from dataclasses import replace
 from freebody.algorithms.kinematics import Column, Pose, ancestors, joint_poses
 from freebody.algorithms.rnea import External, rnea
 from freebody.elementary import Scalar
-from freebody.model.tree import Tree, TreeBody
+from freebody.model.tree import Composite, Tree, TreeBody, about_origin
 from freebody.spatial import AnySpace, Matrix, Vector, add, dot, scale, sub, times
-
-Composite = tuple[Scalar, Vector, Scalar]
-"""(mass, first moment, inertia) of what moves with a body, about its origin, in its axes."""
 
 
 def own_inertia(space: AnySpace, body: TreeBody) -> Composite:
     """Mass, first moment and inertia of a body about its origin."""
-    m: Scalar = 0.0
-    h, inertia = space.zero, space.no_inertia
-    for mass in body.masses:
-        nothing = space.zero
-        m, h = m + mass.m, add(h, scale(mass.m, mass.c))
-        if mass.h is not None:
-            h = add(h, mass.h)
-        inertia = space.plus_inertia(
-            inertia, space.plus_inertia(mass.inertia, space.steiner(mass.m, nothing, mass.c))
-        )
-    return m, h, inertia
+    return about_origin(space, body.masses)
 
 
 def composites(tree: Tree, joints: list[Pose]) -> list[Composite]:

@@ -18,6 +18,8 @@ def kinetic_energy(tree: Tree, q: Vector, qd: Vector) -> Scalar:
         for mass in body.masses:
             v = add(motion.v[i], space.cross(w, mass.c))
             twice = twice + mass.m * dot(v, v) + dot(w, space.inertia_times(mass.inertia, w))
+            if mass.h is not None:
+                twice = twice + 2.0 * dot(v, space.cross(w, mass.h))
         if body.drive is not None:
             (rate,) = body.rates(qd)
             twice = twice + body.drive.rotor * (rate * rate)
@@ -30,6 +32,8 @@ def potential_energy(tree: Tree, q: Vector) -> Scalar:
     for body, (R, p) in zip(tree.bodies, world_poses(tree, joint_poses(tree, q)), strict=True):
         for mass in body.masses:
             energy = energy - mass.m * dot(tree.gravity, add(p, times(R, mass.c)))
+            if mass.h is not None:
+                energy = energy - dot(tree.gravity, times(R, mass.h))
         if body.drive is not None:
             (position,) = body.position(q)
             stretch = position - body.drive.rest
@@ -46,12 +50,16 @@ def momentum(tree: Tree, q: Vector, qd: Vector, about: Vector | None = None) -> 
     for i, (R, p) in enumerate(world_poses(tree, motion.joints)):
         w = motion.w[i]
         for mass in tree.bodies[i].masses:
-            m_v = times(R, scale(mass.m, add(motion.v[i], space.cross(w, mass.c))))
+            v = add(motion.v[i], space.cross(w, mass.c))
+            momentum = scale(mass.m, v)
+            spin = space.inertia_times(mass.inertia, w)
+            if mass.h is not None:
+                momentum = add(momentum, space.cross(w, mass.h))
+                spin = add(spin, space.moment(mass.h, v))
+            m_v = times(R, momentum)
             arm = add(p, times(R, mass.c))
             if about is not None:
                 arm = sub(arm, about)
             linear = add(linear, m_v)
-            angular = add(
-                angular, space.turn(R, space.inertia_times(mass.inertia, w)), space.moment(arm, m_v)
-            )
+            angular = add(angular, space.turn(R, spin), space.moment(arm, m_v))
     return linear + angular

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from freebody.elementary import Scalar
 from freebody.errors import SingularError
 from freebody.model.joints.kind import Column
-from freebody.model.tree import Tree
+from freebody.model.tree import Pose, Tree
 from freebody.spatial import (
     Matrix,
     Vector,
@@ -20,9 +20,6 @@ from freebody.spatial import (
     times,
     transposed,
 )
-
-Pose = tuple[Matrix, Vector]
-"""(R, p): axes and origin of a frame."""
 
 
 def joint_poses(tree: Tree, q: Vector) -> list[Pose]:
@@ -236,6 +233,9 @@ def _assembled(tree: Tree, columns: dict[int, list[Column]], E: Matrix | None) -
     return transposed(tuple(full), space.six)
 
 
+NO_CENTRE = "{} has a mass, so there is no centre of mass; give them an inertia."
+
+
 def centre_of_mass(tree: Tree, q: Vector, base: bool = True) -> Vector:
     """Centre of mass Σ m r / Σ m in the world (1.15), with or without the base's mass."""
     total: Scalar = 0.0
@@ -247,7 +247,8 @@ def centre_of_mass(tree: Tree, q: Vector, base: bool = True) -> Vector:
         for mass in masses:
             total = total + mass.m
             moment = add(moment, scale(mass.m, add(p, times(R, mass.c))))
+            if mass.h is not None:
+                moment = add(moment, times(R, mass.h))
     if isinstance(total, float) and total == 0.0:
-        which = "no link" if base else "no link that moves"
-        raise SingularError(f"{which} has a mass, so there is no centre of mass; give them an inertia.")
+        raise SingularError(NO_CENTRE.format("no link" if base else "no link that moves"))
     return scale(1.0 / total, moment)

@@ -12,7 +12,7 @@ from freebody.arrays import Array
 from freebody.inverse.chain import arm_length
 from freebody.inverse.descent import descend
 from freebody.inverse.task import Task
-from freebody.kernels import lookup
+from freebody.kernels import structural
 from freebody.kernels.formulas import Option
 from freebody.lazy import cached_property
 from freebody.model.model import Model
@@ -65,7 +65,7 @@ class Seeker:
     @cached_property
     def _kernel(self) -> Callable[..., tuple[Array, Array]]:
         names = ("forward_kinematics", "jacobian")
-        return lookup.fetch(self.model, names, Option(self.frame))
+        return structural.fetch(self.model, names, Option(self.frame))
 
     def pose_and_jacobian(self, q: Array) -> tuple[Array, Array]:
         """T (..., dim + 1, dim + 1) and the counted rows of J (..., r, nv) at q (..., nq)."""

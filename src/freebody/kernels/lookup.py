@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from freebody.algorithms.regressor import parameter_values
+from freebody.algorithms.regressor import DRIVE, body_parameters
 from freebody.arrays import Array
+from freebody.elementary import Scalar
 from freebody.errors import FreebodyError, SingularError, UnknownNameError
 from freebody.kernels.closed_chains import closed
 from freebody.kernels.columns import BY_COLUMNS, LARGEST, ColumnKernel, KernelList
@@ -22,7 +23,10 @@ from freebody.kernels.formulas import (
     Option,
 )
 from freebody.model.model import Model
+from freebody.model.structure import drives
+from freebody.model.tree import Tree
 from freebody.program import Argument, Program, trace
+from freebody.spatial import of_dimension
 from freebody.targets import Kernel, compile_program
 
 
@@ -174,20 +178,33 @@ def fetch(
                 f"fb.kernel: {large[0]} of {model.nv} coordinates is made column by column, which is there in float64 "
                 f"only (dtype={dtype!r} up to {LARGEST} coordinates)."
             )
-        if model.nv > LARGEST and len(names) == 1 and names[0] in BY_COLUMNS:
-            (name,) = names
-            found = ColumnKernel(
-                name,
-                arguments(model, names, option),
-                model.nv,
-                lambda part: fetch(model, (part,), Option(), backend, width),
-            )
-        elif model.nv > LARGEST and any(name in BY_COLUMNS for name in names):
-            found = _in_parts(model, names, option, lambda some: fetch(model, some, option, backend, width))
-        else:
-            found = compile_program(program(model, names, option), backend=backend, width=width, dtype=dtype)
+        found = in_columns(
+            model,
+            names,
+            option,
+            lambda part: fetch(model, (part,), Option(), backend, width),
+            lambda some: fetch(model, some, option, backend, width),
+        ) or compile_program(program(model, names, option), backend=backend, width=width, dtype=dtype)
         model.compiled[key] = found
     return found
+
+
+def in_columns(
+    model: Model,
+    names: tuple[str, ...],
+    option: Option,
+    fetch_product: Callable[[str], Any],
+    fetch_some: Callable[[tuple[str, ...]], Any],
+) -> ColumnKernel | KernelList | None:
+    """Of a large robot, the matrices among the quantities by columns; None where all are one program.
+
+    fetch_product: the kernel of a formula that columns come from; fetch_some: of some of the quantities.
+    """
+    if model.nv <= LARGEST or not any(name in BY_COLUMNS for name in names):
+        return None
+    if len(names) == 1:
+        return ColumnKernel(names[0], arguments(model, names, option), model.nv, fetch_product)
+    return _in_parts(model, names, option, fetch_some)
 
 
 def _in_parts(
@@ -211,9 +228,17 @@ def _in_parts(
     return KernelList(arguments(model, names, option), parts)
 
 
-def program(model: Model, names: tuple[str, ...], option: Option) -> Program:
-    """What the formulas do to scalars, for this model."""
-    tree = model.tree
+def program(
+    model: Model,
+    names: tuple[str, ...],
+    option: Option,
+    p: Argument | None = None,
+    over: Callable[[Sequence[Scalar]], Tree] | None = None,
+) -> Program:
+    """What the formulas do to scalars, for this model; with p, its numbers or some of them, as a last input.
+
+    over: the tree over the scalars of p.
+    """
     inputs = arguments(model, names, option)
     labels = [a.name for a in inputs]
     outputs = tuple(
@@ -224,11 +249,12 @@ def program(model: Model, names: tuple[str, ...], option: Option) -> Program:
 
     def traced(ways: dict[str, Callable[..., tuple[Any, ...]]]) -> Program:
         def evaluate(*values: Any) -> tuple[Any, ...]:
-            given = dict(zip(labels, values, strict=True))
+            tree = model.tree if over is None else over(values[-1])
+            given = dict(zip(labels, values, strict=over is None))
             return tuple(x for name in names for x in ways[name](tree, option, **chosen(name, given, option)))
 
         try:
-            return trace("_".join(names), evaluate, inputs, outputs)
+            return trace("_".join(names), evaluate, inputs if p is None else (*inputs, p), outputs)
         except ZeroDivisionError:
             raise SingularError(
                 f"{', '.join(names)} of {model.name!r} divides by zero in every state: a joint moves no mass and no "
@@ -313,9 +339,15 @@ def _shape(model: Model, dims: tuple[str | int, ...], option: Option) -> tuple[i
         "constraints": lambda: model.tree.constraints,
         "loose": lambda: model.tree.constraints - len(option.partition.rows if option.partition else ()),
         "reactions": lambda: len(model.bodies) + len(model.loops),
-        "parameters": lambda: len(parameter_values(model.tree)),
+        "parameters": lambda: parameter_count(model),
     }
     return tuple(d if isinstance(d, int) else sizes[d]() for d in dims)
+
+
+def parameter_count(model: Model) -> int:
+    """Columns of the regressors: the parameters of bodies, then of the joints that have a drive."""
+    space = of_dimension(model.dim)
+    return len(body_parameters(space)) * len(model.bodies) + len(DRIVE) * sum(drives(model))
 
 
 def _scalars(array: Array, core: int) -> Any:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from freebody.arrays import Array, as_floats, at_sample, refuse_not_finite
 from freebody.errors import FreebodyError, LoopError, UnknownNameError
 from freebody.kernels.formulas import Option
-from freebody.kernels.lookup import fetch
+from freebody.kernels.structural import fetch
 from freebody.loops.decompose import decomposed
 from freebody.loops.equations import (
     CLOSED,

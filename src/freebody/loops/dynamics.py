@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
-from freebody.kernels.lookup import fetch
+from freebody.kernels.structural import fetch
 from freebody.loops.assembly import free_coordinates
 from freebody.loops.equations import (
     blurred,

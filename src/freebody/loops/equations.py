@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, LoopError
 from freebody.kernels.formulas import Option
-from freebody.kernels.lookup import fetch
+from freebody.kernels.structural import fetch
 from freebody.loops.closing import Telling, closed_from
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled import (

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.kernels.formulas import Option
-from freebody.kernels.lookup import fetch
+from freebody.kernels.structural import fetch
 from freebody.loops.dynamics import (
     STUCK,
     WOULD_OPEN,

@@ -11,7 +11,7 @@ from freebody.algorithms.kinematics import ancestors, frame_pose, joint_poses, w
 from freebody.algorithms.loop_scales import equations_of_lengths, mechanism_length, rates_of_lengths
 from freebody.arrays import Array
 from freebody.kernels.formulas import Option
-from freebody.kernels.lookup import fetch
+from freebody.kernels.structural import fetch
 from freebody.model.facts import fact
 from freebody.model.model import Model
 from freebody.spatial import dot, times

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from freebody.arrays import Array
+from freebody.lazy import Keeps
 from freebody.model.joints import KINDS, JointKind
 from freebody.model.parts import Joint
 from freebody.model.placement import Placement
@@ -28,7 +29,7 @@ class Frame:
 
 
 @dataclass(frozen=True)
-class Body:
+class Body(Keeps):
     """A movable rigid body: the joint that carries it, the body it hangs on (-1: the base), and its mass.
 
     The body's frame is its joint's: the link frame of the joint's child at the joint. `joint.placement` is given in

@@ -19,6 +19,7 @@ from freebody.spatial import Vector
 _TOLERANCE = (
     1e-9  # of the largest eigenvalue: how negative a pseudo-inertia may be before it is called not physical
 )
+_MARGIN = 1e-12  # of minors, far above their rounding
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ class Inertia:
                 "(ixx, ixy, ixz, iyy, iyz, izz) in space, 2 and 1 in the plane."
             )
         for name, values in (("mass", (self.mass,)), ("com", self.com), ("tensor", self.tensor)):
-            cleaned = tuple(_number(x, f"Inertia: {name}") for x in values)
+            cleaned = tuple([_number(x, f"Inertia: {name}") for x in values])
             object.__setattr__(self, name, cleaned[0] if name == "mass" else cleaned)
 
     @property
@@ -166,6 +167,8 @@ class Inertia:
 
     def fault(self) -> str | None:
         """Why no rigid body has this inertia, or None. Inertias with parameters without value pass."""
+        if self._is_surely_physical():
+            return None
         if any(p.value is None for p in each_parameter(self)):
             return None
         m, _, tensor = self.numbers()
@@ -182,8 +185,28 @@ class Inertia:
             return f"principal moment {a:g} kg m² is negative"
         return f"principal moments {a:g}, {b:g}, {c:g} kg m² break the triangle inequality ({a:g} + {b:g} < {c:g})"
 
+    def _is_surely_physical(self) -> bool:
+        """Whether the second moments are positive by a margin or diagonal, found without their eigenvalues."""
+        if type(self.mass) is not float or self.mass < 0.0 or any(type(x) is not float for x in self.tensor):
+            return False
+        if self.dim == 2:
+            return self.tensor[0] >= 0.0  # type: ignore[operator]
+        xx, xy, xz, yy, yz, zz = self.tensor
+        half = 0.5 * (xx + yy + zz)  # type: ignore[operator]
+        a, b, c, d, e, f = half - xx, half - yy, half - zz, xy * xy, xz * xz, yz * yz  # type: ignore[operator]
+        if min(a, b, c) < 0.0:
+            return False
+        if d == e == f == 0.0:
+            return True
+        size = a + b + c
+        minors = min(a * b - d, a * c - e, b * c - f)
+        determinant = a * b * c - a * f - b * e - c * d - 2.0 * xy * xz * yz  # type: ignore[operator]
+        return minors > _MARGIN * size**2 and determinant > _MARGIN * size**3
+
 
 def _number(x: Any, owner: str) -> Quantity:
+    if type(x) is float and -LARGEST <= x <= LARGEST:  # most are
+        return x
     if isinstance(x, (Parameter, Members, Product)):
         return x  # type: ignore[return-value]
     return members(x, owner, LARGEST) if isinstance(x, np.ndarray) and x.ndim else finite(x, owner)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
+from freebody.errors import FreebodyError, MissingValueError, ModelError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.model import changes as changed
 from freebody.model import numbers
@@ -23,6 +23,7 @@ from freebody.model.members import taken
 from freebody.model.parameters import Quantity, each_parameter
 from freebody.model.parts import ESTIMATED, Loop, Notice
 from freebody.model.reading import VALUES
+from freebody.model.structure import Structure, numbers_of, structure_of
 from freebody.model.tree import Attached, Coordinates, Tree, lower
 from freebody.values import ByValue
 
@@ -234,6 +235,20 @@ class Model(ByValue):
         """The model in numbers, as the algorithms take it."""
         self.require_values("the numbers")
         return lower(self, VALUES)
+
+    @cached_property
+    def structure(self) -> Structure:
+        """What remains of the model without its numbers, and what is compiled for it: shared by all like it."""
+        try:
+            return structure_of(self)
+        except ModelError:
+            self.require_values("the numbers")
+            raise
+
+    @cached_property
+    def numbers(self) -> Array:
+        """Its numbers (k,), as the kernels of its structure take them; of a family (..., k)."""
+        return numbers_of(self)
 
     @cached_property
     def opened(self) -> Model:

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from freebody.errors import ModelError
+from freebody.lazy import Keeps
 from freebody.model.inertia import Inertia
 from freebody.model.members import Members
 from freebody.model.parameters import Quantity, finite, quantity, real
@@ -110,7 +111,7 @@ class Mimic:
 
 
 @dataclass(frozen=True)
-class Joint:
+class Joint(Keeps):
     """A joint between two links; its frame is placed in the parent link's frame, and is the child link's
     frame at q = 0."""
 

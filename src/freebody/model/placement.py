@@ -10,6 +10,7 @@ import numpy as np
 
 from freebody.elementary import Scalar
 from freebody.errors import ModelError
+from freebody.lazy import Keeps
 from freebody.model.parameters import Quantity, each_parameter
 from freebody.model.reading import EXACT, VALUES, Reader, exact_sin_cos
 from freebody.spatial import AnySpace, Matrix, Vector, add, identity, product, times
@@ -42,7 +43,7 @@ class Rotate:
 
 
 @dataclass(frozen=True)
-class Placement:
+class Placement(Keeps):
     """A constant pose T_AB: the steps that lead from frame A to frame B, first step first."""
 
     steps: tuple[Shift | Turn | Rotate, ...] = ()

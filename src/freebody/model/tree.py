@@ -6,26 +6,33 @@ primitives, in an order where parents come first.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from freebody.elementary import Scalar
+from freebody.lazy import Keeps
 from freebody.model.closures import LOOP_KINDS, Closure
 from freebody.model.inertia import Inertia, combined
 from freebody.model.joints.kind import Column, Primitive
 from freebody.model.members import arrays_in
-from freebody.model.parameters import each_parameter
+from freebody.model.parameters import Quantity, each_parameter
 from freebody.model.placement import Placement
 from freebody.model.reading import Reader
 from freebody.spatial import AnySpace, Matrix, Vector, add, identity, of_dimension, scale, times
 
 if TYPE_CHECKING:
-    from freebody.model.bodies import Body
+    from freebody.model.bodies import Body, Frame
     from freebody.model.model import Model
+    from freebody.model.parts import Drive
+
+
+Pose = tuple[Matrix, Vector]
+"""(R, p): axes and origin of a frame."""
 
 
 @dataclass(frozen=True)
-class Attached:
+class Attached(Keeps):
     """The inertia of one link, or of a load, given in a frame placed in the body's."""
 
     link: str
@@ -142,18 +149,60 @@ class Tree:
         return tuple(k for k, body in enumerate(self.bodies) if body.parent == i)
 
 
+class Pieces:
+    """How the pieces of a model become scalars: here each quantity as a reader reads it."""
+
+    def __init__(self, space: AnySpace, reader: Reader):
+        self.space, self.reader = space, reader
+
+    def pose(self, placement: Placement) -> Pose:
+        """A constant pose (R, p)."""
+        return placement.lower(self.space, self.reader)
+
+    def axis(self, axis: Vector) -> Vector:
+        """The constant unit axis of a joint."""
+        return self.reader.axis(axis)
+
+    def masses(self, parts: tuple[Attached, ...]) -> tuple[Mass, ...]:
+        """What is fixed to a body."""
+        return _masses(self.space, parts, self.reader)
+
+    def drive(self, body: Body) -> DriveScalars | None:
+        """What acts along a body's joint; None where nothing does."""
+        return _drive(body, self.reader)
+
+    def gravity(self, size: Quantity, direction: tuple[float, ...]) -> Vector:
+        """The field in world axes."""
+        return scale(self.reader.quantity(size), tuple(self.reader.quantity(x) for x in direction))
+
+    def distance(self, distance: Quantity) -> Scalar:
+        """How far apart a loop keeps two frames."""
+        return self.reader.quantity(distance)
+
+    def frames(self, model: Model) -> tuple[Frame, ...]:
+        """The frames that the tree is to hold."""
+        return model.frames
+
+
 def lower(model: Model, reader: Reader) -> Tree:
     """The model's tree, its numbers and parameters read by `reader`."""
-    space = of_dimension(model.dim)
+    return tree_of(model, Pieces(of_dimension(model.dim), reader))
+
+
+def tree_of(model: Model, pieces: Pieces) -> Tree:
+    """The model's tree, its pieces asked for in a fixed order: bodies, parents first; gravity; loops; base; frames."""
+    space = pieces.space
     bodies: list[TreeBody] = []
     body_of: dict[int, int] = {-1: -1}
-    for i in _parents_first(model):
+    for i in parents_first(model):
         body = model.bodies[i]
         at = model.coordinates[i]
-        R, p = body.joint.placement.lower(space, reader)
+        R, p = pieces.pose(body.joint.placement)
+        masses = pieces.masses(body.inertias)
+        chain = body.kind.primitives(space, pieces.axis(body.joint.axis))
+        drive = pieces.drive(body) if len(chain) == 1 else None
         parent = body_of[body.parent]
         iq = iv = 0
-        chain = body.kind.primitives(space, reader.axis(body.joint.axis))
         for k, (primitive, axis) in enumerate(chain):
             last = k == len(chain) - 1
             bodies.append(
@@ -168,37 +217,39 @@ def lower(model: Model, reader: Reader) -> Tree:
                     Coordinates(
                         at.q[iq : iq + primitive.nq], at.v[iv : iv + primitive.nv], at.ratio, at.offset
                     ),
-                    _masses(space, body.inertias, reader) if last else (),
-                    _drive(body, reader) if len(chain) == 1 else None,
+                    masses if last else (),
+                    drive,
                 )
             )
             iq, iv = iq + primitive.nq, iv + primitive.nv
             parent = len(bodies) - 1
             R, p = identity(space.dim), space.zero
         body_of[i] = parent
-    size = reader.quantity(model.gravity_size)
+    gravity = pieces.gravity(model.gravity_size, model.gravity_direction)
+    loops = tuple(
+        TreeLoop(
+            loop.name,
+            LOOP_KINDS[loop.kind].closure(space, pieces.axis(loop.axis)),
+            loop.frames,
+            0.0 if loop.distance is None else pieces.distance(loop.distance),
+        )
+        for loop in model.loops
+    )
+    base = pieces.masses(model.base_inertias)
     return Tree(
         space,
         tuple(bodies),
-        scale(size, tuple(reader.quantity(x) for x in model.gravity_direction)),
+        gravity,
         model.nq,
         model.nv,
         tuple(body_of[i] for i in range(len(model.bodies))),
-        {f.name: (body_of[f.body], *f.placement.lower(space, reader)) for f in model.frames},
-        _masses(space, model.base_inertias, reader),
-        tuple(
-            TreeLoop(
-                loop.name,
-                LOOP_KINDS[loop.kind].closure(space, reader.axis(loop.axis)),
-                loop.frames,
-                0.0 if loop.distance is None else reader.quantity(loop.distance),
-            )
-            for loop in model.loops
-        ),
+        {f.name: (body_of[f.body], *pieces.pose(f.placement)) for f in pieces.frames(model)},
+        base,
+        loops,
     )
 
 
-def _parents_first(model: Model) -> list[int]:
+def parents_first(model: Model) -> list[int]:
     """Indices of the model's bodies, each after its parent, otherwise in the file's order."""
     carried: dict[int, list[int]] = {}
     for i, body in enumerate(model.bodies):
@@ -223,14 +274,37 @@ def _masses(space: AnySpace, parts: tuple[Attached, ...], reader: Reader) -> tup
     if reader.combines and len(plain) > 1 and positive:
         moved = [a.inertia.placed(*a.placement.lower(space, reader)) for a in plain]
         plain = [Attached("", combined(moved))]
-    masses = [_mass(space, a, reader) for a in (*named, *plain)]
+    masses = [placed_mass(space, a, reader) for a in (*named, *plain)]
     return tuple(mass for mass in masses if not _is_nothing(mass))
 
 
-def _mass(space: AnySpace, part: Attached, reader: Reader) -> Mass:
-    m, c, inertia = part.inertia.lower(reader)
-    R, p = part.placement.lower(space, reader)
-    return Mass(m, add(p, times(R, c)), space.turned_inertia(R, inertia))
+def placed_mass(space: AnySpace, part: Attached, reader: Reader) -> Mass:
+    """What is fixed to a body, in the body's axes."""
+    return in_body(space, part.inertia.lower(reader), part.placement.lower(space, reader))
+
+
+def in_body(space: AnySpace, inertia: tuple[Scalar, Vector, Scalar], pose: Pose) -> Mass:
+    """(mass, centre, inertia about it) of what is fixed to a body at a pose, in the body's axes."""
+    (m, c, inertia), (R, p) = inertia, pose
+    turned = inertia if inertia == space.no_inertia else space.turned_inertia(R, inertia)
+    return Mass(m, add(p, times(R, c)), turned)
+
+
+Composite = tuple[Scalar, Vector, Scalar]
+"""(mass, first moment, inertia) about an origin."""
+
+
+def about_origin(space: AnySpace, masses: Iterable[Mass]) -> Composite:
+    """Masses as one: mass, first moment and inertia about the body's origin."""
+    total = None
+    for mass in masses:
+        about = space.zero if mass.h is None else mass.h
+        m, h = mass.m, scale(mass.m, mass.c) if mass.h is None else add(scale(mass.m, mass.c), mass.h)
+        inertia = space.plus_inertia(mass.inertia, space.steiner(mass.m, about, mass.c))
+        if total is not None:
+            m, h, inertia = total[0] + m, add(total[1], h), space.plus_inertia(total[2], inertia)
+        total = m, h, inertia
+    return total or (0.0, space.zero, space.no_inertia)
 
 
 def _is_nothing(mass: Mass) -> bool:
@@ -238,12 +312,17 @@ def _is_nothing(mass: Mass) -> bool:
     return all(isinstance(x, float) and x == 0.0 for row in ((mass.m,), *rows) for x in row)
 
 
-def _drive(body: Body, reader: Reader) -> DriveScalars | None:
-    drive = body.joint.drive
+def drive_of(drive: Drive, reader: Reader) -> tuple[Scalar, ...]:
+    """Viscous and Coulomb friction, reflected rotor inertia, stiffness and rest position."""
     viscous, coulomb, rotor, gear, stiffness, rest = (
         reader.quantity(x)
         for x in (drive.viscous, drive.coulomb, drive.rotor, drive.gear, drive.stiffness, drive.rest)
     )
-    if all(isinstance(x, float) and x == 0.0 for x in (viscous, coulomb, rotor, stiffness)):
+    return viscous, coulomb, rotor * gear * gear, stiffness, rest
+
+
+def _drive(body: Body, reader: Reader) -> DriveScalars | None:
+    scalars = drive_of(body.joint.drive, reader)
+    if all(isinstance(x, float) and x == 0.0 for x in scalars[:-1]):
         return None
-    return DriveScalars(viscous, coulomb, rotor * gear * gear, stiffness, rest)
+    return DriveScalars(*scalars)

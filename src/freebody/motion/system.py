@@ -9,7 +9,8 @@ from functools import partial
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.kernels.lookup import kernel
+from freebody.kernels.formulas import Option
+from freebody.kernels.structural import fetch
 from freebody.loops.dynamics import accelerations
 from freebody.model.model import Model
 from freebody.motion.friction import WIDTH, SmoothFriction, smooth_friction
@@ -91,8 +92,8 @@ def system(
         forward: Callable[..., Array] = partial(accelerations, smooth, wrench_frames)
     else:
         refuse_massless(model, "simulate")
-        forward = kernel(smooth, "forward_dynamics", wrench_frames=wrench_frames)
-    inverse = kernel(smooth.opened, "inverse_dynamics", wrench_frames=wrench_frames)
+        forward = fetch(smooth, ("forward_dynamics",), Option(wrench_frames=wrench_frames))
+    inverse = fetch(smooth.opened, ("inverse_dynamics",), Option(wrench_frames=wrench_frames))
     return System(model, layout(model), friction, forward, inverse, loads or (lambda t: ()))
 
 

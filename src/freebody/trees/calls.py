@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, at_sample, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError
-from freebody.kernels import lookup
+from freebody.kernels import structural
 from freebody.kernels.formulas import FORMULAS, OF_TREES, POSITIONS, Option
 from freebody.labels import aligned, refuse_other_times
 from freebody.model.model import Model
@@ -28,30 +28,91 @@ def evaluate(
     function: str,
     model: Model,
     inputs: tuple[Any, ...],
-    option: Option | None = None,
+    choice: tuple[Any, ...] | None = None,
+    option: Callable[..., Option] | None = None,
     wrenches: Wrenches = None,
 ) -> Any:
     """The kernel of `function` on inputs in the formula's order: an array, or a tuple of its outputs.
 
-    A kernel that was called before is tried at once: it refuses wrong shapes and types by itself, and says of inputs
-    that carry names and of results that are not finite that there is something to look at. Then, and on the first call,
-    the inputs are looked at one by one: every call gives the same answer, or the same refusal.
+    choice: what else was given, such as a frame's name; `option` makes an Option of the model and that. The kernel is
+    that of the model's structure. One that was called before is tried at once, see `quick`. Then, and on the first
+    call, the inputs are looked at one by one: every call gives the same answer, or the same refusal.
     """
-    frames, loads = _given(wrenches)
+    result = quick(function, model, inputs, choice, wrenches)
+    if result is not None:
+        return result
+    require_model(function, model)
+    if function in OF_TREES:
+        model.require_tree(function)
+    chosen = Option() if option is None else option(model, *(choice or ()))
+    key = _key(function, choice, wrenches)
+    if key not in model.compiled and _is_known(function, model, chosen, wrenches, key):
+        result = quick(function, model, inputs, choice, wrenches)
+        if result is not None:
+            return result
+    return _carefully(function, model, inputs, chosen, wrenches, key)
+
+
+def quick(
+    function: str,
+    model: Model,
+    inputs: tuple[Any, ...],
+    choice: tuple[Any, ...] | None = None,
+    wrenches: Wrenches = None,
+) -> Any:
+    """What `evaluate` returns where it is sure at once; None where there is something to look at.
+
+    A kernel that was called before refuses wrong shapes and types by itself, and tells of inputs that carry names and
+    of results that are not finite.
+    """
     try:
-        known = model.compiled.get((function, option, frames))
-    except AttributeError:
-        require_model(function, model)
-        raise
-    if known is not None:
-        checked, quaternions = known
-        try:
-            result = checked(*inputs, *loads)
-            if result is not None and all(_are_unit(inputs[i], starts) for i, starts in quaternions):
-                return result
-        except (TypeError, ValueError, AttributeError):
-            pass  # explained below
-    return _carefully(function, model, inputs, option, wrenches)
+        if wrenches is None:
+            checked, numbers, quaternions = model.compiled[function if choice is None else (function, choice)]
+            result = checked(*inputs, *numbers)
+        else:
+            frames, loads = _given(wrenches)
+            checked, numbers, quaternions = model.compiled[function, choice, frames]
+            result = checked(*inputs, *loads, *numbers)
+        if quaternions and result is not None:
+            for i, starts in quaternions:
+                if not _are_unit(inputs[i], starts):
+                    return None
+        return result
+    except (KeyError, TypeError, ValueError, AttributeError):
+        return None  # explained by who looks closer
+
+
+def _key(function: str, choice: tuple[Any, ...] | None, wrenches: Wrenches) -> Any:
+    """Under which a model keeps what `quick` calls."""
+    if wrenches is not None:
+        return function, choice, _given(wrenches)[0]
+    return function if choice is None else (function, choice)
+
+
+def _is_known(function: str, model: Model, option: Option, wrenches: Wrenches, key: Any) -> bool:
+    """Whether the kernel has been compiled for another model of the same structure; then `quick` may call it."""
+    try:
+        frames = tuple(model.frame(name).name for name in _given(wrenches)[0])
+        bound = structural.known(model, (function,), option._replace(wrench_frames=frames))
+    except FreebodyError:  # said in its turn
+        return False
+    if bound is None or len(set(frames)) < len(frames):
+        return False
+    _keep(function, model, option, bound, key)
+    return True
+
+
+def _keep(function: str, model: Model, option: Option, bound: structural.Bound, key: Any) -> None:
+    starts = model.structure.quaternions
+    names = _input_names(function, option)
+    turning = tuple((i, starts) for i, name in enumerate(names) if starts and name in POSITIONS)
+    model.compiled[key] = bound.kernel.checked, bound.numbers, turning
+
+
+def _input_names(function: str, option: Option) -> list[str]:
+    """Inputs without wrenches."""
+    inputs = FORMULAS[function].inputs
+    return [name for name in inputs if name != "wrenches" and (name != "point" or option.point)]
 
 
 def _given(wrenches: Wrenches) -> tuple[tuple[str | None, ...], tuple[ArrayLike, ...]]:
@@ -77,41 +138,24 @@ def _are_unit(q: Array, starts: tuple[int, ...]) -> bool:
 
 
 def _carefully(
-    function: str, model: Model, inputs: tuple[Any, ...], option: Option | None, wrenches: Wrenches
+    function: str, model: Model, inputs: tuple[Any, ...], option: Option, wrenches: Wrenches, key: Any
 ) -> Any:
     """Check every input, call the kernel, and blame what is not finite."""
-    if function in OF_TREES:
-        model.require_tree(function)
-    chosen = option or Option()
-    formula = FORMULAS[function]
-    names = [name for name in formula.inputs if name != "wrenches" and (name != "point" or chosen.point)]
+    names = _input_names(function, option)
     refuse_other_times(function, dict(zip(names, inputs, strict=True)))
     arrays = [vector(function, model, name, value) for name, value in zip(names, inputs, strict=True)]
     loads = wrenches_by_frame(function, model, wrenches)
-    if loads:
-        chosen = chosen._replace(wrench_frames=tuple(loads))
-    kernel = lookup.fetch(model, (function,), chosen)
+    bound = structural.fetch(model, (function,), option._replace(wrench_frames=tuple(loads)))
     wrenched = [f"wrenches[{frame!r}]" for frame in loads]
     named = dict(zip([*names, *wrenched], [*arrays, *loads.values()], strict=True))
     common_batch(function, named)
-    result = kernel(*named.values())
+    result = bound(*named.values())
     if not all(np.isfinite(x).all() for x in (result if isinstance(result, tuple) else (result,))):
         for name, array in named.items():
             refuse_not_finite(function, name, array, 1, labels(model, name))
         _refuse_overflow(function, named)
-    starts = _quaternions(model)
-    turning = tuple((i, starts) for i, name in enumerate(names) if starts and name in POSITIONS)
-    model.compiled[function, option, _given(wrenches)[0]] = kernel.checked, turning
+    _keep(function, model, option, bound, key)
     return result
-
-
-def _quaternions(model: Model) -> tuple[int, ...]:
-    """Where in q a quaternion begins, for each there is."""
-    return tuple(
-        at.q[body.kind.quaternion]
-        for body, at in zip(model.bodies, model.coordinates, strict=True)
-        if body.kind.quaternion is not None
-    )
 
 
 def checked_inputs(

@@ -15,7 +15,7 @@ from freebody.kernels.closed_chains import closed
 from freebody.kernels.formulas import Option
 from freebody.model.model import Model
 from freebody.model.required import require_model
-from freebody.trees.calls import Vector, Wrenches, common_batch, evaluate, finite_vector
+from freebody.trees.calls import Vector, Wrenches, common_batch, evaluate, finite_vector, quick
 from freebody.trees.kinematics import checked_reference, jacobian
 from freebody.trees.massless import refuse_massless
 from freebody.trees.passive import refuse_passive
@@ -43,6 +43,10 @@ def inverse_dynamics(
     more drives than the mechanism needs, the smallest torques. Raises LoopError for a state that its loops do not
     allow, SingularError where the drives do not determine the motion.
     """
+    if actuated is None:
+        found = quick("inverse_dynamics", model, (q, qd, qdd), None, wrenches)
+        if found is not None:
+            return found
     require_model("inverse_dynamics", model)
     if model.loops:
         return closed("inverse_dynamics")(model, q, qd, qdd, wrenches, actuated)
@@ -50,7 +54,7 @@ def inverse_dynamics(
         raise FreebodyError(
             f"inverse_dynamics: actuated= chooses among the joints of a closed chain; {model.name!r} has no loops."
         )
-    return evaluate("inverse_dynamics", model, (q, qd, qdd), None, wrenches)
+    return evaluate("inverse_dynamics", model, (q, qd, qdd), wrenches=wrenches)
 
 
 def forward_dynamics(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches = None) -> Array:
@@ -60,12 +64,16 @@ def forward_dynamics(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches:
     SingularError naming the joint that moves no inertia, LoopError for a state that the loops do not allow,
     PassiveJointError for a torque at a joint that nothing drives.
     """
+    if not getattr(model, "passive", True):
+        found = quick("forward_dynamics", model, (q, qd, tau), None, wrenches)
+        if found is not None:
+            return found
     require_model("forward_dynamics", model)
     refuse_passive("forward_dynamics", model, tau)
     if model.loops:
         return closed("forward_dynamics")(model, q, qd, tau, wrenches)
     refuse_massless(model, "forward_dynamics")
-    result = evaluate("forward_dynamics", model, (q, qd, tau), None, wrenches)
+    result = evaluate("forward_dynamics", model, (q, qd, tau), wrenches=wrenches)
     _refuse_singular("forward_dynamics", model, result)
     return result
 
@@ -111,6 +119,10 @@ def forward_dynamics_derivatives(
 
     Raises SingularError naming the joint that moves no inertia, PassiveJointError for a torque at a passive joint.
     """
+    if not getattr(model, "passive", True):
+        found = quick("forward_dynamics_derivatives", model, (q, qd, tau))
+        if found is not None:
+            return found
     require_model("forward_dynamics_derivatives", model)
     refuse_passive("forward_dynamics_derivatives", model, tau)
     refuse_massless(model, "forward_dynamics_derivatives")
@@ -149,10 +161,13 @@ def static_torque(model: Model, q: Vector, wrenches: Wrenches = None) -> Array:
     An open chain rests where the entries of its passive joints are zero; elsewhere they are the holding torque that is
     missing. Closed chains: the torques of the driven joints, as for `inverse_dynamics`.
     """
+    found = quick("static_torque", model, (q,), None, wrenches)
+    if found is not None:
+        return found
     require_model("static_torque", model)
     if model.loops:
         return closed("static_torque")(model, q, wrenches)
-    return evaluate("static_torque", model, (q,), None, wrenches)
+    return evaluate("static_torque", model, (q,), wrenches=wrenches)
 
 
 def tip_wrench(model: Model, q: Vector, tau: Vector, frame: str | None = None) -> Array:
@@ -204,12 +219,18 @@ def joint_wrenches(
     the child's. Arguments as for `inverse_dynamics`. Closed chains: a row for each loop follows, on the second frame's
     body by the first's; `reactions` also says which components are determined.
     """
+    found = quick("joint_wrenches", model, (q, qd, qdd), (reference,), wrenches)
+    if found is not None:
+        return found
     require_model("joint_wrenches", model)
     if model.loops:
         found = closed("joint_wrenches")(model, q, qd, qdd=qdd, wrenches=wrenches, reference=reference)
         return found.wrenches
-    option = Option(reference=checked_reference(reference, ("world", "child")))
-    return evaluate("joint_wrenches", model, (q, qd, qdd), option, wrenches)
+    return evaluate("joint_wrenches", model, (q, qd, qdd), (reference,), _in_axes, wrenches)
+
+
+def _in_axes(model: Model, reference: str) -> Option:
+    return Option(reference=checked_reference(reference, ("world", "child")))
 
 
 def kinetic_energy(model: Model, q: Vector, qd: Vector) -> Array:
@@ -229,4 +250,8 @@ def momentum(model: Model, q: Vector, qd: Vector, about: ArrayLike | None = None
     """
     require_model("momentum", model)
     extra = () if about is None else (finite_vector("momentum", model, "about", about),)
-    return evaluate("momentum", model, (q, qd, *extra), Option(point=about is not None))
+    return evaluate("momentum", model, (q, qd, *extra), (about is not None,), _about)
+
+
+def _about(model: Model, point: bool) -> Option:
+    return Option(point=point)

@@ -21,8 +21,7 @@ def forward_kinematics(model: Model, q: Vector, frame: str | None = None) -> Arr
 
     q: (..., nq). frame: name, default the tip. Raises ShapeError, NotFiniteError, UnknownNameError.
     """
-    require_model("forward_kinematics", model)
-    return evaluate("forward_kinematics", model, (q,), Option(model.frame(frame).name))
+    return evaluate("forward_kinematics", model, (q,), (frame,), _of_frame)
 
 
 def velocity(
@@ -33,10 +32,9 @@ def velocity(
     In the plane (..., 3): ẋ, ẏ, ω. q: (..., nq); qd: (..., nv); point: (..., dim), fixed to the frame, in its axes (m).
     Source: (2.16-2.18), (4.3), (6.16-6.19).
     """
-    require_model("velocity", model)
-    option = Option(model.frame(frame).name, point=point is not None)
-    extra = () if point is None else (point,)
-    return evaluate("velocity", model, (q, qd, *extra), option)
+    if point is None:
+        return evaluate("velocity", model, (q, qd), (frame,), _of_frame)
+    return evaluate("velocity", model, (q, qd, point), (frame, "world", True), _of_frame)
 
 
 def acceleration(
@@ -48,10 +46,9 @@ def acceleration(
     qdd: (..., nv).
     Source: (2.24), (4.5), (6.20-6.22).
     """
-    require_model("acceleration", model)
-    option = Option(model.frame(frame).name, point=point is not None)
-    extra = () if point is None else (point,)
-    return evaluate("acceleration", model, (q, qd, qdd, *extra), option)
+    if point is None:
+        return evaluate("acceleration", model, (q, qd, qdd), (frame,), _of_frame)
+    return evaluate("acceleration", model, (q, qd, qdd, point), (frame, "world", True), _of_frame)
 
 
 def jacobian(model: Model, q: Vector, frame: str | None = None, reference: Reference = "world") -> Array:
@@ -59,17 +56,14 @@ def jacobian(model: Model, q: Vector, frame: str | None = None, reference: Refer
 
     q: (..., nq). reference: "world" axes, or those of the frame ("body"). The notes' planar J (2.19) is [..., :2, :].
     """
-    require_model("jacobian", model)
-    return evaluate("jacobian", model, (q,), Option(model.frame(frame).name, checked_reference(reference)))
+    return evaluate("jacobian", model, (q,), (frame, reference), _of_frame)
 
 
 def jacobian_dot(
     model: Model, q: Vector, qd: Vector, frame: str | None = None, reference: Reference = "world"
 ) -> Array:
     """Time derivative (..., 6, nv) of `jacobian` along qd (..., nv): acceleration = J qdd + J̇ qd (2.24)."""
-    require_model("jacobian_dot", model)
-    option = Option(model.frame(frame).name, checked_reference(reference))
-    return evaluate("jacobian_dot", model, (q, qd), option)
+    return evaluate("jacobian_dot", model, (q, qd), (frame, reference), _of_frame)
 
 
 def jacobian_derivatives(
@@ -79,9 +73,7 @@ def jacobian_derivatives(
 
     Arguments as for `jacobian`; `jacobian_dot` is its product with qd.
     """
-    require_model("jacobian_derivatives", model)
-    option = Option(model.frame(frame).name, checked_reference(reference))
-    return evaluate("jacobian_derivatives", model, (q,), option)
+    return evaluate("jacobian_derivatives", model, (q,), (frame, reference), _of_frame)
 
 
 def center_of_mass(model: Model, q: Vector) -> Array:
@@ -93,6 +85,10 @@ def center_of_mass(model: Model, q: Vector) -> Array:
     if model.mass == 0.0:
         raise SingularError(f"center_of_mass: {model.name!r} has no mass; give its links an inertia.")
     return evaluate("center_of_mass", model, (q,))
+
+
+def _of_frame(model: Model, frame: str | None, reference: str = "world", point: bool = False) -> Option:
+    return Option(model.frame(frame).name, checked_reference(reference), point=point)
 
 
 def checked_reference(reference: str, allowed: tuple[str, ...] = ("world", "body")) -> str:

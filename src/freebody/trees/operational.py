@@ -6,13 +6,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from freebody.algorithms.kinematics import NO_CENTRE
 from freebody.algorithms.regressor import DRIVE, body_parameters, parameter_values
 from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
 from freebody.kernels.lookup import motion_rows
+from freebody.model.facts import fact
 from freebody.model.model import Model
 from freebody.model.required import require_model
+from freebody.model.tree import about_origin
+from freebody.spatial import of_dimension
 from freebody.trees.calls import Vector, evaluate
 from freebody.trees.kinematics import jacobian
 from freebody.trees.massless import refuse_massless
@@ -36,7 +40,7 @@ def operational_space_inertia(
     """
     require_model("operational_space_inertia", model)
     option = _operational(model, frame, rows, "operational_space_inertia")
-    result = evaluate("operational_space_inertia", model, (q,), option)
+    result = evaluate("operational_space_inertia", model, (q,), (option,), _as_it_is)
     _refuse_dependent_rows("operational_space_inertia", model, q, option)
     return result
 
@@ -50,7 +54,7 @@ def operational_space_bias(
     """
     require_model("operational_space_bias", model)
     option = _operational(model, frame, rows, "operational_space_bias")
-    result = evaluate("operational_space_bias", model, (q, qd), option)
+    result = evaluate("operational_space_bias", model, (q, qd), (option,), _as_it_is)
     _refuse_dependent_rows("operational_space_bias", model, q, option)
     return result
 
@@ -64,6 +68,10 @@ def _operational(model: Model, frame: str | None, rows: Sequence[str] | None, fu
             f"along {len(option.rows)} rows; "
             'choose as many at most, such as rows=("vx", "vy").'
         )
+    return option
+
+
+def _as_it_is(model: Model, option: Option) -> Option:
     return option
 
 
@@ -84,7 +92,18 @@ def centroidal_momentum_matrix(model: Model, q: Vector) -> Array:
     (..., 3, nv) in the plane. q: (..., nq). Raises SingularError where nothing that moves has a mass. Source: Orin,
     Goswami, Lee 2013.
     """
+    require_model("centroidal_momentum_matrix", model)
+    if not _moves_mass(model):
+        raise SingularError(NO_CENTRE.format("no link that moves"))
     return evaluate("centroidal_momentum_matrix", model, (q,))
+
+
+@fact
+def _moves_mass(model: Model) -> bool:
+    """Whether what moves has a centre of mass."""
+    space = of_dimension(model.dim)
+    total = sum(about_origin(space, body.masses)[0] for body in model.tree.bodies)
+    return bool(np.all(total != 0.0))
 
 
 def regressor(model: Model, q: Vector, qd: Vector, qdd: Vector) -> Array:

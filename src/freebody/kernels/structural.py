@@ -1,0 +1,129 @@
+"""Kernels of a model's structure, and how a model's own numbers go with them.
+
+The numbers are one more input p, of which a kernel takes what it reads. So robots that differ in numbers share what is
+compiled, and a changed number compiles nothing. What is compiled lives as long as some model of the structure.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from freebody.arrays import Array
+from freebody.elementary import Scalar
+from freebody.kernels.columns import ColumnKernel, KernelList
+from freebody.kernels.formulas import FORMULAS, Option
+from freebody.kernels.lookup import in_columns, program
+from freebody.model.model import Model
+from freebody.model.structure import drives, frame_form, joined, pose_part, tree_over
+from freebody.model.tree import Tree
+from freebody.program import Argument
+from freebody.program.passes import without_unread
+from freebody.targets import Kernel, compile_program
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """A kernel of a structure, and which of the numbers it reads, in order."""
+
+    kernel: Kernel
+    read: NDArray[np.intp]
+
+
+class Bound:
+    """A kernel with the numbers of a model: called like one that is specialised to the model."""
+
+    __slots__ = ("kernel", "numbers")
+
+    def __init__(self, kernel: Kernel | ColumnKernel | KernelList, numbers: tuple[Array, ...]):
+        """numbers: none, or the one array of them that is the kernel's last argument."""
+        self.kernel, self.numbers = kernel, numbers
+
+    def __call__(self, *arrays: ArrayLike, out: Any = None, threads: int | None = None) -> Any:
+        if out is None and threads is None:
+            return self.kernel(*arrays, *self.numbers)
+        return self.kernel(*arrays, *self.numbers, out=out, threads=threads)
+
+    def by_columns(self) -> Bound:
+        """For arrays with an axis more in front of their core, along which robots do not differ."""
+        return Bound(self.kernel, tuple(p[..., None, :] if p.ndim > 1 else p for p in self.numbers))
+
+
+def fetch(model: Model, names: tuple[str, ...], option: Option) -> Bound:
+    """The kernel of the model's structure, compiled when it is first asked for, with the model's numbers."""
+    found = known(model, names, option)
+    if found is None:
+        large = in_columns(
+            model,
+            names,
+            option,
+            lambda part: fetch(model, (part,), Option()).by_columns(),
+            lambda some: fetch(model, some, option),
+        )
+        if large is not None:
+            found = model.compiled[names, option, "structure"] = Bound(large, ())
+        else:
+            model.structure.kernels[_key(model, names, option)] = _compiled(model, names, option)
+            found = known(model, names, option)
+            assert found is not None
+    return found
+
+
+def known(model: Model, names: tuple[str, ...], option: Option) -> Bound | None:
+    """The same if it has been compiled before, for this model or another of its structure."""
+    place = names, option, "structure"
+    found = model.compiled.get(place)
+    if found is None:
+        compiled = model.structure.kernels.get(_key(model, names, option))
+        if compiled is None:
+            return None
+        found = model.compiled[place] = Bound(compiled.kernel, _numbers(model, option, compiled.read))
+    return found
+
+
+def _key(model: Model, names: tuple[str, ...], option: Option) -> tuple[Any, ...]:
+    """Of a kernel among those of a structure: the option with the frames' places instead of their names."""
+    frames = tuple([frame_form(model, name) for name in _frames(option)])
+    nameless = option._replace(frame=None, wrench_frames=()) if frames else option
+    backend = os.environ.get("FREEBODY_BACKEND"), os.environ.get("FREEBODY_WIDTH")
+    return names, nameless, option.frame is None, frames, _shown_drives(model, names), backend
+
+
+def _frames(option: Option) -> tuple[str, ...]:
+    return option.wrench_frames if option.frame is None else (option.frame, *option.wrench_frames)
+
+
+def _shown_drives(model: Model, names: tuple[str, ...]) -> tuple[bool, ...] | None:
+    """Which joints have a drive, where an output has entries for each that has one."""
+    shown = any("parameters" in dims for name in names for dims in FORMULAS[name].outputs.values())
+    return drives(model) if shown else None
+
+
+def _numbers(model: Model, option: Option, read: NDArray[np.intp]) -> tuple[Array, ...]:
+    """Those that a kernel reads; without any it has no such argument."""
+    if not len(read):
+        return ()
+    numbers, frames = model.numbers, _frames(option)
+    if frames:
+        numbers = joined([numbers, *(pose_part(model.frame(f).placement, model.dim).numbers for f in frames)])
+    chosen = numbers.take(read, axis=-1)
+    chosen.flags.writeable = False
+    return (chosen,)
+
+
+def _compiled(model: Model, names: tuple[str, ...], option: Option) -> Compiled:
+    """Traced over scalars in the place of the numbers, of which those that nothing needs are left out again."""
+    count = sum(pose_part(model.frame(f).placement, model.dim).numbers.shape[-1] for f in _frames(option))
+    p = Argument("p", (model.numbers.shape[-1] + count,), uniform=True)
+    drives_shown = _shown_drives(model, names)
+
+    def over(scalars: Sequence[Scalar]) -> Tree:
+        return tree_over(model, scalars, _frames(option), drives_shown)
+
+    traced, read = without_unread(program(model, names, option, p, over), "p")
+    return Compiled(compile_program(traced), np.array(read, dtype=np.intp))
