@@ -6,8 +6,8 @@ direction the entries that are exactly 0 or ±1 (of positions and gravity: exact
 Numbers, in the order of `numbers`: of each body, parents first, the entries of its joint's placement that are not
 exact (of a rotation about a coordinate axis its cosine and sine), its mass, first moment and inertia about its origin,
 and, if any joint of the model has a drive, friction, rotor and spring; then gravity, the loops' distances and the
-mass of the base. They are numbers whether zero or not. What each piece of a model contributes is found once and kept
-with the piece, so that a changed copy of a model costs what was changed.
+mass of the base, and of closed chains the frames' poses. They are numbers whether zero or not. What each piece of a
+model contributes is found once and kept with the piece, so that a changed copy of a model costs what was changed.
 """
 
 from __future__ import annotations
@@ -142,7 +142,7 @@ def structure_of(model: Model) -> Structure:
         tuple([body.parent for body in model.bodies]),
         _followers(model),
         _gravity(model)[0],
-        tuple(_loop_form(model, k) for k in range(len(model.loops))) if model.loops else (),
+        _loops(model) if model.loops else (),
         True in [joint.driven for joint in joints],
     )
     found = _structures.get(key)
@@ -172,7 +172,7 @@ def numbers_of(model: Model) -> Array:
         if loop.distance is not None:
             parts.append(_row([VALUES.quantity(loop.distance)]))
     parts.append(inertial(model.base_inertias, dim))
-    for name in loop_frames(model):
+    for name in _own_frames(model):
         parts.append(pose_part(model.frame(name).placement, dim).numbers)
     return joined(parts)
 
@@ -185,9 +185,9 @@ def joined(parts: Sequence[Array]) -> Array:
     return np.concatenate([np.broadcast_to(part, (*shape, part.shape[-1])) for part in parts], axis=-1)
 
 
-def loop_frames(model: Model) -> tuple[str, ...]:
-    """The frames that the loops hold together."""
-    return tuple(name for loop in model.loops for name in loop.frames)
+def _own_frames(model: Model) -> tuple[str, ...]:
+    """The frames that belong to the structure: of a tree none, since a call brings along those that it asks for."""
+    return model.frame_names if model.loops else ()
 
 
 class Inputs(Pieces):
@@ -251,10 +251,10 @@ def tree_over(
 ) -> Tree:
     """The tree of a model's structure over scalars in the place of its numbers.
 
-    It holds the frames of its loops and `frames`, whose numbers stand at the end, one after the other. shown: the
-    bodies whose joints have a drive, where that counts; else all have one, or none.
+    It holds `frames`, and of closed chains all others; the former's numbers stand at the end, one after the other.
+    shown: the bodies whose joints have a drive, where that counts; else all have one, or none.
     """
-    return tree_of(model, Inputs(model, scalars, (*loop_frames(model), *frames), shown))
+    return tree_of(model, Inputs(model, scalars, (*_own_frames(model), *frames), shown))
 
 
 def drives(model: Model) -> tuple[bool, ...]:
@@ -377,9 +377,11 @@ def _followers(model: Model) -> tuple[Any, ...]:
     )
 
 
-def _loop_form(model: Model, k: int) -> tuple[Any, ...]:
-    loop = model.loops[k]
-    return loop.kind, loop.axis, *(frame_form(model, name) for name in loop.frames)
+def _loops(model: Model) -> tuple[Any, ...]:
+    """Of closed chains the loops, and all frames: these say how long the mechanism is."""
+    at = {name: i for i, name in enumerate(model.frame_names)}
+    loops = [(loop.kind, loop.axis, *(at[name] for name in loop.frames)) for loop in model.loops]
+    return tuple(loops), tuple(frame_form(model, name) for name in at)
 
 
 def frame_form(model: Model, name: str) -> tuple[int, Form]:

@@ -1,0 +1,198 @@
+"""Public functions run the code of a model's structure: the same values as code of fixed numbers, compiled once."""
+
+from __future__ import annotations
+
+import gc
+import pickle
+import weakref
+
+import numpy as np
+import pytest
+
+import freebody as fb
+import generate
+from freebody.errors import MissingValueError, SingularError
+from freebody.kernels.formulas import Option
+from freebody.kernels.structural import fetch
+from freebody.model.inertia import Inertia
+from freebody.model.structure import Structure
+from freebody.targets.kernel import compile_program
+
+QUANTITIES = (
+    "inverse_dynamics",
+    "mass_matrix",
+    "kinetic_energy",
+    "potential_energy",
+    "momentum",
+    "regressor",
+)
+COMPILERS = "freebody.kernels.structural.compile_program", "freebody.kernels.lookup.compile_program"
+
+
+@pytest.fixture
+def compiled(monkeypatch) -> list[str]:
+    """Names of the programs that are compiled."""
+    names: list[str] = []
+
+    def noted(program, **options):
+        names.append(program.name)
+        return compile_program(program, **options)
+
+    for place in COMPILERS:
+        monkeypatch.setattr(place, noted)
+    return names
+
+
+def state_of(model: fb.Model, name: str, seed: int = 3) -> tuple[np.ndarray, ...]:
+    q, qd, qdd = fb.random_state(model, seed, 5)
+    count = {"mass_matrix": 1, "potential_energy": 1, "kinetic_energy": 2, "momentum": 2}.get(name, 3)
+    return (q, qd, qdd)[:count]
+
+
+@pytest.mark.parametrize("seed", range(0, 24, 6))
+@pytest.mark.parametrize("dim", [2, 3])
+def test_the_structures_kernel_is_the_one_of_fixed_numbers(seed: int, dim: int):
+    model = generate.model(seed, dim)
+    for name in QUANTITIES:
+        given = state_of(model, name)
+        fixed = fb.kernel(model, name)(*given)
+        close(getattr(fb, name)(model, *given), fixed, name)
+    q, qd, qdd = state_of(model, "")
+    load = np.random.default_rng(seed).normal(size=(5, 6 if dim == 3 else 3))
+    fixed = fb.kernel(model, "inverse_dynamics", wrench_frames=["tool"])(q, qd, qdd, load)
+    close(fb.inverse_dynamics(model, q, qd, qdd, {"tool": load}), fixed, "with a wrench")
+    for frame in ("tool", "ground"):
+        close(fb.jacobian(model, q, frame), fb.kernel(model, "jacobian", frame=frame)(q), frame)
+
+
+def close(found, expected, what: str) -> None:
+    allowed = 1e-13 * max(float(np.abs(expected).max(initial=0.0)), 1e-3)
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=allowed, err_msg=what)
+
+
+def test_closed_chains_too():
+    model = fb.load("five_bar")
+    assembled = fb.assemble(model)
+    q, still = np.asarray(assembled, dtype=float), np.zeros(model.nv)
+    fixed = fb.kernel(model, "constraint_jacobian")(q)
+    close(fetch(model, ("constraint_jacobian",), Option())(q), fixed, "Φ_q")
+    tau = fb.inverse_dynamics(model, q, still, still)
+    heavier = model.with_payload(mass=1.0, frame=model.loops[0].frames[0])
+    assert heavier.structure is model.structure
+    assert np.abs(fb.inverse_dynamics(heavier, q, still, still) - tau).max() > 0.1
+
+
+def test_other_numbers_and_names_share_a_structure():
+    ur5e = fb.load("ur5e")
+    payload = ur5e.with_payload(mass=2.0)
+    assert payload.structure is ur5e.structure
+    assert ur5e.replace(gravity=1.6, name="elsewhere").structure is ur5e.structure
+    assert fb.dh([{"a": 0.3, "m": 1.0}], convention="standard").structure is not ur5e.structure
+    sideways = ur5e.replace(gravity=(0.0, 9.81, 0.0))
+    assert sideways.structure is not ur5e.structure, "the zeros of gravity's direction are structure"
+
+
+def test_a_zero_of_a_placement_is_structure_and_a_zero_mass_is_not():
+    def arm(d: float, mass: float) -> fb.Model:
+        rows = [
+            {"a": 0.3, "d": d, "alpha": 0.2, "m": mass, "com": (0.1, 0, 0), "I": (0.01,) * 3 + (0,) * 3}
+        ] * 2
+        return fb.dh(rows, convention="standard", physical="ignore")
+
+    assert arm(0.1, 1.0).structure is arm(0.2, 0.0).structure
+    assert arm(0.1, 1.0).structure is not arm(0.0, 1.0).structure
+
+
+def test_many_models_of_one_structure_are_compiled_once(compiled: list[str]):
+    rng, q = np.random.default_rng(1), np.array([0.3, -0.4, 0.5])
+    structures = set()
+    for k in range(60):
+        zero = k % 10 == 0
+        masses = rng.uniform(0.5, 2.0, size=3) * (0.0 if zero else 1.0)
+        rows = [
+            {"a": x, "m": m, "com": (-x / 2, 0.0, 0.0), "I": (0.0, 0.01, 0.01, 0.0, 0.0, 0.0), "rotor": 1e-3}
+            | ({} if zero else {"friction": (0.1, 0.2)})
+            for x, m in zip(rng.uniform(0.2, 0.5, size=3), masses, strict=True)
+        ]
+        model = fb.dh(rows, convention="standard", physical="ignore")
+        structures.add(id(model.structure))
+        qd = rng.normal(size=3)
+        tau = fb.inverse_dynamics(model, q, qd, qd)
+        M = fb.mass_matrix(model, q)
+        bias = fb.bias(model, q, qd)
+        np.testing.assert_allclose(tau, M @ qd + bias, rtol=1e-12, atol=1e-12)
+    assert len(structures) == 1
+    assert sorted(set(compiled)) == sorted(compiled), compiled
+    assert set(compiled) <= {"inverse_dynamics", "mass_matrix", "bias"}
+
+
+def test_what_was_called_before_changes_no_bit():
+    model = fb.load("panda") if "panda" in fb.models() else fb.load("ur5e")
+    state = fb.random_state(model, 2)
+    alone = fb.inverse_dynamics(model, *state)
+    other = model.with_payload(mass=3.0)
+    fb.kernel(model, "inverse_dynamics")(*state)
+    fb.inverse_dynamics(other, *state)
+    again = pickle.loads(pickle.dumps(model))
+    assert fb.inverse_dynamics(again, *state).tobytes() == alone.tobytes()
+    assert fb.inverse_dynamics(model, *state).tobytes() == alone.tobytes()
+
+
+def test_a_family_is_its_members_one_by_one():
+    ur5e = fb.load("ur5e")
+    masses = np.array([0.0, 1.0, 2.5])
+    family = ur5e.with_payload(mass=masses[:, None], com=(0.0, 0.0, 0.1))
+    q, qd, qdd = fb.random_state(ur5e, 4, 7)
+    tau = fb.inverse_dynamics(family, q, qd, qdd)
+    assert tau.shape == (3, 7, 6)
+    for k, mass in enumerate(masses):
+        close(
+            tau[k],
+            fb.inverse_dynamics(ur5e.with_payload(mass=mass, com=(0.0, 0.0, 0.1)), q, qd, qdd),
+            "member",
+        )
+
+
+def test_a_pickle_carries_numbers_and_no_code():
+    model = fb.load("ur5e")
+    bare = len(pickle.dumps(fb.load("ur5e")))
+    fb.inverse_dynamics(model, *fb.random_state(model, 1))
+    assert len(pickle.dumps(model)) == bare
+
+
+def test_a_structure_goes_when_its_models_and_newer_ones_are_gone():
+    gone = weakref.ref(_chain(0).structure)
+    for k in range(1, 20):
+        assert isinstance(_chain(k).structure, Structure)
+    gc.collect()
+    assert gone() is None
+
+
+def _chain(k: int) -> fb.Model:
+    return fb.dh([{"a": 0.3, "joint": "RP"[int(x)], "m": 1.0} for x in f"{k:05b}"], convention="standard")
+
+
+@pytest.mark.parametrize("seed", range(300))
+def test_quick_verdicts_on_inertias_agree_with_eigenvalues(seed: int):
+    rng = np.random.default_rng(seed)
+    principal = rng.uniform(0.0, 1.0, size=3)
+    if seed % 3 == 0:
+        principal[2] = principal[0] + principal[1] + rng.choice([0.0, 1e-15, -1e-12, 1e-8, -1e-8])
+    R = generate.random_rotation(rng)
+    tensor = R @ np.diag(principal) @ R.T
+    body = Inertia.of(1e-3, (0.0, 0.0, 0.0), 0.5 * (tensor + tensor.T))
+    found = np.linalg.eigvalsh(body.numbers()[2])
+    sigma = found.sum() / 2 - found
+    physical = sigma.min() >= -1e-9 * max(abs(sigma).max(), 1e-3)
+    assert (body.fault() is None) == physical
+
+
+def test_missing_values_are_named():
+    with pytest.raises(MissingValueError, match="l1"):
+        fb.inverse_dynamics(fb.planar("RR"), [0.1, 0.2], [0.0, 0.0], [0.0, 0.0])
+
+
+def test_no_centre_of_mass_is_said():
+    model = fb.dh([{"a": 0.3}], convention="standard")
+    with pytest.raises(SingularError, match="no link that moves has a mass"):
+        fb.centroidal_momentum_matrix(model, [0.1])
