@@ -4,6 +4,7 @@
 
 The Stewart platform with its balls as point contacts, 24 joint coordinates and 18 equations on both sides, along its
 default motion. Pinocchio has no batch call for it and is called in a loop; it iterates to 1e-10 on its multipliers.
+A second table has the public functions with all their checks, CPU time a sample of a batch of 1000.
 """
 
 import argparse
@@ -13,6 +14,7 @@ os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS
 
 import time
 from collections.abc import Callable
+from functools import partial
 from importlib.metadata import version
 
 import numpy as np
@@ -20,8 +22,10 @@ import pinocchio as pin
 
 import freebody as fb
 from freebody.model.model import Model
+from freebody.trees.passive import all_driven
 
-BATCH, LOOP = 4096, 256
+BATCH, LOOP, SAMPLES = 4096, 256, 1000
+ROBOTS = ("four_bar", "five_bar", "stewart")
 KINDS = {
     "revolute": pin.JointModelRevoluteUnaligned,
     "prismatic": pin.JointModelPrismaticUnaligned,
@@ -34,7 +38,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--repeats", type=int, default=9, help="interleaved rounds")
     repeats = parser.parse_args().repeats
-    model = fb.load("stewart")
+    model = all_driven(fb.load("stewart"))  # any torques
     motion = fb.default_motion(model, samples=BATCH)
     q, qd = motion.q, motion.qd
     tau = np.random.default_rng(0).normal(size=qd.shape)
@@ -64,13 +68,37 @@ def main() -> None:
         f"Pinocchio takes {np.median(ratio):.0f} times as long as the kernel ({ratio.min():.0f} .. {ratio.max():.0f})"
     )
 
+    functions(repeats)
 
-def timed(run: Callable[[], object]) -> float:
+
+def functions(repeats: int) -> None:
+    """The public functions, batches of `SAMPLES`."""
+    for robot in ROBOTS:
+        model = fb.load(robot)
+        motion = fb.default_motion(model, samples=SAMPLES)
+        state = motion.q, motion.qd
+        tau = fb.inverse_dynamics(model, *state, motion.qdd)
+        rows: dict[str, Callable[[], object]] = {
+            "inverse_dynamics": partial(fb.inverse_dynamics, model, *state, motion.qdd),
+            "static_torque": partial(fb.static_torque, model, motion.q),
+            "forward_dynamics": partial(fb.forward_dynamics, model, *state, tau),
+            "reactions, qdd": partial(fb.reactions, model, *state, qdd=motion.qdd),
+            "reactions, tau": partial(fb.reactions, model, *state, tau=tau),
+            "loop_velocity": partial(fb.loop_velocity, model, *state),
+            "loop_acceleration": partial(fb.loop_acceleration, model, *state, motion.qdd),
+            "assemble": partial(fb.assemble, model, motion.q),
+        }
+        for name, run in rows.items():
+            best = min(timed(run, time.process_time) for _ in range(repeats))
+            print(f"{robot:<10} {name:<18} {best / SAMPLES * 1e6:8.2f} µs a sample")
+
+
+def timed(run: Callable[[], object], clock: Callable[[], float] = time.perf_counter) -> float:
     """Seconds of one call, after one that warms up."""
     run()
-    start = time.perf_counter()
+    start = clock()
     run()
-    return time.perf_counter() - start
+    return clock() - start
 
 
 def twin(
