@@ -6,6 +6,8 @@ import gc
 import os
 import subprocess
 import sys
+import types
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,17 +19,57 @@ from freebody.targets import Kernel, KernelError, compile_program
 from freebody.targets.llvm import fastcall
 
 
-@pytest.fixture(scope="module")
-def kernel():
+@pytest.fixture(scope="module", params=["on", "off"])
+def kernel(request):
+    """A kernel with the fast call, and one without: whatever is asked of it, they answer the same."""
     program = trace(
         "both",
         lambda q, A: ([q[0] * A[0][1], sin(q[1])], [[x * q[0] for x in row] for row in A]),
         [Argument("q", (2,)), Argument("A", (2, 3))],
         [Argument("y", (2,)), Argument("B", (2, 3))],
     )
-    if not fastcall.available(program):
-        pytest.skip("this interpreter's objects are not laid out as the fast call expects")
-    return compile_program(program, backend="llvm")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("FREEBODY_FASTCALL", request.param)
+        if request.param == "on" and not fastcall.available(program):
+            pytest.skip("this interpreter's objects are not laid out as the fast call expects")
+        return compile_program(program, backend="llvm")
+
+
+def test_the_environment_switches_it_off(monkeypatch):
+    program = trace("switched", lambda q: ([q[0] + 1.0],), [Argument("q", (1,))], [Argument("y", (1,))])
+    monkeypatch.setenv("FREEBODY_FASTCALL", "off")
+    without = compile_program(program, backend="llvm")
+    assert without.__call__.__func__ is Kernel.__call__
+    assert without(np.array([1.0]))[0] == 2.0
+    monkeypatch.delenv("FREEBODY_FASTCALL")
+    if fastcall.available(program):
+        within = compile_program(program, backend="llvm")
+        assert isinstance(within.__call__, types.BuiltinMethodType)
+        assert within(np.array([1.0]))[0] == 2.0
+
+
+OF_ALL_WAYS = [
+    "test_pickling.py",
+    "test_forks_and_interrupts.py",
+    "test_compiler.py",
+    "test_numerics_errors.py",
+]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("file", OF_ALL_WAYS)
+def test_the_suite_passes_without_it(file):
+    """Files that call kernels in every way."""
+    here = Path(__file__).parent
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-x", "-n0", "-p", "no:cacheprovider", str(here / file)],
+        env={**os.environ, "FREEBODY_FASTCALL": "off"},
+        cwd=here.parent,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout[-3000:]
 
 
 Q = np.array([0.5, -1.25])

@@ -284,7 +284,7 @@ def compile_program(
     width = _width(width, real)
     if not _has_scalars(program):
         backend = "numpy"
-    key = (program.digest, backend, width, dtype)
+    key = (program.digest, backend, width, dtype, fastcall.available(program))
     with _lock:
         kernel = _kernels.get(key)
         if kernel is None:
@@ -319,7 +319,7 @@ if hasattr(os, "register_at_fork"):  # a fork waits, since its child would find 
 RECENT = 32
 """Kernels that are kept although nobody has them any more, for the next who asks for one."""
 
-_Key = tuple[str, str, int | None, str]
+_Key = tuple[str, str, int | None, str, bool]
 _kernels: weakref.WeakValueDictionary[_Key, Kernel] = weakref.WeakValueDictionary()
 _recent: OrderedDict[_Key, Kernel] = OrderedDict()
 """Those that were asked for last, the last one at the end."""
@@ -332,8 +332,8 @@ def _compile_numpy(program: Program, width: int | None, real: Real) -> Kernel:
 def _compile_llvm(program: Program, width: int | None, real: Real) -> Kernel:
     here = host()
     machine = here.target(width, real)
-    key = cache.key(program.digest, here, machine, _compiler_version(), fastcall.available(program))
     fast = fastcall.available(program)
+    key = cache.key(program.digest, here, machine, _compiler_version(), fast)
     code = cache.load(key)
     if code is None:
         text = emit(optimise(program), machine)
