@@ -80,8 +80,8 @@ def test_semi_implicit_euler_by_hand(seed: int, dim: int):
     h = np.linspace(0.0, 0.03, 7)
     q1, qd1 = fb.kernel(model, "semi_implicit_step")(q, qd, tau, h)
     rates = qd + h[:, None] * fb.forward_dynamics(model, q, qd, tau)
-    np.testing.assert_allclose(qd1, rates, rtol=1e-14, atol=1e-14 * np.abs(rates).max())
-    np.testing.assert_allclose(q1, fb.integrate(model, q, h[:, None] * rates), rtol=1e-14, atol=1e-14)
+    np.testing.assert_allclose(qd1, rates, rtol=0, atol=1e-13 * np.abs(rates).max())
+    np.testing.assert_allclose(q1, fb.integrate(model, q, h[:, None] * rates), rtol=1e-13, atol=1e-14)
 
 
 @pytest.mark.parametrize("seed", range(30))
