@@ -61,6 +61,10 @@ def test_the_structures_kernel_is_the_one_of_fixed_numbers(seed: int, dim: int):
     load = np.random.default_rng(seed).normal(size=(5, 6 if dim == 3 else 3))
     fixed = fb.kernel(model, "inverse_dynamics", wrench_frames=["tool"])(q, qd, qdd, load)
     close(fb.inverse_dynamics(model, q, qd, qdd, {"tool": load}), fixed, "with a wrench")
+    reactions = np.zeros((5, len(model.bodies), 6 if dim == 3 else 3))
+    found = fetch(model, ("balance",), Option())(q, qd, qdd, reactions)
+    for x, expected in zip(found[:2], fb.kernel(model, "balance")(q, qd, qdd, reactions)[:2], strict=True):
+        close(x, expected, "what must act on free bodies")
     for frame in ("tool", "ground"):
         close(fb.jacobian(model, q, frame), fb.kernel(model, "jacobian", frame=frame)(q), frame)
 

@@ -93,14 +93,18 @@ def _needed(tree: Tree, i: int, body: Moving) -> tuple[Vector, Vector]:
     force, moment = space.zero, space.zero_angular
     (R, _), (R_second, p_second) = body.pose, body.second
     for mass in tree.bodies[i].masses:
-        f = scale(mass.m, sub(add(p_second, times(R_second, mass.c)), tree.gravity))
-        spun = product(product(R_second, _second_moments(tree, mass)), transposed(R))
-        force, moment = add(force, f), add(moment, space.moment(times(R, mass.c), f), _axial(spun))
+        felt = sub(add(p_second, times(R_second, mass.c)), tree.gravity)
+        f = scale(mass.m, felt)
+        spun = _axial(product(product(R_second, _second_moments(tree, mass)), transposed(R)))
+        if mass.h is not None:
+            f = add(f, times(R_second, mass.h))
+            spun = add(spun, space.moment(times(R, mass.h), felt))
+        force, moment = add(force, f), add(moment, space.moment(times(R, mass.c), f), spun)
     return force, moment
 
 
 def _second_moments(tree: Tree, mass: Mass) -> Matrix:
-    """P = Σ r rᵀ dm about the centre of mass; in the plane half of the inertia along each axis."""
+    """P = Σ r rᵀ dm about the mass's point c; in the plane half of the inertia along each axis."""
     if tree.space.dim == 2:
         return tuple(scale(0.5 * mass.inertia, row) for row in identity(2))
     inertia = tree.space.inertia_matrix(mass.inertia)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from freebody.arrays import Array
 from freebody.kernels.formulas import Option
-from freebody.kernels.lookup import fetch
+from freebody.kernels.structural import fetch
 from freebody.model.model import Model
 
 
