@@ -21,9 +21,11 @@ if hasattr(
 @contextlib.contextmanager
 def exclusive() -> Iterator[None]:
     """Alone in LLVM."""
-    with _lock:
-        yield
-    _close_what_is_gone()
+    try:
+        with _lock:
+            yield
+    finally:
+        _close_what_is_gone()
 
 
 def close(thing: Any) -> None:

@@ -44,15 +44,16 @@ def load(code: bytes, exports: Sequence[str], imports: Mapping[str, int]) -> tup
     """
     import llvmlite.binding as llvm
 
-    for name, address in {**_externals(), **imports}.items():
-        if llvm.address_of_symbol(name) is None:
-            llvm.add_symbol(name, address)
     with exclusive.exclusive():
+        for name, address in {**_externals(), **imports}.items():
+            if llvm.address_of_symbol(name) is None:
+                llvm.add_symbol(name, address)
         # an engine of its own: what several share is not given back until all of them are gone
         module = llvm.parse_assembly("", _context())
         module.triple = host().triple
         engine = llvm.create_mcjit_compiler(module, host_machine(jit=True))
         engine.remove_module(module)  # it would be compiled, although there is nothing in it
+        module.close()
         try:
             engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         except RuntimeError as problem:
