@@ -119,7 +119,8 @@ def _given(wrenches: Wrenches) -> tuple[tuple[str | None, ...], tuple[ArrayLike,
     """Frames as they were named, None being the tip, and the wrench on each."""
     if wrenches is None:
         return (), ()
-    if isinstance(wrenches, Mapping):
+    # most are; to ask an abstract class takes longer
+    if type(wrenches) is dict or isinstance(wrenches, Mapping):
         return tuple(wrenches), tuple(wrenches.values())
     return (None,), (wrenches,)
 
