@@ -7,10 +7,12 @@ import pytest
 
 import freebody as fb
 from freebody.errors import SingularError
+from freebody.kernels import lookup, structural
 from freebody.loops.partition import partition
 from freebody.loops.scaled import rate_scale, row_scale
+from freebody.model.model import Model
 from freebody.trees.passive import all_driven
-from helpers import numbers
+from helpers import close, numbers
 
 CLOSED = [
     "four_bar",
@@ -151,3 +153,29 @@ def test_multipliers_are_the_smallest_that_do_what_the_drives_do_not(name: str):
 def test_what_leaves_loops_out_is_refused(name: str):
     with pytest.raises(fb.FreebodyError, match=f"kernel: {name}: 'five_bar' is a closed chain"):
         fb.kernel(fb.load("five_bar"), name)
+
+
+def test_a_changed_number_compiles_nothing_anew(monkeypatch: pytest.MonkeyPatch):
+    """Another length and mass of the same structure: every function of closed chains has its kernels already."""
+
+    def work(model: Model) -> None:
+        q = fb.assemble(model, motion.q)
+        qd = fb.loop_velocity(model, q, motion.qd)
+        qdd = fb.loop_acceleration(model, q, qd, motion.qdd)
+        tau = fb.inverse_dynamics(model, q, qd, qdd)
+        fb.static_torque(model, q)
+        close(fb.forward_dynamics(model, q, qd, tau), qdd, 1e-9, 1.0)
+        assert fb.reactions(model, q, qd, qdd=qdd).balance < 1e-12
+
+    model = fb.load("five_bar")
+    motion = fb.default_motion(model, samples=9)
+    work(model)
+
+    def refused(*args: object, **options: object) -> None:
+        raise AssertionError("compiled anew")
+
+    monkeypatch.setattr(structural, "compile_program", refused)
+    monkeypatch.setattr(lookup, "compile_program", refused)
+    work(model.bind(l1=1.01 * model.parameters["l1"], m3=1.3 * model.parameters["m3"]))
+    with pytest.raises(AssertionError, match="compiled anew"):
+        fb.assemble(model.to_space())
