@@ -15,7 +15,7 @@ from freebody.inverse.chain import arm_length
 from freebody.inverse.task import row_names, rows_of
 from freebody.labels import aligned, labels_of
 from freebody.model.model import Model
-from freebody.model.required import require_model
+from freebody.model.required import require_one
 from freebody.trees.calls import Vector, common_batch, finite_vector
 from freebody.trees.kinematics import jacobian, jacobian_dot
 
@@ -43,7 +43,7 @@ def inverse_velocity(
     arm's, such as 0.05): then singular values below it are damped, q̇ is exact elsewhere, and a FreebodyWarning says how
     far off V is (Nakamura and Hanafusa 1986; Chiaverini 1997).
     """
-    require_model("inverse_velocity", model)
+    require_one("inverse_velocity", model)
     model.require_tree("inverse_velocity", "fb.input_output(model, q).J")
     return _solved("inverse_velocity", model, q, "V", V, None, frame, task, damping)
 
@@ -62,7 +62,7 @@ def inverse_acceleration(
     qd: (..., nv). A: acceleration of the frame, the time derivative of its velocity (m/s², rad/s²). All else as for
     `inverse_velocity`.
     """
-    require_model("inverse_acceleration", model)
+    require_one("inverse_acceleration", model)
     model.require_tree("inverse_acceleration", "fb.input_output(model, q).J")
     return _solved("inverse_acceleration", model, q, "A", A, qd, frame, task, damping)
 

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable
-from functools import cache
+from functools import cache, wraps
 from typing import Any
+
+from freebody.model.model import Model
+from freebody.model.required import require_one
 
 _PLACES = {
     "inverse_dynamics": ("freebody.loops.dynamics", "inverse"),
@@ -22,5 +25,12 @@ _PLACES = {
 @cache
 def closed(name: str) -> Callable[..., Any]:
     """The function of that name for models with loops, imported when the first of these comes."""
-    module, function = _PLACES[name]
-    return getattr(importlib.import_module(module), function)
+    module, place = _PLACES[name]
+    function = getattr(importlib.import_module(module), place)
+
+    @wraps(function)
+    def of_one(model: Model, *args: Any, **kwargs: Any) -> Any:
+        require_one(name, model)
+        return function(model, *args, **kwargs)
+
+    return of_one

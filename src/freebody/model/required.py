@@ -8,6 +8,7 @@ from functools import wraps
 from typing import Any
 
 from freebody.errors import KindError
+from freebody.model.members import FamilyError
 from freebody.model.model import Model
 
 
@@ -17,12 +18,25 @@ def require_model(name: str, model: object) -> None:
         raise KindError(name, "the first argument", model, "a Model", _advice(name, model))
 
 
+def require_one(name: str, model: Model) -> None:
+    """Refuse what is no model, and a family."""
+    require_model(name, model)
+    if model.family:
+        raise FamilyError(name, model.name, model.family)
+
+
+_OF_FAMILIES = ("parameters", "kernel")
+"""Public functions of families, besides those that look themselves what they are given."""
+
+
 def takes_model(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function under its public name, which refuses a first argument that is no model."""
+    """The function under its public name, which refuses a first argument that is no model, or a family where it is
+    about one robot."""
+    require = require_model if name in _OF_FAMILIES else require_one
 
     @wraps(function)
     def checked(model: Model, *args: Any, **kwargs: Any) -> Any:
-        require_model(name, model)
+        require(name, model)
         return function(model, *args, **kwargs)
 
     # a function is pickled by the place where it is found

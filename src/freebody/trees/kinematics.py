@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import Literal
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array
 from freebody.errors import SingularError, UnknownNameError
 from freebody.kernels.formulas import Option
+from freebody.model.members import of_member
 from freebody.model.model import Model
 from freebody.model.required import require_model
 from freebody.trees.calls import Vector, evaluate
@@ -82,8 +84,10 @@ def center_of_mass(model: Model, q: Vector) -> Array:
     q: (..., nq). Raises SingularError without mass.
     """
     require_model("center_of_mass", model)
-    if model.mass == 0.0:
-        raise SingularError(f"center_of_mass: {model.name!r} has no mass; give its links an inertia.")
+    nothing = np.argwhere(np.asarray(model.mass) == 0.0)
+    if len(nothing):
+        member = of_member(tuple(map(int, nothing[0])))
+        raise SingularError(f"center_of_mass: {model.name!r} has no mass{member}; give its links an inertia.")
     return evaluate("center_of_mass", model, (q,))
 
 

@@ -2,60 +2,85 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from freebody.algorithms.crba import crba, supports
 from freebody.arrays import Array
 from freebody.errors import SingularError, listed
 from freebody.model.facts import fact
+from freebody.model.members import of_member
 from freebody.model.model import Model
-from freebody.model.tree import Tree
+from freebody.model.reading import VALUES
+from freebody.model.tree import Tree, lower
 from freebody.trees.states import generic_state
 
 _NOTHING = 1e-13  # a pivot this small, relative to what it was subtracted from, is rounding
 _SAMPLES = 4  # configurations that are looked at
+_BLOCK = 1024  # members of a family that are looked at together
 
 
 def refuse_massless(model: Model, function: str) -> None:
     """Raise SingularError if some joint moves no inertia at any of a few random configurations."""
-    known = massless(model)
+    known, member = _found(model)
     if known:
         joints = listed(map(repr, known))
         several = len(known) > 1
         raise SingularError(
-            f"{function}: the mass matrix of {model.name!r} is singular: "
+            f"{function}: the mass matrix of {model.name!r}{of_member(member)} is singular: "
             f"joint{'s' if several else ''} {joints} move{'' if several else 's'} no inertia. "
             f"Give what {'each' if several else 'it'} carries a mass and inertia, or the joint a rotor inertia, or fix "
             "it."
         )
 
 
-@fact
 def massless(model: Model) -> tuple[str, ...]:
-    """Coordinates that move no inertia, the loops of a closed chain being cut; found once a model."""
-    tree = model.tree
+    """Coordinates that move no inertia, the loops of a closed chain being cut; of a family of the first such member."""
+    return _found(model)[0]
+
+
+@fact
+def _found(model: Model) -> tuple[tuple[str, ...], tuple[int, ...]]:
+    """The coordinates, and the index of the member."""
+    if not model.family:
+        return _idle(model, ())[0], ()
+    count = math.prod(model.family)
+    for first in range(0, count, _BLOCK):
+        some = np.unravel_index(np.arange(first, min(first + _BLOCK, count)), model.family)
+        names, k = _idle(model[tuple(index[:, None] for index in some)], (len(some[0]),))
+        if names:
+            return names, tuple(int(index[k]) for index in some)
+    return (), ()
+
+
+def _idle(model: Model, members: tuple[int, ...]) -> tuple[tuple[str, ...], int]:
+    """Names of the coordinates, and the index of the first member that they are found in."""
+    tree = lower(model, VALUES)
     q, _, _ = generic_state(model, seed=1, batch=_SAMPLES)
     samples = tuple(np.moveaxis(q, -1, 0))
-    M = [[x + np.zeros(_SAMPLES) for x in row] for row in crba(tree, samples)]
-    idle = [k for k in range(model.nv) if not np.any(M[k][k])]
-    if idle:
-        return tuple(model.velocity_names[k] for k in idle)
+    M = np.array([[x + np.zeros((*members, _SAMPLES)) for x in row] for row in crba(tree, samples)])
+    M = M.reshape(model.nv, model.nv, *members, _SAMPLES)
+    moves = np.array([M[k, k].any(axis=-1) for k in range(model.nv)]).reshape(model.nv, *members)
+    if not moves.all():
+        member = 0 if not members else int(np.argwhere(~moves.all(axis=0))[0, 0])
+        some = moves[:, member] if members else moves
+        return tuple(model.velocity_names[k] for k in range(model.nv) if not some[k]), member
     with np.errstate(all="ignore"):
         pivots = _pivots(tree, M)
-        largest = max((np.abs(M[k][k]).max() for k in range(model.nv)), default=0.0)
-    bad = []
+        largest = np.abs(np.einsum("kk...->k...", M)).max(axis=(0, -1), keepdims=True, initial=0.0)[0]
     for k, pivot in pivots.items():
-        floor = np.maximum(_NOTHING * np.abs(M[k][k]), 1e-16 * largest)
-        if not np.all(pivot > floor):
-            bad.append(k)
-            break  # pivots of the joints before it are of no use
-    return tuple(model.velocity_names[k] for k in bad)
+        floor = np.maximum(_NOTHING * np.abs(M[k, k]), 1e-16 * largest)
+        bad = np.argwhere(~(pivot > floor).all(axis=-1))
+        if len(bad):  # pivots of the joints before it are of no use
+            return (model.velocity_names[k],), int(bad[0, 0]) if members else 0
+    return (), 0
 
 
-def _pivots(tree: Tree, M: list[list[Array]]) -> dict[int, Array]:
+def _pivots(tree: Tree, M: Array) -> dict[int, Array]:
     """Sizes of D in M = Lᵀ D L, the leaves' first; by whole rows, since a long chain has cubically many products."""
     order = list(supports(tree))
-    left = np.array([[M[i][j] for j in order] for i in order]).reshape(len(order), len(order), _SAMPLES)
+    left = M[np.ix_(order, order)]
     pivots = {}
     for i in reversed(range(len(order))):
         row = left[i, :i]

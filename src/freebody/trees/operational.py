@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -116,10 +117,10 @@ def energy_regressor(model: Model, q: Vector, qd: Vector) -> Array:
     return evaluate("energy_regressor", model, (q, qd))
 
 
-def inertial_parameters(model: Model) -> dict[str, float]:
+def inertial_parameters(model: Model) -> dict[str, Any]:
     """π by name: of each body m, hx, hy, hz (first moment), Ixx, Ixy, Ixz, Iyy, Iyz, Izz about its joint's origin, in
     its axes (plane: m, hx, hy, I); then of each joint with a drive viscous, coulomb, rotor, stiffness,
-    stiffness_rest."""
+    stiffness_rest. Of a family arrays where members differ."""
     require_model("inertial_parameters", model)
     tree = model.tree
     names = [f"{body.name}.{p}" for body in model.bodies for p in body_parameters(tree.space)]
@@ -127,7 +128,8 @@ def inertial_parameters(model: Model) -> dict[str, float]:
         model.bodies[i].joint.name for i, k in enumerate(tree.body_of) if tree.bodies[k].drive is not None
     ]
     names += [f"{joint}.{p}" for joint in joints for p in DRIVE]
-    return dict(zip(names, map(float, parameter_values(tree)), strict=True))
+    values = (x if isinstance(x, np.ndarray) else float(x) for x in parameter_values(tree))
+    return dict(zip(names, values, strict=True))
 
 
 def forward_dynamics_parameter_derivatives(model: Model, q: Vector, qd: Vector, tau: Vector) -> Array:

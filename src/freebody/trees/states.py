@@ -13,6 +13,7 @@ from freebody.arrays import Array
 from freebody.labels import refuse_other_times
 from freebody.model.facts import fact
 from freebody.model.joints import Primitive
+from freebody.model.members import FamilyError, arrays_in
 from freebody.model.model import Model
 from freebody.model.parts import Limits
 from freebody.model.required import require_model
@@ -49,6 +50,8 @@ def random_state(
     quaternions are uniform; rates and accelerations are normal with deviation 1.
     """
     require_model("random_state", model)
+    if arrays_in(tuple(body.joint.limits for body in model.bodies)):
+        raise FamilyError("random_state", model.name, model.family)
     return _states(model, seed, batch, [body.joint.limits.meant for body in model.bodies])
 
 
