@@ -16,7 +16,7 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, KindError, UnknownNameError, listed, shown
 from freebody.identifiers import is_identifier
 from freebody.program import Argument, ProgramError, trace
-from freebody.scalars.dual import Dual, slopes, value
+from freebody.scalars.dual import Dual, Outer, slopes, value
 from freebody.scalars.expr import Expr
 from freebody.scalars.nodes import GraphError
 from freebody.targets import Kernel, compile_program
@@ -66,7 +66,7 @@ def compile(  # noqa: A001  the name that users look for
         given = dict(zip((x.name for x in taken), values, strict=True))
         directions = {label: shapes[label] for label in chosen}
         results = _results(name, wanted, _called(name, function, _differentiated(given, directions)))
-        found = {label: _each(array, value) for label, array in results.items()}
+        found = {label: _each(array, lambda x: value(x, Outer)) for label, array in results.items()}
         for label, array in results.items():
             for title, block in _derivatives(label, array, directions).items():
                 if title in found:
@@ -141,7 +141,7 @@ def _differentiated(given: dict[str, Any], directions: dict[str, tuple[int, ...]
     number = count()
 
     def lifted(x: Any) -> Any:
-        return tuple(map(lifted, x)) if isinstance(x, tuple) else Dual(x, {next(number): 1.0})
+        return tuple(map(lifted, x)) if isinstance(x, tuple) else Outer(x, {next(number): 1.0})
 
     return given | {name: lifted(given[name]) for name in directions}
 
@@ -213,7 +213,7 @@ def _each(array: Array, function: Callable[[Any], Any]) -> Array:
 def _derivatives(label: str, array: Array, directions: dict[str, tuple[int, ...]]) -> dict[str, Array]:
     """Of one output by each of some inputs."""
     sizes = [prod(shape) for shape in directions.values()]
-    rows = [slopes(x, sum(sizes)) for x in array.ravel().tolist()]
+    rows = [slopes(x, sum(sizes), Outer) for x in array.ravel().tolist()]
     found, start = {}, 0
     for (name, shape), size in zip(directions.items(), sizes, strict=True):
         block = np.empty((array.size, size), dtype=object)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from freebody.algorithms.regressor import DRIVE, body_parameters
+from freebody.algorithms.regressor import DRIVE, body_parameters, parameter_values
 from freebody.arrays import Array
 from freebody.elementary import Scalar
 from freebody.errors import FreebodyError, SingularError, UnknownNameError
@@ -22,8 +22,12 @@ from freebody.kernels.formulas import (
     POSITIONS,
     Option,
 )
+from freebody.kernels.inputs import InputKernel, inputs_of
+from freebody.kernels.slopes import directions, lifted, slope_arguments, with_slopes
+from freebody.model.members import FamilyError
 from freebody.model.model import Model
 from freebody.model.structure import drives
+from freebody.model.numbers import Name
 from freebody.model.tree import Tree
 from freebody.program import Argument, Program, trace
 from freebody.spatial import of_dimension
@@ -41,7 +45,9 @@ def kernel(
     backend: str | None = None,
     width: int | None = None,
     dtype: str = "float64",
-) -> Kernel | ColumnKernel | KernelList:
+    inputs: Name | Sequence[Name] = (),
+    by: str | Sequence[str] = (),
+) -> Kernel | ColumnKernel | KernelList | InputKernel:
     """The compiled function for one quantity, or for several that share their work.
 
     model: with all values. names: among "inverse_dynamics", "forward_dynamics", "mass_matrix", "jacobian", … or a list.
@@ -51,6 +57,12 @@ def kernel(
     their order.
     dtype: "float32" computes with numbers of 32 bits, about twice as quick in batches, to about 6 digits of a sample's
     largest entry; arrays of other real types are rounded to it, and so are the robot's numbers.
+    inputs: numbers of the model that are to be given, by names and patterns of `fb.parameters` ("link*.mass"; patterns
+    leave out exact zeros and right angles of placements, names in full take them): they are gathered, in the order of
+    `fb.parameters`, in one last argument p (..., k), or given as p={name: value}; without p they are the model's own.
+    k.parameters are their names, k.values the model's own. Of a family all numbers with members are inputs.
+    by: inputs by which each output is differentiated as well (exactly, in forward mode), "p" among them: behind the
+    outputs follow dtau_dp (*output, k) and so on, of each output in turn; by positions on the tangent space (nv).
     Returns k(q, qd, …, out=None, threads=None), which broadcasts like a NumPy ufunc, lets NaN through and checks no
     names; its inputs are those of the quantities, in the order q, qd, qdd, tau, wrenches, and its outputs in the order
     of `names`. Dynamics of a closed chain take its state to be closed, and are not defined at singular positions, where
@@ -62,7 +74,20 @@ def kernel(
     listed, option = chosen_option(
         model, names, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows
     )
-    return fetch(model, listed, option, backend, width, dtype)
+    return fetch(
+        model,
+        listed,
+        option,
+        backend,
+        width,
+        dtype,
+        _named(inputs),
+        (by,) if isinstance(by, str) else tuple(by),
+    )
+
+
+def _named(inputs: Name | Sequence[Name]) -> tuple[Name, ...]:
+    return (inputs,) if isinstance(inputs, str) else tuple(inputs)
 
 
 def _near_home(model: Model, listed: tuple[str, ...], option: Option) -> Option:
@@ -167,9 +192,11 @@ def fetch(
     backend: str | None = None,
     width: int | None = None,
     dtype: str = "float64",
-) -> Kernel | ColumnKernel | KernelList:
+    inputs: tuple[Name, ...] = (),
+    by: tuple[str, ...] = (),
+) -> Any:
     """The kernel, compiled on first use and kept as long as the model."""
-    key = (names, option, backend, width, dtype)
+    key = (names, option, backend, width, dtype, inputs, by)
     found = model.compiled.get(key)
     if found is None:
         large = [name for name in names if model.nv > LARGEST and name in BY_COLUMNS]
@@ -178,13 +205,16 @@ def fetch(
                 f"fb.kernel: {large[0]} of {model.nv} coordinates is made column by column, which is there in float64 "
                 f"only (dtype={dtype!r} up to {LARGEST} coordinates)."
             )
-        found = in_columns(
-            model,
-            names,
-            option,
-            lambda part: fetch(model, (part,), Option(), backend, width),
-            lambda some: fetch(model, some, option, backend, width),
-        ) or compile_program(program(model, names, option), backend=backend, width=width, dtype=dtype)
+        if inputs or by or model.family:
+            found = _with_inputs(model, names, option, backend, width, dtype, inputs, by)
+        else:
+            found = in_columns(
+                model,
+                names,
+                option,
+                lambda part: fetch(model, (part,), Option(), backend, width),
+                lambda some: fetch(model, some, option, backend, width),
+            ) or compile_program(program(model, names, option), backend=backend, width=width, dtype=dtype)
         model.compiled[key] = found
     return found
 
@@ -205,6 +235,34 @@ def in_columns(
     if len(names) == 1:
         return ColumnKernel(names[0], arguments(model, names, option), model.nv, fetch_product)
     return _in_parts(model, names, option, fetch_some)
+
+
+def _with_inputs(
+    model: Model,
+    names: tuple[str, ...],
+    option: Option,
+    backend: str | None,
+    width: int | None,
+    dtype: str,
+    wanted: tuple[Name, ...],
+    by: tuple[str, ...],
+) -> Kernel | InputKernel:
+    """A kernel with numbers of the model as inputs, or with derivatives."""
+    large = [name for name in names if model.nv > LARGEST and name in BY_COLUMNS]
+    if large:
+        raise FreebodyError(
+            f"fb.kernel: {large[0]} of {model.nv} coordinates is made column by column, which takes no inputs=, by= or "
+            f"family (up to {LARGEST} coordinates they do)."
+        )
+    if not wanted and not model.family:
+        return compile_program(
+            program(model, names, option, by=by), backend=backend, width=width, dtype=dtype
+        )
+    given = inputs_of(model, wanted)
+    # a family's numbers never stand still along the batch
+    p = Argument("p", (len(given.names),), uniform=not model.family)
+    traced = program(model, names, option, p, given.tree, by)
+    return InputKernel(compile_program(traced, backend=backend, width=width, dtype=dtype), given, model)
 
 
 def _in_parts(
@@ -234,27 +292,34 @@ def program(
     option: Option,
     p: Argument | None = None,
     over: Callable[[Sequence[Scalar]], Tree] | None = None,
+    by: tuple[str, ...] = (),
 ) -> Program:
-    """What the formulas do to scalars, for this model; with p, its numbers or some of them, as a last input.
+    """What the formulas do to scalars, for this model; with p, some of its numbers, as a last input.
 
-    over: the tree over the scalars of p.
+    over: the tree over the scalars of p. by: inputs by which the outputs are differentiated.
     """
-    inputs = arguments(model, names, option)
+    if model.family and p is None:
+        raise FamilyError(f"the program of {', '.join(names)}", model.name, model.family)
+    fixed = model.tree if p is None or over is None else over([1.0] * p.size)
+    inputs = arguments(model, names, option) if p is None else (*arguments(model, names, option), p)
     labels = [a.name for a in inputs]
     outputs = tuple(
-        Argument(f"{name}_{label}" if len(names) > 1 else label, _shape(model, dims, option))
+        Argument(f"{name}_{label}" if len(names) > 1 else label, _shape(model, dims, option, fixed))
         for name in names
         for label, dims in FORMULAS[name].outputs.items()
     )
+    sizes = directions(model, inputs, by)
 
     def traced(ways: dict[str, Callable[..., tuple[Any, ...]]]) -> Program:
         def evaluate(*values: Any) -> tuple[Any, ...]:
-            tree = model.tree if over is None else over(values[-1])
-            given = dict(zip(labels, values, strict=over is None))
-            return tuple(x for name in names for x in ways[name](tree, option, **chosen(name, given, option)))
+            given, tree = lifted(dict(zip(labels, values, strict=True)), sizes, fixed, over)
+            results = tuple(
+                x for name in names for x in ways[name](tree, option, **chosen(name, given, option))
+            )
+            return with_slopes(results, outputs, sizes)
 
         try:
-            return trace("_".join(names), evaluate, inputs if p is None else (*inputs, p), outputs)
+            return trace("_".join(names), evaluate, inputs, (*outputs, *slope_arguments(outputs, sizes)))
         except ZeroDivisionError:
             raise SingularError(
                 f"{', '.join(names)} of {model.name!r} divides by zero in every state: a joint moves no mass and no "
@@ -298,7 +363,7 @@ def arguments(model: Model, names: tuple[str, ...], option: Option) -> tuple[Arg
     wanted = {label for name in names for label in FORMULAS[name].inputs}
     shapes = dict.fromkeys(POSITIONS, (model.nq,)) | {
         "point": (model.dim,),
-        "multipliers": (model.tree.constraints,),
+        "multipliers": (model.tree.constraints if "multipliers" in wanted else 0,),
         "reactions": _shape(model, ("reactions", "six"), option),
         "h": (),
     }
@@ -325,7 +390,9 @@ def chosen(name: str, given: dict[str, Any], option: Option) -> dict[str, Any]:
     return taken
 
 
-def _shape(model: Model, dims: tuple[str | int, ...], option: Option) -> tuple[int, ...]:
+def _shape(
+    model: Model, dims: tuple[str | int, ...], option: Option, tree: Tree | None = None
+) -> tuple[int, ...]:
     sizes = {
         "nq": lambda: model.nq,
         "nv": lambda: model.nv,
@@ -335,11 +402,15 @@ def _shape(model: Model, dims: tuple[str | int, ...], option: Option) -> tuple[i
         "angular": lambda: 3 if model.dim == 3 else 1,
         "pose": lambda: model.dim + 1,
         "rows": lambda: len(option.rows),
-        "equations": lambda: model.tree.constraints if option.equations is None else len(option.equations),
-        "constraints": lambda: model.tree.constraints,
-        "loose": lambda: model.tree.constraints - len(option.partition.rows if option.partition else ()),
+        "equations": lambda: (
+            (tree or model.tree).constraints if option.equations is None else len(option.equations)
+        ),
+        "constraints": lambda: (tree or model.tree).constraints,
+        "loose": lambda: (
+            (tree or model.tree).constraints - len(option.partition.rows if option.partition else ())
+        ),
         "reactions": lambda: len(model.bodies) + len(model.loops),
-        "parameters": lambda: parameter_count(model),
+        "parameters": lambda: parameter_count(model) if tree is None else len(parameter_values(tree)),
     }
     return tuple(d if isinstance(d, int) else sizes[d]() for d in dims)
 

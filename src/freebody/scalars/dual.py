@@ -15,104 +15,131 @@ Slopes = dict[int, Scalar]
 
 
 class Dual:
-    """value + Σ slopes[k] ε_k, with ε_j ε_k = 0."""
+    """value + Σ slopes[k] ε_k, with ε_j ε_k = 0.
+
+    Those of a higher level are made of those of a lower one, which they take for plain scalars, so that the two kinds
+    of slopes are never mixed up where a function that differentiates is itself differentiated.
+    """
 
     __slots__ = ("slopes", "value")
     __array_ufunc__ = None  # array * dual is ours
+    level = 1
 
     def __init__(self, value: Scalar, slopes: Slopes):
         self.value = value
         self.slopes = slopes
 
-    def __add__(self, other: Any) -> Dual:
-        if isinstance(other, Dual):
-            return Dual(self.value + other.value, _sum(self.slopes, other.slopes))
-        return Dual(self.value + other, self.slopes)
+    def _made_of(self, other: Any) -> bool:
+        """Whether the other is of a higher level, which knows what to do."""
+        return isinstance(other, Dual) and other.level > self.level
+
+    def __add__(self, other: Any) -> Any:
+        kind = type(self)
+        if type(other) is kind:
+            return kind(self.value + other.value, _sum(self.slopes, other.slopes))
+        return NotImplemented if self._made_of(other) else kind(self.value + other, self.slopes)
 
     __radd__ = __add__
 
-    def __sub__(self, other: Any) -> Dual:
+    def __sub__(self, other: Any) -> Any:
         return self + (-other)
 
-    def __rsub__(self, other: Any) -> Dual:
+    def __rsub__(self, other: Any) -> Any:
         return -self + other
 
-    def __neg__(self) -> Dual:
-        return Dual(-self.value, {k: -s for k, s in self.slopes.items()})
+    def __neg__(self) -> Any:
+        return type(self)(-self.value, {k: -s for k, s in self.slopes.items()})
 
-    def __mul__(self, other: Any) -> Dual:
-        if isinstance(other, Dual):
-            return Dual(
+    def __mul__(self, other: Any) -> Any:
+        kind = type(self)
+        if type(other) is kind:
+            return kind(
                 self.value * other.value,
                 _sum(_scaled(other.value, self.slopes), _scaled(self.value, other.slopes)),
             )
-        return Dual(self.value * other, _scaled(other, self.slopes))
+        return (
+            NotImplemented if self._made_of(other) else kind(self.value * other, _scaled(other, self.slopes))
+        )
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Any) -> Dual:
-        if isinstance(other, Dual):
+    def __truediv__(self, other: Any) -> Any:
+        kind = type(self)
+        if type(other) is kind:
             ratio = self.value / other.value
             inverse = 1.0 / other.value
-            return Dual(ratio, _sum(_scaled(inverse, self.slopes), _scaled(-(ratio * inverse), other.slopes)))
-        return Dual(self.value / other, _scaled(1.0 / other, self.slopes))
+            return kind(ratio, _sum(_scaled(inverse, self.slopes), _scaled(-(ratio * inverse), other.slopes)))
+        return (
+            NotImplemented
+            if self._made_of(other)
+            else kind(self.value / other, _scaled(1.0 / other, self.slopes))
+        )
 
-    def __rtruediv__(self, other: Any) -> Dual:
+    def __rtruediv__(self, other: Any) -> Any:
         ratio = other / self.value
-        return Dual(ratio, _scaled(-(ratio / self.value), self.slopes))
+        return type(self)(ratio, _scaled(-(ratio / self.value), self.slopes))
 
-    def __pow__(self, exponent: Any) -> Dual:
+    def __pow__(self, exponent: Any) -> Any:
+        kind = type(self)
         if exponent == 0:
-            return Dual(self.value**exponent, {})
-        return Dual(self.value**exponent, _scaled(exponent * self.value ** (exponent - 1), self.slopes))
+            return kind(self.value**exponent, {})
+        return kind(self.value**exponent, _scaled(exponent * self.value ** (exponent - 1), self.slopes))
 
     def __bool__(self) -> bool:
         return bool(self.value)
 
     def __eq__(self, other: object) -> bool:
-        return self.value == value(other)
+        return self.value == value(other, type(self))
 
     def __lt__(self, other: Any) -> bool:
-        return self.value < value(other)
+        return self.value < value(other, type(self))
 
     def __le__(self, other: Any) -> bool:
-        return self.value <= value(other)
+        return self.value <= value(other, type(self))
 
     def __gt__(self, other: Any) -> bool:
-        return self.value > value(other)
+        return self.value > value(other, type(self))
 
     def __ge__(self, other: Any) -> bool:
-        return self.value >= value(other)
+        return self.value >= value(other, type(self))
 
     __hash__ = None  # type: ignore[assignment]
 
-    def __abs__(self) -> Dual:
+    def __abs__(self) -> Any:
         return self.elementary("absolute", (self,))
 
     def elementary(self, name: str, operands: tuple[Any, ...]) -> Any:
         """An elementary function and its slopes; a plain scalar where it is constant wherever it has a derivative."""
-        operation, values = OPERATIONS[name], [value(x) for x in operands]
+        kind = max((type(x) for x in operands if isinstance(x, Dual)), key=lambda kind: kind.level)
+        operation, values = OPERATIONS[name], [value(x, kind) for x in operands]
         result = FUNCTIONS[name](*values)
         if operation.chooses is not None:
-            return Dual(result, _chosen(operation.chooses(*values), *operands[-2:]))
+            return kind(result, _chosen(kind, operation.chooses(*values), *operands[-2:]))
         if operation.partials is None:
             return result
         total: Slopes = {}
         for x, partial in zip(operands, operation.partials(result, *values), strict=True):
-            if isinstance(x, Dual):
+            if type(x) is kind:
                 total = _sum(total, _scaled(partial, x.slopes))
-        return Dual(result, total)
+        return kind(result, total)
 
 
-def slopes(x: Scalar, directions: int) -> list[Scalar]:
+class Outer(Dual):
+    """Slopes of a whole computation, in which `Dual` may be used."""
+
+    __slots__ = ()
+    level = 0
+
+
+def slopes(x: Scalar, directions: int, kind: type[Dual] = Dual) -> list[Scalar]:
     """The slopes of a scalar along 0 … directions - 1."""
-    known = x.slopes if isinstance(x, Dual) else {}
+    known = x.slopes if type(x) is kind else {}
     return [known.get(k, 0.0) for k in range(directions)]
 
 
-def value(x: Scalar) -> Scalar:
+def value(x: Scalar, kind: type[Dual] = Dual) -> Scalar:
     """The scalar without its slopes."""
-    return x.value if isinstance(x, Dual) else x
+    return x.value if type(x) is kind else x
 
 
 def _scaled(s: Scalar, by: Slopes) -> Slopes:
@@ -121,9 +148,9 @@ def _scaled(s: Scalar, by: Slopes) -> Slopes:
     return {k: s * slope for k, slope in by.items()}
 
 
-def _chosen(condition: Scalar, a: Scalar, b: Scalar) -> Slopes:
+def _chosen(kind: type[Dual], condition: Scalar, a: Scalar, b: Scalar) -> Slopes:
     """The slopes of one of two scalars; chosen, not weighted: what is not chosen may be infinite."""
-    of_a, of_b = (x.slopes if isinstance(x, Dual) else {} for x in (a, b))
+    of_a, of_b = (x.slopes if type(x) is kind else {} for x in (a, b))
     return {k: where(condition, of_a.get(k, 0.0), of_b.get(k, 0.0)) for k in dict.fromkeys((*of_a, *of_b))}
 
 

@@ -149,7 +149,7 @@ def _carefully(
     bound = structural.fetch(model, (function,), option._replace(wrench_frames=tuple(loads)))
     wrenched = [f"wrenches[{frame!r}]" for frame in loads]
     named = dict(zip([*names, *wrenched], [*arrays, *loads.values()], strict=True))
-    common_batch(function, named)
+    common_batch(function, named | ({"model.family": np.empty((*model.family, 0))} if model.family else {}))
     result = bound(*named.values())
     if not all(np.isfinite(x).all() for x in (result if isinstance(result, tuple) else (result,))):
         for name, array in named.items():

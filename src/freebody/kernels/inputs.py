@@ -1,0 +1,137 @@
+"""Numbers of a model as inputs of its kernels: gathered by name in one last argument p."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from freebody.arrays import Array
+from freebody.elementary import Scalar, cos, sin
+from freebody.errors import FreebodyError, MissingValueError
+from freebody.model.model import Model
+from freebody.model.numbers import Name, Parameters, found, known, written
+from freebody.model.parameters import Parameter, Quantity
+from freebody.model.reading import Reader, exact_sin_cos
+from freebody.model.tree import Tree, lower
+from freebody.targets import Kernel
+from freebody.targets.sound import sound
+
+
+@dataclass(frozen=True)
+class Token(Parameter):
+    """What stands in a model in the place of a number that a kernel is given."""
+
+    index: int = 0
+
+
+class InputReader(Reader):
+    """Reads tokens as scalars, and all else as numbers."""
+
+    def __init__(self, scalars: Sequence[Scalar]):
+        self.scalars = scalars
+
+    def quantity(self, q: Quantity) -> Scalar:
+        return self.scalars[q.index] if isinstance(q, Token) else super().quantity(q)
+
+    def sin_cos(self, angle: Quantity) -> tuple[Scalar, Scalar]:
+        read = self.quantity(angle)
+        return exact_sin_cos(read) if isinstance(read, float) else (sin(read), cos(read))
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Names of the numbers that a kernel is given, in the order of `fb.parameters`, and a model with tokens in them."""
+
+    names: tuple[str, ...]
+    values: Array
+    """(..., k): the model's own, NaN where a symbol has none; of a family its shape stands in front."""
+    model: Model
+
+    def tree(self, scalars: Sequence[Scalar]) -> Tree:
+        """The model's tree over scalars in the place of these numbers."""
+        return lower(self.model, InputReader(scalars))
+
+
+def inputs_of(model: Model, wanted: Name | Sequence[Name]) -> Inputs:
+    """The numbers that names and patterns mean, and all those that members of a family have each their own of."""
+    records = Parameters(model)
+    asked = [wanted] if isinstance(wanted, str) else list(wanted)
+    meant = {record.name for pattern in asked for record in records.matching(pattern)}
+    for record in records:
+        if record.limit and record.name in meant:
+            raise FreebodyError(
+                f"fb.kernel: {record.name!r} is a limit, which no kernel reads; bind it instead."
+            )
+    varied = {r.name for r in records if isinstance(r.value, np.ndarray) and not r.limit}
+    chosen = [record for record in records if record.name in meant | varied]
+    names = tuple(record.name for record in chosen)
+    tokens = {name: Token(f"p{k}", None, k) for k, name in enumerate(names)}
+    columns = [np.nan if record.value is None else record.value for record in chosen]
+    shape = (*model.family, len(names))
+    values = (
+        np.stack([np.broadcast_to(x, model.family) for x in columns], axis=-1) if columns else np.zeros(shape)
+    )
+    values.flags.writeable = False
+    return Inputs(names, values, written(model, tokens))
+
+
+class InputKernel:
+    """A kernel to which numbers of the model are given: its last argument is p (..., k).
+
+    Called with p, with p={name: value}, where other numbers are the model's, or without, with the model's own numbers.
+
+    Attributes:
+        kernel: the compiled function, which takes p as its last argument.
+        parameters: names of the entries of p.
+        values: p of the model itself, of a family (*family, k).
+    """
+
+    def __init__(self, kernel: Kernel, inputs: Inputs, model: Model):
+        self.kernel, self.parameters, self.values = kernel, inputs.names, inputs.values
+        self.program = kernel.program
+        self._model = model
+        self._count = len(kernel.program.inputs)
+        self._missing = tuple(
+            name
+            for name, x in zip(inputs.names, np.moveaxis(inputs.values, -1, 0), strict=True)
+            if np.isnan(x).any()
+        )
+
+    def __call__(self, *arrays: ArrayLike, p: Any = None, out: Any = None, threads: int | None = None) -> Any:
+        """The output, or the tuple of outputs; see `Kernel`. A named p is an array, or {name: value or array}."""
+        if len(arrays) < self._count or p is not None:
+            arrays = (*arrays, self.numbers(p))
+        if out is None and threads is None:
+            return self.kernel(*arrays)
+        return self.kernel(*arrays, out=out, threads=threads)
+
+    def numbers(self, given: Any = None) -> Any:
+        """p (..., k): an array as it is, of {name: value} the rest the model's own, without it all of them."""
+        if given is not None and not isinstance(given, Mapping):
+            return given
+        at = {name: k for k, name in enumerate(self.parameters)}
+        columns = list(np.moveaxis(self.values, -1, 0))
+        missing = set(self._missing)
+        for key, value in (given or {}).items():
+            name = found(known(self._model), key, self._model)
+            if name not in at:
+                raise FreebodyError(
+                    f"fb.kernel: {name!r} is no input of this kernel; name it in inputs=. Its inputs: "
+                    f"{', '.join(self.parameters)}."
+                )
+            columns[at[name]] = np.asarray(value, dtype=float)
+            missing.discard(name)
+        if missing:
+            raise MissingValueError(f"the inputs of a kernel of {self._model.name!r}", missing)
+        return np.stack(np.broadcast_arrays(*columns), axis=-1) if given else self.values
+
+    def checked(self, *arrays: ArrayLike) -> Any:
+        """See `Kernel.checked`."""
+        return sound(self, arrays)
+
+    def __repr__(self) -> str:
+        return f"InputKernel({self.kernel!r}; p: {', '.join(self.parameters)})"

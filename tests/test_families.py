@@ -1,0 +1,383 @@
+"""Names of a model's numbers, families of robots, numbers as inputs of kernels, and derivatives by them."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+
+import freebody as fb
+import generate
+from freebody.model.members import FamilyError
+from helpers import refused
+from public_calls import functions_of_states, public_calls, state
+
+ROBOTS = ("ur5e", "2R", "RP", "puma560", "four_bar", "panda")
+
+
+def values_of(model: fb.Model) -> dict[str, Any]:
+    return {r.name: r.value for r in fb.parameters(model) if r.value is not None}
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_every_number_bound_to_its_own_value_is_the_same_model(name):
+    model = fb.load(name)
+    assert model.bind(values_of(model)) == model
+
+
+@pytest.mark.parametrize("seed", [2, 4, 9])
+def test_every_number_can_be_changed_and_is_then_read_back(seed):
+    model = generate.model(seed)
+    for record in fb.parameters(model):
+        if record.limit or record.name.endswith(".scale"):
+            continue
+        value = record.value * 1.0001 if record.value else 0.001
+        if record.name.startswith("payload.inertia"):
+            continue  # alone it is no rigid body's
+        bound = model.bind({record.name: value})
+        assert fb.parameters(bound)[record.name].value == pytest.approx(value, rel=1e-12)
+        others = [r for r in fb.parameters(bound) if r.name != record.name and r.name in values_of(model)]
+        for other in others:
+            before = values_of(model)[other.name]
+            assert other.value == pytest.approx(before, rel=1e-9, abs=1e-12), (record.name, other.name)
+
+
+def test_inertia_is_told_in_the_axes_of_the_link():
+    model = generate.model(4)
+    tree = model.tree
+    part = next(a for b in model.bodies for a in b.inertias if not a.load and a.placement.steps)
+    known = fb.parameters(model)
+    com = [known[f"{part.link}.com.{x}"].value for x in "xyz"]
+    R, p = model.frame(part.link).placement.lower(
+        tree.space, __import__("freebody.model.reading").model.reading.VALUES
+    )
+    Ra, pa = part.placement.lower(tree.space, __import__("freebody.model.reading").model.reading.VALUES)
+    in_body = np.array(Ra) @ np.array(part.inertia.com) + pa
+    assert np.allclose(np.array(R) @ com + p, in_body, atol=1e-14)
+
+
+def test_mass_keeps_centre_and_inertia_and_scale_scales_both():
+    model = fb.load("ur5e")
+    heavy, scaled = model.bind({"forearm_link.mass": 5.0}), model.bind({"forearm_link.scale": 2.0})
+    old, a, b = (fb.parameters(m) for m in (model, heavy, scaled))
+    for name in ("com.x", "inertia.xx", "inertia.yz"):
+        assert a[f"forearm_link.{name}"].value == old[f"forearm_link.{name}"].value
+    assert b["forearm_link.mass"].value == 2.0 * old["forearm_link.mass"].value
+    assert b["forearm_link.inertia.xx"].value == 2.0 * old["forearm_link.inertia.xx"].value
+    assert b["forearm_link.scale"].value == 1.0
+
+
+def test_an_entry_of_a_dh_table_moves_all_that_hangs_on_it():
+    rows = [{"a": 0.4, "d": 0.1, "alpha": 0.3, "m": 2.0, "com": (-0.2, 0, 0)}, {"a": 0.3, "m": 1.0}]
+    changed = [{**rows[0], "a": 0.5}, rows[1]]
+    for convention in ("standard", "modified"):
+        model = fb.dh(rows, convention=convention)
+        assert model.bind({"joint1.a": 0.5}) == fb.dh(changed, convention=convention)
+        zero = model.bind({"joint2.d": 0.2})
+        assert zero == fb.dh([rows[0], {**rows[1], "d": 0.2}], convention=convention)
+
+
+def test_what_is_fixed_to_a_frame_moves_with_it():
+    model = fb.load("2R").with_frame("flange", (0.1, 0.0)).replace(tip="flange").with_payload(mass=1.0)
+    moved = model.bind({"flange.placement.x": 0.3})
+    q = np.array([0.3, 0.4])
+    again = fb.load("2R").with_frame("flange", (0.3, 0.0)).replace(tip="flange").with_payload(mass=1.0)
+    assert moved == again
+    assert np.array_equal(fb.gravity_torque(moved, q), fb.gravity_torque(again, q))
+
+
+def test_a_load_that_is_not_there_has_numbers_all_the_same():
+    model = fb.load("ur5e")
+    assert fb.parameters(model)["payload.mass"].value == 0.0
+    assert model.bind({"payload.mass": 2.0, "payload.com.z": 0.1}) == model.with_payload(
+        mass=2.0, com=(0, 0, 0.1)
+    )
+
+
+def test_a_symbol_is_found_by_its_name_and_by_its_place():
+    model = fb.load("2R")
+    assert "m1" in fb.parameters(model).names
+    assert "link1.mass" not in fb.parameters(model).names
+    assert model.bind({"link1.mass": 3.0}) == model.bind(m1=3.0)
+    assert fb.parameters(model)["link1.mass"] == fb.parameters(model)["m1"]
+
+
+def test_names_with_dots_are_given_in_parts_and_shared_ones_say_what_they_belong_to():
+    load = fb.load("2R").with_payload(mass=1.0, name="a.b")
+    assert fb.parameters(load.bind({("a.b", "mass"): 3.0}))["a.b", "mass"].value == 3.0
+    twice = fb.load("2R").with_payload(mass=1.0).with_payload(mass=2.0)
+    names = [n for n in fb.parameters(twice).names if n.endswith("payload.mass") or "payload.mass (" in n]
+    assert [fb.parameters(twice)[n].value for n in names] == [1.0, 2.0]
+    with pytest.raises(fb.FreebodyError, match="several things have a number 'payload.mass'"):
+        twice.bind({"payload.mass": 1.0})
+
+
+def test_patterns_leave_out_what_is_structural_and_limits():
+    known = fb.parameters(fb.load("ur5e"))
+    names = [r.name for r in known.matching("elbow_joint.*")]
+    assert (
+        "elbow_joint.a" in names and "elbow_joint.d" not in names and "elbow_joint.limits.upper" not in names
+    )
+    assert [r.name for r in known.matching("elbow_joint.d")] == ["elbow_joint.d"]
+    with pytest.raises(fb.FreebodyError, match="no parameter of 'ur5e' matches"):
+        known.matching("forarm*")
+
+
+def test_the_table_is_read_by_people_and_pages():
+    known = fb.parameters(fb.load("2R").replace(name="x").with_payload(mass=1.0, name="<b>"))
+    assert "m1" in repr(known) and "kg m²" in repr(known)
+    assert "<b>" not in known._repr_html_() and "&lt;b&gt;" in known._repr_html_()
+    assert known.values.shape == (len(known),)
+
+
+# ---------------------------------------------------------------- families
+def random_family(model: fb.Model, shape: tuple[int, ...], seed: int = 0) -> fb.Model:
+    rng = np.random.default_rng(seed)
+    changed: dict[str, Any] = {}
+    for r in fb.parameters(model):
+        if not r.value or r.limit or r.structural or (".inertia." in r.name and "rotor" not in r.name):
+            continue
+        factor = 1.0 + 0.1 * rng.uniform(-1.0, 1.0, shape)
+        changed[r.name] = r.value * factor
+    return model.bind({**changed, "payload.mass": rng.uniform(0.5, 1.0, shape)})
+
+
+ONE_ROBOT = {
+    *(
+        "assemble",
+        "assembly_modes",
+        "loop_velocity",
+        "loop_acceleration",
+        "mobility",
+        "reactions",
+        "input_output",
+    ),
+    *("inverse_kinematics", "inverse_velocity", "inverse_acceleration", "simulate", "free_body_diagram"),
+    *("kinematic_diagram",),
+}
+OF_STRUCTURE = {"neutral", "random_state", "parameters"}
+
+
+@pytest.mark.parametrize(("seed", "dim"), [(3, 3), (4, 3), (5, 2)])
+def test_a_family_gives_what_its_members_give(seed, dim):
+    model = generate.model(seed, dim)
+    family = random_family(model, (2,))
+    assert family.family == (2,)
+    samples, calls = state(model, seed, (3, 1)), public_calls()
+    for name in set(functions_of_states()) - ONE_ROBOT - OF_STRUCTURE:
+        try:
+            whole = calls[name](family, samples)
+        except fb.FreebodyError as problem:
+            assert not isinstance(problem, FamilyError), name
+            with pytest.raises(type(problem)):
+                calls[name](family[0], samples)
+            continue
+        for i in range(2):
+            one = calls[name](family[i], samples)
+            for a, b in zip(*(x if isinstance(x, tuple) else (x,) for x in (whole, one)), strict=True):
+                if isinstance(a, dict):
+                    continue
+                assert a.shape[:2] == (3, 2), name
+                assert np.allclose(a[:, i], b[:, 0], rtol=1e-11, atol=1e-12 * (1 + abs(b).max())), name
+
+
+def test_shapes_broadcast_as_numpy_does():
+    model = fb.load("2R").bind(m2=np.array([[1.0], [2.0], [3.0]]))
+    q = np.full((4, 2), 0.3)
+    tau = fb.gravity_torque(model, q)
+    assert model.family == (3, 1) and tau.shape == (3, 4, 2)
+    assert np.allclose(tau[1], fb.gravity_torque(model[1, 0], q), atol=1e-13)
+    assert fb.forward_kinematics(model, q).shape == (3, 4, 3, 3)
+    assert (
+        model.mass.shape == (3, 1)
+        and model.gravity.shape == (3, 1, 2)
+        and model.limits.lower.shape == (3, 1, 2)
+    )
+    assert model[1].family == (1,) and model[0, 0].family == ()
+    with pytest.raises(fb.FreebodyError, match="do not broadcast"):
+        fb.gravity_torque(fb.load("2R").bind(m2=[1.0, 2.0, 3.0]), q)
+
+
+def test_a_family_is_a_value():
+    model = fb.load("ur5e")
+    masses = np.array([1.0, 2.0])
+    family = model.bind({"forearm_link.mass": masses})
+    masses[0] = 9.0
+    assert family[0] == model.bind({"forearm_link.mass": 1.0})
+    again = pickle.loads(pickle.dumps(family))
+    assert again == family and hash(again) == hash(family) and copy.deepcopy(family) == family
+    assert family != model.bind({"forearm_link.mass": [1.0, 2.5]})
+    with pytest.raises(ValueError, match="read-only"):
+        family.bodies[2].inertias[0].inertia.mass.array[0] = 3.0
+    with pytest.raises(TypeError):
+        iter(family)
+    refused("'ur5e' is one robot, no family: it has no member 0.", lambda: model[0])
+
+
+def test_the_ways_to_a_family():
+    model, q = fb.load("ur5e"), np.full(6, 0.4)
+    loads = model.with_payload(mass=np.array([1.0, 2.0]), com=np.array([[0, 0, 0.1], [0, 0, 0.2]]))
+    assert loads[1] == model.with_payload(mass=2.0, com=(0, 0, 0.2))
+    driven = model.with_drive("elbow_joint", viscous=[0.1, 0.2], rotor=1e-4, gear=100.0)
+    tau = fb.inverse_dynamics(driven, q, q, q)
+    assert np.allclose(tau[1] - tau[0], [0, 0, 0.04, 0, 0, 0], atol=1e-12)
+    field = model.replace(gravity=np.array([[0, 0, -9.81], [0, 3.0, -9.0]]))
+    assert np.allclose(field.gravity, [[0, 0, -9.81], [0, 3.0, -9.0]])
+    for i in range(2):
+        assert np.allclose(fb.gravity_torque(field, q)[i], fb.gravity_torque(field[i], q), atol=1e-12)
+
+
+def test_members_are_checked_one_by_one():
+    model = fb.load("ur5e")
+    with pytest.raises(fb.FreebodyError, match=r"mass -1 kg is negative of member 1"):
+        model.bind({"forearm_link.mass": [1.0, -1.0]})
+    with pytest.raises(fb.FreebodyError, match="nan of member 2"):
+        model.bind({"forearm_link.mass": [1.0, 1.0, np.nan]})
+    with pytest.raises(fb.FreebodyError, match="do not broadcast to one family"):
+        model.bind({"forearm_link.mass": [1.0, 2.0], "gravity": [1.0, 2.0, 3.0]}).family
+    light = fb.load("2R").bind(m2=[1.0, 0.0], I2=[0.1, 0.0])
+    with pytest.raises(fb.FreebodyError, match=r"of member 1 is singular: joint 'joint2' moves no inertia"):
+        fb.forward_dynamics(light, [0.1, 0.2], [0, 0], [0, 0])
+    with pytest.raises(fb.FreebodyError, match="no mass of member 0"):
+        fb.center_of_mass(fb.planar("R", l=[1], lc=[1], m=[1], I=[0]).bind(m1=[0.0, 1.0]), [0.1])
+
+
+@pytest.mark.parametrize("name", sorted(ONE_ROBOT - {"inverse_velocity", "inverse_acceleration"}))
+def test_what_is_about_one_robot_refuses_a_family(name):
+    family = fb.load("2R").bind(m2=[1.0, 2.0])
+    with pytest.raises(FamilyError, match=rf"{name}: '2R' is a family of robots, shape \(2,\).*model\[0\]"):
+        public_calls()[name](family, state(fb.load("2R"), 0))
+
+
+def test_all_else_refuses_a_family(tmp_path):
+    family = fb.load("2R").bind(m2=[1.0, 2.0])
+    for call in (
+        lambda: fb.save(family, tmp_path / "x.toml"),
+        lambda: fb.equations(family),
+        lambda: fb.derive(family),
+        lambda: fb.base_parameters(family),
+        lambda: fb.singularities(family),
+        lambda: fb.study(family),
+        lambda: fb.check(family, "x = 1"),
+        lambda: fb.inverse_velocity(family, [0.1, 0.2], [0, 0, 0]),
+        lambda: fb.source(family, "inverse_dynamics", "c"),
+        lambda: fb.reactions(fb.load("four_bar").bind(m1=[1.0, 2.0]), [0, 0, 0], [0, 0, 0]),
+        lambda: fb.forward_dynamics(fb.load("four_bar").bind(m1=[1.0, 2.0]), *np.zeros((3, 3))),
+    ):
+        with pytest.raises(FamilyError, match="take a member"):
+            call()
+
+
+# ---------------------------------------------------------------- inputs and derivatives
+def test_numbers_as_inputs_are_the_model_with_other_numbers():
+    model = fb.load("ur5e")
+    kernel = fb.kernel(
+        model, "inverse_dynamics", inputs=["*.mass", "*.com.*", "*.inertia.*", "*.a", "*.d", "g"]
+    )
+    q, qd, qdd = fb.random_state(model, 0, (5,))
+    assert np.allclose(kernel(q, qd, qdd), fb.inverse_dynamics(model, q, qd, qdd), rtol=1e-13, atol=1e-12)
+    p = kernel.values * np.linspace(1.0, 1.1, 5)[:, None]
+    assert p.shape == (5, len(kernel.parameters))
+    found = kernel(q, qd, qdd, p)
+    for i in (0, 4):
+        bound = model.bind(dict(zip(kernel.parameters, p[i], strict=True)))
+        assert np.allclose(found[i], fb.inverse_dynamics(bound, q[i], qd[i], qdd[i]), rtol=1e-12, atol=1e-12)
+    some = kernel(q, qd, qdd, p={"forearm_link.mass": 3.0})
+    bound = model.bind({"forearm_link.mass": 3.0})
+    assert np.allclose(some, fb.inverse_dynamics(bound, q, qd, qdd), rtol=1e-13, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", [4, 9])
+def test_any_number_is_an_input_of_any_formula(seed):
+    model = generate.model(seed)
+    names = [r.name for r in fb.parameters(model) if not r.limit]
+    rng = np.random.default_rng(seed)
+    known = fb.parameters(model)
+    small = {n: known[n].value + 1e-3 * rng.uniform() for n in names if ".inertia." not in n or "rotor" in n}
+    small = {n: x for n, x in small.items() if not n.startswith("payload.")}
+    bound = model.bind(small)
+    quantities = ["inverse_dynamics", "kinetic_energy", "forward_kinematics"]
+    kernel = fb.kernel(model, quantities, inputs=names)
+    assert list(kernel.parameters) == names
+    s = state(model, seed)
+    arrays = [s[a.name] for a in kernel.program.inputs[:-1]]
+    for a, b in zip(kernel(*arrays, p=small), fb.kernel(bound, quantities)(*arrays), strict=True):
+        assert np.allclose(a, b, rtol=1e-12, atol=1e-12)
+
+
+def test_symbols_without_values_are_inputs():
+    model, ones = fb.planar("RR"), np.ones(2)
+    kernel = fb.kernel(model, "inverse_dynamics", inputs=list(model.parameters))
+    values = {name: 0.5 + 0.1 * k for k, name in enumerate(model.parameters)}
+    bound = model.bind(values)
+    assert np.allclose(
+        kernel(ones, ones, ones, p=values), fb.inverse_dynamics(bound, ones, ones, ones), rtol=1e-13
+    )
+    with pytest.raises(fb.FreebodyError, match="need a value for I1"):
+        kernel(ones, ones, ones)
+
+
+def test_closed_chains_have_numbers_as_inputs():
+    model = fb.load("four_bar")
+    q = fb.assemble(model)
+    kernel = fb.kernel(model, "forward_dynamics", inputs=["m*", "l*"])
+    heavy = model.bind(m1=1.7)
+    zero = np.zeros(3)
+    expected = fb.kernel(heavy, "forward_dynamics")(q, zero, zero)
+    assert np.allclose(kernel(q, zero, zero, p={"m1": 1.7}), expected, rtol=1e-10, atol=1e-10)
+
+
+def test_wrong_inputs_are_refused():
+    model = fb.load("ur5e")
+    with pytest.raises(fb.FreebodyError, match="'elbow_joint.limits.upper' is a limit"):
+        fb.kernel(model, "inverse_dynamics", inputs="elbow_joint.limits.upper")
+    with pytest.raises(fb.FreebodyError, match="no parameter 'forearm_link.mas'"):
+        fb.kernel(model, "inverse_dynamics", inputs=["forearm_link.mas"])
+    kernel = fb.kernel(model, "inverse_dynamics", inputs="forearm_link.mass")
+    with pytest.raises(fb.FreebodyError, match="'payload.mass' is no input of this kernel"):
+        kernel(*np.zeros((3, 6)), p={"payload.mass": 1.0})
+    with pytest.raises(fb.FreebodyError, match="no input 'p' in by="):
+        fb.kernel(model, "inverse_dynamics", by="p")
+
+
+@pytest.mark.parametrize(
+    "name", ["inverse_dynamics", "forward_dynamics", "forward_kinematics", "potential_energy"]
+)
+def test_derivatives_by_any_number_and_any_input(name):
+    """Against differences of fourth order: exact to 1e-10 of the largest entry where rounding allows."""
+    model = fb.load("2R").bind(m1=1.0)
+    inputs = [r.name for r in fb.parameters(model) if not (r.limit or r.structural or "payload" in r.name)]
+    kernel = fb.kernel(model, name, inputs=inputs, by="p")
+    q, qd, tau = fb.random_state(model, 3)
+    arrays = (q, qd, tau)[: len(kernel.program.inputs) - 1]
+    value, slope = kernel(*arrays)
+    p = kernel.values
+    for k in range(len(inputs)):
+        step = np.zeros_like(p)
+        step[k] = 1e-3
+        moved = [kernel(*arrays, p + i * step)[0] for i in (-2, -1, 1, 2)]
+        difference = (moved[0] - 8 * moved[1] + 8 * moved[2] - moved[3]) / 12e-3
+        assert np.allclose(slope[..., k], difference, rtol=1e-8, atol=1e-8 * (1 + abs(value).max())), inputs[
+            k
+        ]
+
+
+def test_derivatives_agree_with_those_that_are_there():
+    model = generate.model(4)  # on a free base: positions have more entries than rates
+    s = state(model, 4)
+    found = fb.kernel(model, "inverse_dynamics", by=("q", "qd", "qdd"))(s["q"], s["qd"], s["qdd"])
+    expected = fb.inverse_dynamics_derivatives(model, s["q"], s["qd"], s["qdd"])
+    for a, b in zip(found[1:], expected, strict=True):
+        assert np.allclose(a, b, rtol=1e-10, atol=1e-10 * abs(b).max())
+
+
+def test_derivatives_of_derivatives_keep_their_slopes_apart():
+    model = fb.load("2R")
+    q, qd, qdd = fb.random_state(model, 0)
+    found = fb.kernel(model, "inverse_dynamics_derivatives", by="q")(q, qd, qdd)
+    expected = fb.inverse_dynamics_second_derivatives(model, q, qd, qdd)
+    assert np.allclose(found[3], expected[0], rtol=1e-11, atol=1e-12)
+    assert np.allclose(found[5], expected[3], rtol=1e-11, atol=1e-12)
