@@ -26,8 +26,8 @@ from freebody.kernels.inputs import InputKernel, inputs_of
 from freebody.kernels.slopes import directions, lifted, slope_arguments, with_slopes
 from freebody.model.members import FamilyError
 from freebody.model.model import Model
-from freebody.model.structure import drives
 from freebody.model.numbers import Name
+from freebody.model.structure import drives
 from freebody.model.tree import Tree
 from freebody.program import Argument, Program, trace
 from freebody.spatial import of_dimension

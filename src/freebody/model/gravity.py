@@ -41,15 +41,19 @@ def gravity_of(
 
 
 def _of_members(given: object, dim: int, direction: tuple[Any, ...]) -> tuple[Quantity, tuple[Any, ...]]:
-    """Gravity of a family: a size for each member, and where they do not agree a direction for each."""
+    """Gravity of a family: a size for each member, along the direction that they share."""
     vectors = members(given, "gravity", LARGEST).array
     if vectors.shape[-1] != dim:
         raise ModelError(
             f"gravity: vectors of {dim} entries in world axes are needed, not {vectors.shape[-1]}."
         )
     sizes = np.sqrt((vectors * vectors).sum(axis=-1))
-    nowhere = [x if isinstance(x, float) else 0.0 for x in direction]
-    units = np.where(sizes[..., None] > 0.0, vectors / np.where(sizes, sizes, 1.0)[..., None], nowhere)
-    if (units == units.reshape(-1, dim)[0]).all():
-        return Members(sizes), tuple(map(float, units.reshape(-1, dim)[0]))
-    return Members(sizes), tuple(Members(units[..., k]) for k in range(dim))
+    if not sizes.any():
+        return Members(sizes), direction
+    along = unit(vectors.reshape(-1, dim)[int(np.argmax(sizes))])
+    if not np.allclose(vectors, sizes[..., None] * along, rtol=0.0, atol=1e-14 * float(sizes.max())):
+        raise ModelError(
+            "gravity: the vectors of a family's members have different directions; they may differ in size only, "
+            "since the direction is structure. Make a model for each direction."
+        )
+    return Members(sizes), along

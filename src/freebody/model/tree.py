@@ -286,7 +286,7 @@ def placed_mass(space: AnySpace, part: Attached, reader: Reader) -> Mass:
 def in_body(space: AnySpace, inertia: tuple[Scalar, Vector, Scalar], pose: Pose) -> Mass:
     """(mass, centre, inertia about it) of what is fixed to a body at a pose, in the body's axes."""
     (m, c, inertia), (R, p) = inertia, pose
-    turned = inertia if inertia == space.no_inertia else space.turned_inertia(R, inertia)
+    turned = inertia if _is_zero(inertia) else space.turned_inertia(R, inertia)
     return Mass(m, add(p, times(R, c)), turned)
 
 
@@ -308,8 +308,13 @@ def about_origin(space: AnySpace, masses: Iterable[Mass]) -> Composite:
 
 
 def _is_nothing(mass: Mass) -> bool:
-    rows = mass.inertia if isinstance(mass.inertia, tuple) else ((mass.inertia,),)
-    return all(isinstance(x, float) and x == 0.0 for row in ((mass.m,), *rows) for x in row)
+    return isinstance(mass.m, float) and mass.m == 0.0 and _is_zero(mass.inertia)
+
+
+def _is_zero(inertia: Scalar) -> bool:
+    """Whether all entries are the number 0, and none a parameter's scalar or an array of a family."""
+    rows = inertia if isinstance(inertia, tuple) else ((inertia,),)
+    return all(isinstance(x, float) and x == 0.0 for row in rows for x in row)
 
 
 def drive_of(drive: Drive, reader: Reader) -> tuple[Scalar, ...]:
