@@ -156,7 +156,8 @@ ONE_ROBOT = {
     *("inverse_kinematics", "inverse_velocity", "inverse_acceleration", "simulate", "free_body_diagram"),
     *("kinematic_diagram",),
 }
-OF_STRUCTURE = {"neutral", "random_state", "parameters"}
+OF_STRUCTURE = {"neutral", "random_state", "parameters", "integrate", "difference"}
+"""Functions of no number of a model."""
 
 
 @pytest.mark.parametrize(("seed", "dim"), [(1, 2)])

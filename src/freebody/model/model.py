@@ -335,8 +335,8 @@ class Model(ByValue):
     ) -> Model:
         """The model with another name, tip, gravity, choice of driven joints, or tolerance of its loops.
 
-        gravity: a size (0 for none), a name, or a vector in world axes; vectors (..., dim) of one direction are those of a family
-        (sizes of a family: bind({"gravity": sizes})). actuated: names; all other joints are passive.
+        gravity: a size (0 for none), a name, or a vector in world axes; vectors (..., dim) of one direction are those
+        of a family (sizes of a family: bind({"gravity": sizes})). actuated: names; all other joints are passive.
         loop_tolerance: (m, rad), see `with_loop`.
         """
         changes: dict[str, object] = {}
