@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
+from freebody.errors import FreebodyError, MissingValueError, ModelError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.model import changes as changed
 from freebody.model import numbers
