@@ -79,13 +79,15 @@ class Formula:
     reactions (joints and loops).
     evaluate(tree, option, **inputs): a tuple of nested sequences of scalars; wrenches is a tuple of vectors, one for
     each of option.wrench_frames. another: a second way to the same values; for robots of few joints both are traced and
-    the shorter program is compiled.
+    the shorter program is compiled. by_motion: whether of the inertial numbers M and the bias alone count, so that they
+    may be regrouped.
     """
 
     inputs: tuple[str, ...]
     outputs: dict[str, tuple[str | int, ...]]
     evaluate: Callable[..., tuple[Any, ...]]
     another: Callable[..., tuple[Any, ...]] | None = None
+    by_motion: bool = False
 
 
 def _external(tree: Tree, o: Option, q: Vector, wrenches: tuple[Vector, ...]) -> list[External]:
@@ -336,13 +338,13 @@ FORMULAS: dict[str, Formula] = {
         lambda t, o, q, qd: (kinematics.jacobian_dot(t, q, qd, _frame(o), o.reference),),
     ),
     "center_of_mass": Formula(("q",), {"com": ("dim",)}, _centre),
-    "inverse_dynamics": Formula(("q", "qd", "qdd", "wrenches"), {"tau": ("nv",)}, _inverse),
-    "forward_dynamics": Formula(("q", "qd", "tau", "wrenches"), {"qdd": ("nv",)}, _forward),
-    "mass_matrix": Formula(("q",), {"M": ("nv", "nv")}, lambda t, o, q: (crba(t, q),)),
+    "inverse_dynamics": Formula(("q", "qd", "qdd", "wrenches"), {"tau": ("nv",)}, _inverse, by_motion=True),
+    "forward_dynamics": Formula(("q", "qd", "tau", "wrenches"), {"qdd": ("nv",)}, _forward, by_motion=True),
+    "mass_matrix": Formula(("q",), {"M": ("nv", "nv")}, lambda t, o, q: (crba(t, q),), by_motion=True),
     "coriolis_matrix": Formula(
         ("q", "qd"), {"C": ("nv", "nv")}, lambda t, o, q, qd: (coriolis_matrix(t, q, qd),)
     ),
-    "bias": Formula(("q", "qd"), {"bias": ("nv",)}, lambda t, o, q, qd: (bias(t, q, qd),)),
+    "bias": Formula(("q", "qd"), {"bias": ("nv",)}, lambda t, o, q, qd: (bias(t, q, qd),), by_motion=True),
     "gravity_torque": Formula(("q",), {"g": ("nv",)}, _gravity),
     "static_torque": Formula(("q", "wrenches"), {"tau": ("nv",)}, _static),
     "joint_wrenches": Formula(("q", "qd", "qdd", "wrenches"), {"W": ("nj", "six")}, _wrenches),
@@ -351,12 +353,14 @@ FORMULAS: dict[str, Formula] = {
         {"dtau_dq": ("nv", "nv"), "dtau_dqd": ("nv", "nv"), "M": ("nv", "nv")},
         lambda t, o, q, qd, qdd: _matrices(inverse_dynamics_derivatives(t, q, qd, qdd)),
         lambda t, o, q, qd, qdd: _matrices(_by_dual_scalars(t, q, qd, qdd)),
+        by_motion=True,
     ),
     "forward_dynamics_derivatives": Formula(
         ("q", "qd", "tau"),
         {"dqdd_dq": ("nv", "nv"), "dqdd_dqd": ("nv", "nv"), "Minv": ("nv", "nv")},
         lambda t, o, q, qd, tau: _matrices(forward_dynamics_derivatives(t, q, qd, tau)),
         lambda t, o, q, qd, tau: _matrices(forward_dynamics_derivatives(t, q, qd, tau, _by_dual_scalars)),
+        by_motion=True,
     ),
     "inverse_dynamics_second_derivatives": Formula(
         ("q", "qd", "qdd"),

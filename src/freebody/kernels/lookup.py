@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from freebody.algorithms.regressor import DRIVE, body_parameters, parameter_values
+from freebody.algorithms.regroup import lightened
 from freebody.arrays import Array
 from freebody.elementary import Scalar
 from freebody.errors import FreebodyError, SingularError, UnknownNameError
@@ -313,6 +314,8 @@ def program(
     def traced(ways: dict[str, Callable[..., tuple[Any, ...]]]) -> Program:
         def evaluate(*values: Any) -> tuple[Any, ...]:
             given, tree = lifted(dict(zip(labels, values, strict=True)), sizes, fixed, over)
+            if all(FORMULAS[name].by_motion for name in names):  # no output shows the links one by one
+                tree = lightened(tree)
             results = tuple(
                 x for name in names for x in ways[name](tree, option, **chosen(name, given, option))
             )
