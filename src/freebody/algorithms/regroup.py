@@ -27,11 +27,8 @@ def regrouped(tree: Tree) -> list[Composite]:
 def lightened(tree: Tree) -> Tree:
     """The tree with its inertial numbers regrouped: other bodies, of fewer numbers, under which it moves alike.
 
-    M and the bias are the same; joint forces, energies and momenta are not. As it is where a number is a symbol.
+    M and the bias are the same; joint forces, energies and momenta are not.
     """
-    masses = [mass for body in tree.bodies for mass in body.masses]
-    if not all(isinstance(x, float) for mass in masses for x in (mass.m, *mass.c)):
-        return tree
     bodies = tuple(
         replace(body, masses=(Mass(m, tree.space.zero, inertia, h),))
         for body, (m, h, inertia) in zip(tree.bodies, regrouped(tree), strict=True)
