@@ -97,7 +97,7 @@ def _near_home(model: Model, listed: tuple[str, ...], option: Option) -> Option:
         option = option._replace(equations=closed("independent_rows")(model))
     for name in listed:
         if name in OF_PARTITION and option.partition is None:
-            option = option._replace(partition=closed("require_partition")(f"kernel: {name}", model))
+            option = option._replace(partition=closed("require_partition")(model, f"kernel: {name}"))
     return option
 
 

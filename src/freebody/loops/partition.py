@@ -72,7 +72,7 @@ def partition_of_loops(model: Model) -> Partition | None:
     return partition(model) or partition(model, range(model.nv))
 
 
-def require_partition(function: str, model: Model) -> Partition:
+def require_partition(model: Model, function: str) -> Partition:
     """The same for the model's own drives; SingularError where there is none."""
     found = partition(model)
     if found is None:
