@@ -294,6 +294,31 @@ def test_the_template_of_cpp_takes_float_and_a_scalar_that_differentiates(tmp_pa
     np.testing.assert_allclose(np.transpose(columns), by_q, rtol=0, atol=1e-12 * np.abs(by_q).max())
 
 
+def test_numbers_of_the_robot_are_arguments_where_asked(tmp_path):
+    require("c")
+    model = fb.load("ur5e")
+    inputs = ["payload.mass", "forearm_link.mass", "forearm_link.com.*", "gravity"]
+    fb.export(model, "inverse_dynamics", tmp_path, inputs=inputs)
+    passes(tmp_path, "c", "inverse_dynamics")
+    kernel = fb.kernel(model, "inverse_dynamics", inputs=inputs)
+    assert list(json.loads((tmp_path / "names.json").read_text())["numbers"].values()) == list(
+        kernel.parameters
+    )
+    head = (tmp_path / "inverse_dynamics.h").read_text()
+    k = kernel.parameters.index("forearm_link.mass")
+    assert f"p [{k}] forearm_link_mass, here 2.846 kg" in head
+    changed = {"payload.mass": 2.5, "forearm_link.mass": 4.0, "forearm_link.com.x": -0.1}
+    p = np.ascontiguousarray(kernel.numbers(changed), dtype=float)
+    state = fb.random_state(model, 3)
+    tau = np.zeros(6)
+    library = compiled(tmp_path, "inverse_dynamics")
+    assert library.inverse_dynamics(*map(pointer, state), pointer(p), pointer(tau)) == 0
+    expected = fb.inverse_dynamics(model.bind(changed), *state)
+    np.testing.assert_allclose(tau, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+    symbolic = fb.source(fb.load("RRP"), "inverse_dynamics", "c", inputs=["*"])  # symbols need no value
+    assert re.search(r"p \[\d+\] l1 \(m\)", symbolic)
+
+
 def test_clang_has_no_warning_either(tmp_path):
     if shutil.which("clang") is None:
         pytest.skip("clang is not installed")
@@ -428,7 +453,7 @@ def test_every_formula_has_words_for_its_arguments():
         name: set(words) for name, words in OUTPUTS.items()
     }
     taken = {x for formula in FORMULAS.values() for x in formula.inputs}
-    assert taken - {"wrenches"} == set(INPUTS)
+    assert taken - {"wrenches"} == set(INPUTS) - {"p"}
 
 
 def test_source_of_a_kernel_of_ones_own():

@@ -53,6 +53,14 @@ def export(
         list[str] | None,
         typer.Option(metavar="FRAME", help="A frame that carries a wrench; may be repeated."),
     ] = None,
+    inputs: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--input",
+            metavar="NAME",
+            help="A number of the robot that is given at each call, such as '*.mass'; may be repeated.",
+        ),
+    ] = None,
     tip: options.Tip = None,
     base: options.Base = None,
     convention: options.Convention = None,
@@ -76,6 +84,7 @@ def export(
             frame=frame,
             reference=reference,
             wrench_frames=wrench or (),
+            inputs=inputs or (),
         )
     for path in paths:
         terminal.out().print(f"written: {path}", markup=False, soft_wrap=True)

@@ -11,19 +11,29 @@ from typing import Any
 from freebody import __version__
 from freebody.identifiers import identifiers
 from freebody.kernels.formulas import FORMULAS, POSITIONS, Option
+from freebody.kernels.inputs import Inputs
 from freebody.kernels.meanings import INPUTS, OUTPUTS
 from freebody.model.model import Model
+from freebody.model.numbers import Parameters
 from freebody.program import Argument, Program
 from freebody.targets.text import Joints
 
-_OF_NO_JOINT = ("point", "multipliers", "h")
+_OF_NO_JOINT = ("point", "multipliers", "h", "p")
 
 
 class Description:
     """Of a program of a model. Attributes: comment, joints (see `Unit`), names."""
 
-    def __init__(self, model: Model, quantities: tuple[str, ...], option: Option, program: Program):
-        self.model, self.option, self.program = model, option, program
+    def __init__(
+        self,
+        model: Model,
+        quantities: tuple[str, ...],
+        option: Option,
+        numbers: Inputs | None,
+        program: Program,
+    ):
+        self.model, self.option, self.numbers, self.program = model, option, numbers, program
+        self._number_words = identifiers(numbers.names if numbers else ())
         self._joint_words = identifiers(model.joint_names)
         self._body_words = identifiers([*(body.name for body in model.bodies), *model.frame_names])
         self._meanings = self._worded(quantities)
@@ -37,10 +47,12 @@ class Description:
         lines = [
             f"{program.name} of the robot {robot}.",
             f"{sum(program.operations.values())} operations: {counts or 'none'}.",
-            f"Written by freebody {__version__} for this robot alone: its numbers stand in the text.",
+            f"Written by freebody {__version__} for this robot alone: its numbers stand in the text"
+            f"{', but for those in p' if self.numbers else ''}.",
             "",
             *self._arguments("Inputs", program.inputs),
             *self._arguments("Outputs", program.outputs),
+            *self._listed_numbers(),
             *self._structure(),
         ]
         if self.option.frame is not None:
@@ -76,6 +88,7 @@ class Description:
             "robot": {robot: self.model.name},
             "joints": {word: name for name, word in self._joint_words.items()},
             "bodies and frames": {word: name for name, word in self._body_words.items()},
+            "numbers": {word: name for name, word in self._number_words.items()},
         }
 
     def _worded(self, quantities: tuple[str, ...]) -> dict[str, str]:
@@ -99,6 +112,19 @@ class Description:
             *(f"  {a}: {self._meanings.get(kind + a.name, 'as named')}" for a in arguments),
             "",
         ]
+
+    def _listed_numbers(self) -> list[str]:
+        """What the entries of p are."""
+        if self.numbers is None:
+            return []
+        records = {record.name: record for record in Parameters(self.model)}
+        lines = []
+        for k, (name, value) in enumerate(zip(self.numbers.names, self.numbers.values, strict=True)):
+            unit = records[name].unit.replace("²", "^2")
+            unit = "" if unit == "1" else unit
+            own = f", here {value:.6g} {unit}".rstrip() if value == value else f" ({unit})" if unit else ""
+            lines.append(f"  p [{k}] {self._number_words[name]}{own}")
+        return ["Numbers of the robot:", *lines, ""]
 
     def _structure(self) -> list[str]:
         """One line a joint: what it is, which entries move it, what it carries."""

@@ -13,12 +13,13 @@ from freebody.errors import FreebodyError, UnknownNameError
 from freebody.identifiers import is_identifier
 from freebody.kernels.describe import Description, of_program
 from freebody.kernels.formulas import Option
+from freebody.kernels.inputs import InputKernel, Inputs, inputs_of
 from freebody.kernels.lookup import chosen_option, program
 from freebody.kernels.vectors import vectors
 from freebody.model.model import Model
 from freebody.model.required import require_model
 from freebody.outputs.folder import write_folder
-from freebody.program import Program
+from freebody.program import Argument, Program
 from freebody.program.passes import share_reciprocals
 from freebody.targets import Kernel
 from freebody.targets.interpret import array_function
@@ -36,14 +37,14 @@ def source(
 ) -> str:
     """Text of a function that computes one quantity, or several that share their work, in another language.
 
-    what: a model with all values and `names` of quantities, or a kernel of fb.compile. names, options: as for
-    `fb.kernel` (frame, reference, wrench_frames, rows). language: "c", "cpp", "javascript" (a module),
-    "javascript-script", "rust", "julia", "matlab" (Octave too), "numpy", "jax", "casadi". name: of the function, by
-    default the quantities'. dtype: "float64", or "float32" (c, rust, julia).
+    what: a model and `names` of quantities, or a kernel of fb.compile. names, options: as for `fb.kernel` (frame,
+    reference, wrench_frames, rows, by, and inputs: numbers of the model that are given as p at each call). language:
+    "c", "cpp", "javascript" (a module), "javascript-script", "rust", "julia", "matlab" (Octave too), "numpy", "jax",
+    "casadi". name: of the function, by default the quantities'. dtype: "float64", or "float32" (c, rust, julia).
     Arguments are those of the kernel, in its order, in SI units; the text's head says all that is needed to call it.
     It is ASCII, names in it are words, and the same robot gives the same text. Raises UnknownNameError, FreebodyError.
     """
-    unit, _ = _unit("fb.source", what, names, language, name, dtype, options)
+    unit, *_ = _unit("fb.source", what, names, language, name, dtype, options)
     return LANGUAGES[language].emit(unit)
 
 
@@ -63,9 +64,11 @@ def export(
     it, names.json with names as they were where the text has words, and manifest.json. Nothing but freebody's own files
     is replaced. Raises FileError, OutputError too.
     """
-    unit, described = _unit("fb.export", what, names, language, name, dtype, options)
+    unit, described, given = _unit("fb.export", what, names, language, name, dtype, options)
     known = LANGUAGES[language]
-    files = known.package(unit, vectors(unit.program, dtype, what if isinstance(what, Model) else None))
+    files = known.package(
+        unit, vectors(unit.program, dtype, what if isinstance(what, Model) else None, given)
+    )
     word = next(iter(files)).partition(".")[0]
     files["README.txt"] = _readme(unit, known.test.format(name=word), known.note, list(files))
     files["names.json"] = json.dumps(described, indent=1) + "\n"
@@ -89,9 +92,9 @@ def to_jax(
 
 def _traced(
     function: str, what: Model | Kernel, names: str | Sequence[str] | None, options: dict[str, Any]
-) -> tuple[Program, tuple[tuple[str, ...], Option] | None]:
-    """The program that is meant; of a model the quantities and the structure too."""
-    if isinstance(what, Kernel):
+) -> tuple[Program, tuple[tuple[str, ...], Option, Inputs | None] | None]:
+    """The program that is meant; of a model the quantities, the structure and the numbers that are inputs too."""
+    if isinstance(what, Kernel | InputKernel):
         if names is not None or options:
             raise FreebodyError(
                 f"{function}: a kernel has its quantities already; give no names and no options."
@@ -100,8 +103,14 @@ def _traced(
     require_model(function.removeprefix("fb."), what)
     if names is None:
         raise FreebodyError(f"{function}: give the quantities, such as 'inverse_dynamics'.")
-    listed, option = chosen_option(what, names, **options)
-    return program(what, listed, option), (listed, option)
+    wanted, by = (options.get(key, ()) for key in ("inputs", "by"))
+    rest = {key: value for key, value in options.items() if key not in ("inputs", "by")}
+    listed, option = chosen_option(what, names, **rest)
+    given = inputs_of(what, wanted) if wanted else None
+    p = Argument("p", (len(given.names),)) if given else None
+    slopes = (by,) if isinstance(by, str) else tuple(by)
+    traced = program(what, listed, option, p, given.tree if given else None, slopes)
+    return traced, (listed, option, given)
 
 
 def _unit(
@@ -112,8 +121,8 @@ def _unit(
     name: str | None,
     dtype: str,
     options: dict[str, Any],
-) -> tuple[Unit, dict[str, Any]]:
-    """What is written, and the names behind its words."""
+) -> tuple[Unit, dict[str, Any], Inputs | None]:
+    """What is written, the names behind its words, and the numbers that are inputs."""
     if language not in LANGUAGES:
         raise UnknownNameError("language", language, function, LANGUAGES)
     dtypes = LANGUAGES[language].dtypes
@@ -126,9 +135,9 @@ def _unit(
     traced, chosen = _traced(function, what, names, options)
     traced = share_reciprocals(traced)
     if chosen is None or not isinstance(what, Model):
-        return Unit(traced, name or traced.name, of_program(traced), None, dtype), {}
+        return Unit(traced, name or traced.name, of_program(traced), None, dtype), {}, None
     about = Description(what, *chosen, traced)
-    return Unit(traced, name or traced.name, about.comment, about.joints, dtype), about.names
+    return Unit(traced, name or traced.name, about.comment, about.joints, dtype), about.names, chosen[-1]
 
 
 def _readme(unit: Unit, command: str, note: str, files: list[str]) -> str:

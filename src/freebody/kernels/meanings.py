@@ -20,6 +20,7 @@ INPUTS = {
     "kp": "feedback by position (N m/rad, N/m)",
     "kd": "feedback by rate (N m s/rad, N s/m)",
     "reactions": "wrench of each joint, then of each loop: force, then moment (N, N m)",
+    "p": "numbers of the robot, listed below (SI units)",
     "point": "a point, world axes (m)",
 }
 """By name; wrench0, wrench1, … are worded where their frames are known."""

@@ -10,6 +10,7 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, LoopError
 from freebody.kernels.closed_chains import closed
 from freebody.kernels.formulas import POSITIONS
+from freebody.kernels.inputs import Inputs
 from freebody.model.model import Model
 from freebody.program import Program
 from freebody.targets.interpret import Interpreter
@@ -25,14 +26,20 @@ _MARGIN = 16.0
 """Another order of operations, or another sine, may cost more than was seen."""
 
 
-def vectors(program: Program, dtype: str, model: Model | None = None) -> Vectors:
+def vectors(
+    program: Program, dtype: str, model: Model | None = None, numbers: Inputs | None = None
+) -> Vectors:
     """Inputs at which all outputs are finite, what they give in extended precision, and how far off the text may be:
     sixteen times what NumPy in `dtype` is off here, at least 1e-13 (float32: 1e-5).
 
+    numbers: what p is made of; it is tried within a tenth of the model's own values.
     Raises FreebodyError where none are found.
     """
     rng = np.random.default_rng(0)
-    given = [_samples(a.name, a.shape, model, rng) for a in program.inputs]
+    given = [
+        _near(numbers.values, rng) if numbers and a.name == "p" else _samples(a.name, a.shape, model, rng)
+        for a in program.inputs
+    ]
     if model is not None and model.loops:
         given = _closed(model, [a.name for a in program.inputs], given)
     given = [x.astype(dtype).astype(np.float64) for x in given]
@@ -76,6 +83,12 @@ def _samples(name: str, shape: tuple[int, ...], model: Model | None, rng: np.ran
             quaternion = values[:, at.q[start:]]
             values[:, at.q[start:]] = quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)
     return values
+
+
+def _near(own: Array, rng: np.random.Generator) -> Array:
+    """(tries, k): the numbers themselves and others near; of what has no value near 1, of zeros near 0."""
+    known = np.where(np.isnan(own), 1.0, own)
+    return known + rng.uniform(-0.1, 0.1, size=(_TRIES, own.size)) * np.where(known == 0.0, 0.1, known)
 
 
 def _closed(model: Model, names: list[str], given: list[Array]) -> list[Array]:
