@@ -127,7 +127,9 @@ def _called(title: str, function: Callable[..., Any], given: dict[str, Any]) -> 
             f"fb.compile: {title} calls itself without end: a traced scalar has no value that could end it."
         ) from None
     except TypeError as problem:
-        if not any(word in str(problem) for word in ("Expr", "Dual", "ufunc", "dtype('O')", "object")):
+        if not any(
+            word in str(problem) for word in ("Expr", "Dual", "Outer", "ufunc", "dtype('O')", "object")
+        ):
             raise
         raise GraphError(
             f"fb.compile: {title} does with traced scalars what cannot be recorded: {problem}. Functions of them are "
