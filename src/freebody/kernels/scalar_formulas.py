@@ -32,8 +32,6 @@ def formula(
     """
     if not isinstance(name, str):
         raise FreebodyError("fb.formula: give the name of one quantity; of several, make several functions.")
-    if model.family:
-        raise FreebodyError(f"fb.formula: {model.name!r} is a family of robots; take one of them, model[i].")
     listed, option = chosen_option(
         model, name, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows
     )
