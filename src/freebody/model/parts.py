@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -23,12 +23,15 @@ MOST_LINKS = 50_000
 
 @dataclass(frozen=True)
 class Limits:
-    """Range of a one-axis joint: position (rad or m), speed, effort (N m or N)."""
+    """Range of a one-axis joint: position (rad or m), speed, effort (N m or N).
 
-    lower: float | Members = -INFINITE
-    upper: float | Members = INFINITE
-    velocity: float | Members = INFINITE
-    effort: float | Members = INFINITE
+    Floats, or `Members` of a family.
+    """
+
+    lower: Any = -INFINITE
+    upper: Any = INFINITE
+    velocity: Any = INFINITE
+    effort: Any = INFINITE
 
     def __post_init__(self) -> None:
         for name, value in tuple(vars(self).items()):
