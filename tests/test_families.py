@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+import types
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ import freebody as fb
 import generate
 from freebody.model.members import FamilyError
 from freebody.model.reading import VALUES
+from freebody.targets.llvm import fastcall
 from helpers import refused
 from public_calls import functions_of_states, public_calls, state
 
@@ -291,6 +293,40 @@ def test_numbers_as_inputs_are_the_model_with_other_numbers():
     some = kernel(q, qd, qdd, p={"forearm_link.mass": 3.0})
     bound = model.bind({"forearm_link.mass": 3.0})
     assert np.allclose(some, fb.inverse_dynamics(bound, q, qd, qdd), rtol=1e-13, atol=1e-12)
+
+
+@pytest.mark.parametrize("names", [["payload.mass"], ["*.mass", "*.com.*"]])
+def test_all_ways_to_call_with_numbers_are_one(names):
+    model = fb.load("ur5e")
+    kernel = fb.kernel(model, "inverse_dynamics", inputs=names)
+    states, p = fb.random_state(model, 0), np.array(kernel.values) + 0.01
+    named, out = dict(zip(kernel.parameters, p, strict=True)), np.empty(6)
+    expected = kernel.kernel(*states, p)
+    assert not np.array_equal(expected, kernel(*states))
+    assert np.array_equal(kernel(*states), kernel.kernel(*states, kernel.values))
+    for again in (kernel, pickle.loads(pickle.dumps(kernel)), copy.deepcopy(kernel)):
+        assert np.array_equal(again(*states, p), expected)
+        assert np.array_equal(again(*states, p=p), expected)
+        assert np.array_equal(again(*states, p=named), expected)
+        assert np.array_equal(again(*states, list(p)), expected)
+        assert np.array_equal(again(*states, np.array([p, p]))[1], expected)
+        assert np.array_equal(again(*states, p=named, threads=1), expected)
+        assert again(*states, p, out=out) is out
+        assert again(*states, p=p, out=out) is out
+        assert np.array_equal(out, expected)
+    each = {kernel.parameters[0]: np.array([[1.0], [2.0]]), kernel.parameters[-1]: np.array([0.1, 0.2, 0.3])}
+    numbers = kernel.numbers(each)
+    assert numbers.shape == ((2, 3, len(p)) if len(p) > 1 else (3, 1))
+    assert np.array_equal(numbers[..., -1], np.broadcast_to([0.1, 0.2, 0.3], numbers.shape[:-1]))
+    with pytest.raises(fb.FreebodyError, match="expected 4"):
+        kernel(*states, p, p)
+
+
+def test_plain_arrays_with_numbers_go_to_the_compiled_function_itself():
+    kernel = fb.kernel(fb.load("2R"), "inverse_dynamics", inputs=["m1"])
+    if kernel.kernel.backend != "llvm" or not fastcall.available(kernel.program):
+        pytest.skip("no C function here")
+    assert type(kernel.__call__) is type(kernel.kernel.__call__) is types.BuiltinFunctionType
 
 
 @pytest.mark.parametrize("seed", [4, 9])

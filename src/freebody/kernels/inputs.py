@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +18,7 @@ from freebody.model.parameters import Parameter, Quantity
 from freebody.model.reading import Reader, exact_sin_cos
 from freebody.model.tree import Tree, lower
 from freebody.targets import Kernel
+from freebody.targets.quick import quick
 from freebody.targets.sound import sound
 
 
@@ -90,44 +91,47 @@ class InputKernel:
         values: p of the model itself, of a family (*family, k).
     """
 
-    def __init__(self, kernel: Kernel, inputs: Inputs, model: Model):
-        self.kernel, self.parameters, self.values = kernel, inputs.names, inputs.values
+    def __init__(self, kernel: Kernel, names: tuple[str, ...], values: Array, model: Model):
+        self.kernel, self.parameters, self.values = kernel, names, values
         self.program = kernel.program
         self._model = model
         self._count = len(kernel.program.inputs)
-        self._missing = tuple(
-            name
-            for name, x in zip(inputs.names, np.moveaxis(inputs.values, -1, 0), strict=True)
-            if np.isnan(x).any()
-        )
+        self._at = {name: k for k, name in enumerate(names)}
+        self._missing = tuple(name for k, name in enumerate(names) if np.isnan(values[..., k]).any())
 
     def __call__(self, *arrays: ArrayLike, p: Any = None, out: Any = None, threads: int | None = None) -> Any:
         """The output, or the tuple of outputs; see `Kernel`. A named p is an array, or {name: value or array}."""
-        if len(arrays) < self._count or p is not None:
-            arrays = (*arrays, self.numbers(p))
+        if p is not None or len(arrays) < self._count:
+            arrays = (*arrays, p if type(p) is np.ndarray else self.numbers(p))
         if out is None and threads is None:
             return self.kernel(*arrays)
         return self.kernel(*arrays, out=out, threads=threads)
 
     def numbers(self, given: Any = None) -> Any:
         """p (..., k): an array as it is, of {name: value} the rest the model's own, without it all of them."""
+        if given is None and not self._missing:
+            return self.values
         if given is not None and not isinstance(given, Mapping):
             return given
-        at = {name: k for k, name in enumerate(self.parameters)}
-        columns = list(np.moveaxis(self.values, -1, 0))
-        missing = set(self._missing)
+        columns: dict[str, Array] = {}
         for key, value in (given or {}).items():
             name = found(known(self._model), key, self._model)
-            if name not in at:
+            if name not in self._at:
                 raise FreebodyError(
                     f"fb.kernel: {name!r} is no input of this kernel; name it in inputs=. Its inputs: "
                     f"{', '.join(self.parameters)}."
                 )
-            columns[at[name]] = np.asarray(value, dtype=float)
-            missing.discard(name)
+            columns[name] = np.asarray(value, dtype=float)
+        missing = set(self._missing) - set(columns)
         if missing:
             raise MissingValueError(f"the inputs of a kernel of {self._model.name!r}", missing)
-        return np.stack(np.broadcast_arrays(*columns), axis=-1) if given else self.values
+        if not columns:
+            return self.values
+        shape = np.broadcast_shapes(self.values.shape[:-1], *(x.shape for x in columns.values()))
+        numbers = np.array(np.broadcast_to(self.values, (*shape, len(self.parameters))))
+        for name, value in columns.items():
+            numbers[..., self._at[name]] = value
+        return numbers
 
     def checked(self, *arrays: ArrayLike) -> Any:
         """See `Kernel.checked`."""
@@ -135,3 +139,24 @@ class InputKernel:
 
     def __repr__(self) -> str:
         return f"InputKernel({self.kernel!r}; p: {', '.join(self.parameters)})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Another process compiles the kernel for itself, or finds it in the cache."""
+        return input_kernel, (self.kernel, self.parameters, self.values, self._model)
+
+
+class _QuickInputKernel(InputKernel):
+    """One whose calls with plain arrays, p among them, go to the kernel's C function: Python finds it in the slot."""
+
+    __slots__ = ("__call__",)
+
+    def __init__(self, plain: InputKernel, call: Callable[..., Any]):
+        self.__dict__.update(plain.__dict__)
+        self.__call__ = call  # type: ignore[method-assign]
+
+
+def input_kernel(kernel: Kernel, names: tuple[str, ...], values: Array, model: Model) -> InputKernel:
+    """A kernel whose last input is p, to be called in all the ways of an `InputKernel`."""
+    plain = InputKernel(kernel, names, values, model)
+    call = quick(kernel, plain.__call__)
+    return plain if call is None else _QuickInputKernel(plain, call)

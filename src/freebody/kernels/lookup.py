@@ -23,7 +23,7 @@ from freebody.kernels.formulas import (
     POSITIONS,
     Option,
 )
-from freebody.kernels.inputs import InputKernel, inputs_of
+from freebody.kernels.inputs import InputKernel, input_kernel, inputs_of
 from freebody.kernels.slopes import directions, lifted, slope_arguments, with_slopes
 from freebody.model.members import FamilyError
 from freebody.model.model import Model
@@ -263,7 +263,8 @@ def _with_inputs(
     # a family's numbers never stand still along the batch
     p = Argument("p", (len(given.names),), uniform=not model.family)
     traced = program(model, names, option, p, given.tree, by)
-    return InputKernel(compile_program(traced, backend=backend, width=width, dtype=dtype), given, model)
+    compiled = compile_program(traced, backend=backend, width=width, dtype=dtype)
+    return input_kernel(compiled, given.names, given.values, model)
 
 
 def _in_parts(
