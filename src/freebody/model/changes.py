@@ -16,7 +16,7 @@ from freebody.model.bodies import Body, Frame
 from freebody.model.closures import LOOP_KINDS
 from freebody.model.inertia import Inertia, faults
 from freebody.model.loops import checked_loop
-from freebody.model.members import is_array, members
+from freebody.model.members import is_array, members, one_family
 from freebody.model.parameters import LARGEST, Quantity, finite, quantity
 from freebody.model.parts import Loop
 from freebody.model.placement import Placement, Rotate, Shift, Turn, rotate, shift
@@ -101,7 +101,8 @@ def with_drive(model: Model, joint: str, given: dict[str, Any]) -> Model:
         if x is not None
     }
     driven = replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **numbers)))
-    return replace(model, bodies=(*model.bodies[:k], driven, *model.bodies[k + 1 :]))
+    other = replace(model, bodies=(*model.bodies[:k], driven, *model.bodies[k + 1 :]))
+    return one_family(other, *numbers.values())
 
 
 def with_payload(model: Model, inertia: Inertia, frame: str | None, name: str) -> Model:
@@ -109,10 +110,10 @@ def with_payload(model: Model, inertia: Inertia, frame: str | None, name: str) -
     at = model.frame(frame)
     added = attached(inertia, at.placement, name, at.name, model.dim, model.name)
     if at.body < 0:
-        return replace(model, base_inertias=(*model.base_inertias, added))
+        return one_family(replace(model, base_inertias=(*model.base_inertias, added)), added)
     bodies = list(model.bodies)
     bodies[at.body] = replace(bodies[at.body], inertias=(*bodies[at.body].inertias, added))
-    return replace(model, bodies=tuple(bodies))
+    return one_family(replace(model, bodies=tuple(bodies)), added)
 
 
 def attached(inertia: Inertia, placement: Placement, name: str, frame: str, dim: int, owner: str) -> Attached:

@@ -111,6 +111,13 @@ def common_shape(arrays: list[Members], owner: str) -> tuple[int, ...]:
         ) from None
 
 
+def one_family(model: Any, *new: Any) -> Any:
+    """The model, whose arrays broadcast together; refuses it where those among what is new to it do not."""
+    if arrays_in(new):
+        common_shape(arrays_in(model), repr(model.name))
+    return model
+
+
 def taken(thing: Any, shape: tuple[int, ...], index: Any) -> Any:
     """A tree of dataclasses and tuples with the members that `index` picks out of a family of that shape."""
     if isinstance(thing, Members):

@@ -19,7 +19,7 @@ from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import JointKind
 from freebody.model.loops import checked_tolerance
-from freebody.model.members import taken
+from freebody.model.members import one_family, taken
 from freebody.model.parameters import Quantity, each_parameter
 from freebody.model.parts import ESTIMATED, Loop, Notice
 from freebody.model.reading import VALUES
@@ -352,7 +352,7 @@ class Model(ByValue):
             changes["bodies"] = changed.actuated(self, actuated)
         if loop_tolerance is not None:
             changes["loop_tolerance"] = checked_tolerance(loop_tolerance, "Model.replace")
-        return dataclasses.replace(self, **changes)  # type: ignore[arg-type]
+        return one_family(dataclasses.replace(self, **changes), *changes.values())  # type: ignore[arg-type]
 
     def with_drive(
         self,

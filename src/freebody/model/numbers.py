@@ -16,7 +16,7 @@ from freebody.errors import ModelError, UnknownNameError, likely, listed, shown
 from freebody.model.catalogue import Catalogue, Row, catalogue
 from freebody.model.inertia import faults
 from freebody.model.loops import checked_distance
-from freebody.model.members import Members, arrays_in, common_shape, is_array, members
+from freebody.model.members import Members, arrays_in, common_shape, is_array, members, one_family
 from freebody.model.parameters import LARGEST, Parameter, Quantity, finite, real
 from freebody.model.reading import EXACT
 from freebody.outputs.text import legal
@@ -256,7 +256,7 @@ def written(model: Model, wanted: Mapping[str, Quantity]) -> Model:
     if same_places:
         result.__dict__["_catalogue"] = names
     _check(model, result)
-    return result
+    return one_family(result, *wanted.values())
 
 
 def _same(old: Quantity, new: Quantity) -> bool:
