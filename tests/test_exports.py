@@ -27,7 +27,8 @@ from freebody.program import Argument, Program, trace
 from freebody.scalars.expr import Expr
 from freebody.scalars.operations import OPERATIONS
 from freebody.targets import compile_program
-from freebody.targets.text import LANGUAGES, Unit, c, javascript, julia, rust
+from freebody.targets.text import LANGUAGES, Unit, c, javascript, julia, matlab, rust
+from freebody.targets.text.language import called
 from generate import model as mechanism
 from test_report_browser import browser
 
@@ -109,6 +110,22 @@ def test_a_package_passes_its_own_test_and_its_test_can_fail(language, tmp_path)
     done = self_test(tmp_path, language, word)
     assert done.returncode != 0, done.stdout
     assert "FAILED" in done.stdout
+
+
+@pytest.mark.parametrize("language", ["c", "cpp", "matlab"])
+def test_no_input_has_the_name_of_a_function_that_the_text_calls(language, tmp_path):
+    tables = {
+        "c": (c.FUNCTIONS, c._HELPERS),
+        "cpp": (c.FUNCTIONS,),
+        "matlab": (matlab.FUNCTIONS, matlab._HELPERS),
+    }
+    names = sorted(called(*tables[language]) - {"if"})[:24]
+    law = fb.compile(
+        lambda **x: {"y": fb.math.minimum(sum(map(fb.math.tanh, x.values())), 1.0)}, dict.fromkeys(names, ())
+    )
+    fb.export(law, out=tmp_path, language=language, name="law")
+    require(language)
+    passes(tmp_path, language, "law")
 
 
 def everything() -> Program:

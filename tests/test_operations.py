@@ -53,6 +53,23 @@ def test_every_target_knows_every_operation(name):
 
 
 @every_backend
+@pytest.mark.parametrize("name", sorted(OPERATIONS))
+def test_every_target_computes_what_the_operation_is(name, backend, width):
+    operation = OPERATIONS[name]
+    rng = np.random.default_rng(5)
+    signs = 1.0 if name in ("sqrt", "log") else -1.0  # whose domain begins at 0; arcs' ends at 1
+    columns = rng.uniform(0.05, 0.95, (operation.arity, 64)) * rng.choice([1.0, signs], (operation.arity, 64))
+    expected = [operation.number(*values) for values in columns.T.tolist()]
+
+    def traced(*operands):
+        graph = operands[0].graph
+        return Expr(graph, operation.node(graph, *(x.index for x in operands)))
+
+    found = compiled(traced, operation.arity, backend, width)(*columns)
+    np.testing.assert_allclose(found, expected, rtol=2e-15, atol=0.0)
+
+
+@every_backend
 @pytest.mark.parametrize("name", CHOICES)
 def test_choices_are_exact_everywhere(name, backend, width):
     function, operation = elementary.FUNCTIONS[name], OPERATIONS[name]

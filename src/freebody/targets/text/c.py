@@ -10,6 +10,7 @@ from freebody.program.program import Argument
 from freebody.targets.text.language import (
     Language,
     Vectors,
+    called,
     comment_block,
     flat,
     helpers,
@@ -26,37 +27,6 @@ from freebody.targets.text.unit import Unit
 
 LONGEST = 4000
 """Operations of one function: compilers take longer than in proportion."""
-
-_KEYWORDS = word_set(
-    """alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t class
-compl const constexpr const_cast continue decltype default delete do double dynamic_cast else enum
-explicit export extern false float for friend goto if inline int long mutable namespace new noexcept not
-not_eq nullptr operator or or_eq private protected public register reinterpret_cast restrict return
-short signed sizeof static static_assert static_cast struct switch template this thread_local throw true
-try typedef typeid typename union unsigned using virtual void volatile wchar_t while xor xor_eq NAN
-INFINITY isfinite main std w S min_of max_of all_finite fill sign_of"""
-)
-_FUNCTIONS = word_set(
-    """sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp exp2 expm1 log log2 log10 log1p
-logb ilogb pow sqrt cbrt fabs fmin fmax fmod fdim fma floor ceil round lround rint lrint trunc hypot erf
-erfc gamma lgamma tgamma frexp ldexp modf scalbn nan j0 j1 jn y0 y1 yn signgam div abs remainder remquo
-copysign nextafter drem significand"""
-)
-_LIBRARY = word_set(
-    """printf fprintf sprintf scanf puts putchar getchar exit abort atexit malloc calloc realloc free memcpy
-memmove memset memcmp strlen strcpy strcat strcmp index time clock signal raise rand srand qsort bsearch
-system getenv remove rename read write open close stdin stdout stderr errno off_by bad"""
-)
-RESERVED = frozenset(
-    (
-        *_KEYWORDS,
-        *_FUNCTIONS,
-        *_LIBRARY,
-        *numbered("given", "expected", "found", "worst", "d"),
-        *(f"{x}f" for x in _FUNCTIONS),
-        *(f"{x}l" for x in _FUNCTIONS),
-    )
-)
 
 _ONE = ("sqrt", "sin", "cos", "exp", "log", "tanh", "asin", "acos")
 FUNCTIONS = {op: f"{op}{{f}}({{a}})" for op in _ONE} | {
@@ -75,6 +45,38 @@ _HELPERS = {
     "minimum": "{before}{t} min_of({t} a, {t} b)\n{{\n    return a <= b || a != a ? a : b;\n}}\n",
     "maximum": "{before}{t} max_of({t} a, {t} b)\n{{\n    return b <= a || a != a ? a : b;\n}}\n",
 }
+
+_KEYWORDS = word_set(
+    """alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t class
+compl const constexpr const_cast continue decltype default delete do double dynamic_cast else enum
+explicit export extern false float for friend goto if inline int long mutable namespace new noexcept not
+not_eq nullptr operator or or_eq private protected public register reinterpret_cast restrict return
+short signed sizeof static static_assert static_cast struct switch template this thread_local throw true
+try typedef typeid typename union unsigned using virtual void volatile wchar_t while xor xor_eq NAN
+INFINITY isfinite main std w S all_finite fill"""
+)
+_FUNCTIONS = word_set(
+    """sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp exp2 expm1 log log2 log10 log1p
+logb ilogb pow sqrt cbrt fabs fmin fmax fmod fdim fma floor ceil round lround rint lrint trunc hypot erf
+erfc gamma lgamma tgamma frexp ldexp modf scalbn nan j0 j1 jn y0 y1 yn signgam div abs remainder remquo
+copysign nextafter drem significand"""
+) | called(FUNCTIONS, _HELPERS)
+_LIBRARY = word_set(
+    """printf fprintf sprintf scanf puts putchar getchar exit abort atexit malloc calloc realloc free memcpy
+memmove memset memcmp strlen strcpy strcat strcmp index time clock signal raise rand srand qsort bsearch
+system getenv remove rename read write open close stdin stdout stderr errno off_by bad"""
+)
+RESERVED = frozenset(
+    (
+        *_KEYWORDS,
+        *_FUNCTIONS,
+        *_LIBRARY,
+        *numbered("given", "expected", "found", "worst", "d"),
+        *(f"{x}f" for x in _FUNCTIONS),
+        *(f"{x}l" for x in _FUNCTIONS),
+    )
+)
+
 _CHECKS = """{before}int all_finite(int n, const {t} *x)
 {{
     for (int i = 0; i < n; i++) {{
@@ -235,8 +237,8 @@ def _emit_c(unit: Unit) -> str:
 def _emit_cpp(unit: Unit) -> str:
     """A header of C++: a template over the scalar."""
     scalar = "S is double, float, or a scalar of automatic differentiation."
-    called = ("acos", "asin", "atan2", "cos", "exp", "fabs", "log", "sin", "sqrt", "tanh")
-    using = [f"using std::{function};" for function in called]
+    library = {op: text for op, text in FUNCTIONS.items() if "{f}" in text}  # not those of our own
+    using = [f"using std::{function};" for function in sorted(called(library))]
     guard = f"{words_of(unit, RESERVED).function.upper()}_HPP"
     return "\n".join(
         [

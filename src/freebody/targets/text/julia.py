@@ -6,6 +6,7 @@ from freebody.program.program import Argument
 from freebody.targets.text.language import (
     Language,
     Vectors,
+    called,
     comment_block,
     helpers,
     largest_entries,
@@ -22,13 +23,6 @@ from freebody.targets.text.unit import Unit
 LONGEST = 4000
 """Operations of one function: compilers take longer than in proportion."""
 
-RESERVED = word_set(
-    """exit results expected bad off asin acos atan sqrt_of log_of asin_of acos_of oftype one zero min max tanh
-baremodule begin break catch const continue do else elseif end export false finally for function global
-if import in isa let local macro mutable module primitive quote return struct true try type using while
-where abs all cos fill include isfinite exp im log pi println sign sin sqrt maximum minimum error zeros
-ones w Inf NaN Float32 Float64"""
-) | numbered("given")
 _ONE = ("sin", "cos", "exp", "tanh", "sign")
 _PARTIAL = {"sqrt": "x >= 0", "log": "x >= 0", "asin": "abs(x) <= 1", "acos": "abs(x) <= 1"}
 """Functions that Julia refuses outside of a condition, where the kernel gives NaN."""
@@ -47,6 +41,17 @@ FUNCTIONS = (
     }
 )
 _HELPERS = {op: f"{op}_of(x) = {known} ? {op}(x) : oftype(x, NaN)\n" for op, known in _PARTIAL.items()}
+
+RESERVED = (
+    word_set(
+        """exit results expected bad off baremodule begin break catch const continue do else elseif end export
+false finally for function global if import in isa let local macro mutable module primitive quote
+return struct true try type using while where all fill include isfinite im pi println maximum
+minimum error zeros ones w Inf NaN Float32 Float64"""
+    )
+    | numbered("given")
+    | called(FUNCTIONS, _HELPERS)
+)
 
 
 def _single(value: float) -> str:

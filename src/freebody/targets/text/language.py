@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from math import isinf
@@ -52,6 +53,14 @@ def word_set(text: str) -> frozenset[str]:
 def numbered(*stems: str) -> frozenset[str]:
     """stem0, stem1, …: what a self-test calls its arrays, so that no function is called so."""
     return frozenset(f"{stem}{k}" for stem in stems for k in range(32))
+
+
+def called(*tables: Mapping[str, str]) -> frozenset[str]:
+    """Words of the functions that templates call or define, which nothing else may then be called."""
+    return frozenset(word for table in tables for text in table.values() for word in _CALLED.findall(text))
+
+
+_CALLED = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)(?:\{f\})?\(")
 
 
 def number(value: float) -> str:

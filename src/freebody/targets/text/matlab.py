@@ -8,6 +8,7 @@ from freebody.program.program import Argument
 from freebody.targets.text.language import (
     Language,
     Vectors,
+    called,
     comment_block,
     helpers,
     largest_entries,
@@ -18,14 +19,6 @@ from freebody.targets.text.language import (
 from freebody.targets.text.statements import Spelling, Words, lines, statements, words_of
 from freebody.targets.text.unit import Unit
 
-RESERVED = word_set(
-    """worst bad any min_of max_of isnan acos asin atan2 acos_of asin_of double log_of sqrt_of tanh where_of
-break case catch classdef continue else elseif end for function global if otherwise parfor persistent
-return spmd switch try while end_try_catch end_unwind_protect endfor endfunction endif endswitch
-endwhile until unwind_protect unwind_protect_cleanup do abs all ans cos disp error exp exit fprintf i
-inf Inf isfinite j log max min nan NaN numel ones pi reshape sign sin sqrt zeros false true nargin
-nargout"""
-) | numbered("found")
 _ONE = ("sin", "cos", "exp", "tanh", "sign")
 _PARTIAL = {"sqrt": "x >= 0", "log": "x >= 0", "asin": "abs(x) <= 1", "acos": "abs(x) <= 1"}
 """Functions that are complex outside of a condition, where the kernel gives NaN."""
@@ -54,6 +47,16 @@ _HELPERS = {
         ("maximum", "max_of(a, b)", "b <= a || isnan(a)"),
     )
 }
+RESERVED = (
+    word_set(
+        """worst bad any break case catch classdef continue else elseif end for function global if otherwise
+parfor persistent return spmd switch try while end_try_catch end_unwind_protect endfor endfunction
+endif endswitch endwhile until unwind_protect unwind_protect_cleanup do abs all ans disp error exit
+fprintf i inf Inf isfinite j max min nan NaN numel ones pi reshape zeros false true nargin nargout"""
+    )
+    | numbered("found")
+    | called(FUNCTIONS, _HELPERS)
+)
 
 
 def _entry(word: str, argument: Argument, position: int) -> str:
