@@ -185,7 +185,10 @@ class Space:
 
     def turned_inertia(self, R: Matrix, inertia: Matrix) -> Matrix:
         """R I Rᵀ (6.3)."""
-        return congruence(inertia, transposed(R))
+        a, b, c = R
+        Ia, Ib, Ic = times(inertia, a), times(inertia, b), times(inertia, c)
+        xy, xz, yz = dot(a, Ib), dot(a, Ic), dot(b, Ic)
+        return ((dot(a, Ia), xy, xz), (xy, dot(b, Ib), yz), (xz, yz, dot(c, Ic)))
 
     def steiner(self, m: Scalar, h: Vector, p: Vector) -> Matrix:
         """What an inertia about an origin gains when that origin (mass m, first moment h about it) lies at p (1.19)."""

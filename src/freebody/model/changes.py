@@ -20,6 +20,8 @@ from freebody.model.members import is_array, members, one_family
 from freebody.model.parameters import LARGEST, Quantity, finite, quantity
 from freebody.model.parts import Loop
 from freebody.model.placement import Placement, Rotate, Shift, Turn, rotate, shift
+from freebody.model.places import get, put
+from freebody.model.structure import made_from
 from freebody.model.tree import Attached
 
 if TYPE_CHECKING:
@@ -101,7 +103,7 @@ def with_drive(model: Model, joint: str, given: dict[str, Any]) -> Model:
         if x is not None
     }
     driven = replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **numbers)))
-    other = replace(model, bodies=(*model.bodies[:k], driven, *model.bodies[k + 1 :]))
+    other = made_from(put(model, ("bodies", k), driven), model)
     return one_family(other, *numbers.values())
 
 
@@ -109,11 +111,8 @@ def with_payload(model: Model, inertia: Inertia, frame: str | None, name: str) -
     """See `Model.with_payload`."""
     at = model.frame(frame)
     added = attached(inertia, at.placement, name, at.name, model.dim, model.name)
-    if at.body < 0:
-        return one_family(replace(model, base_inertias=(*model.base_inertias, added)), added)
-    bodies = list(model.bodies)
-    bodies[at.body] = replace(bodies[at.body], inertias=(*bodies[at.body].inertias, added))
-    return one_family(replace(model, bodies=tuple(bodies)), added)
+    path = ("base_inertias",) if at.body < 0 else ("bodies", at.body, "inertias")
+    return one_family(made_from(put(model, path, (*get(model, path), added)), model), added)
 
 
 def attached(inertia: Inertia, placement: Placement, name: str, frame: str, dim: int, owner: str) -> Attached:

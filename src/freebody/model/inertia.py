@@ -138,8 +138,8 @@ class Inertia:
     def lower(self, reader: Reader) -> tuple[Scalar, Vector, Scalar]:
         """(mass, com, tensor) in scalars: a 3×3 matrix in space, a number in the plane."""
         m = reader.quantity(self.mass)
-        c = tuple(reader.quantity(x) for x in self.com)
-        t = tuple(reader.quantity(x) for x in self.tensor)
+        c = tuple([reader.quantity(x) for x in self.com])
+        t = tuple([reader.quantity(x) for x in self.tensor])
         if self.dim == 2:
             return m, c, t[0]
         xx, xy, xz, yy, yz, zz = t
@@ -187,7 +187,7 @@ class Inertia:
 
     def _is_surely_physical(self) -> bool:
         """Whether the second moments are positive by a margin or diagonal, found without their eigenvalues."""
-        if type(self.mass) is not float or self.mass < 0.0 or any(type(x) is not float for x in self.tensor):
+        if type(self.mass) is not float or self.mass < 0.0 or {float} != {*map(type, self.tensor)}:
             return False
         if self.dim == 2:
             return self.tensor[0] >= 0.0  # type: ignore[operator]
@@ -214,6 +214,8 @@ def _number(x: Any, owner: str) -> Quantity:
 
 def faults(inertia: Inertia) -> str | None:
     """`Inertia.fault`, of a family that of the first member that has one, by its index."""
+    if inertia._is_surely_physical():
+        return None
     arrays = arrays_in(inertia)
     if not arrays:
         return inertia.fault()

@@ -19,6 +19,7 @@ from freebody.model.loops import checked_distance
 from freebody.model.members import Members, arrays_in, common_shape, is_array, members, one_family
 from freebody.model.parameters import LARGEST, Parameter, Quantity, finite, real
 from freebody.model.reading import EXACT
+from freebody.model.structure import made_from
 from freebody.outputs.text import legal
 from freebody.values import ByValue
 
@@ -256,7 +257,7 @@ def written(model: Model, wanted: Mapping[str, Quantity]) -> Model:
     if same_places:
         result.__dict__["_catalogue"] = names
     _check(model, result)
-    return one_family(result, *wanted.values())
+    return one_family(made_from(result, model), *wanted.values())
 
 
 def _same(old: Quantity, new: Quantity) -> bool:

@@ -22,7 +22,7 @@ from freebody.model.parameters import Parameter, Product, Quantity, each_paramet
 from freebody.model.placement import Placement, Rotate, Shift, Turn, shift, turn
 from freebody.model.reading import VALUES
 from freebody.model.tree import Attached
-from freebody.spatial import AnySpace, Matrix, Vector, identity
+from freebody.spatial import AnySpace, Matrix, Vector, identity, of_dimension
 
 if TYPE_CHECKING:
     from freebody.model.model import Model
@@ -32,6 +32,8 @@ Path = tuple[Any, ...]
 Fields = Mapping[str, Quantity]
 
 TENSOR = {2: ("zz",), 3: ("xx", "xy", "xz", "yy", "yz", "zz")}
+_TENSOR = {dim: tuple(f"inertia.{x}" for x in entries) for dim, entries in TENSOR.items()}
+_CENTRE = {dim: tuple(f"com.{x}" for x in of_dimension(dim).axes) for dim in TENSOR}
 ANGLES = {2: ("yaw",), 3: ("roll", "pitch", "yaw")}
 
 
@@ -164,27 +166,26 @@ class Mass:
 
     def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
         part = get(model, self.path)
-        told = part if wanted is not None and _FACTORS.issuperset(wanted) else self._told(model, part)
-        return self._fields(told.inertia) | {"scale": 1.0}
+        if wanted is not None and _FACTORS.issuperset(wanted):
+            return {"mass": part.inertia.mass, "scale": 1.0}
+        return self._fields(self._told(model, part).inertia) | {"scale": 1.0}
 
     def write(self, model: Model, values: Fields) -> Model:
         part = get(model, self.path)
         factor = values.get("scale", 1.0)
         if not _FACTORS.issuperset(values):
             part = self._told(model, part)
-        fields = self._fields(part.inertia) | {f: x for f, x in values.items() if f != "scale"}
-        com = tuple(fields[f"com.{x}"] for x in self.space.axes)
-        tensor = tuple(_times(fields[f"inertia.{x}"], factor) for x in TENSOR[self.space.dim])
+        fields = {**self._fields(part.inertia), **values}
+        com = tuple([fields[label] for label in _CENTRE[self.space.dim]])
+        tensor = tuple([_times(fields[label], factor) for label in _TENSOR[self.space.dim]])
         inertia = changed(
             part.inertia, {"mass": _times(fields["mass"], factor), "com": com, "tensor": tensor}
         )
         return put(model, self.path, changed(part, {"inertia": inertia}))
 
     def _fields(self, inertia: Inertia) -> dict[str, Quantity]:
-        fields = {"mass": inertia.mass}
-        fields |= {f"com.{x}": c for x, c in zip(self.space.axes, inertia.com, strict=True)}
-        labels = TENSOR[self.space.dim]
-        return fields | {f"inertia.{x}": t for x, t in zip(labels, inertia.tensor, strict=True)}
+        labels = ("mass", *_CENTRE[self.space.dim], *_TENSOR[self.space.dim])
+        return dict(zip(labels, (inertia.mass, *inertia.com, *inertia.tensor), strict=True))
 
     def _told(self, model: Model, part: Attached) -> Attached:
         """The part with its inertia in the link's frame, where numbers alone lead there."""
@@ -216,8 +217,7 @@ class Load:
     keeps_places = False
 
     def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
-        labels = (*(f"com.{x}" for x in self.space.axes), *(f"inertia.{x}" for x in TENSOR[self.space.dim]))
-        return dict.fromkeys(("mass", *labels), 0.0)
+        return dict.fromkeys(("mass", *_CENTRE[self.space.dim], *_TENSOR[self.space.dim]), 0.0)
 
     def write(self, model: Model, values: Fields) -> Model:
         at = model.frame(self.frame)

@@ -25,6 +25,8 @@ class Reader:
 
     def quantity(self, q: Quantity) -> Scalar:
         """The scalar of a number or parameter; of a family an array of its shape."""
+        if type(q) is float:  # most are
+            return q
         if isinstance(q, Parameter):
             if q.value is None:
                 raise ModelError(f"parameter {q.name!r} has no value.")

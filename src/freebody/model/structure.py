@@ -16,6 +16,7 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import accumulate
 from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakValueDictionary
 
@@ -131,10 +132,76 @@ class Structure:
         """Where in q a quaternion begins, for each there is."""
         self.kernels: dict[Any, Any] = {}
         """What has been compiled for it; filled and read by `kernels`."""
+        known = _body_parts(model)
+        sizes = [sum(row.shape[-1] for row in _rows(known[i], self.driven)) for i in self.order]
+        self.starts = dict(zip(self.order, accumulate(sizes, initial=0), strict=False))
+        """Where the numbers of each body begin."""
+
+
+def made_from(new: Model, old: Model) -> Model:
+    """`new`, a changed copy, which takes over what is known of the pieces that stay."""
+    new.__dict__[_SOURCE] = old.__dict__.get(_SOURCE, old)
+    return new
+
+
+_SOURCE = "made from"
+"""Under this name a model without `numbers` keeps one that it shares pieces with: what it was made from, or where
+numbers were found of neither that nor anything else, the first copy of it of which they were. Never a row of models:
+who has numbers keeps none."""
+
+
+def _source(model: Model) -> Model | None:
+    """Another model that shares pieces, whose structure and numbers are known."""
+    source = model.__dict__.get(_SOURCE)
+    if source is not None and "numbers" not in source.__dict__:
+        source = source.__dict__.get(_SOURCE)
+    return None if source is None or "numbers" not in source.__dict__ else source
+
+
+def _other_bodies(model: Model, source: Model) -> list[int] | None:
+    """Which bodies are others; None where more is, and structure and numbers have to be put together anew."""
+    if (
+        model.gravity_size is not source.gravity_size
+        or model.gravity_direction is not source.gravity_direction
+        or model.base_inertias is not source.base_inertias
+        or model.loops is not source.loops
+        or (model.loops and model.frames is not source.frames)
+        or model.dim != source.dim
+        or len(model.bodies) != len(source.bodies)
+    ):
+        return None
+    return [i for i, (a, b) in enumerate(zip(model.bodies, source.bodies, strict=True)) if a is not b]
+
+
+def _inherited(model: Model) -> Structure | None:
+    """The structure of the model that this one is made from, if it is surely the same."""
+    source = _source(model)
+    others = None if source is None else _other_bodies(model, source)
+    if source is None or others is None:
+        return None
+    for i in others:
+        new, old = model.bodies[i], source.bodies[i]
+        a, b = _part(new, model.dim).joint, _part(old, model.dim).joint
+        if a is not b and (a.form is not b.form or a.driven != b.driven):
+            return None
+        if (
+            new.parent != old.parent
+            or new.joint.mimic is not old.joint.mimic
+            or new.joint.name != old.joint.name
+        ):
+            return None
+    return source.structure
 
 
 def structure_of(model: Model) -> Structure:
     """The structure of a model with all values."""
+    found = _inherited(model) or _structure(model)
+    if not _recent or _recent[-1] is not found:
+        _recent.append(found)
+    return found
+
+
+def _structure(model: Model) -> Structure:
     joints = [part.joint for part in _body_parts(model)]
     key = (
         model.dim,
@@ -148,8 +215,6 @@ def structure_of(model: Model) -> Structure:
     found = _structures.get(key)
     if found is None:
         found = _structures.setdefault(key, Structure(key, model))
-    if not _recent or _recent[-1] is not found:
-        _recent.append(found)
     return found
 
 
@@ -159,14 +224,20 @@ _recent: deque[Structure] = deque(maxlen=_RECENT)
 
 def numbers_of(model: Model) -> Array:
     """The numbers (..., k) of a model with all values, in the order in which `Inputs` asks for them."""
+    source = _source(model)
+    numbers = None if source is None else _patched(model, source)
+    if numbers is None:
+        numbers = _numbers(model)
+    origin = model.__dict__.pop(_SOURCE, None)
+    if source is None and origin is not None and numbers.ndim == 1:
+        origin.__dict__.setdefault(_SOURCE, model)
+    return numbers
+
+
+def _numbers(model: Model) -> Array:
     structure, dim = model.structure, model.dim
     known = _body_parts(model)
-    parts = []
-    for i in structure.order:
-        joint, inertia = known[i]
-        parts += joint.placed, inertia
-        if structure.driven and joint.drive is not None:
-            parts.append(joint.drive)
+    parts = [row for i in structure.order for row in _rows(known[i], structure.driven)]
     parts.append(_gravity(model)[1])
     for loop in model.loops:
         if loop.distance is not None:
@@ -175,6 +246,33 @@ def numbers_of(model: Model) -> Array:
     for name in _own_frames(model):
         parts.append(pose_part(model.frame(name).placement, dim).numbers)
     return joined(parts)
+
+
+def _patched(model: Model, source: Model) -> Array | None:
+    """The numbers of the model that this one is made from, those of the bodies that are others put in."""
+    others, numbers = _other_bodies(model, source), source.numbers
+    if others is None or model.structure is not source.structure or numbers.ndim > 1:
+        return None
+    numbers = numbers.copy()
+    for i in others:
+        start = model.structure.starts[i]
+        for row in _rows(_part(model.bodies[i], model.dim), model.structure.driven):
+            if row.ndim > 1:
+                return None
+            end = start + len(row)
+            numbers[start:end] = row
+            start = end
+    return numbers
+
+
+def _rows(part: BodyPart, driven: bool) -> list[Array]:
+    """What a body adds to the numbers, in order."""
+    joint, inertia = part
+    return (
+        [joint.placed, inertia, joint.drive]
+        if driven and joint.drive is not None
+        else [joint.placed, inertia]
+    )
 
 
 def joined(parts: Sequence[Array]) -> Array:
@@ -264,12 +362,14 @@ def drives(model: Model) -> tuple[bool, ...]:
 
 # ---------------------------------------------------------------- what each piece contributes
 def _body_parts(model: Model) -> list[BodyPart]:
-    """Of each body in the model's order; a new payload and one call are to take microseconds."""
-    dim = model.dim
+    """Of each body in the model's order."""
+    return [_part(body, model.dim) for body in model.bodies]
+
+
+def _part(body: Body, dim: int) -> BodyPart:
+    """Of one body; a new payload and one call are to take microseconds."""
     name = _NAME[dim]
-    return [
-        body.__dict__.get(name) or kept(body, name, partial(_body_part, body, dim)) for body in model.bodies
-    ]
+    return body.__dict__.get(name) or kept(body, name, partial(_body_part, body, dim))
 
 
 _NAME = {2: "part in the plane", 3: "part in space"}
@@ -397,7 +497,7 @@ def _is(x: Scalar, *exact: float) -> bool:
 
 def _row(values: Sequence[Scalar]) -> Array:
     """Scalars, or arrays of a family, as one array (..., k)."""
-    if {type(x) for x in values} <= {float, int}:
+    if {*map(type, values)} <= {float, int}:
         row = np.array(values, dtype=float)
     else:
         row = np.stack(np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in values)), axis=-1)

@@ -92,8 +92,9 @@ def _key(function: str, choice: tuple[Any, ...] | None, wrenches: Wrenches) -> A
 def _is_known(function: str, model: Model, option: Option, wrenches: Wrenches, key: Any) -> bool:
     """Whether the kernel has been compiled for another model of the same structure; then `quick` may call it."""
     try:
-        frames = tuple(model.frame(name).name for name in _given(wrenches)[0])
-        bound = structural.known(model, (function,), option._replace(wrench_frames=frames))
+        frames = () if wrenches is None else tuple(model.frame(name).name for name in _given(wrenches)[0])
+        loaded = option._replace(wrench_frames=frames) if frames else option
+        bound = structural.known(model, (function,), loaded)
     except FreebodyError:  # said in its turn
         return False
     if bound is None or len(set(frames)) < len(frames):
