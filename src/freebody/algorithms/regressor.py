@@ -1,8 +1,6 @@
 """Inverse dynamics and energies as linear functions of what a robot's bodies and drives weigh.
 
-Parameters of a body: its mass m, first moment h = m c and inertia I about its own origin, in its axes: in space m,
-hx, hy, hz, Ixx, Ixy, Ixz, Iyy, Iyz, Izz, in the plane m, hx, hy, I. Of a drive: viscous and Coulomb friction,
-reflected rotor inertia J gear², stiffness, and stiffness times rest position.
+Their names and order are those of `model.identified`.
 """
 
 from __future__ import annotations
@@ -13,15 +11,6 @@ from freebody.algorithms.world import columns_at_origin, dot_motion
 from freebody.elementary import Scalar, sign
 from freebody.model.tree import Tree, TreeBody
 from freebody.spatial import AnySpace, Matrix, Vector, add, dot, identity, neg, times, transposed
-
-DRIVE = ("viscous", "coulomb", "rotor", "stiffness", "stiffness_rest")
-
-
-def body_parameters(space: AnySpace) -> tuple[str, ...]:
-    """Names of a body's parameters, in order."""
-    if space.dim == 2:
-        return ("m", "hx", "hy", "I")
-    return ("m", "hx", "hy", "hz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz")
 
 
 def regressor(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Matrix:

@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from freebody.algorithms.crba import Composite, own_inertia
-from freebody.algorithms.regressor import body_parameters
 from freebody.elementary import Scalar
+from freebody.model.identified import body_parameters
 from freebody.model.joints.prismatic import Sliding
 from freebody.model.joints.revolute import Turning
 from freebody.model.tree import Mass, Tree, TreeBody

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from freebody.algorithms.regressor import body_parameters, driven, regressor
+from freebody.algorithms.regressor import driven, regressor
 from freebody.algorithms.regroup import kept, regrouped
 from freebody.derivations import expression as ex
 from freebody.derivations.equations import SHORT, Equations
@@ -19,6 +19,7 @@ from freebody.derivations.names import sym
 from freebody.derivations.order import Order
 from freebody.derivations.symbols import RATE, SECOND, Symbols, symbols
 from freebody.lazy import cached_property
+from freebody.model.identified import body_parameters
 from freebody.scalars.trig import Trig
 
 TOLERANCE = 1e-9

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from freebody.algorithms.regressor import DRIVE, body_parameters, parameter_values
+from freebody.algorithms.regressor import parameter_values
 from freebody.algorithms.regroup import lightened
 from freebody.arrays import Array
 from freebody.elementary import Scalar
@@ -25,13 +25,12 @@ from freebody.kernels.formulas import (
 )
 from freebody.kernels.inputs import InputKernel, input_kernel, inputs_of
 from freebody.kernels.slopes import directions, lifted, slope_arguments, with_slopes
+from freebody.model.identified import parameter_names
 from freebody.model.members import FamilyError
 from freebody.model.model import Model
 from freebody.model.numbers import Name
-from freebody.model.structure import drives
 from freebody.model.tree import Tree
 from freebody.program import Argument, Program, trace
-from freebody.spatial import of_dimension
 from freebody.targets import Kernel, compile_program
 
 
@@ -421,8 +420,7 @@ def _shape(
 
 def parameter_count(model: Model) -> int:
     """Columns of the regressors: the parameters of bodies, then of the joints that have a drive."""
-    space = of_dimension(model.dim)
-    return len(body_parameters(space)) * len(model.bodies) + len(DRIVE) * sum(drives(model))
+    return len(parameter_names(model))
 
 
 def _scalars(array: Array, core: int) -> Any:

@@ -13,7 +13,7 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, MissingValueError, ModelError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.model import changes as changed
-from freebody.model import numbers
+from freebody.model import identified, numbers
 from freebody.model.bodies import Body, Frame, JointLimits
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
@@ -372,6 +372,15 @@ class Model(ByValue):
             "rotor": rotor, "gear": gear, "viscous": viscous, "coulomb": coulomb, "stiffness": stiffness, "rest": rest,
         }  # fmt: skip
         return changed.with_drive(self, joint, given)
+
+    def with_inertial_parameters(self, pi: Any) -> Model:
+        """The model with other inertial parameters π (..., k), in the order and units of `fb.inertial_parameters`.
+
+        An array, or what carries their names (that function's dict, a pandas Series); arrays with axes in front make a
+        family. A body's links and the loads on it become one, in its name, since π knows no parts of a body; gears
+        and what is fixed to the base stay. Raises ModelError for a body that no rigid body is, by name.
+        """
+        return identified.with_inertial_parameters(self, pi)
 
     def without(self, *features: str) -> Model:
         """The model without "friction", "rotors", "springs", or "loops" (the tree that is left when they are cut)."""

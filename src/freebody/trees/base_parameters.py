@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.algorithms.crba import Composite
-from freebody.algorithms.regressor import DRIVE, body_parameters, driven, regressor
+from freebody.algorithms.regressor import driven, regressor
 from freebody.algorithms.regroup import kept, regroup
 from freebody.arrays import Array
+from freebody.model.identified import DRIVE, body_parameters
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.trees.operational import inertial_parameters

@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 
 from freebody.algorithms.kinematics import NO_CENTRE
-from freebody.algorithms.regressor import DRIVE, body_parameters, parameter_values
+from freebody.algorithms.regressor import parameter_values
 from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
 from freebody.kernels.lookup import motion_rows
 from freebody.model.facts import fact
+from freebody.model.identified import parameter_names
 from freebody.model.model import Model
 from freebody.model.required import require_model
 from freebody.model.tree import about_origin
@@ -122,14 +123,8 @@ def inertial_parameters(model: Model) -> dict[str, Any]:
     its axes (plane: m, hx, hy, I); then of each joint with a drive viscous, coulomb, rotor, stiffness,
     stiffness_rest. Of a family arrays where members differ."""
     require_model("inertial_parameters", model)
-    tree = model.tree
-    names = [f"{body.name}.{p}" for body in model.bodies for p in body_parameters(tree.space)]
-    joints = [
-        model.bodies[i].joint.name for i, k in enumerate(tree.body_of) if tree.bodies[k].drive is not None
-    ]
-    names += [f"{joint}.{p}" for joint in joints for p in DRIVE]
-    values = (x if isinstance(x, np.ndarray) else float(x) for x in parameter_values(tree))
-    return dict(zip(names, values, strict=True))
+    values = (x if isinstance(x, np.ndarray) else float(x) for x in parameter_values(model.tree))
+    return dict(zip(parameter_names(model), values, strict=True))
 
 
 def forward_dynamics_parameter_derivatives(model: Model, q: Vector, qd: Vector, tau: Vector) -> Array:
