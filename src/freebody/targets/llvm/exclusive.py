@@ -12,9 +12,8 @@ from typing import Any
 _lock = threading.Lock()
 _gone: deque[Any] = deque()
 
-if hasattr(
-    os, "register_at_fork"
-):  # a fork waits, since its child would find this lock and LLVM's taken for ever
+# a fork waits, since its child would find this lock and LLVM's taken for ever
+if hasattr(os, "register_at_fork"):
     os.register_at_fork(before=_lock.acquire, after_in_parent=_lock.release, after_in_child=_lock.release)
 
 

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from freebody.identifiers import is_identifier
 from freebody.program.program import Program, ProgramError, verify
 
-_REMARK = re.compile(
-    r"[A-Za-z0-9_ .,:;()\[\]/^+<>=-]*"
-)  # nothing that ends a comment or a string, or escapes
+# nothing that ends a comment or a string, or escapes
+_REMARK = re.compile(r"[A-Za-z0-9_ .,:;()\[\]/^+<>=-]*")
 
 
 @dataclass(frozen=True)
