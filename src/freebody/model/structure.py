@@ -132,7 +132,7 @@ class Structure:
         """Where in q a quaternion begins, for each there is."""
         self.kernels: dict[Any, Any] = {}
         """What has been compiled for it; filled and read by `kernels`."""
-        known = _body_parts(model)
+        known = body_parts(model)
         sizes = [sum(row.shape[-1] for row in _rows(known[i], self.driven)) for i in self.order]
         self.starts = dict(zip(self.order, accumulate(sizes, initial=0), strict=False))
         """Where the numbers of each body begin."""
@@ -202,7 +202,7 @@ def structure_of(model: Model) -> Structure:
 
 
 def _structure(model: Model) -> Structure:
-    joints = [part.joint for part in _body_parts(model)]
+    joints = [part.joint for part in body_parts(model)]
     key = (
         model.dim,
         tuple([joint.form for joint in joints]),
@@ -236,7 +236,7 @@ def numbers_of(model: Model) -> Array:
 
 def _numbers(model: Model) -> Array:
     structure, dim = model.structure, model.dim
-    known = _body_parts(model)
+    known = body_parts(model)
     parts = [row for i in structure.order for row in _rows(known[i], structure.driven)]
     parts.append(_gravity(model)[1])
     for loop in model.loops:
@@ -357,11 +357,11 @@ def tree_over(
 
 def drives(model: Model) -> tuple[bool, ...]:
     """For each body whether friction, a rotor or a spring acts along its joint."""
-    return tuple([part.joint.driven for part in _body_parts(model)])
+    return tuple([part.joint.driven for part in body_parts(model)])
 
 
 # ---------------------------------------------------------------- what each piece contributes
-def _body_parts(model: Model) -> list[BodyPart]:
+def body_parts(model: Model) -> list[BodyPart]:
     """Of each body in the model's order."""
     return [_part(body, model.dim) for body in model.bodies]
 

@@ -1,23 +1,34 @@
-"""Joints that move no inertia make the mass matrix singular; found once a model, and named."""
+"""Joints that move no inertia make the mass matrix singular; found once a model, and named.
+
+Most robots are seen to be sound by what their bodies weigh, each alone; that takes microseconds, so that a new payload
+does too. Only of others is the mass matrix looked at.
+"""
 
 from __future__ import annotations
 
 import math
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 from freebody.algorithms.crba import crba, supports
 from freebody.arrays import Array
 from freebody.errors import SingularError, listed
+from freebody.lazy import kept
+from freebody.model.bodies import Body
 from freebody.model.facts import fact
 from freebody.model.members import of_member
 from freebody.model.model import Model
 from freebody.model.reading import VALUES
+from freebody.model.structure import BodyPart, body_parts, pose_part
 from freebody.model.tree import Tree, lower
 from freebody.trees.states import generic_state
 
 _NOTHING = 1e-13  # a pivot this small, relative to what it was subtracted from, is rounding
 _SAMPLES = 4  # configurations that are looked at
+_CLEAR = 1e-11  # a pivot this large, relative to the largest entry that M can have, is no rounding
+_TRAVEL = 6.0  # m, more than joints that translate are moved in the configurations that are looked at
 _BLOCK = 1024  # members of a family that are looked at together
 
 
@@ -43,6 +54,8 @@ def massless(model: Model) -> tuple[str, ...]:
 @fact
 def _found(model: Model) -> tuple[tuple[str, ...], tuple[int, ...]]:
     """The coordinates, and the index of the member."""
+    if _all_sound(model):
+        return (), ()
     if not model.family:
         return _idle(model, ())[0], ()
     count = math.prod(model.family)
@@ -52,6 +65,70 @@ def _found(model: Model) -> tuple[tuple[str, ...], tuple[int, ...]]:
         if names:
             return names, tuple(int(index[k]) for index in some)
     return (), ()
+
+
+class _Alone(NamedTuple):
+    """A body and its joint, without the rest."""
+
+    least: float
+    """Smallest eigenvalue of its inertia at its origin, of translations (m/s) and turns (rad/s)."""
+    mass: float
+    inertia: float
+    """Trace of the inertia about its origin."""
+    rotor: float
+    reach: float
+    """How far its origin may be from that of its parent."""
+
+
+def _all_sound(model: Model) -> bool:
+    """Whether each pivot of M is far above rounding, by what each body weighs alone; no other answer is sure.
+
+    A pivot is twice the least kinetic energy at unit rate of its joint, while all that carries the joint rests; the
+    energy of the joint's own body is a part of it, and that of the others is not negative.
+    """
+    if any(body.joint.mimic is not None for body in model.bodies):
+        return False
+    alone = [
+        kept(body, f"alone, dimension {model.dim}", partial(_alone, body, part, model.dim))
+        for body, part in zip(model.bodies, body_parts(model), strict=True)
+    ]
+    far = sum([x.reach for x in alone])
+    bound = sum([2.0 * (x.mass * (1.0 + far * far) + x.inertia) + x.rotor for x in alone])
+    return min([x.least for x in alone], default=1.0) > _CLEAR * bound
+
+
+def _alone(body: Body, part: BodyPart, dim: int) -> _Alone:
+    inertia, drive = part.inertia, part.joint.drive
+    _, origin = pose_part(body.joint.placement, dim).pose
+    if inertia.ndim > 1 or (drive is not None and drive.ndim > 1) or any(map(np.ndim, origin)):
+        return _Alone(-math.inf, 0.0, 0.0, 0.0, 0.0)  # a family, whose members are looked at
+    entries = _matrix(inertia)
+    travel = 0.0 if body.kind.name in ("revolute", "continuous", "spherical") else _TRAVEL
+    return _Alone(
+        float(np.linalg.eigvalsh(entries)[0]),
+        float(inertia[0]),
+        float(np.trace(entries[dim:, dim:])),
+        0.0 if drive is None else float(drive[2]),
+        math.hypot(*origin) + travel,
+    )
+
+
+def _matrix(inertia: Array) -> Array:
+    """Of mass, first moment and inertia about the origin the symmetric matrix, of translations, then turns."""
+    if len(inertia) == 4:
+        m, x, y, about = inertia.tolist()
+        return np.array([[m, 0.0, -y], [0.0, m, x], [-y, x, about]])
+    m, x, y, z, xx, xy, xz, yy, yz, zz = inertia.tolist()
+    return np.array(
+        [
+            [m, 0.0, 0.0, 0.0, z, -y],
+            [0.0, m, 0.0, -z, 0.0, x],
+            [0.0, 0.0, m, y, -x, 0.0],
+            [0.0, -z, y, xx, xy, xz],
+            [z, 0.0, -x, xy, yy, yz],
+            [-y, x, 0.0, xz, yz, zz],
+        ]
+    )
 
 
 def _idle(model: Model, members: tuple[int, ...]) -> tuple[tuple[str, ...], int]:
