@@ -88,9 +88,15 @@ def _all_sound(model: Model) -> bool:
     """
     if any(body.joint.mimic is not None for body in model.bodies):
         return False
+    order = model.structure.order  # which refuses numbers that are missing
+    parts = body_parts(model)
     alone = [
-        kept(body, f"alone, dimension {model.dim}", partial(_alone, body, part, model.dim))
-        for body, part in zip(model.bodies, body_parts(model), strict=True)
+        kept(
+            model.bodies[i],
+            f"alone, dimension {model.dim}",
+            partial(_alone, model.bodies[i], parts[i], model.dim),
+        )
+        for i in order
     ]
     far = sum([x.reach for x in alone])
     bound = sum([2.0 * (x.mass * (1.0 + far * far) + x.inertia) + x.rotor for x in alone])
