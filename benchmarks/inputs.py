@@ -2,7 +2,7 @@
 
     python benchmarks/inputs.py [--robots ur5e ur5 panda talos] [--batch 4096] [--rounds 100]
 
-Beside the kernel of fixed numbers stand the same kernel with every number of the robot that is not 0 or ±1 an input
+Beside the kernel of fixed numbers stand the same kernel with `inputs=` every number of the robot that is not zero
 (masses, centres, inertias, placements, gravity): one value for the batch, and one for every sample; and the kernel in
 float32, with its error against float64 relative to a sample's largest entry. Rounds are interleaved; times are the
 quickest round's.
@@ -21,40 +21,12 @@ import numpy as np
 
 import freebody as fb
 from against import ROBOTS, folder
-from freebody.kernels import lookup
-from freebody.kernels.formulas import FORMULAS, Option
 from freebody.model.inertia import combined
-from freebody.model.reading import VALUES, Reader
-from freebody.model.tree import Attached, lower
-from freebody.program import Argument, Program, trace
+from freebody.model.reading import VALUES
+from freebody.model.tree import Attached
 from freebody.spatial import of_dimension
-from freebody.targets import compile_program
 
 TASKS = ("inverse_dynamics", "forward_dynamics")
-
-
-class Inputs(Reader):
-    """Reads every number but 0 and ±1 as the next of `values`; without them it keeps what it has read."""
-
-    combines = False
-
-    def __init__(self, values=None):
-        self.values, self.read = values, []
-
-    def one(self, x):
-        if x in (0.0, 1.0, -1.0):
-            return x
-        self.read.append(x)
-        return x if self.values is None else self.values[len(self.read) - 1]
-
-    def quantity(self, q):
-        return self.one(VALUES.quantity(q))
-
-    def sin_cos(self, angle):
-        return tuple(map(self.one, VALUES.sin_cos(angle)))
-
-    def rotation(self, matrix):
-        return tuple(tuple(map(self.one, row)) for row in matrix)
 
 
 def lumped(model: fb.Model) -> fb.Model:
@@ -67,18 +39,9 @@ def lumped(model: fb.Model) -> fb.Model:
     return replace(model, bodies=tuple(bodies))
 
 
-def with_inputs(model: fb.Model, name: str) -> tuple[Program, np.ndarray]:
-    """The program of a quantity whose last input is the model's numbers, and these."""
-    reader = Inputs()
-    lower(model, reader)
-    given = lookup.program(model, (name,), Option())
-
-    def evaluate(*values):
-        arguments = dict(zip((x.name for x in given.inputs), values[:-1], strict=True))
-        return FORMULAS[name].evaluate(lower(model, Inputs(values[-1])), Option(), **arguments)
-
-    inputs = (*given.inputs, Argument("p", (len(reader.read),), uniform=True))
-    return trace(name, evaluate, inputs, given.outputs), np.array(reader.read)
+def named(model: fb.Model) -> list[str]:
+    """Every number that is not zero; a right angle of a placement stays structure."""
+    return [r.name for r in fb.parameters(model) if r.value and not (r.structural or r.limit)]
 
 
 def quickest(runs: dict[str, object], rounds: int, samples: int) -> dict[str, float]:
@@ -112,12 +75,9 @@ def main() -> None:
             model = fb.load(robot)
         model = lumped(model.without("friction"))
         for task in TASKS:
-            program, numbers = with_inputs(model, task)
-            wide, short, open_ = (
-                fb.kernel(model, task),
-                fb.kernel(model, task, dtype="float32"),
-                compile_program(program),
-            )
+            wide, short = fb.kernel(model, task), fb.kernel(model, task, dtype="float32")
+            open_ = fb.kernel(model, task, inputs=named(model))
+            numbers = np.array(open_.values)
             q = rng.uniform(-1, 1, (3, given.batch, model.nv))
             rounded, each = q.astype(np.float32), np.tile(numbers, (given.batch, 1))
             out, out32 = wide(*q), short(*rounded)
