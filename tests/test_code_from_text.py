@@ -51,6 +51,7 @@ KNOWN = {
     ("__init__.py", "import_module"): "modules of the table of public names",
     ("targets/llvm/fastcall.py", "import_module"): "a constant: NumPy's own module",
     ("targets/llvm/gufunc.py", "import_module"): "a constant: NumPy's own module",
+    ("targets/target.py", "import_module"): "modules of the table of targets",
     ("kernels/closed_chains.py", "import_module"): "modules of the table that stands there",
     ("notes/registry.py", "import_module"): "the chapters, listed there",
     (
@@ -161,9 +162,9 @@ def test_a_name_from_outside_is_refused_in_a_program(name):
     with pytest.raises(ProgramError, match="is no word"):
         trace(name, lambda x: ([x[0]],), [inner], [inner])
     made = trace("f", lambda x: ([x[0]],), [inner], [Argument("y", (1,))])
-    for backend in ("llvm", "numpy"):
+    for target in ("cpu", "numpy"):
         with pytest.raises(ProgramError, match="is no word"):
-            compile_program(dataclasses.replace(made, name=name), backend=backend)
+            compile_program(dataclasses.replace(made, name=name), target=target)
     with pytest.raises(ProgramError, match="is no word"):
         Unit(dataclasses.replace(made, outputs=(Argument(name, (1,)),)), "f")
     with pytest.raises(ProgramError, match="is no word"):

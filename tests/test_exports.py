@@ -201,7 +201,7 @@ def test_c_gives_what_the_kernel_gives(robot, dtype, tmp_path):
     passes(tmp_path, "c", "f")
     if dtype == "float32":
         return
-    kernel = fb.kernel(model, names, backend="numpy" if model.loops else None)  # LLVM takes seconds for that
+    kernel = fb.kernel(model, names, target="numpy" if model.loops else None)  # LLVM takes seconds for that
     given = vectors(kernel.program, dtype, model).inputs
     expected = kernel(*given)
     library = compiled(tmp_path, "f")
@@ -475,10 +475,10 @@ def test_every_formula_has_words_for_its_arguments():
 
 def test_source_of_a_kernel_of_ones_own():
     program = trace("f", lambda x: ([x[0] * sin(x[1])],), [Argument("x", (2,))], [Argument("y", (1,))])
-    text = fb.source(compile_program(program, backend="numpy"), language="c", name="mine")
+    text = fb.source(compile_program(program, target="numpy"), language="c", name="mine")
     assert "int mine(const double x[2], double y[1])" in text
     with pytest.raises(fb.FreebodyError, match="a kernel has its quantities already"):
-        fb.source(compile_program(program, backend="numpy"), "bias", "c")
+        fb.source(compile_program(program, target="numpy"), "bias", "c")
 
 
 # ---------------------------------------------------------------- refusals, and the command
@@ -494,7 +494,7 @@ def test_what_cannot_be_written_is_refused():
         fb.source("ur5e", "bias", "c")
     heavy = trace("f", lambda x: ([1e39 * x[0]],), [Argument("x", (1,))], [Argument("y", (1,))])
     with pytest.raises(fb.FreebodyError, match="beyond what float32 can hold"):
-        fb.source(compile_program(heavy, backend="numpy"), language="c", dtype="float32")
+        fb.source(compile_program(heavy, target="numpy"), language="c", dtype="float32")
 
 
 def test_what_has_no_value_anywhere_is_refused_before_a_file_is_written(tmp_path):
@@ -503,7 +503,7 @@ def test_what_has_no_value_anywhere_is_refused_before_a_file_is_written(tmp_path
         fb.export(massless, "forward_dynamics", tmp_path / "out")
     root = trace("f", lambda x: ([sqrt(-1.0 - x[0] * x[0])],), [Argument("x", (1,))], [Argument("y", (1,))])
     with pytest.raises(fb.FreebodyError, match="infinite or NaN at all of 40 random inputs"):
-        fb.export(compile_program(root, backend="numpy"), out=tmp_path / "out")
+        fb.export(compile_program(root, target="numpy"), out=tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 

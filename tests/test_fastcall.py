@@ -32,18 +32,18 @@ def kernel(request):
         patch.setenv("FREEBODY_FASTCALL", request.param)
         if request.param == "on" and not fastcall.available(program):
             pytest.skip("this interpreter's objects are not laid out as the fast call expects")
-        return compile_program(program, backend="llvm")
+        return compile_program(program, target="cpu")
 
 
 def test_the_environment_switches_it_off(monkeypatch):
     program = trace("switched", lambda q: ([q[0] + 1.0],), [Argument("q", (1,))], [Argument("y", (1,))])
     monkeypatch.setenv("FREEBODY_FASTCALL", "off")
-    without = compile_program(program, backend="llvm")
+    without = compile_program(program, target="cpu")
     assert without.__call__.__func__ is Kernel.__call__
     assert without(np.array([1.0]))[0] == 2.0
     monkeypatch.delenv("FREEBODY_FASTCALL")
     if fastcall.available(program):
-        within = compile_program(program, backend="llvm")
+        within = compile_program(program, target="cpu")
         assert isinstance(within.__call__, types.BuiltinMethodType)
         assert within(np.array([1.0]))[0] == 2.0
 
@@ -131,7 +131,7 @@ def test_out_of_plain_arrays_never_leaves_the_interpreters_own_way(monkeypatch):
         pytest.skip("this interpreter's objects are not laid out as the fast call expects")
     general = []
     monkeypatch.setattr(Kernel, "__call__", lambda *given, **named: general.append(named))
-    square, out = compile_program(program, backend="llvm"), np.empty(1)
+    square, out = compile_program(program, target="cpu"), np.empty(1)
     assert square(np.array([3.0]), out=out) is out
     assert out[0] == 9.0
     assert general == []
@@ -159,7 +159,7 @@ def test_numbers_of_python_go_the_quick_way(monkeypatch):
         return whole(self, *given, **named)
 
     monkeypatch.setattr(Kernel, "__call__", counted)
-    scaled, q, out = compile_program(program, backend="llvm"), np.array([3.0]), np.empty(2)
+    scaled, q, out = compile_program(program, target="cpu"), np.array([3.0]), np.empty(2)
     expected = scaled.ufunc(q, 2.5, -0.1)
     a, b = 2.5, float("-0.1")
     before = sys.getrefcount(b)
@@ -172,7 +172,7 @@ def test_numbers_of_python_go_the_quick_way(monkeypatch):
     for other in (2, True, np.float64(2.0), np.float32(2.0), np.array([2.0])):
         np.testing.assert_array_equal(scaled(q, other, b), scaled.ufunc(q, np.float64(other), b))
     assert len(general) == 5
-    single = compile_program(program, backend="llvm", dtype="float32")
+    single = compile_program(program, target="cpu", dtype="float32")
     np.testing.assert_allclose(single(q.astype(np.float32), 2.5, -0.1), expected, rtol=1e-6)
 
 

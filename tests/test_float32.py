@@ -11,7 +11,7 @@ from freebody.errors import FreebodyError
 from freebody.program import Argument, trace
 from freebody.targets import KernelError, compile_program
 from freebody.targets.llvm import fastcall, machine
-from freebody.targets.llvm.machine import Target
+from freebody.targets.llvm.machine import Machine
 
 WIDTHS = [2, 4, 8, 16]
 every_width = pytest.mark.parametrize("width", WIDTHS)
@@ -21,7 +21,7 @@ ULP = 2.0**-24
 @pytest.fixture(autouse=True)
 def memory_only(monkeypatch):
     monkeypatch.setenv("FREEBODY_CACHE", "off")
-    monkeypatch.delenv("FREEBODY_BACKEND", raising=False)
+    monkeypatch.delenv("FREEBODY_TARGET", raising=False)
     monkeypatch.delenv("FREEBODY_WIDTH", raising=False)
 
 
@@ -37,11 +37,11 @@ def mixed(x, A, s, p):
 INPUTS = (Argument("x", (3,)), Argument("A", (2, 5)), Argument("s", ()), Argument("p", (3,), uniform=True))
 OUTPUTS = (Argument("y", (5,)), Argument("B", (2, 5)), Argument("t", ()))
 PROGRAM = trace("mixed", mixed, INPUTS, OUTPUTS)
-EXACT = compile_program(PROGRAM, backend="numpy")
+EXACT = compile_program(PROGRAM, target="numpy")
 
 
 def compiled(width=None):
-    return compile_program(PROGRAM, backend="llvm", width=width, dtype="float32")
+    return compile_program(PROGRAM, target="cpu", width=width, dtype="float32")
 
 
 def arrays(batch, seed=0):
@@ -101,7 +101,7 @@ def test_rows_of_any_length(width, columns):
         [Argument("x", (columns,))],
         [Argument("y", (columns,))],
     )
-    kernel = compile_program(program, backend="llvm", width=width, dtype="float32")
+    kernel = compile_program(program, target="cpu", width=width, dtype="float32")
     for batch in (1, width, 3 * width + 1):
         around = np.full((2 * batch + 2, columns), np.nan, np.float32)
         around[1:-1] = np.arange(2 * batch * columns).reshape(-1, columns)
@@ -169,7 +169,7 @@ def test_the_interpreters_own_way_gives_the_bits_of_the_ufunc():
         [Argument("x", (2,))],
         [Argument("y", (2,)), Argument("z", (2,))],
     )
-    kernel = compile_program(program, backend="llvm", dtype="float32")
+    kernel = compile_program(program, target="cpu", dtype="float32")
     if not fastcall.available(program):
         pytest.skip("this interpreter's objects are not laid out as the fast call expects")
     x = np.array([0.5, -1.25], np.float32)
@@ -197,7 +197,7 @@ def test_a_value_for_every_sample():
 
 
 def test_numpy_computes_in_the_same_type():
-    kernel, given = compile_program(PROGRAM, backend="numpy", dtype="float32"), arrays(12)
+    kernel, given = compile_program(PROGRAM, target="numpy", dtype="float32"), arrays(12)
     assert_near(kernel(*given), given)
 
 
@@ -205,7 +205,7 @@ def test_options_are_checked():
     with pytest.raises(KernelError, match=r"no dtype 'float16' of kernels. Known: float64, float32\."):
         compile_program(PROGRAM, dtype="float16")
     with pytest.raises(KernelError, match=r"no width 16 of float64\. Widths: 2, 4, 8 "):
-        compile_program(PROGRAM, backend="llvm", width=16)
+        compile_program(PROGRAM, target="cpu", width=16)
     large = trace("large", lambda x: ([x[0] * 1e39],), [Argument("x", (1,))], [Argument("y", (1,))])
     with pytest.raises(KernelError, match=r"large: the constant 1e\+39 is beyond the range of float32"):
         compile_program(large, dtype="float32")
@@ -218,8 +218,8 @@ def both(width):
         "both", lambda x: (sin(x), cos(x)), [Argument("x", ())], [Argument("s", ()), Argument("c", ())]
     )
     return (
-        compile_program(program, backend="llvm", width=width, dtype="float32"),
-        compile_program(program, backend="llvm"),
+        compile_program(program, target="cpu", width=width, dtype="float32"),
+        compile_program(program, target="cpu"),
     )
 
 
@@ -259,13 +259,13 @@ def test_sine_and_cosine_of_one_in_a_hundred():
 
 def test_sine_and_cosine_without_fused_multiply_add(monkeypatch):
     monkeypatch.setattr(
-        machine.Host, "target", lambda self, width, real: Target(width or 4, False, self.x86, real)
+        machine.Host, "machine", lambda self, width, real: Machine(width or 4, False, self.x86, real)
     )
     program = trace(
         "bare", lambda x: (sin(x), cos(x)), [Argument("x", ())], [Argument("s", ()), Argument("c", ())]
     )
-    kernel = compile_program(program, backend="llvm", dtype="float32")
-    assert "@llvm.fma.v4f32(" not in kernel.ir.replace("declare <4 x float> @llvm.fma.v4f32(", "")
+    kernel = compile_program(program, target="cpu", dtype="float32")
+    assert "@llvm.fma.v4f32(" not in kernel.source.replace("declare <4 x float> @llvm.fma.v4f32(", "")
     x = angles(99_991)
     for found, value in zip(kernel(x), both(16)[1](x.astype(np.float64)), strict=True):
         assert ulps(found, value).max() <= 2
@@ -289,7 +289,7 @@ def test_other_functions_are_rounded_once():
         [Argument(name, ()) for name in (*functions, "atan2")],
     )
     x = np.linspace(1e-6, 1.0, 3001).astype(np.float32)
-    found = compile_program(program, backend="llvm", dtype="float32")(x)
+    found = compile_program(program, target="cpu", dtype="float32")(x)
     wide = x.astype(np.float64)
     exact = [np.exp(wide), np.log(wide), np.tanh(wide), np.arccos(wide), np.arctan2(wide, np.float32(0.3))]
     for result, value in zip(found, exact, strict=True):

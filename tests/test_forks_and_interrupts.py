@@ -61,9 +61,9 @@ assert status == 0, status
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
-@pytest.mark.parametrize("backend", ["llvm", "numpy"])
-def test_a_child_forked_while_another_thread_traces_goes_on(backend):
-    done = run(FORK_DURING_A_TRACE, FREEBODY_BACKEND=backend)
+@pytest.mark.parametrize("target", ["cpu", "numpy"])
+def test_a_child_forked_while_another_thread_traces_goes_on(target):
+    done = run(FORK_DURING_A_TRACE, FREEBODY_TARGET=target)
     assert done.returncode == 0, done.stderr
 
 
@@ -82,7 +82,7 @@ def test_nothing_in_freebody_holds_a_lock_that_a_fork_would_leave_taken():
 
 def double() -> Kernel:
     program = trace("double", lambda q: ([2.0 * q[0]],), [Argument("q", (1,))], [Argument("r", (1,))])
-    return Kernel(program, "llvm", 2, compile_program(program).ufunc)
+    return Kernel(program, "cpu", 2, compile_program(program).ufunc)
 
 
 @pytest.mark.parametrize("threads", [1, 4])
@@ -112,7 +112,7 @@ def test_a_part_takes_milliseconds():
     """Of the dearest quantities, and of those that do little but move numbers; counted in operations and entries."""
     arm = fb.load("ur5e")
     for name in ("potential_energy", "forward_kinematics", "inverse_dynamics_second_derivatives"):
-        long = fb.kernel(arm, name, backend="llvm")
+        long = fb.kernel(arm, name, target="cpu")
         entries = long.program.input_size + long.program.output_size
         assert 0.1 * kernel._SLICE < long._longest * long._cost <= kernel._SLICE
         assert long._longest * entries <= 5e7
@@ -123,7 +123,7 @@ def test_a_part_takes_milliseconds():
 def test_parts_give_the_bits_of_the_whole(monkeypatch, threads, shape):
     arm = fb.load("ur5e")
     whole = fb.kernel(arm, ["inverse_dynamics", "mass_matrix"])
-    parts = Kernel(whole.program, whole.backend, whole.width, whole.ufunc)
+    parts = Kernel(whole.program, whole.target, whole.width, whole.ufunc)
     monkeypatch.setattr(parts, "_longest", 50)
     monkeypatch.setattr(parts, "_small", 8)
     q, qd, qdd = fb.random_state(arm, 1, shape)

@@ -35,11 +35,11 @@ DIFFERENT = 48
 """Programs, each compiled once: more than are kept for the next who asks."""
 
 
-def kernel(number: int, backend: str | None = None) -> Kernel:
+def kernel(number: int, target: str | None = None) -> Kernel:
     """x -> x² + number."""
     plus = float(number % DIFFERENT)
     program = trace("plus", lambda x: ([x[0] * x[0] + plus],), [Argument("x", (1,))], [Argument("y", (1,))])
-    return compile_program(program, backend=backend)
+    return compile_program(program, target=target)
 
 
 def value(number: int) -> float:
@@ -52,7 +52,7 @@ X = np.array([0.5])
 def forget() -> None:
     """Have as many other kernels asked for as are kept for the next who asks."""
     for k in range(RECENT + 1):
-        kernel(k, backend="numpy")
+        kernel(k, target="numpy")
     gc.collect()
 
 

@@ -14,13 +14,14 @@ from freebody.scalars.expr import Expr, Graph
 from freebody.scalars.nodes import GraphError
 from freebody.scalars.operations import OPERATIONS
 from freebody.scalars.trig import TrigRing
-from freebody.targets import compile_program
+from freebody.targets import TARGETS, compile_program
 from freebody.targets.interpret import functions
 from freebody.targets.llvm.instructions import INSTRUCTION
+from freebody.targets.target import target_named
 from freebody.targets.text import LANGUAGES, Unit
 
-BACKENDS = [("numpy", None), ("llvm", 2), ("llvm", 4), ("llvm", 8)]
-every_backend = pytest.mark.parametrize(("backend", "width"), BACKENDS)
+WAYS = [(name, width) for name in TARGETS for width in target_named(name).widths["float64"] or (None,)]
+every_target = pytest.mark.parametrize(("target", "width"), WAYS)
 NAMED = sorted(elementary.FUNCTIONS)
 CHOICES = ("absolute", "less", "less_equal", "equal", "where", "minimum", "maximum", "sign")
 EDGES = (0.0, -0.0, 1.0, -1.0, 2.5, -2.5, 5e-324, -5e-324, 1e-308, 1.7e308, -1.7e308, np.nextafter(1.0, 2.0))
@@ -31,10 +32,10 @@ def memory_only(monkeypatch):
     monkeypatch.setenv("FREEBODY_CACHE", "off")
 
 
-def compiled(function, arity, backend="llvm", width=None):
+def compiled(function, arity, target="cpu", width=None):
     inputs = [Argument(name, ()) for name in "xyz"[:arity]]
     return compile_program(
-        trace("f", lambda *x: (function(*x),), inputs, [Argument("r", ())]), backend=backend, width=width
+        trace("f", lambda *x: (function(*x),), inputs, [Argument("r", ())]), target=target, width=width
     )
 
 
@@ -52,9 +53,9 @@ def test_every_target_knows_every_operation(name):
     assert not [target for target, table in tables.items() if name not in table]
 
 
-@every_backend
+@every_target
 @pytest.mark.parametrize("name", sorted(OPERATIONS))
-def test_every_target_computes_what_the_operation_is(name, backend, width):
+def test_every_target_computes_what_the_operation_is(name, target, width):
     operation = OPERATIONS[name]
     rng = np.random.default_rng(5)
     signs = 1.0 if name in ("sqrt", "log") else -1.0  # whose domain begins at 0; arcs' ends at 1
@@ -65,17 +66,17 @@ def test_every_target_computes_what_the_operation_is(name, backend, width):
         graph = operands[0].graph
         return Expr(graph, operation.node(graph, *(x.index for x in operands)))
 
-    found = compiled(traced, operation.arity, backend, width)(*columns)
+    found = compiled(traced, operation.arity, target, width)(*columns)
     np.testing.assert_allclose(found, expected, rtol=2e-15, atol=0.0)
 
 
-@every_backend
+@every_target
 @pytest.mark.parametrize("name", CHOICES)
-def test_choices_are_exact_everywhere(name, backend, width):
+def test_choices_are_exact_everywhere(name, target, width):
     function, operation = elementary.FUNCTIONS[name], OPERATIONS[name]
     columns = edges(operation.arity)
     expected = [operation.number(*values) for values in zip(*(c.tolist() for c in columns), strict=True)]
-    np.testing.assert_array_equal(compiled(function, operation.arity, backend, width)(*columns), expected)
+    np.testing.assert_array_equal(compiled(function, operation.arity, target, width)(*columns), expected)
     np.testing.assert_array_equal(function(*columns), expected)
     assert [function(*values) for values in zip(*(c.tolist() for c in columns), strict=True)] == expected
 
@@ -91,19 +92,19 @@ def test_choices_are_exact_in_32_bits(name):
     np.testing.assert_array_equal(compile_program(program, dtype="float32")(*columns), expected)
 
 
-@every_backend
+@every_target
 @pytest.mark.parametrize("name", NAMED)
-def test_a_sample_that_is_not_finite_has_nan_whatever_is_chosen(name, backend, width):
+def test_a_sample_that_is_not_finite_has_nan_whatever_is_chosen(name, target, width):
     arity = OPERATIONS[name].arity
-    kernel = compiled(elementary.FUNCTIONS[name], arity, backend, width)
+    kernel = compiled(elementary.FUNCTIONS[name], arity, target, width)
     for k, bad in itertools.product(range(arity), (math.nan, math.inf, -math.inf)):
         columns = [np.full(11, 0.5) for _ in range(arity)]
         columns[k][3] = bad
         assert np.isnan(kernel(*columns)).nonzero()[0].tolist() == [3]
 
 
-@every_backend
-def test_nan_that_arises_inside_is_not_hidden_by_minimum_and_maximum(backend, width):
+@every_target
+def test_nan_that_arises_inside_is_not_hidden_by_minimum_and_maximum(target, width):
     """As NumPy's; a comparison with NaN is false, and NaN is not 0."""
     results = compile_program(
         trace(
@@ -118,7 +119,7 @@ def test_nan_that_arises_inside_is_not_hidden_by_minimum_and_maximum(backend, wi
             [Argument("x", ())],
             [Argument(name, ()) for name in "abcd"],
         ),
-        backend=backend,
+        target=target,
         width=width,
     )(np.array([-1.0, 4.0]))
     np.testing.assert_array_equal(results, [[np.nan, 1.0], [np.nan, 2.0], [0.0, 0.0], [2.0, 2.0]])
@@ -132,7 +133,7 @@ def test_a_choice_by_a_comparison_takes_its_truth_values(width):
     y[::5] = x[::5]
     for compare in (e.less, e.less_equal, e.equal):
         kernel = compiled(lambda a, b, compare=compare: e.where(compare(a, b), a - b, 7.0), 2, width=width)
-        assert "fcmp une" not in kernel.ir
+        assert "fcmp une" not in kernel.source
         np.testing.assert_array_equal(kernel(x, y), np.where(compare(x, y), x - y, 7.0))
     several = trace(
         "several",
@@ -277,4 +278,4 @@ def test_python_text(name):
     space = {}
     exec(LANGUAGES["numpy"].emit(Unit(program, program.name)), space)
     columns = np.random.default_rng(1).uniform(0.1, 0.9, (operation.arity, 20))
-    np.testing.assert_array_equal(space["f"](*columns), compile_program(program, backend="numpy")(*columns))
+    np.testing.assert_array_equal(space["f"](*columns), compile_program(program, target="numpy")(*columns))

@@ -19,7 +19,7 @@ every_width = pytest.mark.parametrize("width", LLVM)
 @pytest.fixture(autouse=True)
 def memory_only(monkeypatch):
     monkeypatch.setenv("FREEBODY_CACHE", "off")
-    monkeypatch.delenv("FREEBODY_BACKEND", raising=False)
+    monkeypatch.delenv("FREEBODY_TARGET", raising=False)
     monkeypatch.delenv("FREEBODY_WIDTH", raising=False)
 
 
@@ -47,10 +47,10 @@ PROGRAM = trace("mixed", mixed, INPUTS, OUTPUTS)
 
 
 def compiled(width):
-    return compile_program(PROGRAM, backend="llvm", width=width)
+    return compile_program(PROGRAM, target="cpu", width=width)
 
 
-PLAIN = compile_program(PROGRAM, backend="numpy")
+PLAIN = compile_program(PROGRAM, target="numpy")
 
 
 def arrays(batch, moving=(), seed=0):
@@ -159,13 +159,13 @@ def test_all_results_uniform(width):
         [Argument("p", (2,), True), Argument("x", (1,))],
         [Argument("r", (3,))],
     )
-    kernel = compile_program(program, backend="llvm", width=width)
+    kernel = compile_program(program, target="cpu", width=width)
     p = np.array([2.0, 0.5])
     expected = [2.0 * np.sin(0.5), 0.5, 3.0]
     assert np.allclose(kernel(p, np.ones((13, 1))), np.tile(expected, (13, 1)), rtol=1e-15)
     assert np.isnan(kernel(p, np.array([np.nan]))).all()
     alone = trace("alone", lambda p: ([p[0] * sin(p[1]), p[1], 3.0],), program.inputs[:1], program.outputs)
-    kernel = compile_program(alone, backend="llvm", width=width)
+    kernel = compile_program(alone, target="cpu", width=width)
     assert np.allclose(kernel(p), expected, rtol=1e-15)
     assert np.allclose(kernel(np.tile(p, (5, 1))), np.tile(expected, (5, 1)), rtol=1e-15)
 
@@ -197,7 +197,7 @@ def test_many_numbers_and_large_angles(width):
         [Argument("x", (1,)), Argument("p", (count,), uniform=True)],
         [Argument("r", (2,))],
     )
-    kernel = compile_program(program, backend="llvm", width=width)
+    kernel = compile_program(program, target="cpu", width=width)
     rng = np.random.default_rng(1)
     x, p = rng.normal(size=(19, 1)), rng.normal(size=count)
     p[:40] = 10.0 ** rng.uniform(-3, 15, 40)

@@ -31,7 +31,7 @@ def compile(  # noqa: A001  the name that users look for
     *,
     by: str | Sequence[str] = (),
     dtype: str = "float64",
-    backend: str | None = None,
+    target: str | None = None,
     width: int | None = None,
 ) -> Kernel:
     """A function of one's own, such as a controller or a cost, compiled; called as the kernels of `fb.kernel` are.
@@ -44,7 +44,7 @@ def compile(  # noqa: A001  the name that users look for
     does too. None: as returned, {name: value}, or one value, which is called "result".
     by: inputs by which each output is differentiated as well (exactly, in forward mode). Behind the outputs follow
     their derivatives, of core shape (*output, *input), called dtau_dq for tau by q; of each output in turn, by each.
-    dtype, backend, width: as for `fb.kernel`.
+    dtype, target, width: as for `fb.kernel`.
     Returns k(*inputs, out=None, threads=None): one output, or a tuple. The function is not kept; a pickle has its
     program. A sample with an input that is not finite has NaN in all outputs.
     Raises GraphError where the function does what cannot be traced, ProgramError where shapes do not fit.
@@ -76,7 +76,7 @@ def compile(  # noqa: A001  the name that users look for
                 found[title] = block
         return found
 
-    return compile_program(trace(name, evaluate, taken, None), backend=backend, width=width, dtype=dtype)
+    return compile_program(trace(name, evaluate, taken, None), target=target, width=width, dtype=dtype)
 
 
 def _arguments(what: str, shapes: Shapes) -> tuple[Argument, ...]:

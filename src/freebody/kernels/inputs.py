@@ -18,7 +18,6 @@ from freebody.model.parameters import Parameter, Quantity
 from freebody.model.reading import Reader, exact_sin_cos
 from freebody.model.tree import Tree, lower
 from freebody.targets import Kernel
-from freebody.targets.quick import quick
 from freebody.targets.sound import sound
 
 
@@ -158,5 +157,5 @@ class _QuickInputKernel(InputKernel):
 def input_kernel(kernel: Kernel, names: tuple[str, ...], values: Array, model: Model) -> InputKernel:
     """A kernel whose last input is p, to be called in all the ways of an `InputKernel`."""
     plain = InputKernel(kernel, names, values, model)
-    call = quick(kernel, plain.__call__)
+    call = kernel.quick(plain.__call__)
     return plain if call is None else _QuickInputKernel(plain, call)

@@ -42,7 +42,7 @@ def kernel(
     reference: str = "world",
     wrench_frames: Sequence[str] = (),
     rows: Sequence[str] | None = None,
-    backend: str | None = None,
+    target: str | None = None,
     width: int | None = None,
     dtype: str = "float64",
     inputs: Name | Sequence[Name] = (),
@@ -55,6 +55,8 @@ def kernel(
     rows: of operational space, among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy", "w"; default all).
     wrench_frames: frames that carry external wrenches; each becomes a further input (..., 6): wrench0, wrench1, … in
     their order.
+    target: where it runs: "cpu" (machine code by LLVM) or "numpy" (node by node, without a compiler); None: what the
+    environment's FREEBODY_TARGET says, else the CPU. width: samples in a vector of the CPU's; None: what suits it.
     dtype: "float32" computes with numbers of 32 bits, about twice as quick in batches, to about 6 digits of a sample's
     largest entry; arrays of other real types are rounded to it, and so are the robot's numbers.
     inputs: numbers of the model that are to be given, by names and patterns of `fb.parameters` ("link*.mass"; patterns
@@ -78,7 +80,7 @@ def kernel(
         model,
         listed,
         option,
-        backend,
+        target,
         width,
         dtype,
         _named(inputs),
@@ -189,14 +191,14 @@ def fetch(
     model: Model,
     names: tuple[str, ...],
     option: Option,
-    backend: str | None = None,
+    target: str | None = None,
     width: int | None = None,
     dtype: str = "float64",
     inputs: tuple[Name, ...] = (),
     by: tuple[str, ...] = (),
 ) -> Any:
     """The kernel, compiled on first use and kept as long as the model."""
-    key = (names, option, backend, width, dtype, inputs, by)
+    key = (names, option, target, width, dtype, inputs, by)
     found = model.compiled.get(key)
     if found is None:
         large = [name for name in names if model.nv > LARGEST and name in BY_COLUMNS]
@@ -206,15 +208,15 @@ def fetch(
                 f"only (dtype={dtype!r} up to {LARGEST} coordinates)."
             )
         if inputs or by or model.family:
-            found = _with_inputs(model, names, option, backend, width, dtype, inputs, by)
+            found = _with_inputs(model, names, option, target, width, dtype, inputs, by)
         else:
             found = in_columns(
                 model,
                 names,
                 option,
-                lambda part: fetch(model, (part,), Option(), backend, width),
-                lambda some: fetch(model, some, option, backend, width),
-            ) or compile_program(program(model, names, option), backend=backend, width=width, dtype=dtype)
+                lambda part: fetch(model, (part,), Option(), target, width),
+                lambda some: fetch(model, some, option, target, width),
+            ) or compile_program(program(model, names, option), target=target, width=width, dtype=dtype)
         model.compiled[key] = found
     return found
 
@@ -241,7 +243,7 @@ def _with_inputs(
     model: Model,
     names: tuple[str, ...],
     option: Option,
-    backend: str | None,
+    target: str | None,
     width: int | None,
     dtype: str,
     wanted: tuple[Name, ...],
@@ -255,14 +257,12 @@ def _with_inputs(
             f"family (up to {LARGEST} coordinates they do)."
         )
     if not wanted and not model.family:
-        return compile_program(
-            program(model, names, option, by=by), backend=backend, width=width, dtype=dtype
-        )
+        return compile_program(program(model, names, option, by=by), target=target, width=width, dtype=dtype)
     given = inputs_of(model, wanted)
     # a family's numbers never stand still along the batch
     p = Argument("p", (len(given.names),), uniform=not model.family)
     traced = program(model, names, option, p, given.tree, by)
-    compiled = compile_program(traced, backend=backend, width=width, dtype=dtype)
+    compiled = compile_program(traced, target=target, width=width, dtype=dtype)
     return input_kernel(compiled, given.names, given.values, model)
 
 

@@ -90,8 +90,8 @@ def _key(model: Model, names: tuple[str, ...], option: Option) -> tuple[Any, ...
     """Of a kernel among those of a structure: the option with the frames' places instead of their names."""
     frames = tuple([frame_form(model, name) for name in _frames(option)])
     nameless = option._replace(frame=None, wrench_frames=()) if frames else option
-    backend = os.environ.get("FREEBODY_BACKEND"), os.environ.get("FREEBODY_WIDTH")
-    return names, nameless, option.frame is None, frames, _shown_drives(model, names), backend
+    chosen = os.environ.get("FREEBODY_TARGET"), os.environ.get("FREEBODY_WIDTH")
+    return names, nameless, option.frame is None, frames, _shown_drives(model, names), chosen
 
 
 def _frames(option: Option) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 LLVM is imported when the first kernel is compiled.
 """
 
-from freebody.targets.kernel import Kernel, KernelError, compile_program
+from freebody.targets.kernel import Kernel, compile_program
+from freebody.targets.target import TARGETS, KernelError
 
-__all__ = ["Kernel", "KernelError", "compile_program"]
+__all__ = ["TARGETS", "Kernel", "KernelError", "compile_program"]

@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-import functools
-import hashlib
-import importlib.metadata
-import importlib.util
-import os
-import threading
 import weakref
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import replace
 from itertools import combinations
-from math import prod
-from pathlib import Path
+from math import isinf, prod
 from typing import Any
 
 import numpy as np
@@ -23,22 +16,12 @@ from numpy.typing import ArrayLike
 from freebody.errors import FreebodyError, ShapeError
 from freebody.lazy import cached_property
 from freebody.program.hoist import hoist
-from freebody.program.passes import optimise
 from freebody.program.program import Argument, Program, verify
 from freebody.scalars.operations import OPERATIONS
-from freebody.targets import memory
-from freebody.targets.interpret import BlockedFunction
-from freebody.targets.llvm import cache, fastcall
-from freebody.targets.llvm.emit import emit
-from freebody.targets.llvm.gufunc import make_gufunc, signature
-from freebody.targets.llvm.lanes import DOUBLE, REALS, Real
-from freebody.targets.llvm.loader import load
-from freebody.targets.llvm.machine import LONGEST_VECTOR, WIDTHS, assembly, host, object_code
+from freebody.targets import locks, memory
 from freebody.targets.sound import sound
+from freebody.targets.target import KernelError, chosen_target, chosen_width, target_named
 from freebody.targets.threads import cpus, run_split
-
-BACKENDS = ("llvm", "numpy")
-
 
 _WORTH = 4e6
 """Operations (per vector lane) that a thread is woken for: about 0.1 ms."""
@@ -48,10 +31,6 @@ _SLICE = 50 * _WORTH
 
 _MOVE = 4.0
 """What an entry read or written costs where a batch does not fit into the processor's caches."""
-
-
-class KernelError(FreebodyError, TypeError):
-    """A kernel asked for or called in a way it does not know."""
 
 
 class BatchError(FreebodyError, ValueError):
@@ -68,7 +47,7 @@ class Kernel:
 
     Attributes:
         program: what was traced.
-        backend: "llvm" or "numpy".
+        target: where it runs, a name of `TARGETS`.
         width: samples in a vector; 1 with NumPy.
         dtype: NumPy's type of the numbers that it computes with and returns.
         ufunc: what runs, without the checks: a np.ufunc, or a function called like one with NumPy.
@@ -76,18 +55,17 @@ class Kernel:
     """
 
     def __init__(
-        self, program: Program, backend: str, width: int, ufunc: Callable[..., Any], real: Real = DOUBLE
+        self, program: Program, target: str, width: int, ufunc: Callable[..., Any], dtype: str = "float64"
     ):
         self.program = program
-        self.backend = backend
+        self.target = target
         self.width = width
-        self.dtype = np.dtype(real.dtype)
+        self.dtype = np.dtype(dtype)
         self.ufunc = ufunc
         self.signature = signature(program.inputs, program.outputs)
-        # NumPy's way broadcasts them as any others
-        self._uniform = [
-            (k, len(x.shape)) for k, x in enumerate(program.inputs) if x.uniform and backend == "llvm"
-        ]
+        self._loops = target_named(target).loops
+        # what is no loop broadcasts them as any others
+        self._uniform = [(k, len(x.shape)) for k, x in enumerate(program.inputs) if x.uniform and self._loops]
         every = hoist(program)[1] if self._uniform else program
         self._cost = sum(OPERATIONS[op].cost * count for op, count in every.operations.items()) + 1.0
         self._cores = [len(argument.shape) for argument in program.inputs + program.outputs]
@@ -96,7 +74,7 @@ class Kernel:
         # samples that are surely not worth threads, and of these those whose results need no memory from the store
         largest = max((argument.size for argument in program.outputs), default=1) or 1
         self._few = min(int(2 * _WORTH / self._cost), self._longest)
-        self._small = min(self._few, memory.SMALLEST // (real.size * largest))
+        self._small = min(self._few, memory.SMALLEST // (self.dtype.itemsize * largest))
 
     def __call__(self, *arrays: ArrayLike, out: Any = None, threads: int | None = None) -> Any:
         """The output, or the tuple of outputs.
@@ -132,14 +110,18 @@ class Kernel:
         inputs = tuple(replace(argument, uniform=False) for argument in self.program.inputs)
         return compile_program(
             replace(self.program, inputs=inputs),
-            backend=self.backend,
-            width=self.width,
+            target=self.target,
+            width=self._asked_width,
             dtype=self.dtype.name,
         )
 
     def checked(self, *arrays: ArrayLike) -> Any:
         """As `__call__`; None where an input is no plain array or an output may not be what is meant (see `sound`)."""
         return sound(self, arrays)
+
+    def quick(self, general: Callable[..., Any]) -> Callable[..., Any] | None:
+        """A function that is called as this kernel where all is plain, and else calls `general`; None: there is none."""
+        return None
 
     def _at_most(self, count: int, arrays: tuple[ArrayLike, ...]) -> bool:
         """Whether the batch surely has at most so many samples, by a look at the arrays: a call takes a microsecond."""
@@ -165,7 +147,7 @@ class Kernel:
         batch = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
         count = prod(batch)
         given = () if out is None else out if isinstance(out, tuple) else (out,)
-        if not batch or not count or self.backend == "numpy" or not self._fits(values, given, batch):
+        if not batch or not count or not self._loops or not self._fits(values, given, batch):
             return self.ufunc(*values) if out is None else self.ufunc(*values, out=out)
         if threads is None:
             threads = max(1, min(cpus(), int(count * self._cost / _WORTH)))
@@ -201,25 +183,20 @@ class Kernel:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Another process compiles the program for itself, or finds it in the cache."""
-        width = self.width if self.backend == "llvm" else None
-        return _compiled_again, (self.program, self.backend, width, self.dtype.name)
+        return _compiled_again, (self.program, self.target, self._asked_width, self.dtype.name)
+
+    @property
+    def _asked_width(self) -> int | None:
+        """What is to be asked for, so that another program of the target has the same width."""
+        return self.width if target_named(self.target).widths[self.dtype.name] else None
 
     def __repr__(self) -> str:
-        return f"Kernel({self.program}; {self.dtype}, {self.backend}, width {self.width})"
+        return f"Kernel({self.program}; {self.dtype}, {self.target}, width {self.width})"
 
     @cached_property
     def source(self) -> str:
-        """What runs, as text: LLVM, or the program's own listing, which NumPy runs node by node."""
-        return optimise(self.program).listing() if self.backend == "numpy" else self.ir
-
-    @property
-    def ir(self) -> str:
-        """The LLVM text."""
-        return emit(optimise(self.program), host().target(self.width, REALS[self.dtype.name]))
-
-    def assembly(self) -> str:
-        """The machine's assembly of the LLVM text."""
-        return assembly(self.ir)
+        """What runs, as text: LLVM on the CPU; with NumPy the program's own listing, which runs node by node."""
+        return target_named(self.target).source(self.program, self.width, self.dtype.name)
 
     def _explained(self, arrays: tuple[ArrayLike, ...], problem: Exception) -> Exception:
         """The error that says which argument is to blame; the original one if none is."""
@@ -240,14 +217,13 @@ class Kernel:
         return _batch_error(name, inputs, arrays) or problem
 
 
-class _QuickKernel(Kernel):
-    """A kernel whose calls go to C functions of its own: Python finds them, by the class, in the kernel's slots."""
+def signature(inputs: Sequence[Argument], outputs: Sequence[Argument]) -> str:
+    """Core sizes as NumPy writes them: `(6),(6),(6)->(6,6)`."""
 
-    __slots__ = ("__call__", "checked")
+    def side(arguments: Sequence[Argument]) -> str:
+        return ",".join(f"({','.join(map(str, argument.shape))})" for argument in arguments)
 
-    def __init__(self, kernel: Kernel, call: Callable[..., Any], checked: Callable[..., Any]):
-        super().__init__(kernel.program, kernel.backend, kernel.width, kernel.ufunc, REALS[kernel.dtype.name])
-        self.__call__, self.checked = call, checked  # type: ignore[method-assign]
+    return f"{side(inputs)}->{side(outputs)}"
 
 
 def _batch_error(name: str, inputs: tuple[Argument, ...], arrays: tuple[ArrayLike, ...]) -> BatchError | None:
@@ -261,34 +237,29 @@ def _batch_error(name: str, inputs: tuple[Argument, ...], arrays: tuple[ArrayLik
 
 
 def compile_program(
-    program: Program, *, backend: str | None = None, width: int | None = None, dtype: str = "float64"
+    program: Program, *, target: str | None = None, width: int | None = None, dtype: str = "float64"
 ) -> Kernel:
     """The kernel of a program.
 
     Args:
         program: from `trace`.
-        backend: "llvm" or "numpy"; by default the environment's FREEBODY_BACKEND, else LLVM where it is installed.
+        target: "cpu" or "numpy"; by default the environment's FREEBODY_TARGET, else the CPU where LLVM is installed.
         width: samples in a vector (2, 4, 8; 16 of float32); by default FREEBODY_WIDTH, else what suits the CPU.
         dtype: "float64" or "float32", of the numbers that come in, are computed with and come out.
 
     Raises:
-        KernelError: an unknown backend, width or dtype; a constant beyond the range of the dtype.
+        KernelError: an unknown target, width or dtype; a constant beyond the range of the dtype.
     """
-    backend = backend or os.environ.get("FREEBODY_BACKEND") or _default_backend()
-    if backend not in BACKENDS:
-        known = ", ".join(BACKENDS)
-        raise KernelError(f"no backend {backend!r}. Backends: {known} (argument or FREEBODY_BACKEND).")
-    if dtype not in REALS:
-        raise KernelError(f"no dtype {dtype!r} of kernels. Known: {', '.join(REALS)}.")
-    real = REALS[dtype]
-    width = _width(width, real)
-    if not _has_scalars(program):
-        backend = "numpy"
-    key = (program.digest, backend, width, dtype, fastcall.available(program))
-    with _lock:
+    target = chosen_target(target)
+    with locks.KERNELS:  # also while a target is imported, so that no fork falls into an import
+        width = chosen_width(target, width, dtype)
+        if not _has_scalars(program):
+            target, width = "numpy", None
+        record = target_named(target)
+        key = (program.digest, target, width, dtype, record.variant(program))
         kernel = _kernels.get(key)
         if kernel is None:
-            kernel = _kernels[key] = _COMPILE[backend](_in_range(verify(program), real), width, real)
+            kernel = _kernels[key] = record.build(_in_range(verify(program), dtype), width, dtype)
         _recent[key] = kernel
         _recent.move_to_end(key)
         if len(_recent) > RECENT:
@@ -296,96 +267,27 @@ def compile_program(
     return kernel
 
 
-def _compiled_again(program: Program, backend: str, width: int | None, dtype: str) -> Kernel:
-    return compile_program(program, backend=backend, width=width, dtype=dtype)
+def _compiled_again(program: Program, target: str, width: int | None, dtype: str) -> Kernel:
+    return compile_program(program, target=target, width=width, dtype=dtype)
 
 
-def _in_range(program: Program, real: Real) -> Program:
+def _in_range(program: Program, dtype: str) -> Program:
     """The program itself, if its constants are finite as numbers of that type."""
-    for value in program.constants:
-        try:
-            real.constant(value)
-        except OverflowError:
-            raise KernelError(
-                f"{program.name}: the constant {value!r} is beyond the range of {real.dtype}."
-            ) from None
+    with np.errstate(over="ignore"):
+        rounded = np.array(program.constants, dtype=dtype)
+    for value, number in zip(program.constants, rounded, strict=True):
+        if isinf(number) and not isinf(value):
+            raise KernelError(f"{program.name}: the constant {value!r} is beyond the range of {dtype}.")
     return program
 
-
-_lock = threading.Lock()
-if hasattr(os, "register_at_fork"):  # a fork waits, since its child would find the lock taken for ever
-    os.register_at_fork(before=_lock.acquire, after_in_parent=_lock.release, after_in_child=_lock.release)
 
 RECENT = 32
 """Kernels that are kept although nobody has them any more, for the next who asks for one."""
 
-_Key = tuple[str, str, int | None, str, bool]
+_Key = tuple[str, str, int | None, str, Hashable]
 _kernels: weakref.WeakValueDictionary[_Key, Kernel] = weakref.WeakValueDictionary()
 _recent: OrderedDict[_Key, Kernel] = OrderedDict()
 """Those that were asked for last, the last one at the end."""
-
-
-def _compile_numpy(program: Program, width: int | None, real: Real) -> Kernel:
-    return Kernel(program, "numpy", 1, BlockedFunction(optimise(program), real.dtype), real)
-
-
-def _compile_llvm(program: Program, width: int | None, real: Real) -> Kernel:
-    here = host()
-    machine = here.target(width, real)
-    fast = fastcall.available(program)
-    key = cache.key(program.digest, here, machine, _compiler_version(), fast)
-    code = cache.load(key)
-    if code is None:
-        text = emit(optimise(program), machine)
-        code = object_code(text + fastcall.text(program, real) if fast else text)
-        cache.store(key, code)
-    symbols = ("kernel", *fastcall.EXPORTS) if fast else ("kernel",)
-    loaded, addresses = load(code, symbols, fastcall.symbols(real) if fast else {})
-    ufunc = make_gufunc(addresses["kernel"], program.name, program.inputs, program.outputs, loaded, real)
-    kernel = Kernel(program, "llvm", machine.width, ufunc, real)
-    if not fast:
-        return kernel
-    ways = (kernel.__call__, kernel.checked)  # for what is not plain
-    call, checked = (
-        fastcall.function(addresses[symbol], program.name, general, loaded)
-        for symbol, general in zip(fastcall.EXPORTS, ways, strict=True)
-    )
-    return _QuickKernel(kernel, call, checked)
-
-
-_COMPILE = {"llvm": _compile_llvm, "numpy": _compile_numpy}
-
-
-@functools.cache
-def _compiler_version() -> str:
-    """Of the compiler's own text: whatever is changed in it, cached objects of the former text are not used."""
-    digest = hashlib.sha256()
-    house = Path(__file__).parent.parent
-    for path in sorted([*house.glob("program/*.py"), *house.glob("targets/**/*.py")]):
-        digest.update(path.read_bytes())
-    return f"{_installed_version()} {digest.hexdigest()}"
-
-
-def _installed_version() -> str:
-    try:
-        return importlib.metadata.version("freebody")
-    except importlib.metadata.PackageNotFoundError:
-        return "not installed"
-
-
-def _default_backend() -> str:
-    return "llvm" if importlib.util.find_spec("llvmlite") else "numpy"
-
-
-def _width(width: int | None, real: Real) -> int | None:
-    given = os.environ.get("FREEBODY_WIDTH") if width is None else str(width)
-    if not given:
-        return None
-    known = [n for n in WIDTHS if n * real.bits <= LONGEST_VECTOR]
-    if given not in map(str, known):
-        listed = ", ".join(map(str, known))
-        raise KernelError(f"no width {given} of {real.dtype}. Widths: {listed} (argument or FREEBODY_WIDTH).")
-    return int(given)
 
 
 def _has_scalars(program: Program) -> bool:

@@ -17,7 +17,7 @@ from freebody.program.segments import Layout, Segment, SinCos, segment
 from freebody.targets.llvm.instructions import CHOICE, COMPARISONS, declarations, functions, instructions
 from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.loop import gufunc_loop
-from freebody.targets.llvm.machine import Target
+from freebody.targets.llvm.machine import Machine
 from freebody.targets.llvm.sincos import reduction, sincos, sines
 from freebody.targets.llvm.uniform import reading
 
@@ -34,28 +34,28 @@ TOGETHER = 8
 """Sines and cosines in one function: their arithmetic overlaps, and one branch serves all."""
 
 
-def emit(program: Program, target: Target) -> str:
+def emit(program: Program, machine: Machine) -> str:
     """LLVM text of the kernel of `program`: `void @kernel(ptr args, ptr dims, ptr steps, ptr data)`, a gufunc
     loop.
 
     Args:
         program: a verified program with at least one input and one output scalar.
-        target: the machine, as far as the text depends on it.
+        machine: what it is compiled for, as far as the text depends on it.
     """
-    lanes, parts, shared, every = target.lanes, [f"; {program}"], None, program
+    lanes, parts, shared, every = machine.lanes, [f"; {program}"], None, program
     if "sin" in program.operations or "cos" in program.operations:
         parts.append(reduction())
     if any(argument.uniform for argument in program.inputs):
         once, every = map(schedule, hoist(program))
         shared = segment(once)
-        parts += [*_once(once, shared, target), reading(once.input_size, shared.slots, lanes)]
+        parts += [*_once(once, shared, machine), reading(once.input_size, shared.slots, lanes)]
     layout = segment(every)
     tiles = 1 if len(every) < LONG else 2
-    pieces, made = _pieces("", every, layout, lanes, target.fma)
+    pieces, made = _pieces("", every, layout, lanes, machine.fma)
     poison = None if shared is None else shared.slots
     parts += [*made, _finite(every.sampled_size, len(layout.results), poison, lanes)]
     parts.append(_compute([*pieces, "@finite"], lanes.size * layout.slots, tiles))
-    parts.append(gufunc_loop(program, every, target, layout, tiles, shared))
+    parts.append(gufunc_loop(program, every, machine, layout, tiles, shared))
     parts.append(_attributes(lanes))
     return _declared_once("\n".join(parts))
 
@@ -76,9 +76,9 @@ def _attributes(lanes: Lanes) -> str:
     )
 
 
-def _once(program: Program, layout: Layout, target: Target) -> list[str]:
+def _once(program: Program, layout: Layout, machine: Machine) -> list[str]:
     """`@once`: the code of all segments for a single lane."""
-    pieces, made = _pieces("once.", program, layout, Lanes(target.real, 1), target.fma)
+    pieces, made = _pieces("once.", program, layout, Lanes(machine.real, 1), machine.fma)
     calls = "".join(f"  call void {piece}(ptr %values, ptr null)\n" for piece in pieces)
     return [*made, f"define internal void @once(ptr %values) #0 {{\n{calls}  ret void\n}}\n"]
 

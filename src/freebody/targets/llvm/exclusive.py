@@ -3,25 +3,20 @@
 from __future__ import annotations
 
 import contextlib
-import os
-import threading
 from collections import deque
 from collections.abc import Iterator
 from typing import Any
 
-_lock = threading.Lock()
-_gone: deque[Any] = deque()
+from freebody.targets.locks import COMPILER
 
-# a fork waits, since its child would find this lock and LLVM's taken for ever
-if hasattr(os, "register_at_fork"):
-    os.register_at_fork(before=_lock.acquire, after_in_parent=_lock.release, after_in_child=_lock.release)
+_gone: deque[Any] = deque()
 
 
 @contextlib.contextmanager
 def exclusive() -> Iterator[None]:
     """Alone in LLVM."""
     try:
-        with _lock:
+        with COMPILER:
             yield
     finally:
         _close_what_is_gone()
@@ -37,9 +32,9 @@ def close(thing: Any) -> None:
 
 
 def _close_what_is_gone() -> None:
-    while _gone and _lock.acquire(blocking=False):
+    while _gone and COMPILER.acquire(blocking=False):
         try:
             while _gone:
                 _gone.popleft().close()
         finally:
-            _lock.release()
+            COMPILER.release()

@@ -12,20 +12,12 @@ from typing import Any
 import numpy as np
 
 from freebody.program.program import Argument
+from freebody.targets.kernel import signature
 from freebody.targets.llvm.lanes import Real
 
 _FROM_FUNC_AND_DATA_AND_SIGNATURE = 31  # position in the table of __ufunc_api.h; part of NumPy's stable ABI
 _NONE = -1  # PyUFunc_None: no identity
 _OBJ = 88  # offset of `obj` in PyUFuncObject of ufuncobject.h, on 64-bit builds
-
-
-def signature(inputs: Sequence[Argument], outputs: Sequence[Argument]) -> str:
-    """Core sizes as NumPy writes them: `(6),(6),(6)->(6,6)`."""
-
-    def side(arguments: Sequence[Argument]) -> str:
-        return ",".join(f"({','.join(map(str, argument.shape))})" for argument in arguments)
-
-    return f"{side(inputs)}->{side(outputs)}"
 
 
 def make_gufunc(

@@ -16,13 +16,13 @@ from __future__ import annotations
 from freebody.program.program import Argument, Program
 from freebody.program.segments import Layout
 from freebody.targets.llvm.lanes import Lanes
-from freebody.targets.llvm.machine import Target
+from freebody.targets.llvm.machine import Machine
 from freebody.targets.llvm.tile import integers, transfers
 from freebody.targets.llvm.uniform import one_by_one
 
 
 def gufunc_loop(
-    program: Program, every: Program, target: Target, layout: Layout, tiles: int, shared: Layout | None
+    program: Program, every: Program, machine: Machine, layout: Layout, tiles: int, shared: Layout | None
 ) -> str:
     """`void @kernel(ptr args, ptr dims, ptr steps, ptr data)` and what it calls.
 
@@ -31,15 +31,15 @@ def gufunc_loop(
     Args:
         program: the whole program, whose arguments come in.
         every: what is computed for every sample (see `hoist`), on tiles of `layout`.
-        target: the machine, as far as the text depends on it.
+        machine: what it is compiled for, as far as the text depends on it.
         tiles: groups in a round.
         shared: where the uniform numbers are, and what is computed of them once; None if there are none.
     """
     parts = [
-        transfers(program, every, layout, target.lanes),
-        _loop(program, target, layout.slots, tiles, shared),
+        transfers(program, every, layout, machine.lanes),
+        _loop(program, machine, layout.slots, tiles, shared),
         one_by_one(program) if shared else "",
-        _FLAGS[target.x86]["declare"],
+        _FLAGS[machine.x86]["declare"],
         "declare ptr @malloc(i64)\ndeclare void @free(ptr)\n",
     ]
     return "\n".join(parts)
@@ -63,9 +63,9 @@ _FLAGS = {
 }
 
 
-def _loop(program: Program, target: Target, slots: int, tiles: int, shared: Layout | None) -> str:
+def _loop(program: Program, machine: Machine, slots: int, tiles: int, shared: Layout | None) -> str:
     """The uniform numbers, then rounds of `tiles` groups: all in, those of the round before out, `@compute`."""
-    lanes, width = target.lanes, target.width
+    lanes, width = machine.lanes, machine.width
     arguments = program.inputs + program.outputs
     addresses = 8 * width * len(arguments)
     sizes = {
@@ -82,7 +82,7 @@ def _loop(program: Program, target: Target, slots: int, tiles: int, shared: Layo
         "(ptr %args, ptr %dims, ptr %steps, ptr %data) #0 {",
         "entry:",
         "  %n = load i64, ptr %dims, align 8",
-        _FLAGS[target.x86]["save"],
+        _FLAGS[machine.x86]["save"],
         *get,
     ]
     core, first = len(arguments), 0
@@ -126,7 +126,7 @@ tail:
   br label %head
 end:""")
     shapes = [f"@shape{k} = internal constant {integers(x.shape)}" for k, x in enumerate(arguments)]
-    return "\n".join([*lines, *give_back, _FLAGS[target.x86]["restore"], "  ret void", "}", *shapes, ""])
+    return "\n".join([*lines, *give_back, _FLAGS[machine.x86]["restore"], "  ret void", "}", *shapes, ""])
 
 
 def _whole_round(

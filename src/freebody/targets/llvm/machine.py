@@ -16,7 +16,7 @@ LONGEST_VECTOR = 512
 
 
 @dataclass(frozen=True)
-class Target:
+class Machine:
     """What the text of a kernel depends on."""
 
     width: int
@@ -53,12 +53,12 @@ class Host:
         """Whether this is a 64-bit x86."""
         return self.triple.startswith(("x86_64", "amd64"))
 
-    def target(self, width: int | None = None, real: Real = DOUBLE) -> Target:
-        """The target of kernels of `width`, or of the width that suits the CPU."""
+    def machine(self, width: int | None = None, real: Real = DOUBLE) -> Machine:
+        """The machine of kernels of `width`, or of the width that suits the CPU."""
         has = self.has
         fma = "fma" in has if self.x86 else True
         bits = 512 if "avx512f" in has and "avx512dq" in has else 256 if "avx2" in has and fma else 128
-        return Target(width or bits // real.bits, fma, self.x86, real)
+        return Machine(width or bits // real.bits, fma, self.x86, real)
 
 
 @cache
@@ -78,15 +78,6 @@ def host() -> Host:
 
 def object_code(text: str, opt: int = 2) -> bytes:
     """A relocatable object for the host."""
-    return _emit(text, opt, "object")
-
-
-def assembly(text: str, opt: int = 2) -> str:
-    """The host's assembly, for reading."""
-    return _emit(text, opt, "assembly")
-
-
-def _emit(text: str, opt: int, kind: str) -> Any:
     import llvmlite.binding as llvm
 
     here = host()
@@ -98,7 +89,7 @@ def _emit(text: str, opt: int, kind: str) -> Any:
             raise CompileError(f"LLVM {here.llvm} refused the text of a kernel: {problem}") from None
         with module:
             module.triple, module.data_layout = here.triple, str(machine.target_data)
-            return machine.emit_object(module) if kind == "object" else machine.emit_assembly(module)
+            return machine.emit_object(module)
 
 
 def host_machine(opt: int = 2, jit: bool = False) -> Any:

@@ -1,0 +1,83 @@
+"""What a target is: a record of how programs run somewhere; the table of all, and what is chosen of it."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import os
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
+
+from freebody.errors import FreebodyError
+from freebody.program.program import Program
+
+if TYPE_CHECKING:
+    from freebody.targets.kernel import Kernel
+
+TARGETS = {"cpu": "freebody.targets.llvm.cpu", "numpy": "freebody.targets.by_node"}
+"""Targets by name: the module of each, imported on first use, has its record as `TARGET`."""
+
+
+class KernelError(FreebodyError, TypeError):
+    """A kernel asked for or called in a way it does not know."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """Where programs run: emits, compiles, loads, and makes what is called.
+
+    build: the kernel of a verified program, for a width (None: what suits) and a type of number. source: what runs, as
+    text, for a width. widths: for each type of number that it computes with, the samples in a vector that may be asked
+    for; none where it has no vectors. variant: what else the code of a program depends on, from the environment.
+    loops: whether what it makes is a loop that releases the GIL and reads uniform inputs once a call. Long batches are
+    then cut, and shared among threads.
+    """
+
+    build: Callable[[Program, int | None, str], Kernel]
+    source: Callable[[Program, int, str], str]
+    widths: Mapping[str, tuple[int, ...]]
+    variant: Callable[[Program], Hashable]
+    loops: bool
+
+
+@cache
+def target_named(name: str) -> Target:
+    """The record of a target of the table."""
+    return importlib.import_module(TARGETS[name]).TARGET
+
+
+def chosen_target(name: str | None) -> str:
+    """The name itself; for None FREEBODY_TARGET, else "cpu", or "numpy" where LLVM is not installed.
+
+    Raises KernelError where there is no such target.
+    """
+    name = name or os.environ.get("FREEBODY_TARGET")
+    if not name:
+        return "cpu" if importlib.util.find_spec("llvmlite") else "numpy"
+    if name not in TARGETS:
+        known = ", ".join(TARGETS)
+        raise KernelError(f"no target {name!r}. Targets: {known} (argument or FREEBODY_TARGET).")
+    return name
+
+
+def chosen_width(target: str, width: int | None, dtype: str) -> int | None:
+    """The width itself; for None FREEBODY_WIDTH, where the target has vectors. None: what suits the machine.
+
+    Raises KernelError where the target has no such type of number or width.
+    """
+    widths = target_named(target).widths
+    if dtype not in widths:
+        raise KernelError(f"no dtype {dtype!r} of kernels. Known: {', '.join(widths)}.")
+    if not widths[dtype]:
+        if width is not None:
+            raise KernelError(f"width={width}: target {target!r} has no vectors; leave it out.")
+        return None
+    given = os.environ.get("FREEBODY_WIDTH") if width is None else str(width)
+    if not given:
+        return None
+    if given not in map(str, widths[dtype]):
+        listed = ", ".join(map(str, widths[dtype]))
+        raise KernelError(f"no width {given} of {dtype}. Widths: {listed} (argument or FREEBODY_WIDTH).")
+    return int(given)
