@@ -151,9 +151,9 @@ def test_angles_of_every_octant_have_all_digits():
 
 @pytest.mark.parametrize("name", LARGEST)
 def test_without_fused_multiply_add(name, monkeypatch):
-    whole = machine.Host.target
+    whole = machine.Host.machine
     monkeypatch.setattr(
-        machine.Host, "target", lambda *a, **k: dataclasses.replace(whole(*a, **k), fma=False)
+        machine.Host, "machine", lambda *a, **k: dataclasses.replace(whole(*a, **k), fma=False)
     )
     columns = samples(name, np.random.default_rng(1), 150)
     kernel = compiled(name, len(columns), 4, f"bare_{name}")
