@@ -120,7 +120,7 @@ class Kernel:
         return sound(self, arrays)
 
     def quick(self, general: Callable[..., Any]) -> Callable[..., Any] | None:
-        """A function that is called as this kernel where all is plain, and else calls `general`; None: there is none."""
+        """A function that is called as this kernel where all is plain, and else calls `general`; None without one."""
         return None
 
     def _at_most(self, count: int, arrays: tuple[ArrayLike, ...]) -> bool:
