@@ -393,6 +393,13 @@ def test_functions_that_are_called_like_what_stands_in_a_self_test(language, nam
     passes(tmp_path, language, word)
 
 
+def test_an_option_that_there_is_not_is_refused_by_its_name():
+    with pytest.raises(
+        fb.FreebodyError, match=r"^no option 'frames' in fb\.source\. Did you mean 'frame'\? Options: frame"
+    ):
+        fb.source(fb.load("2R"), "jacobian", frames="tip")
+
+
 def test_every_language_is_named_where_people_look():
     command = next(c for c in typer.main.get_group(app).commands["export"].params if c.name == "language")
     for text in (PAGE, fb.source.__doc__, command.help):

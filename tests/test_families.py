@@ -435,3 +435,16 @@ def test_derivatives_of_derivatives_keep_their_slopes_apart():
     expected = fb.inverse_dynamics_second_derivatives(model, q, qd, qdd)
     assert np.allclose(found[3], expected[0], rtol=1e-11, atol=1e-12)
     assert np.allclose(found[5], expected[3], rtol=1e-11, atol=1e-12)
+
+
+def test_values_by_name_that_are_no_numbers_or_of_no_common_shape_are_refused():
+    kernel, z = fb.kernel(fb.load("2R"), "inverse_dynamics", inputs=["m1", "m2"]), [0.1, 0.2]
+    refused(
+        "fb.kernel: p['m1'] holds <U5 values, expected real numbers.",
+        lambda: kernel(z, z, z, p={"m1": "heavy"}),
+    )
+    refused(
+        "fb.kernel: the values of p do not broadcast together: 'm1' (3,), 'm2' (2,).",
+        lambda: kernel(z, z, z, p={"m1": [1.0, 2.0, 3.0], "m2": [1.0, 2.0]}),
+    )
+    assert kernel(z, z, z, p={"m1": 1, "m2": [1.0, 2.0]}).shape == (2, 2)

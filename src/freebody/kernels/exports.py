@@ -90,6 +90,9 @@ def to_jax(
     return array_function(_traced("fb.to_jax", what, names, options)[0], jax.numpy)
 
 
+_OPTIONS = ("frame", "reference", "wrench_frames", "rows")
+
+
 def _traced(
     function: str, what: Model | Kernel, names: str | Sequence[str] | None, options: dict[str, Any]
 ) -> tuple[Program, tuple[tuple[str, ...], Option, Inputs | None] | None]:
@@ -105,6 +108,9 @@ def _traced(
         raise FreebodyError(f"{function}: give the quantities, such as 'inverse_dynamics'.")
     wanted, by = (options.get(key, ()) for key in ("inputs", "by"))
     rest = {key: value for key, value in options.items() if key not in ("inputs", "by")}
+    for key in rest:
+        if key not in _OPTIONS:
+            raise UnknownNameError("option", key, function, (*_OPTIONS, "inputs", "by"))
     listed, option = chosen_option(what, names, **rest)
     given = inputs_of(what, wanted) if wanted else None
     p = Argument("p", (len(given.names),)) if given else None

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.arrays import Array
+from freebody.arrays import Array, as_floats
 from freebody.elementary import Scalar, cos, sin
 from freebody.errors import FreebodyError, MissingValueError
 from freebody.model.model import Model
@@ -18,6 +18,7 @@ from freebody.model.parameters import Parameter, Quantity
 from freebody.model.reading import Reader, exact_sin_cos
 from freebody.model.tree import Tree, lower
 from freebody.targets import Kernel
+from freebody.targets.kernel import BatchError
 from freebody.targets.sound import sound
 
 
@@ -120,13 +121,20 @@ class InputKernel:
                     f"fb.kernel: {name!r} is no input of this kernel; name it in inputs=. Its inputs: "
                     f"{', '.join(self.parameters)}."
                 )
-            columns[name] = np.asarray(value, dtype=float)
+            columns[name] = as_floats("fb.kernel", f"p[{name!r}]", value)
         missing = set(self._missing) - set(columns)
         if missing:
             raise MissingValueError(f"the inputs of a kernel of {self._model.name!r}", missing)
         if not columns:
             return self.values
-        shape = np.broadcast_shapes(self.values.shape[:-1], *(x.shape for x in columns.values()))
+        try:
+            shape = np.broadcast_shapes(self.values.shape[:-1], *(x.shape for x in columns.values()))
+        except ValueError:
+            listed = ", ".join(f"{name!r} {value.shape}" for name, value in columns.items())
+            family = f", model.family {self._model.family}" if self._model.family else ""
+            raise BatchError(
+                f"fb.kernel: the values of p do not broadcast together: {listed}{family}."
+            ) from None
         numbers = np.array(np.broadcast_to(self.values, (*shape, len(self.parameters))))
         for name, value in columns.items():
             numbers[..., self._at[name]] = value
