@@ -252,6 +252,12 @@ def test_arrays_that_make_no_family_are_refused_where_they_are_given(change):
     assert change(family[0]).family == (3,)
 
 
+def test_a_family_says_that_it_is_one():
+    one = fb.load("2R")
+    assert "family" not in repr(one)
+    assert repr(one.bind(m1=np.ones((3, 2)))).endswith("dim 2; a family of shape (3, 2)>")
+
+
 def test_members_are_checked_one_by_one():
     model = fb.load("ur5e")
     with pytest.raises(fb.FreebodyError, match=r"mass -1 kg is negative of member 1"):
@@ -395,6 +401,8 @@ def test_wrong_inputs_are_refused():
         kernel(*np.zeros((3, 6)), p={"payload.mass": 1.0})
     with pytest.raises(fb.FreebodyError, match="no input 'p' in by="):
         fb.kernel(model, "inverse_dynamics", by="p")
+    with pytest.raises(fb.FreebodyError, match=r"limits.lower' is a limit, which no kernel reads"):
+        fb.kernel(fb.load("ur5e"), "inverse_dynamics", inputs="*.limits.*")
 
 
 @pytest.mark.parametrize(

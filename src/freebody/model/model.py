@@ -460,4 +460,5 @@ class Model(ByValue):
     def __repr__(self) -> str:
         loops = f", {len(self.loops)} loop{'s' if len(self.loops) > 1 else ''}" if self.loops else ""
         sizes = f"{len(self.bodies)} bodies, nq = {self.nq}, nv = {self.nv}, dim {self.dim}"
-        return f"<Model {self.name!r}: {sizes}{loops}>"
+        members = f"; a family of shape {self.family}" if self.family else ""
+        return f"<Model {self.name!r}: {sizes}{loops}{members}>"

@@ -210,6 +210,9 @@ def matching(names: Catalogue, records: Sequence[ModelParameter], pattern: Name,
         left = [r.name for r in records if r.structural and fnmatchcase(r.name, pattern)]
         if left:
             hint = f" {left[0]!r} is an exact zero or right angle of a placement: write it in full."
+        limits = [r.name for r in records if r.limit and fnmatchcase(r.name, pattern)]
+        if limits and not left:
+            hint = f" {limits[0]!r} is a limit, which no kernel reads: bind it instead."
         raise ModelError(
             f"no parameter of {model.name!r} matches {shown(pattern)}.{hint} fb.parameters(model).names lists them."
         )
