@@ -112,7 +112,7 @@ def with_payload(model: Model, inertia: Inertia, frame: str | None, name: str) -
     at = model.frame(frame)
     added = attached(inertia, at.placement, name, at.name, model.dim, model.name)
     path = ("base_inertias",) if at.body < 0 else ("bodies", at.body, "inertias")
-    return one_family(made_from(put(model, path, (*get(model, path), added)), model), added)
+    return one_family(made_from(put(model, path, (*get(model, path), added)), model), inertia)
 
 
 def attached(inertia: Inertia, placement: Placement, name: str, frame: str, dim: int, owner: str) -> Attached:

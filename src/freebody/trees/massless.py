@@ -80,6 +80,9 @@ class _Alone(NamedTuple):
     """How far its origin may be from that of its parent."""
 
 
+_UNSURE = _Alone(-math.inf, 0.0, 0.0, 0.0, 0.0)
+
+
 def _all_sound(model: Model) -> bool:
     """Whether each pivot of M is far above rounding, by what each body weighs alone; no other answer is sure.
 
@@ -107,7 +110,9 @@ def _alone(body: Body, part: BodyPart, dim: int) -> _Alone:
     inertia, drive = part.inertia, part.joint.drive
     _, origin = pose_part(body.joint.placement, dim).pose
     if inertia.ndim > 1 or (drive is not None and drive.ndim > 1) or any(map(np.ndim, origin)):
-        return _Alone(-math.inf, 0.0, 0.0, 0.0, 0.0)  # a family, whose members are looked at
+        return _UNSURE  # a family, whose members are looked at
+    if drive is not None and drive[2] < 0.0:
+        return _UNSURE  # a rotor that takes inertia away
     entries = _matrix(inertia)
     travel = 0.0 if body.kind.name in ("revolute", "continuous", "spherical") else _TRAVEL
     return _Alone(

@@ -1,0 +1,97 @@
+"""Which joints move no inertia: the quick verdict agrees with what a look at the mass matrix finds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import freebody as fb
+import generate
+from freebody.errors import SingularError
+from freebody.trees import massless
+
+
+def in_full(model: fb.Model, monkeypatch: pytest.MonkeyPatch) -> tuple[str, ...]:
+    """The verdict without the quick one."""
+    with monkeypatch.context() as patch:
+        patch.setattr(massless, "_all_sound", lambda model: False)
+        return massless.massless(fb.Model(**model.__getstate__()))
+
+
+def arm(rng: np.random.Generator) -> fb.Model:
+    """An arm of bars, points and bodies without mass, of very different sizes, with rotors here and there."""
+    rows = []
+    solid = rng.random() < 0.5
+    for _ in range(4):
+        size, a = 10.0 ** rng.uniform(-7, 1), rng.choice([0.0, 0.3])
+        factor = size * (0.1 if solid else rng.choice([0.0, 1e-4, 0.1]))
+        tensor = factor * np.array([1.0, 0.0, 0.0, 1.0, 0.0, 1.0 if solid else rng.choice([0.0, 1.0])])
+        rows.append(
+            {
+                "a": a,
+                "alpha": rng.choice([0.0, np.pi / 2, 0.4]),
+                "m": size * (solid or rng.choice([0.0, 1.0, 1.0])),
+            }
+            | {
+                "com": (rng.choice([-a, -a / 2]), 0.0, 0.0),
+                "I": tuple(tensor),
+                "joint": rng.choice(["R", "R", "P"]),
+            }
+            | {"rotor": rng.choice([0.0, 1e-4])}
+        )
+    return fb.dh(rows, convention="standard", physical="ignore")
+
+
+def test_the_quick_verdict_is_never_kinder(monkeypatch):
+    rng = np.random.default_rng(2)
+    sure = idle = 0
+    for _ in range(150):
+        model = arm(rng)
+        found = in_full(model, monkeypatch)
+        sure += massless._all_sound(model)
+        idle += found != ()
+        assert massless.massless(model) == found
+    assert sure > 20
+    assert idle > 20
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_trees_have_the_same_verdict(seed: int, monkeypatch):
+    model = generate.model(seed, 2 + seed % 2)
+    assert massless.massless(model) == in_full(model, monkeypatch)
+
+
+def test_a_negative_mass_is_looked_at_in_full():
+    """Each body alone resists its joint; but the second takes away what the first has."""
+    spin = (0.0, 0.0, 0.0, 0.0, 0.0, 0.1)
+    rows = [{"a": 0.5, "m": 0.0, "I": spin}, {"a": 0.5, "m": -0.4, "com": (-0.5, 0.0, 0.0), "I": spin}]
+    model = fb.dh(rows, convention="standard", physical="ignore")
+    assert massless.massless(model) == ("joint1",)
+
+
+def test_a_rotor_that_takes_the_inertia_away_is_seen():
+    rows = [{"a": 0.5, "m": 2.0, "com": (-0.5, 0.0, 0.0), "I": (0.1, 0.0, 0.0, 0.1, 0.0, 0.1)}]
+    model = fb.dh(rows, convention="standard").with_drive("joint1", rotor=-0.1)
+    assert massless.massless(model) == ("joint1",)
+
+
+def test_a_new_payload_is_no_reason_to_lower_the_tree(monkeypatch):
+    model = fb.load("ur5e")
+    q = np.zeros(6)
+    fb.forward_dynamics(model.with_payload(mass=1.0), q, q, q)
+
+    def never(*args: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr(massless, "lower", never)
+    loaded = model.with_payload(mass=2.0)
+    tau = fb.inverse_dynamics(loaded, q, q, np.ones(6))
+    np.testing.assert_allclose(fb.forward_dynamics(loaded, q, q, tau), np.ones(6), rtol=1e-9)
+
+
+def test_a_payload_of_a_pointlike_last_link_is_seen():
+    still = fb.planar("RR", l=[1, 1], lc=[0.5, 0], m=[1, 0], I=[0.1, 0])
+    with pytest.raises(SingularError, match="joint2"):
+        fb.forward_dynamics(still, [0.1, 0.2], [0.0, 0.0], [0.0, 0.0])
+    loaded = still.with_payload(mass=1.0)
+    assert np.isfinite(fb.forward_dynamics(loaded, [0.1, 0.2], [0.0, 0.0], [0.0, 0.0])).all()
