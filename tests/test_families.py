@@ -456,3 +456,10 @@ def test_values_by_name_that_are_no_numbers_or_of_no_common_shape_are_refused():
         lambda: kernel(z, z, z, p={"m1": [1.0, 2.0, 3.0], "m2": [1.0, 2.0]}),
     )
     assert kernel(z, z, z, p={"m1": 1, "m2": [1.0, 2.0]}).shape == (2, 2)
+
+
+def test_a_name_that_is_like_no_symbol_is_answered_with_all_names():
+    with pytest.raises(
+        fb.FreebodyError, match=r"no parameter 'nothing' in 'ur5e'\. Parameters: g, shoulder_pan_joint\."
+    ):
+        fb.load("ur5e").bind(nothing=1)

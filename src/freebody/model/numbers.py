@@ -184,9 +184,9 @@ def found(names: Catalogue, given: Name, model: Model) -> str:
         if name in names.several:
             longer = listed(map(repr, names.several[name]))
             raise ModelError(f"{model.name!r}: several things have a number {name!r}; write {longer}.")
-    symbols = model.parameters  # a bare word is meant for one of them
-    bare = isinstance(name, str) and "." not in name and symbols
-    raise UnknownNameError("parameter", given, repr(model.name), symbols if bare else names.rows)
+    symbols = model.parameters
+    meant = isinstance(name, str) and "." not in name and likely(name, symbols)
+    raise UnknownNameError("parameter", given, repr(model.name), symbols if meant else names.rows)
 
 
 def matching(names: Catalogue, records: Sequence[ModelParameter], pattern: Name, model: Model) -> list[str]:
