@@ -13,7 +13,7 @@ from freebody.kernels.formulas import Option
 from freebody.model.members import of_member
 from freebody.model.model import Model
 from freebody.model.required import require_model
-from freebody.trees.calls import Vector, evaluate
+from freebody.trees.calls import Vector, evaluate, quick
 
 Reference = Literal["world", "body"]
 
@@ -83,6 +83,9 @@ def center_of_mass(model: Model, q: Vector) -> Array:
 
     q: (..., nq). Raises SingularError without mass.
     """
+    found = quick("center_of_mass", model, (q,))
+    if found is not None:
+        return found
     require_model("center_of_mass", model)
     nothing = np.argwhere(np.asarray(model.mass) == 0.0)
     if len(nothing):
