@@ -463,3 +463,26 @@ def test_a_name_that_is_like_no_symbol_is_answered_with_all_names():
         fb.FreebodyError, match=r"no parameter 'nothing' in 'ur5e'\. Parameters: g, shoulder_pan_joint\."
     ):
         fb.load("ur5e").bind(nothing=1)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [
+        (np.ma.array([1.0, 1e6], mask=[False, True]), "masked entries"),
+        (np.array([1.0 + 1.0j]), "real numbers|complex"),
+        (["1", "2"], "real numbers|<U1"),
+        ([1.0, None], "real numbers|object"),
+        ([[1.0], [1.0, 2.0]], "real numbers|different lengths"),
+    ],
+)
+def test_numbers_of_members_are_numbers_that_are_there(value, words):
+    model = fb.load("2R")
+    kernel = fb.kernel(model, "gravity_torque", inputs="m1")
+    for take in (
+        lambda: model.bind(m1=value),
+        lambda: model.with_payload(mass=value),
+        lambda: kernel([0.1, 0.2], p={"m1": value}),
+    ):
+        with pytest.raises(fb.FreebodyError, match=words):
+            take()

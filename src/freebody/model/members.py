@@ -11,6 +11,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, ModelError, shown
+from freebody.labels import refuse_masked
 from freebody.values import ByValue
 
 
@@ -45,17 +46,19 @@ class Entry(float):
 
 def is_array(value: object) -> bool:
     """Whether something is given as one number for each member: an array, or nested sequences, of at least one axis."""
-    return isinstance(value, (list, tuple, np.ndarray)) and np.ndim(value) > 0  # type: ignore[arg-type]
+    return isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim > 0)
 
 
 def members(value: Any, owner: str, largest: float) -> Members:
     """Finite numbers, one a member, or an error that names their owner and the member."""
+    refuse_masked(owner, value)
     try:
-        array = np.array(value, dtype=float)
-    except (TypeError, ValueError):
-        raise ModelError(f"{owner}: {shown(value)} is not an array of numbers, one a member.") from None
-    if np.iscomplexobj(value):
-        raise ModelError(f"{owner}: the numbers are complex.")
+        array = np.array(value)
+    except ValueError:
+        array = np.array(None)
+    if array.dtype.kind not in "iufb":
+        raise ModelError(f"{owner}: {shown(value)} is not an array of real numbers, one a member.")
+    array = array.astype(float)
     if not array.size:
         raise ModelError(
             f"{owner}: an array of shape {array.shape} holds no number, and a family has members."
