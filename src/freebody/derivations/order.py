@@ -124,7 +124,7 @@ def _holds_decimals(thing: Any) -> bool:
     """Whether inertias, placements or drives hold plain numbers that are not whole, right angles apart."""
     if isinstance(thing, Turn):
         angle = thing.angle
-        return not isinstance(angle, Parameter) and bool(rational_sin_cos(angle)[0].denominator != 1)
+        return isinstance(angle, (int, float)) and bool(rational_sin_cos(angle)[0].denominator != 1)
     if isinstance(thing, Body):
         return _holds_decimals((thing.inertias, thing.joint.placement, thing.joint.drive))
     if isinstance(thing, tuple):

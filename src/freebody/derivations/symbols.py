@@ -36,12 +36,9 @@ class TrigReader(Reader):
         self.numbers = numbers
 
     def quantity(self, q: Quantity) -> Scalar:
-        if isinstance(q, Parameter):
-            if not self.numbers:
-                return self.ring[q.name]
-            number = float(super().quantity(q))
-        else:
-            number = q
+        if isinstance(q, Parameter) and not self.numbers:
+            return self.ring[q.name]
+        number = float(super().quantity(q))
         return 0.0 if number == 0.0 else Trig(self.ring, self.ring.constant(number), 0)
 
     def sin_cos(self, angle: Quantity) -> tuple[Scalar, Scalar]:
