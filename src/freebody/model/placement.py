@@ -64,17 +64,20 @@ class Placement(Keeps):
 
     def lower(self, space: AnySpace, reader: Reader) -> tuple[Matrix, Vector]:
         """(R_AB, p_AB) in scalars."""
-        R: Matrix = identity(space.dim)
+        R: Matrix | None = None  # none so far: most placements turn once, and a changed length is to cost little
         p: Vector = space.zero
         for step in self.steps:
             if isinstance(step, Shift):
-                p = add(p, times(R, tuple(reader.quantity(x) for x in step.by)))
-            elif isinstance(step, Rotate):
-                R = product(R, reader.rotation(step.matrix))
+                by = tuple([reader.quantity(x) for x in step.by])
+                p = add(p, by if R is None else times(R, by))
+                continue
+            if isinstance(step, Rotate):
+                turn = reader.rotation(step.matrix)
             else:
                 s, c = reader.sin_cos(step.angle)
-                R = product(R, ((c, -s), (s, c)) if space.dim == 2 else about(step.axis, s, c))
-        return R, p
+                turn = ((c, -s), (s, c)) if space.dim == 2 else about(step.axis, s, c)
+            R = turn if R is None else product(R, turn)
+        return identity(space.dim) if R is None else R, p
 
 
 def _as_numbers(placement: Placement, space: AnySpace) -> tuple[Shift | Rotate, ...]:
