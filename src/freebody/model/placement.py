@@ -64,7 +64,7 @@ class Placement(Keeps):
 
     def lower(self, space: AnySpace, reader: Reader) -> tuple[Matrix, Vector]:
         """(R_AB, p_AB) in scalars."""
-        R: Matrix | None = None  # none so far: most placements turn once, and a changed length is to cost little
+        R: Matrix | None = None  # most placements turn once at most, and a changed length is to cost little
         p: Vector = space.zero
         for step in self.steps:
             if isinstance(step, Shift):
