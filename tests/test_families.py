@@ -486,3 +486,17 @@ def test_numbers_of_members_are_numbers_that_are_there(value, words):
     ):
         with pytest.raises(fb.FreebodyError, match=words):
             take()
+
+
+def test_what_picks_no_member_is_refused():
+    """As an array without numbers is where a family is made."""
+    family = fb.load("ur5e").bind({"forearm_link.mass": [1.0, 2.0]})
+    for index in (slice(0, 0), np.array([False, False]), []):
+        with pytest.raises(fb.FreebodyError, match=r"picks no member of a family of shape \(2,\)"):
+            family[index]
+
+
+@pytest.mark.parametrize("option", ["inputs", "by"])
+def test_names_that_are_no_names_are_refused(option):
+    with pytest.raises(fb.FreebodyError, match=rf"fb.kernel: {option}= is int 3, expected a name or a list"):
+        fb.kernel(fb.load("2R"), "inverse_dynamics", **{option: 3})

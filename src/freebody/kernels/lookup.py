@@ -11,7 +11,7 @@ from freebody.algorithms.regressor import parameter_values
 from freebody.algorithms.regroup import lightened
 from freebody.arrays import Array
 from freebody.elementary import Scalar
-from freebody.errors import FreebodyError, SingularError, UnknownNameError
+from freebody.errors import FreebodyError, KindError, SingularError, UnknownNameError
 from freebody.kernels.closed_chains import closed
 from freebody.kernels.columns import BY_COLUMNS, LARGEST, ColumnKernel, KernelList
 from freebody.kernels.formulas import (
@@ -83,13 +83,18 @@ def kernel(
         target,
         width,
         dtype,
-        _named(inputs),
-        (by,) if isinstance(by, str) else tuple(by),
+        _several("inputs=", inputs),
+        _several("by=", by),
     )
 
 
-def _named(inputs: Name | Sequence[Name]) -> tuple[Name, ...]:
-    return (inputs,) if isinstance(inputs, str) else tuple(inputs)
+def _several(argument: str, given: Any) -> tuple[Any, ...]:
+    """One name, or several."""
+    if isinstance(given, str):
+        return (given,)
+    if not isinstance(given, (list, tuple)):
+        raise KindError("fb.kernel", argument, given, "a name or a list of names")
+    return tuple(given)
 
 
 def _near_home(model: Model, listed: tuple[str, ...], option: Option) -> Option:

@@ -225,7 +225,12 @@ class Model(ByValue):
         """A member of a family, or by slices some of them; indices are those of an array of its shape."""
         if not self.family:
             raise FreebodyError(f"{self.name!r} is one robot, no family: it has no member {index!r}.")
-        return taken(self, self.family, index)
+        some = taken(self, self.family, index)
+        if 0 in some.family:
+            raise FreebodyError(
+                f"{self.name!r}: {index!r} picks no member of a family of shape {self.family}."
+            )
+        return some
 
     # a family is no sequence that runs out: members are asked by index
     __iter__ = None
