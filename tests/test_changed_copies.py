@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-import generate
 from freebody.errors import FreebodyError, MissingValueError
+from support import generate
 
 ROBOTS: dict[str, Callable[[], fb.Model]] = {
     "ur5e": lambda: fb.load("ur5e"),

@@ -8,9 +8,9 @@ from collections import Counter
 import pytest
 
 import freebody as fb
-from answers import KINDS, WORDS, Mistake, Writer, mistake, model, named, quantities, rewritten
 from freebody.derivations.check.setting import setting
 from freebody.derivations.check.targets import polynomial
+from support.answers import KINDS, WORDS, Mistake, Writer, mistake, model, named, quantities, rewritten
 
 SHORT, LONG = 150, 1000
 

@@ -11,7 +11,7 @@ import freebody as fb
 from freebody.errors import SingularError
 from freebody.model.model import Model
 from freebody.trees.balance import balance
-from helpers import FIRST, STEPS, close, numbers
+from support.helpers import FIRST, STEPS, close, numbers
 
 ALL = (
     "four_bar",

@@ -10,8 +10,8 @@ import pytest
 import freebody as fb
 from freebody.model.closures import LOOP_KINDS
 from freebody.model.model import Model
-from generate import model as tree
-from helpers import close, numbers, path, poses, rate, second_rate, state
+from support.generate import model as tree
+from support.helpers import close, numbers, path, poses, rate, second_rate, state
 
 KINDS = [(kind.name, dim) for kind in LOOP_KINDS.values() for dim in kind.dimensions]
 H = 0.01
@@ -136,7 +136,7 @@ def hung(kind: str, dim: int) -> tuple[Model, np.ndarray]:
     from freebody.model.assembly import assemble
     from freebody.model.gravity import gravity_of
     from freebody.model.parts import Description, Joint, Link, Mount
-    from generate import random_inertia, random_placement
+    from support.generate import random_inertia, random_placement
 
     rng = np.random.default_rng([dim, *kind.encode()])
     model = assemble(

@@ -11,7 +11,7 @@ import freebody as fb
 from freebody.errors import LoopError, NotFiniteError, ShapeError, SingularError, UnknownNameError
 from freebody.model.model import Model
 from freebody.trees.passive import all_driven
-from helpers import close, refused
+from support.helpers import close, refused
 
 CLOSED = ("four_bar", "slider_crank", "five_bar", "five_bar_rods", "3RRR")
 STILL = np.zeros(3)

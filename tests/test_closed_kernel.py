@@ -12,7 +12,7 @@ from freebody.loops.partition import partition
 from freebody.loops.scaled import rate_scale, row_scale
 from freebody.model.model import Model
 from freebody.trees.passive import all_driven
-from helpers import close, numbers
+from support.helpers import close, numbers
 
 CLOSED = [
     "four_bar",

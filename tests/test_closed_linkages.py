@@ -15,7 +15,7 @@ from freebody.model.inertia import Inertia
 from freebody.model.model import Model
 from freebody.model.parts import Description, Drive, Joint, Link
 from freebody.model.placement import Placement, rotate, shift
-from helpers import close, numbers, poses
+from support.helpers import close, numbers, poses
 
 SPECIAL = (0.0, 1.0, -1.0, 0.5)  # lengths of exercises, with which linkages fold flat and align
 KINDS = ("revolute", "prismatic", "point", "fixed", "distance")
@@ -97,7 +97,7 @@ def linkage(seed: int) -> tuple[Model, np.ndarray]:
 
 
 def _pose(placement: Placement) -> dict:
-    from generate import matrix
+    from support.generate import matrix
 
     T = matrix(placement, 2)
     return {"position": T[:2, 2], "rotation": T[:2, :2]}

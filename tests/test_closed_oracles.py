@@ -12,7 +12,7 @@ import pytest
 import freebody as fb
 from freebody.model.model import Model
 from freebody.trees.passive import all_driven
-from helpers import close, numbers
+from support.helpers import close, numbers
 
 if sys.platform == "linux":
     import mujoco

@@ -13,7 +13,7 @@ import pytest
 import freebody as fb
 from freebody.errors import LoopError
 from freebody.model.model import Model
-from helpers import close
+from support.helpers import close
 
 DIGITS = (9, 6, 4)
 TURN = {"exact": f"{np.pi / 2!r}", "1.570796327": "1.570796327", "1.5708": "1.5708", "1.571": "1.571"}

@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from closed_chains import (
+from freebody.model.model import Model
+from freebody.trees.passive import all_driven
+from support.closed_chains import (
     GROUND,
     Mechanism,
     built,
@@ -20,9 +22,7 @@ from closed_chains import (
     pin_reactions,
     ring,
 )
-from freebody.model.model import Model
-from freebody.trees.passive import all_driven
-from helpers import close, numbers
+from support.helpers import close, numbers
 
 BUNDLED = ("four_bar", "slider_crank", "five_bar", "double_four_bar", "3RRR")
 
@@ -192,7 +192,7 @@ def stewart_state(model: Model) -> tuple[np.ndarray, np.ndarray]:
 def test_a_third_crank_is_redundant_and_carries_nothing_that_is_determined():
     """A parallelogram with a third crank of no mass: one equation too many, the same motion."""
     bar = fb.Inertia(1.0, (0.5, 0.0), (1 / 12,))
-    from closed_chains import Pin, homogeneous
+    from support.closed_chains import Pin, homogeneous
 
     def at(x):
         return homogeneous(np.eye(2), (x, 0.0))

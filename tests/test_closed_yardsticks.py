@@ -10,7 +10,7 @@ import pytest
 
 import freebody as fb
 from freebody.errors import SingularError
-from helpers import close, poses
+from support.helpers import close, poses
 
 G = 9.81
 # IFToMM library of computational benchmark problems, N-four-bar mechanism (N = 2): the tip of the first crank

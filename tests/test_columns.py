@@ -11,7 +11,7 @@ from freebody.kernels.columns import BY_COLUMNS, ColumnKernel, KernelList
 from freebody.kernels.formulas import FORMULAS, Option
 from freebody.kernels.lookup import arguments, fetch, reference
 from freebody.targets import KernelError
-from helpers import refused
+from support.helpers import refused
 from test_derivatives import MODELS, _difference
 
 INPUTS = {"q": 0, "qd": 1, "qdd": 2, "tau": 2}

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from helpers import close
-from real_files import ROBOTS
+from support.helpers import close
+from support.real_files import ROBOTS
 
 if sys.platform == "linux":
     import pydrake.multibody.parsing as parsing  # where there is a wheel it must be here

@@ -27,7 +27,7 @@ from freebody.model.model import Model
 from freebody.model.parameters import Parameter
 from freebody.model.parts import Description, Drive, Joint, Link, Mimic
 from freebody.model.placement import shift, turn
-from helpers import numbers
+from support.helpers import numbers
 
 WORDS = ["".join(w) for n in (1, 2, 3) for w in itertools.product("RP", repeat=n)]
 DRIVES = [

@@ -29,7 +29,7 @@ from freebody.scalars.operations import OPERATIONS
 from freebody.targets import compile_program
 from freebody.targets.text import LANGUAGES, Unit, c, javascript, julia, matlab, rust
 from freebody.targets.text.language import called
-from generate import model as mechanism
+from support.generate import model as mechanism
 from test_report_browser import browser
 
 TOOL = {

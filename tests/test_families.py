@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 import freebody as fb
-import generate
 from freebody.model.members import FamilyError
 from freebody.model.reading import VALUES
 from freebody.targets.llvm import fastcall
-from helpers import refused
-from public_calls import functions_of_states, public_calls, state
+from support import generate
+from support.helpers import refused
+from support.public_calls import functions_of_states, public_calls, state
 
 ROBOTS = ("ur5e", "2R", "RP", "iiwa14", "four_bar", "panda")
 

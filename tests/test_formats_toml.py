@@ -18,7 +18,7 @@ from freebody.model.model import Model
 from freebody.model.parameters import Parameter
 from freebody.model.parts import Limits, Mimic
 from freebody.model.placement import Rotate, Shift
-from real_files import FILES, REFUSED, ROBOTS
+from support.real_files import FILES, REFUSED, ROBOTS
 
 LINKS = '[[link]]\nname = "base"\n[[link]]\nname = "arm"\n'
 JOINT = '[[joint]]\nname = "a"\nkind = "revolute"\nparent = "base"\nchild = "arm"\n'

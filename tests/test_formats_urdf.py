@@ -8,7 +8,7 @@ import pytest
 
 import freebody as fb
 from freebody.model.model import Model
-from real_files import FILES, REFUSED, ROBOTS
+from support.real_files import FILES, REFUSED, ROBOTS
 
 
 def read(tmp_path: Path, body: str, *, robot: str = '<robot name="arm">', **options) -> Model:

@@ -1,4 +1,4 @@
-"""Every parser under wrong input: a few cases of each always, a minute of each with -m long. See tests/fuzz.py."""
+"""Every parser under wrong input: a few cases of each always, a minute with -m long. See tests/support/fuzz.py."""
 
 import time
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import freebody as fb
-import fuzz
+from support import fuzz
 
 pytestmark = pytest.mark.skipif(not hasattr(__import__("signal"), "SIGPROF"), reason="no CPU timer")
 

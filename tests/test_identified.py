@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-import generate
-from helpers import refused
+from support import generate
+from support.helpers import refused
 
 DRIVE = {"viscous": 0.3, "coulomb": 0.2, "rotor": 1e-4, "gear": 50.0, "stiffness": 2.0, "rest": 0.4}
 

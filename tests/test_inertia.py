@@ -14,8 +14,8 @@ import freebody as fb
 from freebody.errors import ModelError
 from freebody.model.inertia import Inertia, combined
 from freebody.model.parameters import Parameter
-from generate import random_inertia, random_rotation
-from helpers import refused
+from support.generate import random_inertia, random_rotation
+from support.helpers import refused
 
 M = 3.0
 

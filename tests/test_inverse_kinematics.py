@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import freebody as fb
-import generate
-from arms import apart, arm, direction, holds, meeting, parallel, skew
 from freebody.inverse import kinematics as module
-from helpers import refused
+from support import generate
+from support.arms import apart, arm, direction, holds, meeting, parallel, skew
+from support.helpers import refused
 
 GENERAL = {
     **{

@@ -7,7 +7,7 @@ import pytest
 
 import freebody as fb
 from freebody.errors import FreebodyWarning, SingularError
-from helpers import refused
+from support.helpers import refused
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ import xarray as xr
 
 import freebody as fb
 from freebody.labels import is_labelled
-from public_calls import arguments, bits, functions_of_states, state
+from support.public_calls import arguments, bits, functions_of_states, state
 
 TAKES_NUMBERS = ("Vector", "ArrayLike", "Wrenches", "Torque", "Sequence[float]", "Sequence[Given]", "Array")
 """What stands in the annotation of an argument that takes several numbers."""

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import freebody as fb
-import generate
 from freebody.algorithms.aba import aba
 from freebody.algorithms.crba import forward_dynamics
 from freebody.algorithms.rnea import External, external_on_frame, rnea
@@ -19,7 +18,19 @@ from freebody.model.inertia import Inertia, combined
 from freebody.model.model import Model
 from freebody.model.parts import Description, Joint, Link
 from freebody.model.placement import rotate, shift
-from helpers import close, in_space, numbers, path, poses, random_wrenches, rate, scalars, second_rate, state
+from support import generate
+from support.helpers import (
+    close,
+    in_space,
+    numbers,
+    path,
+    poses,
+    random_wrenches,
+    rate,
+    scalars,
+    second_rate,
+    state,
+)
 
 TREES = range(200)
 FLAT_TREES = range(60)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import freebody as fb
-import generate
 from freebody.errors import SingularError
 from freebody.trees import massless
+from support import generate
 
 
 def in_full(model: fb.Model, monkeypatch: pytest.MonkeyPatch) -> tuple[str, ...]:

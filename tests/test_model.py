@@ -12,14 +12,14 @@ import numpy as np
 import pytest
 
 import freebody as fb
-import generate
 from freebody.errors import FileError, ModelError
 from freebody.model.assembly import assemble
 from freebody.model.inertia import Inertia
 from freebody.model.parameters import Parameter
 from freebody.model.parts import Description, Drive, Joint, Limits, Link, Loop, Mimic, Mount, Payload
 from freebody.model.placement import Placement, shift
-from helpers import close, numbers, refused
+from support import generate
+from support.helpers import close, numbers, refused
 
 Z = (0.0, 0.0, 1.0)
 DOWN = (9.81, (0.0, 0.0, -1.0))

@@ -17,7 +17,7 @@ from freebody.model.parts import Description, Joint, Link
 from freebody.motion.motion import motion_of
 from freebody.motion.ranges import position_columns, ranges
 from freebody.motion.table import motion_from_dataset, read_motion
-from helpers import OPEN_CHAINS
+from support.helpers import OPEN_CHAINS
 
 pytestmark = pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
 

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 import freebody as fb
-import generate
 from freebody.model.assembly import assemble
 from freebody.model.model import Model
 from freebody.model.parts import Description, Joint, Link
 from freebody.model.placement import Placement
-from helpers import close, numbers, poses
-from real_files import FILES, ROBOTS
+from support import generate
+from support.helpers import close, numbers, poses
+from support.real_files import FILES, ROBOTS
 
 EPS = 1e-9  # MuJoCo turns each inertia to its principal axes and back
 

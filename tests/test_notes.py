@@ -12,7 +12,7 @@ from freebody.notes.checks import Answer, Digits, Reading, Related
 from freebody.notes.item import Item, Outcome
 from freebody.notes.registry import item, items
 from freebody.notes.run import NotesError, run
-from notes_verdicts import VERDICTS
+from support.notes_verdicts import VERDICTS
 
 BY_ID = {x.id: x for x in items()}
 WORDS_ONLY = {"eq-1.5", "uf-6.29-inward-text"}

@@ -17,7 +17,7 @@ from freebody.notes.registry import item, items
 from freebody.notes.run import run, run_all
 from freebody.notes.steps import place_of
 from freebody.notes.text import item_text
-from notes_verdicts import VERDICTS
+from support.notes_verdicts import VERDICTS
 
 
 @pytest.fixture(scope="module")

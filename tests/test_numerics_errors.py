@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import freebody as fb
-import generate
 from freebody.errors import MissingValueError, NotFiniteError, ShapeError, SingularError, UnknownNameError
 from freebody.model.model import Model
 from freebody.trees import massless
+from support import generate
 
 
 def arm() -> Model:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from public_calls import DRAWINGS, LONG, bits, public_calls, state
+from support.public_calls import DRAWINGS, LONG, bits, public_calls, state
 
 
 def outcome(call: Callable[..., Any], model: fb.Model, given: dict[str, Any]) -> Any:

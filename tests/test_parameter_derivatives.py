@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import freebody as fb
-import generate
 from freebody.kernels.formulas import FORMULAS
 from freebody.kernels.inputs import inputs_of
 from freebody.kernels.lookup import chosen, chosen_option
+from support import generate
 
 STEP = 1e-40
 QUANTITIES = ("inverse_dynamics", "forward_dynamics", "mass_matrix", "forward_kinematics")

@@ -18,8 +18,8 @@ import pytest
 import freebody as fb
 from freebody.errors import listed
 from freebody.model.model import Model
-from helpers import close, numbers, poses
-from real_files import FILES, REFUSED, ROBOTS
+from support.helpers import close, numbers, poses
+from support.real_files import FILES, REFUSED, ROBOTS
 
 if sys.platform == "linux":
     import pinocchio as pin  # where there is a wheel it must be here

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from helpers import numbers
+from support.helpers import numbers
 from test_pinocchio import (
     BASES,
     DOZEN,

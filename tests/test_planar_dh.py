@@ -12,8 +12,8 @@ import freebody as fb
 from freebody.model.inertia import Inertia
 from freebody.model.parameters import Parameter
 from freebody.model.parts import Limits
-from generate import random_inertia
-from helpers import close, numbers, refused
+from support.generate import random_inertia
+from support.helpers import close, numbers, refused
 
 L, LC, MASS, I_G = [0.7, 0.5, 0.4], [0.3, 0.2, 0.25], [2.0, 1.5, 0.8], [0.05, 0.03, 0.01]
 WORDS = ["".join(w) for n in (1, 2, 3) for w in product("RP", repeat=n)]

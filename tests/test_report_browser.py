@@ -8,8 +8,8 @@ from contextlib import contextmanager
 import pytest
 
 import freebody as fb
-from real_files import ROBOTS
-from report_numbers import compare, data_file
+from support.real_files import ROBOTS
+from support.report_numbers import compare, data_file
 
 pytestmark = pytest.mark.browser
 

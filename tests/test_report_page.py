@@ -8,7 +8,7 @@ import pytest
 
 import freebody as fb
 from freebody.report.tables import Number, Text, aligned, significant, typeset
-from report_numbers import compare, data_file
+from support.report_numbers import compare, data_file
 
 
 class Cells(HTMLParser):

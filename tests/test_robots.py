@@ -77,7 +77,7 @@ def test_mimic_of_the_hand():
 
 
 def test_panda_is_the_file_it_was_taken_from():
-    from real_files import ROBOTS
+    from support.real_files import ROBOTS
 
     if not ROBOTS.is_dir():
         pytest.skip("needs example-robot-data")

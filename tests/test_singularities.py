@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from arms import arm, skew
 from freebody.derivations.factors import factored
 from freebody.derivations.kinematics import kinematics
 from freebody.scalars.trig import TrigRing
-from helpers import refused
+from support.arms import arm, skew
+from support.helpers import refused
 
 WORDS = ["".join(w) for n in (1, 2, 3) for w in itertools.product("RP", repeat=n)]
 

@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 import freebody as fb
-import generate
 from freebody.model.assembly import assemble
 from freebody.model.inertia import Inertia
 from freebody.model.model import Model
 from freebody.model.parts import Description, Joint, Limits, Link
-from helpers import numbers, poses
+from support import generate
+from support.helpers import numbers, poses
 
 TREES = range(60)
 NO_LIMITS = Limits()

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import freebody as fb
-import generate
 from freebody.algorithms.aba import aba
 from freebody.algorithms.crba import bias, crba
 from freebody.algorithms.kinematics import coordinate_rates
@@ -21,7 +20,8 @@ from freebody.model.gravity import gravity_of
 from freebody.model.model import Model
 from freebody.model.parts import Description, Joint, Link
 from freebody.program import Argument, trace
-from helpers import numbers
+from support import generate
+from support.helpers import numbers
 
 METHODS = {"semi_implicit_step": 1, "rk4_step": 4, "implicit_step": 2}
 """The order of each."""

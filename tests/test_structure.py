@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 import freebody as fb
-import generate
 from freebody.errors import MissingValueError, SingularError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
 from freebody.model.inertia import Inertia
 from freebody.model.structure import Structure
 from freebody.targets.kernel import compile_program
+from support import generate
 
 QUANTITIES = (
     "inverse_dynamics",

@@ -15,7 +15,7 @@ from freebody.model.inertia import Inertia
 from freebody.model.model import Model
 from freebody.model.parts import Description, Joint, Link
 from freebody.model.placement import shift
-from helpers import close, numbers
+from support.helpers import close, numbers
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 

@@ -76,7 +76,7 @@ def arguments(name: str) -> dict[str, str]:
     parameters = inspect.signature(getattr(fb, name)).parameters.values()
     needed = {p.name for p in parameters if p.default is p.empty} - {"model"}
     unknown = needed - set(VECTORS)
-    assert not unknown, f"say in tests/public_calls.py which vectors fb.{name} takes: {unknown}"
+    assert not unknown, f"say in tests/support/public_calls.py which vectors fb.{name} takes: {unknown}"
     return {p.name: VECTORS[p.name] for p in parameters if p.name in needed} | NAMED.get(name, {})
 
 

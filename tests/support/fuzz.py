@@ -25,7 +25,7 @@ from freebody.errors import FreebodyError, FreebodyWarning
 from freebody.formats.saving import as_toml
 from freebody.motion.table import read_motion
 
-CORPUS = Path(__file__).parent / "corpus"
+CORPUS = Path(__file__).parent.parent / "corpus"
 SECONDS = 5.0
 """CPU time that a case may take."""
 
@@ -269,7 +269,7 @@ def run(kind: str, seed: int, goes_on: Callable[[int], bool]) -> tuple[int, list
     return count, wrong
 
 
-if __name__ == "__main__":  # python tests/fuzz.py KIND CASES [SEED]
+if __name__ == "__main__":  # python tests/support/fuzz.py KIND CASES [SEED]
     most = int(sys.argv[2])
     number, found = run(sys.argv[1], int(sys.argv[3]) if len(sys.argv) > 3 else 0, lambda n: n < most)
     kinds = {problem.split(":")[0] + problem[-30:]: (problem, data) for problem, data in found}

@@ -15,8 +15,8 @@ from freebody.model.model import Model
 from freebody.model.parts import Description, Joint, Link, Loop, Mount
 from freebody.model.placement import Placement, rotate, shift
 from freebody.model.reading import VALUES
-from generate import random_inertia, random_rotation
-from helpers import numbers, poses
+from support.generate import random_inertia, random_rotation
+from support.helpers import numbers, poses
 
 GROUND = "ground"
 

@@ -9,7 +9,7 @@ from freebody.model.inertia import Inertia
 from freebody.model.model import Model
 from freebody.model.parts import Description, Joint, Link, Mount
 from freebody.model.placement import Placement, rotate, shift
-from generate import random_rotation
+from support.generate import random_rotation
 
 Axes = list[tuple[str, np.ndarray, np.ndarray]]
 """(R or P, direction, point) of each joint, in the axes and at the origin of a base."""

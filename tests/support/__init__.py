@@ -1,0 +1,1 @@
+"""What several test files share: mechanisms by chance, wrong input by the thousand, oracles, public calls."""
