@@ -11,8 +11,8 @@ from freebody.kernels.columns import BY_COLUMNS, ColumnKernel, KernelList
 from freebody.kernels.formulas import FORMULAS, Option
 from freebody.kernels.lookup import arguments, fetch, reference
 from freebody.targets import KernelError
+from support.branched import MODELS, difference_along
 from support.helpers import refused
-from test_derivatives import MODELS, _difference
 
 INPUTS = {"q": 0, "qd": 1, "qdd": 2, "tau": 2}
 
@@ -131,7 +131,7 @@ def test_second_derivatives_are_differences_of_first_ones(model_name):
 
     scale = np.abs(by_q_q).max()
     for tensor, part in ((by_q_q, 0), (by_qd_q, 1), (M_q, 2)):
-        np.testing.assert_allclose(tensor, _difference(model, first(part), q), atol=1e-8 * scale)
+        np.testing.assert_allclose(tensor, difference_along(model, first(part), q), atol=1e-8 * scale)
     step = np.eye(model.nv)
     ahead, behind = (
         np.stack([fb.inverse_dynamics_derivatives(model, q, qd + s * e, qdd)[1] for e in step], axis=-1)

@@ -11,76 +11,17 @@ from freebody.algorithms.crba import forward_dynamics
 from freebody.algorithms.rnea import rnea
 from freebody.kernels.formulas import Option
 from freebody.kernels.lookup import reference
-from freebody.model.assembly import assemble
-from freebody.model.inertia import Inertia
-from freebody.model.parts import Description, Drive, Joint, Link, Mimic
-from freebody.model.placement import rotate, shift
-
-
-def _branched(base: str) -> fb.Model:
-    """A tree with every joint kind that has a body of its own, friction, a spring, a rotor and a follower."""
-    rng = np.random.default_rng(7)
-
-    def lump() -> Inertia:
-        a = rng.normal(size=(3, 3))
-        sigma = a @ a.T * 0.05
-        return Inertia.of(
-            float(rng.uniform(0.5, 2)), rng.normal(size=3) * 0.2, np.trace(sigma) * np.eye(3) - sigma
-        )
-
-    def place():
-        turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-        return shift(*rng.normal(size=3) * 0.5).then(rotate(turn * np.sign(np.linalg.det(turn))))
-
-    drive = Drive(viscous=0.3, rotor=1e-3, gear=20.0, stiffness=4.0, rest=0.2)
-    joints = (
-        Joint("a", "revolute", "base", "A", place(), (0.0, 0.0, 1.0), drive=drive),
-        Joint("b", "spherical", "A", "B", place()),
-        Joint("c", "prismatic", "A", "C", place(), (0.6, 0.0, 0.8), drive=drive),
-        Joint("d", "planar", "B", "D", place()),
-        Joint("e", "revolute", "D", "E", place(), (1.0, 2.0, -1.0), mimic=Mimic("c", -1.5, 0.3)),
-    )
-    links = tuple(Link(name, lump()) for name in ("base", "A", "B", "C", "D", "E"))
-    return assemble(Description("branched", 3, links, joints, (9.81, (0.0, 0.0, -1.0))), base=base)
-
-
-MODELS = {
-    "planar": lambda: fb.planar(
-        "RPRR", l=[1, 0.2, 0.5, 0.3], lc=[0.5, 0.3, 0.2, 0.1], m=[1, 2, 3, 1], I=[1, 2, 3, 4]
-    ),
-    "fixed": lambda: _branched("fixed"),
-    "free": lambda: _branched("free"),
-}
-
-
-def _difference(model, function, q, *rest, h=1e-3):
-    """d function / d tangent of q by an eighth-order central difference, (..., n, nv)."""
-    weights = {1: 4 / 5, 2: -1 / 5, 3: 4 / 105, 4: -1 / 280}
-    columns = []
-    for k in range(model.nv):
-        step = np.eye(model.nv)[k] * h
-        columns.append(
-            sum(
-                w
-                * (
-                    function(fb.integrate(model, q, s * step), *rest)
-                    - function(fb.integrate(model, q, -s * step), *rest)
-                )
-                for s, w in weights.items()
-            )
-            / h
-        )
-    return np.stack(columns, axis=-1)
+from support.branched import MODELS, difference_along
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_inverse_dynamics_derivatives_are_differences(name):
+def test_inverse_dynamics_derivatives_aredifference_alongs(name):
     model = MODELS[name]()
     q, qd, qdd = fb.random_state(model, seed=3, batch=3)
     by_q, by_qd, M = fb.inverse_dynamics_derivatives(model, q, qd, qdd)
     scale = np.abs(by_q).max()
     np.testing.assert_allclose(
-        by_q, _difference(model, lambda x: fb.inverse_dynamics(model, x, qd, qdd), q), atol=1e-9 * scale
+        by_q, difference_along(model, lambda x: fb.inverse_dynamics(model, x, qd, qdd), q), atol=1e-9 * scale
     )
     unit = np.eye(model.nv)[:, None]
     ahead, behind = (fb.inverse_dynamics(model, q, qd + s * unit, qdd) for s in (1, -1))
@@ -90,13 +31,13 @@ def test_inverse_dynamics_derivatives_are_differences(name):
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_forward_dynamics_derivatives_are_differences(name):
+def test_forward_dynamics_derivatives_aredifference_alongs(name):
     model = MODELS[name]()
     q, qd, tau = fb.random_state(model, seed=4, batch=3)
     by_q, by_qd, inverse = fb.forward_dynamics_derivatives(model, q, qd, tau)
     scale = np.abs(by_q).max()
     np.testing.assert_allclose(
-        by_q, _difference(model, lambda x: fb.forward_dynamics(model, x, qd, tau), q), atol=1e-8 * scale
+        by_q, difference_along(model, lambda x: fb.forward_dynamics(model, x, qd, tau), q), atol=1e-8 * scale
     )
     unit = np.eye(model.nv)[:, None]
     ahead, behind = (fb.forward_dynamics(model, q, qd + s * unit, tau) for s in (1, -1))

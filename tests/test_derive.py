@@ -18,6 +18,7 @@ from freebody.derivations.evaluate import evaluate
 from freebody.derivations.expression import Equation, Symbol, nodes
 from freebody.derivations.render.cited import cited
 from freebody.model.model import Model
+from support.symbolic import METHODS, spatial_arm, with_values
 
 WORDS = ["".join(w) for n in (1, 2, 3, 4) for w in itertools.product("RP", repeat=n)]
 WAYS = [
@@ -27,31 +28,6 @@ WAYS = [
     ("recursive", {"gravity": "base"}),
     ("recursive", {"gravity": "explicit"}),
 ]
-METHODS = ["lagrange", "newton-euler", "recursive", "statics", "kinematics"]
-
-
-def spatial_arm(seed: int, n: int) -> Model:
-    """A random arm by its DH table, some of its entries symbols."""
-    rng = np.random.default_rng(seed)
-    rows = [
-        {
-            "joint": str(rng.choice(["R", "R", "P"])),
-            "a": f"a{i}",
-            "d": 0.0 if rng.random() < 0.5 else float(rng.integers(1, 5)) / 10,
-            "alpha": float(rng.choice([0.0, np.pi / 2, -np.pi / 2, 0.3])),
-            "m": f"m{i}",
-            "com": (f"c{i}x", float(rng.integers(-5, 5)) / 10, 0.0),
-            "I": [f"I{i}xx", 0.0, 0.0, f"I{i}yy", 0.0, f"I{i}zz"],
-        }
-        for i in range(1, n + 1)
-    ]
-    return fb.dh(rows, convention=str(rng.choice(["standard", "modified"])), name=f"arm{seed}")
-
-
-def with_values(model: Model) -> Model:
-    """Numbers for all parameters that have none; inertias between a half and one are physical."""
-    rng = np.random.default_rng(3)
-    return model.bind(**{name: rng.uniform(0.5, 1.0) for name in model.missing})
 
 
 def values_of(derivation, q, qd=None, qdd=None, **load: float) -> np.ndarray:

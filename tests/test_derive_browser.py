@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 import freebody as fb
-from test_derive import METHODS, spatial_arm
-from test_report_browser import browser
+from support.browser import browser
+from support.symbolic import METHODS, spatial_arm
 
 pytestmark = [
     pytest.mark.browser,

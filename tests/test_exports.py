@@ -29,8 +29,8 @@ from freebody.scalars.operations import OPERATIONS
 from freebody.targets import compile_program
 from freebody.targets.text import LANGUAGES, Unit, c, javascript, julia, matlab, rust
 from freebody.targets.text.language import called
+from support.browser import browser
 from support.generate import model as mechanism
-from test_report_browser import browser
 
 TOOL = {
     "c": "cc", "cpp": "c++", "javascript": "node", "javascript-script": "node", "rust": "rustc", "julia": "julia",

@@ -7,7 +7,7 @@ import pytest
 
 import freebody as fb
 from freebody.model.parts import Drive
-from test_derivatives import MODELS
+from support.branched import MODELS
 
 
 @pytest.fixture(params=MODELS)

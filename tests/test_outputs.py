@@ -13,7 +13,6 @@ import signal
 import subprocess
 import sys
 import time
-from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
 from xml.etree import ElementTree
@@ -29,42 +28,15 @@ from freebody.outputs import files, folder
 from freebody.outputs.files import stem, write
 from freebody.outputs.folder import MANIFEST, write_folder
 from freebody.outputs.text import as_meant, csv_text, harmless, legal
+from support.hostile import JOINTS, LINKS, hostile_study, pages
 
 SOURCES = sorted(Path(fb.__file__).parent.rglob("*.py"))
 posix = pytest.mark.skipif(os.name != "posix", reason="devices and pipes")
 
-JOINTS = [
-    "θ1",
-    "关节",
-    "left/joint1",
-    "=cmd|' /C calc'!A0",
-    "<script>alert(1)</script>",
-    '"]]></script>\u202e',
-]
-LINKS = ["base", "@SUM(1)", "<img src=x onerror=alert(1)>", "]]>\u000b", "关\u2067节", "-1;=2", "'+3"]
-
-
-def hostile() -> fb.Model:
-    """An arm whose names mean something to whatever reads them."""
-    rows = [f"name = {json.dumps('<script>alert(2)</script>')}\nsource = {json.dumps('=1+1 & </style>')}"]
-    rows += [
-        f"[[link]]\nname = {json.dumps(name)}\nmass = 1\ncom = [0.1, 0, 0]\ninertia = [0.1, 0, 0, 0.1, 0, 0.1]"
-        for name in LINKS
-    ]
-    for name, parent, child in zip(JOINTS, LINKS, LINKS[1:], strict=False):
-        ends = f"parent = {json.dumps(parent)}\nchild = {json.dumps(child)}"
-        rows.append(
-            f'[[joint]]\nname = {json.dumps(name)}\nkind = "revolute"\n{ends}\norigin = [0.2, 0, 0]\naxis = "y"'
-        )
-    Path("hostile.toml").write_text("\n".join(rows), encoding="utf-8")
-    return fb.load("hostile.toml")
-
 
 @pytest.fixture(scope="module")
 def arm(tmp_path_factory) -> fb.Study:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(tmp_path_factory.mktemp("hostile"))
-        return fb.study(hostile())
+    return hostile_study(tmp_path_factory)
 
 
 @pytest.fixture(autouse=True)
@@ -542,17 +514,6 @@ POLICY = (
     "default-src 'none'; script-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; font-src data:; "
     "base-uri 'none'; form-action 'none'"
 )
-
-
-@cache
-def pages(arm: fb.Study) -> dict[str, str]:
-    from freebody.notes.page import page as notes_page
-    from freebody.notes.registry import items
-    from freebody.notes.run import run_all
-    from freebody.report.html import page as study_page
-
-    made = {"study": study_page(arm), "notes": notes_page(run_all(items()[:3]))}
-    return made | {m: fb.derive(arm.model, m).html() for m in ("kinematics", "statics")}
 
 
 def test_every_page_has_the_policy_and_no_name_is_markup(arm: fb.Study):

@@ -9,8 +9,8 @@ import pytest
 
 import freebody as fb
 from freebody.outputs.page import policy
-from test_outputs import arm, pages  # noqa: F401  (arm is a fixture)
-from test_report_browser import browser
+from support.browser import browser
+from support.hostile import hostile_study, pages
 
 pytestmark = pytest.mark.browser
 
@@ -22,6 +22,11 @@ INJECTED = """<script>document.title = "run"</script><img src="x:" onerror="docu
 <form id="leak" action="{at}/form"></form>"""
 FETCH = """const done = arguments[0];
 fetch('{at}/fetch', {{mode: 'no-cors'}}).then(() => done('out'), () => done('held'))"""
+
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory) -> fb.Study:
+    return hostile_study(tmp_path_factory)
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +56,7 @@ def server():
         serving.shutdown()
 
 
-def test_no_page_offends_its_policy(arm: fb.Study, chromium, tmp_path):  # noqa: F811
+def test_no_page_offends_its_policy(arm: fb.Study, chromium, tmp_path):
     for name, text in pages(arm).items():
         path = tmp_path / f"{name}.html"
         path.write_text(text, encoding="utf-8")
@@ -62,7 +67,7 @@ def test_no_page_offends_its_policy(arm: fb.Study, chromium, tmp_path):  # noqa:
         assert title.startswith("Dynamics of" if name == "notes" else "<script>alert(2)</script>: "), title
 
 
-def test_nothing_that_is_put_into_a_page_runs_or_fetches(arm: fb.Study, chromium, tmp_path, server):  # noqa: F811
+def test_nothing_that_is_put_into_a_page_runs_or_fetches(arm: fb.Study, chromium, tmp_path, server):
     address, asked = server
     page = pages(arm)["study"].replace("</body>", INJECTED.format(at=address) + "</body>")
     path = tmp_path / "page.html"

@@ -10,7 +10,7 @@ import pytest
 
 import freebody as fb
 from support.helpers import numbers
-from test_pinocchio import (
+from support.pinocchio_twin import (
     BASES,
     DOZEN,
     EPS,

@@ -1,13 +1,11 @@
 """The report of real robots in a real browser: no error, no request, no blank picture, no sideways scrolling."""
 
 import json
-import shutil
-import warnings
-from contextlib import contextmanager
 
 import pytest
 
 import freebody as fb
+from support.browser import browser
 from support.real_files import ROBOTS
 from support.report_numbers import compare, data_file
 
@@ -29,32 +27,6 @@ PICTURES = """return [...document.querySelectorAll('svg')].map(s => {
   return {label: s.getAttribute('aria-label'), width: box.width, height: box.height, shown: shown.width,
     drawn: s.querySelectorAll('path,circle').length, texts: s.querySelectorAll('text').length}})"""
 ROOM = "return [document.documentElement.scrollWidth, document.documentElement.clientWidth]"
-
-
-@contextmanager
-def browser(profile):
-    from selenium import webdriver
-    from selenium.webdriver.chrome.service import Service
-
-    options = webdriver.ChromeOptions()
-    quiet = ("background-networking", "component-update", "sync", "default-apps", "gpu")
-    for argument in (
-        "--headless=new",
-        "--no-sandbox",
-        "--no-first-run",
-        "--disable-dev-shm-usage",
-        f"--user-data-dir={profile}",
-        *(f"--disable-{feature}" for feature in quiet),
-    ):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # selenium's own
-        driver = webdriver.Chrome(options=options, service=Service(shutil.which("chromedriver")))
-    try:
-        yield driver
-    finally:
-        driver.quit()
 
 
 @pytest.fixture(scope="module")

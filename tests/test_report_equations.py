@@ -9,7 +9,7 @@ import pytest
 
 import freebody as fb
 from freebody.report.equations import shown
-from test_derive import spatial_arm, with_values
+from support.symbolic import spatial_arm, with_values
 
 
 @pytest.mark.parametrize("name", ["2R", "3R", "RP", "gyro", "scara"])

@@ -1,0 +1,55 @@
+"""An arm whose names mean something to whatever reads them, and every page about it."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import freebody as fb
+
+JOINTS = [
+    "θ1",
+    "关节",
+    "left/joint1",
+    "=cmd|' /C calc'!A0",
+    "<script>alert(1)</script>",
+    '"]]></script>\u202e',
+]
+LINKS = ["base", "@SUM(1)", "<img src=x onerror=alert(1)>", "]]>\u000b", "关\u2067节", "-1;=2", "'+3"]
+
+
+def hostile() -> fb.Model:
+    """An arm whose names mean something to whatever reads them."""
+    rows = [f"name = {json.dumps('<script>alert(2)</script>')}\nsource = {json.dumps('=1+1 & </style>')}"]
+    rows += [
+        f"[[link]]\nname = {json.dumps(name)}\nmass = 1\ncom = [0.1, 0, 0]\ninertia = [0.1, 0, 0, 0.1, 0, 0.1]"
+        for name in LINKS
+    ]
+    for name, parent, child in zip(JOINTS, LINKS, LINKS[1:], strict=False):
+        ends = f"parent = {json.dumps(parent)}\nchild = {json.dumps(child)}"
+        rows.append(
+            f'[[joint]]\nname = {json.dumps(name)}\nkind = "revolute"\n{ends}\norigin = [0.2, 0, 0]\naxis = "y"'
+        )
+    Path("hostile.toml").write_text("\n".join(rows), encoding="utf-8")
+    return fb.load("hostile.toml")
+
+
+def hostile_study(tmp_path_factory: pytest.TempPathFactory) -> fb.Study:
+    """Its study, read from a file in a folder of its own."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(tmp_path_factory.mktemp("hostile"))
+        return fb.study(hostile())
+
+
+@cache
+def pages(arm: fb.Study) -> dict[str, str]:
+    from freebody.notes.page import page as notes_page
+    from freebody.notes.registry import items
+    from freebody.notes.run import run_all
+    from freebody.report.html import page as study_page
+
+    made = {"study": study_page(arm), "notes": notes_page(run_all(items()[:3]))}
+    return made | {m: fb.derive(arm.model, m).html() for m in ("kinematics", "statics")}
