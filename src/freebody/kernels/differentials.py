@@ -1,0 +1,148 @@
+"""Derivatives of what is computed, to any order, for libraries that differentiate: which program gives which of them.
+
+They are the ordinary partial derivatives by every entry of an input, of positions by all nq coordinates; the four of a
+quaternion included, of which kernels use the direction alone. (`by=` of fb.kernel is on the tangent space instead.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from freebody.algorithms.kinematics import position_rates
+from freebody.elementary import Scalar
+from freebody.kernels.formulas import Option
+from freebody.kernels.lookup import program as formula_program
+from freebody.model.model import Model
+from freebody.model.tree import Tree
+from freebody.program import Argument, Program, trace
+from freebody.program.derivative import directional, evaluated, jacobian, slope_arguments
+from freebody.spatial import dot, identity, transposed
+
+LONGEST = 20_000
+"""Operations up to which a whole Jacobian is one program; it compiles in about two seconds."""
+
+SHORTER: dict[tuple[str, ...], dict[str, tuple[str, ...]]] = {
+    ("inverse_dynamics",): {"inverse_dynamics_derivatives": ("q", "qd", "qdd"), "mass_matrix": ("qdd",)},
+    ("forward_dynamics",): {
+        "forward_dynamics_derivatives": ("q", "qd", "tau"),
+        "mass_matrix_inverse": ("tau",),
+    },
+}
+"""Quantities of an open chain without wrenches -> formulas of their derivatives, on the tangent space, and the inputs
+by which their outputs are, in their order."""
+
+
+@dataclass(frozen=True)
+class Jacobian:
+    """The derivatives of each output of a program by each of some inputs.
+
+    If `whole`, `function` has the program's inputs and of each output in turn, by each of the inputs, (*output,
+    *input). Else its last inputs are rates of these inputs, and its outputs, of the program's shapes, their effect: the
+    Jacobian's columns are what it gives for unit vectors.
+    """
+
+    function: Differentiable
+    whole: bool
+
+
+class Differentiable:
+    """A program, and its derivatives.
+
+    shorter: from positions of inputs to programs that have the outputs of `jacobian` in other, maybe shorter ways.
+    """
+
+    def __init__(self, program: Program, shorter: Callable[[tuple[int, ...]], list[Program]] | None = None):
+        self.program = program
+        self._shorter = shorter
+        self._found: dict[tuple[int, ...], Jacobian] = {}
+
+    def jacobian(self, by: Sequence[int]) -> Jacobian:
+        """The derivatives by inputs at these positions, in rising order, each once."""
+        by = tuple(by)
+        if by not in self._found:
+            self._found[by] = self._jacobian(by)
+        return self._found[by]
+
+    def ways(self, by: tuple[int, ...]) -> list[Program]:
+        """Programs of the whole Jacobian, but for those that would be far too long."""
+        found = self._shorter(by) if self._shorter else []
+        directions = sum(self.program.inputs[k].size for k in by)
+        if length(self.program) * directions <= 20 * LONGEST:
+            found.append(jacobian(self.program, by))
+        return found
+
+    def _jacobian(self, by: tuple[int, ...]) -> Jacobian:
+        columns = directional(self.program, by)
+        best = min(self.ways(by), key=length, default=columns)
+        if best is not columns and length(best) <= max(LONGEST, length(columns)):
+            return Jacobian(Differentiable(best), True)
+        return Jacobian(Differentiable(columns), False)
+
+
+def length(program: Program) -> int:
+    """Operations of a program."""
+    return sum(program.operations.values())
+
+
+def of_quantities(
+    model: Model,
+    names: tuple[str, ...],
+    option: Option,
+    p: Argument | None = None,
+    over: Callable[[Sequence[Scalar]], Tree] | None = None,
+    by: tuple[str, ...] = (),
+) -> Differentiable:
+    """Quantities of a model; arguments as for `lookup.program`."""
+    traced = formula_program(model, names, option, p, over, by)
+    formulas = SHORTER.get(names, {})
+    if not formulas or by or model.loops or option.wrench_frames:
+        return Differentiable(traced)
+
+    @cache
+    def tangent(formula: str) -> Program:
+        return formula_program(model, (formula,), Option(), p, over)
+
+    def shorter(by: tuple[int, ...]) -> list[Program]:
+        labels = [traced.inputs[k].name for k in by]
+        return [
+            _chosen(model, traced, by, tangent(formula), known)
+            for formula, known in formulas.items()
+            if set(labels) <= set(known)
+        ]
+
+    return Differentiable(traced, shorter)
+
+
+def _chosen(
+    model: Model, program: Program, by: tuple[int, ...], tangent: Program, known: Sequence[str]
+) -> Program:
+    """Some outputs of the program of a derivative, with the inputs of the program that is differentiated.
+
+    known: the inputs by which the outputs of `tangent` are.
+    """
+    labels = [argument.name for argument in program.inputs]
+
+    def evaluate(*given: Any) -> tuple[Any, ...]:
+        values = dict(zip(labels, given, strict=True))
+        outputs = evaluated(tangent, [values[argument.name] for argument in tangent.inputs])
+        tables = dict(zip(known, outputs, strict=True))
+        if model.nq > model.nv and "q" in tables:
+            tables["q"] = by_coordinates(model.tree, values["q"], tables["q"])
+        return tuple(tables[labels[k]] for k in by)
+
+    return trace(f"{program.name}_jacobian", evaluate, program.inputs, slope_arguments(program, by))
+
+
+def by_coordinates(tree: Tree, q: Any, slopes: Any) -> Any:
+    """Rows of derivatives by the nq coordinates from those along the nv directions of the tangent space.
+
+    Of what depends on quaternions by their direction alone. The rates q̇ = Q v have columns that are orthogonal to each
+    other and to the quaternions, so v = (QᵀQ)⁻¹ Qᵀ q̇ with a diagonal matrix in the middle.
+    """
+    along = [position_rates(tree, q, unit) for unit in identity(tree.nv)]
+    inverse = [tuple(x / dot(rates, rates) for x in rates) for rates in along]
+    columns = transposed(tuple(inverse))
+    return tuple(tuple(dot(row, column) for column in columns) for row in slopes)

@@ -1,0 +1,120 @@
+"""Programs of the derivatives of a program: its nodes run over scalars with slopes, in a trace of their own.
+
+Derivatives are the ordinary partial ones by every entry of an input. A derivative is a program again, so it has
+derivatives too.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Sequence
+from itertools import count
+from typing import Any
+
+from freebody.elementary import FUNCTIONS, Scalar
+from freebody.program.program import Argument, Program
+from freebody.program.trace import trace
+from freebody.scalars.dual import Outer, slopes
+
+_FUNCTIONS: dict[str, Callable[..., Scalar]] = FUNCTIONS | {
+    "neg": operator.neg,
+    "add": operator.add,
+    "sub": operator.sub,
+    "mul": operator.mul,
+    "div": operator.truediv,
+}
+
+
+def jacobian(program: Program, by: Sequence[int]) -> Program:
+    """The derivatives of each output by each of some inputs, at the same inputs.
+
+    by: positions among the inputs. Outputs: of each output in turn one for each of these inputs, (*output, *input).
+    """
+    inputs = [program.inputs[k] for k in by]
+    sizes = [argument.size for argument in inputs]
+
+    def evaluate(*given: Any) -> tuple[Any, ...]:
+        number = count()
+        lifted = list(given)
+        for k in by:
+            lifted[k] = nested(
+                [Outer(x, {next(number): 1.0}) for x in flat(given[k])], program.inputs[k].shape
+            )
+        tables = [
+            [slopes(x, sum(sizes), Outer) for x in flat(result)] for result in evaluated(program, lifted)
+        ]
+        found = []
+        for table, output in zip(tables, program.outputs, strict=True):
+            start = 0
+            for argument, size in zip(inputs, sizes, strict=True):
+                entries = [s for row in table for s in row[start : start + size]]
+                found.append(nested(entries, (*output.shape, *argument.shape)))
+                start += size
+        return tuple(found)
+
+    return trace(f"{program.name}_jacobian", evaluate, program.inputs, slope_arguments(program, by))
+
+
+def directional(program: Program, by: Sequence[int]) -> Program:
+    """The rates of the outputs where some inputs change at given rates, which are the last inputs.
+
+    by: positions of those that change. The length is in proportion to that of the program, whatever their sizes.
+    """
+    prefix, first = "along", len(program.inputs)
+    while any(argument.name.startswith(prefix) for argument in program.inputs):
+        prefix += "_"
+    rates = tuple(Argument(f"{prefix}{k}", program.inputs[k].shape) for k in by)
+
+    def evaluate(*given: Any) -> tuple[Any, ...]:
+        lifted = list(given[:first])
+        for k, along in zip(by, given[first:], strict=True):
+            pairs = zip(flat(given[k]), flat(along), strict=True)
+            lifted[k] = nested([Outer(x, {0: rate}) for x, rate in pairs], program.inputs[k].shape)
+        return tuple(
+            nested([slopes(x, 1, Outer)[0] for x in flat(result)], output.shape)
+            for result, output in zip(evaluated(program, lifted), program.outputs, strict=True)
+        )
+
+    outputs = tuple(Argument(f"rate{k}", output.shape) for k, output in enumerate(program.outputs))
+    return trace(f"{program.name}_along", evaluate, (*program.inputs, *rates), outputs)
+
+
+def slope_arguments(program: Program, by: Sequence[int]) -> tuple[Argument, ...]:
+    """The outputs of the Jacobian of a program by inputs at these positions."""
+    return tuple(
+        Argument(f"slope{i}_{k}", (*output.shape, *program.inputs[k].shape))
+        for i, output in enumerate(program.outputs)
+        for k in by
+    )
+
+
+def evaluated(program: Program, inputs: Sequence[Any]) -> tuple[Any, ...]:
+    """The outputs as nested tuples, of inputs that are nested tuples of any scalars."""
+    scalars = [x for nest in inputs for x in flat(nest)]
+    held: list[Scalar] = []
+    for index, op in enumerate(program.op):
+        if op == "input":
+            held.append(scalars[program.a[index]])
+        elif op == "const":
+            held.append(program.constants[program.a[index]])
+        else:
+            held.append(_FUNCTIONS[op](*(held[i] for i in program.operands(index))))
+    results, start = [], 0
+    for argument in program.outputs:
+        part = program.results[start : start + argument.size]
+        results.append(nested([held[i] for i in part], argument.shape))
+        start += argument.size
+    return tuple(results)
+
+
+def flat(nest: Any) -> list[Scalar]:
+    """The scalars of nested tuples, in C order."""
+    return [x for part in nest for x in flat(part)] if isinstance(nest, tuple) else [nest]
+
+
+def nested(scalars: Sequence[Scalar], shape: tuple[int, ...]) -> Any:
+    """Scalars in C order as nested tuples of a shape."""
+    if not shape:
+        return scalars[0]
+    step = len(scalars) // shape[0] if shape[0] else 0
+    return tuple(nested(scalars[k * step : (k + 1) * step], shape[1:]) for k in range(shape[0]))
