@@ -230,7 +230,10 @@ def test_show_prints_the_program_after_each_pass(capsys: pytest.CaptureFixture[s
     assert "# after 'schedule'" in text
     assert "cos" in text
     assert run(["show", "2R", "--graph", "mass"]) == 2
-    assert "no quantity 'mass' in fb.kernel. Quantities: forward_kinematics" in capsys.readouterr().err
+    assert (
+        "no quantity 'mass' in freebody show --graph. Quantities: forward_kinematics"
+        in capsys.readouterr().err
+    )
 
 
 def test_what_cannot_be_compared_is_refused_before_anything_is_printed_or_written(

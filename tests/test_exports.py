@@ -336,6 +336,27 @@ def test_numbers_of_the_robot_are_arguments_where_asked(tmp_path):
     assert re.search(r"p \[\d+\] l1 \(m\)", symbolic)
 
 
+def test_the_vectors_of_a_kernel_with_inputs_are_near_the_robots_own_numbers(tmp_path):
+    """A robot with a negative mass, which random numbers would give, tests nothing that will ever be called."""
+    require("c")
+    model = fb.load("ur5e").with_payload(2.0, com=[0, 0, 0.1])
+    kernel = fb.kernel(model, "forward_dynamics", inputs=["payload.*", "*.mass"], target="numpy")
+    text = fb.source(kernel, language="c")
+    k = kernel.parameters.index("upper_arm_link.mass")
+    assert f"p [{k}] upper_arm_link_mass, here 8.058 kg" in text
+    fb.export(kernel, out=tmp_path)
+    passes(tmp_path, "c", "forward_dynamics")
+    tables = (tmp_path / "forward_dynamics_test.c").read_text()
+    rows = re.search(r"given3\[5\]\[\d+\] = \{(.*?)\n\};", tables, re.DOTALL)[1]
+    p = np.array([[float(x) for x in row.strip(" {},").split(", ")] for row in rows.strip().splitlines()])
+    assert p.shape == (5, len(kernel.parameters))
+    off = np.abs(p - kernel.values)
+    assert (off <= 0.1 * np.maximum(np.abs(kernel.values), 0.1) + 1e-15).all()
+    assert (off > 0).any()
+    names = json.loads((tmp_path / "names.json").read_text())
+    assert list(names["numbers"].values()) == list(kernel.parameters)
+
+
 def test_clang_has_no_warning_either(tmp_path):
     if shutil.which("clang") is None:
         pytest.skip("clang is not installed")
@@ -495,6 +516,24 @@ def test_what_cannot_be_written_is_refused():
         fb.source(model, "bias", "fortran")
     with pytest.raises(fb.FreebodyError, match=r"dtype='float32' in matlab; it can be float64"):
         fb.source(model, "bias", "matlab", dtype="float32")
+    says = {
+        r"no quantity 'bia' in fb\.source": lambda: fb.source(model, "bia", "c"),
+        r"fb\.export: names is int 3": lambda: fb.export(model, 3, "x"),
+        r"fb\.source: the quantity 'bias' is asked for twice": lambda: fb.source(model, ["bias", "bias"]),
+        r"fb\.source: frame='tip' has no meaning": lambda: fb.source(model, "bias", frame="tip"),
+        r"fb\.source: inputs= is int 3": lambda: fb.source(model, "bias", inputs=3),
+        r"fb\.export: out is None, expected the name": lambda: fb.export(model, "bias", None),
+        r"fb\.source: inverse_dynamics_derivatives: 'five_bar' is a closed chain": lambda: fb.source(
+            fb.load("five_bar"), "inverse_dynamics_derivatives"
+        ),
+    }
+    for message, call in says.items():
+        with pytest.raises(fb.FreebodyError, match=message):
+            call()
+    family = model.bind(m1=[1.0, 2.0])
+    for of_many in (family, fb.kernel(family, "bias", target="numpy")):
+        with pytest.raises(fb.FreebodyError, match=r"fb\.source: 'RPR' is a family of robots.*model\[0\]"):
+            fb.source(of_many, None if of_many is not family else "bias", "c")
     with pytest.raises(fb.FreebodyError, match="give the quantities"):
         fb.source(model, language="c")
     with pytest.raises(fb.FreebodyError, match=r"fb.source\(fb.load\('ur5e'\)"):

@@ -14,7 +14,7 @@ def programs(model: Model, quantity: str) -> Iterator[str]:
     from freebody.kernels.lookup import chosen_option, program
     from freebody.program.passes import PASSES
 
-    names, option = chosen_option(model, quantity)
+    names, option = chosen_option(model, quantity, function="freebody show --graph")
     stage = program(model, names, option)
     yield f"# traced: {stage}"
     yield stage.listing()

@@ -52,7 +52,7 @@ class Description:
             "",
             *self._arguments("Inputs", program.inputs),
             *self._arguments("Outputs", program.outputs),
-            *self._listed_numbers(),
+            *_listed_numbers(self.model, self.numbers, self._number_words),
             *self._structure(),
         ]
         if self.option.frame is not None:
@@ -113,19 +113,6 @@ class Description:
             "",
         ]
 
-    def _listed_numbers(self) -> list[str]:
-        """What the entries of p are."""
-        if self.numbers is None:
-            return []
-        records = {record.name: record for record in Parameters(self.model)}
-        lines = []
-        for k, (name, value) in enumerate(zip(self.numbers.names, self.numbers.values, strict=True)):
-            unit = records[name].unit.replace("²", "^2")
-            unit = "" if unit == "1" else unit
-            own = f", here {value:.6g} {unit}".rstrip() if value == value else f" ({unit})" if unit else ""
-            lines.append(f"  p [{k}] {self._number_words[name]}{own}")
-        return ["Numbers of the robot:", *lines, ""]
-
     def _structure(self) -> list[str]:
         """One line a joint: what it is, which entries move it, what it carries."""
         model = self.model
@@ -147,11 +134,30 @@ def _span(entries: tuple[int, ...]) -> str:
     return f"[{entries[0]}]" if len(entries) == 1 else f"[{entries[0]}..{entries[-1]}]" if entries else "[]"
 
 
-def of_program(program: Program) -> tuple[str, ...]:
-    """The head of the text of a program that is of no model."""
+def _listed_numbers(model: Model, numbers: Inputs | None, words: dict[str, str]) -> list[str]:
+    """What the entries of p are."""
+    if numbers is None:
+        return []
+    records = {record.name: record for record in Parameters(model)}
+    lines = []
+    for k, (name, value) in enumerate(zip(numbers.names, numbers.values, strict=True)):
+        unit = records[name].unit.replace("²", "^2")
+        unit = "" if unit == "1" else unit
+        own = f", here {value:.6g} {unit}".rstrip() if value == value else f" ({unit})" if unit else ""
+        lines.append(f"  p [{k}] {words[name]}{own}")
+    return ["Numbers of the robot:", *lines, ""]
+
+
+def of_program(program: Program, numbers: Inputs | None = None) -> tuple[tuple[str, ...], dict[str, Any]]:
+    """The head of the text of a kernel, of which no more is known than its program and its p; and p's names."""
     counts = ", ".join(f"{count} {op}" for op, count in sorted(program.operations.items()))
-    return (
+    words = identifiers(numbers.names if numbers else ())
+    head = [
         f"{program.name}: {', '.join(map(str, program.inputs))} -> {', '.join(map(str, program.outputs))}.",
         f"{sum(program.operations.values())} operations: {counts or 'none'}.",
         f"Written by freebody {__version__}.",
-    )
+    ]
+    if numbers is None:
+        return tuple(head), {}
+    listed = _listed_numbers(numbers.model, numbers, words)
+    return (*head, "", *listed), {"numbers": {word: name for name, word in words.items()}}

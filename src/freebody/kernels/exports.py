@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from freebody import __version__
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody.errors import FreebodyError, KindError, UnknownNameError
 from freebody.identifiers import is_identifier
 from freebody.kernels.describe import Description, of_program
 from freebody.kernels.formulas import Option
 from freebody.kernels.inputs import InputKernel, Inputs, inputs_of
-from freebody.kernels.lookup import chosen_option, program
+from freebody.kernels.lookup import chosen_option, program, several
 from freebody.kernels.vectors import vectors
+from freebody.model.members import FamilyError
 from freebody.model.model import Model
 from freebody.model.required import require_model
 from freebody.outputs.folder import write_folder
@@ -27,7 +28,7 @@ from freebody.targets.text import LANGUAGES, Unit
 
 
 def source(
-    what: Model | Kernel,
+    what: Model | Kernel | InputKernel,
     names: str | Sequence[str] | None = None,
     language: str = "numpy",
     *,
@@ -49,7 +50,7 @@ def source(
 
 
 def export(
-    what: Model | Kernel,
+    what: Model | Kernel | InputKernel,
     names: str | Sequence[str] | None = None,
     out: str | os.PathLike[str] = ".",
     language: str = "c",
@@ -64,11 +65,12 @@ def export(
     it, names.json with names as they were where the text has words, and manifest.json. Nothing but freebody's own files
     is replaced. Raises FileError, OutputError too.
     """
+    if not isinstance(out, str | os.PathLike):
+        raise KindError("fb.export", "out", out, "the name of a folder")
     unit, described, given = _unit("fb.export", what, names, language, name, dtype, options)
     known = LANGUAGES[language]
-    files = known.package(
-        unit, vectors(unit.program, dtype, what if isinstance(what, Model) else None, given)
-    )
+    model = what if isinstance(what, Model) else None
+    files = known.package(unit, vectors(unit.program, dtype, model, given.values if given else None))
     word = next(iter(files)).partition(".")[0]
     files["README.txt"] = _readme(unit, known.test.format(name=word), known.note, list(files))
     files["names.json"] = json.dumps(described, indent=1) + "\n"
@@ -77,7 +79,7 @@ def export(
 
 
 def to_jax(
-    what: Model | Kernel, names: str | Sequence[str] | None = None, **options: Any
+    what: Model | Kernel | InputKernel, names: str | Sequence[str] | None = None, **options: Any
 ) -> Callable[..., Any]:
     """The same as a pure JAX function, which may be jitted, differentiated and mapped. Needs JAX.
 
@@ -94,7 +96,10 @@ _OPTIONS = ("frame", "reference", "wrench_frames", "rows")
 
 
 def _traced(
-    function: str, what: Model | Kernel, names: str | Sequence[str] | None, options: dict[str, Any]
+    function: str,
+    what: Model | Kernel | InputKernel,
+    names: str | Sequence[str] | None,
+    options: dict[str, Any],
 ) -> tuple[Program, tuple[tuple[str, ...], Option, Inputs | None] | None]:
     """The program that is meant; of a model the quantities, the structure and the numbers that are inputs too."""
     if isinstance(what, Kernel | InputKernel):
@@ -106,22 +111,21 @@ def _traced(
     require_model(function.removeprefix("fb."), what)
     if names is None:
         raise FreebodyError(f"{function}: give the quantities, such as 'inverse_dynamics'.")
-    wanted, by = (options.get(key, ()) for key in ("inputs", "by"))
+    wanted, by = (several(function, f"{key}=", options.get(key, ())) for key in ("inputs", "by"))
     rest = {key: value for key, value in options.items() if key not in ("inputs", "by")}
     for key in rest:
         if key not in _OPTIONS:
             raise UnknownNameError("option", key, function, (*_OPTIONS, "inputs", "by"))
-    listed, option = chosen_option(what, names, **rest)
-    given = inputs_of(what, wanted) if wanted else None
+    listed, option = chosen_option(what, names, **rest, function=function)
+    given = inputs_of(function, what, wanted) if wanted else None
     p = Argument("p", (len(given.names),)) if given else None
-    slopes = (by,) if isinstance(by, str) else tuple(by)
-    traced = program(what, listed, option, p, given.tree if given else None, slopes)
+    traced = program(what, listed, option, p, given.tree if given else None, by)
     return traced, (listed, option, given)
 
 
 def _unit(
     function: str,
-    what: Model | Kernel,
+    what: Model | Kernel | InputKernel,
     names: str | Sequence[str] | None,
     language: str,
     name: str | None,
@@ -129,7 +133,7 @@ def _unit(
     options: dict[str, Any],
 ) -> tuple[Unit, dict[str, Any], Inputs | None]:
     """What is written, the names behind its words, and the numbers that are inputs."""
-    if language not in LANGUAGES:
+    if not isinstance(language, str) or language not in LANGUAGES:
         raise UnknownNameError("language", language, function, LANGUAGES)
     dtypes = LANGUAGES[language].dtypes
     if dtype not in dtypes:
@@ -138,12 +142,18 @@ def _unit(
         raise FreebodyError(
             f"{function}: name={name!r} is no word of letters a-z, digits and _ that could be a function's name."
         )
+    model = what.model if isinstance(what, InputKernel) else what
+    if isinstance(model, Model) and model.family:
+        raise FamilyError(function, model.name, model.family)
     traced, chosen = _traced(function, what, names, options)
     traced = share_reciprocals(traced)
     if chosen is None or not isinstance(what, Model):
-        return Unit(traced, name or traced.name, of_program(traced), None, dtype), {}, None
-    about = Description(what, *chosen, traced)
-    return Unit(traced, name or traced.name, about.comment, about.joints, dtype), about.names, chosen[-1]
+        given = Inputs(what.parameters, what.values, what.model) if isinstance(what, InputKernel) else None
+        comment, words = of_program(traced, given)
+        return Unit(traced, name or traced.name, comment, None, dtype), words, given
+    listed, option, given = chosen
+    about = Description(what, listed, option, given, traced)
+    return Unit(traced, name or traced.name, about.comment, about.joints, dtype), about.names, given
 
 
 def _readme(unit: Unit, command: str, note: str, files: list[str]) -> str:

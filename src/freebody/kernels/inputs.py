@@ -57,15 +57,14 @@ class Inputs:
         return lower(self.model, InputReader(scalars))
 
 
-def inputs_of(model: Model, wanted: Name | Sequence[Name]) -> Inputs:
+def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> Inputs:
     """The numbers that names and patterns mean, and all those that members of a family have each their own of."""
     records = Parameters(model)
-    asked = [wanted] if isinstance(wanted, str) else list(wanted)
-    meant = {record.name for pattern in asked for record in records.matching(pattern)}
+    meant = {record.name for pattern in wanted for record in records.matching(pattern)}
     for record in records:
         if record.limit and record.name in meant:
             raise FreebodyError(
-                f"fb.kernel: {record.name!r} is a limit, which no kernel reads; bind it instead."
+                f"{function}: {record.name!r} is a limit, which no kernel reads; bind it instead."
             )
     varied = {r.name for r in records if isinstance(r.value, np.ndarray) and not r.limit}
     chosen = [record for record in records if record.name in meant | varied]
@@ -86,6 +85,7 @@ class InputKernel:
     Called with p, with p={name: value}, where other numbers are the model's, or without, with the model's own numbers.
 
     Attributes:
+        model: whose numbers these are.
         kernel: the compiled function, which takes p as its last argument.
         parameters: names of the entries of p.
         values: p of the model itself, of a family (*family, k).
@@ -94,7 +94,7 @@ class InputKernel:
     def __init__(self, kernel: Kernel, names: tuple[str, ...], values: Array, model: Model):
         self.kernel, self.parameters, self.values = kernel, names, values
         self.program = kernel.program
-        self._model = model
+        self.model = model
         self._count = len(kernel.program.inputs)
         self._at = {name: k for k, name in enumerate(names)}
         self._missing = tuple(name for k, name in enumerate(names) if np.isnan(values[..., k]).any())
@@ -115,7 +115,7 @@ class InputKernel:
             return given
         columns: dict[str, Array] = {}
         for key, value in (given or {}).items():
-            name = found(known(self._model), key, self._model)
+            name = found(known(self.model), key, self.model)
             if name not in self._at:
                 raise FreebodyError(
                     f"fb.kernel: {name!r} is no input of this kernel; name it in inputs=. Its inputs: "
@@ -124,14 +124,14 @@ class InputKernel:
             columns[name] = as_floats("fb.kernel", f"p[{name!r}]", value)
         missing = set(self._missing) - set(columns)
         if missing:
-            raise MissingValueError(f"the inputs of a kernel of {self._model.name!r}", missing)
+            raise MissingValueError(f"the inputs of a kernel of {self.model.name!r}", missing)
         if not columns:
             return self.values
         try:
             shape = np.broadcast_shapes(self.values.shape[:-1], *(x.shape for x in columns.values()))
         except ValueError:
             listed = ", ".join(f"{name!r} {value.shape}" for name, value in columns.items())
-            family = f", model.family {self._model.family}" if self._model.family else ""
+            family = f", model.family {self.model.family}" if self.model.family else ""
             raise BatchError(
                 f"fb.kernel: the values of p do not broadcast together: {listed}{family}."
             ) from None
@@ -149,7 +149,7 @@ class InputKernel:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Another process compiles the kernel for itself, or finds it in the cache."""
-        return input_kernel, (self.kernel, self.parameters, self.values, self._model)
+        return input_kernel, (self.kernel, self.parameters, self.values, self.model)
 
 
 class _QuickInputKernel(InputKernel):

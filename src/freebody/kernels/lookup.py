@@ -83,27 +83,27 @@ def kernel(
         target,
         width,
         dtype,
-        _several("inputs=", inputs),
-        _several("by=", by),
+        several("fb.kernel", "inputs=", inputs),
+        several("fb.kernel", "by=", by),
     )
 
 
-def _several(argument: str, given: Any) -> tuple[Any, ...]:
-    """One name, or several."""
+def several(function: str, argument: str, given: Any) -> tuple[Any, ...]:
+    """One name, or several, as a tuple."""
     if isinstance(given, str):
         return (given,)
     if not isinstance(given, (list, tuple)):
-        raise KindError("fb.kernel", argument, given, "a name or a list of names")
+        raise KindError(function, argument, given, "a name or a list of names")
     return tuple(given)
 
 
-def _near_home(model: Model, listed: tuple[str, ...], option: Option) -> Option:
+def _near_home(function: str, model: Model, listed: tuple[str, ...], option: Option) -> Option:
     """Of a closed chain's equations and coordinates those that tell all near its home, whatever positions will come."""
     if any(name in OF_INDEPENDENT_EQUATIONS for name in listed):
         option = option._replace(equations=closed("independent_rows")(model))
     for name in listed:
         if name in OF_PARTITION and option.partition is None:
-            option = option._replace(partition=closed("require_partition")(model, f"kernel: {name}"))
+            option = option._replace(partition=closed("require_partition")(model, f"{function}: {name}"))
     return option
 
 
@@ -115,32 +115,38 @@ def chosen_option(
     reference: str = "world",
     wrench_frames: Sequence[str] = (),
     rows: Sequence[str] | None = None,
+    function: str = "fb.kernel",
 ) -> tuple[tuple[str, ...], Option]:
-    """The names as a tuple and the structure that is meant, checked; arguments as for `kernel`."""
-    listed = (names,) if isinstance(names, str) else tuple(names)
+    """The names as a tuple and the structure that is meant, checked; arguments as for `kernel`.
+
+    function: what was called, for errors.
+    """
+    listed = several(function, "names", names)
     for name in listed:
         if name not in FORMULAS:
-            raise UnknownNameError("quantity", name, "fb.kernel", FORMULAS)
+            raise UnknownNameError("quantity", name, function, FORMULAS)
+        if listed.count(name) > 1:
+            raise FreebodyError(f"{function}: the quantity {name!r} is asked for twice.")
         if name in OF_TREES:
-            model.require_tree(f"kernel: {name}")
+            model.require_tree(f"{function}: {name}")
         if name in OF_LOOPS and not model.loops:
             raise FreebodyError(
-                f"kernel: {name}: {model.name!r} has no loops; add one with model.with_loop(...)."
+                f"{function}: {name}: {model.name!r} has no loops; add one with model.with_loop(...)."
             )
     if not listed:
-        raise FreebodyError("fb.kernel: give at least one quantity.")
+        raise FreebodyError(f"{function}: give at least one quantity.")
     references = ("world", "child") if listed == ("joint_wrenches",) else ("world", "body")
     if reference not in references:
         raise UnknownNameError("reference", reference, "reference=", references)
     needs_frame = any(name in _FRAMED for name in listed)
-    _require_used(listed, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows)
+    _require_used(function, listed, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows)
     option = Option(
         model.frame(frame).name if needs_frame or frame is not None else None,
         reference,
         tuple(model.frame(f).name for f in wrench_frames),
         rows=motion_rows(model, rows),
     )
-    return listed, _near_home(model, listed, option) if model.loops else option
+    return listed, _near_home(function, model, listed, option) if model.loops else option
 
 
 def motion_rows(model: Model, rows: Sequence[str] | None) -> tuple[int, ...]:
@@ -173,13 +179,13 @@ _USED_BY = {
 """Quantities that an option is for."""
 
 
-def _require_used(listed: Sequence[str], **given: Any) -> None:
+def _require_used(function: str, listed: Sequence[str], **given: Any) -> None:
     """Refuse an option that none of the quantities uses."""
     for name, value in given.items():
         used = _USED_BY[name]
         if value not in (None, (), "world") and len(value) and not set(used) & set(listed):
             raise FreebodyError(
-                f"fb.kernel: {name}={value!r} has no meaning for {', '.join(listed)}; it is for {', '.join(used)}."
+                f"{function}: {name}={value!r} has no meaning for {', '.join(listed)}; it is for {', '.join(used)}."
             )
 
 
@@ -263,7 +269,7 @@ def _with_inputs(
         )
     if not wanted and not model.family:
         return compile_program(program(model, names, option, by=by), target=target, width=width, dtype=dtype)
-    given = inputs_of(model, wanted)
+    given = inputs_of("fb.kernel", model, wanted)
     # a family's numbers never stand still along the batch
     p = Argument("p", (len(given.names),), uniform=not model.family)
     traced = program(model, names, option, p, given.tree, by)

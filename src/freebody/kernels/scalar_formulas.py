@@ -33,7 +33,13 @@ def formula(
     if not isinstance(name, str):
         raise FreebodyError("fb.formula: give the name of one quantity; of several, make several functions.")
     listed, option = chosen_option(
-        model, name, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows
+        model,
+        name,
+        frame=frame,
+        reference=reference,
+        wrench_frames=wrench_frames,
+        rows=rows,
+        function="fb.formula",
     )
     inputs, record, tree = arguments(model, listed, option), FORMULAS[name], model.tree
 

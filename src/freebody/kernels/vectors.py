@@ -10,7 +10,6 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, LoopError
 from freebody.kernels.closed_chains import closed
 from freebody.kernels.formulas import POSITIONS
-from freebody.kernels.inputs import Inputs
 from freebody.model.model import Model
 from freebody.program import Program
 from freebody.targets.interpret import Interpreter
@@ -27,17 +26,19 @@ _MARGIN = 16.0
 
 
 def vectors(
-    program: Program, dtype: str, model: Model | None = None, numbers: Inputs | None = None
+    program: Program, dtype: str, model: Model | None = None, numbers: Array | None = None
 ) -> Vectors:
     """Inputs at which all outputs are finite, what they give in extended precision, and how far off the text may be:
     sixteen times what NumPy in `dtype` is off here, at least 1e-13 (float32: 1e-5).
 
-    numbers: what p is made of; it is tried within a tenth of the model's own values.
+    numbers: (k,) the model's own values of p, which is tried within a tenth of them.
     Raises FreebodyError where none are found.
     """
     rng = np.random.default_rng(0)
     given = [
-        _near(numbers.values, rng) if numbers and a.name == "p" else _samples(a.name, a.shape, model, rng)
+        _near(numbers, rng)
+        if numbers is not None and a.name == "p"
+        else _samples(a.name, a.shape, model, rng)
         for a in program.inputs
     ]
     if model is not None and model.loops:
