@@ -7,13 +7,16 @@ import pytest
 
 import freebody as fb
 from freebody.kernels import lookup
-from freebody.kernels.columns import BY_COLUMNS, ColumnKernel, KernelList
+from freebody.kernels.arguments import arguments
+from freebody.kernels.columns import ColumnKernel, KernelList
 from freebody.kernels.formulas import FORMULAS, Option
-from freebody.kernels.lookup import arguments, fetch, reference
+from freebody.kernels.lookup import fetch
+from freebody.kernels.reference import reference
 from freebody.targets import KernelError
 from support.branched import MODELS, difference_along
 from support.helpers import refused
 
+BY_COLUMNS = [name for name, formula in FORMULAS.items() if formula.by_columns]
 INPUTS = {"q": 0, "qd": 1, "qdd": 2, "tau": 2}
 
 

@@ -10,7 +10,7 @@ from freebody.algorithms import kinematics
 from freebody.algorithms.crba import forward_dynamics
 from freebody.algorithms.rnea import rnea
 from freebody.kernels.formulas import Option
-from freebody.kernels.lookup import reference
+from freebody.kernels.reference import reference
 from support.branched import MODELS, difference_along
 
 

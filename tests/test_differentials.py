@@ -9,7 +9,7 @@ import freebody as fb
 from freebody.kernels import differentials
 from freebody.kernels.differentials import Differentiable, of_quantities
 from freebody.kernels.inputs import inputs_of
-from freebody.kernels.lookup import chosen_option
+from freebody.kernels.options import chosen_option
 from freebody.program import Argument
 from freebody.program.derivative import directional, evaluated, jacobian
 from freebody.targets import compile_program

@@ -19,7 +19,8 @@ import xarray as xr
 
 import freebody as fb
 from freebody.cli.app import run
-from freebody.kernels.lookup import chosen_option, program
+from freebody.kernels.options import chosen_option
+from freebody.kernels.tracing import program
 from freebody.targets.text import LANGUAGES
 
 CODE = "__import__('builtins').__dict__.__setitem__('hacked', True)"

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody.kernels.arguments import chosen
 from freebody.kernels.formulas import FORMULAS
 from freebody.kernels.inputs import inputs_of
-from freebody.kernels.lookup import chosen, chosen_option
+from freebody.kernels.options import chosen_option
 from support import generate
 
 STEP = 1e-40

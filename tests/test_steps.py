@@ -14,7 +14,7 @@ from freebody.algorithms.kinematics import coordinate_rates
 from freebody.algorithms.regroup import lightened
 from freebody.errors import FreebodyError
 from freebody.kernels.formulas import FORMULAS, Option
-from freebody.kernels.lookup import reference
+from freebody.kernels.reference import reference
 from freebody.model.assembly import assemble
 from freebody.model.gravity import gravity_of
 from freebody.model.model import Model

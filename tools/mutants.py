@@ -47,7 +47,7 @@ AREAS = (
     Area(
         "kernels",
         ("program/*.py", "targets/*.py", "targets/llvm/*.py", "scalars/*.py",
-         "kernels/lookup.py", "kernels/formulas.py", "kernels/columns.py"),
+         "kernels/lookup.py", "kernels/formulas/*.py", "kernels/columns.py"),
         ("compiler", "trig", "fastcall", "columns", "expr", "operational", "order_of_calls", "code_from_text",
          "numerics_errors", "equations", "laws"),
     ),

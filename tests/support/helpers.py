@@ -12,7 +12,7 @@ import pytest
 import freebody as fb
 from freebody.algorithms.kinematics import frame_pose, joint_poses, world_poses
 from freebody.kernels.formulas import Option
-from freebody.kernels.lookup import reference as run
+from freebody.kernels.reference import reference as run
 from freebody.model.model import Model
 
 # central differences of eighth order on -4 … 4

@@ -11,7 +11,8 @@ if TYPE_CHECKING:
 
 def programs(model: Model, quantity: str) -> Iterator[str]:
     """A heading and the listing for each stage of a quantity's program."""
-    from freebody.kernels.lookup import chosen_option, program
+    from freebody.kernels.options import chosen_option
+    from freebody.kernels.tracing import program
     from freebody.program.passes import PASSES
 
     names, option = chosen_option(model, quantity, function="freebody show --graph")

@@ -6,7 +6,6 @@ Beyond `LARGEST` coordinates each column is one evaluation of the matrix times a
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,15 +13,14 @@ from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, check_core
 from freebody.errors import ShapeError
+from freebody.kernels.formulas import FORMULAS
+from freebody.kernels.formulas.record import Fetch
 from freebody.program import Argument
 from freebody.targets import KernelError
 from freebody.targets.sound import sound
 
 LARGEST = 64
 """Coordinates up to which a matrix is one straight-line program."""
-
-Fetch = Callable[[str], Any]
-"""Name of a formula -> its kernel."""
 
 
 class ColumnKernel:
@@ -35,7 +33,9 @@ class ColumnKernel:
         """The matrix, or the tuple of them; `out` receives copies. Refuses what a `Kernel` refuses."""
         self._check(arrays)
         given = [np.asarray(a, dtype=float)[..., None, :] for a in arrays]
-        results = BY_COLUMNS[self.name](given, self.n, self.fetch, threads)
+        compute = FORMULAS[self.name].by_columns
+        assert compute is not None
+        results = compute(given, self.n, self.fetch, threads)
         results = tuple(np.swapaxes(columns, -1, -2) for columns in results)
         if out is not None:
             targets: tuple[Array, ...] = out if isinstance(out, tuple) else (out,)
@@ -101,45 +101,3 @@ class KernelList:
 
     def __repr__(self) -> str:
         return f"KernelList({', '.join(repr(kernel) for kernel, _, _ in self.parts)})"
-
-
-def _mass(given: list[Array], n: int, fetch: Fetch, threads: int | None) -> tuple[Array, ...]:
-    (q,) = given
-    return (fetch("mass_product")(q, np.eye(n), threads=threads),)
-
-
-def _coriolis(given: list[Array], n: int, fetch: Fetch, threads: int | None) -> tuple[Array, ...]:
-    q, qd = given
-    return (fetch("coriolis_product")(q, qd, np.eye(n), threads=threads),)
-
-
-def _inverse_derivatives(given: list[Array], n: int, fetch: Fetch, threads: int | None) -> tuple[Array, ...]:
-    q, qd, qdd = given
-    along, still, units = fetch("inverse_dynamics_along"), np.zeros(n), np.eye(n)
-    by_q = along(q, qd, qdd, units, still, threads=threads)
-    by_qd = along(q, qd, qdd, still, units, threads=threads)
-    return by_q, by_qd, *_mass([q], n, fetch, threads)
-
-
-def _forward_derivatives(given: list[Array], n: int, fetch: Fetch, threads: int | None) -> tuple[Array, ...]:
-    q, qd, tau = given
-    qdd = fetch("forward_dynamics")(q, qd, tau, threads=threads)
-    by_q, by_qd, M = (np.swapaxes(x, -1, -2) for x in _inverse_derivatives([q, qd, qdd], n, fetch, threads))
-    inverse: Array = np.asarray(np.linalg.inv(M), dtype=np.float64)
-    results: tuple[Array, ...] = (-inverse @ by_q, -inverse @ by_qd, inverse)
-    return tuple(np.swapaxes(x, -1, -2) for x in results)
-
-
-def _inverse_mass(given: list[Array], n: int, fetch: Fetch, threads: int | None) -> tuple[Array, ...]:
-    inverse: Array = np.asarray(np.linalg.inv(_mass(given, n, fetch, threads)[0]), dtype=np.float64)
-    return (inverse,)
-
-
-BY_COLUMNS: dict[str, Callable[[list[Array], int, Fetch, int | None], tuple[Array, ...]]] = {
-    "mass_matrix": _mass,
-    "mass_matrix_inverse": _inverse_mass,
-    "coriolis_matrix": _coriolis,
-    "inverse_dynamics_derivatives": _inverse_derivatives,
-    "forward_dynamics_derivatives": _forward_derivatives,
-}
-"""Matrices known by columns: each function returns arrays (..., column, row)."""

@@ -10,15 +10,15 @@ from typing import Any
 
 from freebody import __version__
 from freebody.identifiers import identifiers
-from freebody.kernels.formulas import FORMULAS, POSITIONS, Option
+from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
 from freebody.kernels.inputs import Inputs
-from freebody.kernels.meanings import INPUTS, OUTPUTS
 from freebody.model.model import Model
 from freebody.model.numbers import Parameters
 from freebody.program import Argument, Program
 from freebody.targets.text import Joints
 
-_OF_NO_JOINT = ("point", "multipliers", "h", "p")
+_NUMBERS = "numbers of the robot, listed below (SI units)"
+"""What p is."""
 
 
 class Description:
@@ -71,7 +71,7 @@ class Description:
         last = len(self.model.bodies) - 1
         inputs: list[int] = []
         for argument in self.program.inputs:
-            rates = argument.shape == (self.model.nv,) and argument.name not in _OF_NO_JOINT
+            rates = argument.name in INPUTS and INPUTS[argument.name].dims == ("nv",)
             owners = by_q if argument.name in POSITIONS else by_v if rates else [-1] * argument.size
             inputs += owners
         outputs: list[int] = []
@@ -93,16 +93,16 @@ class Description:
 
     def _worded(self, quantities: tuple[str, ...]) -> dict[str, str]:
         """What each argument is."""
-        found = dict(INPUTS)
+        found = {name: given.meaning for name, given in INPUTS.items()} | {"p": _NUMBERS}
         for k, frame in enumerate(self.option.wrench_frames):
             found[f"wrench{k}"] = (
                 f"wrench on the frame {self._body_words[frame]}: force, then moment about its origin, world axes "
                 "(N, N m)"
             )
         for name in quantities:
-            for label in FORMULAS[name].outputs:
+            for label, output in FORMULAS[name].outputs.items():
                 full = f"{name}_{label}" if len(quantities) > 1 else label
-                found[f"out {full}"] = OUTPUTS.get(name, {}).get(label, "as named")
+                found[f"out {full}"] = output.meaning
         return found
 
     def _arguments(self, title: str, arguments: Iterable[Argument]) -> list[str]:

@@ -14,7 +14,7 @@ from typing import Any
 from freebody.algorithms.kinematics import position_rates
 from freebody.elementary import Scalar
 from freebody.kernels.formulas import Option
-from freebody.kernels.lookup import program as formula_program
+from freebody.kernels.tracing import program as formula_program
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.program import Argument, Program, trace

@@ -14,7 +14,8 @@ from freebody.identifiers import is_identifier
 from freebody.kernels.describe import Description, of_program
 from freebody.kernels.formulas import Option
 from freebody.kernels.inputs import InputKernel, Inputs, inputs_of
-from freebody.kernels.lookup import chosen_option, program, several
+from freebody.kernels.options import chosen_option, several
+from freebody.kernels.tracing import program
 from freebody.kernels.vectors import vectors
 from freebody.model.members import FamilyError
 from freebody.model.model import Model

@@ -1,36 +1,20 @@
-"""From a model and the name of a formula to its kernel, or to its value over plain arrays."""
+"""From a model and the name of a formula to its kernel."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import numpy as np
-
-from freebody.algorithms.regressor import parameter_values
-from freebody.algorithms.regroup import lightened
-from freebody.arrays import Array
-from freebody.elementary import Scalar
-from freebody.errors import FreebodyError, KindError, SingularError, UnknownNameError
-from freebody.kernels.closed_chains import closed
-from freebody.kernels.columns import BY_COLUMNS, LARGEST, ColumnKernel, KernelList
-from freebody.kernels.formulas import (
-    FORMULAS,
-    OF_INDEPENDENT_EQUATIONS,
-    OF_LOOPS,
-    OF_PARTITION,
-    OF_TREES,
-    POSITIONS,
-    Option,
-)
+from freebody.errors import FreebodyError
+from freebody.kernels.arguments import arguments
+from freebody.kernels.columns import LARGEST, ColumnKernel, KernelList
+from freebody.kernels.formulas import FORMULAS, Option
 from freebody.kernels.inputs import InputKernel, input_kernel, inputs_of
-from freebody.kernels.slopes import directions, lifted, slope_arguments, with_slopes
-from freebody.model.identified import parameter_names
-from freebody.model.members import FamilyError
+from freebody.kernels.options import chosen_option, several
+from freebody.kernels.tracing import program
 from freebody.model.model import Model
 from freebody.model.numbers import Name
-from freebody.model.tree import Tree
-from freebody.program import Argument, Program, trace
+from freebody.program import Argument
 from freebody.targets import Kernel, compile_program
 
 
@@ -88,116 +72,6 @@ def kernel(
     )
 
 
-def several(function: str, argument: str, given: Any) -> tuple[Any, ...]:
-    """One name, or several, as a tuple."""
-    if isinstance(given, str):
-        return (given,)
-    if not isinstance(given, (list, tuple)):
-        raise KindError(function, argument, given, "a name or a list of names")
-    return tuple(given)
-
-
-def _near_home(function: str, model: Model, listed: tuple[str, ...], option: Option) -> Option:
-    """Of a closed chain's equations and coordinates those that tell all near its home, whatever positions will come."""
-    if any(name in OF_INDEPENDENT_EQUATIONS for name in listed):
-        option = option._replace(equations=closed("independent_rows")(model))
-    for name in listed:
-        if name in OF_PARTITION and option.partition is None:
-            option = option._replace(partition=closed("require_partition")(model, f"{function}: {name}"))
-    return option
-
-
-def chosen_option(
-    model: Model,
-    names: str | Sequence[str],
-    *,
-    frame: str | None = None,
-    reference: str = "world",
-    wrench_frames: Sequence[str] = (),
-    rows: Sequence[str] | None = None,
-    function: str = "fb.kernel",
-) -> tuple[tuple[str, ...], Option]:
-    """The names as a tuple and the structure that is meant, checked; arguments as for `kernel`.
-
-    function: what was called, for errors.
-    """
-    listed = several(function, "names", names)
-    for name in listed:
-        if name not in FORMULAS:
-            raise UnknownNameError("quantity", name, function, FORMULAS)
-        if listed.count(name) > 1:
-            raise FreebodyError(f"{function}: the quantity {name!r} is asked for twice.")
-        if name in OF_TREES:
-            model.require_tree(f"{function}: {name}")
-        if name in OF_LOOPS and not model.loops:
-            raise FreebodyError(
-                f"{function}: {name}: {model.name!r} has no loops; add one with model.with_loop(...)."
-            )
-    if not listed:
-        raise FreebodyError(f"{function}: give at least one quantity.")
-    references = ("world", "child") if listed == ("joint_wrenches",) else ("world", "body")
-    if reference not in references:
-        raise UnknownNameError("reference", reference, "reference=", references)
-    needs_frame = any(name in _FRAMED for name in listed)
-    _require_used(function, listed, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows)
-    option = Option(
-        model.frame(frame).name if needs_frame or frame is not None else None,
-        reference,
-        tuple(model.frame(f).name for f in wrench_frames),
-        rows=motion_rows(model, rows),
-    )
-    return listed, _near_home(function, model, listed, option) if model.loops else option
-
-
-def motion_rows(model: Model, rows: Sequence[str] | None) -> tuple[int, ...]:
-    """Indices of rows of a frame's motion by name; None is all of them."""
-    names = ("vx", "vy", "vz", "wx", "wy", "wz") if model.dim == 3 else ("vx", "vy", "w")
-    if rows is not None and (isinstance(rows, str) or not len(rows) or len(set(rows)) < len(rows)):
-        raise FreebodyError(f"rows is {rows!r}, expected one or several of {', '.join(names)}, each once.")
-    for row in rows or ():
-        if row not in names:
-            raise UnknownNameError("row", row, "rows=", names)
-    return tuple(names.index(row) for row in (names if rows is None else rows))
-
-
-_FRAMED = (
-    "forward_kinematics",
-    "velocity",
-    "acceleration",
-    "jacobian",
-    "jacobian_dot",
-    "jacobian_derivatives",
-    "operational_space_inertia",
-    "operational_space_bias",
-)
-_USED_BY = {
-    "frame": _FRAMED,
-    "reference": ("jacobian", "jacobian_dot", "jacobian_derivatives", "joint_wrenches"),
-    "wrench_frames": tuple(name for name, formula in FORMULAS.items() if "wrenches" in formula.inputs),
-    "rows": ("operational_space_inertia", "operational_space_bias"),
-}
-"""Quantities that an option is for."""
-
-
-def _require_used(function: str, listed: Sequence[str], **given: Any) -> None:
-    """Refuse an option that none of the quantities uses."""
-    for name, value in given.items():
-        used = _USED_BY[name]
-        if value not in (None, (), "world") and len(value) and not set(used) & set(listed):
-            raise FreebodyError(
-                f"{function}: {name}={value!r} has no meaning for {', '.join(listed)}; it is for {', '.join(used)}."
-            )
-
-
-SMALL = 12
-"""Coordinates up to which two ways to the same values are both traced."""
-
-_ORDER = (
-    *("q", "q0", "q1", "qd", "qdd", "v", "tau", "x", "dq", "dqd", "multipliers", "reactions", "point"),
-    *("h", "q_ref", "qd_ref", "kp", "kd"),
-)
-
-
 def fetch(
     model: Model,
     names: tuple[str, ...],
@@ -212,7 +86,7 @@ def fetch(
     key = (names, option, target, width, dtype, inputs, by)
     found = model.compiled.get(key)
     if found is None:
-        large = [name for name in names if model.nv > LARGEST and name in BY_COLUMNS]
+        large = _large(model, names)
         if large and dtype != "float64":
             raise FreebodyError(
                 f"fb.kernel: {large[0]} of {model.nv} coordinates is made column by column, which is there in float64 "
@@ -243,11 +117,16 @@ def in_columns(
 
     fetch_product: the kernel of a formula that columns come from; fetch_some: of some of the quantities.
     """
-    if model.nv <= LARGEST or not any(name in BY_COLUMNS for name in names):
+    if not _large(model, names):
         return None
     if len(names) == 1:
         return ColumnKernel(names[0], arguments(model, names, option), model.nv, fetch_product)
     return _in_parts(model, names, option, fetch_some)
+
+
+def _large(model: Model, names: tuple[str, ...]) -> list[str]:
+    """The quantities that are made column by column, for so many coordinates."""
+    return [name for name in names if FORMULAS[name].by_columns] if model.nv > LARGEST else []
 
 
 def _with_inputs(
@@ -261,7 +140,7 @@ def _with_inputs(
     by: tuple[str, ...],
 ) -> Kernel | InputKernel:
     """A kernel with numbers of the model as inputs, or with derivatives."""
-    large = [name for name in names if model.nv > LARGEST and name in BY_COLUMNS]
+    large = _large(model, names)
     if large:
         raise FreebodyError(
             f"fb.kernel: {large[0]} of {model.nv} coordinates is made column by column, which takes no inputs=, by= or "
@@ -281,8 +160,9 @@ def _in_parts(
     model: Model, names: tuple[str, ...], option: Option, fetch_some: Callable[[tuple[str, ...]], Any]
 ) -> KernelList:
     """Quantities by columns each alone, all others in one program that shares their work."""
-    together = tuple(name for name in names if name not in BY_COLUMNS)
-    groups = [(name,) for name in names if name in BY_COLUMNS] + ([together] if together else [])
+    large = _large(model, names)
+    together = tuple(name for name in names if name not in large)
+    groups = [(name,) for name in large] + ([together] if together else [])
     first, places = 0, {}
     for name in names:
         places[name] = list(range(first, first + len(FORMULAS[name].outputs)))
@@ -296,151 +176,3 @@ def _in_parts(
         for some in groups
     ]
     return KernelList(arguments(model, names, option), parts)
-
-
-def program(
-    model: Model,
-    names: tuple[str, ...],
-    option: Option,
-    p: Argument | None = None,
-    over: Callable[[Sequence[Scalar]], Tree] | None = None,
-    by: tuple[str, ...] = (),
-) -> Program:
-    """What the formulas do to scalars, for this model; with p, some of its numbers, as a last input.
-
-    over: the tree over the scalars of p. by: inputs by which the outputs are differentiated.
-    """
-    if model.family and p is None:
-        raise FamilyError(f"the program of {', '.join(names)}", model.name, model.family)
-    fixed = model.tree if p is None or over is None else over([1.0] * p.size)
-    inputs = arguments(model, names, option) if p is None else (*arguments(model, names, option), p)
-    labels = [a.name for a in inputs]
-    outputs = tuple(
-        Argument(f"{name}_{label}" if len(names) > 1 else label, _shape(model, dims, option, fixed))
-        for name in names
-        for label, dims in FORMULAS[name].outputs.items()
-    )
-    sizes = directions(model, inputs, by)
-
-    def traced(ways: dict[str, Callable[..., tuple[Any, ...]]]) -> Program:
-        def evaluate(*values: Any) -> tuple[Any, ...]:
-            given, tree = lifted(dict(zip(labels, values, strict=True)), sizes, fixed, over)
-            if all(FORMULAS[name].by_motion for name in names):  # no output shows the links one by one
-                tree = lightened(tree)
-            results = tuple(
-                x for name in names for x in ways[name](tree, option, **chosen(name, given, option))
-            )
-            return with_slopes(results, outputs, sizes)
-
-        try:
-            return trace("_".join(names), evaluate, inputs, (*outputs, *slope_arguments(outputs, sizes)))
-        except ZeroDivisionError:
-            raise SingularError(
-                f"{', '.join(names)} of {model.name!r} divides by zero in every state: a joint moves no mass and no "
-                "inertia, or a loop does not hold anything."
-            ) from None
-
-    first = traced({name: FORMULAS[name].evaluate for name in names})
-    others = {name: FORMULAS[name].another or FORMULAS[name].evaluate for name in names}
-    if model.nv > SMALL or all(FORMULAS[name].another is None for name in names):
-        return first
-    return min(first, traced(others), key=lambda program: sum(program.operations.values()))
-
-
-def reference(model: Model, name: str, option: Option, *arrays: Array) -> Array | tuple[Array, ...]:
-    """The formula run on NumPy arrays instead of the compiled kernel; arguments and results as for the kernel."""
-    inputs = arguments(model, (name,), option)
-    batch = np.broadcast_shapes(
-        *(a.shape[: a.ndim - len(argument.shape)] for a, argument in zip(arrays, inputs, strict=True))
-    )
-    given = {
-        argument.name: _scalars(np.broadcast_to(a, batch + argument.shape), len(argument.shape))
-        for argument, a in zip(inputs, arrays, strict=True)
-    }
-    formula = FORMULAS[name]
-    values = formula.evaluate(model.tree, option, **chosen(name, given, option))
-    results = tuple(
-        _array(value, batch, _shape(model, dims, option))
-        for value, dims in zip(values, formula.outputs.values(), strict=True)
-    )
-    return results[0] if len(results) == 1 else results
-
-
-def _array(value: Any, batch: tuple[int, ...], shape: tuple[int, ...]) -> Array:
-    """Nested scalars as one array (*batch, *shape)."""
-    flat = [np.broadcast_to(np.asarray(x, dtype=float), batch) for x in _flat(value, len(shape))]
-    return np.stack(flat, axis=-1).reshape(batch + shape) if flat else np.zeros(batch + shape)
-
-
-def arguments(model: Model, names: tuple[str, ...], option: Option) -> tuple[Argument, ...]:
-    """Inputs that the formulas need, each once, in the fixed order."""
-    wanted = {label for name in names for label in FORMULAS[name].inputs}
-    shapes = dict.fromkeys(POSITIONS, (model.nq,)) | {
-        "point": (model.dim,),
-        "multipliers": (model.tree.constraints if "multipliers" in wanted else 0,),
-        "reactions": _shape(model, ("reactions", "six"), option),
-        "h": (),
-    }
-    plain = [
-        Argument(x, shapes.get(x, (model.nv,)))
-        for x in _ORDER
-        if x in wanted and (x != "point" or option.point)
-    ]
-    loads = option.wrench_frames if "wrenches" in wanted else ()
-    # by index: the frames' names come from outside, and a program's names stand in generated text
-    return (*plain, *(Argument(_wrench(k), _shape(model, ("six",), option)) for k in range(len(loads))))
-
-
-def _wrench(k: int) -> str:
-    """Name of the input that acts at frame k of `wrench_frames`."""
-    return f"wrench{k}"
-
-
-def chosen(name: str, given: dict[str, Any], option: Option) -> dict[str, Any]:
-    """Of the given inputs those that a formula takes."""
-    taken = {x: given[x] for x in FORMULAS[name].inputs if x in given}
-    if "wrenches" in FORMULAS[name].inputs:
-        taken["wrenches"] = tuple(given[_wrench(k)] for k in range(len(option.wrench_frames)))
-    return taken
-
-
-def _shape(
-    model: Model, dims: tuple[str | int, ...], option: Option, tree: Tree | None = None
-) -> tuple[int, ...]:
-    sizes = {
-        "nq": lambda: model.nq,
-        "nv": lambda: model.nv,
-        "nj": lambda: len(model.bodies),
-        "six": lambda: 6 if model.dim == 3 else 3,
-        "dim": lambda: model.dim,
-        "angular": lambda: 3 if model.dim == 3 else 1,
-        "pose": lambda: model.dim + 1,
-        "rows": lambda: len(option.rows),
-        "equations": lambda: (
-            (tree or model.tree).constraints if option.equations is None else len(option.equations)
-        ),
-        "constraints": lambda: (tree or model.tree).constraints,
-        "loose": lambda: (
-            (tree or model.tree).constraints - len(option.partition.rows if option.partition else ())
-        ),
-        "reactions": lambda: len(model.bodies) + len(model.loops),
-        "parameters": lambda: parameter_count(model) if tree is None else len(parameter_values(tree)),
-    }
-    return tuple(d if isinstance(d, int) else sizes[d]() for d in dims)
-
-
-def parameter_count(model: Model) -> int:
-    """Columns of the regressors: the parameters of bodies, then of the joints that have a drive."""
-    return len(parameter_names(model))
-
-
-def _scalars(array: Array, core: int) -> Any:
-    """An array as nested tuples over its core axes, each entry an array over the batch."""
-    if core == 0:
-        return array
-    axis = array.ndim - core
-    return tuple(_scalars(np.take(array, i, axis=axis), core - 1) for i in range(array.shape[axis]))
-
-
-def _flat(value: Any, depth: int) -> list[Any]:
-    return [value] if depth == 0 else [x for item in value for x in _flat(item, depth - 1)]

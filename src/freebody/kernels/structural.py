@@ -18,7 +18,8 @@ from freebody.arrays import Array
 from freebody.elementary import Scalar
 from freebody.kernels.columns import ColumnKernel, KernelList
 from freebody.kernels.formulas import FORMULAS, Option
-from freebody.kernels.lookup import in_columns, program
+from freebody.kernels.lookup import in_columns
+from freebody.kernels.tracing import program
 from freebody.model.model import Model
 from freebody.model.structure import drives, frame_form, joined, pose_part, tree_over
 from freebody.model.tree import Tree
@@ -100,7 +101,7 @@ def _frames(option: Option) -> tuple[str, ...]:
 
 def _shown_drives(model: Model, names: tuple[str, ...]) -> tuple[bool, ...] | None:
     """Which joints have a drive, where an output has entries for each that has one."""
-    shown = any("parameters" in dims for name in names for dims in FORMULAS[name].outputs.values())
+    shown = any("parameters" in output.dims for name in names for output in FORMULAS[name].outputs.values())
     return drives(model) if shown else None
 
 

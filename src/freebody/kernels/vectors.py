@@ -9,7 +9,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, LoopError
 from freebody.kernels.closed_chains import closed
-from freebody.kernels.formulas import POSITIONS
+from freebody.kernels.formulas import INPUTS, POSITIONS
 from freebody.model.model import Model
 from freebody.program import Program
 from freebody.targets.interpret import Interpreter
@@ -18,8 +18,6 @@ from freebody.targets.text import Vectors
 COUNT = 5
 """Samples."""
 _TRIES = 40
-_POSITIVE = {"h": 1e-2, "kp": 1.0, "kd": 1.0}
-"""Sizes of inputs of the steps that make no sense below 0."""
 _FLOOR = {"float64": 1e-13, "float32": 1e-5}
 _MARGIN = 16.0
 """Another order of operations, or another sine, may cost more than was seen."""
@@ -69,8 +67,9 @@ def _samples(name: str, shape: tuple[int, ...], model: Model | None, rng: np.ran
     """(tries, size): positions about home, anything else of size 1."""
     size = int(np.prod(shape))
     values = rng.uniform(-1.0, 1.0, size=(_TRIES, size))
-    if model is not None and name in _POSITIVE:
-        return np.abs(values) * _POSITIVE[name]
+    size = INPUTS[name].positive if model is not None and name in INPUTS else None
+    if size is not None:
+        return np.abs(values) * size
     if model is None or name not in POSITIONS:
         return values
     home = dict(model.home)

@@ -15,7 +15,7 @@ import numpy as np
 
 from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, UnknownNameError
-from freebody.kernels.lookup import motion_rows
+from freebody.kernels.options import motion_rows
 from freebody.loops.assembly import assemble, free_coordinates
 from freebody.loops.equations import require_loops, scaled_jacobian, scaled_residual
 from freebody.loops.partition import independent_rows

@@ -9,7 +9,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.kernels.lookup import motion_rows
+from freebody.kernels.options import motion_rows
 from freebody.loops.assembly import free_coordinates
 from freebody.loops.equations import require_closed, require_loops, scaled_jacobian
 from freebody.loops.scaled import length, null_space, rate_scale

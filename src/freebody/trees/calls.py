@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from freebody.arrays import Array, as_floats, at_sample, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError
 from freebody.kernels import structural
-from freebody.kernels.formulas import FORMULAS, OF_TREES, POSITIONS, Option
+from freebody.kernels.formulas import FORMULAS, POSITIONS, Option
 from freebody.labels import aligned, refuse_other_times
 from freebody.model.model import Model
 from freebody.model.required import require_model
@@ -42,7 +42,7 @@ def evaluate(
     if result is not None:
         return result
     require_model(function, model)
-    if function in OF_TREES:
+    if FORMULAS[function].chains == "open":
         model.require_tree(function)
     chosen = Option() if option is None else option(model, *(choice or ()))
     key = _key(function, choice, wrenches)

@@ -12,7 +12,7 @@ from freebody.algorithms.regressor import parameter_values
 from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
-from freebody.kernels.lookup import motion_rows
+from freebody.kernels.options import motion_rows
 from freebody.model.facts import fact
 from freebody.model.identified import parameter_names
 from freebody.model.model import Model

@@ -1,0 +1,104 @@
+"""Derivatives of inverse and forward dynamics along positions and rates."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from freebody.algorithms.crba import crba
+from freebody.algorithms.derivatives import (
+    Derivatives,
+    forward_dynamics_derivatives,
+    inverse_dynamics_derivatives,
+)
+from freebody.algorithms.kinematics import position_rates
+from freebody.algorithms.rnea import rnea
+from freebody.kernels.formulas import by_columns
+from freebody.kernels.formulas.choices import along_every_direction, seeded
+from freebody.kernels.formulas.record import Formula, Option, Output
+from freebody.model.tree import Tree
+from freebody.scalars.dual import Dual, slopes
+from freebody.spatial import Vector
+
+
+def _matrices(derivatives: Derivatives) -> tuple[Any, ...]:
+    return derivatives.by_q, derivatives.by_qd, derivatives.by_last
+
+
+def _by_dual_scalars(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Derivatives:
+    """Derivatives of inverse dynamics by forward mode: shorter where a robot's geometry folds well."""
+    n = tree.nv
+    faster = tuple(Dual(x, {n + k: 1.0}) for k, x in enumerate(qd))
+    rows = [slopes(t, 2 * n) for t in rnea(tree, along_every_direction(tree, q), faster, qdd).tau]
+    return Derivatives(tuple(tuple(r[:n]) for r in rows), tuple(tuple(r[n:]) for r in rows), crba(tree, q))
+
+
+def _along(
+    tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, dq: Vector, dqd: Vector
+) -> tuple[Any, ...]:
+    """Change of tau along a direction (dq, dqd) of the tangent space."""
+    moved = seeded(q, position_rates(tree, q, dq))
+    return (tuple(slopes(t, 1)[0] for t in rnea(tree, moved, seeded(qd, dqd), qdd).tau),)
+
+
+def _second(tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector) -> tuple[Any, ...]:
+    """Second derivatives of tau: those of its first ones along every direction of q, and of q̇."""
+    n = tree.nv
+    by_q = inverse_dynamics_derivatives(tree, along_every_direction(tree, q), qd, qdd)
+    faster = tuple(Dual(x, {k: 1.0}) for k, x in enumerate(qd))
+    by_qd = inverse_dynamics_derivatives(tree, q, faster, qdd)
+    return tuple(
+        tuple(tuple(slopes(x, n) for x in row) for row in table)
+        for table in (by_q.by_q, by_q.by_qd, by_qd.by_qd, by_q.by_last)
+    )
+
+
+_MATRIX, _CUBE = ("nv", "nv"), ("nv", "nv", "nv")
+
+FORMULAS = {
+    "inverse_dynamics_derivatives": Formula(
+        ("q", "qd", "qdd"),
+        {
+            "dtau_dq": Output(_MATRIX, "derivative of tau by q (N m/rad, ...)"),
+            "dtau_dqd": Output(_MATRIX, "derivative of tau by qd (N m s/rad, ...)"),
+            "M": Output(_MATRIX, "derivative of tau by qdd: the mass matrix (kg m^2, kg)"),
+        },
+        lambda t, o, q, qd, qdd: _matrices(inverse_dynamics_derivatives(t, q, qd, qdd)),
+        lambda t, o, q, qd, qdd: _matrices(_by_dual_scalars(t, q, qd, qdd)),
+        by_motion=True,
+        chains="open",
+        by_columns=by_columns.inverse_derivatives,
+    ),
+    "forward_dynamics_derivatives": Formula(
+        ("q", "qd", "tau"),
+        {
+            "dqdd_dq": Output(_MATRIX, "derivative of the accelerations by q (1/s^2, ...)"),
+            "dqdd_dqd": Output(_MATRIX, "derivative of the accelerations by qd (1/s, ...)"),
+            "Minv": Output(
+                _MATRIX,
+                "derivative of the accelerations by tau: the inverse mass matrix (1/(kg m^2), 1/kg)",
+            ),
+        },
+        lambda t, o, q, qd, tau: _matrices(forward_dynamics_derivatives(t, q, qd, tau)),
+        lambda t, o, q, qd, tau: _matrices(forward_dynamics_derivatives(t, q, qd, tau, _by_dual_scalars)),
+        by_motion=True,
+        chains="open",
+        by_columns=by_columns.forward_derivatives,
+    ),
+    "inverse_dynamics_second_derivatives": Formula(
+        ("q", "qd", "qdd"),
+        {
+            "d2tau_dq_dq": Output(_CUBE, "second derivative of tau by q and q"),
+            "d2tau_dqd_dq": Output(_CUBE, "second derivative of tau by qd and q"),
+            "d2tau_dqd_dqd": Output(_CUBE, "second derivative of tau by qd and qd"),
+            "dM_dq": Output(_CUBE, "derivative of the mass matrix by q"),
+        },
+        _second,
+        chains="open",
+    ),
+    "inverse_dynamics_along": Formula(
+        ("q", "qd", "qdd", "dq", "dqd"),
+        {"dtau": Output(("nv",), "change of tau along the direction (N m, N)")},
+        _along,
+        chains="open",
+    ),
+}

@@ -1,0 +1,121 @@
+"""Torques, accelerations, wrenches of joints, and the matrices of the equations of motion."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from freebody.algorithms.aba import aba
+from freebody.algorithms.constraints import constrained_dynamics
+from freebody.algorithms.coriolis import coriolis_matrix, coriolis_product
+from freebody.algorithms.crba import bias, crba, forward_dynamics, mass_product, only_inertia, supports
+from freebody.algorithms.operational import mass_matrix_inverse
+from freebody.algorithms.rnea import joint_wrenches, rnea
+from freebody.kernels.formulas import by_columns
+from freebody.kernels.formulas.choices import driven, external, still
+from freebody.kernels.formulas.record import Formula, Option, Output
+from freebody.model.tree import Tree
+from freebody.spatial import Vector
+
+
+def _inverse(
+    tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, wrenches: Any = ()
+) -> tuple[Any, ...]:
+    return (driven(tree, o, q, rnea(tree, q, qd, qdd, external(tree, o, q, wrenches)).tau),)
+
+
+def forward(tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector, wrenches: Any = ()) -> tuple[Any, ...]:
+    """Accelerations of a tree or a closed chain, as the one entry of a tuple."""
+    if tree.loops:
+        return (constrained_dynamics(tree, q, qd, tau, external(tree, o, q, wrenches), o.equations).qdd,)
+    method = aba if _prefers_articulated_bodies(tree) else forward_dynamics
+    return (method(tree, q, qd, tau, external(tree, o, q, wrenches)),)
+
+
+def _prefers_articulated_bodies(tree: Tree) -> bool:
+    """Whether articulated bodies take fewer operations than factoring the mass matrix: chains are long."""
+    longest = max((len(above) for above in supports(tree).values()), default=0)
+    return longest >= 24 and not tree.follows
+
+
+def _gravity(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
+    return (rnea(only_inertia(tree), q, still(tree), still(tree)).tau,)
+
+
+def _static(tree: Tree, o: Option, q: Vector, wrenches: Any = ()) -> tuple[Any, ...]:
+    return _inverse(tree, o, q, still(tree), still(tree), wrenches)
+
+
+def _wrenches(
+    tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, wrenches: Any = ()
+) -> tuple[Any, ...]:
+    return (joint_wrenches(tree, rnea(tree, q, qd, qdd, external(tree, o, q, wrenches)), o.reference),)
+
+
+FORMULAS = {
+    "inverse_dynamics": Formula(
+        ("q", "qd", "qdd", "wrenches"),
+        {"tau": Output(("nv",), "torques and forces of the joints (N m, N)")},
+        _inverse,
+        by_motion=True,
+        settled="partition",
+    ),
+    "forward_dynamics": Formula(
+        ("q", "qd", "tau", "wrenches"),
+        {"qdd": Output(("nv",), "accelerations (rad/s^2, m/s^2)")},
+        forward,
+        by_motion=True,
+        settled="equations",
+    ),
+    "mass_matrix": Formula(
+        ("q",),
+        {"M": Output(("nv", "nv"), "mass matrix (kg m^2, kg)")},
+        lambda t, o, q: (crba(t, q),),
+        by_motion=True,
+        by_columns=by_columns.mass,
+    ),
+    "mass_matrix_inverse": Formula(
+        ("q",),
+        {"Minv": Output(("nv", "nv"), "inverse of the mass matrix (1/(kg m^2), 1/kg)")},
+        lambda t, o, q: (mass_matrix_inverse(t, q),),
+        chains="open",
+        by_columns=by_columns.inverse_mass,
+    ),
+    "mass_product": Formula(
+        ("q", "x"),
+        {"Mx": Output(("nv",), "mass matrix times x")},
+        lambda t, o, q, x: (mass_product(t, q, x),),
+    ),
+    "coriolis_matrix": Formula(
+        ("q", "qd"),
+        {"C": Output(("nv", "nv"), "Coriolis matrix (N m s/rad, N s/m)")},
+        lambda t, o, q, qd: (coriolis_matrix(t, q, qd),),
+        by_columns=by_columns.coriolis,
+    ),
+    "coriolis_product": Formula(
+        ("q", "qd", "x"),
+        {"Cx": Output(("nv",), "Coriolis matrix times x")},
+        lambda t, o, q, qd, x: (coriolis_product(t, q, qd, x),),
+    ),
+    "bias": Formula(
+        ("q", "qd"),
+        {"bias": Output(("nv",), "torques at zero accelerations (N m, N)")},
+        lambda t, o, q, qd: (bias(t, q, qd),),
+        by_motion=True,
+    ),
+    "gravity_torque": Formula(
+        ("q",), {"g": Output(("nv",), "torques that hold against gravity (N m, N)")}, _gravity
+    ),
+    "static_torque": Formula(
+        ("q", "wrenches"),
+        {"tau": Output(("nv",), "torques that hold the robot still (N m, N)")},
+        _static,
+        settled="partition",
+    ),
+    "joint_wrenches": Formula(
+        ("q", "qd", "qdd", "wrenches"),
+        {"W": Output(("nj", "six"), "wrench of each joint on its body: force, then moment (N, N m)")},
+        _wrenches,
+        axes=("child",),
+        chains="open",
+    ),
+}

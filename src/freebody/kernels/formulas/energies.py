@@ -1,0 +1,22 @@
+"""Energies and momentum."""
+
+from __future__ import annotations
+
+from freebody.algorithms import energy
+from freebody.kernels.formulas.record import Formula, Output
+
+FORMULAS = {
+    "kinetic_energy": Formula(
+        ("q", "qd"),
+        {"T": Output((), "kinetic energy (J)")},
+        lambda t, o, q, qd: (energy.kinetic_energy(t, q, qd),),
+    ),
+    "potential_energy": Formula(
+        ("q",), {"V": Output((), "potential energy (J)")}, lambda t, o, q: (energy.potential_energy(t, q),)
+    ),
+    "momentum": Formula(
+        ("q", "qd", "point"),
+        {"h": Output(("six",), "linear, then angular momentum (kg m/s, kg m^2/s)")},
+        lambda t, o, q, qd, point=None: (energy.momentum(t, q, qd, point),),
+    ),
+}

@@ -1,0 +1,45 @@
+"""What formulas take, in the order in which a kernel takes it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from freebody.kernels.formulas.record import Dimensions
+
+
+class Input(NamedTuple):
+    """Dimensions, what it is with units, and where it makes no sense below 0, of what size it usually is."""
+
+    dims: Dimensions
+    meaning: str
+    positive: float | None = None
+
+
+INPUTS = {
+    "q": Input(("nq",), "positions of the joints (rad, m; unit quaternions as w, x, y, z)"),
+    "q0": Input(("nq",), "positions to begin with, as q"),
+    "q1": Input(("nq",), "positions to end with, as q"),
+    "qd": Input(
+        ("nv",), "rates (rad/s, m/s; of free joints the velocity, then the angular velocity, body axes)"
+    ),
+    "qdd": Input(("nv",), "rates of qd (rad/s^2, m/s^2)"),
+    "v": Input(("nv",), "a displacement along the rates (rad, m)"),
+    "tau": Input(("nv",), "torques and forces of the joints (N m, N)"),
+    "x": Input(("nv",), "a vector along the rates"),
+    "dq": Input(("nv",), "a direction along the rates (rad, m)"),
+    "dqd": Input(("nv",), "a direction of the rates (rad/s, m/s)"),
+    "multipliers": Input(("constraints",), "one for each loop equation (N, N m)"),
+    "reactions": Input(
+        ("reactions", "six"), "wrench of each joint, then of each loop: force, then moment (N, N m)"
+    ),
+    "point": Input(("dim",), "a point, world axes (m)"),
+    "h": Input((), "length of the step (s)", 1e-2),
+    "q_ref": Input(("nq",), "positions that the feedback leads to, as q"),
+    "qd_ref": Input(("nv",), "rates that the feedback leads to (rad/s, m/s)"),
+    "kp": Input(("nv",), "feedback by position (N m/rad, N/m)", 1.0),
+    "kd": Input(("nv",), "feedback by rate (N m s/rad, N s/m)", 1.0),
+}
+"""By name, all but the wrenches on frames, whose number a call says: wrench0, wrench1, …, which come last."""
+
+POSITIONS = tuple(name for name, given in INPUTS.items() if given.dims == ("nq",))
+"""Inputs that are positions; a derivative by them is one along the rates."""

@@ -1,0 +1,107 @@
+"""Where frames are, how they move, and how positions move along the rates."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from freebody.algorithms import kinematics
+from freebody.kernels.formulas.choices import along_every_direction, frame_of, still
+from freebody.kernels.formulas.record import Formula, Option, Output
+from freebody.model.tree import Tree
+from freebody.scalars.dual import slopes
+from freebody.spatial import Vector
+
+
+def _pose(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
+    R, p = kinematics.frame_pose(
+        tree, kinematics.world_poses(tree, kinematics.joint_poses(tree, q)), frame_of(o)
+    )
+    last = (0.0,) * tree.space.dim + (1.0,)
+    return ((*((*row, x) for row, x in zip(R, p, strict=True)), last),)
+
+
+def _velocity(tree: Tree, o: Option, q: Vector, qd: Vector, point: Vector | None = None) -> tuple[Any, ...]:
+    motion = kinematics.outward(tree, q, qd, still(tree))
+    (w, v), _ = kinematics.frame_motion(tree, motion, frame_of(o), point)
+    return (v + w,)
+
+
+def _acceleration(
+    tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, point: Vector | None = None
+) -> tuple[Any, ...]:
+    _, (wd, vd) = kinematics.frame_motion(tree, kinematics.outward(tree, q, qd, qdd), frame_of(o), point)
+    return (vd + wd,)
+
+
+def _jacobian(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
+    return (kinematics.jacobian(tree, q, frame_of(o), o.reference),)
+
+
+def _jacobian_dot(tree: Tree, o: Option, q: Vector, qd: Vector) -> tuple[Any, ...]:
+    return (kinematics.jacobian_dot(tree, q, qd, frame_of(o), o.reference),)
+
+
+def _jacobian_by_position(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
+    """Derivatives of every entry of the Jacobian along every direction of q."""
+    J = kinematics.jacobian(tree, along_every_direction(tree, q), frame_of(o), o.reference)
+    return (tuple(tuple(slopes(x, tree.nv) for x in row) for row in J),)
+
+
+_AXES = ("body",)
+
+FORMULAS = {
+    "forward_kinematics": Formula(
+        ("q",),
+        {"T": Output(("pose", "pose"), "pose of the frame in the world, homogeneous matrix (m)")},
+        _pose,
+        of_frame=True,
+    ),
+    "velocity": Formula(
+        ("q", "qd", "point"),
+        {"V": Output(("six",), "velocity of the point, then angular velocity (m/s, rad/s)")},
+        _velocity,
+        of_frame=True,
+    ),
+    "acceleration": Formula(
+        ("q", "qd", "qdd", "point"),
+        {"A": Output(("six",), "acceleration of the point, then angular acceleration (m/s^2, rad/s^2)")},
+        _acceleration,
+        of_frame=True,
+    ),
+    "jacobian": Formula(
+        ("q",),
+        {"J": Output(("six", "nv"), "Jacobian of the frame: rows linear, then angular")},
+        _jacobian,
+        of_frame=True,
+        axes=_AXES,
+    ),
+    "jacobian_dot": Formula(
+        ("q", "qd"),
+        {"Jd": Output(("six", "nv"), "rate of the Jacobian")},
+        _jacobian_dot,
+        of_frame=True,
+        axes=_AXES,
+    ),
+    "jacobian_derivatives": Formula(
+        ("q",),
+        {"dJ_dq": Output(("six", "nv", "nv"), "derivative of the Jacobian by q")},
+        _jacobian_by_position,
+        of_frame=True,
+        axes=_AXES,
+    ),
+    "center_of_mass": Formula(
+        ("q",),
+        {"com": Output(("dim",), "centre of mass in the world (m)")},
+        lambda t, o, q: (kinematics.centre_of_mass(t, q),),
+    ),
+    "integrate": Formula(
+        ("q", "v"),
+        {"q1": Output(("nq",), "positions after the displacement")},
+        lambda t, o, q, v: (kinematics.moved(t, q, v),),
+    ),
+    "difference": Formula(
+        ("q0", "q1"),
+        {"v": Output(("nv",), "displacement from q0 to q1 (rad, m)")},
+        lambda t, o, q0, q1: (kinematics.between(t, q0, q1),),
+    ),
+}

@@ -1,0 +1,31 @@
+"""Operational space of a frame, and momentum as a function of the rates."""
+
+from __future__ import annotations
+
+from freebody.algorithms.operational import centroidal_momentum_matrix, operational_space
+from freebody.kernels.formulas.choices import frame_of
+from freebody.kernels.formulas.record import Formula, Output
+
+FORMULAS = {
+    "operational_space_inertia": Formula(
+        ("q",),
+        {"Lambda": Output(("rows", "rows"), "inertia of the motion of the frame (kg, kg m, kg m^2)")},
+        lambda t, o, q: operational_space(t, q, None, frame_of(o), o.rows)[:1],
+        of_frame=True,
+        of_rows=True,
+        chains="open",
+    ),
+    "operational_space_bias": Formula(
+        ("q", "qd"),
+        {"mu": Output(("rows",), "bias of the motion of the frame: force, then moment (N, N m)")},
+        lambda t, o, q, qd: operational_space(t, q, qd, frame_of(o), o.rows)[1:],
+        of_frame=True,
+        of_rows=True,
+        chains="open",
+    ),
+    "centroidal_momentum_matrix": Formula(
+        ("q",),
+        {"A": Output(("six", "nv"), "momentum about the centre of mass by rates (kg m, kg m^2)")},
+        lambda t, o, q: (centroidal_momentum_matrix(t, q),),
+    ),
+}

@@ -1,0 +1,85 @@
+"""What a formula is, and the option that picks a variant of it by structure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+from freebody.algorithms.loop_forces import Partition
+from freebody.arrays import Array
+
+Dimensions = tuple[str | int, ...]
+"""Numbers, or names that a model turns into numbers: nq, nv, nj, six, dim, angular (3 or 1), pose (dim + 1), rows,
+parameters, constraints (loop equations), equations (those that count), loose (those that the partition leaves out),
+reactions (joints and loops)."""
+
+Evaluate = Callable[..., tuple[Any, ...]]
+"""(tree, option, **inputs) -> a tuple of nested sequences of scalars; of inputs, `wrenches` is a tuple of vectors, one
+for each of option.wrench_frames."""
+
+Fetch = Callable[[str], Any]
+"""Name of a formula -> its kernel."""
+
+ByColumns = Callable[[list[Array], int, Fetch, int | None], tuple[Array, ...]]
+"""(inputs, coordinates, fetch, threads) -> arrays (..., column, row)."""
+
+
+class Option(NamedTuple):
+    """Structure that a formula depends on, besides the model; part of the key of every call, so quick to hash."""
+
+    frame: str | None = None
+    reference: str = "world"
+    wrench_frames: tuple[str, ...] = ()
+    point: bool = False
+    rows: tuple[int, ...] = ()
+    """Rows of a frame's motion, for the quantities of operational space."""
+    equations: tuple[int, ...] | None = None
+    """Loop equations that count; None: all. The others follow from them."""
+    partition: Partition | None = None
+    """Of a closed chain's equations and coordinates, for what its drives do."""
+
+
+class Output(NamedTuple):
+    """What a formula computes: its dimensions and, for whoever reads a text without its model, what it is."""
+
+    dims: Dimensions
+    meaning: str
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A computable quantity.
+
+    inputs: names of the table `INPUTS`, and `wrenches`.
+    outputs: by their name, which is unique within the formula.
+    another: a second way to the same values; for robots of few joints both are traced and the shorter program is
+    compiled. by_motion: whether of the inertial numbers M and the bias alone count, so that they may be regrouped.
+    of_frame: whether it is of one frame, by default the tip. axes: those that it may be asked for in, besides the
+    world's. of_rows: whether rows of the frame's motion can be chosen.
+    chains: which it says something of; "open": it leaves loops out, so that a closed chain must not be given to it.
+    settled: what of a closed chain is chosen near home, once for all positions of a kernel: the "equations" that tell
+    all, those left out that depend on others, or the "partition" of equations and coordinates by its drives.
+    by_columns: how a matrix of a large robot is made column by column.
+    """
+
+    inputs: tuple[str, ...]
+    outputs: dict[str, Output]
+    evaluate: Evaluate
+    another: Evaluate | None = None
+    by_motion: bool = False
+    of_frame: bool = False
+    axes: tuple[str, ...] = ()
+    of_rows: bool = False
+    chains: Literal["all", "open", "closed"] = "all"
+    settled: Literal["equations", "partition"] | None = None
+    by_columns: ByColumns | None = None
+
+    def uses(self, option: str) -> bool:
+        """Whether the option of `fb.kernel` means something for it."""
+        return {
+            "frame": self.of_frame,
+            "reference": bool(self.axes),
+            "wrench_frames": "wrenches" in self.inputs,
+            "rows": self.of_rows,
+        }[option]

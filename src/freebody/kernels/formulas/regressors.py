@@ -1,0 +1,44 @@
+"""Torques, energies and accelerations by inertial parameters."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from freebody.algorithms.crba import crba, factor, forward_dynamics, substitute
+from freebody.algorithms.regressor import energy_regressor, regressor
+from freebody.kernels.formulas.record import Formula, Option, Output
+from freebody.model.tree import Tree
+from freebody.spatial import Vector, neg, transposed
+
+
+def _forward_by_parameters(tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector) -> tuple[Any, ...]:
+    """∂q̈/∂π = -M⁻¹ Y."""
+    qdd = forward_dynamics(tree, q, qd, tau)
+    factors = factor(tree, crba(tree, q))
+    columns = transposed(regressor(tree, q, qd, qdd))
+    return (transposed(tuple(neg(substitute(tree, factors, column)) for column in columns)),)
+
+
+FORMULAS = {
+    "regressor": Formula(
+        ("q", "qd", "qdd"),
+        {"Y": Output(("nv", "parameters"), "torques by inertial parameters")},
+        lambda t, o, q, qd, qdd: (regressor(t, q, qd, qdd),),
+        chains="open",
+    ),
+    "energy_regressor": Formula(
+        ("q", "qd"),
+        {"E": Output((2, "parameters"), "kinetic, then potential energy by inertial parameters")},
+        lambda t, o, q, qd: (energy_regressor(t, q, qd),),
+    ),
+    "forward_dynamics_parameter_derivatives": Formula(
+        ("q", "qd", "tau"),
+        {
+            "dqdd_dpi": Output(
+                ("nv", "parameters"), "derivative of the accelerations by the inertial parameters"
+            )
+        },
+        _forward_by_parameters,
+        chains="open",
+    ),
+}

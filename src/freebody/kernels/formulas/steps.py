@@ -1,0 +1,71 @@
+"""One step of a simulation: a formula like any other, for a whole tree or closed chain."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from freebody.algorithms import steps
+from freebody.algorithms.regroup import lightened
+from freebody.algorithms.rnea import External
+from freebody.elementary import Scalar
+from freebody.kernels.formulas.choices import external
+from freebody.kernels.formulas.dynamics import forward
+from freebody.kernels.formulas.record import Evaluate, Formula, Option, Output
+from freebody.model.tree import Tree
+from freebody.spatial import Vector
+
+
+def _explicit(method: Callable[..., steps.State]) -> Evaluate:
+    """A step by an explicit method, the torque and the wrenches held."""
+
+    def evaluate(
+        tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector, h: Scalar, wrenches: Any = ()
+    ) -> tuple[Any, ...]:
+        tree = lightened(tree)
+
+        def acceleration(q: Vector, qd: Vector) -> Vector:
+            return forward(tree, o, q, qd, tau, wrenches)[0]
+
+        return steps.on_loops(tree, q, method(tree, q, qd, h, acceleration), o.equations)
+
+    return evaluate
+
+
+def _implicit(
+    tree: Tree,
+    o: Option,
+    q: Vector,
+    qd: Vector,
+    tau: Vector,
+    h: Scalar,
+    wrenches: Any = (),
+    **feedback: Vector,
+) -> tuple[Any, ...]:
+    def loads(q: Vector) -> list[External]:
+        return external(tree, o, q, wrenches)
+
+    tree = lightened(tree)
+    law = steps.Feedback(**feedback) if feedback else None
+    reached = steps.implicit(tree, q, qd, tau, h, loads, law, o.equations)
+    return steps.on_loops(tree, q, reached, o.equations)
+
+
+def _step(evaluate: Evaluate, *more: str) -> Formula:
+    return Formula(
+        ("q", "qd", "tau", "h", "wrenches", *more),
+        {
+            "q1": Output(("nq",), "positions at the end of the step, as q"),
+            "qd1": Output(("nv",), "rates at the end of the step, as qd"),
+        },
+        evaluate,
+        settled="equations",
+    )
+
+
+FORMULAS = {
+    "semi_implicit_step": _step(_explicit(steps.semi_implicit)),
+    "rk4_step": _step(_explicit(steps.runge_kutta)),
+    "implicit_step": _step(_implicit),
+    "implicit_feedback_step": _step(_implicit, "q_ref", "qd_ref", "kp", "kd"),
+}

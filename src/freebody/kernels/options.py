@@ -1,0 +1,99 @@
+"""Options of `fb.kernel`: checked against the formulas that are asked for, and put together as one record."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from freebody.errors import FreebodyError, KindError, UnknownNameError
+from freebody.kernels.closed_chains import closed
+from freebody.kernels.formulas import FORMULAS, Option
+from freebody.model.model import Model
+
+
+def several(function: str, argument: str, given: Any) -> tuple[Any, ...]:
+    """One name, or several, as a tuple."""
+    if isinstance(given, str):
+        return (given,)
+    if not isinstance(given, (list, tuple)):
+        raise KindError(function, argument, given, "a name or a list of names")
+    return tuple(given)
+
+
+def chosen_option(
+    model: Model,
+    names: str | Sequence[str],
+    *,
+    frame: str | None = None,
+    reference: str = "world",
+    wrench_frames: Sequence[str] = (),
+    rows: Sequence[str] | None = None,
+    function: str = "fb.kernel",
+) -> tuple[tuple[str, ...], Option]:
+    """The names as a tuple and the structure that is meant, checked; arguments as for `kernel`.
+
+    function: what was called, for errors.
+    """
+    listed = several(function, "names", names)
+    for name in listed:
+        if name not in FORMULAS:
+            raise UnknownNameError("quantity", name, function, FORMULAS)
+        if listed.count(name) > 1:
+            raise FreebodyError(f"{function}: the quantity {name!r} is asked for twice.")
+        if FORMULAS[name].chains == "open":
+            model.require_tree(f"{function}: {name}")
+        if FORMULAS[name].chains == "closed" and not model.loops:
+            raise FreebodyError(
+                f"{function}: {name}: {model.name!r} has no loops; add one with model.with_loop(...)."
+            )
+    if not listed:
+        raise FreebodyError(f"{function}: give at least one quantity.")
+    _require_used(function, listed, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows)
+    _require_axes(listed, reference)
+    option = Option(
+        model.frame(frame).name if any(FORMULAS[name].of_frame for name in listed) else None,
+        reference,
+        tuple(model.frame(f).name for f in wrench_frames),
+        rows=motion_rows(model, rows),
+    )
+    return listed, _near_home(function, model, listed, option) if model.loops else option
+
+
+def _near_home(function: str, model: Model, listed: tuple[str, ...], option: Option) -> Option:
+    """Of a closed chain's equations and coordinates those that tell all near its home, whatever positions will come."""
+    if any(FORMULAS[name].settled == "equations" for name in listed):
+        option = option._replace(equations=closed("independent_rows")(model))
+    for name in listed:
+        if FORMULAS[name].settled == "partition" and option.partition is None:
+            option = option._replace(partition=closed("require_partition")(model, f"{function}: {name}"))
+    return option
+
+
+def _require_used(function: str, listed: Sequence[str], **given: Any) -> None:
+    """Refuse an option that none of the quantities uses."""
+    for name, value in given.items():
+        asked = value is not None and value != "world" and not (name == "wrench_frames" and not len(value))
+        if asked and not any(FORMULAS[x].uses(name) for x in listed):
+            used = ", ".join(x for x, formula in FORMULAS.items() if formula.uses(name))
+            raise FreebodyError(
+                f"{function}: {name}={value!r} has no meaning for {', '.join(listed)}; it is for {used}."
+            )
+
+
+def _require_axes(listed: Sequence[str], reference: str) -> None:
+    """Refuse axes that not all of the quantities that have a choice can be given in."""
+    offered = [FORMULAS[name].axes for name in listed if FORMULAS[name].axes]
+    common = ("world", *(x for x in dict.fromkeys(sum(offered, ())) if all(x in axes for axes in offered)))
+    if reference not in common:
+        raise UnknownNameError("reference", reference, "reference=", common)
+
+
+def motion_rows(model: Model, rows: Sequence[str] | None) -> tuple[int, ...]:
+    """Indices of rows of a frame's motion by name; None is all of them."""
+    names = ("vx", "vy", "vz", "wx", "wy", "wz") if model.dim == 3 else ("vx", "vy", "w")
+    if rows is not None and (isinstance(rows, str) or not len(rows) or len(set(rows)) < len(rows)):
+        raise FreebodyError(f"rows is {rows!r}, expected one or several of {', '.join(names)}, each once.")
+    for row in rows or ():
+        if row not in names:
+            raise UnknownNameError("row", row, "rows=", names)
+    return tuple(names.index(row) for row in (names if rows is None else rows))
