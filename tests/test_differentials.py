@@ -48,7 +48,7 @@ def given(program, seed=5):
 
 def quantity(model, names, p=(), **options):
     listed, option = chosen_option(model, names, **options)
-    inputs = inputs_of(model, p) if p else None
+    inputs = inputs_of("test", model, p) if p else None
     argument = Argument("p", (len(inputs.names),)) if inputs else None
     return of_quantities(model, listed, option, argument, inputs.tree if inputs else None), inputs
 
