@@ -277,9 +277,9 @@ def test_cutting_into_segments_changes_nothing(monkeypatch):
 
 def test_one_or_two_groups_a_round_give_the_same_bits(monkeypatch):
     program, kernels = random_program(8), []
-    for long in (0, sys.maxsize):
-        monkeypatch.setattr(emit, "LONG", long)
-        kernels.append(compile_program(dataclasses.replace(program, name=f"long{long}"), width=4))
+    for tiles in (1, 2):
+        monkeypatch.setattr(emit, "_tiles", lambda nodes, room, n=tiles: n)
+        kernels.append(compile_program(dataclasses.replace(program, name=f"tiles{tiles}"), width=4))
     for batch in (1, 3, 4, 5, 8, 9, 12, 15, 16, 17, 100):
         x, A, s = samples(batch)
         for arrays in [(x, A, s), (x[0], A, s), (x, A[:, :, ::-1], s[0])]:
@@ -466,15 +466,28 @@ def test_long_programs_run_their_pieces_in_groups(monkeypatch):
     assert same_bits(cut.ufunc(*arrays), whole)
 
 
+WAYS_IN = {
+    "rows": lambda a: a,
+    "columns": np.asfortranarray,
+    "strided": lambda a: np.repeat(a, 2, axis=1)[:, ::2],
+    "broadcast": lambda a: np.broadcast_to(a[:, None], (a.shape[0], 9, a.shape[1])),
+}
+
+
+@pytest.mark.parametrize("way", WAYS_IN)
 @pytest.mark.parametrize("width", [2, 4, 8])
-@pytest.mark.parametrize("count", [127, 128, 129, 256, 300])
-def test_each_of_many_inputs_is_looked_at(count, width):
+@pytest.mark.parametrize("count", [1, 2, 3, 7, 11, 130])
+def test_each_of_many_inputs_is_looked_at_by_itself(count, width, way):
+    """Also where numbers overflow together, or cancel: each sample but the last two has one that is not finite."""
     program = trace("few", lambda q: ([q[0] + 1.0],), [Argument("q", (count,))], [Argument("r", (1,))])
     compiled = compile_program(program, width=width)
-    q = np.ones((count + 1, count))
+    q = np.ones((count + 2, count))
+    q[-2] = 1e200
+    q[:, ::3] *= -1.0
     q[np.arange(count), np.arange(count)] = np.where(np.arange(count) % 2, np.nan, np.inf)
-    assert np.isnan(compiled(q)[:-1]).all()
-    assert compiled(q)[-1] == 2.0
+    found = compiled(WAYS_IN[way](q)).reshape(count + 2, -1)
+    assert np.isnan(found[:-2]).all()
+    assert np.array_equal(found[-2:], np.repeat([[1.0 - 1e200], [0.0]], found.shape[1], axis=1))
 
 
 @pytest.mark.parametrize("threads", [1, 2, 3, 7, None])

@@ -19,16 +19,18 @@ from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.loop import gufunc_loop
 from freebody.targets.llvm.machine import Machine
 from freebody.targets.llvm.sincos import reduction, sincos, sines
+from freebody.targets.llvm.tile import check_slots
 from freebody.targets.llvm.uniform import reading
 
-LONG = 700
-"""Nodes from which the code of a program is fetched anew for each group: two groups a round are 5-20 % faster."""
+LONG = 700, 16 * 2**10
+"""Nodes from which a program gains by two groups a round, 5 %, and bytes that their tiles may have."""
+
+LONGER = 3000, 36 * 2**10
+"""Nodes from which code is fetched anew for each group, so that two groups a round are 5-25 % faster; unless the tiles
+of one group have no more than these bytes and stay in a first cache of 48 kB, which those of two do not."""
 
 PIECES = 32
 """Pieces of a program that one function runs: LLVM's time grows with the square of the loops in a function."""
-
-CHECKED = 128
-"""Inputs that are looked at without a loop; LLVM's time grows with the square of the loads in a function."""
 
 TOGETHER = 8
 """Sines and cosines in one function: their arithmetic overlaps, and one branch serves all."""
@@ -50,14 +52,21 @@ def emit(program: Program, machine: Machine) -> str:
         shared = segment(once)
         parts += [*_once(once, shared, machine), reading(once.input_size, shared.slots, lanes)]
     layout = segment(every)
-    tiles = 1 if len(every) < LONG else 2
+    room = lanes.size * (layout.slots + len(check_slots(every, layout)))
+    tiles = _tiles(len(every), room)
     pieces, made = _pieces("", every, layout, lanes, machine.fma)
     poison = None if shared is None else shared.slots
-    parts += [*made, _finite(every.sampled_size, len(layout.results), poison, lanes)]
-    parts.append(_compute([*pieces, "@finite"], lanes.size * layout.slots, tiles))
+    parts += [*made, _finite(every, layout, poison, lanes)]
+    parts.append(_compute([*pieces, "@finite"], room, tiles))
     parts.append(gufunc_loop(program, every, machine, layout, tiles, shared))
     parts.append(_attributes(lanes))
     return _declared_once("\n".join(parts))
+
+
+def _tiles(nodes: int, room: int) -> int:
+    """Groups in a round: each has two tiles of `room` bytes, one to compute on and one that goes out."""
+    gains = nodes >= LONG[0] and 4 * room <= LONG[1]
+    return 2 if gains or (nodes >= LONGER[0] and 2 * room > LONGER[1]) else 1
 
 
 def _declared_once(text: str) -> str:
@@ -213,55 +222,55 @@ leave{k}:""")
     return "\n".join([*lines, "  ret void", "}", ""])
 
 
-def _finite(inputs: int, results: int, poison: int | None, lanes: Lanes) -> str:
+def _finite(every: Program, layout: Layout, poison: int | None, lanes: Lanes) -> str:
     """Make every result NaN in the lanes whose inputs are not all finite.
 
-    0 * x is NaN for NaN and infinite x, so the sum of these products tells. It runs in four strands, of which one
-    begins with the uniform number at `poison`, if there is one: 0, or NaN for all lanes.
+    What brought the inputs in left a vector for each that is finite only if they are (see `tile`). Where one is not,
+    the numbers themselves are looked at: 0 * x is NaN for NaN and infinite x, so the sum of these products tells.
+    It begins with the uniform number at `poison`, if there is one: 0, or NaN for all lanes.
     """
-    v, align, width = lanes.v, lanes.size, lanes.width
+    v, align, width, inputs = lanes.v, lanes.size, lanes.width, every.sampled_size
     lines = ["define internal void @finite(ptr noalias %tile, ptr noalias %uniform) #0 {", "entry:"]
-    strands, before = ["zeroinitializer"] * 4, "entry"
-    if poison is not None:
-        strands[0] = _spread(lines, 0, poison, lanes)
-    looped = inputs - inputs % CHECKED if inputs > CHECKED else 0
-
-    def look(slot: str, k: int) -> None:
-        lines.append(f"  %in{k} = getelementptr {v}, ptr %tile, i64 {slot}")
-        lines.append(f"  %i{k} = load {v}, ptr %in{k}, align {align}")
-        lines.append(f"  %m{k} = fmul contract {v} %i{k}, zeroinitializer")
-        lines.append(f"  %a{k} = fadd contract {v} {strands[k % 4]}, %m{k}")
-        strands[k % 4] = f"%a{k}"
-
-    if looped:
-        last = [f"%a{CHECKED - 4 + s}" for s in range(4)]
-        lines += ["  br label %block", "block:", "  %j = phi i64 [ 0, %entry ], [ %j.next, %block ]"]
-        for s in range(4):
-            lines.append(f"  %s{s} = phi {v} [ {strands[s]}, %entry ], [ {last[s]}, %block ]")
-        strands, before = [f"%s{s}" for s in range(4)], "rest"
-        for k in range(CHECKED):
-            lines.append(f"  %at{k} = add i64 %j, {k}")
-            look(f"%at{k}", k)
-        lines.append(f"  %j.next = add i64 %j, {CHECKED}\n  %whole = icmp ult i64 %j.next, {looped}")
-        lines.append("  br i1 %whole, label %block, label %rest\nrest:")
-    for slot in range(looped, inputs):
-        look(str(slot), slot)
+    begin = "zeroinitializer" if poison is None else _spread(lines, 0, poison, lanes)
+    seen = begin
+    for k, slot in enumerate(check_slots(every, layout).values()):
+        lines += [
+            f"  %at{k} = getelementptr {v}, ptr %tile, i64 {slot}",
+            f"  %check{k} = load {v}, ptr %at{k}, align {align}",
+            f"  %nothing{k} = fmul contract {v} %check{k}, zeroinitializer",
+            f"  %seen{k} = fadd contract {v} {seen}, %nothing{k}",
+        ]
+        seen = f"%seen{k}"
     lines.append(f"""\
-  %sum01 = fadd {v} {strands[0]}, {strands[1]}
-  %sum23 = fadd {v} {strands[2]}, {strands[3]}
-  %sum = fadd {v} %sum01, %sum23
+  %doubt = fcmp uno {v} {seen}, zeroinitializer
+  %doubt.bits = bitcast {lanes.mask} %doubt to i{width}
+  %doubtful = icmp ne i{width} %doubt.bits, 0
+  br i1 %doubtful, label %look, label %done
+look:
+  %j = phi i64 [ 0, %entry ], [ %j.next, %input ]
+  %sum = phi {v} [ {begin}, %entry ], [ %sum.next, %input ]
+  %left = icmp ult i64 %j, {inputs}
+  br i1 %left, label %input, label %judge
+input:
+  %in = getelementptr {v}, ptr %tile, i64 %j
+  %x = load {v}, ptr %in, align {align}
+  %nothing = fmul contract {v} %x, zeroinitializer
+  %sum.next = fadd contract {v} %sum, %nothing
+  %j.next = add i64 %j, 1
+  br label %look
+judge:
   %bad = fcmp uno {v} %sum, zeroinitializer
   %bits = bitcast {lanes.mask} %bad to i{width}
   %any = icmp ne i{width} %bits, 0
   br i1 %any, label %poison, label %done
 poison:
-  %k = phi i64 [ {inputs}, %{before} ], [ %k.next, %poison ]
+  %k = phi i64 [ {inputs}, %judge ], [ %k.next, %poison ]
   %out = getelementptr {v}, ptr %tile, i64 %k
   %old = load {v}, ptr %out, align {align}
   %new = select {lanes.mask} %bad, {v} {lanes.constant(nan)}, {v} %old
   store {v} %new, ptr %out, align {align}
   %k.next = add i64 %k, 1
-  %more = icmp ult i64 %k.next, {inputs + results}
+  %more = icmp ult i64 %k.next, {inputs + len(layout.results)}
   br i1 %more, label %poison, label %done
 done:
   ret void

@@ -13,11 +13,13 @@ values.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from freebody.program.program import Argument, Program
 from freebody.program.segments import Layout
 from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.machine import Machine
-from freebody.targets.llvm.tile import integers, transfers
+from freebody.targets.llvm.tile import check_slots, integers, transfers
 from freebody.targets.llvm.uniform import one_by_one
 
 
@@ -37,7 +39,7 @@ def gufunc_loop(
     """
     parts = [
         transfers(program, every, layout, machine.lanes),
-        _loop(program, machine, layout.slots, tiles, shared),
+        _loop(program, machine, layout, tiles, shared),
         one_by_one(program) if shared else "",
         _FLAGS[machine.x86]["declare"],
         "declare ptr @malloc(i64)\ndeclare void @free(ptr)\n",
@@ -63,9 +65,10 @@ _FLAGS = {
 }
 
 
-def _loop(program: Program, machine: Machine, slots: int, tiles: int, shared: Layout | None) -> str:
+def _loop(program: Program, machine: Machine, layout: Layout, tiles: int, shared: Layout | None) -> str:
     """The uniform numbers, then rounds of `tiles` groups: all in, those of the round before out, `@compute`."""
-    lanes, width = machine.lanes, machine.width
+    lanes, width, checks = machine.lanes, machine.width, check_slots(program, layout)
+    slots = layout.slots + len(checks)
     arguments = program.inputs + program.outputs
     addresses = 8 * width * len(arguments)
     sizes = {
@@ -110,9 +113,9 @@ head:
     inputs = [(k, argument) for k, argument in enumerate(program.inputs) if not argument.uniform]
     outputs = list(enumerate(program.outputs, len(program.inputs)))
     lines += _whole_round(inputs, outputs, lanes, slots, tiles)
-    lines += _phase("in", "%i", "%tile", inputs, lanes, slots, tiles)
+    lines += _phase("in", "%i", "%tile", inputs, lanes, slots, tiles, checks)
     lines.append("in.done:\n  %started = icmp ne i64 %i, 0\n  br i1 %started, label %out, label %out.done")
-    lines += _phase("out", "%before", "%before.tile", outputs, lanes, slots, tiles)
+    lines += _phase("out", "%before", "%before.tile", outputs, lanes, slots, tiles, {})
     lines.append(f"""\
 out.done:
   %some = icmp ne i64 %in.g, 0
@@ -177,6 +180,7 @@ def _phase(
     lanes: Lanes,
     slots: int,
     tiles: int,
+    checks: Mapping[int, int],
 ) -> list[str]:
     """Move the groups of the round that begins with sample `start` in or out; afterwards `%in.g` is their number."""
     before, width = {"in": "choose", "out": "in.done"}[way], lanes.width
@@ -203,7 +207,7 @@ def _phase(
         lines += _lanes(k, width, f"%{way}.last")
     lines.append(f"  br label %{way}.begin\n{way}.begin:")
     for k, argument in arguments:
-        lines += _transfer(k, argument, width, tiles, way)
+        lines += _transfer(k, argument, lanes, tiles, way, checks.get(k))
     return [
         *lines,
         f"  br label %{way}.end",
@@ -295,8 +299,9 @@ def _lanes(k: int, width: int, last: str | None) -> list[str]:
     return lines
 
 
-def _transfer(k: int, argument: Argument, width: int, tiles: int, way: str) -> list[str]:
-    """Move one group of argument k between array and tile."""
+def _transfer(k: int, argument: Argument, lanes: Lanes, tiles: int, way: str, check: int | None) -> list[str]:
+    """Move one group of argument k between array and tile; of an input, what was seen of it to the slot `check`."""
+    width = lanes.width
     lines = [
         f"  %move{k} = mul i64 %{way}.at, %step{k}",
         f"  %at{k} = getelementptr i8, ptr %base{k}, i64 %move{k}",
@@ -310,8 +315,11 @@ def _transfer(k: int, argument: Argument, width: int, tiles: int, way: str) -> l
             f"  br i1 %needed{k}, label %load{k}, label %after{k}",
             f"load{k}:",
         ]
-    at = f"ptr %at{k}, ptr %lane{k}, ptr %{way}.tile"
-    call = f"{at}, ptr @places{k}, ptr %offset{k}, i64 {argument.size}"
+    at, seen = f"ptr %at{k}, ptr %lane{k}, ptr %{way}.tile", "null"
+    if check is not None:
+        seen = f"%check{k}"
+        lines.append(f"  {seen} = getelementptr {lanes.v}, ptr %{way}.tile, i64 {check}")
+    call = f"{at}, ptr {seen}, ptr @places{k}, ptr %offset{k}, i64 {argument.size}"
     return [
         *lines,
         f"  %streams{k} = and i1 %{way}.full, %columns{k}",

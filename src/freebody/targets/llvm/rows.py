@@ -8,20 +8,27 @@ from freebody.targets.llvm.lanes import Lanes, Real
 from freebody.targets.llvm.turn import gathered, part_of, shuffle, transpose, turn_parts
 
 
-def rows_in(k: int, places: list[int], lanes: Lanes) -> str:
-    """Rows of input k to `places` of the tile: a loop over whole blocks of `width` columns, then the masked rest."""
-    size, first, width = len(places), places[0] if places else 0, lanes.width
+def rows_in(k: int, places: list[int], check: int, lanes: Lanes) -> str:
+    """Rows of input k to `places` of the tile: a loop over whole blocks of `width` columns, then the masked rest.
+
+    To the slot `check` goes a sum of products of its numbers, each in one of them: finite only if all of them are.
+    """
+    size, first, width, v = len(places), places[0] if places else 0, lanes.width, lanes.v
     whole = size - size % width
-    lines = _begin_rows(k, width)
+    lines, looked = _begin_rows(k, width), "zeroinitializer"
     if whole:
         lines.append("  br label %block\nblock:\n  %j = phi i64 [ 0, %entry ], [ %j.next, %block ]")
-        lines += _load_block("w", "%j", first, width, lanes)
+        begin = len(lines)
+        looked = _load_block(lines, "w", "%j", first, width, "%looked", lanes)
+        lines.insert(begin, f"  %looked = phi {v} [ zeroinitializer, %entry ], [ {looked}, %block ]")
         lines.append(
             f"  %j.next = add i64 %j, {width}\n  %more = icmp ult i64 %j.next, {whole}\n"
             "  br i1 %more, label %block, label %rest\nrest:"
         )
     if whole < size:
-        lines += _load_block("r", str(whole), first, size - whole, lanes)
+        looked = _load_block(lines, "r", str(whole), first, size - whole, looked, lanes)
+    lines.append(f"  %check = getelementptr {v}, ptr %tile, i64 {check}")
+    lines.append(f"  store {v} {looked}, ptr %check, align {lanes.size}")
     return "\n".join([*lines, "  ret void", "}", ""])
 
 
@@ -38,10 +45,14 @@ def _begin_rows(k: int, width: int) -> list[str]:
     return lines
 
 
-def _load_block(tag: str, j: str, first: int, columns: int, lanes: Lanes) -> list[str]:
-    """Columns from j on to slots from `first` + j on. Where they fill half a vector at most, it takes two rows."""
+def _load_block(
+    lines: list[str], tag: str, j: str, first: int, columns: int, looked: str, lanes: Lanes
+) -> str:
+    """Columns from j on to slots from `first` + j on. Where they fill half a vector at most, it takes two rows.
+
+    The value of what has been looked at, with products of these columns added.
+    """
     v, width, part = lanes.v, lanes.width, part_of(lanes.real, lanes.width)
-    lines: list[str] = []
     several = 2 if 2 * columns <= width and 2 * part <= width else 1
     loaded = [_load_row(lines, tag, lane, j, columns, several, lanes) for lane in range(width)]
     if several == 2:
@@ -59,12 +70,16 @@ def _load_block(tag: str, j: str, first: int, columns: int, lanes: Lanes) -> lis
             for lane in range(width)
             if not lane & part
         ]
+    for pair, (x, y) in enumerate(zip(loaded[::2], loaded[1::2], strict=True)):
+        lines.append(f"  %{tag}m{pair} = fmul contract {v} {x}, {y}")
+        lines.append(f"  %{tag}a{pair} = fadd contract {v} {looked}, %{tag}m{pair}")
+        looked = f"%{tag}a{pair}"
     names = transpose(lines, tag, loaded, width, lanes.real)
     for column in range(columns):
         lines.append(f"  %{tag}o{column} = add i64 {j}, {first + column}")
         lines.append(f"  %{tag}q{column} = getelementptr {v}, ptr %tile, i64 %{tag}o{column}")
         lines.append(f"  store {v} {names[column]}, ptr %{tag}q{column}, align {lanes.size}")
-    return lines
+    return looked
 
 
 def _load_row(lines: list[str], tag: str, lane: int, j: str, columns: int, several: int, lanes: Lanes) -> str:

@@ -8,11 +8,15 @@ There are three ways:
 - strided: anything else, one number at a time.
 
 The address of scalar j of the sample in lane l is `at + offsets[j] + lanes[l]`, in bytes.
+
+What brings an input in looks at its numbers too: it leaves a vector in a slot of the argument's own that is finite only
+if all of them are (see `emit`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import nan
 
 from freebody.program.program import Program
 from freebody.program.segments import Layout
@@ -26,7 +30,7 @@ def transfers(program: Program, every: Program, layout: Layout, lanes: Lanes) ->
     program: whose arguments are numbered. every: what is computed on a tile of `layout`.
     """
     places: dict[int, list[int]] = {}
-    first = 0
+    first, checks = 0, check_slots(program, layout)
     for k, argument in enumerate(program.inputs):
         if not argument.uniform:
             places[k] = list(range(first, first + argument.size))
@@ -37,9 +41,15 @@ def transfers(program: Program, every: Program, layout: Layout, lanes: Lanes) ->
         first += argument.size
     parts = [f"@places{k} = internal constant {integers(those)}" for k, those in places.items()]
     for k, those in places.items():
-        parts.append((rows_in if k < len(program.inputs) else rows_out)(k, those, lanes))
+        parts.append(rows_in(k, those, checks[k], lanes) if k in checks else rows_out(k, those, lanes))
     parts += [write(way, lanes) for write in (_columns, _strided) for way in ("in", "out")]
     return "\n".join([*parts, _OFFSETS, masked_loads(lanes)])
+
+
+def check_slots(program: Program, layout: Layout) -> dict[int, int]:
+    """For each input that is not uniform the slot, behind those of the layout, of what was seen of its numbers."""
+    sampled = [k for k, argument in enumerate(program.inputs) if not argument.uniform]
+    return {k: layout.slots + place for place, k in enumerate(sampled)}
 
 
 def integers(numbers: Sequence[int]) -> str:
@@ -47,18 +57,30 @@ def integers(numbers: Sequence[int]) -> str:
     return f"[{len(numbers)} x i64] [{', '.join(f'i64 {n}' for n in numbers)}]"
 
 
+_MOVED = "ptr %at, ptr %lanes, ptr %tile, ptr %check, ptr %places, ptr %offsets, i64 %n"
+
+
 def _columns(way: str, lanes: Lanes) -> str:
     """Slots from (or to) places where the samples are contiguous."""
     v = lanes.v
     source, target = ("%p", "%slot") if way == "in" else ("%slot", "%p")
     align = {"%p": lanes.real.size, "%slot": lanes.size}
+    begin, look, keep = (
+        ("", "", "")
+        if way == "out"
+        else (
+            f"  %seen = phi {v} [ zeroinitializer, %entry ], [ %seen.next, %loop ]\n",
+            f"  %nothing = fmul contract {v} %x, zeroinitializer\n  %seen.next = fadd contract {v} %seen, %nothing\n",
+            f"  store {v} %seen.next, ptr %check, align {lanes.size}\n",
+        )
+    )
     return f"""\
-define internal void @columns_{way}(ptr %at, ptr %lanes, ptr %tile, ptr %places, ptr %offsets, i64 %n) #0 {{
+define internal void @columns_{way}({_MOVED}) #0 {{
 entry:
   br label %loop
 loop:
   %j = phi i64 [ 0, %entry ], [ %next, %loop ]
-  %po = getelementptr i64, ptr %offsets, i64 %j
+{begin}  %po = getelementptr i64, ptr %offsets, i64 %j
   %o = load i64, ptr %po, align 8
   %p = getelementptr i8, ptr %at, i64 %o
   %place.at = getelementptr i64, ptr %places, i64 %j
@@ -66,23 +88,26 @@ loop:
   %slot = getelementptr {v}, ptr %tile, i64 %place
   %x = load {v}, ptr {source}, align {align[source]}
   store {v} %x, ptr {target}, align {align[target]}
-  %next = add i64 %j, 1
+{look}  %next = add i64 %j, 1
   %more = icmp ult i64 %next, %n
   br i1 %more, label %loop, label %end
 end:
-  ret void
+{keep}  ret void
 }}
 """
 
 
 def _strided(way: str, lanes: Lanes) -> str:
-    """Slots from (or to) places anywhere, one number at a time."""
+    """Slots from (or to) places anywhere, one number at a time, which nobody looks at here."""
     kind, align = lanes.real.name, lanes.real.size
     source, target = ("%p", "%q") if way == "in" else ("%q", "%p")
+    unseen = (
+        f"  store {lanes.v} {lanes.constant(nan)}, ptr %check, align {lanes.size}\n" if way == "in" else ""
+    )
     return f"""\
-define internal void @strided_{way}(ptr %at, ptr %lanes, ptr %tile, ptr %places, ptr %offsets, i64 %n) #0 {{
+define internal void @strided_{way}({_MOVED}) #0 {{
 entry:
-  br label %scalar
+{unseen}  br label %scalar
 scalar:
   %j = phi i64 [ 0, %entry ], [ %j.next, %scalar.end ]
   %po = getelementptr i64, ptr %offsets, i64 %j
