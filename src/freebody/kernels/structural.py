@@ -20,8 +20,9 @@ from freebody.kernels.columns import ColumnKernel, KernelList
 from freebody.kernels.formulas import FORMULAS, Option
 from freebody.kernels.lookup import in_columns
 from freebody.kernels.tracing import program
+from freebody.model.contributions import joined, pose_part
 from freebody.model.model import Model
-from freebody.model.structure import drives, frame_form, joined, pose_part, tree_over
+from freebody.model.structure import drives, frame_form, tree_over
 from freebody.model.tree import Tree
 from freebody.program import Argument
 from freebody.program.passes import without_unread

@@ -15,13 +15,13 @@ from freebody.errors import ModelError, UnknownNameError
 from freebody.model.bodies import Body, Frame
 from freebody.model.closures import LOOP_KINDS
 from freebody.model.inertia import Inertia, faults
+from freebody.model.inherited import made_from
 from freebody.model.loops import checked_loop
 from freebody.model.members import is_array, members, one_family
 from freebody.model.parameters import LARGEST, Quantity, finite, quantity
 from freebody.model.parts import Loop
 from freebody.model.placement import Placement, Rotate, Shift, Turn, rotate, shift
 from freebody.model.places import get, put
-from freebody.model.structure import made_from
 from freebody.model.tree import Attached
 
 if TYPE_CHECKING:

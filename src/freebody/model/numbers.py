@@ -15,11 +15,11 @@ from freebody.arrays import Array
 from freebody.errors import ModelError, UnknownNameError, likely, listed, shown
 from freebody.model.catalogue import Catalogue, Row, catalogue
 from freebody.model.inertia import faults
+from freebody.model.inherited import made_from
 from freebody.model.loops import checked_distance
 from freebody.model.members import Members, arrays_in, common_shape, is_array, members, one_family
 from freebody.model.parameters import LARGEST, Parameter, Quantity, finite, real
 from freebody.model.reading import EXACT
-from freebody.model.structure import made_from
 from freebody.outputs.text import legal
 from freebody.values import ByValue
 

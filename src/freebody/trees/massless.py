@@ -17,11 +17,11 @@ from freebody.arrays import Array
 from freebody.errors import SingularError, listed
 from freebody.lazy import kept
 from freebody.model.bodies import Body
+from freebody.model.contributions import BodyPart, body_parts, pose_part
 from freebody.model.facts import fact
 from freebody.model.members import of_member
 from freebody.model.model import Model
 from freebody.model.reading import VALUES
-from freebody.model.structure import BodyPart, body_parts, pose_part
 from freebody.model.tree import Tree, lower
 from freebody.trees.states import generic_state
 

@@ -1,0 +1,226 @@
+"""What each piece of a model contributes to its structure and its numbers; found once, and kept with the piece."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
+from weakref import WeakValueDictionary
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.elementary import Scalar
+from freebody.lazy import kept
+from freebody.model.placement import Placement
+from freebody.model.reading import VALUES
+from freebody.model.tree import Attached, Pose, about_origin, drive_of, in_body
+from freebody.spatial import AnySpace, of_dimension
+
+if TYPE_CHECKING:
+    from freebody.model.bodies import Body
+    from freebody.model.model import Model
+    from freebody.model.parts import Joint
+
+_SAME = 1e-15  # by how much rounding may part the two cosines, and sines, of a turn about a coordinate axis
+
+Entry = float | tuple[int, float]
+"""An exact entry, or which number stands there and its sign."""
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """A pose without its numbers."""
+
+    R: tuple[tuple[Entry, ...], ...]
+    p: tuple[Entry, ...]
+
+    def filled(self, scalars: Sequence[Scalar]) -> Pose:
+        """(R, p) with its numbers put in."""
+
+        def entry(x: Entry) -> Scalar:
+            if not isinstance(x, tuple):
+                return x
+            return scalars[x[0]] if x[1] > 0.0 else -scalars[x[0]]
+
+        return tuple(tuple(map(entry, row)) for row in self.R), tuple(map(entry, self.p))
+
+
+class Form:
+    """The structure of a piece; equal ones are one object, so that keys made of them are quick."""
+
+    __slots__ = ("__weakref__", "content")
+
+    def __init__(self, content: Any):
+        self.content = content
+
+
+_forms: WeakValueDictionary[Any, Form] = WeakValueDictionary()
+
+
+def _form(content: Any) -> Form:
+    return _forms.get(content) or _forms.setdefault(content, Form(content))
+
+
+@dataclass(frozen=True)
+class Part:
+    """What a constant pose contributes, its structure and its numbers (..., k), and the pose itself."""
+
+    form: Form
+    numbers: Array
+    pose: Pose
+
+
+class JointPart(NamedTuple):
+    """What a joint contributes: structure, numbers of its placement, and of a one-axis joint those of its drive."""
+
+    form: Form
+    placed: Array
+    drive: Array | None
+    driven: bool
+    """Whether friction, a rotor or a spring acts."""
+
+
+class BodyPart(NamedTuple):
+    """What a body contributes: its joint, and its mass, first moment and inertia."""
+
+    joint: JointPart
+    inertia: Array
+
+
+def body_parts(model: Model) -> list[BodyPart]:
+    """Of each body in the model's order."""
+    return [part_of(body, model.dim) for body in model.bodies]
+
+
+def part_of(body: Body, dim: int) -> BodyPart:
+    """Of one body; a new payload and one call are to take microseconds."""
+    name = _NAME[dim]
+    return body.__dict__.get(name) or kept(body, name, partial(_body_part, body, dim))
+
+
+_NAME = {2: "part in the plane", 3: "part in space"}
+
+
+def _body_part(body: Body, dim: int) -> BodyPart:
+    joint = kept(body.joint, _NAME[dim], partial(_joint_part, body.joint, body.kind.nv == 1, dim))
+    return BodyPart(joint, inertial(body.inertias, dim))
+
+
+def _joint_part(joint: Joint, one_axis: bool, dim: int) -> JointPart:
+    placed = pose_part(joint.placement, dim)
+    drive = as_row(drive_of(joint.drive, VALUES)) if one_axis else None
+    driven = drive is not None and bool(drive[..., :4].any())
+    return JointPart(_form((joint.kind, joint.axis, placed.form)), placed.numbers, drive, driven)
+
+
+def pose_part(placement: Placement, dim: int) -> Part:
+    """Of a constant pose."""
+    return kept(placement, _NAME[dim], partial(_pose_part, placement, dim))
+
+
+def _pose_part(placement: Placement, dim: int) -> Part:
+    R, p = placement.lower(of_dimension(dim), VALUES)
+    numbers: list[Scalar] = []
+
+    def entry(x: Scalar, *exact: float) -> Entry:
+        if is_exactly(x, *exact):
+            return float(x) + 0.0
+        numbers.append(x)
+        return len(numbers) - 1, 1.0
+
+    rows = _coordinate_turn(R, numbers) or tuple(tuple(entry(x, 0.0, 1.0, -1.0) for x in row) for row in R)
+    shift = tuple(entry(x, 0.0) for x in p)
+    return Part(_form(Pattern(rows, shift)), as_row(numbers), (R, p))
+
+
+def _coordinate_turn(R: Any, numbers: list[Scalar]) -> tuple[tuple[Entry, ...], ...] | None:
+    """A rotation that maps one coordinate axis to one, otherwise by a cosine and a sine, which are its two numbers."""
+    n = len(R)
+    exact = [(i, j) for i in range(n) for j in range(n) if is_exactly(R[i][j], 1.0, -1.0)]
+    if len(exact) != n - 2:
+        return None
+    i, j = exact[0] if exact else (n, n)
+    if any(not is_exactly(R[r][k], 0.0) for r in range(n) for k in range(n) if (r == i) != (k == j)):
+        return None
+    (a, b), (c, d) = ([R[r][k] for k in range(n) if k != j] for r in range(n) if r != i)
+    turn = 1.0 if not exact else float((-1) ** (i + j)) * R[i][j]  # the determinant of what is left
+    if not (np.all(np.abs(b + turn * c) <= _SAME) and np.all(np.abs(d - turn * a) <= _SAME)):
+        return None
+    numbers += a, c
+    left: Iterator[Entry] = iter(((0, 1.0), (1, -turn), (1, 1.0), (0, turn)))
+    return tuple(
+        tuple(R[r][k] if (r, k) == (i, j) else 0.0 if r == i or k == j else next(left) for k in range(n))
+        for r in range(n)
+    )
+
+
+def inertial(parts: tuple[Attached, ...], dim: int) -> Array:
+    """Mass, first moment and inertia about the body's origin (..., 10), or (..., 4) in the plane, of all its parts."""
+    if not parts:
+        return _NOTHING[dim]
+    total = _linear(parts[0], dim)
+    for part in parts[1:]:
+        total = total + _linear(part, dim)
+    return total
+
+
+def _linear(part: Attached, dim: int) -> Array:
+    return kept(part, _NAME[dim], lambda: as_row(_linear_entries(of_dimension(dim), part)))
+
+
+def _linear_entries(space: AnySpace, part: Attached) -> list[Scalar]:
+    mass = in_body(space, part.inertia.lower(VALUES), pose_part(part.placement, space.dim).pose)
+    m, h, inertia = about_origin(space, (mass,))
+    if space.dim == 2:
+        return [m, *h, inertia]
+    return [m, *h, *inertia[0], inertia[1][1], inertia[1][2], inertia[2][2]]
+
+
+_NOTHING = {2: np.zeros(4), 3: np.zeros(10)}
+
+
+def gravity_part(model: Model) -> tuple[tuple[bool, ...], Array]:
+    """Which entries of the field are zero, and the others."""
+    return kept(model, "gravity part", partial(_field, model))
+
+
+def _field(model: Model) -> tuple[tuple[bool, ...], Array]:
+    size = VALUES.quantity(model.gravity_size)
+    direction = [VALUES.quantity(x) for x in model.gravity_direction]
+    zeros = tuple([is_exactly(x, 0.0) for x in direction])
+    return zeros, as_row([size * x for x, zero in zip(direction, zeros, strict=True) if not zero])
+
+
+def rows_of(part: BodyPart, driven: bool) -> list[Array]:
+    """What a body adds to the numbers, in order."""
+    joint, inertia = part
+    return (
+        [joint.placed, inertia, joint.drive]
+        if driven and joint.drive is not None
+        else [joint.placed, inertia]
+    )
+
+
+def joined(parts: Sequence[Array]) -> Array:
+    """Numbers one after the other, (..., k); those of a family broadcast against those of one robot."""
+    if max([part.ndim for part in parts]) == 1:
+        return np.concatenate(parts)
+    shape = np.broadcast_shapes(*(part.shape[:-1] for part in parts))
+    return np.concatenate([np.broadcast_to(part, (*shape, part.shape[-1])) for part in parts], axis=-1)
+
+
+def is_exactly(x: Scalar, *exact: float) -> bool:
+    """Whether it is one of these numbers, and no array of a family."""
+    return isinstance(x, float | int) and x in exact
+
+
+def as_row(values: Sequence[Scalar]) -> Array:
+    """Scalars, or arrays of a family, as one array (..., k)."""
+    if {*map(type, values)} <= {float, int}:
+        row = np.array(values, dtype=float)
+    else:
+        row = np.stack(np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in values)), axis=-1)
+    row.flags.writeable = False
+    return row
