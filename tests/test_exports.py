@@ -28,6 +28,7 @@ from freebody.scalars.operations import OPERATIONS
 from freebody.targets import compile_program
 from freebody.targets.text import LANGUAGES, Unit, c, javascript, julia, matlab, rust
 from freebody.targets.text.language import called
+from freebody.targets.text.statements import Spelling, lines, statements, words_of
 from support.browser import browser
 from support.generate import model as mechanism
 
@@ -187,6 +188,24 @@ def test_long_programs_are_cut_and_compute_the_same(language, tmp_path, monkeypa
     assert len(set(re.findall(r"cut_part\d+", text))) > 10
     require(language)
     passes(tmp_path, language, "cut")
+
+
+def test_a_language_that_marks_its_variables_marks_each():
+    spelling = Spelling(
+        dict.fromkeys(OPERATIONS, "f({a})") | {"atan2": "f({a}, {b})"},
+        repr,
+        lambda word, argument, k: f"${word}[{k}]",
+        lambda word, argument, k: f"${word}[{k}]",
+        "my ${word} = {text};",
+        "{word} = {text};",
+        "",
+        variable="${word}",
+    )
+    unit = Unit(everything(), "everything")
+    words = words_of(unit, ())
+    written = "\n".join(lines(statements(unit, words, spelling, ()), spelling, ""))
+    assert len(re.findall(r"\$\w", written)) > 100
+    assert not re.search(r"(?<![\w$.])(?!my |f\()[a-z]\w*", written)  # no word without its mark
 
 
 # ---------------------------------------------------------------- C beside the kernel
@@ -381,7 +400,7 @@ def test_javascript_that_is_not_given_finite_numbers_gives_nan(tmp_path):
 
 # ---------------------------------------------------------------- words
 WORDS = (
-    "double", "let", "fn", "end", "v1", "v2", "w", "sin", "cos_a_0", "n", "x", "i", "function", "self",
+    "double", "let", "fn", "end", "t1", "t2", "w", "sin", "cos_a_0", "n", "x", "i", "function", "self",
     "given0", "sign_of", "all_finite", "fill", "q_0", "q", "batch", "xp", "ca", "np", "S", "f64", "zeros",
     "tan", "int",
 )  # fmt: skip

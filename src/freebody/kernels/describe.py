@@ -12,6 +12,7 @@ from freebody import __version__
 from freebody.identifiers import identifiers
 from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
 from freebody.kernels.inputs import Inputs
+from freebody.kernels.marks import MEANINGS, marks
 from freebody.model.model import Model
 from freebody.model.numbers import Parameters
 from freebody.program import Argument, Program
@@ -22,7 +23,7 @@ _NUMBERS = "numbers of the robot, listed below (SI units)"
 
 
 class Description:
-    """Of a program of a model. Attributes: comment, joints (see `Unit`), names."""
+    """Of a program of a model. Attributes: comment, joints, marks (see `Unit`), names."""
 
     def __init__(
         self,
@@ -37,6 +38,7 @@ class Description:
         self._joint_words = identifiers(model.joint_names)
         self._body_words = identifiers([*(body.name for body in model.bodies), *model.frame_names])
         self._meanings = self._worded(quantities)
+        self.marks = marks(program, option, numbers.tree if numbers else lambda _: model.tree)
 
     @property
     def comment(self) -> tuple[str, ...]:
@@ -58,7 +60,21 @@ class Description:
         if self.option.frame is not None:
             frame = self._body_words[self.option.frame]
             lines.append(f"The frame is {frame}; axes: {self.option.reference}.")
-        return tuple(lines)
+        return (*lines, *self._legend())
+
+    def _legend(self) -> list[str]:
+        """What the words of the text stand for that are names of the recursion."""
+        letters = {word.removeprefix("minus_").rstrip("xyz_0123456789") for word in self.marks.values()}
+        if not letters:
+            return []
+        told = [f"  {letter} {meaning}" for letter, meaning in MEANINGS.items() if letter in letters]
+        return [
+            "",
+            *_SECTIONS,
+            *(_COUNTED if letters & {"M", "c"} else ()),
+            *(_REGROUPED if letters & {*"fnhI"} else ()),
+            *told,
+        ]
 
     @property
     def joints(self) -> Joints:
@@ -94,6 +110,8 @@ class Description:
     def _worded(self, quantities: tuple[str, ...]) -> dict[str, str]:
         """What each argument is."""
         found = {name: given.meaning for name, given in INPUTS.items()} | {"p": _NUMBERS}
+        if self.model.nq == self.model.nv:  # no quaternions
+            found |= {name: f"{found[name].partition(';')[0]})" for name in ("q", "qd")}
         for k, frame in enumerate(self.option.wrench_frames):
             found[f"wrench{k}"] = (
                 f"wrench on the frame {self._body_words[frame]}: force, then moment about its origin, world axes "
@@ -129,6 +147,18 @@ class Description:
         return lines
 
 
+_SECTIONS = (
+    "Sections: outward, up to joint k, what depends on no later joint; inward, to joint k, what only results of joints",
+    "up to k need. Names: w3_y is the angular velocity of body 3, which joint 3 carries, about y of its own axes, and",
+    "minus_w3_y its negative; t1, t2, ... are what has no name there.",
+)
+_COUNTED = ("Entries of M and c count from 0, as arrays do.",)
+_REGROUPED = (
+    "Masses are regrouped among bodies where that saves operations and the motion stays the same: f, n, h and I",
+    "are then those of the regrouped bodies.",
+)
+
+
 def _span(entries: tuple[int, ...]) -> str:
     """Positions from 0 on."""
     return f"[{entries[0]}]" if len(entries) == 1 else f"[{entries[0]}..{entries[-1]}]" if entries else "[]"
@@ -160,4 +190,4 @@ def of_program(program: Program, numbers: Inputs | None = None) -> tuple[tuple[s
     if numbers is None:
         return tuple(head), {}
     listed = _listed_numbers(numbers.model, numbers, words)
-    return (*head, "", *listed), {"numbers": {word: name for name, word in words.items()}}
+    return (*head, "", *listed[:-1]), {"numbers": {word: name for name, word in words.items()}}

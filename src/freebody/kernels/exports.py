@@ -154,7 +154,8 @@ def _unit(
         return Unit(traced, name or traced.name, comment, None, dtype), words, given
     listed, option, given = chosen
     about = Description(what, listed, option, given, traced)
-    return Unit(traced, name or traced.name, about.comment, about.joints, dtype), about.names, given
+    unit = Unit(traced, name or traced.name, about.comment, about.joints, dtype, about.marks)
+    return unit, about.names, given
 
 
 def _readme(unit: Unit, command: str, note: str, files: list[str]) -> str:

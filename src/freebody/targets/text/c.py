@@ -222,7 +222,7 @@ _USE = (
 
 
 def _head(unit: Unit, *more: str) -> list[str]:
-    return comment_block((*unit.comment, *_USE, *more), "/*", " *", " */")
+    return comment_block(unit, (*_USE, *more), "/*", " *", " */")
 
 
 def _dialect(unit: Unit) -> _Dialect:

@@ -107,7 +107,7 @@ _USE = (
 
 
 def _head(unit: Unit) -> list[str]:
-    return comment_block((*unit.comment, *_USE), "/*", " *", " */")
+    return comment_block(unit, _USE, "/*", " *", " */")
 
 
 def _emit_module(unit: Unit) -> str:

@@ -117,7 +117,7 @@ _USE = (
 
 
 def _emit(unit: Unit) -> str:
-    return "\n".join([*comment_block((*unit.comment, *_USE), "", "#", ""), "", *_definitions(unit)])
+    return "\n".join([*comment_block(unit, _USE, "", "#", ""), "", *_definitions(unit)])
 
 
 def _package(unit: Unit, vectors: Vectors) -> dict[str, str]:

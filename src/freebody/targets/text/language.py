@@ -80,10 +80,11 @@ def single(value: float, suffix: str = "") -> str:
     return f"{text if '.' in text or 'e' in text else f'{text}.0'}{suffix}"
 
 
-def comment_block(comment: Iterable[str], begin: str, line: str, end: str) -> list[str]:
-    """The comment at the head of a text; none where there is nothing to say."""
-    listed = [f"{line} {text}".rstrip() for text in comment]
-    return [*([begin] if begin else []), *listed, *([end] if end else [])] if listed else []
+def comment_block(unit: Unit, use: Iterable[str], begin: str, line: str, end: str) -> list[str]:
+    """The comment at the head of a text: what is known of the unit, and how it is used in the language."""
+    known = [*unit.comment, ""] if unit.comment else []
+    listed = [f"{line} {text}".rstrip() for text in (*known, *use)]
+    return [*([begin] if begin else []), *listed, *([end] if end else [])]
 
 
 def flat(word: str, argument: Argument, position: int) -> str:

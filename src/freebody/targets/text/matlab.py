@@ -82,7 +82,7 @@ def _emit(unit: Unit) -> str:
     body += lines(statements(unit, words, _SPELLING, RESERVED), _SPELLING, "  ")
     head = [
         f"function {returned} = {words.function}({', '.join(words.inputs)})",
-        *comment_block((*unit.comment, *_USE), "", "%", ""),
+        *comment_block(unit, _USE, "", "%", ""),
     ]
     return "\n".join([*head, *body, "end\n", *helpers(unit.program, _HELPERS)])
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from freebody.identifiers import identifiers
 from freebody.program.program import Argument, Program
+from freebody.scalars.operations import ARITY
 from freebody.targets.text.unit import Section, Unit, sections
 
 INFIX = {"add": ("{a} + {b}", 1, 1, 2), "sub": ("{a} - {b}", 1, 1, 2), "mul": ("{a}*{b}", 2, 2, 3)}
@@ -35,6 +36,8 @@ class Spelling:
     declare: str
     assign: str
     comment: str
+    variable: str = "{word}"
+    """How a statement's word is written where it is read: "${word}" in a language that marks its variables."""
     inputs_first: bool = False
     """Whether entries of inputs get a word of their own before they are read."""
 
@@ -92,16 +95,18 @@ class _Value:
 
 def statements(unit: Unit, words: Words, spelling: Spelling, reserved: Collection[str]) -> list[Statement]:
     """The program, section by section, and last what writes the outputs."""
-    return _Writer(unit.program, words, spelling, reserved).run(sections(unit.program, unit.joints))
+    return _Writer(unit, words, spelling, reserved).run(sections(unit.program, unit.joints))
 
 
 class _Writer:
-    def __init__(self, program: Program, words: Words, spelling: Spelling, reserved: Collection[str]):
+    def __init__(self, unit: Unit, words: Words, spelling: Spelling, reserved: Collection[str]):
+        program = unit.program
         self.program, self.spelling = program, spelling
         self.taken = {*words.all, *reserved}
         self.entries = _entries(program.inputs, words.inputs, spelling.entry)
         self.results = _entries(program.outputs, words.outputs, spelling.result)
         self.uses = Counter(i for index in range(len(program)) for i in program.operands(index))
+        self.marks = {**_result_words(program), **unit.marks}
         self.kept = set(program.results)
         self.section_of: dict[int, str] = {}
         self.reader: dict[int, int] = {}
@@ -158,7 +163,7 @@ class _Writer:
         """Whether a value is written where it is read: once, in the same section, and short."""
         return (
             self.uses[index] == 1
-            and index not in self.kept
+            and index not in self.marks
             and self.program.op[index] in INFIX
             and len(value.text) <= _LONGEST
             and self.section_of[self.reader[index]] == self.section_of[index]
@@ -166,15 +171,17 @@ class _Writer:
 
     def _named(self, value: _Value, word: str, section: str) -> _Value:
         self.done.append(Statement(word, value.text, value.reads, value.arguments, value.weight, section))
-        return _Value(word, _ATOM, frozenset([word]))
+        return _Value(self.spelling.variable.format(word=word), _ATOM, frozenset([word]))
 
     def _word(self, index: int) -> str:
-        """sin_q_2 for a sine of an input, else the next of v1, v2, …"""
+        """sin_q_2 for a sine of an input; what it is in the recursion or the results; else the next of t1, t2, …"""
         op, operand = self.program.op[index], self.program.a[index]
         if op in ("sin", "cos") and self.program.op[operand] == "input":
             return self._fresh(f"{op}_{self._input_word(operand, fresh=False)}")
+        if index in self.marks:
+            return self._fresh(self.marks[index])
         self.count += 1
-        return self._fresh(f"v{self.count}")
+        return self._fresh(f"t{self.count}")
 
     def _input_word(self, index: int, fresh: bool = True) -> str:
         position, start = self.program.a[index], 0
@@ -190,6 +197,16 @@ class _Writer:
             word += "_"
         self.taken.add(word)
         return word
+
+
+def _result_words(program: Program) -> dict[int, str]:
+    """tau_2, M_0_1 for what a result is, unless it is an input or a number."""
+    indices = [(a, index) for a in program.outputs for index in a.indices()]
+    made: dict[int, str] = {}
+    for (argument, index), node in zip(indices, program.results, strict=True):
+        if ARITY[program.op[node]]:
+            made.setdefault(node, "_".join([argument.name, *map(str, index)]))
+    return made
 
 
 def _entries(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from freebody.identifiers import is_identifier
 from freebody.program.program import Program, ProgramError, verify
@@ -26,8 +27,9 @@ class Unit:
     """A program that becomes text.
 
     name: the function's. comment: lines that stand at the head of the text. joints: where they are known, the text has
-    a section for each. dtype: "float64" or "float32". Raises ProgramError for a program that is not valid, and for a
-    name or remark that could be taken for code: what is written holds none.
+    a section for each. dtype: "float64" or "float32". marks: words for nodes, by which their values are called.
+    Raises ProgramError for a program that is not valid, and for a name or remark that could be taken for code: what is
+    written holds none.
     """
 
     program: Program
@@ -35,6 +37,7 @@ class Unit:
     comment: tuple[str, ...] = ()
     joints: Joints | None = None
     dtype: str = "float64"
+    marks: Mapping[int, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         verify(self.program)
@@ -42,6 +45,9 @@ class Unit:
             raise ProgramError(
                 f"the name {self.name!r} of a function is no word of letters a-z, digits and _."
             )
+        for word in self.marks.values():
+            if not is_identifier(word):
+                raise ProgramError(f"the name {word!r} of a value is no word of letters a-z, digits and _.")
         for remark in (*self.comment, *(self.joints.words if self.joints else ())):
             if not _REMARK.fullmatch(remark):
                 raise ProgramError(f"the remark {remark!r} has characters that no comment may hold.")
