@@ -291,7 +291,7 @@ def test_all_else_refuses_a_family(tmp_path):
         lambda: fb.inverse_velocity(family, [0.1, 0.2], [0, 0, 0]),
         lambda: fb.source(family, "inverse_dynamics", "c"),
         lambda: fb.reactions(fb.load("four_bar").bind(m1=[1.0, 2.0]), [0, 0, 0], [0, 0, 0]),
-        lambda: fb.forward_dynamics(fb.load("four_bar").bind(m1=[1.0, 2.0]), *np.zeros((3, 3))),
+        lambda: fb.forward_dynamics(fb.load("four_bar").bind(l1=[0.2, 0.25]), *np.zeros((3, 3))),
     ):
         with pytest.raises(FamilyError, match="take a member"):
             call()

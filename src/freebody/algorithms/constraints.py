@@ -99,6 +99,11 @@ def constraint_jacobian(tree: Tree, q: Vector) -> Matrix:
     return tuple(rows)
 
 
+def constraint_rate(tree: Tree, q: Vector, qd: Vector) -> Vector:
+    """Φ_q q̇."""
+    return times(constraint_jacobian(tree, q), qd)
+
+
 def constraint_bias(tree: Tree, q: Vector, qd: Vector) -> Vector:
     """c = -Φ̇_q q̇ (5.28): what Φ_q q̈ must be."""
     space = tree.space
@@ -292,6 +297,12 @@ def solved(S: list[list[Scalar]], right: Vector) -> tuple[Vector, Vector]:
         for j in range(k + 1, n):
             x[k] = x[k] - L[j][k] * x[j]
     return tuple(x), tuple(pivots)
+
+
+def loop_ends(tree: Tree, q: Vector) -> list[tuple[Pose, Pose]]:
+    """Where the frames of each loop stand in the world."""
+    world = world_poses(tree, joint_poses(tree, q))
+    return [_ends(tree, world, loop) for loop in tree.loops]
 
 
 def _ends(tree: Tree, world: list[Pose], loop: TreeLoop) -> tuple[Pose, Pose]:

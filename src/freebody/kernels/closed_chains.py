@@ -10,6 +10,13 @@ from typing import Any
 from freebody.model.model import Model
 from freebody.model.required import require_one
 
+_OF_FAMILIES = (
+    "inverse_dynamics",
+    "forward_dynamics",
+    "static_torque",
+    "independent_rows",
+    "require_partition",
+)
 _PLACES = {
     "inverse_dynamics": ("freebody.loops.dynamics", "inverse"),
     "forward_dynamics": ("freebody.loops.dynamics", "forward"),
@@ -27,6 +34,9 @@ def closed(name: str) -> Callable[..., Any]:
     """The function of that name for models with loops, imported when the first of these comes."""
     module, place = _PLACES[name]
     function = getattr(importlib.import_module(module), place)
+
+    if name in _OF_FAMILIES:
+        return function
 
     @wraps(function)
     def of_one(model: Model, *args: Any, **kwargs: Any) -> Any:

@@ -7,13 +7,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from freebody.algorithms.loop_checks import CLOSED
 from freebody.arrays import Array, as_floats, at_sample, refuse_not_finite
 from freebody.errors import FreebodyError, LoopError, UnknownNameError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
+from freebody.loops.coordinates import free_coordinates
 from freebody.loops.decompose import decomposed
 from freebody.loops.equations import (
-    CLOSED,
     closing,
     counting,
     gaps,
@@ -32,6 +33,7 @@ from freebody.loops.scaled import (
     row_scale,
     shortest_way,
 )
+from freebody.model.geometry import first_member
 from freebody.model.model import Model
 from freebody.trees.calls import Vector, common_batch, finite_vector
 from freebody.trees.states import home_guess, integrate
@@ -113,26 +115,8 @@ def loop_acceleration(model: Model, q: Vector, qd: Vector, accelerations: Vector
     require_loops(model, "loop_acceleration")
     at, rates = (finite_vector("loop_acceleration", model, n, x) for n, x in (("q", q), ("qd", qd)))
     require_closed("loop_acceleration", model, at, rates)
-    right = fetch(model, ("constraint_bias",), Option())(at, rates)
+    right = fetch(first_member(model), ("constraint_bias",), Option())(at, rates)
     return _consistent("loop_acceleration", model, at, accelerations, right)
-
-
-def free_coordinates(model: Model, names: Sequence[str] | None, function: str) -> list[int]:
-    """Indices of the coordinates named, each by itself or through its joint; None is all."""
-    if names is None:
-        return list(range(model.nv))
-    if isinstance(names, str):
-        names = (names,)
-    of_joint = {
-        body.joint.name: list(at.v)
-        for body, at in zip(model.bodies, model.coordinates, strict=True)
-        if body.joint.mimic is None
-    }
-    of_name = {name: [k] for k, name in enumerate(model.velocity_names)} | of_joint
-    for name in names:
-        if name not in of_name:
-            raise UnknownNameError("coordinate", name, f"{function}: {model.name!r}", of_name)
-    return sorted({k for name in names for k in of_name[name]})
 
 
 # ---------------------------------------------------------------- positions

@@ -7,11 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from freebody.algorithms.loop_checks import LEFT
 from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
-from freebody.loops.assembly import free_coordinates
+from freebody.loops.coordinates import drives
 from freebody.loops.equations import (
     blurred,
     closing,
@@ -23,22 +24,18 @@ from freebody.loops.equations import (
 )
 from freebody.loops.partition import independent_rows, partition
 from freebody.loops.redundancy import redundancy
-from freebody.loops.scaled import length, loop_of_row, null_space, rate_scale, row_scale
+from freebody.loops.scaled import loop_of_row, null_space, rate_scale, row_scale
 from freebody.loops.solving import BLURRED, RANK, Idle, Jerk, solve
+from freebody.model.geometry import first_member
+from freebody.model.members import member_at
 from freebody.model.model import Model
-from freebody.trees.calls import Vector, Wrenches, checked_inputs
+from freebody.trees.calls import Vector, Wrenches, attempt, checked_inputs
 from freebody.trees.massless import massless
 from freebody.trees.states import difference, integrate
 
-_PIVOT = 1e-4
-"""The smallest pivot of the quick solution relative to the largest; below, the careful solution takes over. Rounding
-there is 1e-16 over the pivot, and motions through singular positions carry it on: a double four-bar that passes ten of
-them is right to 1e-9 with this, with a hundredth of it to 1e-7."""
 _REGULAR = 1e-2  # of the same, from which stages of an integration need no care
-_LIGHT = 1e10  # the mechanism's inertia over that which resists a loop; rad/s²
 _SHORT = 0.01  # rad: a motion that shows where accelerations lead
 _ASIDE = 0.03  # part of what accelerations add to it by which it may miss the closed positions: terms of third order
-_LEFT = 1e-6  # of an equation, relative to its terms: more is no rounding
 WOULD_OPEN = "would open{} under these accelerations; make them consistent with fb.loop_acceleration(model, q, qd, qdd)"
 STUCK = "cannot stay closed at these rates{}: the mechanism is stuck"
 """What `require_consistent` says of accelerations that were given, and of those that were found."""
@@ -46,6 +43,11 @@ STUCK = "cannot stay closed at these rates{}: the mechanism is stuck"
 
 def forward(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches) -> Array:
     """See `fb.forward_dynamics`."""
+    option = _solution(model, "state")
+    if option is not None:
+        found = attempt("forward_dynamics", model, (q, qd, tau), option, wrenches)
+        if found is not None:
+            return found
     frames, (at, rates, drive, *loads) = checked_inputs(
         "forward_dynamics", model, {"q": q, "qd": qd, "tau": tau}, wrenches
     )
@@ -58,11 +60,12 @@ def forward(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches
 def definite_accelerations(
     model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
 ) -> Array:
-    """The same as `accelerations`; refuses singular positions from which no way leads on."""
-    qdd, with_care = _solved(model, frames, q, qd, tau, *loads)
+    """The same as `accelerations`, of states that were found closed; refuses singular positions from which no way leads
+    on."""
+    qdd, with_care = _solved(model, "state", frames, q, qd, tau, *loads)
     for index in np.argwhere(with_care):
         at = tuple(index)
-        require_way(model, q[at], qd[at], qdd[at])
+        require_way(first_member(model), q[at], qd[at], qdd[at])
     return qdd
 
 
@@ -70,29 +73,31 @@ def accelerations(
     model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
 ) -> Array:
     """q̈ (..., nv), of states taken as closed: the stages of a motion, which by themselves do not tell where it goes."""
-    return _solved(model, frames, q, qd, tau, *loads)[0]
+    return _solved(model, "solution", frames, q, qd, tau, *loads)[0]
+
+
+def _solution(model: Model, checks: str) -> Option | None:
+    """How the quick solution takes the model's equations; None where no fixed choice of them does."""
+    if redundancy(model).rank is not None:
+        return None
+    return Option(equations=independent_rows(model), checks=checks)
 
 
 def _solved(
-    model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
+    model: Model, checks: str, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
 ) -> tuple[Array, NDArray[np.bool_]]:
     """(q̈ (..., nv), which samples took care): compiled where M is regular and the equations are independent."""
-    if massless(model) or redundancy(model).rank is not None:
-        qdd = np.empty(qd.shape)
-        for at in np.ndindex(qd.shape[:-1]):
-            qdd[at] = careful(model, frames, *(x[at] for x in (q, qd, tau, *loads)))
-        return qdd, np.ones(qd.shape[:-1], dtype=bool)
-    kept = independent_rows(model)
-    quick = fetch(model, ("constrained_dynamics",), Option(wrench_frames=frames, equations=kept))
-    qdd, _, pivots = quick(q, qd, tau, *loads)
-    poor = ~(_smallest(model, kept, pivots) > _PIVOT) | _light(model, kept, pivots, qdd)
-    if len(kept) < model.tree.constraints:
-        poor |= _left(model, q, qd, qdd) > _LEFT
-    for at in np.argwhere(poor):
+    option = _solution(model, checks)
+    if option is None:
+        qdd, with_care = np.empty(qd.shape), np.ones(qd.shape[:-1], dtype=bool)
+    else:
+        qdd = fetch(model, ("forward_dynamics",), option._replace(wrench_frames=frames))(q, qd, tau, *loads)
+        with_care = np.isnan(qdd).any(axis=-1)
+    for at in np.argwhere(with_care):
         sample = tuple(at)
-        part = [np.broadcast_to(x, (*poor.shape, x.shape[-1]))[sample] for x in (q, qd, tau, *loads)]
-        qdd[sample] = careful(model, frames, *part)
-    return qdd, poor
+        part = [np.broadcast_to(x, (*with_care.shape, x.shape[-1]))[sample] for x in (q, qd, tau, *loads)]
+        qdd[sample] = careful(member_at(model, sample), frames, *part)
+    return qdd, with_care
 
 
 def regular(model: Model, q: Array) -> bool:
@@ -112,13 +117,6 @@ def _smallest(model: Model, kept: tuple[int, ...], pivots: Array) -> Array:
         return np.ones(pivots.shape[:-1])
     scaled = pivots * row_scale(model)[list(kept)] ** 2
     return scaled.min(axis=-1) / scaled.max(axis=-1)
-
-
-def _light(model: Model, kept: tuple[int, ...], pivots: Array, qdd: Array) -> NDArray[np.bool_]:
-    """(...): whether so little inertia resists some motion that the quick solution divides by rounding."""
-    scaled = pivots * row_scale(model)[list(kept)] ** 2 * model.mass * length(model) ** 2
-    fastest = np.abs(qdd / rate_scale(model)).max(axis=-1, initial=0.0)
-    return (scaled.max(axis=-1, initial=0.0) > _LIGHT) | (fastest > _LIGHT)
 
 
 def careful(model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array) -> Array:
@@ -178,23 +176,58 @@ def inverse(
     model: Model, q: Vector, qd: Vector, qdd: Vector, wrenches: Wrenches, actuated: Sequence[str] | None
 ) -> Array:
     """See `fb.inverse_dynamics`."""
+    if actuated is None:
+        found = _attempted("inverse_dynamics", model, (q, qd, qdd), wrenches)
+        if found is not None:
+            return found
     frames, (at, rates, second, *loads) = checked_inputs(
         "inverse_dynamics", model, {"q": q, "qd": qd, "qdd": qdd}, wrenches
     )
     require_closed("inverse_dynamics", model, at, rates)
-    needed = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))(
-        at, rates, second, *loads
-    )
     require_consistent("inverse_dynamics", model, at, rates, second, WOULD_OPEN)
-    return drive_torques("inverse_dynamics", model, at, needed, actuated)
+    return _of_drives("inverse_dynamics", model, frames, (at, rates, second, *loads), actuated)
 
 
 def holding(model: Model, q: Vector, wrenches: Wrenches) -> Array:
     """See `fb.static_torque`."""
+    found = _attempted("static_torque", model, (q,), wrenches)
+    if found is not None:
+        return found
     frames, (at, *loads) = checked_inputs("static_torque", model, {"q": q}, wrenches)
     require_closed("static_torque", model, at)
-    needed = fetch(model.opened, ("static_torque",), Option(wrench_frames=frames))(at, *loads)
-    return drive_torques("static_torque", model, at, needed)
+    return _of_drives("static_torque", model, frames, (at, *loads))
+
+
+def _attempted(function: str, model: Model, inputs: tuple[Vector, ...], wrenches: Wrenches) -> Array | None:
+    """The torques of the model's own drives where a kernel is sure of them."""
+    chosen = partition(model)
+    if chosen is None:
+        return None
+    return attempt(function, model, inputs, Option(partition=chosen, checks="state"), wrenches)
+
+
+def _of_drives(
+    function: str,
+    model: Model,
+    frames: tuple[str, ...],
+    arrays: tuple[Array, ...],
+    actuated: Sequence[str] | None = None,
+) -> Array:
+    """Torques (..., nv) of the drives, of arrays (q, …) of states that the loops allow."""
+    driven = drives(function, model, actuated)
+    chosen, option = partition(model, driven), Option(wrench_frames=frames)
+    if chosen is None:
+        tau, with_care = (
+            np.zeros(arrays[0].shape[:-1] + (model.nv,)),
+            np.ones(arrays[0].shape[:-1], dtype=bool),
+        )
+    else:
+        tau = fetch(model, (function,), option._replace(partition=chosen, checks="state"))(*arrays)
+        with_care = np.isnan(tau).any(axis=-1)
+    if with_care.any():
+        needed = fetch(model.opened, (function,), option)(*arrays)
+        tau[with_care] = _careful_torques(function, model, arrays[0], needed, driven, with_care)
+    return tau
 
 
 def torques(model: Model, q: Array, qd: Array, qdd: Array) -> Array:
@@ -212,7 +245,7 @@ def drive_torques(
 
     needed (..., nv): torques of the tree that is left when all loops are cut. Least norm where too many drive.
     """
-    driven = free_coordinates(model, model.actuated if actuated is None else actuated, function)
+    driven = drives(function, model, actuated)
     chosen = partition(model, driven)
     if chosen is None:
         tau, with_care = np.zeros(needed.shape), np.ones(needed.shape[:-1], dtype=bool)
@@ -226,10 +259,10 @@ def drive_torques(
 
 
 def _careful_torques(
-    function: str, model: Model, q: Array, needed: Array, driven: list[int], chosen: NDArray[np.bool_]
+    function: str, model: Model, q: Array, needed: Array, driven: Sequence[int], chosen: NDArray[np.bool_]
 ) -> Array:
     """The same at the chosen samples of a batch, (N, nv), whatever the rank; refuses what the drives cannot do."""
-    rates = rate_scale(model)
+    rates, driven = rate_scale(model), list(driven)
     asked = rates * needed[chosen]
     tau = np.zeros_like(asked)
     _, s, Vt = np.linalg.svd(scaled_jacobian(model, q[chosen]))
@@ -263,7 +296,7 @@ def _left(model: Model, q: Array, qd: Array, qdd: Array) -> Array:
 
 def missed(model: Model, q: Array, qd: Array, qdd: Array) -> tuple[Array, Array]:
     """(Φ_q q̈ - c, c) (..., m), scaled, as far as they tell."""
-    phi, c = fetch(model, ("constraint_jacobian", "constraint_bias"), Option())(q, qd)
+    phi, c = fetch(first_member(model), ("constraint_jacobian", "constraint_bias"), Option())(q, qd)
     rows = row_scale(model)
     left = rows * (np.einsum("...mk,...k->...m", phi, qdd) - c)
     return telling_much(model, q, left), rows * c
@@ -271,7 +304,7 @@ def missed(model: Model, q: Array, qd: Array, qdd: Array) -> tuple[Array, Array]
 
 def require_consistent(function: str, model: Model, q: Array, qd: Array, qdd: Array, problem: str) -> None:
     """Refuse accelerations that would open a loop, with a problem that has a place for the sample."""
-    bad = np.argwhere(_left(model, q, qd, qdd) > max(_LEFT, redundancy(model).slack))
+    bad = np.argwhere(_left(model, q, qd, qdd) > max(LEFT, redundancy(model).slack))
     if len(bad):
         at = tuple(map(int, bad[0]))
         q, qd, qdd = (x[at] for x in (q, qd, qdd))

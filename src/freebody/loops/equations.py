@@ -11,6 +11,7 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
+from freebody.algorithms.loop_checks import CLOSED
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, LoopError
 from freebody.kernels.formulas import Option
@@ -29,10 +30,8 @@ from freebody.loops.scaled import (
     telling,
 )
 from freebody.loops.solving import BLURRED
+from freebody.model.geometry import first_member
 from freebody.model.model import Model
-
-CLOSED = 1e-6
-"""Gap, relative to the mechanism's length, from which a loop counts as open."""
 
 
 def require_loops(model: Model, function: str) -> None:
@@ -87,7 +86,9 @@ def scaled_jacobian(model: Model, q: Array) -> Array:
 
 def scaled_rate(model: Model, q: Array, qd: Array) -> Array:
     """Φ_q q̇ (..., m) in angles, as far as it counts."""
-    return counting(model, q, row_scale(model) * fetch(model, ("constraint_rate",), Option())(q, qd))
+    return counting(
+        model, q, row_scale(model) * fetch(first_member(model), ("constraint_rate",), Option())(q, qd)
+    )
 
 
 def closing(model: Model, q: Array, moving: Sequence[int]) -> tuple[Array, Array]:

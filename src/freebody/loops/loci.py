@@ -16,7 +16,8 @@ import numpy as np
 from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.kernels.options import motion_rows
-from freebody.loops.assembly import assemble, free_coordinates
+from freebody.loops.assembly import assemble
+from freebody.loops.coordinates import free_coordinates
 from freebody.loops.equations import require_loops, scaled_jacobian, scaled_residual
 from freebody.loops.partition import independent_rows
 from freebody.loops.scaled import backward, length, rate_scale, shortest_way
@@ -85,7 +86,7 @@ def _problem(
 ) -> _Problem:
     assemble(model)  # refuses a mechanism that cannot be closed
     kept = list(independent_rows(model))
-    driven = free_coordinates(model, model.actuated, "singularity_loci")
+    driven = model.driven
     freedom = model.nv - len(kept)
     if len(driven) != freedom:
         raise FreebodyError(

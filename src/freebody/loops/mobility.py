@@ -149,12 +149,7 @@ def dependent_rows(J: Array) -> tuple[int, ...]:
 def independent_coordinates(model: Model, directions: Array) -> tuple[str, ...]:
     """Names of coordinates whose rates tell all others: rows of the null space (nv, f) picked by pivoting."""
     names = model.velocity_names
-    driven = {
-        k
-        for body, at in zip(model.bodies, model.coordinates, strict=True)
-        if body.joint.name in model.actuated and any(b.joint.passive for b in model.bodies)
-        for k in at.v
-    }
+    driven = model.driven if model.passive else ()
     # a driven joint wins over a passive one that would do little better
     left = (
         directions * np.array([1.0 if k in driven or not driven else 0.1 for k in range(model.nv)])[:, None]

@@ -10,7 +10,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.kernels.options import motion_rows
-from freebody.loops.assembly import free_coordinates
+from freebody.loops.coordinates import drives
 from freebody.loops.equations import require_closed, require_loops, scaled_jacobian
 from freebody.loops.scaled import length, null_space, rate_scale
 from freebody.loops.solving import RANK
@@ -73,7 +73,7 @@ def input_output(
     if at.shape != (model.nq,):
         raise FreebodyError(f"input_output: q has shape {at.shape}, expected ({model.nq},): one position.")
     require_closed("input_output", model, at)
-    driven = free_coordinates(model, model.actuated if actuated is None else actuated, "input_output")
+    driven = list(drives("input_output", model, actuated))
     chosen = motion_rows(model, rows)
     chosen = chosen[: len(driven)] if rows is None else chosen
     N, _ = null_space(scaled_jacobian(model, at), RANK)

@@ -1,4 +1,4 @@
-"""Which loop equations and coordinates compiled kernels take as independent: chosen once a model, near its home.
+"""Which loop equations and coordinates compiled kernels take as independent: chosen once a geometry, near its home.
 
 A kernel is straight-line arithmetic and cannot choose at a position. Where the choice does not hold it returns NaN, or
 says by its pivots how good it is, and the functions of closed chains take those samples with care.
@@ -13,21 +13,21 @@ import numpy as np
 from freebody.algorithms.loop_forces import Partition
 from freebody.arrays import Array
 from freebody.errors import LoopError, SingularError
-from freebody.loops.assembly import assemble, free_coordinates
+from freebody.loops.assembly import assemble
 from freebody.loops.mobility import dependent_rows, regular_jacobian
 from freebody.loops.redundancy import redundancy
-from freebody.model.facts import fact
+from freebody.model.geometry import first_member, geometric_fact
 from freebody.model.model import Model
-from freebody.trees.states import random_state
+from freebody.trees.states import generic_state
 
 _SEEDS = 8  # starts from which a closed position is sought where home leads to none
 _REGULAR = 1e-2  # the smallest part, relative to the largest, that a coordinate has of its own
 _NOTHING = 1e-12  # an entry of a scaled Φ_q that is rounding
 
 
-@fact
+@geometric_fact
 def independent_rows(model: Model) -> tuple[int, ...]:
-    """Equations that do not follow from others near the model's home; found once a model.
+    """Equations that do not follow from others near the model's home; found once a geometry.
 
     Where the loops cannot be closed from home, near the first of some fixed starts from which they can; all, where
     there is none.
@@ -40,7 +40,7 @@ def independent_rows(model: Model) -> tuple[int, ...]:
     return tuple(k for k in range(model.tree.constraints) if k not in dropped)
 
 
-@fact
+@geometric_fact
 def _regular(model: Model) -> Array | None:
     """Φ_q (m, nv), scaled, at a regular position near home; None where no closed position was found."""
     at = _anywhere(model)
@@ -49,7 +49,7 @@ def _regular(model: Model) -> Array | None:
 
 def _anywhere(model: Model) -> Array | None:
     """A closed position (nq,), the same whatever was asked before: home's, else the first found from fixed starts."""
-    for start in (None, *random_state(model, seed=5, batch=_SEEDS)[0]):
+    for start in (None, *generic_state(model, seed=5, batch=_SEEDS)[0]):
         try:
             return assemble(model, start)
         except LoopError:
@@ -63,8 +63,7 @@ def partition(model: Model, driven: Sequence[int] | None = None) -> Partition | 
     None where no fixed choice does: too few drives, numbers that are rounded (`redundancy`), no closed position near
     home, or nothing that moves.
     """
-    chosen = tuple(free_coordinates(model, model.actuated, "partition") if driven is None else driven)
-    return _partitions(model, chosen)
+    return _partitions(model, model.driven if driven is None else tuple(driven))
 
 
 def partition_of_loops(model: Model) -> Partition | None:
@@ -85,11 +84,11 @@ def require_partition(model: Model, function: str) -> Partition:
 
 
 def _partitions(model: Model, driven: tuple[int, ...]) -> Partition | None:
-    """Kept with the model's facts, one for each choice of drives."""
-    facts = model.facts
+    """Kept with what is known of the geometry, one for each choice of drives."""
+    facts = model.geometry.facts
     key = f"{__name__}.partition {driven}"
     if key not in facts:
-        facts.setdefault(key, _chosen(model, driven))
+        facts.setdefault(key, _chosen(first_member(model), driven))
     return facts[key]
 
 

@@ -4,7 +4,7 @@ A real machine often has more equations than its motion needs, and numbers with 
 each other a little. What tells such a machine from one that is stuck is that it moves: along a way of half a radian
 and more every loop stays closed within `loop_tolerance`. There the singular values of Φ_q that rounding makes out of
 zeros show, and how many are left is the rank of the mechanism. It is found at regular positions on that way, from
-fixed starts, so it depends on the model alone, never on a position that is asked about.
+fixed starts, so it depends on the geometry alone, never on a position that is asked about.
 
 Where that is so, the combinations of equations that tell most count, as many as the rank: P = U_r U_rᵀ of the singular
 value decomposition of Φ_q. No fixed choice of equations would do: in a parallelogram with a third crank either
@@ -31,9 +31,9 @@ from freebody.loops.scaled import (
     shortest_way,
     telling,
 )
-from freebody.model.facts import fact
+from freebody.model.geometry import geometric_fact
 from freebody.model.model import Model
-from freebody.trees.states import difference, home_guess, integrate, random_state
+from freebody.trees.states import difference, generic_state, home_guess, integrate
 
 EXACT = 1e-12
 """Of scaled equations: what is open by less is closed but for rounding in the computation."""
@@ -67,9 +67,9 @@ class Redundancy:
 _NONE = Redundancy(None)
 
 
-@fact
+@geometric_fact
 def redundancy(model: Model) -> Redundancy:
-    """Of a model, found once."""
+    """Of a geometry, found once."""
     tolerance = scales(model).tolerance
     soft = _SOFT * float(tolerance.max(initial=0.0))
     if not soft:
@@ -125,7 +125,7 @@ class _Search:
         rng = np.random.default_rng(4)
         spread = rng.uniform(-np.pi, np.pi, (_STARTS, model.nv)) * np.geomspace(0.02, 1.0, _STARTS)[:, None]
         away = integrate(model, np.broadcast_to(guess, (_STARTS, model.nq)), spread * rate_scale(model))
-        for begun in (guess[None], away, random_state(model, seed=4, batch=_STARTS)[0]):
+        for begun in (guess[None], away, generic_state(model, seed=4, batch=_STARTS)[0]):
             q, good = self.closed(begun)
             if good.any():
                 way = shortest_way(model, np.broadcast_to(guess, q[good].shape), q[good])

@@ -12,7 +12,7 @@ from freebody.algorithms.loop_scales import equations_of_lengths, mechanism_leng
 from freebody.arrays import Array
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
-from freebody.model.facts import fact
+from freebody.model.geometry import first_member, geometric_fact
 from freebody.model.model import Model
 from freebody.spatial import dot, times
 from freebody.trees.states import difference
@@ -32,7 +32,7 @@ def row_names(model: Model) -> tuple[str, ...]:
 
 def loop_of_row(model: Model) -> tuple[int, ...]:
     """For each equation the index of its loop."""
-    tree = model.tree
+    tree = first_member(model).tree
     return tuple(i for i, loop in enumerate(tree.loops) for _ in range(loop.closure.size(tree.space)))
 
 
@@ -55,9 +55,9 @@ class Scales:
     """(m,): of the scaled equations: what counts as rounding of the model's numbers (`loop_tolerance`)."""
 
 
-@fact
+@geometric_fact
 def scales(model: Model) -> Scales:
-    """The scales of a model, found once."""
+    """The scales of a geometry, found once."""
     tree = model.tree
     reach = float(mechanism_length(tree))
     tolerance: list[float] = []
@@ -112,12 +112,12 @@ def shortest_way(model: Model, a: Array, b: Array) -> Array:
 
 def every_residual(model: Model, q: Array) -> Array:
     """Φ(q) (..., m), in angles."""
-    return row_scale(model) * fetch(model, ("constraint",), Option())(q)
+    return row_scale(model) * fetch(first_member(model), ("constraint",), Option())(q)
 
 
 def every_jacobian(model: Model, q: Array) -> Array:
     """Φ_q (..., m, nv) over angular rates, in angles; rows that hold nothing but rounding are zero."""
-    phi = fetch(model, ("constraint_jacobian",), Option())(q)
+    phi = fetch(first_member(model), ("constraint_jacobian",), Option())(q)
     A = row_scale(model)[:, None] * phi * rate_scale(model)
     A[np.abs(A).max(axis=-1, initial=0.0) < _NOTHING] = 0.0
     return A
@@ -126,7 +126,7 @@ def every_jacobian(model: Model, q: Array) -> Array:
 def backward(model: Model, q: Array) -> NDArray[np.bool_]:
     """(..., loops): whether a loop is closed the wrong way round: turned by a half, or where three axes are held, by a
     third, from which its equations cannot tell it."""
-    tree = model.tree
+    tree = first_member(model).tree
     space = tree.space
     if not any(loop.closure.turns for loop in tree.loops):
         return np.zeros((*q.shape[:-1], len(tree.loops)), dtype=bool)

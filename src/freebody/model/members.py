@@ -121,6 +121,16 @@ def one_family(model: Any, *new: Any) -> Any:
     return model
 
 
+def member_at(model: Any, sample: tuple[int, ...]) -> Any:
+    """Which member of a family a sample of a batch is of, whose last axes are the family's; of one robot itself."""
+    shape = model.family
+    if not shape:
+        return model
+    return model[
+        tuple(k if n > 1 else 0 for k, n in zip(sample[len(sample) - len(shape) :], shape, strict=True))
+    ]
+
+
 def taken(thing: Any, shape: tuple[int, ...], index: Any) -> Any:
     """A tree of dataclasses and tuples with the members that `index` picks out of a family of that shape."""
     if isinstance(thing, Members):
@@ -158,4 +168,17 @@ class FamilyError(FreebodyError, TypeError):
         super().__init__(
             f"{function}: {name!r} is a family of robots, shape {shape}, and this is about one of them: "
             f"take a member, model[{example}]."
+        )
+
+
+class LengthsDiffer(FamilyError):
+    """A family of closed chains that are not of one geometry."""
+
+    def __init__(self, name: str, shape: tuple[int, ...]):
+        example = ", ".join("0" for _ in shape)
+        FreebodyError.__init__(
+            self,
+            f"{name!r} is a family of closed chains, shape {shape}, whose lengths or placements differ: how one member "
+            f"closes and moves is not how another does. Take a member, model[{example}]; members may differ in masses, "
+            "inertias, friction and gravity.",
         )

@@ -15,6 +15,7 @@ from freebody.lazy import cached_property
 from freebody.model import changes as changed
 from freebody.model import identified, numbers
 from freebody.model.bodies import Body, Frame, JointLimits
+from freebody.model.geometry import Geometry, geometry_of
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import JointKind
@@ -117,6 +118,11 @@ class Model(ByValue):
             for k in at.v
         )
 
+    @cached_property
+    def driven(self) -> tuple[int, ...]:
+        """The other coordinates."""
+        return tuple([k for k in range(self.nv) if k not in self.passive])
+
     @property
     def passive_names(self) -> tuple[str, ...]:
         """Of `velocity_names` those whose joints are passive."""
@@ -125,7 +131,7 @@ class Model(ByValue):
     @property
     def driven_names(self) -> tuple[str, ...]:
         """Of `velocity_names` those whose joints are not passive."""
-        return tuple(name for k, name in enumerate(self.velocity_names) if k not in self.passive)
+        return tuple(self.velocity_names[k] for k in self.driven)
 
     @property
     def reaction_names(self) -> tuple[str, ...]:
@@ -254,6 +260,11 @@ class Model(ByValue):
     def numbers(self) -> Array:
         """Its numbers (k,), as the kernels of its structure take them; of a family (..., k)."""
         return numbers_of(self)
+
+    @cached_property
+    def geometry(self) -> Geometry:
+        """Its structure and lengths, and what follows from these alone: shared by all models that have the same."""
+        return geometry_of(self)
 
     @cached_property
     def opened(self) -> Model:

@@ -13,7 +13,7 @@ model contributes is found once and kept with the piece, so that a changed copy 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 from weakref import WeakValueDictionary
@@ -75,6 +75,10 @@ class Structure:
         sizes = [sum(row.shape[-1] for row in rows_of(known[i], self.driven)) for i in self.order]
         self.starts = dict(zip(self.order, accumulate(sizes, initial=0), strict=False))
         """Where the numbers of each body begin."""
+        self.geometric = np.flatnonzero(
+            [placed for row, placed in _pieces(model, self) for _ in range(row.shape[-1])]
+        )
+        """Which of the numbers say where something is, or how far: the others are inertias, drives and gravity."""
 
 
 def structure_of(model: Model) -> Structure:
@@ -116,17 +120,21 @@ def numbers_of(model: Model) -> Array:
 
 
 def _numbers(model: Model) -> Array:
-    structure, dim = model.structure, model.dim
+    return joined([row for row, _ in _pieces(model, model.structure)])
+
+
+def _pieces(model: Model, structure: Structure) -> Iterator[tuple[Array, bool]]:
+    """The numbers in order, a row for each piece, and whether they say where something is."""
     known = body_parts(model)
-    parts = [row for i in structure.order for row in rows_of(known[i], structure.driven)]
-    parts.append(gravity_part(model)[1])
+    for i in structure.order:
+        yield from zip(rows_of(known[i], structure.driven), (True, False, False), strict=False)
+    yield gravity_part(model)[1], False
     for loop in model.loops:
         if loop.distance is not None:
-            parts.append(as_row([VALUES.quantity(loop.distance)]))
-    parts.append(inertial(model.base_inertias, dim))
+            yield as_row([VALUES.quantity(loop.distance)]), True
+    yield inertial(model.base_inertias, model.dim), False
     for name in _own_frames(model):
-        parts.append(pose_part(model.frame(name).placement, dim).numbers)
-    return joined(parts)
+        yield pose_part(model.frame(name).placement, model.dim).numbers, True
 
 
 def _own_frames(model: Model) -> tuple[str, ...]:

@@ -8,12 +8,8 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import LoopError
-from freebody.loops.assembly import (
-    assemble,
-    free_coordinates,
-    loop_acceleration,
-    loop_velocity,
-)
+from freebody.loops.assembly import assemble, loop_acceleration, loop_velocity
+from freebody.loops.coordinates import free_coordinates
 from freebody.loops.equations import closing, scaled_jacobian
 from freebody.loops.mobility import mobility
 from freebody.loops.redundancy import redundancy
@@ -36,7 +32,7 @@ def leaders(model: Model, q: Array) -> list[int]:
     """Coordinates that determine all others near the closed position q (nq,): the driven joints' if they do, else the
     choice of `mobility`."""
     N, _ = null_space(scaled_jacobian(model, q), RANK)
-    driven = free_coordinates(model, model.actuated, "leaders")
+    driven = list(model.driven)
     if len(driven) == N.shape[1] and np.linalg.matrix_rank(N[driven], tol=1e-6) == len(driven):
         return driven
     return free_coordinates(model, mobility(model, q).independent, "leaders")

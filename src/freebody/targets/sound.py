@@ -11,7 +11,8 @@ import numpy as np
 HUGE = 1e100
 """No quantity of a robot in SI units is as large; its products leave the range of float64."""
 
-_FEW = 100  # entries that are looked at sooner in plain Python
+FEW = 100
+"""Entries up to which all outputs are looked at, sooner in plain Python."""
 
 
 def sound(kernel: Callable[..., Any], arrays: tuple[Any, ...]) -> Any:
@@ -31,7 +32,7 @@ def _finite(outputs: tuple[Any, ...], arrays: tuple[Any, ...]) -> bool:
     entries = sum(x.size for x in outputs)
     if entries == 1:
         return isfinite(outputs[0].item())
-    if entries <= _FEW:
+    if entries <= FEW:
         return isfinite(sum(sum(x.ravel().tolist()) for x in outputs))
     if all(type(x) is np.ndarray and x.dtype == np.float64 for x in arrays) and (
         sum(x.size for x in arrays) < entries

@@ -15,7 +15,7 @@ from freebody.kernels.formulas import FORMULAS, POSITIONS, Option
 from freebody.labels import aligned, refuse_other_times
 from freebody.model.model import Model
 from freebody.model.required import require_model
-from freebody.targets.sound import HUGE
+from freebody.targets.sound import FEW, HUGE
 
 Vector = ArrayLike | Mapping[str, float]
 Wrenches = ArrayLike | Mapping[str, ArrayLike] | None
@@ -82,6 +82,38 @@ def quick(
         return None  # explained by who looks closer
 
 
+def attempt(
+    function: str, model: Model, inputs: tuple[Any, ...], option: Option, wrenches: Wrenches = None
+) -> Any:
+    """What `quick` returns with the kernel of an option that says NaN where there is something to look at; None there.
+
+    The kernel is the one that `quick` will try for this function and model from now on.
+    """
+    try:
+        frames = () if wrenches is None else tuple(model.frame(name).name for name in _given(wrenches)[0])
+    except FreebodyError:  # said in its turn
+        return None
+    if len(set(frames)) < len(frames):
+        return None
+    bound = structural.fetch(model, (function,), option._replace(wrench_frames=frames))
+    _keep(function, model, option, bound, _key(function, None, wrenches), all_finite(bound.kernel))
+    return quick(function, model, inputs, None, wrenches)
+
+
+def all_finite(kernel: Any) -> Callable[..., Any]:
+    """The kernel as it is called where a result that is not finite must not pass: `checked`, all of the results looked
+    at, however many there are."""
+    checked = kernel.checked
+
+    def call(*arrays: Any) -> Any:
+        result = checked(*arrays)
+        if type(result) is np.ndarray and result.size > FEW and not np.isfinite(result).all():
+            return None
+        return result
+
+    return call
+
+
 def _key(function: str, choice: tuple[Any, ...] | None, wrenches: Wrenches) -> Any:
     """Under which a model keeps what `quick` calls."""
     if wrenches is not None:
@@ -103,11 +135,18 @@ def _is_known(function: str, model: Model, option: Option, wrenches: Wrenches, k
     return True
 
 
-def _keep(function: str, model: Model, option: Option, bound: structural.Bound, key: Any) -> None:
+def _keep(
+    function: str,
+    model: Model,
+    option: Option,
+    bound: structural.Bound,
+    key: Any,
+    checked: Callable[..., Any] | None = None,
+) -> None:
     starts = model.structure.quaternions
     names = _input_names(function, option)
     turning = tuple((i, starts) for i, name in enumerate(names) if starts and name in POSITIONS)
-    model.compiled[key] = bound.kernel.checked, bound.numbers, turning
+    model.compiled[key] = checked or bound.kernel.checked, bound.numbers, turning
 
 
 def _input_names(function: str, option: Option) -> list[str]:
@@ -150,7 +189,7 @@ def _carefully(
     bound = structural.fetch(model, (function,), option._replace(wrench_frames=tuple(loads)))
     wrenched = [f"wrenches[{frame!r}]" for frame in loads]
     named = dict(zip([*names, *wrenched], [*arrays, *loads.values()], strict=True))
-    common_batch(function, named | ({"model.family": np.empty((*model.family, 0))} if model.family else {}))
+    common_batch(function, named | _of_family(model))
     result = bound(*named.values())
     if not all(np.isfinite(x).all() for x in (result if isinstance(result, tuple) else (result,))):
         for name, array in named.items():
@@ -163,15 +202,21 @@ def _carefully(
 def checked_inputs(
     function: str, model: Model, given: Mapping[str, Any], wrenches: Wrenches
 ) -> tuple[tuple[str, ...], list[Array]]:
-    """(frames with wrenches, arrays of the inputs and then the wrenches), all finite and of one batch shape."""
+    """(frames with wrenches, arrays of the inputs and then the wrenches), all finite and of one batch shape, which ends
+    in that of a family."""
     refuse_other_times(function, given)
     arrays = {name: vector(function, model, name, value) for name, value in given.items()}
     loads = wrenches_by_frame(function, model, wrenches)
     named = arrays | {f"wrenches[{frame!r}]": load for frame, load in loads.items()}
     for name, array in named.items():
         refuse_not_finite(function, name, array, 1, labels(model, name))
-    batch = common_batch(function, named)
+    batch = common_batch(function, named | _of_family(model))
     return tuple(loads), [np.broadcast_to(array, (*batch, array.shape[-1])) for array in named.values()]
+
+
+def _of_family(model: Model) -> dict[str, Array]:
+    """What a family adds to the arrays whose batches must go together."""
+    return {"model.family": np.empty((*model.family, 0))} if model.family else {}
 
 
 def _refuse_overflow(function: str, named: Mapping[str, Array]) -> None:

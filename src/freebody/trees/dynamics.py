@@ -64,12 +64,12 @@ def forward_dynamics(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches:
     SingularError naming the joint that moves no inertia, LoopError for a state that the loops do not allow,
     PassiveJointError for a torque at a joint that nothing drives.
     """
-    if not getattr(model, "passive", True):
-        found = quick("forward_dynamics", model, (q, qd, tau), None, wrenches)
-        if found is not None:
-            return found
-    require_model("forward_dynamics", model)
+    found = quick("forward_dynamics", model, (q, qd, tau), None, wrenches)
+    if found is None:
+        require_model("forward_dynamics", model)
     refuse_passive("forward_dynamics", model, tau)
+    if found is not None:
+        return found
     if model.loops:
         return closed("forward_dynamics")(model, q, qd, tau, wrenches)
     refuse_massless(model, "forward_dynamics")

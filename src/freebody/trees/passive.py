@@ -12,8 +12,13 @@ from freebody.trees.calls import Vector, finite_vector
 
 def refuse_passive(function: str, model: Model, tau: Vector) -> None:
     """Raise PassiveJointError where a torque tau (..., nv) acts at a passive joint."""
-    if not model.passive:
+    passive = model.passive
+    if not passive:
         return
+    if type(tau) is np.ndarray and tau.shape == (model.nv,):  # plain Python is quicker there
+        values = tau.tolist()
+        if not any([values[k] for k in passive]):
+            return
     given = finite_vector(function, model, "tau", tau)[..., model.passive]
     bad = np.argwhere(given != 0.0)
     if len(bad):

@@ -5,30 +5,55 @@ from __future__ import annotations
 from typing import Any
 
 from freebody.algorithms.aba import aba
-from freebody.algorithms.constraints import constrained_dynamics
+from freebody.algorithms.constraints import constrained_motion
 from freebody.algorithms.coriolis import coriolis_matrix, coriolis_product
-from freebody.algorithms.crba import bias, crba, forward_dynamics, mass_product, only_inertia, supports
+from freebody.algorithms.crba import (
+    bias,
+    crba,
+    factor,
+    forward_dynamics,
+    mass_product,
+    only_inertia,
+    supports,
+)
+from freebody.algorithms.loop_checks import closed_margins, consistent_margin, solution_margins, sure
 from freebody.algorithms.operational import mass_matrix_inverse
-from freebody.algorithms.rnea import joint_wrenches, rnea
+from freebody.algorithms.rnea import External, joint_wrenches, rnea
 from freebody.kernels.formulas import by_columns
 from freebody.kernels.formulas.choices import driven, external, still
 from freebody.kernels.formulas.record import Formula, Option, Output
 from freebody.model.tree import Tree
-from freebody.spatial import Vector
+from freebody.spatial import Vector, sub
 
 
 def _inverse(
     tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, wrenches: Any = ()
 ) -> tuple[Any, ...]:
-    return (driven(tree, o, q, rnea(tree, q, qd, qdd, external(tree, o, q, wrenches)).tau),)
+    tau = driven(tree, o, q, rnea(tree, q, qd, qdd, external(tree, o, q, wrenches)).tau)
+    if not o.checks:
+        return (tau,)
+    return (sure(tau, [*closed_margins(tree, q, qd), consistent_margin(tree, q, qd, qdd)]),)
 
 
 def forward(tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector, wrenches: Any = ()) -> tuple[Any, ...]:
     """Accelerations of a tree or a closed chain, as the one entry of a tuple."""
     if tree.loops:
-        return (constrained_dynamics(tree, q, qd, tau, external(tree, o, q, wrenches), o.equations).qdd,)
+        return (_closed_forward(tree, o, q, qd, tau, external(tree, o, q, wrenches)),)
     method = aba if _prefers_articulated_bodies(tree) else forward_dynamics
     return (method(tree, q, qd, tau, external(tree, o, q, wrenches)),)
+
+
+def _closed_forward(
+    tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector, loads: list[External]
+) -> Vector:
+    M = crba(tree, q)
+    factors = factor(tree, M)
+    found = constrained_motion(tree, q, qd, factors, sub(tau, bias(tree, q, qd, loads)), o.equations)
+    if not o.checks:
+        return found.qdd
+    margins = solution_margins(tree, M, factors, found, o.equations)
+    margins.append(consistent_margin(tree, q, qd, found.qdd))
+    return sure(found.qdd, margins + (closed_margins(tree, q, qd) if o.checks == "state" else []))
 
 
 def _prefers_articulated_bodies(tree: Tree) -> bool:

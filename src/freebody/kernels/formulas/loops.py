@@ -11,6 +11,7 @@ from freebody.algorithms.constraints import (
     constraint,
     constraint_bias,
     constraint_jacobian,
+    constraint_rate,
     loop_loads,
     loop_wrenches,
 )
@@ -96,7 +97,7 @@ FORMULAS = {
     "constraint_rate": Formula(
         ("q", "qd"),
         {"Phid": Output(("constraints",), "rate of the loop equations")},
-        lambda t, o, q, qd: (times(constraint_jacobian(t, q), qd),),
+        lambda t, o, q, qd: (constraint_rate(t, q, qd),),
     ),
     "constraint_jerk": Formula(
         ("q", "qd", "x"),

@@ -38,6 +38,9 @@ class Option(NamedTuple):
     """Loop equations that count; None: all. The others follow from them."""
     partition: Partition | None = None
     """Of a closed chain's equations and coordinates, for what its drives do."""
+    checks: str = ""
+    """Of a closed chain: NaN where the choice of equations does not tell ("solution"), and where its loops do not allow
+    the state either ("state")."""
 
 
 class Output(NamedTuple):

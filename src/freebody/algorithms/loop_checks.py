@@ -1,0 +1,114 @@
+"""Whether a closed chain is in a state that its loops allow, and what was found of it can be trusted: as margins.
+
+A margin is positive where all is well, and NaN or not positive elsewhere. Gaps, rates and accelerations are compared as
+angles, lengths over the mechanism's own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from functools import reduce
+
+from freebody.algorithms.constraints import (
+    Constrained,
+    constraint,
+    constraint_bias,
+    constraint_jacobian,
+    constraint_rate,
+    loop_ends,
+    one_if_positive,
+)
+from freebody.algorithms.crba import Factors
+from freebody.algorithms.loop_scales import equations_of_lengths, mechanism_length, rates_of_lengths
+from freebody.elementary import Scalar, absolute, maximum, minimum
+from freebody.model.tree import Tree
+from freebody.spatial import Matrix, Vector, dot, times
+
+CLOSED = 1e-6
+"""Gap, relative to the mechanism's length, from which a loop counts as open."""
+LEFT = 1e-6
+"""Of an equation of accelerations, relative to its terms: more is no rounding."""
+PIVOT = 1e-4
+"""The smallest pivot of the quick solution relative to the largest, below which another takes over. Rounding
+there is 1e-16 over the pivot, and motions through singular positions carry it on: a double four-bar that passes ten of
+them is right to 1e-9 with this, with a hundredth of it to 1e-7."""
+LIGHT = 1e10
+"""The mechanism's inertia over that which resists a loop; rad/s²: more than that comes of a division by rounding."""
+_IDLE = 1e-12  # a pivot of M, relative to its entry on the diagonal, that may be rounding
+_FORWARD = 0.5  # cosine between axes that a loop holds together, below which it is closed the wrong way round
+
+
+def sure(values: Vector, margins: Iterable[Scalar]) -> Vector:
+    """The values where all margins are positive, else NaN; added, since a value may be 0 whatever comes."""
+    nothing = one_if_positive(*margins) - 1.0
+    return tuple(x + nothing for x in values)
+
+
+def angular(tree: Tree) -> tuple[Vector, Vector]:
+    """Factors that make angles of (the equations, the rates)."""
+    per_length = 1.0 / mechanism_length(tree)
+    of_lengths = equations_of_lengths(tree), rates_of_lengths(tree)
+    rows, rates = (tuple(per_length if x else 1.0 for x in some) for some in of_lengths)
+    return rows, rates
+
+
+def closed_margins(tree: Tree, q: Vector, qd: Vector | None = None) -> list[Scalar]:
+    """Of loops that are closed, the right way round, and stay closed at the rates."""
+    rows, rates = angular(tree)
+    margins = [CLOSED**2 - x for x in _by_loop(tree, rows, constraint(tree, q))]
+    for loop, (a, b) in zip(tree.loops, loop_ends(tree, q), strict=True):
+        for n, u in loop.closure.turns:
+            n_world, u_world = times(a[0], n), times(b[0], u)
+            expected = tree.space.turn(a[0], tree.space.moment(u, n))
+            margins.append(dot(expected, tree.space.moment(u_world, n_world)) - _FORWARD)
+    if qd is not None:
+        least = CLOSED * (1.0 + largest(qd, rates))
+        margins += [least * least - x for x in _by_loop(tree, rows, constraint_rate(tree, q, qd))]
+    return margins
+
+
+def consistent_margin(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Scalar:
+    """Of accelerations that keep the loops closed."""
+    rows, rates = angular(tree)
+    c = constraint_bias(tree, q, qd)
+    left = [s * (dot(row, qdd) - x) for s, row, x in zip(rows, constraint_jacobian(tree, q), c, strict=True)]
+    terms = 1.0 + largest(qdd, rates) + _largest(s * x for s, x in zip(rows, c, strict=True))
+    return LEFT * terms - _largest(left)
+
+
+def solution_margins(
+    tree: Tree, M: Matrix, factors: Factors, found: Constrained, equations: Sequence[int] | None
+) -> list[Scalar]:
+    """Of accelerations that were found with equations that are independent and an inertia that resists every motion.
+
+    M and its factors; equations: those that were taken, None is all.
+    """
+    rows, rates = angular(tree)
+    kept = rows if equations is None else tuple(rows[k] for k in equations)
+    pivots = [s * s * pivot for s, pivot in zip(kept, found.pivots, strict=True)]
+    diagonal = [M[k][k] for k in range(tree.nv)]
+    inverse = [factors[1][k] for k in range(tree.nv)]
+    share = reduce(maximum, [m * x for m, x in zip(diagonal, inverse, strict=True)])
+    margins = [reduce(minimum, inverse), 1.0 / _IDLE - share]
+    if pivots:
+        most = reduce(maximum, pivots)
+        # over rates in m/s, M is a mass: all is made an inertia
+        inertia = reduce(maximum, [m / (r * r) for r, m in zip(rates, diagonal, strict=True)])
+        margins += [reduce(minimum, pivots) - PIVOT * most, LIGHT - inertia * most]
+    return [*margins, LIGHT - largest(found.qdd, rates)]
+
+
+def largest(values: Vector, rates: Vector) -> Scalar:
+    """The largest of rates, or of their derivatives, as an angular one."""
+    return _largest(x * r for x, r in zip(values, rates, strict=True))
+
+
+def _largest(values: Iterable[Scalar]) -> Scalar:
+    return reduce(maximum, map(absolute, values), 0.0)
+
+
+def _by_loop(tree: Tree, rows: Vector, values: Vector) -> list[Scalar]:
+    """For each loop the sum of squares of its scaled equations."""
+    scaled = iter([s * x for s, x in zip(rows, values, strict=True)])
+    sizes = [loop.closure.size(tree.space) for loop in tree.loops]
+    return [dot(part, part) for part in (tuple(next(scaled) for _ in range(n)) for n in sizes)]

@@ -1,0 +1,70 @@
+"""The geometry of a model: its structure, with the numbers that say where things are, and how its loops are taken.
+
+Masses, gravity, friction, springs and limits are no part of it. Models of equal geometry share one object, and with it
+what follows from the geometry alone: how a closed chain can move, which of its equations count. So another payload
+finds nothing anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+from typing import TYPE_CHECKING, Any, TypeVar
+from weakref import WeakValueDictionary
+
+from freebody.lazy import kept
+from freebody.model.members import LengthsDiffer
+
+if TYPE_CHECKING:
+    from freebody.model.model import Model
+
+T = TypeVar("T")
+
+
+class Geometry:
+    """What models have in common that differ in other numbers than lengths and angles; equal ones are one object."""
+
+    __slots__ = ("__weakref__", "facts")
+
+    def __init__(self) -> None:
+        self.facts: dict[Any, Any] = {}
+        """What follows from it and has been found before; see `geometric_fact`."""
+
+
+_known: WeakValueDictionary[Any, Geometry] = WeakValueDictionary()
+
+
+def geometry_of(model: Model) -> Geometry:
+    """The geometry of a model with all values; refuses a family whose members are not all of one."""
+    numbers = model.numbers.take(model.structure.geometric, axis=-1) + 0.0  # -0.0 is 0.0
+    if numbers.ndim > 1:
+        numbers = numbers.reshape(-1, numbers.shape[-1])
+        if (numbers != numbers[0]).any():
+            raise LengthsDiffer(model.name, model.family)
+        numbers = numbers[0]
+    # `home` speaks of coordinates by name
+    names = tuple([body.joint.name for body in model.bodies]) if model.home else ()
+    key = model.structure, numbers.tobytes(), model.home, names, model.loop_tolerance
+    found = _known.get(key)
+    return _known.setdefault(key, Geometry()) if found is None else found
+
+
+def geometric_fact(find: Callable[[Model], T]) -> Callable[[Model], T]:
+    """`find`, done once a geometry: it looks at nothing else of a model, and of a family at its first member."""
+    key = f"{find.__module__}.{find.__qualname__}"
+
+    @wraps(find)
+    def known(model: Model) -> T:
+        facts = model.geometry.facts
+        if key not in facts:
+            facts.setdefault(key, find(first_member(model)))
+        return facts[key]
+
+    return known
+
+
+def first_member(model: Model) -> Model:
+    """A robot of the model's geometry: itself, or of a family the first."""
+    if not model.family:
+        return model
+    return kept(model, "first member", lambda: model[(0,) * len(model.family)])
