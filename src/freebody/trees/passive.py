@@ -17,7 +17,7 @@ def refuse_passive(function: str, model: Model, tau: Vector) -> None:
         return
     if type(tau) is np.ndarray and tau.shape == (model.nv,):  # plain Python is quicker there
         values = tau.tolist()
-        if not any([values[k] for k in passive]):
+        if not any(values[k] for k in passive):
             return
     given = finite_vector(function, model, "tau", tau)[..., model.passive]
     bad = np.argwhere(given != 0.0)
