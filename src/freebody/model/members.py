@@ -179,6 +179,6 @@ class LengthsDiffer(FamilyError):
         FreebodyError.__init__(
             self,
             f"{name!r} is a family of closed chains, shape {shape}, whose lengths or placements differ: how one member "
-            f"closes and moves is not how another does. Take a member, model[{example}]; members may differ in masses, "
+            f"closes and moves is not how another does: take a member, model[{example}]. Members may differ in masses, "
             "inertias, friction and gravity.",
         )
