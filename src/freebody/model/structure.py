@@ -18,6 +18,8 @@ from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 from weakref import WeakValueDictionary
 
+import numpy as np
+
 from freebody.arrays import Array
 from freebody.elementary import Scalar
 from freebody.model.contributions import (
