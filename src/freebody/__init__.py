@@ -84,6 +84,7 @@ _PLACES = {
     "freebody.inverse.singularities": ("singularities",),
     "freebody.kernels.lookup": ("kernel",),
     "freebody.kernels.exports": ("export", "source", "to_jax"),
+    "freebody.kernels.in_torch": ("to_torch",),
     "freebody.kernels.compiled": ("compile",),
     "freebody.kernels.scalar_formulas": ("formula",),
     "freebody.derivations.equations": ("equations",),

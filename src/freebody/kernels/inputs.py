@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -115,16 +115,9 @@ class InputKernel:
             return given
         columns: dict[str, Array] = {}
         for key, value in (given or {}).items():
-            name = found(known(self.model), key, self.model)
-            if name not in self._at:
-                raise FreebodyError(
-                    f"fb.kernel: {name!r} is no input of this kernel; name it in inputs=. Its inputs: "
-                    f"{', '.join(self.parameters)}."
-                )
+            name = self.parameters[self.place(key)]
             columns[name] = as_floats("fb.kernel", f"p[{name!r}]", value)
-        missing = set(self._missing) - set(columns)
-        if missing:
-            raise MissingValueError(f"the inputs of a kernel of {self.model.name!r}", missing)
+        self.require({self._at[name] for name in columns})
         if not columns:
             return self.values
         try:
@@ -139,6 +132,22 @@ class InputKernel:
         for name, value in columns.items():
             numbers[..., self._at[name]] = value
         return numbers
+
+    def place(self, key: Name) -> int:
+        """Which entry of p has that name."""
+        name = found(known(self.model), key, self.model)
+        if name not in self._at:
+            raise FreebodyError(
+                f"fb.kernel: {name!r} is no input of this kernel; name it in inputs=. Its inputs: "
+                f"{', '.join(self.parameters)}."
+            )
+        return self._at[name]
+
+    def require(self, given: Container[int]) -> None:
+        """Raise MissingValueError where an entry of p is not given and has no value in the model."""
+        missing = {name for name in self._missing if self._at[name] not in given}
+        if missing:
+            raise MissingValueError(f"the inputs of a kernel of {self.model.name!r}", missing)
 
     def checked(self, *arrays: ArrayLike) -> Any:
         """See `Kernel.checked`."""

@@ -6,7 +6,6 @@ derivatives too.
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable, Sequence
 from itertools import count
 from typing import Any
@@ -15,14 +14,12 @@ from freebody.elementary import FUNCTIONS, Scalar
 from freebody.program.program import Argument, Program
 from freebody.program.trace import trace
 from freebody.scalars.dual import Outer, slopes
+from freebody.scalars.operations import OPERATIONS
 
-_FUNCTIONS: dict[str, Callable[..., Scalar]] = FUNCTIONS | {
-    "neg": operator.neg,
-    "add": operator.add,
-    "sub": operator.sub,
-    "mul": operator.mul,
-    "div": operator.truediv,
+VALUES: dict[str, Callable[..., Scalar]] = {
+    name: FUNCTIONS.get(name, record.number) for name, record in OPERATIONS.items()
 }
+"""Each operation over any scalar; those of arithmetic are Python's own."""
 
 
 def jacobian(program: Program, by: Sequence[int]) -> Program:
@@ -60,9 +57,7 @@ def directional(program: Program, by: Sequence[int]) -> Program:
 
     by: positions of those that change. The length is in proportion to that of the program, whatever their sizes.
     """
-    prefix, first = "along", len(program.inputs)
-    while any(argument.name.startswith(prefix) for argument in program.inputs):
-        prefix += "_"
+    first, prefix = len(program.inputs), free_prefix("along", program.inputs)
     rates = tuple(Argument(f"{prefix}{k}", program.inputs[k].shape) for k in by)
 
     def evaluate(*given: Any) -> tuple[Any, ...]:
@@ -90,6 +85,17 @@ def slope_arguments(program: Program, by: Sequence[int]) -> tuple[Argument, ...]
 
 def evaluated(program: Program, inputs: Sequence[Any]) -> tuple[Any, ...]:
     """The outputs as nested tuples, of inputs that are nested tuples of any scalars."""
+    held = values(program, inputs)
+    results, start = [], 0
+    for argument in program.outputs:
+        part = program.results[start : start + argument.size]
+        results.append(nested([held[i] for i in part], argument.shape))
+        start += argument.size
+    return tuple(results)
+
+
+def values(program: Program, inputs: Sequence[Any]) -> list[Scalar]:
+    """The value of every node, of inputs that are nested tuples of any scalars."""
     scalars = [x for nest in inputs for x in flat(nest)]
     held: list[Scalar] = []
     for index, op in enumerate(program.op):
@@ -98,13 +104,15 @@ def evaluated(program: Program, inputs: Sequence[Any]) -> tuple[Any, ...]:
         elif op == "const":
             held.append(program.constants[program.a[index]])
         else:
-            held.append(_FUNCTIONS[op](*(held[i] for i in program.operands(index))))
-    results, start = [], 0
-    for argument in program.outputs:
-        part = program.results[start : start + argument.size]
-        results.append(nested([held[i] for i in part], argument.shape))
-        start += argument.size
-    return tuple(results)
+            held.append(VALUES[op](*(held[i] for i in program.operands(index))))
+    return held
+
+
+def free_prefix(prefix: str, arguments: Sequence[Argument]) -> str:
+    """With which no name of the arguments begins."""
+    while any(argument.name.startswith(prefix) for argument in arguments):
+        prefix += "_"
+    return prefix
 
 
 def flat(nest: Any) -> list[Scalar]:

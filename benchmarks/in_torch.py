@@ -1,0 +1,73 @@
+"""What PyTorch adds to a kernel: one call, a batch of 4096, and the gradient beside the kernels that it is made by.
+
+Microseconds, one thread, least of rounds that take turns, so that what else the machine does counts little. The
+gradient is that by q, qd and qdd (tau) at once; `derivatives` is the kernel of all three matrices, for comparison.
+"""
+
+import time
+
+import numpy as np
+import torch
+
+import freebody as fb
+from freebody.program.gradient import gradient
+from freebody.targets import compile_program
+
+BATCH, ROUNDS = 4096, 60
+
+
+def least(runs: dict) -> dict:
+    """Microseconds of each."""
+    best = dict.fromkeys(runs, np.inf)
+    for _ in range(ROUNDS):
+        for name, run in runs.items():
+            count = 1 if "4096" in name else 100
+            start = time.perf_counter()
+            for _ in range(count):
+                run()
+            best[name] = min(best[name], (time.perf_counter() - start) / count * 1e6)
+    return best
+
+
+def line(model: fb.Model, quantity: str) -> dict:
+    """The runs of one robot and quantity, and how long they take."""
+    f, k = fb.to_torch(model, quantity), fb.kernel(model, quantity)
+    slopes = fb.kernel(model, f"{quantity}_derivatives")
+    rng = np.random.default_rng(0)
+    arrays = list(rng.normal(size=(3, BATCH, model.nv)))
+    tensors = [torch.from_numpy(x) for x in arrays]
+    free = [x.clone().requires_grad_() for x in tensors]
+    ones = [x[0] for x in tensors]
+    single = [x[0].clone().requires_grad_() for x in tensors]
+    first = [x[0].copy() for x in arrays]
+    made = f(*free)
+    weight = torch.ones_like(made)
+    own = compile_program(gradient(f.program, (0, 1, 2), (0,)))
+    one = f(*single)
+    return least(
+        {
+            "kernel, one call": lambda: k(*first),
+            "torch, one call": lambda: f(*ones),
+            "torch, one call that is recorded": lambda: f(*single),
+            "its gradient": lambda: torch.autograd.grad(one, single, weight[0], retain_graph=True),
+            "kernel, 4096": lambda: k(*arrays, threads=1),
+            "torch, 4096": lambda: f(*tensors),
+            "kernel of the gradient, 4096": lambda: own(*arrays, weight.numpy(), threads=1),
+            "gradient, 4096": lambda: torch.autograd.grad(made, free, weight, retain_graph=True),
+            "kernel of derivatives, 4096": lambda: slopes(*arrays, threads=1),
+        }
+    )
+
+
+def main() -> None:
+    """A column for each robot and quantity."""
+    torch.set_num_threads(1)
+    cases = [(name, q) for name in ("ur5e", "panda") for q in ("inverse_dynamics", "forward_dynamics")]
+    columns = [line(fb.load(name), quantity) for name, quantity in cases]
+    print(f"{'':36}", *(f"{name + ' ' + quantity.split('_')[0]:>16}" for name, quantity in cases))
+    for key in columns[0]:
+        print(f"{key:36}", *(f"{column[key]:16.2f}" for column in columns))
+
+
+if __name__ == "__main__":
+    main()

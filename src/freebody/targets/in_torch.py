@@ -1,0 +1,253 @@
+"""Programs on PyTorch's tensors: an autograd function and a custom operator, both over the compiled kernels.
+
+PyTorch calls the autograd function, which knows gradients, directions, `vmap` and whatever is nested of them. Where
+PyTorch makes a graph (torch.compile, torch.export) the operator `freebody::evaluate` stands in it, and finds its
+program by a key. Tensors are read where they lie, and results handed over without a copy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+from weakref import WeakValueDictionary
+
+import numpy as np
+import torch  # pyright: ignore[reportMissingImports]
+from torch.autograd import forward_ad  # pyright: ignore[reportMissingImports]
+
+from freebody.errors import ShapeError
+from freebody.lazy import cached_property
+from freebody.program import Argument, Program
+from freebody.program.derivative import directional
+from freebody.program.gradient import gradient
+from freebody.targets.kernel import BatchError, Kernel, compile_program
+from freebody.targets.target import KernelError
+
+Tensor = Any  # torch.Tensor; a type checker without PyTorch would know nothing of it
+Positions = tuple[int, ...]
+
+DTYPES = {torch.float64: "float64", torch.float32: "float32"}
+"""Types of number that kernels compute with."""
+
+
+class TensorProgram:
+    """A program for tensors of one type, and those of its derivatives as they are asked for.
+
+    key: what stands for it in a graph.
+    """
+
+    def __init__(self, program: Program, target: str, dtype: Any):
+        self.program, self.target, self.dtype = program, target, dtype
+        self.key = f"{program.name} {target} {DTYPES[dtype]} {program.digest}"
+        self._derivatives: dict[tuple[Positions, ...], TensorProgram] = {}
+
+    @classmethod
+    def of(cls, program: Program, target: str, dtype: Any) -> TensorProgram:
+        """The one of that program: a graph finds it by its key as long as anybody has it."""
+        made = cls(program, target, dtype)
+        return _KNOWN.setdefault(made.key, made)
+
+    @cached_property
+    def kernel(self) -> Kernel:
+        """What computes."""
+        return compile_program(self.program, target=self.target, dtype=DTYPES[self.dtype])
+
+    def gradient(self, by: Positions, of: Positions) -> TensorProgram:
+        """Inputs and weights of the outputs `of` to the gradient by the inputs `by`."""
+        return self._derivative((by, of), gradient)
+
+    def along(self, by: Positions) -> TensorProgram:
+        """Inputs and directions of those `by` to the change of the outputs."""
+        return self._derivative((by,), directional)
+
+    def _derivative(self, which: tuple[Positions, ...], made: Callable[..., Program]) -> TensorProgram:
+        if which not in self._derivatives:
+            program = made(self.program, *which)
+            self._derivatives[which] = TensorProgram.of(program, self.target, self.dtype)
+        return self._derivatives[which]
+
+    def batch(self, tensors: Sequence[Tensor]) -> tuple[int, ...]:
+        """The common shape in front, checked."""
+        fronts = []
+        for x, argument in zip(tensors, self.program.inputs, strict=True):
+            front = x.ndim - len(argument.shape)
+            if front < 0 or tuple(x.shape[front:]) != argument.shape:
+                expected = f"({', '.join(['...', *map(str, argument.shape)])})"
+                raise ShapeError(self.program.name, argument.name, tuple(x.shape), expected)
+            fronts.append(x.shape[:front])
+        try:
+            return torch.broadcast_shapes(*fronts)
+        except RuntimeError:
+            listed = ", ".join(map(_of_batch, self.program.inputs, fronts))
+            raise BatchError(
+                f"{self.program.name}: the batch shapes do not broadcast together: {listed}."
+            ) from None
+
+
+_KNOWN: WeakValueDictionary[str, TensorProgram] = WeakValueDictionary()
+"""By key, those that somebody has."""
+
+_IN_GRAPHS: dict[str, TensorProgram] = {}
+"""By key, those that are in a graph: PyTorch keeps graphs, and they have nothing but the key."""
+
+
+def _of_batch(argument: Argument, shape: Sequence[int]) -> str:
+    return f"{argument.name} {tuple(shape)}"
+
+
+def evaluate(function: TensorProgram, tensors: Sequence[Tensor]) -> tuple[Tensor, ...]:
+    """The outputs, with their place in whatever PyTorch does: gradients, transforms, graphs.
+
+    tensors: on the CPU, of the function's type, one for each input.
+    """
+    if torch.compiler.is_compiling():
+        return tuple(_operator(function.key, list(tensors)))
+    if _watched() or (torch.is_grad_enabled() and any(x.requires_grad for x in tensors)):
+        made = _Evaluate.apply(function, *tensors)
+        return made if type(made) is tuple else (made,)
+    return _computed(function, tensors)
+
+
+_PLAIN = (torch.Tensor, torch.nn.Parameter)
+
+
+def _watched() -> bool:
+    """Whether a transform (`vmap`, `jvp`, …) may be under way, which sees what is done through PyTorch alone."""
+    try:
+        return torch._C._functorch.peek_interpreter_stack() is not None or forward_ad._current_level >= 0
+    except AttributeError:  # another PyTorch, where they have other names: the longer way is always right
+        return True
+
+
+def _graphed() -> bool:
+    """Whether tensors may stand for others, so that their memory tells nothing."""
+    try:
+        return torch._C._len_torch_dispatch_stack() > 0 or torch.jit.is_tracing()
+    except AttributeError:
+        return False
+
+
+def _computed(function: TensorProgram, tensors: Sequence[Tensor]) -> tuple[Tensor, ...]:
+    """The outputs, by the kernel where the tensors have memory of their own."""
+    if _graphed() or any(type(x) not in _PLAIN for x in tensors):
+        return tuple(_operator(function.key, list(tensors)))
+    return _run(function, tensors)
+
+
+def _run(function: TensorProgram, tensors: Sequence[Tensor]) -> tuple[Tensor, ...]:
+    """The outputs, by the kernel from the tensors' memory."""
+    arrays = [x.numpy(force=True) if x.requires_grad or x.is_neg() else x.numpy() for x in tensors]
+    made = function.kernel(*arrays)
+    return tuple([torch.from_numpy(np.asarray(y)) for y in (made if type(made) is tuple else (made,))])
+
+
+def _gradients(
+    function: TensorProgram,
+    call: Callable[..., Sequence[Tensor]],
+    tensors: Sequence[Tensor],
+    needed: Sequence[bool],
+    weights: Sequence[Tensor | None],
+) -> list[Tensor | None]:
+    """Of each input that needs one its gradient, of the input's shape."""
+    found: list[Tensor | None] = [None] * len(tensors)
+    of = tuple([k for k, weight in enumerate(weights) if weight is not None])
+    by = tuple([k for k, wanted in enumerate(needed) if wanted])
+    if of and by:
+        made = call(function.gradient(by, of), [*tensors, *(weights[k] for k in of)])
+        for k, slope in zip(by, made, strict=True):
+            found[k] = slope.sum_to_size(tensors[k].shape)  # over axes along which it was broadcast
+    return found
+
+
+class _Evaluate(torch.autograd.Function):
+    """A program between other operations of PyTorch."""
+
+    @staticmethod
+    def forward(function: TensorProgram, *tensors: Tensor) -> Any:
+        made = _computed(function, tensors)
+        return made[0] if len(made) == 1 else made
+
+    @staticmethod
+    def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
+        ctx.function, *tensors = inputs
+        ctx.set_materialize_grads(False)
+        ctx.save_for_backward(*tensors)
+        ctx.save_for_forward(*tensors)
+
+    @staticmethod
+    def backward(ctx: Any, *weights: Tensor | None) -> Any:
+        return None, *_gradients(ctx.function, evaluate, ctx.saved_tensors, ctx.needs_input_grad[1:], weights)
+
+    @staticmethod
+    def jvp(ctx: Any, _: None, *directions: Tensor | None) -> Any:
+        by = tuple([k for k, direction in enumerate(directions) if direction is not None])
+        made = evaluate(ctx.function.along(by), [*ctx.saved_tensors, *(directions[k] for k in by)])
+        return made[0] if len(made) == 1 else made
+
+    @staticmethod
+    def vmap(info: Any, in_dims: Sequence[int | None], function: TensorProgram, *tensors: Tensor) -> Any:
+        """One axis more in front of all others."""
+        made = evaluate(function, _in_front(function.program, tensors, in_dims[1:]))
+        return (made[0], 0) if len(made) == 1 else (made, (0,) * len(made))
+
+
+def _in_front(program: Program, tensors: Sequence[Tensor], dims: Sequence[int | None]) -> list[Tensor]:
+    """Tensors with the mapped axis in front of all axes of batches, however many of these each has."""
+    moved = [x if d is None else x.movedim(d, 0) for x, d in zip(tensors, dims, strict=True)]
+    axes = [
+        x.ndim - len(argument.shape) - (d is not None)
+        for x, argument, d in zip(moved, program.inputs, dims, strict=True)
+    ]
+    most = max(axes)
+    return [
+        x if d is None else x.reshape(x.shape[0], *(1,) * (most - own), *x.shape[1:])
+        for x, d, own in zip(moved, dims, axes, strict=True)
+    ]
+
+
+# ---------------------------------------------------------------- the operator of graphs
+def _named(key: str) -> TensorProgram:
+    function = _KNOWN.get(key)
+    if function is None:
+        raise KernelError(
+            f"freebody::evaluate: no program {key[:200]!r} in this process. A graph holds its name, not the program: "
+            "call fb.to_torch as where the graph was made, and keep what it returns."
+        )
+    return function
+
+
+@torch.library.custom_op("freebody::evaluate", mutates_args=())
+def _operator(key: str, inputs: Sequence[torch.Tensor]) -> list[torch.Tensor]:
+    return list(_run(_named(key), inputs))
+
+
+@_operator.register_fake
+def _(key: str, inputs: Sequence[torch.Tensor]) -> list[torch.Tensor]:
+    function = _IN_GRAPHS[key] = _named(key)
+    batch = function.batch(inputs)
+    return [
+        torch.empty((*batch, *argument.shape), dtype=function.dtype, device=inputs[0].device)
+        for argument in function.program.outputs
+    ]
+
+
+def _setup(ctx: Any, inputs: Any, output: Any) -> None:
+    ctx.key, tensors = inputs
+    ctx.save_for_backward(*tensors)
+
+
+def _backward(ctx: Any, weights: Sequence[Tensor | None]) -> Any:
+    def call(function: TensorProgram, tensors: Sequence[Tensor]) -> Sequence[Tensor]:
+        return _operator(function.key, list(tensors))
+
+    return None, _gradients(_named(ctx.key), call, ctx.saved_tensors, ctx.needs_input_grad[1], weights)
+
+
+def _vmap(info: Any, in_dims: Any, key: str, inputs: Sequence[Tensor]) -> Any:
+    function = _named(key)
+    made = _operator(key, _in_front(function.program, inputs, in_dims[1]))
+    return made, [0] * len(made)
+
+
+_operator.register_autograd(_backward, setup_context=_setup)
+_operator.register_vmap(_vmap)
