@@ -58,6 +58,7 @@ KNOWN = {
         "targets/llvm/machine.py",
         "parse_assembly",
     ): "LLVM text of a verified Program: its names are words of freebody's own",
+    ("targets/cuda/assembly.py", "parse_assembly"): "the same, for GPUs",
     (
         "targets/llvm/loader.py",
         "add_object_file",

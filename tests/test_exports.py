@@ -34,7 +34,7 @@ from support.generate import model as mechanism
 
 TOOL = {
     "c": "cc", "cpp": "c++", "javascript": "node", "javascript-script": "node", "rust": "rustc", "julia": "julia",
-    "matlab": "octave", "numpy": sys.executable, "jax": sys.executable, "casadi": sys.executable,
+    "matlab": "octave", "cuda": "nvidia-smi", "numpy": sys.executable, "jax": sys.executable, "casadi": sys.executable,
 }  # fmt: skip
 NEEDS = {"jax": "jax", "casadi": "casadi"}
 STRICT = {
@@ -95,7 +95,7 @@ ROBOTS = {
 
 
 # ---------------------------------------------------------------- each language runs
-@pytest.mark.parametrize("language", [x for x in LANGUAGES if x not in ("casadi", "jax")])
+@pytest.mark.parametrize("language", [x for x in LANGUAGES if x not in ("casadi", "jax", "cuda")])
 def test_a_package_passes_its_own_test_and_its_test_can_fail(language, tmp_path):
     fb.export(ROBOTS["plane"](), ("inverse_dynamics", "mass_matrix", "kinetic_energy"), tmp_path, language)
     word = "inverse_dynamics_mass_matrix_kinetic_energy"

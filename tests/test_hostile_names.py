@@ -136,9 +136,10 @@ REMARKS = re.compile(
 def test_source_text_is_that_of_a_robot_with_plain_names(model, tame, language):
     texts = [fb.source(m, QUANTITIES[:2], language, wrench_frames=[m.tip]) for m in (model, tame)]
     assert texts[0].isascii()
-    code = [REMARKS.sub("", text) for text in texts]
+    remarks = re.compile("^//.*$", re.MULTILINE) if language == "cuda" else REMARKS  # % begins its registers
+    code = [remarks.sub("", text) for text in texts]
     assert code[0] == code[1], "a name changes a remark, nothing else"
-    assert "sin" in code[0]
+    assert "sin" in texts[0]
     if language == "numpy":
         scope: dict = {}
         exec(texts[0], scope)

@@ -31,7 +31,7 @@ def export(
     language: Annotated[
         str,
         typer.Option(
-            help="c, cpp, javascript, javascript-script, rust, julia, matlab (Octave), numpy, jax or casadi."
+            help="c, cpp, javascript, javascript-script, rust, julia, matlab, numpy, jax, casadi or cuda (PTX)."
         ),
     ] = "c",
     out: Annotated[

@@ -42,7 +42,8 @@ def source(
     what: a model and `names` of quantities, or a kernel of fb.compile. names, options: as for `fb.kernel` (frame,
     reference, wrench_frames, rows, by, and inputs: numbers of the model that are given as p at each call). language:
     "c", "cpp", "javascript" (a module), "javascript-script", "rust", "julia", "matlab" (Octave too), "numpy", "jax",
-    "casadi". name: of the function, by default the quantities'. dtype: "float64", or "float32" (c, rust, julia).
+    "casadi", "cuda" (PTX). name: of the function, by default the quantities'. dtype: "float64", or "float32" (c, rust,
+    julia, cuda).
     Arguments are those of the kernel, in its order, in SI units; the text's head says all that is needed to call it.
     It is ASCII, names in it are words, and the same robot gives the same text. Raises UnknownNameError, FreebodyError.
     """

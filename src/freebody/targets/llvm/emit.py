@@ -60,7 +60,7 @@ def emit(program: Program, machine: Machine) -> str:
     parts.append(_compute([*pieces, "@finite"], room, tiles))
     parts.append(gufunc_loop(program, every, machine, layout, tiles, shared))
     parts.append(_attributes(lanes))
-    return _declared_once("\n".join(parts))
+    return declared_once("\n".join(parts))
 
 
 def _tiles(nodes: int, room: int) -> int:
@@ -69,7 +69,7 @@ def _tiles(nodes: int, room: int) -> int:
     return 2 if gains or (nodes >= LONGER[0] and 2 * room > LONGER[1]) else 1
 
 
-def _declared_once(text: str) -> str:
+def declared_once(text: str) -> str:
     """Each piece declares what it calls; LLVM refuses to be told twice."""
     lines = text.split("\n")
     declared = dict.fromkeys(line for line in lines if line.startswith("declare "))
@@ -77,11 +77,13 @@ def _declared_once(text: str) -> str:
 
 
 def _attributes(lanes: Lanes) -> str:
-    """Of all functions, and of those that keep many vectors on the stack: with a frame, these are aligned there."""
+    """Of all functions, of those that keep many vectors on the stack (with a frame, these are aligned there), and of
+    the short ones that operations call."""
     vectors = f'"min-legal-vector-width"="{8 * lanes.size}" "prefer-vector-width"="{8 * lanes.size}"'
     return (
         f"attributes #0 = {{ nounwind {vectors} }}\n"
         f'attributes #1 = {{ nounwind "frame-pointer"="all" {vectors} }}\n'
+        f"attributes #2 = {{ nounwind {vectors} }}\n"
     )
 
 

@@ -81,3 +81,33 @@ class Lanes:
 
     def _equal(self, kind: str, text: Any) -> str:
         return "<" + ", ".join([f"{kind} {text}"] * self.width) + ">"
+
+
+@dataclass(frozen=True)
+class One(Lanes):
+    """A single number in the place of a vector: what stands in code for machines whose threads are the lanes."""
+
+    width: int = 1
+
+    @property
+    def v(self) -> str:
+        """Type of the number."""
+        return self.real.name
+
+    @property
+    def i(self) -> str:
+        """Type of an integer of as many bits."""
+        return self.real.integer
+
+    @property
+    def mask(self) -> str:
+        """Type of a truth value."""
+        return "i1"
+
+    @property
+    def suffix(self) -> str:
+        """What the names of LLVM's own functions end in."""
+        return f"f{self.real.bits}"
+
+    def _equal(self, kind: str, text: Any) -> str:
+        return str(text)

@@ -12,7 +12,7 @@ every system.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from freebody.program.segments import SinCos
 from freebody.targets.llvm.lanes import DOUBLE, FLOAT, Lanes
@@ -98,7 +98,7 @@ def reduction() -> str:
 
 def sincos(lanes: Lanes, fma: bool) -> str:
     """`void @sincos.v8f64(ptr x, ptr sine, ptr cosine)`, each a vector of numbers, for all arguments."""
-    code = _Code(lanes, fma)
+    code = Code(lanes, fma)
     v = lanes.v
     code.lines.append(f"""\
 define internal void @sincos.{lanes.suffix}(ptr noalias %px0, ptr noalias %psin0, ptr noalias %pcos0) #0 {{
@@ -106,6 +106,7 @@ define internal void @sincos.{lanes.suffix}(ptr noalias %px0, ptr noalias %psin0
     code.reduce(0)
     code.lines.append(_large_lanes(lanes))
     code.polynomials(0, "%r", "%q")
+    code.store(0)
     return "\n".join([*code.lines, "  ret void\n}", f"declare {v} @llvm.fma.{lanes.suffix}({v}, {v}, {v})\n"])
 
 
@@ -114,7 +115,7 @@ def sines(name: str, steps: Sequence[SinCos], lanes: Lanes, fma: bool) -> str:
 
     One look at all arguments decides between straight code and a call of `@sincos.…` for each: the bits are the same.
     """
-    code = _Code(lanes, fma)
+    code = Code(lanes, fma)
     v, mask, calls = lanes.v, lanes.mask, []
     code.lines.append(f"define internal void {name}(ptr noalias %tile, ptr %uniform) #1 {{")
     for k, step in enumerate(steps):
@@ -137,11 +138,12 @@ general:""")
     code.lines += [*calls, "  ret void\nstraight:"]
     for k in range(len(steps)):
         code.polynomials(k, f"%r{k}", f"%quadrant{k}")
+        code.store(k)
     code.lines.append("  ret void\n}\n")
     return "\n".join(code.lines)
 
 
-class _Code:
+class Code:
     """Lines of vector code; names of the values of argument k end in k."""
 
     def __init__(self, lanes: Lanes, fma: bool):
@@ -177,7 +179,7 @@ class _Code:
             self.subtract(f"%a{k}", f"%quadrant{k}", f"%r{k}", k)
             return
         # what is exact in parts of 33 bits would need many of 8
-        wide = _Code(Lanes(DOUBLE, self.lanes.width), self.fma)
+        wide = Code(replace(self.lanes, real=DOUBLE), self.fma)
         wide.lines = self.lines
         self.lines.append(f"  %wide{k} = fpext {v} %a{k} to {wide.lanes.v}")
         wide.subtract(f"%wide{k}", f"%wide.q{k}", f"%wide.r{k}", k)
@@ -200,7 +202,7 @@ class _Code:
             last = self.multiply_add(name, f"%minus.k{k}", constant(part), last)
 
     def polynomials(self, k: int, r: str, q: str) -> None:
-        """Sine and cosine of r, turned by q quadrants, to where %psin and %pcos point."""
+        """%sine and %cosine of r, turned by q quadrants."""
         v, i, series = self.lanes.v, self.lanes.i, _SERIES[self.lanes.real]
         top = self.lanes.real.bits - 1
         self.lines.append(f"  %z{k} = fmul {v} {r}, {r}\n  %zr{k} = fmul {v} %z{k}, {r}")
@@ -221,9 +223,14 @@ class _Code:
   %s.bits{k} = xor {i} %s.bits0{k}, %s.flip{k}
   %c.bits{k} = xor {i} %c.bits0{k}, %c.flip{k}
   %sine{k} = bitcast {i} %s.bits{k} to {v}
-  %cosine{k} = bitcast {i} %c.bits{k} to {v}
-  store {v} %sine{k}, ptr %psin{k}, align {self.lanes.size}
-  store {v} %cosine{k}, ptr %pcos{k}, align {self.lanes.size}""")
+  %cosine{k} = bitcast {i} %c.bits{k} to {v}""")
+
+    def store(self, k: int) -> None:
+        """%sine and %cosine to where %psin and %pcos point."""
+        v, size = self.lanes.v, self.lanes.size
+        self.lines.append(f"""\
+  store {v} %sine{k}, ptr %psin{k}, align {size}
+  store {v} %cosine{k}, ptr %pcos{k}, align {size}""")
 
 
 def _large_lanes(lanes: Lanes) -> str:

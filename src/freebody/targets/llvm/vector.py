@@ -7,6 +7,7 @@ it and twice where it has not, and what is built on it must do with either.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from freebody.targets.llvm.lanes import DOUBLE, Lanes
 
@@ -162,7 +163,7 @@ class Block:
 
 def function(name: str, arity: int, make: Callable[..., Value], lanes: Lanes, fma: bool) -> str:
     """`name`, a function of vectors as `lanes` has them, that `make(block, *values)` computes in doubles."""
-    block = Block(Lanes(DOUBLE, lanes.width), fma)
+    block = Block(replace(lanes, real=DOUBLE), fma)
     given = [Value(block, "v", f"%x{k}") for k in range(arity)]
     if lanes.real is not DOUBLE:
         given = [block.value("v", f"fpext {lanes.v} {x.name} to {block.types['v']}") for x in given]
@@ -170,7 +171,7 @@ def function(name: str, arity: int, make: Callable[..., Value], lanes: Lanes, fm
     if lanes.real is not DOUBLE:
         result = block.value("v", f"fptrunc {block.types['v']} {result.name} to {lanes.v}")
     taken = ", ".join(f"{lanes.v} %x{k}" for k in range(arity))
-    lines = [f"define internal {lanes.v} {name}({taken}) #0 {{", *block.lines]
+    lines = [f"define internal {lanes.v} {name}({taken}) #2 {{", *block.lines]
     v, n = block.types["v"], block.lanes.suffix
     declared = [f"declare {v} @llvm.sqrt.{n}({v})", f"declare {v} @llvm.fma.{n}({v}, {v}, {v})"]
     return "\n".join([*lines, f"  ret {lanes.v} {result.name}", "}", *declared, ""])

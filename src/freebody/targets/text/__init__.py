@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from freebody.targets.text.c import CPP, C
+from freebody.targets.text.cuda import CUDA
 from freebody.targets.text.javascript import MODULE, SCRIPT
 from freebody.targets.text.julia import JULIA
 from freebody.targets.text.language import Language, Vectors
@@ -24,5 +25,6 @@ LANGUAGES: dict[str, Language] = {
     "numpy": NUMPY,
     "jax": JAX,
     "casadi": CASADI,
+    "cuda": CUDA,
 }
 """Languages by name. A further one is a file and a line here."""

@@ -1,0 +1,190 @@
+"""Program to LLVM text of entries that a GPU starts for every sample, one thread each.
+
+An entry is straight-line code: it reads the sample's inputs, computes, and writes each result when it is there, so that
+few values are alive. It takes for each argument of the program an address and two steps, counted in numbers: from one
+sample to the next (0: the same for all), and from one entry of a sample to the next, in C order. So arrays of rows,
+arrays of columns and what is broadcast are read where they are.
+
+There is no loop over samples: its counter and what the compiler takes out of it cost up to 30 registers, and a grid has
+room for 2^31 blocks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import nan
+
+from freebody.program.program import Argument
+from freebody.scalars.operations import OPERATIONS
+from freebody.targets.cuda.parts import Part
+from freebody.targets.cuda.sine import sincos
+from freebody.targets.llvm.emit import declared_once
+from freebody.targets.llvm.instructions import CHOICE, COMPARISONS, FUNCTIONS, declarations, instructions
+from freebody.targets.llvm.lanes import REALS, Lanes, One
+from freebody.targets.llvm.sincos import reduction
+from freebody.targets.llvm.vector import function
+
+_SINES = ("sin", "cos")
+
+_INDEX = """\
+  %thread = call i32 @llvm.nvvm.read.ptx.sreg.tid.x()
+  %threads = call i32 @llvm.nvvm.read.ptx.sreg.ntid.x()
+  %block = call i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
+  %wide.thread = zext i32 %thread to i64
+  %wide.threads = zext i32 %threads to i64
+  %wide.block = zext i32 %block to i64
+  %before = mul i64 %wide.block, %wide.threads
+  %i = add i64 %before, %wide.thread
+  %there = icmp slt i64 %i, %n
+  br i1 %there, label %sample, label %end
+sample:"""
+
+_FOOT = """\
+attributes #0 = { nounwind noinline }
+attributes #2 = { nounwind alwaysinline }
+attributes #3 = { nounwind }
+declare i32 @llvm.nvvm.read.ptx.sreg.tid.x()
+declare i32 @llvm.nvvm.read.ptx.sreg.ntid.x()
+declare i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
+!0 = !{}
+"""
+
+
+def emit(entries: Mapping[str, Part], dtype: str) -> str:
+    """LLVM text of a module with these entries, by name: `void name(ptr a0, i64 step0, i64 core0, …, i64 n)`.
+
+    The arguments are the inputs, then the outputs of the part's program, which are the same for all parts of one
+    program; n is the number of samples. Of a uniform input, which has no steps, only the address is taken.
+    """
+    lanes = One(REALS[dtype])
+    used = {entry.program.op[index] for entry in entries.values() for index in entry.nodes}
+    made = [reduction(), sincos(lanes)] if used.intersection(_SINES) else []
+    for name, make in FUNCTIONS.items():
+        if name in used:
+            made.append(function(f"@vector.{name}.{lanes.suffix}", OPERATIONS[name].arity, make, lanes, True))
+    made += [_Entry(entry, lanes).text(name) for name, entry in entries.items()]
+    return declared_once("\n".join([*made, declarations(lanes), _FOOT]))
+
+
+class _Entry:
+    """The lines of one entry, and what its values are called."""
+
+    def __init__(self, piece: Part, lanes: Lanes):
+        self.part, self.program, self.lanes = piece, piece.program, lanes
+        self.lines: list[str] = []
+        self.names: dict[int, str] = {}
+        self.turned: set[int] = set()
+        self.table = instructions(lanes)
+
+    def text(self, name: str) -> str:
+        """The definition."""
+        inputs, outputs = self.program.inputs, self.program.outputs
+        parameters = [_parameters(k, a, "readonly ") for k, a in enumerate(inputs)]
+        parameters += [_parameters(k, a) for k, a in enumerate(outputs, len(inputs))]
+        scalars = self._loads()
+        written = self._places()
+        self._check(scalars)
+        for index in self.part.nodes:
+            self._node(index, scalars)
+            for k, j in written.get(index, ()):
+                self._store(k, j, self.names[index])
+        head = f"define ptx_kernel void @{name}({', '.join(parameters)}, i64 %n) #3 {{"
+        return "\n".join([head, _INDEX, *self.lines, "  br label %end\nend:\n  ret void\n}\n"])
+
+    def _loads(self) -> list[str]:
+        """The names of all scalars of the inputs; those of uniform inputs that nothing reads are not loaded."""
+        v, size = self.lanes.v, self.lanes.real.size
+        read = {self.program.a[i] for i in self.part.nodes if self.program.op[i] == "input"}
+        scalars: list[str] = []
+        for k, argument in enumerate(self.program.inputs):
+            self._row(k, argument)
+            for j in range(argument.size):
+                name = f"%in{len(scalars)}"
+                if not argument.uniform or j == 0 or len(scalars) in read:
+                    place = self._place(k, j, argument.uniform)
+                    self.lines.append(f"  {name} = load {v}, ptr {place}, align {size}, !invariant.load !0")
+                scalars.append(name)
+        return scalars
+
+    def _check(self, scalars: Sequence[str]) -> None:
+        """%bad: whether an input is not finite. 0 x is NaN then, and the sum of such products tells.
+
+        Uniform numbers are NaN all together, so that the first tells of all.
+        """
+        v, first, total = self.lanes.v, 0, self.lanes.constant(0.0)
+        for argument in self.program.inputs:
+            for j in range(argument.size):
+                if not argument.uniform or j == 0:
+                    k = first + j
+                    self.lines.append(
+                        f"  %zero{k} = fmul contract {v} {scalars[k]}, {self.lanes.constant(0.0)}"
+                    )
+                    self.lines.append(f"  %sum{k} = fadd contract {v} {total}, %zero{k}")
+                    total = f"%sum{k}"
+            first += argument.size
+        self.lines.append(f"  %bad = fcmp uno {v} {total}, {self.lanes.constant(0.0)}")
+
+    def _places(self) -> dict[int, list[tuple[int, int]]]:
+        """For each node that is a result the outputs and positions in them."""
+        found: dict[int, list[tuple[int, int]]] = {}
+        positions = [(k, j) for k, a in enumerate(self.program.outputs) for j in range(a.size)]
+        for k in sorted({positions[at][0] for at in self.part.results}):
+            self._row(len(self.program.inputs) + k, self.program.outputs[k])
+        for at in self.part.results:
+            k, j = positions[at]
+            found.setdefault(self.program.results[at], []).append((len(self.program.inputs) + k, j))
+        return found
+
+    def _row(self, k: int, argument: Argument) -> None:
+        """%row: where the sample's entries of argument k begin."""
+        if not argument.uniform:
+            self.lines.append(f"  %skip{k} = mul i64 %i, %step{k}")
+            self.lines.append(f"  %row{k} = getelementptr {self.lanes.v}, ptr %a{k}, i64 %skip{k}")
+
+    def _place(self, k: int, j: int, uniform: bool = False) -> str:
+        """The address of entry j of argument k."""
+        if uniform:
+            self.lines.append(f"  %p{k}.{j} = getelementptr {self.lanes.v}, ptr %a{k}, i64 {j}")
+        else:
+            self.lines.append(f"  %o{k}.{j} = mul i64 %core{k}, {j}")
+            self.lines.append(f"  %p{k}.{j} = getelementptr {self.lanes.v}, ptr %row{k}, i64 %o{k}.{j}")
+        return f"%p{k}.{j}"
+
+    def _node(self, index: int, scalars: Sequence[str]) -> None:
+        """The instruction of a node; sine and cosine of one argument come together."""
+        program, lanes, op = self.program, self.lanes, self.program.op[index]
+        if op == "input":
+            self.names[index] = scalars[program.a[index]]
+        elif op == "const":
+            self.names[index] = lanes.constant(program.constants[program.a[index]])
+        elif op in _SINES:
+            self._sines(program.a[index])
+            self.names[index] = f"%{op}{program.a[index]}"
+        else:
+            first = program.a[index]
+            self.names[index] = f"%v{index}"
+            operands = [self.names[i] for i in program.operands(index)]
+            if op == "where" and program.op[first] in COMPARISONS:
+                op = CHOICE
+            self.lines.append("  " + self.table[op].format(f"%v{index}", *operands))
+
+    def _sines(self, x: int) -> None:
+        """Both of a node, once."""
+        if x in self.turned:
+            return
+        self.turned.add(x)
+        pair = f"{{ {self.lanes.v}, {self.lanes.v} }}"
+        self.lines.append(
+            f"  %pair{x} = call {pair} @sincos.{self.lanes.suffix}({self.lanes.v} {self.names[x]})\n"
+            f"  %sin{x} = extractvalue {pair} %pair{x}, 0\n  %cos{x} = extractvalue {pair} %pair{x}, 1"
+        )
+
+    def _store(self, k: int, j: int, value: str) -> None:
+        v, place = self.lanes.v, self._place(k, j)
+        self.lines.append(f"  %w{k}.{j} = select i1 %bad, {v} {self.lanes.constant(nan)}, {v} {value}")
+        self.lines.append(f"  store {v} %w{k}.{j}, ptr {place}, align {self.lanes.real.size}")
+
+
+def _parameters(k: int, argument: Argument, access: str = "") -> str:
+    address = f"ptr noalias {access}%a{k}"
+    return address if argument.uniform else f"{address}, i64 %step{k}, i64 %core{k}"
