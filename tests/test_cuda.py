@@ -15,8 +15,9 @@ import pytest
 
 import freebody as fb
 from freebody.elementary import FUNCTIONS
-from freebody.kernels.formulas import FORMULAS, OF_LOOPS, OF_TREES
-from freebody.kernels.lookup import chosen_option, program
+from freebody.kernels.formulas import FORMULAS
+from freebody.kernels.options import chosen_option
+from freebody.kernels.tracing import program
 from freebody.kernels.vectors import vectors
 from freebody.program import Argument, Program, trace
 from freebody.scalars.operations import OPERATIONS
@@ -44,8 +45,13 @@ def robot(name: str) -> fb.Model:
 
 def formulas(model: fb.Model) -> list[str]:
     """All quantities that there are of a robot."""
-    loops = (*OF_LOOPS, "constraint", "constrained_dynamics", "closed_wrenches")
-    return [x for x in FORMULAS if (x not in OF_TREES if model.loops else not x.startswith(loops))]
+    loops = ("constraint", "constrained_dynamics", "closed_wrenches")
+    other = "open" if model.loops else "closed"
+    return [
+        x
+        for x, formula in FORMULAS.items()
+        if formula.chains != other and (model.loops or not x.startswith(loops))
+    ]
 
 
 def traced(model: fb.Model, name: str) -> Program:
