@@ -59,7 +59,7 @@ def _emit(unit: Unit) -> str:
         count=3 * len(program.inputs + program.outputs) + 1,
         type="double" if unit.dtype == "float64" else "float",
     )
-    return "\n".join([*comment_block((*unit.comment, *use.splitlines()), "", "//", ""), text])
+    return "\n".join([*comment_block(unit, use.splitlines(), "", "//", ""), text])
 
 
 _DRIVER = '''\
