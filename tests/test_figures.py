@@ -12,10 +12,10 @@ from freebody.cli.app import run
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.figures.drawing import Arc, Arrow, Line, Mark, Turn
 from freebody.figures.labels import Crowd, Wanted, _overlap
+from freebody.figures.names import Names
 from freebody.figures.plots import Plot, plot, thin, ticks
 from freebody.figures.robot import robot_drawing, robot_svg
 from freebody.figures.sketch import forces
-from freebody.figures.sketch.names import Names
 from freebody.figures.sketch.snapshot import snapshot
 from freebody.figures.svg import picture
 from freebody.figures.text import number, plain

@@ -7,13 +7,14 @@ joint), a rotor's J_r; each is defined by the model's own.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from freebody.algorithms.regressor import driven, regressor
 from freebody.algorithms.regroup import kept, regrouped
 from freebody.derivations import expression as ex
-from freebody.derivations.equations import SHORT, Equations
+from freebody.derivations.closed_form import SHORT, ClosedForm
 from freebody.derivations.expression import Equation
 from freebody.derivations.names import sym
 from freebody.derivations.order import Order
@@ -21,6 +22,9 @@ from freebody.derivations.symbols import RATE, SECOND, Symbols, symbols
 from freebody.lazy import cached_property
 from freebody.model.identified import body_parameters
 from freebody.scalars.trig import Trig
+
+if TYPE_CHECKING:
+    from freebody.derivations.equations import Equations
 
 TOLERANCE = 1e-9
 """Relative rest below which a column counts as a combination of others; what is found is then proved exactly."""
@@ -167,7 +171,7 @@ def _by_motion(s: Symbols, column: list[Trig]) -> dict[tuple, Trig]:
 
 
 @dataclass(frozen=True, eq=False)
-class BaseEquations(Equations):
+class BaseEquations(ClosedForm):
     """The closed forms with base parameters as symbols; those of the model itself do not occur in M, c and g."""
 
     bases: tuple[Base, ...] = ()
@@ -203,7 +207,7 @@ class BaseEquations(Equations):
             for x in self._inertial
         ]
 
-    def definitions(self, layout: Equations) -> list[Equation]:
+    def definitions(self, layout: ClosedForm) -> list[Equation]:
         """Each base parameter by the model's own; `layout` prints them."""
         return [ex.eq(sym(base.name), layout.form(base.value)) for base in self.bases]
 
@@ -216,7 +220,7 @@ def short_by_base(equations: Equations) -> list[list[Equation]] | None:
     return groups if sum(ex.size(line) for group in groups for line in group) <= SHORT else None
 
 
-def by_base_parameters(equations: Equations) -> BaseEquations:
+def by_base_parameters(equations: ClosedForm) -> BaseEquations:
     """The same equations by base parameters."""
     before = equations.symbols
     bases = base_parameters(before)

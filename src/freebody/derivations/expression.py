@@ -10,184 +10,34 @@ Wherever an expression is expected, a number or the name of a symbol will do:
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from fractions import Fraction
 from numbers import Rational
-from typing import Any
 
-
-class Expression:
-    """A node; `str` gives its text for a terminal."""
-
-    def __str__(self) -> str:
-        from freebody.derivations.render.text import text
-
-        return text(self)
-
-    def latex(self) -> str:
-        """LaTeX, without dollar signs."""
-        from freebody.derivations.render.latex import latex
-
-        return latex(self)
-
-    def mathml(self) -> str:
-        """A `<math>` element."""
-        from freebody.derivations.render.mathml import mathml
-
-        return mathml(self)
-
-    def _repr_latex_(self) -> str:
-        return f"$\\displaystyle {self.latex()}$"
-
-    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
-        printer.text(str(self))
-
+from freebody.derivations.names import sym
+from freebody.derivations.nodes import (  # noqa: F401  (the nodes are asked for here, with what builds them)
+    Arguments,
+    Cross,
+    Derivative,
+    Dot,
+    Equation,
+    Expression,
+    Function,
+    Matrix,
+    Negative,
+    Number,
+    Power,
+    Product,
+    Quotient,
+    Sum,
+    Symbol,
+    Transposed,
+    Vector,
+    Words,
+)
 
 Like = Expression | Rational | int | str
 """An expression, a number, or the name of a symbol."""
-
-
-@dataclass(frozen=True)
-class Number(Expression):
-    """An exact number; `decimal` prints 1/2 as 0.5."""
-
-    value: Fraction
-    decimal: bool = False
-
-
-@dataclass(frozen=True)
-class Symbol(Expression):
-    """A letter with subscripts, dots and a superscript; `name` is what it is called in code. Bold for vectors."""
-
-    name: str
-    letter: str
-    low: tuple[str, ...] = ()
-    dots: int = 0
-    bold: bool = False
-    high: str = ""
-
-
-@dataclass(frozen=True)
-class Sum(Expression):
-    """Terms added up; a `Negative` term prints with its minus."""
-
-    terms: tuple[Expression, ...]
-
-
-@dataclass(frozen=True)
-class Negative(Expression):
-    """- operand."""
-
-    operand: Expression
-
-
-@dataclass(frozen=True)
-class Product(Expression):
-    """Factors side by side."""
-
-    factors: tuple[Expression, ...]
-
-
-@dataclass(frozen=True)
-class Quotient(Expression):
-    """above / below."""
-
-    above: Expression
-    below: Expression
-
-
-@dataclass(frozen=True)
-class Power(Expression):
-    """base to a whole exponent; -1 of a matrix is its inverse."""
-
-    base: Expression
-    exponent: int
-
-
-@dataclass(frozen=True)
-class Transposed(Expression):
-    """Transpose of a vector or matrix."""
-
-    operand: Expression
-
-
-@dataclass(frozen=True)
-class Function(Expression):
-    """sin, cos, sgn, … of one argument."""
-
-    name: str
-    argument: Expression
-
-
-@dataclass(frozen=True)
-class Arguments(Expression):
-    """Several arguments of one function, atan2(y, x)."""
-
-    entries: tuple[Expression, ...]
-
-
-@dataclass(frozen=True)
-class Derivative(Expression):
-    """∂ of / ∂ by, or d of / d by; by the time where `by` is the symbol t."""
-
-    of: Expression
-    by: Expression
-    partial: bool = False
-
-
-@dataclass(frozen=True)
-class Cross(Expression):
-    """left × right: in space a vector, in the plane the scalar a₁b₂ - a₂b₁."""
-
-    left: Expression
-    right: Expression
-
-
-@dataclass(frozen=True)
-class Dot(Expression):
-    """left · right."""
-
-    left: Expression
-    right: Expression
-
-
-@dataclass(frozen=True)
-class Vector(Expression):
-    """A column of components."""
-
-    entries: tuple[Expression, ...]
-
-
-@dataclass(frozen=True)
-class Matrix(Expression):
-    """Rows of entries."""
-
-    rows: tuple[tuple[Expression, ...], ...]
-
-
-@dataclass(frozen=True)
-class Equation(Expression):
-    """Sides that are equal: two, or more in a chain."""
-
-    sides: tuple[Expression, ...]
-
-    @property
-    def lhs(self) -> Expression:
-        """The first side."""
-        return self.sides[0]
-
-    @property
-    def rhs(self) -> Expression:
-        """The last side."""
-        return self.sides[-1]
-
-
-@dataclass(frozen=True)
-class Words(Expression):
-    """Upright words inside a formula."""
-
-    text: str
-
 
 ZERO, ONE = Number(Fraction(0)), Number(Fraction(1))
 
@@ -198,8 +48,6 @@ def expr(x: Like) -> Expression:
     if isinstance(x, Expression):
         return x
     if isinstance(x, str):
-        from freebody.derivations.names import sym
-
         return sym(x)
     return Number(Fraction(x))
 

@@ -17,7 +17,7 @@ from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 if TYPE_CHECKING:
-    from freebody.derivations.equations import Equations
+    from freebody.derivations.closed_form import ClosedForm
 
 Group = list[Equation]
 
@@ -36,13 +36,13 @@ NAMES = {"notes": NOTES, "standard": STANDARD}
 """H_ij, h, G_i as in (3.20)-(3.27); or M_ij, c_i, g_i."""
 
 
-def expanded(equations: Equations, layout: Layout) -> list[Group]:
+def expanded(equations: ClosedForm, layout: Layout) -> list[Group]:
     """τ_i, or 0 where there is no motor, with everything written out."""
     left = motors(equations.symbols.model)
     return [[ex.eq(motor, layout.form(x)) for motor, x in zip(left, equations.tau, strict=True)]]
 
 
-def named(equations: Equations, layout: Layout, names: Letters = NOTES) -> list[Group]:
+def named(equations: ClosedForm, layout: Layout, names: Letters = NOTES) -> list[Group]:
     """τ_i, or 0, by mass matrix, velocity and gravity terms, then what these are: groups τ, M, velocity, gravity."""
     velocity = _Coefficients(equations) if names.c == "h" else None
     torques = [
@@ -66,7 +66,7 @@ def _definition(layout: Layout, symbol: Symbol, x: Trig) -> Equation:
     return ex.eq(symbol, layout.form(x))
 
 
-def _inertia(equations: Equations, layout: Layout, names: Letters) -> Group:
+def _inertia(equations: ClosedForm, layout: Layout, names: Letters) -> Group:
     """The entries that are not zero, the diagonal first; H12 = H21 is one line."""
     n = len(equations.M)
     pairs = [(i, i) for i in range(n)] + [(i, j) for i in range(n) for j in range(i + 1, n)]
@@ -79,7 +79,7 @@ def _inertia(equations: Equations, layout: Layout, names: Letters) -> Group:
 
 
 def _torque(
-    equations: Equations, layout: Layout, names: Letters, velocity: _Coefficients | None, i: int
+    equations: ClosedForm, layout: Layout, names: Letters, velocity: _Coefficients | None, i: int
 ) -> Iterator[Expression]:
     """The terms of τ_i."""
     coordinates = equations.symbols.coordinates
@@ -99,7 +99,7 @@ def _torque(
 class _Coefficients:
     """Christoffel's symbols, each a multiple of a named one: h, or h_1, h_2, …, in larger arms h_ijk."""
 
-    equations: Equations
+    equations: ClosedForm
     found: dict[Trig, tuple[tuple[int, int, int], Trig, Fraction]] = field(default_factory=dict)
     """By what is common to its multiples: the indices and value of the first, and its factor."""
 

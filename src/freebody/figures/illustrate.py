@@ -20,8 +20,8 @@ from freebody.figures.drawing import Drawing, Element, canonical
 from freebody.figures.figure import save
 from freebody.figures.kinematic import view
 from freebody.figures.loads import label
+from freebody.figures.names import Names, names_of
 from freebody.figures.sketch import arm, forces, frames, motion, space_forces, vectors
-from freebody.figures.sketch.names import Names, names_of
 from freebody.figures.sketch.snapshot import Snapshot, resting_pose, snapshot, with_values
 from freebody.figures.svg import picture
 from freebody.model.model import Model

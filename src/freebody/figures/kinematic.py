@@ -8,8 +8,8 @@ from functools import partial
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.figures.drawing import Drawing
 from freebody.figures.figure import Figure, to_one_scale
+from freebody.figures.names import Names, names_of
 from freebody.figures.sketch import arm, frames, motion, vectors
-from freebody.figures.sketch.names import Names, names_of
 from freebody.figures.sketch.snapshot import Snapshot, snapshot
 from freebody.model.model import Model
 from freebody.trees.calls import Vector

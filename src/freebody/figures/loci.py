@@ -10,8 +10,8 @@ import numpy as np
 from freebody.errors import FreebodyError
 from freebody.figures.drawing import Drawing, Line, Mark, point
 from freebody.figures.figure import Figure, to_one_scale
+from freebody.figures.names import names_of
 from freebody.figures.sketch import arm
-from freebody.figures.sketch.names import names_of
 from freebody.figures.sketch.snapshot import snapshot
 from freebody.loops.loci import Locus, singularity_loci
 from freebody.model.model import Model

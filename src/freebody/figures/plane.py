@@ -9,8 +9,8 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.figures.drawing import FLAT, Arc, Arrow, Drawing, Label, Line, Mark, point
+from freebody.figures.names import names_of
 from freebody.figures.skeleton import BodyPlace, Skeleton, extent
-from freebody.figures.sketch.names import names_of
 from freebody.figures.text import number
 from freebody.model.model import Model
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jinja2
 import numpy as np
@@ -25,8 +25,10 @@ from freebody.outputs.text import legal
 from freebody.report import equations
 from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
-from freebody.report.study import Study
 from freebody.report.summary import energy_text
+
+if TYPE_CHECKING:
+    from freebody.report.study import Study
 from freebody.report.tables import significant, typeset
 
 

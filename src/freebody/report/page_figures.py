@@ -14,11 +14,12 @@ from freebody.figures.plots import Plot, plot
 from freebody.figures.robot import robot_drawing
 from freebody.figures.svg import picture
 from freebody.motion.ranges import ranges as allowed
-from freebody.report.study import Study
 from freebody.report.tables import shortened
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from freebody.report.study import Study
 
 _TOGETHER = 8  # curves that one picture holds
 _PARTS = {

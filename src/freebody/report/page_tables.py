@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
@@ -13,8 +14,10 @@ from freebody.figures.loads import BodyLoads, Load
 from freebody.figures.text import html
 from freebody.model.parts import Joint
 from freebody.report.facts import facts
-from freebody.report.study import Study
 from freebody.report.tables import Cell, Head, Number, Table, Text, alone, table, typeset
+
+if TYPE_CHECKING:
+    from freebody.report.study import Study
 
 _EFFORTS = {"N m": "Peak torque", "N": "Peak force"}
 _USE = "share of the limit that is used; above 100 % the limit is exceeded"

@@ -9,18 +9,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from freebody.algorithms.kinematics import jacobian
 from freebody.arrays import Array
 from freebody.derivations.closed.linear import Entries, Ratio, left_null, ratio, solved, times, without_common
-from freebody.derivations.closed.loops import LoopEquations
 from freebody.derivations.determinant import determinant
 from freebody.derivations.kinematics import Kinematics
 from freebody.derivations.singularities import Determinant
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
+
+if TYPE_CHECKING:
+    from freebody.derivations.closed.loops import LoopEquations
 
 ROWS = {2: ("vx", "vy", "w"), 3: ("vx", "vy", "vz", "wx", "wy", "wz")}
 

@@ -12,12 +12,12 @@ from freebody.derivations.closed.linear import Ratio, product
 from freebody.derivations.closed.statics import LoopStatics
 from freebody.derivations.derivation import Derivation, Step
 from freebody.derivations.expression import Equation, Expression, eq
+from freebody.derivations.methods.equilibrium import Equilibrium
 from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.loops import LONG, Loops
 from freebody.derivations.methods.overview import overview
 from freebody.derivations.methods.reactions import Reactions
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.methods.statics import Equilibrium
 from freebody.derivations.names import entry, sym
 from freebody.errors import FreebodyError, listed
 from freebody.lazy import cached_property

@@ -3,23 +3,18 @@
 
 from __future__ import annotations
 
-from freebody.algorithms.kinematics import jacobian
-from freebody.derivations import expression as ex
-from freebody.derivations.derivation import Derivation, Step
-from freebody.derivations.expression import Expression, eq
+from freebody.derivations.derivation import Derivation
+from freebody.derivations.methods import loop_statics
+from freebody.derivations.methods.equilibrium import Equilibrium
 from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.overview import overview
 from freebody.derivations.methods.reactions import Reactions
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.methods.wording import motorless
-from freebody.derivations.names import sym, vec
 
 
 def derive(setting: Setting) -> Derivation:
     """The derivation; the setting is at rest. Of a closed chain: see `loop_statics`."""
     if setting.tree.loops:
-        from freebody.derivations.methods import loop_statics
-
         return loop_statics.derive(setting)
     reactions = Reactions(setting)
     work = Equilibrium(setting, reactions)
@@ -34,105 +29,3 @@ def derive(setting: Setting) -> Derivation:
     return Derivation(
         "statics", "Statics", setting.equations, tuple(steps), torques, *overview(setting, "statics")
     )
-
-
-class Equilibrium:
-    """Forces and moments on each body add up to zero; moments are taken about the body's joint."""
-
-    def __init__(self, setting: Setting, reactions: Reactions):
-        self.s = setting
-        self.reactions = reactions
-
-    def convention(self) -> Step:
-        """What f is."""
-        robot = "robot" if self.s.tree.loops else "arm"
-        return Step(
-            "The load",
-            f"f is the force on the {robot} at its tip P. What the {robot} exerts there on its surroundings is -f; "
-            "formulas for the one and for the other differ in sign.",
-            (eq(vec("f"), ex.Vector(tuple(sym(name) for name in self.s.load))),),
-        )
-
-    def body(self, i: int) -> Step:
-        """Equilibrium of one body."""
-        s, n, children = self.s, self.s.numbers[i], self.s.tree.children(i)
-        forces = [s.force_name(s.tree.bodies[i].parent, i), *(ex.neg(s.force_name(i, k)) for k in children)]
-        forces += [force for force, _ in self.outer(i)]
-        moments = [s.joint_moment(i), *map(ex.neg, map(s.joint_moment, children)), *self.about(i)]
-        reason = (
-            f"The forces on body {n} add up to zero, and so do the moments; taken about joint {n} the reaction "
-            f"there has none."
-        )
-        if s.cited == "RR" and s.weighs and n == 1:
-            reason += " (The notes leave the weights out: with g = 0 the numbered equations follow.)"
-        numbers = {("RR", 1): ("2.41", "2.42"), ("RR", 2): ("2.43", "2.44")}.get((s.cited, n), ())
-        lines = (eq(ex.add(*forces), ex.ZERO), eq(ex.add(*moments), ex.ZERO))
-        return Step(f"Free body {n}", reason, lines, numbers, figure=f"free-body {n}")
-
-    def outer(self, i: int) -> list[tuple[Expression, Expression]]:
-        """Forces on body i from outside, each with the way from its joint to where it acts."""
-        s = self.s
-        heavy = s.weighs and i in s.weighted
-        weight = [(s.mass_times(i, vec("g")), s.name("sc", i))] if heavy else []
-        return [*weight, *([(vec("f"), s.tip_name())] if s.loaded(i) else [])]
-
-    def about(self, i: int) -> list[Expression]:
-        """Moments of all other forces on body i about its joint."""
-        s = self.s
-        terms = [ex.neg(ex.cross(s.reach_name(i, k), s.force_name(i, k))) for k in s.tree.children(i)]
-        return [*terms, *(ex.cross(arm, force) for force, arm in self.outer(i))]
-
-    def solved(self, i: int) -> Step:
-        """Reaction and torque of joint i, in terms of those before it."""
-        s, n, children = self.s, self.s.numbers[i], self.s.tree.children(i)
-        force = ex.add(
-            *(s.force_name(i, k) for k in children),
-            *(ex.neg(force) for force, _ in self.outer(i)),
-        )
-        moment = ex.add(*map(s.joint_moment, children), *map(ex.neg, self.about(i)))
-        name = s.joint_moment(i)
-        lines = [eq(s.force_name(s.tree.bodies[i].parent, i), force, s.column(self.reactions.f[i]))]
-        lines.append(eq(name, moment))
-        if not s.is_pin(i):
-            lines.append(eq(s.motor(i), self.reactions.motor_rule(i, name)))
-        numbers = {("RR", 1): ("2.46",), ("RR", 2): ("2.45",)}.get((s.cited, n), ())
-        motor = "torque" if s.turns(i) else "force"
-        motor = f"the {motor} of its motor" if s.driven(i) else "what must be 0, for it has no motor"
-        reason = f"The two equations of body {n} give the reaction at joint {n} and {motor}."
-        return Step(f"Solve for joint {n}", reason, tuple(lines), numbers)
-
-    def result(self, tau: dict) -> Step:
-        """The torques written out."""
-        s = self.s
-        lines = tuple(eq(s.motor(i), s.show(tau[i])) for i in s.order)
-        numbers = ("2.47", "2.48") if s.cited == "RR" else ()
-        reason = "The vectors put in, the torques that hold the arm still are found."
-        if not all(map(s.driven, s.order)):
-            reason += f"{motorless(s)} The arm can be held only where the equation with 0 on its left is met."
-        return Step(
-            "The torques" if all(map(s.turns, s.order)) else "Torques and forces",
-            reason,
-            lines,
-            numbers,
-            result=True,
-        )
-
-    def transpose(self) -> Step:
-        """The load's part as -Jᵀ f."""
-        s = self.s
-        J = jacobian(s.tree, s.symbols.q, s.symbols.model.frame().name)
-        rows = [[s.symbols.element(x) for x in row] for row in J[: s.tree.space.dim]]
-        part = ex.neg(ex.mul(ex.transposed(sym("J")), vec("f")))
-        weights = " The rest is what the weights need." if s.weighs else ""
-        slips = " (The notes print (2.49) to (2.52) without the minus: they are the torques that exert f.)"
-        return Step(
-            "The load through the Jacobian",
-            "The load's part of the torques is -Jᵀ f, J being the Jacobian of the tip: the virtual work of motors and "
-            f"load cancels.{weights} The torque that exerts the force f on the surroundings is its opposite, Jᵀ f."
-            + (slips if s.cited == "RR" else ""),
-            (
-                eq(sym("J"), ex.matrix([[s.show_moved(x) for x in row] for row in rows])),
-                eq(vec("tau_f"), part),
-            ),
-            ("2.19", "2.49", "2.50") if s.cited == "RR" else (),
-        )

@@ -7,9 +7,9 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.figures.drawing import Arrow, Drawing, Label, Line, Mark, Turn, point
 from freebody.figures.figure import Figure, to_one_scale
+from freebody.figures.names import bold
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.sketch.arm import axes, blank
-from freebody.figures.sketch.names import bold
 from freebody.figures.sketch.snapshot import Snapshot, snapshot
 from freebody.model.model import Model
 from freebody.model.planar import planar

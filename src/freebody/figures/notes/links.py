@@ -9,10 +9,10 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.figures.drawing import Arc, Drawing, Label, Line, Mark, Turn, point
 from freebody.figures.figure import Figure
+from freebody.figures.names import Names
 from freebody.figures.plane import add_body
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.sketch import arm, forces
-from freebody.figures.sketch.names import Names
 from freebody.figures.sketch.snapshot import Snapshot, snapshot
 from freebody.figures.sketch.vectors import BESIDE, arrow, position
 from freebody.model.planar import planar

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from freebody.figures.drawing import Drawing
+from freebody.figures.names import Names
 from freebody.figures.sketch import arm
-from freebody.figures.sketch.names import Names
 from freebody.figures.sketch.snapshot import Snapshot, snapshot
 from freebody.formats.loading import load
 from freebody.trees.calls import Vector, Wrenches

@@ -9,10 +9,10 @@ import numpy as np
 
 from freebody.figures.drawing import Arrow, Drawing, Turn, point
 from freebody.figures.figure import Figure, to_one_scale
+from freebody.figures.names import Names, bold
 from freebody.figures.notes.bodies import pinned
 from freebody.figures.notes.panels import GEOMETRY, NAMES, RATES, SECOND, TIP, panel, two_links
 from freebody.figures.sketch import arm, forces, motion, vectors
-from freebody.figures.sketch.names import Names, bold
 from freebody.figures.sketch.snapshot import Snapshot, snapshot
 from freebody.model.planar import planar
 from freebody.trees.calls import Vector

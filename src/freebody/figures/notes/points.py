@@ -10,8 +10,8 @@ from numpy.polynomial import Polynomial
 from freebody.arrays import Array
 from freebody.figures.drawing import Arrow, Drawing, Label, Line, Mark, point
 from freebody.figures.figure import Figure, to_one_scale
+from freebody.figures.names import bold
 from freebody.figures.sketch.arm import axes, blank
-from freebody.figures.sketch.names import bold
 from freebody.figures.sketch.vectors import position
 
 _X, _Y = (0.8, 2.6), (1.0, 3.4, -1.5)

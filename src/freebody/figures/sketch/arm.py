@@ -9,9 +9,9 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.figures.drawing import FLAT, Arc, Arrow, Dimension, Drawing, Label, Line, Mark, Point, point
+from freebody.figures.names import Names
 from freebody.figures.plane import add_body
 from freebody.figures.skeleton import BodyPlace
-from freebody.figures.sketch.names import Names
 from freebody.figures.sketch.snapshot import Snapshot
 from freebody.trees.kinematics import forward_kinematics
 

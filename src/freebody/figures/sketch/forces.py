@@ -11,11 +11,11 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.figures.drawing import Arrow, Drawing, Element, Label, Line, Mark, Turn, places, point
 from freebody.figures.loads import Load
+from freebody.figures.names import Names, bold
 from freebody.figures.plane import add_body, round_down
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.sketch import vectors
 from freebody.figures.sketch.arm import blank, heading, joint, letter, rod
-from freebody.figures.sketch.names import Names, bold
 from freebody.figures.sketch.snapshot import Snapshot
 from freebody.figures.text import number
 

@@ -9,7 +9,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.figures import space
 from freebody.figures.drawing import Arrow, Drawing, Label, Line, Mark, View, best_view, point
-from freebody.figures.sketch.names import Names
+from freebody.figures.names import Names
 from freebody.figures.sketch.snapshot import Snapshot
 from freebody.figures.sketch.vectors import arrow
 

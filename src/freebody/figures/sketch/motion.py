@@ -9,9 +9,9 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.figures.drawing import Arrow, Drawing, Turn, point
+from freebody.figures.names import Names, bold
 from freebody.figures.plane import round_down
 from freebody.figures.sketch.arm import clear_way
-from freebody.figures.sketch.names import Names, bold
 from freebody.figures.sketch.snapshot import Snapshot
 from freebody.figures.text import number
 

@@ -7,10 +7,10 @@ import numpy as np
 from freebody.figures import space
 from freebody.figures.drawing import Arrow, Drawing, Element, Label, Line, Mark, View, point
 from freebody.figures.loads import BodyLoads
+from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.sketch import frames
 from freebody.figures.sketch.forces import called
-from freebody.figures.sketch.names import Names
 from freebody.figures.sketch.snapshot import Snapshot
 from freebody.figures.sketch.vectors import arrow, position
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.figures.drawing import Arrow, Drawing, point
-from freebody.figures.sketch.names import Names, bold
+from freebody.figures.names import Names, bold
 from freebody.figures.sketch.snapshot import Snapshot
 
 BESIDE = 15.0
