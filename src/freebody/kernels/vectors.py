@@ -18,6 +18,8 @@ from freebody.targets.text import Vectors
 COUNT = 5
 """Samples."""
 _TRIES = 40
+_OFF = 0.3
+"""How far from the closed position towards a random one."""
 _FLOOR = {"float64": 1e-13, "float32": 1e-5}
 _MARGIN = 16.0
 """Another order of operations, or another sine, may cost more than was seen."""
@@ -77,12 +79,17 @@ def _samples(name: str, shape: tuple[int, ...], model: Model | None, rng: np.ran
         if model.loops:  # a state that is nearly closed
             values[:, k] *= 0.1
         values[:, k] += home.get(position, 0.0)
+    return _unit_quaternions(model, values)
+
+
+def _unit_quaternions(model: Model, positions: Array) -> Array:
+    """Positions (tries, nq) whose quaternions have length one."""
     for body, at in zip(model.bodies, model.coordinates, strict=True):
         start = body.kind.quaternion
         if start is not None:
-            quaternion = values[:, at.q[start:]]
-            values[:, at.q[start:]] = quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)
-    return values
+            quaternion = positions[:, at.q[start:]]
+            positions[:, at.q[start:]] = quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)
+    return positions
 
 
 def _near(own: Array, rng: np.random.Generator) -> Array:
@@ -92,14 +99,18 @@ def _near(own: Array, rng: np.random.Generator) -> Array:
 
 
 def _closed(model: Model, names: list[str], given: list[Array]) -> list[Array]:
-    """Positions at which the loops are closed, and rates that keep them so; as given where there are none near."""
+    """Positions at which the loops are closed, and rates that keep them so; as given where there are none near.
+
+    Every second is a little off: where all loops are closed their equations are rounding, and say nothing.
+    """
     found = dict(zip(names, given, strict=True))
     with contextlib.suppress(LoopError):
-        for name in POSITIONS:
-            if name in found:
-                found[name] = closed("assemble")(model, found[name])
-        if {"q", "qd"} <= found.keys():
-            found["qd"] = closed("loop_velocity")(model, found["q"], found["qd"])
+        closed_at = {x: closed("assemble")(model, found[x]) for x in POSITIONS if x in found}
+        if "q" in closed_at and "qd" in found:
+            found["qd"] = closed("loop_velocity")(model, closed_at["q"], found["qd"])
+        for name, positions in closed_at.items():
+            positions[1::2] += _OFF * (found[name] - positions)[1::2]
+            found[name] = _unit_quaternions(model, positions)
     return list(found.values())
 
 
