@@ -71,7 +71,7 @@ def test_what_the_program_prints_is_equal():
 # answer, kind of the finding (or of the first), words of the verdict
 WRONG = [
     # the notes as printed
-    ("H11 = m1 lc1^2 + I1 + I2 + m2 (l1^2 + lc2^2 + 2 l1 lc2 cos θ2) + I2", "extra", "‘I2’ is too much"),
+    ("H11 = m1 lc1^2 + I1 + I2 + m2 (l1^2 + lc2^2 + 2 l1 lc2 cos θ2) + I2", "extra", "‘I2’ should not be there"),
     ("H22 = m1 lc2^2 + I2", "index", "‘m1’ must be m₂ in ‘m1 lc2^2’"),
     ("H12 = m2 (lc2^2 + 2 l1 lc2 cos θ2) + I2", "factor", "‘2 l1 lc2 cos θ2’ is twice too large"),
     ("V2 = m2 g (l1 sin θ1 + lc1 sin θ1)", "extra", "‘m₂ g lc₂ sin(θ₁+θ₂)’ is missing"),
@@ -115,7 +115,7 @@ WRONG = [
     ("H12 = m2 lc2² + I2", "missing", "right for H22"),
     ("tau1 = (m1 lc1² + I1) θ̈1 + m1 g lc1 c1", "missing", "the moment of inertia of link2 is missing"),
     ("tau2 = H21 θ̈1 + H22 θ̈2 + h θ̇1²", "missing", "Gravity is missing"),
-    ("H22 = m2 lc2² + I2 + m2 l1 lc2", "extra", "‘m2 l1 lc2’ is too much"),
+    ("H22 = m2 lc2² + I2 + m2 l1 lc2", "extra", "‘m2 l1 lc2’ should not be there"),
     ("tau1 = H11 θ̈1 + H12 θ̈2 + G1", "missing", "Coriolis and centrifugal terms are missing"),
 ]  # fmt: skip
 

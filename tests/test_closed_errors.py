@@ -416,7 +416,7 @@ def test_results_and_errors_are_pickled(four_bar, q):
         fb.forward_dynamics(four_bar, q + 1.0, STILL, STILL)
     assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
     assert str(fb.mobility(four_bar, q)).startswith(
-        "four_bar: 1 degree of freedom (Grübler 1, here at once 1)\n"
+        "four_bar: 1 degree of freedom (Grübler 1, instantaneous 1)\n"
     )
 
 

@@ -177,7 +177,7 @@ class Leg:
     e: np.ndarray
     lengths: tuple[float, float, float]
     angles: np.ndarray
-    """(3, 2): a, b, and their first and second rates."""
+    """(3, 2): a, b, and their velocities and accelerations."""
 
     @property
     def turn(self) -> np.ndarray:

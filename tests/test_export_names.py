@@ -70,7 +70,7 @@ def test_what_is_called_by_a_name_of_the_recursion_is_that(robot, quantity, leas
     model = fb.load(robot).without("friction", "rotors", "springs")
     q, qd, qdd = fb.random_state(model, 4)
     given = {"inverse_dynamics": (q, qd, qdd), "forward_dynamics": (q, qd, qdd)}.get(quantity, (q,))
-    # forward dynamics names the motion at zero second rates
+    # forward dynamics names the motion at zero accelerations
     zero = np.zeros_like(qd)
     motion = {"inverse_dynamics": (qd, qdd), "forward_dynamics": (qd, zero)}.get(quantity, (zero, zero))
     wanted = expected(model, q, *motion)

@@ -42,7 +42,7 @@ def test_the_table_lists_every_item_with_its_verdict(capsys):
     for name, verdict in VERDICTS.items():
         assert re.search(rf"^{re.escape(name)} +{verdict} ", text, re.MULTILINE), name
     assert "254 items executed: 196 hold, 20 misprints, 22 inconsistent, 16 incomplete." in text
-    assert "2 of them are words alone, which are read and not executed." in text
+    assert "2 of them are text without an equation." in text
 
 
 def test_the_table_of_a_chapter_and_of_a_verdict(capsys):
@@ -57,7 +57,7 @@ def test_one_item_says_all_about_it(capsys):
         "H₁₁ — equation (3.22)",
         "printed     H₁₁ = m₁ lc₁² + I₁ + I₂ + m₂ (l₁² + lc₂² + 2 l₁ lc₂ cos θ₂) + I₂",
         "corrected   H₁₁ = m₁ lc₁² + I₁ + m₂ (l₁² + lc₂² + 2 l₁ lc₂ cos θ₂) + I₂",
-        "‘I2’ is too much",
+        "‘I2’ should not be there",
         "the printed form gives 1.031",
         'fb.check(fb.planar("RR")',
         "“The closed form”",

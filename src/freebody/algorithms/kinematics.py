@@ -89,7 +89,7 @@ def frame_pose(tree: Tree, world: list[Pose], frame: str) -> Pose:
 
 
 def weighted(columns: tuple[Column, ...], rates: Vector) -> Column:
-    """Σ rates[k] columns[k]: what a joint adds to its body's velocity (of second rates, to its acceleration)."""
+    """Σ rates[k] columns[k]: what a joint adds to its body's velocity, or of accelerations to its acceleration."""
     return combine(tuple(w for w, _ in columns), rates), combine(tuple(v for _, v in columns), rates)
 
 

@@ -1,4 +1,4 @@
-"""Inverse dynamics and energies as linear functions of what a robot's bodies and drives weigh.
+"""Inverse dynamics and energies as linear functions of a robot's inertial and drive parameters.
 
 Their names and order are those of `model.identified`.
 """

@@ -179,5 +179,7 @@ def _summary(found: Sequence[Finding]) -> None:
         line.append(", " * bool(k))
         line.append(f"{count} {words[verdict]}", COLOURS[verdict])
     only = sum(f.item.is_text for f in found)
-    line.append(f". {only} of them are words alone, which are read and not executed." if only else ".")
+    line.append(
+        f". {only} of them are text without an equation." if only else "."
+    )
     terminal.out().print(line)

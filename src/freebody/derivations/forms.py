@@ -82,7 +82,7 @@ class Layout:
         return ex.mul(self.order.number(content), coefficient, *self._monomial(rates))
 
     def rate_rank(self, rates: Monomial) -> tuple:
-        """Second rates, squares, products, no rate, single rates, signs, components of loads."""
+        """Accelerations, squares of velocities, products, none, single velocities, signs, components of loads."""
         names = [n for n, e in rates for _ in range(e)]
         if names and names[0] in self.symbols.extra:
             return 6, [self.symbols.extra.index(n) for n in names]

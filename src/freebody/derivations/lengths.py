@@ -53,7 +53,7 @@ def _by_length(layout: Layout, terms: Terms) -> list[tuple[Poly, Inner]]:
 
 
 def _rank(layout: Layout, key: tuple[Monomial, Wave]) -> tuple:
-    """Second rates before products of rates, then by direction."""
+    """Accelerations before products of velocities, then by direction."""
     rates, wave = key
     return layout.rate_rank(rates), wave_rank(wave, layout.order.angles)
 

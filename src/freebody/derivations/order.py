@@ -86,7 +86,7 @@ class Order:
 
     @cached_property
     def moving(self) -> frozenset[str]:
-        """Names of rates, second rates, signs of rates, and of what the model itself does not hold."""
+        """Names of velocities, accelerations, signs of velocities, and of what the model itself does not hold."""
         names = self.symbols.coordinates
         signs = (f"sgn_{x}{RATE}" for x in names)
         return frozenset([*signs, *(x + e for x in names for e in (RATE, SECOND)), *self.symbols.extra])

@@ -23,7 +23,7 @@ from freebody.spatial import Matrix, Vector
 from freebody.values import ByValue, key
 
 RATE, SECOND = "_d", "_dd"
-"""What the names of rates and second rates end with."""
+"""What the names of velocities and accelerations end with."""
 
 
 class TrigReader(Reader):
@@ -103,7 +103,7 @@ class Symbols(ByValue):
 
     @property
     def qdd(self) -> tuple[Trig, ...]:
-        """Second rates."""
+        """Accelerations."""
         return tuple(self.ring[x + SECOND] for x in self.coordinates)
 
     @property

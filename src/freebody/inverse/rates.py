@@ -57,7 +57,7 @@ def inverse_acceleration(
     task: str | Sequence[str] | None = None,
     damping: float | None = None,
 ) -> Array:
-    """Second rates q̈ (..., nv) with J q̈ + J̇ q̇ = A (2.26).
+    """Joint accelerations q̈ (..., nv) with J q̈ + J̇ q̇ = A (2.26).
 
     qd: (..., nv). A: acceleration of the frame, the time derivative of its velocity (m/s², rad/s²). All else as for
     `inverse_velocity`.

@@ -147,7 +147,7 @@ def require_way(model: Model, q: Array, qd: Array, qdd: Array) -> None:
         name = model.loops[loop_of_row(model)[worst]].name
         raise SingularError(
             f"forward_dynamics: {model.name!r} is at a singular position, where loop {name!r} no longer tells how the "
-            "motion goes on. Start a little beside this position, or with the rates of the way it shall take."
+            "motion goes on. Start a little beside this position, or with velocities along the branch it shall follow."
         )
 
 

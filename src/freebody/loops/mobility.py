@@ -58,7 +58,7 @@ class Mobility(ByValue):
     def __str__(self) -> str:
         lines = [
             f"{self.model}: {self.generic} degree{'s' if self.generic != 1 else ''} of freedom "
-            f"(Grübler {self.gruebler}, here at once {self.instantaneous})",
+            f"(Grübler {self.gruebler}, instantaneous {self.instantaneous})",
             f"  {self.equations} loop equations, rank {self.rank}",
             f"  redundant: {', '.join(self.redundant) or 'none'}{self._misfit}",
             f"  independent coordinates: {', '.join(self.independent) or 'none'}",

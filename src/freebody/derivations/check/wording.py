@@ -54,14 +54,14 @@ class Wording:
             case "factor":
                 return f"{written} {_times(repair.factor)}: it must be {should}."
             case "extra":
-                return f"{written} is too much{inside}: leave it out."
+                return f"{written} should not be there{inside}."
             case "missing":
                 return f"In {written} a term is missing: it must be {should}."
             case "missing factor":
                 assert isinstance(repair.new, Product)
                 return f"{written} lacks the factor {self.node(repair.new.factors[-1])}."
             case "extra factor":
-                return f"The factor {written} is too much{inside}."
+                return f"The factor {written} should not be there{inside}."
             case "exponent":
                 return f"{written} has the wrong power{inside}: it must be {should}."
         reason = self._reason(repair.kind, repair.node, repair.new)
@@ -116,14 +116,12 @@ class Wording:
             case "missing":
                 message = f"{should}{inside} is missing."
             case "extra":
-                message = f"In place of {should} you have {_cut(has)}: a term too much."
+                message = f"In place of {should} you have {_cut(has)}: one term should not be there."
             case "missing factor":
                 message = f"The factor {should}{inside} is missing in your answer."
             case "extra factor":
                 assert isinstance(repair.new, Product)
-                message = (
-                    f"{should} has a factor {right.node(repair.new.factors[-1])} too much in your answer."
-                )
+                message = f"{should} has an extra factor {right.node(repair.new.factors[-1])} in your answer."
             case _:
                 message = f"In place of {should}{inside} you have {_cut(has)}{reason}."
         yours, right_text = has, right.source[repair.node.span]
@@ -133,7 +131,7 @@ class Wording:
 
     # ------------------------------------------------------------ differences of terms
     def of_difference(self, row: Difference) -> Finding:
-        """A term that is missing, too much or has the wrong number."""
+        """A term that is missing, extra or has the wrong number."""
         yours = self.term(row.instead or row.key, row.yours)
         right = self.term(row.key, row.right)
         if row.instead is not None:
@@ -141,7 +139,7 @@ class Wording:
         if row.yours == 0:
             return Finding("missing", f"The term {quoted(right)} is missing.", "", right)
         if row.right == 0:
-            return Finding("extra", f"The term {quoted(yours)} is too much: leave it out.", yours, "")
+            return Finding("extra", f"The term {quoted(yours)} should not be there.", yours, "")
         if row.yours == -row.right:
             return Finding(
                 "sign", f"The term {quoted(yours)} has the wrong sign: it must be {right}.", yours, right

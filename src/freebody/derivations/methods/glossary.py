@@ -44,7 +44,7 @@ def _coordinates(s: Setting, motors: bool) -> Iterator[Meaning]:
         yield Meaning(tuple(map(sym, names)), where, unit)
         if not s.at_rest:
             rates = tuple(sym(x + dots) for dots in (RATE, SECOND) for x in names)
-            words = "their rates and second rates" if plural else "its rate and second rate"
+            words = "their velocities and accelerations" if plural else "its velocity and acceleration"
             yield Meaning(rates, words, f"{unit}/s, {unit}/s²")
         driven = [i for i in joints if s.motor(i) != ex.ZERO]
         if motors and driven:

@@ -194,7 +194,7 @@ class _Tip:
         )
 
     def back(self) -> list[Step]:
-        """Rates and second rates for a wanted motion."""
+        """Joint velocities and accelerations for a given motion of the tip."""
         if len(self.rows) != len(self.s.order):
             return []
         inverse = ex.power("J", -1)

@@ -52,7 +52,9 @@ def _second(s: Setting, slides: bool) -> str:
         )
     if s.planar:
         return (
-            "A second time derivative: what stands with a second rate points along the motion, what stands with a "
-            "square of rates towards the pivots."
+            "A second time derivative: terms with an acceleration point along the motion, terms with a squared "
+            "velocity point towards the pivots."
         )
-    return "A second time derivative: terms with second rates, and terms with products of rates because the axes turn."
+    return (
+        "A second time derivative: terms with accelerations, and products of velocities, since the axes turn."
+    )

@@ -73,7 +73,7 @@ def _axes(s: Setting) -> list[str]:
     if s.planar:
         if len(s.order) == 1 or not any(map(s.turns, s.order[1:])):
             return []
-        return ["Angles are counted anticlockwise, each from the direction of the body before."]
+        return ["Angles are counted anticlockwise, each measured from the previous link."]
     return [
         "Each body has a frame of its own, fixed to it; its vectors are given by their components in that frame "
         "(the notes mark them with a prime)."

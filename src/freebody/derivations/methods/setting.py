@@ -40,7 +40,7 @@ class Setting:
     symbols: Symbols
     load: tuple[str, ...] = ()
     at_rest: bool = False
-    """Whether the robot stands still: rates and second rates are zero."""
+    """Whether the robot stands still: velocities and accelerations are zero."""
 
     @property
     def tree(self) -> Tree:

@@ -48,7 +48,7 @@ class Primitive(ABC):
 
     def bias(self, space: AnySpace, rates: Vector) -> Column:
         """The part of the child's acceleration relative to the joint's frame (the time derivative of its point's
-        velocity, in the child's axes) that does not stem from the second rates."""
+        velocity, in the child's axes) that does not stem from the joint accelerations."""
         return space.zero_angular, space.zero
 
 

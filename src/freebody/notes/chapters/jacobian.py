@@ -233,7 +233,7 @@ ITEMS = (
         "Away from singular poses the map can be inverted.", "qd = J^-1*r_d", RATES,
     ),
     Item(
-        "eq-2.26", "2.2.4", "Second rates from the tip's acceleration", "derivation",
+        "eq-2.26", "2.2.4", "Joint accelerations from the tip's acceleration", "derivation",
         "The same one derivative further.", "qdd = J^-1*(r_dd - J_d*qd)", RATES,
     ),
 )  # fmt: skip
