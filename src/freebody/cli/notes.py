@@ -179,7 +179,5 @@ def _summary(found: Sequence[Finding]) -> None:
         line.append(", " * bool(k))
         line.append(f"{count} {words[verdict]}", COLOURS[verdict])
     only = sum(f.item.is_text for f in found)
-    line.append(
-        f". {only} of them are text without an equation." if only else "."
-    )
+    line.append(f". {only} of them are text without an equation." if only else ".")
     terminal.out().print(line)
