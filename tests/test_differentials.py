@@ -7,10 +7,8 @@ import pytest
 
 import freebody as fb
 from freebody.kernels import differentials
+from freebody.kernels.asked import asked
 from freebody.kernels.differentials import Differentiable, of_quantities
-from freebody.kernels.inputs import inputs_of
-from freebody.kernels.options import chosen_option
-from freebody.program import Argument
 from freebody.program.derivative import directional, evaluated, jacobian
 from freebody.targets import compile_program
 
@@ -46,11 +44,9 @@ def given(program, seed=5):
     return [rng.normal(size=argument.shape) for argument in program.inputs]
 
 
-def quantity(model, names, p=(), **options):
-    listed, option = chosen_option(model, names, **options)
-    inputs = inputs_of("test", model, p) if p else None
-    argument = Argument("p", (len(inputs.names),)) if inputs else None
-    return of_quantities(model, listed, option, argument, inputs.tree if inputs else None), inputs
+def quantity(model, names, **options):
+    meant = asked("test", model, names, options)
+    return of_quantities(meant), meant.given
 
 
 CASES = {
@@ -109,7 +105,7 @@ def agree(found, expected):
 def test_derivatives_by_numbers_of_the_model_and_of_derivatives():
     """By p, and twice; the mass matrix is linear in the masses."""
     model = fb.load("ur5e")
-    function, inputs = quantity(model, "inverse_dynamics", ["*.mass", "forearm_link.com.x"])
+    function, inputs = quantity(model, "inverse_dynamics", inputs=["*.mass", "forearm_link.com.x"])
     arrays = [*given(function.program)[:3], np.array(inputs.values)]
     twice = function.jacobian((0,)).function.jacobian((3,))
     agree(

@@ -12,12 +12,14 @@ from functools import cache
 from typing import Any
 
 from freebody.algorithms.kinematics import position_rates
-from freebody.elementary import Scalar
-from freebody.kernels.formulas import Option
+from freebody.errors import FreebodyError
+from freebody.kernels.asked import Asked
+from freebody.kernels.columns import LARGEST
+from freebody.kernels.formulas import FORMULAS, Option
 from freebody.kernels.tracing import program as formula_program
 from freebody.model.model import Model
 from freebody.model.tree import Tree
-from freebody.program import Argument, Program, trace
+from freebody.program import Program, trace
 from freebody.program.derivative import directional, evaluated, jacobian, slope_arguments
 from freebody.spatial import dot, identity, transposed
 
@@ -87,15 +89,16 @@ def length(program: Program) -> int:
     return sum(program.operations.values())
 
 
-def of_quantities(
-    model: Model,
-    names: tuple[str, ...],
-    option: Option,
-    p: Argument | None = None,
-    over: Callable[[Sequence[Scalar]], Tree] | None = None,
-    by: tuple[str, ...] = (),
-) -> Differentiable:
-    """Quantities of a model; arguments as for `lookup.program`."""
+def of_quantities(asked: Asked) -> Differentiable:
+    """What is asked of a model; its p is uniform."""
+    model, names, option, given, by = asked
+    p, over = asked.p(uniform=True), given.tree if given else None
+    for name in names:
+        if FORMULAS[name].by_columns and model.nv > LARGEST:
+            raise FreebodyError(
+                f"{name} of {model.nv} coordinates is too long for one program (up to {LARGEST} coordinates it is "
+                "not). Matrices of so large a robot are derivatives: that of inverse_dynamics by qdd is M."
+            )
     traced = formula_program(model, names, option, p, over, by)
     formulas = SHORTER.get(names, {})
     if not formulas or by or model.loops or option.wrench_frames:
@@ -110,7 +113,7 @@ def of_quantities(
         return [
             _chosen(model, traced, by, tangent(formula), known)
             for formula, known in formulas.items()
-            if set(labels) <= set(known)
+            if set(labels) <= set(known) and model.nv <= LARGEST
         ]
 
     return Differentiable(traced, shorter)

@@ -1,30 +1,25 @@
-"""The traced computations as source text, as packages with a self-test, and as functions of other array libraries."""
+"""The traced computations as source text, and as packages with a self-test."""
 
 from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from freebody import __version__
 from freebody.errors import FreebodyError, KindError, UnknownNameError
 from freebody.identifiers import is_identifier
+from freebody.kernels.asked import Asked, asked
 from freebody.kernels.describe import Description, of_program
-from freebody.kernels.formulas import Option
-from freebody.kernels.inputs import InputKernel, Inputs, inputs_of
-from freebody.kernels.options import chosen_option, several
-from freebody.kernels.tracing import program
+from freebody.kernels.inputs import InputKernel, Inputs
 from freebody.kernels.vectors import vectors
 from freebody.model.members import FamilyError
 from freebody.model.model import Model
-from freebody.model.required import require_model
 from freebody.outputs.folder import write_folder
-from freebody.program import Argument, Program
 from freebody.program.passes import share_reciprocals
 from freebody.targets import Kernel
-from freebody.targets.interpret import array_function
 from freebody.targets.text import LANGUAGES, Unit
 
 
@@ -80,51 +75,6 @@ def export(
     return write_folder(out, {key: (lambda text=text: text) for key, text in files.items()}, about)
 
 
-def to_jax(
-    what: Model | Kernel | InputKernel, names: str | Sequence[str] | None = None, **options: Any
-) -> Callable[..., Any]:
-    """The same as a pure JAX function, which may be jitted, differentiated and mapped. Needs JAX.
-
-    Arguments as for `fb.source`. 64-bit floats are the caller's choice: jax.config.update("jax_enable_x64", True).
-    """
-    try:
-        import jax.numpy
-    except ImportError:
-        raise FreebodyError("to_jax: JAX is not installed; pip install 'freebody[jax]'.") from None
-    return array_function(_traced("fb.to_jax", what, names, options)[0], jax.numpy)
-
-
-_OPTIONS = ("frame", "reference", "wrench_frames", "rows")
-
-
-def _traced(
-    function: str,
-    what: Model | Kernel | InputKernel,
-    names: str | Sequence[str] | None,
-    options: dict[str, Any],
-) -> tuple[Program, tuple[tuple[str, ...], Option, Inputs | None] | None]:
-    """The program that is meant; of a model the quantities, the structure and the numbers that are inputs too."""
-    if isinstance(what, Kernel | InputKernel):
-        if names is not None or options:
-            raise FreebodyError(
-                f"{function}: a kernel has its quantities already; give no names and no options."
-            )
-        return what.program, None
-    require_model(function.removeprefix("fb."), what)
-    if names is None:
-        raise FreebodyError(f"{function}: give the quantities, such as 'inverse_dynamics'.")
-    wanted, by = (several(function, f"{key}=", options.get(key, ())) for key in ("inputs", "by"))
-    rest = {key: value for key, value in options.items() if key not in ("inputs", "by")}
-    for key in rest:
-        if key not in _OPTIONS:
-            raise UnknownNameError("option", key, function, (*_OPTIONS, "inputs", "by"))
-    listed, option = chosen_option(what, names, **rest, function=function)
-    given = inputs_of(function, what, wanted) if wanted else None
-    p = Argument("p", (len(given.names),)) if given else None
-    traced = program(what, listed, option, p, given.tree if given else None, by)
-    return traced, (listed, option, given)
-
-
 def _unit(
     function: str,
     what: Model | Kernel | InputKernel,
@@ -147,16 +97,20 @@ def _unit(
     model = what.model if isinstance(what, InputKernel) else what
     if isinstance(model, Model) and model.family:
         raise FamilyError(function, model.name, model.family)
-    traced, chosen = _traced(function, what, names, options)
-    traced = share_reciprocals(traced)
-    if chosen is None or not isinstance(what, Model):
-        given = Inputs(what.parameters, what.values, what.model) if isinstance(what, InputKernel) else None
+    chosen = asked(function, what, names, options)
+    if not isinstance(chosen, Asked):
+        traced = share_reciprocals(chosen.program)
+        given = (
+            Inputs(chosen.parameters, chosen.values, chosen.model)
+            if isinstance(chosen, InputKernel)
+            else None
+        )
         comment, words = of_program(traced, given)
         return Unit(traced, name or traced.name, comment, None, dtype), words, given
-    listed, option, given = chosen
-    about = Description(what, listed, option, given, traced)
+    traced = share_reciprocals(chosen.program())
+    about = Description(chosen.model, chosen.names, chosen.option, chosen.given, traced)
     unit = Unit(traced, name or traced.name, about.comment, about.joints, dtype, about.marks)
-    return unit, about.names, given
+    return unit, about.names, chosen.given
 
 
 def _readme(unit: Unit, command: str, note: str, files: list[str]) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Hashable, Sequence
 from dataclasses import replace
 from itertools import combinations
 from math import isinf, prod
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,6 +37,17 @@ class BatchError(FreebodyError, ValueError):
     """Leading dimensions that do not broadcast."""
 
 
+class Loop(NamedTuple):
+    """A function of C's `void loop(char **args, intptr_t *dimensions, intptr_t *steps, void *data)` over a batch.
+
+    address: valid as long as `code` lives. content: a digest of all that the machine code depends on.
+    """
+
+    address: int
+    content: str
+    code: Any
+
+
 class Kernel:
     """A program ready to run on arrays.
 
@@ -52,7 +63,10 @@ class Kernel:
         dtype: NumPy's type of the numbers that it computes with and returns.
         ufunc: what runs, without the checks: a np.ufunc, or a function called like one with NumPy.
         signature: core sizes as NumPy writes them.
+        loop: the machine code of the batch, for other libraries; None where the target has none.
     """
+
+    loop: Loop | None = None
 
     def __init__(
         self, program: Program, target: str, width: int, ufunc: Callable[..., Any], dtype: str = "float64"
@@ -111,7 +125,7 @@ class Kernel:
         return compile_program(
             replace(self.program, inputs=inputs),
             target=self.target,
-            width=self._asked_width,
+            width=self.asked_width,
             dtype=self.dtype.name,
         )
 
@@ -183,10 +197,10 @@ class Kernel:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Another process compiles the program for itself, or finds it in the cache."""
-        return _compiled_again, (self.program, self.target, self._asked_width, self.dtype.name)
+        return _compiled_again, (self.program, self.target, self.asked_width, self.dtype.name)
 
     @property
-    def _asked_width(self) -> int | None:
+    def asked_width(self) -> int | None:
         """What is to be asked for, so that another program of the target has the same width."""
         return self.width if target_named(self.target).widths[self.dtype.name] else None
 

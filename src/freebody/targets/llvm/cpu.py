@@ -11,7 +11,7 @@ from typing import Any
 
 from freebody.program.passes import optimise
 from freebody.program.program import Program
-from freebody.targets.kernel import Kernel
+from freebody.targets.kernel import Kernel, Loop
 from freebody.targets.llvm import cache as disk
 from freebody.targets.llvm import fastcall
 from freebody.targets.llvm.emit import emit
@@ -55,7 +55,9 @@ def _build(program: Program, width: int | None, dtype: str) -> Kernel:
     loaded, addresses = load(code, symbols, fastcall.symbols(real) if fast else {})
     ufunc = make_gufunc(addresses["kernel"], program.name, program.inputs, program.outputs, loaded, real)
     kernel = Kernel(program, "cpu", machine.width, ufunc, dtype)
-    return _QuickKernel(kernel, addresses, loaded) if fast else kernel
+    kernel = _QuickKernel(kernel, addresses, loaded) if fast else kernel
+    kernel.loop = Loop(addresses["kernel"], key, loaded)
+    return kernel
 
 
 def _source(program: Program, width: int, dtype: str) -> str:

@@ -1,0 +1,209 @@
+"""Programs as functions of JAX: differentiated by the programs of their derivatives."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from freebody.errors import FreebodyError, ShapeError
+from freebody.kernels.asked import Asked, asked
+from freebody.kernels.differentials import Differentiable, of_quantities
+from freebody.kernels.inputs import InputKernel
+from freebody.model.model import Model
+from freebody.program import Program
+from freebody.targets import Kernel, KernelError
+from freebody.targets.kernel import BatchError
+from freebody.targets.xla.operation import Way, interface, operation
+
+Arrays = tuple[Any, ...]
+
+
+def to_jax(
+    what: Model | Kernel | InputKernel, names: str | Sequence[str] | None = None, **options: Any
+) -> Callable[..., Any]:
+    """The same as a pure JAX function, which may be jitted, differentiated and mapped. Needs JAX.
+
+    what, names, options: as for `fb.source`. Returns f(q, qd, …), of arrays (..., *core) whose leading axes broadcast,
+    in the kernel's order and SI units: one array, or a tuple. On the CPU it runs the compiled kernel, inside of what
+    JAX compiles; on other platforms, or where JAX has another interface than the one that is known, JAX calls Python,
+    and a UserWarning says so. Derivatives of every order, forward and reverse, come from compiled kernels too: ordinary
+    partial derivatives, by q of all its nq entries (on the tangent space they are with by=), by numbers of the model
+    given as p. f.parameters, f.values: names of the entries of p, and the model's own values.
+    64-bit numbers are the caller's choice, jax.config.update("jax_enable_x64", True); without it JAX makes all numbers
+    float32, and the kernel computes in these, to about 6 digits. A kernel of float32 keeps to them.
+    Raises UnknownNameError, FreebodyError; f raises KernelError, ShapeError, BatchError.
+    """
+    chosen = asked("fb.to_jax", what, names, options)
+    try:
+        import jax
+    except ImportError:
+        raise FreebodyError("to_jax: JAX is not installed; pip install 'freebody[jax]'.") from None
+    if isinstance(chosen, Asked):
+        computed, way, given = of_quantities(chosen), Way(), chosen.given
+    else:
+        kernel, given = (chosen.kernel, chosen) if isinstance(chosen, InputKernel) else (chosen, None)
+        computed, way = (
+            Differentiable(kernel.program),
+            Way(kernel.target, kernel.asked_width, kernel.dtype.name),
+        )
+    slow = interface().obstacle
+    if not slow and jax.default_backend() != "cpu":
+        slow = f"JAX runs on {jax.default_backend()!r} here, and kernels on the CPU"
+    if slow:
+        warnings.warn(
+            f"fb.to_jax: {slow}: JAX calls {computed.program.name} through Python, some 50 µs a call, with copies of "
+            "the arrays.",
+            stacklevel=2,
+        )
+    function = _checked(computed.program, jax.jit(_differentiated(computed, way)), way)
+    function.parameters = given.parameters if isinstance(given, InputKernel) else given.names if given else ()
+    function.values = given.values if given else np.zeros(0)
+    return function
+
+
+def _checked(program: Program, compute: Callable[..., Arrays], way: Way) -> Any:
+    """The function of whatever JAX makes arrays of: one array or a tuple."""
+    import jax
+
+    def function(*arrays: Any) -> Any:
+        values = [x if isinstance(x, jax.Array) else _array(program, k, x) for k, x in enumerate(arrays)]
+        _check(program, values)
+        kind = way.dtype if way.dtype == "float32" else _common(program, values)
+        results = compute(*(x.astype(kind) for x in values))
+        return results[0] if len(results) == 1 else results
+
+    function.__name__ = function.__qualname__ = program.name
+    function.__doc__ = f"{program}: of arrays (..., *core), whose leading axes broadcast."
+    return function
+
+
+def _differentiated(what: Differentiable, way: Way) -> Callable[..., Arrays]:
+    """A function of arrays of one floating-point type."""
+    import jax
+
+    program = what.program
+    plain = operation(program, way)
+
+    @cache
+    def slopes(by: tuple[int, ...]) -> Callable[..., Arrays]:
+        found = what.jacobian(by)
+        function = _differentiated(found.function, way)
+        return function if found.whole else _in_columns(program, by, function)
+
+    @jax.custom_jvp
+    def function(*arrays: Any) -> Arrays:
+        return plain(*_level(program, arrays))
+
+    def rule(primals: Arrays, tangents: Arrays) -> tuple[Arrays, Arrays]:
+        results = function(*primals)  # itself, so that it is differentiated again by this rule
+        by = tuple(k for k, x in enumerate(tangents) if type(x) is not jax.custom_derivatives.SymbolicZero)
+        if not by:
+            return results, tuple(jax.numpy.zeros_like(x) for x in results)
+        tables = iter(slopes(by)(*primals))
+        return results, tuple(
+            sum(
+                _product(next(tables), tangents[k], y, len(output.shape), len(program.inputs[k].shape))
+                for k in by
+            )
+            for y, output in zip(results, program.outputs, strict=True)
+        )
+
+    function.defjvp(rule, symbolic_zeros=True)
+    return function
+
+
+def _product(table: Any, tangent: Any, result: Any, out_axes: int, in_axes: int) -> Any:
+    """Change of a result: derivatives (*batch, *output, *input) times the change of an input."""
+    import jax.numpy as jnp
+
+    batch, core = result.shape[: result.ndim - out_axes], tangent.shape[tangent.ndim - in_axes :]
+    rows, columns = int(np.prod(result.shape[len(batch) :])), int(np.prod(core))
+    matrix = table.reshape(*batch, rows, columns)
+    vector = tangent.reshape(*tangent.shape[: tangent.ndim - in_axes], columns)
+    return jnp.einsum("...oi,...i->...o", matrix, vector, precision="highest").reshape(result.shape)
+
+
+def _in_columns(program: Program, by: Sequence[int], along: Callable[..., Arrays]) -> Callable[..., Arrays]:
+    """The Jacobian by some inputs, from the function that has rates of these as further inputs."""
+    import jax.numpy as jnp
+
+    sizes = [program.inputs[k].size for k in by]
+    ends = np.cumsum(sizes).tolist()
+
+    def function(*arrays: Any) -> Arrays:
+        level = _level(program, arrays)
+        batch = [x.ndim - len(argument.shape) for x, argument in zip(level, program.inputs, strict=True)]
+        given = [jnp.expand_dims(x, axis) for x, axis in zip(level, batch, strict=True)]
+        units = np.eye(ends[-1], dtype=level[0].dtype)
+        rates = [
+            units[:, end - size : end].reshape(-1, *program.inputs[k].shape)
+            for k, size, end in zip(by, sizes, ends, strict=True)
+        ]
+        results = along(*given, *map(jnp.asarray, rates))
+        found = []
+        for y in results:
+            columns = jnp.moveaxis(y, batch[0], -1)
+            for k, size, end in zip(by, sizes, ends, strict=True):
+                part = columns[..., end - size : end]
+                found.append(part.reshape(*part.shape[:-1], *program.inputs[k].shape))
+        return tuple(found)
+
+    return function
+
+
+def _level(program: Program, arrays: Sequence[Any]) -> list[Any]:
+    """The arrays with equally many leading axes, of size 1 where there were fewer."""
+    axes = [x.ndim - len(argument.shape) for x, argument in zip(arrays, program.inputs, strict=True)]
+    most = max(axes, default=0)
+    return [x.reshape((1,) * (most - n) + x.shape) for x, n in zip(arrays, axes, strict=True)]
+
+
+def _array(program: Program, k: int, given: Any) -> Any:
+    import jax.numpy as jnp
+
+    try:
+        return jnp.asarray(given)
+    except (TypeError, ValueError) as problem:
+        name = program.inputs[k].name if k < len(program.inputs) else f"argument {k}"
+        raise KernelError(f"{program.name}: {name} is no array of numbers: {problem}") from None
+
+
+def _check(program: Program, arrays: Sequence[Any]) -> None:
+    """Refuse what has wrong shapes."""
+    inputs = program.inputs
+    if len(arrays) != len(inputs):
+        wanted = ", ".join(map(str, inputs))
+        raise KernelError(f"{program.name}: {len(arrays)} arguments given, expected {len(inputs)}: {wanted}.")
+    shapes = []
+    for x, argument in zip(arrays, inputs, strict=True):
+        core = len(argument.shape)
+        if x.ndim < core or x.shape[x.ndim - core :] != argument.shape:
+            expected = f"({', '.join(['...', *map(str, argument.shape)])})"
+            raise ShapeError(program.name, argument.name, x.shape, expected)
+        shapes.append(x.shape[: x.ndim - core])
+    try:
+        np.broadcast_shapes(*shapes)
+    except ValueError:
+        listed = ", ".join(f"{argument.name} {shape}" for argument, shape in zip(inputs, shapes, strict=True))
+        raise BatchError(f"{program.name}: the batch shapes do not broadcast together: {listed}.") from None
+
+
+def _common(program: Program, arrays: Sequence[Any]) -> Any:
+    """float64 or float32, as JAX promotes the arrays; of whole numbers the type that JAX gives floats."""
+    import jax.numpy as jnp
+
+    for x, argument in zip(arrays, program.inputs, strict=True):
+        if not (
+            jnp.issubdtype(x.dtype, jnp.floating) or jnp.issubdtype(x.dtype, jnp.integer) or x.dtype == bool
+        ):
+            raise KernelError(
+                f"{program.name}: {argument.name} holds {x.dtype} values, expected real numbers."
+            )
+    kind = jnp.result_type(*arrays) if arrays else jnp.dtype(bool)
+    if not jnp.issubdtype(kind, jnp.floating):
+        return jnp.zeros(()).dtype
+    return kind if kind == np.float64 else np.dtype(np.float32)

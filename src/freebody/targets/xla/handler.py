@@ -1,0 +1,201 @@
+"""LLVM text of the function that XLA calls: it takes a call frame apart, and runs a kernel's loop.
+
+Buffers come as (outer, inner, *core), each of the two leading sizes 1 or that of the outputs; where it is 1, the one
+value serves all. The loop takes the inner axis at once, so that what is uniform there may change along the outer one.
+"""
+
+from __future__ import annotations
+
+from freebody.program.program import Argument, Program
+from freebody.targets.llvm.lanes import Real
+from freebody.targets.xla.layout import NUMBERS, OFFSETS, SIZES
+
+_DEFAULT_MODES = (
+    0x1F80  # of SSE: no traps, to nearest, tiny numbers as they are, which XLA makes zero elsewhere
+)
+_REFUSED = "freebody: a call that is laid out in another way than the interface's version says."
+_NUMBER = {"float64": NUMBERS["XLA_FFI_DataType_F64"], "float32": NUMBERS["XLA_FFI_DataType_F32"]}
+
+
+class _Lines(list[str]):
+    """Lines of text, with what recurs."""
+
+    def field(self, name: str, kind: str, base: str, offset: int) -> str:
+        """Load what lies at an offset."""
+        self.append(f"  %{name}.at = getelementptr i8, ptr {base}, i64 {offset}")
+        self.append(f"  %{name} = load {kind}, ptr %{name}.at, align {4 if kind == 'i32' else 8}")
+        return f"%{name}"
+
+    def entry(self, name: str, base: str, index: int) -> str:
+        """Load a pointer, or a size, of an array of them."""
+        return self.field(name, "ptr", base, 8 * index)
+
+    def put(self, kind: str, value: str | int, base: str, offset: int) -> None:
+        """Store something at an offset."""
+        name = f"%put{len(self)}"
+        self.append(f"  {name} = getelementptr i8, ptr {base}, i64 {offset}")
+        self.append(f"  store {kind} {value}, ptr {name}, align {4 if kind == 'i32' else 8}")
+
+    def equal(self, name: str, kind: str, value: str, other: str | int) -> str:
+        """Whether two numbers are equal."""
+        self.append(f"  %{name} = icmp eq {kind} {value}, {other}")
+        return f"%{name}"
+
+    def all(self, name: str, flags: list[str]) -> str:
+        """Whether all are true."""
+        known = "true"
+        for k, flag in enumerate(flags):
+            self.append(f"  %{name}.{k} = and i1 {known}, {flag}")
+            known = f"%{name}.{k}"
+        return known
+
+
+def text(program: Program, real: Real, loop: int, x86: bool, version: tuple[int, int]) -> str:
+    """`ptr @xla(ptr frame)`: null, or XLA's error.
+
+    loop: address of `void loop(ptr args, ptr dims, ptr steps, ptr data)` of the program's kernel, for any batch.
+    version: of the interface, which XLA asks for.
+    """
+    arguments = (*program.inputs, *program.outputs)
+    axes = sum(len(argument.shape) for argument in arguments)
+    lines = _Lines()
+    lines += [
+        "define ptr @xla(ptr %frame) {",
+        "entry:",
+        f"  %data = alloca [{len(arguments)} x ptr], align 16",
+        f"  %dims = alloca [{1 + axes} x i64], align 16",
+        f"  %steps = alloca [{len(arguments) + axes} x i64], align 16",
+        *(["  %flags = alloca i32, align 4", "  %modes = alloca i32, align 4"] if x86 else []),
+    ]
+    _asked(lines, version)
+    _counted(lines, program)
+    right = [_right(lines, k, argument, real) for k, argument in enumerate(arguments)]
+    lines.append(f"  br i1 {lines.all('right', right)}, label %sized, label %refuse\nsized:")
+    _sizes(lines, arguments, len(program.inputs), real)
+    _rounds(lines, len(arguments), loop, x86)
+    _refused(lines)
+    words = "".join(f"\\{byte:02X}" for byte in _REFUSED.encode() + b"\0")
+    lines.append(f'@message = private constant [{len(_REFUSED) + 1} x i8] c"{words}"')
+    if x86:
+        lines += ["declare void @llvm.x86.sse.stmxcsr(ptr)", "declare void @llvm.x86.sse.ldmxcsr(ptr)"]
+    return "\n".join(lines) + "\n"
+
+
+def _asked(lines: _Lines, version: tuple[int, int]) -> None:
+    """Where XLA asks what the function is, with an extension of the frame, tell it."""
+    frame, about = OFFSETS["XLA_FFI_CallFrame"], OFFSETS["XLA_FFI_Api_Version"]
+    start = OFFSETS["XLA_FFI_Metadata"]["api_version"]
+    extension = lines.field("extension", "ptr", "%frame", frame["extension_start"])
+    lines.append(f"  %plain = icmp eq ptr {extension}, null\n  br i1 %plain, label %work, label %extended")
+    lines.append("extended:")
+    kind = lines.field("kind", "i32", extension, OFFSETS["XLA_FFI_Extension_Base"]["type"])
+    asks = lines.equal("asks", "i32", kind, NUMBERS["XLA_FFI_Extension_Metadata"])
+    lines.append(f"  br i1 {asks}, label %tell, label %work\ntell:")
+    told = lines.field("told", "ptr", extension, OFFSETS["XLA_FFI_Metadata_Extension"]["metadata"])
+    lines.put("i64", SIZES["XLA_FFI_Api_Version"], told, start + about["struct_size"])
+    lines.put("ptr", "null", told, start + about["extension_start"])
+    lines.put("i32", version[0], told, start + about["major_version"])
+    lines.put("i32", version[1], told, start + about["minor_version"])
+    lines.put("i32", 0, told, OFFSETS["XLA_FFI_Metadata"]["traits"])
+    lines.append("  ret ptr null\nwork:")
+
+
+def _counted(lines: _Lines, program: Program) -> None:
+    """Whether the frame is of the known layout and has as many buffers as the program; then the lists of them."""
+    frame, right = OFFSETS["XLA_FFI_CallFrame"], []
+    for part, kind, wanted in (
+        ("args", "XLA_FFI_Args", len(program.inputs)),
+        ("rets", "XLA_FFI_Rets", len(program.outputs)),
+    ):
+        size = lines.field(f"{part}.bytes", "i64", "%frame", frame[part] + OFFSETS[kind]["struct_size"])
+        right.append(lines.equal(f"{part}.known", "i64", size, SIZES[kind]))
+        count = lines.field(f"{part}.count", "i64", "%frame", frame[part] + OFFSETS[kind]["size"])
+        right.append(lines.equal(f"{part}.right", "i64", count, wanted))
+    stage = lines.field("stage", "i32", "%frame", frame["stage"])
+    right.append(lines.equal("executes", "i32", stage, NUMBERS["XLA_FFI_ExecutionStage_EXECUTE"]))
+    lines.append(f"  br i1 {lines.all('framed', right)}, label %look, label %refuse\nlook:")
+    lines.field("args.list", "ptr", "%frame", frame["args"] + OFFSETS["XLA_FFI_Args"]["args"])
+    lines.field("rets.list", "ptr", "%frame", frame["rets"] + OFFSETS["XLA_FFI_Rets"]["rets"])
+    for k in range(len(program.inputs)):
+        lines.entry(f"buffer{k}", "%args.list", k)
+    for k in range(len(program.outputs)):
+        lines.entry(f"buffer{len(program.inputs) + k}", "%rets.list", k)
+
+
+def _right(lines: _Lines, k: int, argument: Argument, real: Real) -> str:
+    """Whether buffer k has numbers of the right type and as many axes as are expected."""
+    buffer = OFFSETS["XLA_FFI_Buffer"]
+    dtype = lines.field(f"dtype{k}", "i32", f"%buffer{k}", buffer["dtype"])
+    rank = lines.field(f"rank{k}", "i64", f"%buffer{k}", buffer["rank"])
+    typed = lines.equal(f"typed{k}", "i32", dtype, _NUMBER[real.dtype])
+    ranked = lines.equal(f"ranked{k}", "i64", rank, 2 + len(argument.shape))
+    return lines.all(f"fits{k}", [typed, ranked])
+
+
+def _sizes(lines: _Lines, arguments: tuple[Argument, ...], inputs: int, real: Real) -> None:
+    """Sizes of all axes and bytes between neighbours, as the loop takes them; bytes of a round of the outer axis."""
+    axis, buffer = 0, OFFSETS["XLA_FFI_Buffer"]
+    for k, argument in enumerate(arguments):
+        size = real.size * argument.size
+        base = lines.field(f"base{k}", "ptr", f"%buffer{k}", buffer["data"])
+        sizes = lines.field(f"sizes{k}", "ptr", f"%buffer{k}", buffer["dims"])
+        outer, inner = lines.field(f"outer{k}", "i64", sizes, 0), lines.field(f"inner{k}", "i64", sizes, 8)
+        lines += [
+            f"  %one.inner{k} = icmp eq i64 {inner}, 1",
+            f"  %step{k} = select i1 %one.inner{k}, i64 0, i64 {size}",
+            f"  %one.outer{k} = icmp eq i64 {outer}, 1",
+            f"  %round{k} = mul i64 {inner}, {size}",
+            f"  %shift{k} = select i1 %one.outer{k}, i64 0, i64 %round{k}",
+        ]
+        lines.put("ptr", base, "%data", 8 * k)
+        lines.put("i64", f"%step{k}", "%steps", 8 * k)
+        for length in argument.shape:
+            size //= length
+            lines.put("i64", length, "%dims", 8 * (1 + axis))
+            lines.put("i64", size, "%steps", 8 * (len(arguments) + axis))
+            axis += 1
+    lines.put("i64", f"%inner{inputs}", "%dims", 0)
+
+
+def _rounds(lines: _Lines, count: int, loop: int, x86: bool) -> None:
+    """Run the loop once for each entry of the outer axis, the processor in its usual mode."""
+    if x86:
+        lines += [
+            "  call void @llvm.x86.sse.stmxcsr(ptr %flags)",
+            f"  store i32 {_DEFAULT_MODES}, ptr %modes, align 4",
+            "  call void @llvm.x86.sse.ldmxcsr(ptr %modes)",
+        ]
+    lines += [
+        "  br label %rounds",
+        "rounds:",
+        "  %o = phi i64 [ 0, %sized ], [ %o.next, %run ]",
+        f"  %more = icmp slt i64 %o, %outer{count - 1}",
+        "  br i1 %more, label %run, label %done",
+        "run:",
+    ]
+    for k in range(count):
+        lines.append(f"  %moved{k} = mul i64 %o, %shift{k}")
+        lines.append(f"  %now{k} = getelementptr i8, ptr %base{k}, i64 %moved{k}")
+        lines.put("ptr", f"%now{k}", "%data", 8 * k)
+    lines += [
+        f"  %loop = inttoptr i64 {loop} to ptr",
+        "  call void %loop(ptr %data, ptr %dims, ptr %steps, ptr null)",
+        "  %o.next = add i64 %o, 1",
+        "  br label %rounds",
+        "done:",
+        *(["  call void @llvm.x86.sse.ldmxcsr(ptr %flags)"] if x86 else []),
+        "  ret ptr null",
+    ]
+
+
+def _refused(lines: _Lines) -> None:
+    """Return an error of XLA's."""
+    given, kind = OFFSETS["XLA_FFI_Error_Create_Args"], "XLA_FFI_Error_Create_Args"
+    lines.append("refuse:\n  %problem = alloca [32 x i8], align 8")
+    lines.put("i64", SIZES[kind], "%problem", given["struct_size"])
+    lines.put("ptr", "null", "%problem", given["extension_start"])
+    lines.put("ptr", "@message", "%problem", given["message"])
+    lines.put("i32", NUMBERS["XLA_FFI_Error_Code_INTERNAL"], "%problem", given["errc"])
+    api = lines.field("api", "ptr", "%frame", OFFSETS["XLA_FFI_CallFrame"]["api"])
+    create = lines.field("create", "ptr", api, OFFSETS["XLA_FFI_Api"]["XLA_FFI_Error_Create"])
+    lines.append(f"  %error = call ptr {create}(ptr %problem)\n  ret ptr %error\n}}")
