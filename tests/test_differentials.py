@@ -9,7 +9,8 @@ import freebody as fb
 from freebody.kernels import differentials
 from freebody.kernels.asked import asked
 from freebody.kernels.differentials import Differentiable, of_quantities
-from freebody.program.derivative import directional, evaluated, jacobian
+from freebody.program.derivative import directional, jacobian
+from freebody.program.evaluate import evaluated
 from freebody.targets import compile_program
 
 STEP = 1e-30

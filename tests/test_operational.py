@@ -108,30 +108,14 @@ def test_jacobian_derivatives(case, reference):
     np.testing.assert_allclose(moving, fb.jacobian_dot(model, q, qd, frame, reference), atol=1e-11)
 
 
-@pytest.mark.parametrize("language", ["numpy", "jax"])
-def test_source_computes_what_the_kernel_does(case, language):
+def test_source_computes_what_the_kernel_does(case):
     model, q, qd, qdd = case
     names = ("inverse_dynamics", "mass_matrix", "kinetic_energy")
-    if language == "jax":
-        jax = pytest.importorskip("jax", reason="JAX is an extra: pip install 'freebody[jax]'")
-        with jax.enable_x64(True):
-            results = [np.asarray(x) for x in fb.to_jax(model, names)(q, qd, qdd)]
-    else:
-        scope: dict = {}
-        exec(fb.source(model, names), scope)
-        results = scope["_".join(names)](q, qd, qdd)
+    scope: dict = {}
+    exec(fb.source(model, names), scope)
+    results = scope["_".join(names)](q, qd, qdd)
     for result, expected in zip(results, fb.kernel(model, names)(q, qd, qdd), strict=True):
         np.testing.assert_allclose(result, expected, rtol=1e-11, atol=1e-11 * np.abs(expected).max())
-
-
-def test_jax_differentiates_and_maps():
-    jax = pytest.importorskip("jax", reason="JAX is an extra: pip install 'freebody[jax]'")
-    model = MODELS["planar"]()
-    q, qd, qdd = fb.random_state(model, seed=1, batch=5)
-    with jax.enable_x64(True):
-        inverse = fb.to_jax(model, "inverse_dynamics")
-        slope = jax.vmap(jax.jacfwd(inverse))(q, qd, qdd)
-    np.testing.assert_allclose(slope, fb.inverse_dynamics_derivatives(model, q, qd, qdd)[0], atol=1e-9)
 
 
 def test_unknown_languages_are_refused():

@@ -15,7 +15,7 @@ from freebody.scalars.nodes import GraphError
 from freebody.scalars.operations import OPERATIONS
 from freebody.scalars.trig import TrigRing
 from freebody.targets import TARGETS, compile_program
-from freebody.targets.interpret import functions
+from freebody.targets.interpret import FUNCTION
 from freebody.targets.llvm.instructions import INSTRUCTION
 from freebody.targets.target import target_named
 from freebody.targets.text import LANGUAGES, Unit
@@ -47,7 +47,7 @@ def edges(arity):
 @pytest.mark.parametrize("name", sorted(OPERATIONS))
 def test_every_target_knows_every_operation(name):
     tables = {
-        "NumPy": functions(np),
+        "NumPy": FUNCTION,
         "LLVM": INSTRUCTION | dict.fromkeys(("sin", "cos")),
     }
     assert not [target for target, table in tables.items() if name not in table]

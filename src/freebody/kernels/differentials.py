@@ -20,7 +20,8 @@ from freebody.kernels.tracing import program as formula_program
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.program import Program, trace
-from freebody.program.derivative import directional, evaluated, jacobian, slope_arguments
+from freebody.program.derivative import directional, jacobian, slope_arguments
+from freebody.program.evaluate import evaluated
 from freebody.spatial import dot, identity, transposed
 
 LONGEST = 20_000

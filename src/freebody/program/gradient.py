@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from freebody.elementary import Scalar, maximum, where
-from freebody.program.derivative import VALUES, flat, free_prefix, nested, values
+from freebody.program.evaluate import VALUES, flat, free_prefix, nested, values
 from freebody.program.program import Argument, Program
 from freebody.program.trace import trace
 from freebody.scalars.dual import Outer, slopes

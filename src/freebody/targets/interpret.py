@@ -1,5 +1,6 @@
-"""A program run node by node by an array library: the fallback where llvmlite is missing, a second opinion in tests,
-and the way into JAX. No text is made, so none is executed.
+"""A program run node by node by NumPy: the fallback where llvmlite is missing, and a second opinion in tests.
+
+No text is made, so none is executed.
 
 Each node is one operation over arrays; registers are reused as soon as their value is no longer read, so that a
 block of samples stays in the cache.
@@ -7,7 +8,6 @@ block of samples stays in the cache.
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -15,26 +15,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.elementary import OF_ARRAYS
+from freebody.elementary import NUMERIC
 from freebody.program.program import Argument, Program
-from freebody.scalars.operations import ARITY
+from freebody.scalars.operations import ARITY, OPERATIONS
 
 BLOCK = 1024
 """Samples evaluated at a time."""
 
 
-def functions(xp: Any) -> dict[str, Callable[..., Any]]:
-    """What each operation is in an array library (`numpy`, `jax.numpy`)."""
-    return _ARITHMETIC | {name: of_arrays(xp) for name, of_arrays in OF_ARRAYS.items()}
-
-
-_ARITHMETIC: dict[str, Callable[..., Any]] = {
-    "neg": operator.neg,
-    "add": operator.add,
-    "sub": operator.sub,
-    "mul": operator.mul,
-    "div": operator.truediv,
-}
+FUNCTION = {name: NUMERIC.get(name, record.number) for name, record in OPERATIONS.items()}
+"""What each operation is over arrays."""
 
 
 @dataclass(frozen=True)
@@ -49,9 +39,9 @@ class Interpreter:
     results: tuple[int, ...]
 
     @classmethod
-    def of(cls, program: Program, xp: Any = np) -> Interpreter:
-        """The interpreter of a program for an array library."""
-        known, last = functions(xp), _last_reader(program)
+    def of(cls, program: Program) -> Interpreter:
+        """The interpreter of a program."""
+        last = _last_reader(program)
         held: list[float | None] = []
         free: list[int] = []
         place: list[int] = []
@@ -71,7 +61,7 @@ class Interpreter:
                 free.append(len(held))
                 held.append(None)
             place.append(free.pop())
-            steps.append((known[op], place[index], tuple(place[i] for i in operands)))
+            steps.append((FUNCTION[op], place[index], tuple(place[i] for i in operands)))
         return cls(tuple(steps), tuple(held), tuple(inputs), tuple(place[i] for i in program.results))
 
     def __call__(self, scalars: Sequence[Any] | np.ndarray) -> list[Any]:
@@ -93,37 +83,6 @@ def _last_reader(program: Program) -> list[int]:
     for index in program.results:
         last[index] = len(program)
     return last
-
-
-def array_function(program: Program, xp: Any) -> Callable[..., Any]:
-    """A pure function of arrays (..., *core) of a library, which broadcast: an array or a tuple of arrays."""
-    interpreter = Interpreter.of(program, xp)
-
-    def function(*arrays: Any) -> Any:
-        if len(arrays) != len(program.inputs):
-            wanted = ", ".join(map(str, program.inputs))
-            raise TypeError(
-                f"{program.name}() takes {len(program.inputs)} arrays ({wanted}), got {len(arrays)}"
-            )
-        values = [xp.asarray(array) for array in arrays]
-        batch = xp.broadcast_shapes(*map(_batch_shape, values, program.inputs))
-        scalars = [
-            value[(..., *index)]
-            for value, argument in zip(values, program.inputs, strict=True)
-            for index in np.ndindex(argument.shape)
-        ]
-        made = [xp.broadcast_to(x, batch) for x in interpreter(scalars)]
-        results, start = [], 0
-        for argument in program.outputs:
-            part = made[start : start + argument.size]
-            start += argument.size
-            results.append(
-                xp.stack(part, axis=-1).reshape(*batch, *argument.shape) if argument.shape else part[0]
-            )
-        return results[0] if len(results) == 1 else tuple(results)
-
-    function.__name__ = function.__qualname__ = program.name
-    return function
 
 
 class BlockedFunction:

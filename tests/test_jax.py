@@ -1,0 +1,368 @@
+"""Kernels inside JAX: values, maps, derivatives of every order, and the interface to XLA that they rest on."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import textwrap
+import threading
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.kernels import differentials
+from freebody.kernels.differentials import Differentiable
+from freebody.targets.xla import operation as xla
+from freebody.targets.xla.grid import arranged
+
+jax = pytest.importorskip("jax", reason="JAX is an extra: pip install 'freebody[jax]'")
+jnp = jax.numpy
+
+
+@pytest.fixture(autouse=True)
+def doubles():
+    with jax.enable_x64(True):
+        yield
+
+
+def state(model, *batch, seed=3, count=3):
+    rng = np.random.default_rng(seed)
+    q = rng.normal(size=(*batch, model.nq))
+    return [q, *(rng.normal(size=(*batch, model.nv)) for _ in range(count - 1))]
+
+
+QUANTITIES = {
+    "ur5e": ("ur5e", "inverse_dynamics", {}),
+    "panda": ("panda", "inverse_dynamics", {}),
+    "free base": ("quadrotor", "forward_dynamics", {}),
+    "closed chain": ("five_bar", "forward_dynamics", {}),
+    "several": ("2R", ["inverse_dynamics", "mass_matrix", "bias"], {}),
+    "derivatives": ("2R", "inverse_dynamics_derivatives", {}),
+    "by": ("2R", "inverse_dynamics", {"by": ("q", "qd")}),
+}
+
+
+@pytest.mark.parametrize(("robot", "names", "options"), QUANTITIES.values(), ids=QUANTITIES)
+def test_the_kernels_own_numbers_bit_by_bit(robot, names, options):
+    model = fb.load(robot)
+    kernel, function = fb.kernel(model, names, **options), fb.to_jax(model, names, **options)
+    arrays = state(model, 37)
+    expected = kernel(*arrays)
+    for way in (function, jax.jit(function), jax.vmap(function)):
+        agree(way(*arrays), expected)
+    agree(function(*(x[5] for x in arrays)), kernel(*(x[5] for x in arrays)))
+    agree(function(*(x.tolist() for x in arrays)), expected)  # whatever JAX makes arrays of
+    empty = function(*(x[:0] for x in arrays))
+    assert [x.shape for x in tupled(empty)] == [(0, *x.shape[1:]) for x in tupled(expected)]
+
+
+def tupled(result):
+    return result if isinstance(result, tuple) else (result,)
+
+
+def agree(found, expected):
+    for x, y in zip(tupled(found), tupled(expected), strict=True):
+        np.testing.assert_array_equal(x, y)
+
+
+def test_numbers_for_results():
+    model = fb.load("ur5e")
+    q, qd = state(model, 4, count=2)
+    function = fb.to_jax(model, ["kinetic_energy", "potential_energy"])
+    agree(function(q, qd), fb.kernel(model, ["kinetic_energy", "potential_energy"])(q, qd))
+    slope = jax.vmap(jax.grad(lambda *x: function(*x)[0], 1))(q, qd)
+    np.testing.assert_allclose(slope, np.einsum("nij,nj->ni", fb.mass_matrix(model, q), qd), rtol=1e-12)
+
+
+SHAPES = {
+    "all": [(4, 5, 6), (4, 5, 6), (4, 5, 6)],
+    "one shared": [(100,), (), (100,)],
+    "an outer and an inner one": [(3, 1), (1, 70), (3, 70)],
+    "an inner one that is short": [(70, 1), (1, 3), ()],
+    "mixed": [(2, 1, 3), (1, 70, 1), (2, 70, 3)],
+    "more mixed": [(2, 1, 80), (1, 3, 1), ()],
+    "ones": [(1, 1), (1,), ()],
+    "empty": [(3, 0), (1,), ()],
+}
+
+
+@pytest.mark.parametrize("shapes", SHAPES.values(), ids=SHAPES)
+def test_batches_broadcast(shapes):
+    model = fb.load("2R")
+    arrays = [x[0] for x in (state(model, *shape, 1) for shape in shapes)]
+    arrays = [x.reshape(*shape, 2) for x, shape in zip(arrays, shapes, strict=True)]
+    agree(fb.to_jax(model, "inverse_dynamics")(*arrays), fb.kernel(model, "inverse_dynamics")(*arrays))
+
+
+def test_maps_within_maps_copy_nothing_that_is_shared():
+    model = fb.load("ur5e")
+    function = fb.to_jax(model, "inverse_dynamics")
+    q, qd, qdd = state(model, 70)
+    nested = jax.vmap(jax.vmap(function, (0, None, None)), (None, 0, None))
+    agree(nested(q, qd, qdd[0]), fb.kernel(model, "inverse_dynamics")(q, qd[:, None], qdd[0]))
+    text = str(jax.make_jaxpr(nested)(q, qd, qdd[0]))
+    assert "ffi_call" in text
+    assert "f64[70,70,6] = broadcast_in_dim" not in text
+    agree(jax.vmap(function, -1)(*(np.moveaxis(x, 0, -1) for x in (q, qd, qdd))), function(q, qd, qdd))
+
+
+def test_batches_become_two_axes():
+    """Whatever is laid out means the same entries as before."""
+    rng = np.random.default_rng(1)
+    for _ in range(15):
+        whole = rng.integers(1, 5, size=rng.integers(0, 5))
+        shapes = [tuple(int(n) if rng.random() < 0.6 else 1 for n in whole) for _ in range(3)]
+        arrays = [rng.normal(size=(*shape, 2)) for shape in shapes]
+        size, placed, varies = arranged(arrays, shapes)
+        batch = np.broadcast_shapes(*shapes)
+        for array, new, many in zip(arrays, placed, varies, strict=True):
+            assert new.shape[0] in (1, size[0])
+            assert new.shape[1] == (size[1] if many else 1)
+            agree(np.broadcast_to(new, (*size, 2)).reshape(*batch, 2), np.broadcast_to(array, (*batch, 2)))
+
+
+def test_without_x64_the_kernel_of_float32_computes():
+    model = fb.load("ur5e")
+    arrays = state(model, 9)
+    with jax.enable_x64(False):
+        found = fb.to_jax(model, "inverse_dynamics")(*arrays)
+    assert found.dtype == np.float32
+    agree(found, fb.kernel(model, "inverse_dynamics", dtype="float32")(*(np.float32(x) for x in arrays)))
+    of_floats = fb.to_jax(fb.kernel(model, "inverse_dynamics", dtype="float32"))
+    assert of_floats(*arrays).dtype == np.float32
+
+
+def test_types_promote_as_in_jax():
+    model = fb.load("2R")
+    function = fb.to_jax(model, "rk4_step")
+    q = jnp.array([0.1, 0.2], dtype=jnp.float32)
+    assert function(q, q, q, 0.01)[0].dtype == np.float32  # a number of Python's has no type of its own
+    assert function(q, q, np.zeros(2), 0.01)[0].dtype == np.float64
+    assert function([1, 0], [0, 0], [0, 0], 1)[0].dtype == np.float64
+    agree(function([1, 0], [0, 0], [0, 0], 1), fb.kernel(model, "rk4_step")([1, 0], [0, 0], [0, 0], 1))
+
+
+DERIVED = {
+    "ur5e": ("ur5e", "inverse_dynamics"),
+    "plane": ("3R", "forward_dynamics"),
+    "free base": ("quadrotor", "forward_dynamics"),
+    "closed chain": ("five_bar", "forward_dynamics"),
+    "a matrix": ("2R", "mass_matrix"),
+}
+
+
+@pytest.mark.parametrize(("robot", "name"), DERIVED.values(), ids=DERIVED)
+def test_derivatives_forward_and_reverse(robot, name):
+    """Against central differences of the kernel; by all nq entries of q, also off unit quaternions."""
+    model = fb.load(robot)
+    kernel, function = fb.kernel(model, name), fb.to_jax(model, name)
+    arrays = state(model, 3, count=len(kernel.program.inputs))
+    every = tuple(range(len(arrays)))
+    forward = jax.vmap(jax.jacfwd(function, every))(*arrays)
+    reverse = jax.jit(jax.vmap(jax.jacrev(function, every)))(*arrays)
+    for k, (one, other) in enumerate(zip(forward, reverse, strict=True)):
+        scale = np.abs(one).max()
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-13 * scale)
+        np.testing.assert_allclose(one, differences(kernel, arrays, k), rtol=0, atol=2e-7 * scale)
+
+
+def differences(kernel, arrays, k, step=1e-5):
+    columns = []
+    for place in range(arrays[k].shape[-1]):
+        ends = []
+        for sign in (1.0, -1.0):
+            moved = [x.copy() for x in arrays]
+            moved[k][..., place] += sign * step
+            ends.append(np.asarray(kernel(*moved)))
+        columns.append((ends[0] - ends[1]) / (2.0 * step))
+    return np.stack(columns, axis=-1)
+
+
+def test_derivatives_are_those_of_the_text():
+    """Of JAX's own differentiation of the same arithmetic written out, to 1e-10; by positions with quaternions."""
+    model = fb.load("quadrotor")
+    scope: dict = {}
+    exec(fb.source(model, "inverse_dynamics", "jax"), scope)
+    arrays = [x[0] for x in state(model, 1)]
+    found = jax.jacfwd(fb.to_jax(model, "inverse_dynamics"), (0, 1, 2))(*arrays)
+    expected = jax.jacfwd(jax.jit(scope["inverse_dynamics"]), (0, 1, 2))(*arrays)
+    for one, other in zip(found, expected, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-10, atol=1e-12)
+
+
+def test_second_derivatives():
+    model = fb.load("3R")
+    arrays = [x[0] for x in state(model, 1)]
+    expected = fb.kernel(model, "inverse_dynamics_second_derivatives")(*arrays)
+    function = fb.to_jax(model, "inverse_dynamics")
+    hessian = jax.jit(jax.hessian(function, (0, 1)))(*arrays)
+    pairs = {(0, 0): expected[0], (1, 0): expected[1], (1, 1): expected[2]}
+    for (i, j), wanted in pairs.items():
+        np.testing.assert_allclose(hessian[i][j], wanted, rtol=1e-10, atol=1e-11)
+        np.testing.assert_allclose(hessian[j][i], np.swapaxes(wanted, 1, 2), rtol=1e-10, atol=1e-11)
+    outward = jax.jacrev(jax.jacrev(function))(*arrays)
+    np.testing.assert_allclose(outward, expected[0], rtol=1e-10, atol=1e-11)
+
+
+def test_derivatives_that_come_in_columns(monkeypatch):
+    """As those of a step of a larger robot, whose whole Jacobian would be too long a program: the same, also twice."""
+    model = fb.load("2R")
+    q, qd, tau = (x[0] for x in state(model, 1))
+
+    def results():
+        step = fb.to_jax(model, "rk4_step")
+
+        def end(qd, h):
+            return step(q, qd, tau, h)[1]
+
+        first = [way(end, (0, 1))(qd, 0.01) for way in (jax.jacfwd, jax.jacrev)]
+        return jax.tree.leaves([*first, jax.jacfwd(jax.jacrev(end))(qd, 0.01)])
+
+    whole = results()
+    monkeypatch.setattr(differentials, "LONGEST", 10)
+    assert not Differentiable(fb.kernel(model, "rk4_step").program).jacobian((1, 3)).whole
+    for one, other in zip(results(), whole, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-11, atol=1e-13)
+
+
+def test_wrenches_and_numbers_of_the_model():
+    """The Jacobian tells what a wrench does; mass is what the regressor multiplies; p is shared, or one for each."""
+    model = fb.load("ur5e")
+    q, qd, qdd = state(model, 80)
+    loaded = fb.to_jax(model, "static_torque", wrench_frames=["wrist_3_link"])
+    by_wrench = jax.vmap(jax.jacfwd(loaded, 1))(q, np.zeros((80, 6)))
+    jacobian = fb.jacobian(model, q, "wrist_3_link")
+    np.testing.assert_allclose(by_wrench, -np.swapaxes(jacobian, -1, -2), atol=1e-12)
+
+    kernel = fb.kernel(model, "inverse_dynamics", inputs=["*.mass"])
+    function = fb.to_jax(kernel)
+    assert function.parameters == kernel.parameters
+    agree(function.values, kernel.values)
+    p = np.array(function.values)
+    agree(function(q, qd, qdd, p), kernel(q, qd, qdd))
+    agree(jax.vmap(function, (0, 0, 0, None))(q, qd, qdd, p), kernel(q, qd, qdd))
+    each = p * np.linspace(0.5, 1.5, 80)[:, None]
+    agree(jax.vmap(function)(q, qd, qdd, each), kernel(q, qd, qdd, each))
+    robots = jax.vmap(jax.vmap(function, (0, 0, 0, None)), (None, None, None, 0))
+    # the numbers of a robot are read once for all its samples, which rounds in another way
+    expected = kernel(q, qd, qdd, each[:3, None])
+    np.testing.assert_allclose(robots(q, qd, qdd, each[:3]), expected, rtol=1e-12, atol=1e-12)
+    slope = jax.jacrev(function, 3)(q[0], qd[0], qdd[0], p)
+    expected = fb.kernel(model, "inverse_dynamics", inputs=["*.mass"], by="p")(q[0], qd[0], qdd[0])[1]
+    np.testing.assert_allclose(slope, expected, rtol=1e-11, atol=1e-11)
+    agree(fb.to_jax(model, "inverse_dynamics", inputs=["*.mass"])(q, qd, qdd, p), function(q, qd, qdd, p))
+
+
+def test_the_gradient_through_a_simulation():
+    """By the first position, through a hundred steps of a scan: forward and reverse agree, and with differences."""
+    model = fb.load("2R")
+    accelerate = fb.to_jax(model, "forward_dynamics")
+    h, tau = 0.005, jnp.array([0.3, -0.1])
+
+    def rates(x):
+        return jnp.concatenate([x[2:], accelerate(x[:2], x[2:], tau)])
+
+    def step(x, _):
+        k1 = rates(x)
+        k2 = rates(x + 0.5 * h * k1)
+        k3 = rates(x + 0.5 * h * k2)
+        k4 = rates(x + h * k3)
+        return x + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4), None
+
+    @jax.jit
+    def end(x):
+        return jnp.sum(jax.lax.scan(step, x, None, length=100)[0] ** 2)
+
+    x = jnp.array([0.3, 0.4, 0.0, 0.1])
+    reverse = jax.jit(jax.grad(end))(x)
+    np.testing.assert_allclose(reverse, jax.jacfwd(end)(x), rtol=1e-10)
+    moved = [(end(x.at[k].add(1e-6)) - end(x.at[k].add(-1e-6))) / 2e-6 for k in range(4)]
+    np.testing.assert_allclose(reverse, moved, rtol=1e-6)
+
+
+def test_whole_numbers_and_what_is_not_differentiated():
+    model = fb.load("2R")
+    function = fb.to_jax(model, "inverse_dynamics")
+    slope = jax.jacfwd(lambda q: function(q, np.array([0, 1]), jnp.array([1, 0])))(np.array([0.1, 0.2]))
+    expected = fb.inverse_dynamics_derivatives(model, [0.1, 0.2], [0.0, 1.0], [1.0, 0.0])[0]
+    np.testing.assert_allclose(slope, expected, rtol=1e-12)
+    value, along = jax.jvp(function, (jnp.ones(2),) * 3, (jnp.zeros(2),) * 3)
+    agree(value, fb.kernel(model, "inverse_dynamics")(np.ones(2), np.ones(2), np.ones(2)))
+    agree(along, np.zeros(2))
+
+
+def test_a_sample_that_is_no_number_is_none_in_all_outputs_and_touches_no_other():
+    model = fb.load("ur5e")
+    arrays = state(model, 20)
+    good = fb.kernel(model, "inverse_dynamics")(*arrays)
+    arrays[1][7, 2] = np.nan
+    found = np.array(jax.jit(fb.to_jax(model, "inverse_dynamics"))(*arrays))
+    assert np.isnan(found[7]).all()
+    agree(np.delete(found, 7, 0), np.delete(good, 7, 0))
+
+
+def test_tiny_numbers_are_what_they_are():
+    """XLA takes them for zero, kernels do not: so results do not depend on who calls."""
+    kernel = fb.compile(lambda x: x * 0.5, {"x": ()})
+    assert float(fb.to_jax(kernel)(3e-310)) == kernel(3e-310) > 0.0
+
+
+def test_threads():
+    model = fb.load("ur5e")
+    arrays = state(model, 300)
+    expected = fb.kernel(model, "inverse_dynamics")(*arrays)
+    function, found = jax.jit(fb.to_jax(model, "inverse_dynamics")), []
+
+    def work():
+        with jax.enable_x64(True):
+            found.extend(np.array(function(*arrays)) for _ in range(20))
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(found) == 80
+    for result in found:
+        agree(result, expected)
+
+
+def test_equal_kernels_are_given_to_xla_once():
+    def given():
+        fb.to_jax(fb.load("2R"), "mass_matrix")(np.zeros(2))
+        return set(xla._given)
+
+    assert given() == given()
+
+
+PROGRAM = """
+    import sys, numpy as np, jax
+    jax.config.update("jax_enable_x64", True)
+    jax.config.update("jax_compilation_cache_dir", sys.argv[1])
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0)
+    jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
+    import freebody as fb
+    hits = []
+    jax.monitoring.register_event_listener(lambda name, **_: hits.append(name))
+    model = fb.load("2R")
+    q = np.array([[0.1, 0.2], [0.3, 0.4]])
+    slope = jax.jit(jax.vmap(jax.jacrev(fb.to_jax(model, "inverse_dynamics"))))(q, q, q)
+    assert np.allclose(slope, fb.inverse_dynamics_derivatives(model, q, q, q)[0])
+    print(sum(name.endswith("cache_hits") for name in hits))
+"""
+
+
+def test_programs_that_jax_keeps_on_disk_run_in_another_process(tmp_path):
+    hits = []
+    for _ in range(2):
+        done = subprocess.run(
+            [sys.executable, "-c", textwrap.dedent(PROGRAM), str(tmp_path)],
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        hits.append(int(done.stdout.split()[-1]))
+    assert hits[1] > hits[0]
