@@ -140,7 +140,7 @@ def _name(kernel: Kernel, version: tuple[int, int]) -> str:
         if name not in _given:
             words = text(kernel.program, REALS[kernel.dtype.name], kernel.loop.address, host().x86, version)
             code, addresses = load(object_code(words), ("xla",), {})
-            function = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)(addresses["xla"])
-            jax.ffi.register_ffi_target(name, jax.ffi.pycapsule(function), platform="cpu")
-            _given[name] = code, function, kernel.loop
+            capsule = jax.ffi.pycapsule(ctypes.c_void_p(addresses["xla"]))
+            jax.ffi.register_ffi_target(name, capsule, platform="cpu")
+            _given[name] = code, kernel.loop
     return name
