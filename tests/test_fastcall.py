@@ -51,7 +51,7 @@ def test_the_environment_switches_it_off(monkeypatch):
 OF_ALL_WAYS = [
     "test_pickling.py",
     "test_forks_and_interrupts.py",
-    "test_compiler.py",
+    "test_kernels.py",
     "test_numerics_errors.py",
 ]
 

@@ -1,4 +1,7 @@
-"""Uniform inputs: one value for the whole batch, read and worked up once a call."""
+"""Uniform inputs: one value for the whole batch, read and worked up once a call.
+
+`fb.compile` has none, and in kernels with inputs= p alone is one; so programs of every mixture are traced here.
+"""
 
 import dataclasses
 
@@ -11,6 +14,7 @@ from freebody.program import Argument, passes, trace
 from freebody.program.hoist import hoist
 from freebody.targets import compile_program
 from freebody.targets.interpret import Interpreter
+from support.programs import assert_close, direct, random_program, samples
 
 LLVM = [2, 4, 8]
 every_width = pytest.mark.parametrize("width", LLVM)
@@ -62,12 +66,6 @@ def arrays(batch, moving=(), seed=0):
     ]
 
 
-def assert_close(results, expected):
-    for result, reference in zip(results, expected, strict=True):
-        assert result.shape == reference.shape
-        np.testing.assert_allclose(result, reference, rtol=1e-13, atol=1e-13)
-
-
 def same_bits(left, right):
     return all(np.array_equal(a, b) for a, b in zip(left, right, strict=True))
 
@@ -76,7 +74,7 @@ def same_bits(left, right):
 @pytest.mark.parametrize("batch", [(), (1,), (3,), (8,), (17,), (100,), (3, 5), (0,), (4, 0)])
 def test_one_value_for_the_batch(width, batch):
     given = arrays(batch)
-    assert_close(compiled(width)(*given), PLAIN(*given))
+    assert_close(compiled(width)(*given), PLAIN(*given), 1e-13)
 
 
 @every_width
@@ -95,8 +93,8 @@ def test_a_value_for_every_sample(width, moving):
     """By a kernel in which nothing is uniform; the loop itself is right too, one sample after the other."""
     kernel, given = compiled(width), arrays((11,), moving)
     expected = PLAIN(*given)
-    assert_close(kernel(*given), expected)
-    assert_close(kernel.ufunc(*given), expected)
+    assert_close(kernel(*given), expected, 1e-13)
+    assert_close(kernel.ufunc(*given), expected, 1e-13)
     assert same_bits(kernel(*given), kernel.per_sample(*given))
     one = [x[4] if x.ndim > len(i.shape) else x for x, i in zip(given, INPUTS, strict=True)]
     assert same_bits(kernel(*one), [x[4] for x in kernel.ufunc(*given)])
@@ -106,11 +104,11 @@ def test_values_that_broadcast_with_the_batch():
     p, x, A, s, y = arrays((6,))
     many = np.stack([p, 2.0 * p, p + 1.0])[:, None]
     kernel = compiled(8)
-    assert_close(kernel(many, x, A, s, y), PLAIN(many, x, A, s, y))
-    assert_close(kernel.ufunc(many, x, A, s, y), PLAIN(many, x, A, s, y))
+    assert_close(kernel(many, x, A, s, y), PLAIN(many, x, A, s, y), 1e-13)
+    assert_close(kernel.ufunc(many, x, A, s, y), PLAIN(many, x, A, s, y), 1e-13)
     out = tuple(np.empty((3, 6, *argument.shape)) for argument in OUTPUTS)
     assert kernel(many, x, A, s, y, out=out)[0] is out[0]
-    assert_close(out, PLAIN(many, x, A, s, y))
+    assert_close(out, PLAIN(many, x, A, s, y), 1e-13)
 
 
 def test_the_number_of_axes_alone_decides():
@@ -185,7 +183,7 @@ def test_threads_change_nothing():
     given = arrays((3000,))
     alone = compiled(8)(*given, threads=1)
     assert same_bits(compiled(8)(*given, threads=3), alone)
-    assert_close(alone, PLAIN(*given))
+    assert_close(alone, PLAIN(*given), 1e-13)
 
 
 @every_width
@@ -255,3 +253,18 @@ def test_uniform_factors_are_multiplied_once():
     np.testing.assert_allclose(compile_program(program)(u, x), expected, rtol=1e-15)
     plain = dataclasses.replace(program, inputs=tuple(Argument(i.name, i.shape) for i in program.inputs))
     assert passes.gather_factors(plain) is plain
+
+
+@pytest.mark.parametrize("flags", [(True, False, False), (False, True, True), (True, True, True)])
+@pytest.mark.parametrize("seed", range(2))
+def test_uniform_inputs_change_nothing_but_roundings(seed, flags):
+    program = random_program(seed, 80)
+    inputs = tuple(
+        dataclasses.replace(i, uniform=uniform) for i, uniform in zip(program.inputs, flags, strict=True)
+    )
+    arrays = [x[0] if uniform else x for x, uniform in zip(samples(21, seed), flags, strict=True)]
+    for target, width in (("numpy", None), ("cpu", 8)):
+        compiled = compile_program(dataclasses.replace(program, inputs=inputs), target=target, width=width)
+        batch = arrays if False in flags else [x[None] for x in arrays]
+        assert_close(compiled(*batch), direct(seed, batch, 80))
+        assert_close(compiled(*arrays), direct(seed, arrays, 80))

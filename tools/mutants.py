@@ -48,7 +48,8 @@ AREAS = (
         "kernels",
         ("program/*.py", "targets/*.py", "targets/llvm/*.py", "scalars/*.py",
          "kernels/lookup.py", "kernels/formulas/*.py", "kernels/columns.py"),
-        ("compiler", "trig", "fastcall", "columns", "expr", "operational", "order_of_calls", "code_from_text",
+        ("program", "kernels", "threads", "llvm_text", "sine_and_cosine", "code_cache", "targets",
+         "trig", "fastcall", "columns", "expr", "operational", "order_of_calls", "code_from_text",
          "numerics_errors", "equations", "laws"),
     ),
     Area(

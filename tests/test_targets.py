@@ -1,0 +1,81 @@
+"""What a target is: a record that a table names. A made-up one is put into the table, and asked as the others are."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import pickle
+import re
+import subprocess
+import sys
+import types
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.targets import TARGETS, Kernel, KernelError
+from freebody.targets.target import Target
+from support.programs import (
+    environment,
+    swap_kernel,
+)
+
+
+@pytest.fixture(autouse=True)
+def memory_only(monkeypatch):
+    monkeypatch.setenv("FREEBODY_CACHE", "off")
+    monkeypatch.delenv("FREEBODY_TARGET", raising=False)
+    monkeypatch.delenv("FREEBODY_WIDTH", raising=False)
+
+
+def test_a_target_is_a_module_and_a_line(monkeypatch):
+    """It is found, told its program, width and number type, asked for its text, and found again by a pickle."""
+    asked = []
+
+    def build(program, width, dtype):
+        asked.append((width, dtype))
+        return Kernel(program, "halves", width or 6, lambda q: np.asarray(q) / 2, dtype)
+
+    record = Target(
+        build=build,
+        source=lambda program, width, dtype: f"{program.name} {width} {dtype}",
+        widths={"float64": (6, 7), "float16": ()},
+        variant=lambda program: os.environ.get("HALVES"),
+        loops=False,
+    )
+    monkeypatch.setitem(sys.modules, "halves", types.SimpleNamespace(TARGET=record))
+    monkeypatch.setitem(TARGETS, "halves", "halves")
+    first = swap_kernel(target="halves", width=7)
+    assert (first.target, first.width, first.dtype, first.source) == (
+        "halves",
+        7,
+        "float64",
+        "swap 7 float64",
+    )
+    assert first(np.ones(3)).tolist() == [0.5, 0.5, 0.5]
+    assert pickle.loads(pickle.dumps(first)) is first
+    assert asked == [(7, "float64")]
+    swap_kernel(target="halves", dtype="float16")
+    monkeypatch.setenv("FREEBODY_TARGET", "halves")
+    monkeypatch.setenv("FREEBODY_WIDTH", "6")
+    assert fb.kernel(fb.load("2R"), "bias").target == "halves"
+    monkeypatch.setenv("HALVES", "other")  # what the code depends on is part of its key
+    assert swap_kernel(width=7) is not first
+    assert asked[1:] == [(None, "float16"), (6, "float64"), (7, "float64")]
+    for option, text in (
+        ({"width": 4}, "no width 4 of float64. Widths: 6, 7 "),
+        ({"dtype": "float32"}, "Known: float64, float16"),
+    ):
+        with pytest.raises(KernelError, match=re.escape(text)):
+            swap_kernel(**option)
+
+
+def test_importing_the_compiler_does_not_import_llvm():
+    code = "import sys, freebody.targets; assert not any(m.startswith('llvmlite') for m in sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60, env=environment())
+
+
+def test_without_llvm_numpy_computes(monkeypatch):
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    assert swap_kernel().target == "numpy"

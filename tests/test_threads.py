@@ -1,0 +1,196 @@
+"""Batches in parts on several threads, several callers, forked children.
+
+How a batch is cut is not to be seen in a result: `run_split` is called by itself, and told of a machine of four CPUs.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import threading
+import time
+import weakref
+
+import numpy as np
+import pytest
+
+from freebody.targets import kernel
+from freebody.targets.threads import run_split
+from support.programs import (
+    environment,
+    random_kernel,
+    same_bits,
+    samples,
+    swap_kernel,
+)
+
+
+@pytest.fixture(autouse=True)
+def memory_only(monkeypatch):
+    monkeypatch.setenv("FREEBODY_CACHE", "off")
+    monkeypatch.delenv("FREEBODY_TARGET", raising=False)
+    monkeypatch.delenv("FREEBODY_WIDTH", raising=False)
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3, 7, None])
+def test_threads_change_nothing(threads):
+    compiled = random_kernel(5)
+    arrays = samples(1001, 9)
+    whole = compiled.ufunc(*arrays)
+    assert same_bits(compiled(*arrays, threads=threads), whole)
+    outs = tuple(np.zeros_like(w) for w in whole)
+    returned = compiled(*arrays, out=outs, threads=threads)
+    assert all(r is o for r, o in zip(returned, outs, strict=True))
+    assert same_bits(outs, whole)
+    x, A, s = arrays
+    mixed = x[None, :7], A[:300, None], s[0]
+    assert same_bits(compiled(*mixed, threads=threads), compiled.ufunc(*mixed))
+    single = tuple(a[0] for a in arrays)
+    assert same_bits(compiled(*single, threads=threads), compiled.ufunc(*single))
+
+
+def test_large_batches_are_shared_by_default(monkeypatch):
+    parts = []
+    compiled = swap_kernel()
+    monkeypatch.setattr(kernel, "run_split", lambda *a: parts.append(a[-2]))
+    monkeypatch.setattr(kernel, "cpus", lambda: 4)
+    compiled(np.ones((100, 3)))
+    assert parts == []
+    compiled(np.zeros((20_000_000 // 3, 3)))
+    assert parts == [3]
+
+
+def test_threads_with_out_over_input():
+    compiled = swap_kernel()
+    q = np.random.default_rng(0).normal(size=(1000, 3))
+    expected = compiled(q)
+    compiled(q, out=q, threads=4)
+    np.testing.assert_array_equal(q, expected)
+
+
+@pytest.mark.parametrize("count", [1, 15, 16, 17, 100, 1001, 100_000])
+@pytest.mark.parametrize("threads", [1, 2, 5])
+def test_every_sample_is_in_one_part(count, threads):
+    hits, parts = np.zeros((count, 1)), []
+
+    def ufunc(x, out):
+        parts.append(len(x))
+        out[0][:] += x
+
+    run_split(ufunc, [np.ones((count, 1))], [hits], [1, 1], (count,), threads)
+    assert (hits == 1.0).all()
+    assert sum(parts) == count
+    assert len(parts) <= 3 * threads
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError, KeyboardInterrupt])
+@pytest.mark.parametrize("where", [0, 500, 999])
+def test_what_a_part_raises_is_raised_when_all_are_done(error, where):
+    finished = np.zeros(1000, dtype=bool)
+
+    def ufunc(x, out):
+        time.sleep(0.01)
+        if where in x:
+            raise error
+        finished[x.astype(int)] = True
+
+    x = np.arange(1000.0)
+    for _ in range(2):  # the helpers are there afterwards
+        with pytest.raises(error):
+            run_split(ufunc, [x], [x.copy()], [0, 0], (1000,), 2)
+    assert finished.sum() < 1000
+    assert finished.any() or error is KeyboardInterrupt  # what nobody has begun is dropped
+
+
+def test_several_callers_at_once_and_nothing_is_kept():
+    compiled = random_kernel(5)
+    arrays = samples(3001, 9)
+    whole, wrong = compiled.ufunc(*arrays), []
+
+    def call():
+        wrong.extend(not same_bits(compiled(*arrays, threads=3), whole) for _ in range(50))
+
+    callers = [threading.Thread(target=call) for _ in range(4)]
+    for caller in callers:
+        caller.start()
+    for caller in callers:
+        caller.join()
+    assert len(wrong) == 200
+    assert not any(wrong)
+    q = np.ones((1000, 3))
+    kept = weakref.ref(q)
+    swap_kernel()(q, threads=2)
+    del q
+    deadline = time.monotonic() + 10.0  # a helper lets go when its thread comes to it
+    while kept() is not None:
+        assert time.monotonic() < deadline
+        time.sleep(0.001)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="fork")
+def test_threads_work_in_a_forked_child():
+    code = """
+import os, numpy as np, warnings
+warnings.simplefilter("ignore", DeprecationWarning)  # fork beside threads is what is tested
+import freebody as fb
+k = fb.compile(lambda q: [2.0 * q[0]], {"q": 1}, {"r": 1})
+q = np.ones((5000, 1))
+k(q, threads=4)
+child = os.fork()
+if child == 0:
+    os._exit(0 if (k(q, threads=4) == 2.0).all() else 1)
+assert os.waitpid(child, 0)[1] == 0
+"""
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60, env=environment())
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
+def test_a_child_forked_during_a_compilation_can_compile():
+    code = """
+import os, sys, threading, warnings
+import numpy as np
+warnings.simplefilter("ignore", DeprecationWarning)  # fork beside threads is what is tested
+import freebody as fb
+def made(n):
+    def function(q):
+        x = q[0]
+        for _ in range(n):
+            x = x * q[0] + 1.0
+        return [x]
+    return fb.compile(function, {"q": 1}, {"r": 1})
+fb.compile  # imported before: a child forked while another thread imports would wait for that import for ever
+work = threading.Thread(target=lambda: [made(n) for n in range(300, 330)])
+work.start()
+while work.is_alive():
+    child = os.fork()
+    if child == 0:
+        os._exit(0 if made(2)(np.ones((1, 1))) == 3.0 else 1)
+    assert os.waitpid(child, 0)[1] == 0
+work.join()
+"""
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60, env=environment())
+
+
+def test_the_gil_is_released():
+    compiled = random_kernel(0, 4000)
+    arrays = samples(100_000)
+    ticks, stop = [], threading.Event()
+
+    def tick():
+        while not stop.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.0005)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    try:
+        while not ticks:
+            time.sleep(0.001)
+        before = time.perf_counter()
+        compiled.ufunc(*arrays)
+        after = time.perf_counter()
+    finally:
+        stop.set()
+        thread.join()
+    assert sum(before < t < after for t in ticks) > 2, (after - before, len(ticks))
