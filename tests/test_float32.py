@@ -170,15 +170,17 @@ def test_the_interpreters_own_way_gives_the_bits_of_the_ufunc():
         [Argument("y", (2,)), Argument("z", (2,))],
     )
     kernel = compile_program(program, target="cpu", dtype="float32")
-    if not fastcall.available(program):
+    if not fastcall.available():
         pytest.skip("this interpreter's objects are not laid out as the fast call expects")
     x = np.array([0.5, -1.25], np.float32)
     assert same_bits(kernel(x), kernel.ufunc(x))
-    assert same_bits(kernel.checked(x), kernel.ufunc(x))
+    assert same_bits(kernel.quick_checked(kernel)(x), kernel.ufunc(x))
     out = (np.empty(2, np.float32), np.empty(2, np.float32))
     assert kernel(x, out=out) is out
     assert same_bits(out, kernel.ufunc(x))
-    assert kernel.checked(np.array([1e-30, 1e-45], np.float32)) is None  # 1 / 1e-45 is beyond the range
+    assert (
+        kernel.quick_checked(lambda x: None)(np.array([1e-30, 1e-45], np.float32)) is None
+    )  # 1 / 1e-45 is beyond the range
     assert same_bits(kernel(x.astype(np.float64)), kernel.ufunc(x))
 
 

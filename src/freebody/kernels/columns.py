@@ -17,7 +17,6 @@ from freebody.kernels.formulas import FORMULAS
 from freebody.kernels.formulas.record import Fetch
 from freebody.program import Argument
 from freebody.targets import KernelError
-from freebody.targets.sound import sound
 
 LARGEST = 64
 """Coordinates up to which a matrix is one straight-line program."""
@@ -45,10 +44,6 @@ class ColumnKernel:
                 np.copyto(target, result, casting="same_kind")
             results = targets
         return results[0] if len(results) == 1 else results
-
-    def checked(self, *arrays: ArrayLike) -> Any:
-        """See `Kernel.checked`."""
-        return sound(self, arrays)
 
     def _check(self, arrays: tuple[ArrayLike, ...]) -> None:
         if len(arrays) != len(self.inputs):
@@ -94,10 +89,6 @@ class KernelList:
             found = kernel(*(given[name] for name in names), out=into, threads=threads)
             results |= zip(places, found if isinstance(found, tuple) else (found,), strict=True)
         return tuple(results[k] for k in sorted(results))
-
-    def checked(self, *arrays: ArrayLike) -> Any:
-        """See `Kernel.checked`."""
-        return sound(self, arrays)
 
     def __repr__(self) -> str:
         return f"KernelList({', '.join(repr(kernel) for kernel, _, _ in self.parts)})"

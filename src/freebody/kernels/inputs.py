@@ -19,7 +19,6 @@ from freebody.model.reading import Reader, exact_sin_cos
 from freebody.model.tree import Tree, lower
 from freebody.targets import Kernel
 from freebody.targets.kernel import BatchError
-from freebody.targets.sound import sound
 
 
 @dataclass(frozen=True)
@@ -148,10 +147,6 @@ class InputKernel:
         missing = {name for name in self._missing if self._at[name] not in given}
         if missing:
             raise MissingValueError(f"the inputs of a kernel of {self.model.name!r}", missing)
-
-    def checked(self, *arrays: ArrayLike) -> Any:
-        """See `Kernel.checked`."""
-        return sound(self, arrays)
 
     def __repr__(self) -> str:
         return f"InputKernel({self.kernel!r}; p: {', '.join(self.parameters)})"

@@ -7,7 +7,7 @@ compiled, and a changed number compiles nothing. What is compiled lives as long 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from freebody.arrays import Array
 from freebody.elementary import Scalar
 from freebody.kernels.columns import ColumnKernel, KernelList
-from freebody.kernels.formulas import FORMULAS, Option
+from freebody.kernels.formulas import FORMULAS, POSITIONS, Option
 from freebody.kernels.lookup import in_columns
 from freebody.kernels.tracing import program
 from freebody.model.contributions import joined, pose_part
@@ -27,24 +27,32 @@ from freebody.model.tree import Tree
 from freebody.program import Argument
 from freebody.program.passes import without_unread
 from freebody.targets import Kernel, compile_program
+from freebody.targets.sound import sound
 
 
 @dataclass(frozen=True)
 class Compiled:
-    """A kernel of a structure, and which of the numbers it reads, in order."""
+    """A kernel of a structure, which of the numbers it reads, in order, and where it is given quaternions."""
 
     kernel: Kernel
     read: NDArray[np.intp]
+    quaternions: tuple[tuple[int, int], ...]
+    """(input, entry of it) where each begins."""
 
 
 class Bound:
     """A kernel with the numbers of a model: called like one that is specialised to the model."""
 
-    __slots__ = ("kernel", "numbers")
+    __slots__ = ("kernel", "numbers", "quaternions")
 
-    def __init__(self, kernel: Kernel | ColumnKernel | KernelList, numbers: tuple[Array, ...]):
-        """numbers: none, or the one array of them that is the kernel's last argument."""
-        self.kernel, self.numbers = kernel, numbers
+    def __init__(
+        self,
+        kernel: Kernel | ColumnKernel | KernelList,
+        numbers: tuple[Array, ...] = (),
+        quaternions: tuple[tuple[int, int], ...] = (),
+    ):
+        """numbers: none, or the one array of them that is the kernel's last argument. quaternions: see `Compiled`."""
+        self.kernel, self.numbers, self.quaternions = kernel, numbers, quaternions
 
     def __call__(self, *arrays: ArrayLike, out: Any = None, threads: int | None = None) -> Any:
         if out is None and threads is None:
@@ -54,6 +62,21 @@ class Bound:
     def by_columns(self) -> Bound:
         """For arrays with an axis more in front of their core, along which robots do not differ."""
         return Bound(self.kernel, tuple(p[..., None, :] if p.ndim > 1 else p for p in self.numbers))
+
+    def checked(self, every: bool = False) -> Callable[..., Any]:
+        """A function of what the kernel takes besides the numbers; it returns None where something is not surely
+        `sound`, quaternions among it. every: whether all that comes out must be finite, whatever went in."""
+        general = self._finite if every else self._sound
+        if isinstance(self.kernel, Kernel):
+            held = self.numbers[0] if self.numbers else None
+            return self.kernel.quick_checked(general, held, self.quaternions) or general
+        return general
+
+    def _sound(self, *arrays: Any) -> Any:
+        return sound(self, arrays, self.quaternions)
+
+    def _finite(self, *arrays: Any) -> Any:
+        return sound(self, arrays, self.quaternions, every=True)
 
 
 def fetch(model: Model, names: tuple[str, ...], option: Option) -> Bound:
@@ -68,7 +91,7 @@ def fetch(model: Model, names: tuple[str, ...], option: Option) -> Bound:
             lambda some: fetch(model, some, option),
         )
         if large is not None:
-            found = model.compiled[names, option, "structure"] = Bound(large, ())
+            found = model.compiled[names, option, "structure"] = Bound(large)
         else:
             model.structure.kernels[_key(model, names, option)] = _compiled(model, names, option)
             found = known(model, names, option)
@@ -84,7 +107,8 @@ def known(model: Model, names: tuple[str, ...], option: Option) -> Bound | None:
         compiled = model.structure.kernels.get(_key(model, names, option))
         if compiled is None:
             return None
-        found = model.compiled[place] = Bound(compiled.kernel, _numbers(model, option, compiled.read))
+        numbers = _numbers(model, option, compiled.read)
+        found = model.compiled[place] = Bound(compiled.kernel, numbers, compiled.quaternions)
     return found
 
 
@@ -128,4 +152,6 @@ def _compiled(model: Model, names: tuple[str, ...], option: Option) -> Compiled:
         return tree_over(model, scalars, _frames(option), drives_shown)
 
     traced, read = without_unread(program(model, names, option, p, over), "p")
-    return Compiled(compile_program(traced), np.array(read, dtype=np.intp))
+    given = [i for i, argument in enumerate(traced.inputs) if argument.name in POSITIONS]
+    quaternions = tuple((i, start) for i in given for start in model.structure.quaternions)
+    return Compiled(compile_program(traced), np.array(read, dtype=np.intp), quaternions)

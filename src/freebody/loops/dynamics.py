@@ -173,7 +173,12 @@ def _jerk(model: Model, q: Array, qd: Array) -> Jerk:
 
 
 def inverse(
-    model: Model, q: Vector, qd: Vector, qdd: Vector, wrenches: Wrenches, actuated: Sequence[str] | None
+    model: Model,
+    q: Vector,
+    qd: Vector,
+    qdd: Vector,
+    wrenches: Wrenches,
+    actuated: Sequence[str] | None = None,
 ) -> Array:
     """See `fb.inverse_dynamics`."""
     if actuated is None:

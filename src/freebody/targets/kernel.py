@@ -19,7 +19,6 @@ from freebody.program.hoist import hoist
 from freebody.program.program import Argument, Program, verify
 from freebody.scalars.operations import OPERATIONS
 from freebody.targets import locks, memory
-from freebody.targets.sound import sound
 from freebody.targets.target import KernelError, chosen_target, chosen_width, target_named
 from freebody.targets.threads import cpus, run_split
 
@@ -129,12 +128,17 @@ class Kernel:
             dtype=self.dtype.name,
         )
 
-    def checked(self, *arrays: ArrayLike) -> Any:
-        """As `__call__`; None where an input is no plain array or an output may not be what is meant (see `sound`)."""
-        return sound(self, arrays)
+    def quick(self, general: Callable[..., Any], held: Any = None) -> Callable[..., Any] | None:
+        """A function that is called as this kernel where all is plain, and else calls `general`; None without one.
 
-    def quick(self, general: Callable[..., Any]) -> Callable[..., Any] | None:
-        """A function that is called as this kernel where all is plain, and else calls `general`; None without one."""
+        held: the last argument of calls that do not give it.
+        """
+        return None
+
+    def quick_checked(
+        self, general: Callable[..., Any], held: Any = None, units: Sequence[tuple[int, int]] = ()
+    ) -> Callable[..., Any] | None:
+        """The same where all is sound too, see `sound.sound`, the four entries at each of `units` of unit length."""
         return None
 
     def _at_most(self, count: int, arrays: tuple[ArrayLike, ...]) -> bool:

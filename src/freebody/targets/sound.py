@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import isfinite
 from typing import Any
 
@@ -11,32 +11,45 @@ import numpy as np
 HUGE = 1e100
 """No quantity of a robot in SI units is as large; its products leave the range of float64."""
 
-FEW = 100
-"""Entries up to which all outputs are looked at, sooner in plain Python."""
+_FEW = 100  # entries that are looked at sooner in plain Python
+
+UNIT = 1e-6
+"""How far a quaternion may be off unit length."""
 
 
-def sound(kernel: Callable[..., Any], arrays: tuple[Any, ...]) -> Any:
+def sound(
+    kernel: Callable[..., Any],
+    arrays: tuple[Any, ...],
+    units: Sequence[tuple[int, int]] = (),
+    every: bool = False,
+) -> Any:
     """What the kernel makes of the arrays; None where one is no plain array or list, or an entry may have overflowed.
 
     Outputs are looked at, or inputs where those are fewer: of inputs below `HUGE` no output overflows, and one that is
-    not finite all the same is the answer (at a singular position, say).
+    not finite all the same is the answer (at a singular position, say). units: (array, entry) where four entries begin
+    that are to be of unit length; None also where they are not. every: whether outputs are looked at in any case.
     """
     if not all(map(_plain, arrays)):
         return None
     result = kernel(*arrays)
     outputs = result if type(result) is tuple else (result,)
-    return result if _finite(outputs, arrays) else None
+    fine = _finite(outputs, () if every else arrays) and all(_is_unit(arrays[i], start) for i, start in units)
+    return result if fine else None
+
+
+def _is_unit(q: Any, start: int) -> bool:
+    x = np.asarray(q)[..., start : start + 4]
+    return bool((np.abs(np.vecdot(x, x) - 1.0) < UNIT).all())
 
 
 def _finite(outputs: tuple[Any, ...], arrays: tuple[Any, ...]) -> bool:
     entries = sum(x.size for x in outputs)
     if entries == 1:
         return isfinite(outputs[0].item())
-    if entries <= FEW:
+    if entries <= _FEW:
         return isfinite(sum(sum(x.ravel().tolist()) for x in outputs))
-    if all(type(x) is np.ndarray and x.dtype == np.float64 for x in arrays) and (
-        sum(x.size for x in arrays) < entries
-    ):
+    plain = arrays and all(type(x) is np.ndarray and x.dtype == np.float64 for x in arrays)
+    if plain and sum(x.size for x in arrays) < entries:
         return all(x.min(initial=0.0) >= -HUGE and x.max(initial=0.0) <= HUGE for x in arrays)
     return all(np.isfinite(x).all() for x in outputs)
 

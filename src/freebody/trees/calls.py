@@ -15,79 +15,55 @@ from freebody.kernels.formulas import FORMULAS, POSITIONS, Option
 from freebody.labels import aligned, refuse_other_times
 from freebody.model.model import Model
 from freebody.model.required import require_model
-from freebody.targets.sound import FEW, HUGE
+from freebody.targets.sound import HUGE, UNIT
 
 Vector = ArrayLike | Mapping[str, float]
 Wrenches = ArrayLike | Mapping[str, ArrayLike] | None
 
 _POINTS = ("point", "about")
-_UNIT = 1e-6  # how far a quaternion may be off unit length
+
+
+Key = str | tuple[Any, ...]
+"""Name of a formula, or that and what else was chosen, such as a frame's name: under it a model keeps what answers."""
 
 
 def evaluate(
-    function: str,
+    key: Key,
     model: Model,
     inputs: tuple[Any, ...],
-    choice: tuple[Any, ...] | None = None,
     option: Callable[..., Option] | None = None,
     wrenches: Wrenches = None,
+    otherwise: Callable[..., Any] | None = None,
 ) -> Any:
-    """The kernel of `function` on inputs in the formula's order: an array, or a tuple of its outputs.
+    """The kernel of a formula on inputs in its order: an array, or a tuple of its outputs.
 
-    choice: what else was given, such as a frame's name; `option` makes an Option of the model and that. The kernel is
-    that of the model's structure. One that was called before is tried at once, see `quick`. Then, and on the first
-    call, the inputs are looked at one by one: every call gives the same answer, or the same refusal.
-    """
-    result = quick(function, model, inputs, choice, wrenches)
-    if result is not None:
-        return result
-    require_model(function, model)
-    if FORMULAS[function].chains == "open":
-        model.require_tree(function)
-    chosen = Option() if option is None else option(model, *(choice or ()))
-    key = _key(function, choice, wrenches)
-    if key not in model.compiled and _is_known(function, model, chosen, wrenches, key):
-        result = quick(function, model, inputs, choice, wrenches)
-        if result is not None:
-            return result
-    return _carefully(function, model, inputs, chosen, wrenches, key)
-
-
-def quick(
-    function: str,
-    model: Model,
-    inputs: tuple[Any, ...],
-    choice: tuple[Any, ...] | None = None,
-    wrenches: Wrenches = None,
-) -> Any:
-    """What `evaluate` returns where it is sure at once; None where there is something to look at.
-
-    A kernel that was called before refuses wrong shapes and types by itself, and tells of inputs that carry names and
-    of results that are not finite.
+    What was called before under the key is tried at once: it refuses wrong shapes and types by itself, and tells of
+    inputs that carry names, of quaternions that are not of unit length, and of results that are not finite. There, and
+    on the first call, `otherwise` answers, by default `careful`, with the same arguments: every call gives the same
+    answer, or the same refusal.
     """
     try:
         if wrenches is None:
-            checked, numbers, quaternions = model.compiled[function if choice is None else (function, choice)]
-            result = checked(*inputs, *numbers)
+            found = model.compiled[key](*inputs)
+        elif type(wrenches) is dict and len(wrenches) == 1:  # most are
+            [(frame, load)] = wrenches.items()
+            found = model.compiled[key, frame](*inputs, load)
         else:
             frames, loads = _given(wrenches)
-            checked, numbers, quaternions = model.compiled[function, choice, frames]
-            result = checked(*inputs, *loads, *numbers)
-        if quaternions and result is not None:
-            for i, starts in quaternions:
-                if not _are_unit(inputs[i], starts):
-                    return None
-        return result
+            found = model.compiled[key, *frames](*inputs, *loads)
+        if found is not None:
+            return found
     except (KeyError, TypeError, ValueError, AttributeError):
-        return None  # explained by who looks closer
+        pass  # explained by who looks closer
+    return (otherwise or careful)(key, model, inputs, option, wrenches)
 
 
 def attempt(
     function: str, model: Model, inputs: tuple[Any, ...], option: Option, wrenches: Wrenches = None
 ) -> Any:
-    """What `quick` returns with the kernel of an option that says NaN where there is something to look at; None there.
+    """What `evaluate` finds with the kernel of an option that says NaN where there is something to look at; None there.
 
-    The kernel is the one that `quick` will try for this function and model from now on.
+    The kernel is the one that it will try for this function and model from now on.
     """
     try:
         frames = () if wrenches is None else tuple(model.frame(name).name for name in _given(wrenches)[0])
@@ -96,33 +72,60 @@ def attempt(
     if len(set(frames)) < len(frames):
         return None
     bound = structural.fetch(model, (function,), option._replace(wrench_frames=frames))
-    _keep(function, model, option, bound, _key(function, None, wrenches), all_finite(bound.kernel))
-    return quick(function, model, inputs, None, wrenches)
+    model.compiled[_place(function, wrenches)] = bound.checked(every=True)
+    return evaluate(function, model, inputs, None, wrenches, _nothing)
 
 
-def all_finite(kernel: Any) -> Callable[..., Any]:
-    """The kernel as it is called where a result that is not finite must not pass: `checked`, all of the results looked
-    at, however many there are."""
-    checked = kernel.checked
-
-    def call(*arrays: Any) -> Any:
-        result = checked(*arrays)
-        if type(result) is np.ndarray and result.size > FEW and not np.isfinite(result).all():
-            return None
-        return result
-
-    return call
+def _nothing(*_: Any) -> None:
+    """What is not sure at once is not answered."""
 
 
-def _key(function: str, choice: tuple[Any, ...] | None, wrenches: Wrenches) -> Any:
-    """Under which a model keeps what `quick` calls."""
-    if wrenches is not None:
-        return function, choice, _given(wrenches)[0]
-    return function if choice is None else (function, choice)
+def _place(key: Key, wrenches: Wrenches) -> Key:
+    """Where a model keeps what answers under a key, and with wrenches on these frames."""
+    if wrenches is None:
+        return key
+    frames, _ = _given(wrenches)
+    return (key, *frames)
 
 
-def _is_known(function: str, model: Model, option: Option, wrenches: Wrenches, key: Any) -> bool:
-    """Whether the kernel has been compiled for another model of the same structure; then `quick` may call it."""
+def careful(
+    key: Key,
+    model: Model,
+    inputs: tuple[Any, ...],
+    option: Callable[..., Option] | None = None,
+    wrenches: Wrenches = None,
+) -> Any:
+    """As `evaluate`, the inputs looked at one by one, with the kernel of the model's structure.
+
+    `option` makes an Option of the model and of what the key holds besides the name.
+    """
+    function, *choice = (key,) if isinstance(key, str) else key
+    require_model(function, model)
+    if FORMULAS[function].chains == "open":
+        model.require_tree(function)
+    chosen = Option() if option is None else option(model, *choice)
+    place = _place(key, wrenches)
+    if place not in model.compiled and _is_known(function, model, chosen, wrenches, place):
+        return evaluate(key, model, inputs, option, wrenches)
+    names = _input_names(function, chosen)
+    refuse_other_times(function, dict(zip(names, inputs, strict=True)))
+    arrays = [vector(function, model, name, value) for name, value in zip(names, inputs, strict=True)]
+    loads = wrenches_by_frame(function, model, wrenches)
+    bound = structural.fetch(model, (function,), chosen._replace(wrench_frames=tuple(loads)))
+    wrenched = [f"wrenches[{frame!r}]" for frame in loads]
+    named = dict(zip([*names, *wrenched], [*arrays, *loads.values()], strict=True))
+    common_batch(function, named | _of_family(model))
+    result = bound(*named.values())
+    if not all(np.isfinite(x).all() for x in (result if isinstance(result, tuple) else (result,))):
+        for name, array in named.items():
+            refuse_not_finite(function, name, array, 1, labels(model, name))
+        _refuse_overflow(function, named)
+    model.compiled[place] = bound.checked()
+    return result
+
+
+def _is_known(function: str, model: Model, option: Option, wrenches: Wrenches, place: Any) -> bool:
+    """Whether the kernel has been compiled for another model of the same structure; it is then kept at the place."""
     try:
         frames = () if wrenches is None else tuple(model.frame(name).name for name in _given(wrenches)[0])
         loaded = option._replace(wrench_frames=frames) if frames else option
@@ -131,22 +134,8 @@ def _is_known(function: str, model: Model, option: Option, wrenches: Wrenches, k
         return False
     if bound is None or len(set(frames)) < len(frames):
         return False
-    _keep(function, model, option, bound, key)
+    model.compiled[place] = bound.checked()
     return True
-
-
-def _keep(
-    function: str,
-    model: Model,
-    option: Option,
-    bound: structural.Bound,
-    key: Any,
-    checked: Callable[..., Any] | None = None,
-) -> None:
-    starts = model.structure.quaternions
-    names = _input_names(function, option)
-    turning = tuple((i, starts) for i, name in enumerate(names) if starts and name in POSITIONS)
-    model.compiled[key] = checked or bound.kernel.checked, bound.numbers, turning
 
 
 def _input_names(function: str, option: Option) -> list[str]:
@@ -159,44 +148,9 @@ def _given(wrenches: Wrenches) -> tuple[tuple[str | None, ...], tuple[ArrayLike,
     """Frames as they were named, None being the tip, and the wrench on each."""
     if wrenches is None:
         return (), ()
-    # most are; to ask an abstract class takes longer
-    if type(wrenches) is dict or isinstance(wrenches, Mapping):
+    if isinstance(wrenches, Mapping):
         return tuple(wrenches), tuple(wrenches.values())
     return (None,), (wrenches,)
-
-
-def _are_unit(q: Array, starts: tuple[int, ...]) -> bool:
-    """Whether the quaternions that begin at `starts` are surely of unit length; AttributeError if q is no array."""
-    if q.ndim == 1:
-        values = q.tolist()  # sums of floats are quicker than any function of so small an array
-        for k in starts:
-            w, x, y, z = values[k : k + 4]
-            if not abs(w * w + x * x + y * y + z * z - 1.0) < _UNIT:
-                return False
-        return True
-    blocks = (q[..., k : k + 4] for k in starts)
-    return all(bool((np.abs(np.vecdot(x, x) - 1.0) < _UNIT).all()) for x in blocks)
-
-
-def _carefully(
-    function: str, model: Model, inputs: tuple[Any, ...], option: Option, wrenches: Wrenches, key: Any
-) -> Any:
-    """Check every input, call the kernel, and blame what is not finite."""
-    names = _input_names(function, option)
-    refuse_other_times(function, dict(zip(names, inputs, strict=True)))
-    arrays = [vector(function, model, name, value) for name, value in zip(names, inputs, strict=True)]
-    loads = wrenches_by_frame(function, model, wrenches)
-    bound = structural.fetch(model, (function,), option._replace(wrench_frames=tuple(loads)))
-    wrenched = [f"wrenches[{frame!r}]" for frame in loads]
-    named = dict(zip([*names, *wrenched], [*arrays, *loads.values()], strict=True))
-    common_batch(function, named | _of_family(model))
-    result = bound(*named.values())
-    if not all(np.isfinite(x).all() for x in (result if isinstance(result, tuple) else (result,))):
-        for name, array in named.items():
-            refuse_not_finite(function, name, array, 1, labels(model, name))
-        _refuse_overflow(function, named)
-    _keep(function, model, option, bound, key)
-    return result
 
 
 def checked_inputs(
@@ -294,7 +248,7 @@ def _check_quaternions(function: str, model: Model, q: Array) -> None:
         start = body.kind.quaternion
         if start is not None:
             length = np.sqrt(np.sum(q[..., at.q[start : start + 4]] ** 2, axis=-1))
-            off = np.argwhere(np.abs(length - 1.0) > _UNIT)
+            off = np.argwhere(np.abs(length - 1.0) > UNIT)
             if len(off):
                 sample = tuple(map(int, off[0]))
                 raise FreebodyError(

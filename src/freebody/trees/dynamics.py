@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,7 +15,7 @@ from freebody.kernels.closed_chains import closed
 from freebody.kernels.formulas import Option
 from freebody.model.model import Model
 from freebody.model.required import require_model
-from freebody.trees.calls import Vector, Wrenches, common_batch, evaluate, finite_vector, quick
+from freebody.trees.calls import Key, Vector, Wrenches, careful, common_batch, evaluate, finite_vector
 from freebody.trees.kinematics import checked_reference, jacobian
 from freebody.trees.massless import refuse_massless
 from freebody.trees.passive import refuse_passive
@@ -44,17 +44,23 @@ def inverse_dynamics(
     allow, SingularError where the drives do not determine the motion.
     """
     if actuated is None:
-        found = quick("inverse_dynamics", model, (q, qd, qdd), None, wrenches)
-        if found is not None:
-            return found
+        return evaluate("inverse_dynamics", model, (q, qd, qdd), None, wrenches, _of_any_chain)
     require_model("inverse_dynamics", model)
     if model.loops:
         return closed("inverse_dynamics")(model, q, qd, qdd, wrenches, actuated)
-    if actuated is not None:
-        raise FreebodyError(
-            f"inverse_dynamics: actuated= chooses among the joints of a closed chain; {model.name!r} has no loops."
-        )
-    return evaluate("inverse_dynamics", model, (q, qd, qdd), wrenches=wrenches)
+    raise FreebodyError(
+        f"inverse_dynamics: actuated= chooses among the joints of a closed chain; {model.name!r} has no loops."
+    )
+
+
+def _of_any_chain(
+    function: str, model: Model, inputs: tuple[Vector, ...], _: None, wrenches: Wrenches
+) -> Any:
+    """Of closed chains the function of the same name among theirs answers."""
+    require_model(function, model)
+    if model.loops:
+        return closed(function)(model, *inputs, wrenches)
+    return careful(function, model, inputs, None, wrenches)
 
 
 def forward_dynamics(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches = None) -> Array:
@@ -64,18 +70,29 @@ def forward_dynamics(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches:
     SingularError naming the joint that moves no inertia, LoopError for a state that the loops do not allow,
     PassiveJointError for a torque at a joint that nothing drives.
     """
-    found = quick("forward_dynamics", model, (q, qd, tau), None, wrenches)
-    if found is None:
-        require_model("forward_dynamics", model)
-    refuse_passive("forward_dynamics", model, tau)
-    if found is not None:
-        return found
+    if getattr(model, "passive", None):
+        refuse_passive("forward_dynamics", model, tau)
+    return evaluate("forward_dynamics", model, (q, qd, tau), None, wrenches, _forward_dynamics)
+
+
+def _forward_dynamics(
+    function: str, model: Model, inputs: tuple[Vector, ...], _: None, wrenches: Wrenches
+) -> Array:
+    require_model(function, model)
     if model.loops:
-        return closed("forward_dynamics")(model, q, qd, tau, wrenches)
-    refuse_massless(model, "forward_dynamics")
-    result = evaluate("forward_dynamics", model, (q, qd, tau), wrenches=wrenches)
-    _refuse_singular("forward_dynamics", model, result)
+        return closed(function)(model, *inputs, wrenches)
+    result = where_all_move_mass(function, model, inputs, None, wrenches)
+    _refuse_singular(function, model, result)
     return result
+
+
+def where_all_move_mass(
+    function: str, model: Model, inputs: tuple[Vector, ...], _: None, wrenches: Wrenches
+) -> Any:
+    """As `careful`, of models each joint of which moves some inertia."""
+    require_model(function, model)
+    refuse_massless(model, function)
+    return careful(function, model, inputs, None, wrenches)
 
 
 def _refuse_singular(function: str, model: Model, accelerations: Array) -> None:
@@ -119,15 +136,16 @@ def forward_dynamics_derivatives(
 
     Raises SingularError naming the joint that moves no inertia, PassiveJointError for a torque at a passive joint.
     """
-    if not getattr(model, "passive", True):
-        found = quick("forward_dynamics_derivatives", model, (q, qd, tau))
-        if found is not None:
-            return found
-    require_model("forward_dynamics_derivatives", model)
-    refuse_passive("forward_dynamics_derivatives", model, tau)
-    refuse_massless(model, "forward_dynamics_derivatives")
-    result = evaluate("forward_dynamics_derivatives", model, (q, qd, tau))
-    _refuse_singular("forward_dynamics_derivatives", model, np.diagonal(result[2], axis1=-2, axis2=-1))
+    if getattr(model, "passive", None):
+        refuse_passive("forward_dynamics_derivatives", model, tau)
+    return evaluate("forward_dynamics_derivatives", model, (q, qd, tau), None, None, _forward_derivatives)
+
+
+def _forward_derivatives(
+    function: str, model: Model, inputs: tuple[Vector, ...], *_: None
+) -> tuple[Array, ...]:
+    result = where_all_move_mass(function, model, inputs, None, None)
+    _refuse_singular(function, model, np.diagonal(result[2], axis1=-2, axis2=-1))
     return result
 
 
@@ -161,13 +179,7 @@ def static_torque(model: Model, q: Vector, wrenches: Wrenches = None) -> Array:
     An open chain rests where the entries of its passive joints are zero; elsewhere they are the holding torque that is
     missing. Closed chains: the torques of the driven joints, as for `inverse_dynamics`.
     """
-    found = quick("static_torque", model, (q,), None, wrenches)
-    if found is not None:
-        return found
-    require_model("static_torque", model)
-    if model.loops:
-        return closed("static_torque")(model, q, wrenches)
-    return evaluate("static_torque", model, (q,), wrenches=wrenches)
+    return evaluate("static_torque", model, (q,), None, wrenches, _of_any_chain)
 
 
 def tip_wrench(model: Model, q: Vector, tau: Vector, frame: str | None = None) -> Array:
@@ -219,14 +231,20 @@ def joint_wrenches(
     the child's. Arguments as for `inverse_dynamics`. Closed chains: a row for each loop follows, on the second frame's
     body by the first's; `reactions` also says which components are determined.
     """
-    found = quick("joint_wrenches", model, (q, qd, qdd), (reference,), wrenches)
-    if found is not None:
-        return found
-    require_model("joint_wrenches", model)
+    key = "joint_wrenches", reference
+    return evaluate(key, model, (q, qd, qdd), _in_axes, wrenches, _joint_wrenches)
+
+
+def _joint_wrenches(
+    key: Key, model: Model, inputs: tuple[Vector, ...], option: Any, wrenches: Wrenches
+) -> Array:
+    function, reference = key
+    require_model(function, model)
     if model.loops:
-        found = closed("joint_wrenches")(model, q, qd, qdd=qdd, wrenches=wrenches, reference=reference)
+        q, qd, qdd = inputs
+        found = closed(function)(model, q, qd, qdd=qdd, wrenches=wrenches, reference=reference)
         return found.wrenches
-    return evaluate("joint_wrenches", model, (q, qd, qdd), (reference,), _in_axes, wrenches)
+    return careful(key, model, inputs, option, wrenches)
 
 
 def _in_axes(model: Model, reference: str) -> Option:
@@ -248,10 +266,16 @@ def momentum(model: Model, q: Vector, qd: Vector, about: ArrayLike | None = None
 
     (..., 3) in the plane. Momentum of the bodies; rotors are not counted.
     """
+    if about is None:
+        return evaluate("momentum", model, (q, qd))
+    return evaluate(("momentum", "about"), model, (q, qd, about), _about, None, _momentum_about)
+
+
+def _momentum_about(key: Key, model: Model, inputs: tuple[Any, ...], option: Any, _: None) -> Array:
     require_model("momentum", model)
-    extra = () if about is None else (finite_vector("momentum", model, "about", about),)
-    return evaluate("momentum", model, (q, qd, *extra), (about is not None,), _about)
+    *state, about = inputs
+    return careful(key, model, (*state, finite_vector("momentum", model, "about", about)), option)
 
 
-def _about(model: Model, point: bool) -> Option:
-    return Option(point=point)
+def _about(model: Model, _: str) -> Option:
+    return Option(point=True)

@@ -13,7 +13,7 @@ from freebody.kernels.formulas import Option
 from freebody.model.members import of_member
 from freebody.model.model import Model
 from freebody.model.required import require_model
-from freebody.trees.calls import Vector, evaluate, quick
+from freebody.trees.calls import Vector, careful, evaluate
 
 Reference = Literal["world", "body"]
 
@@ -23,7 +23,7 @@ def forward_kinematics(model: Model, q: Vector, frame: str | None = None) -> Arr
 
     q: (..., nq). frame: name, default the tip. Raises ShapeError, NotFiniteError, UnknownNameError.
     """
-    return evaluate("forward_kinematics", model, (q,), (frame,), _of_frame)
+    return evaluate(("forward_kinematics", frame), model, (q,), _of_frame)
 
 
 def velocity(
@@ -35,8 +35,8 @@ def velocity(
     Source: (2.16-2.18), (4.3), (6.16-6.19).
     """
     if point is None:
-        return evaluate("velocity", model, (q, qd), (frame,), _of_frame)
-    return evaluate("velocity", model, (q, qd, point), (frame, "world", True), _of_frame)
+        return evaluate(("velocity", frame), model, (q, qd), _of_frame)
+    return evaluate(("velocity", frame, "world", True), model, (q, qd, point), _of_frame)
 
 
 def acceleration(
@@ -49,8 +49,8 @@ def acceleration(
     Source: (2.24), (4.5), (6.20-6.22).
     """
     if point is None:
-        return evaluate("acceleration", model, (q, qd, qdd), (frame,), _of_frame)
-    return evaluate("acceleration", model, (q, qd, qdd, point), (frame, "world", True), _of_frame)
+        return evaluate(("acceleration", frame), model, (q, qd, qdd), _of_frame)
+    return evaluate(("acceleration", frame, "world", True), model, (q, qd, qdd, point), _of_frame)
 
 
 def jacobian(model: Model, q: Vector, frame: str | None = None, reference: Reference = "world") -> Array:
@@ -58,14 +58,14 @@ def jacobian(model: Model, q: Vector, frame: str | None = None, reference: Refer
 
     q: (..., nq). reference: "world" axes, or those of the frame ("body"). The notes' planar J (2.19) is [..., :2, :].
     """
-    return evaluate("jacobian", model, (q,), (frame, reference), _of_frame)
+    return evaluate(("jacobian", frame, reference), model, (q,), _of_frame)
 
 
 def jacobian_dot(
     model: Model, q: Vector, qd: Vector, frame: str | None = None, reference: Reference = "world"
 ) -> Array:
     """Time derivative (..., 6, nv) of `jacobian` along qd (..., nv): acceleration = J qdd + J̇ qd (2.24)."""
-    return evaluate("jacobian_dot", model, (q, qd), (frame, reference), _of_frame)
+    return evaluate(("jacobian_dot", frame, reference), model, (q, qd), _of_frame)
 
 
 def jacobian_derivatives(
@@ -75,7 +75,7 @@ def jacobian_derivatives(
 
     Arguments as for `jacobian`; `jacobian_dot` is its product with qd.
     """
-    return evaluate("jacobian_derivatives", model, (q,), (frame, reference), _of_frame)
+    return evaluate(("jacobian_derivatives", frame, reference), model, (q,), _of_frame)
 
 
 def center_of_mass(model: Model, q: Vector) -> Array:
@@ -83,15 +83,16 @@ def center_of_mass(model: Model, q: Vector) -> Array:
 
     q: (..., nq). Raises SingularError without mass.
     """
-    found = quick("center_of_mass", model, (q,))
-    if found is not None:
-        return found
-    require_model("center_of_mass", model)
+    return evaluate("center_of_mass", model, (q,), None, None, _center_of_mass)
+
+
+def _center_of_mass(function: str, model: Model, inputs: tuple[Vector, ...], *_: None) -> Array:
+    require_model(function, model)
     nothing = np.argwhere(np.asarray(model.mass) == 0.0)
     if len(nothing):
         member = of_member(tuple(map(int, nothing[0])))
         raise SingularError(f"center_of_mass: {model.name!r} has no mass{member}; give its links an inertia.")
-    return evaluate("center_of_mass", model, (q,))
+    return careful(function, model, inputs)
 
 
 def _of_frame(model: Model, frame: str | None, reference: str = "world", point: bool = False) -> Option:

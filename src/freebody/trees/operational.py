@@ -19,7 +19,8 @@ from freebody.model.model import Model
 from freebody.model.required import require_model
 from freebody.model.tree import about_origin
 from freebody.spatial import of_dimension
-from freebody.trees.calls import Vector, evaluate
+from freebody.trees.calls import Vector, careful, evaluate
+from freebody.trees.dynamics import where_all_move_mass
 from freebody.trees.kinematics import jacobian
 from freebody.trees.massless import refuse_massless
 from freebody.trees.passive import refuse_passive
@@ -27,9 +28,7 @@ from freebody.trees.passive import refuse_passive
 
 def mass_matrix_inverse(model: Model, q: Vector) -> Array:
     """M⁻¹ (..., nv, nv). q: (..., nq). Raises SingularError naming the joint that moves no inertia."""
-    require_model("mass_matrix_inverse", model)
-    refuse_massless(model, "mass_matrix_inverse")
-    return evaluate("mass_matrix_inverse", model, (q,))
+    return evaluate("mass_matrix_inverse", model, (q,), None, None, where_all_move_mass)
 
 
 def operational_space_inertia(
@@ -42,7 +41,7 @@ def operational_space_inertia(
     """
     require_model("operational_space_inertia", model)
     option = _operational(model, frame, rows, "operational_space_inertia")
-    result = evaluate("operational_space_inertia", model, (q,), (option,), _as_it_is)
+    result = evaluate(("operational_space_inertia", option), model, (q,), _as_it_is)
     _refuse_dependent_rows("operational_space_inertia", model, q, option)
     return result
 
@@ -56,7 +55,7 @@ def operational_space_bias(
     """
     require_model("operational_space_bias", model)
     option = _operational(model, frame, rows, "operational_space_bias")
-    result = evaluate("operational_space_bias", model, (q, qd), (option,), _as_it_is)
+    result = evaluate(("operational_space_bias", option), model, (q, qd), _as_it_is)
     _refuse_dependent_rows("operational_space_bias", model, q, option)
     return result
 
@@ -94,10 +93,14 @@ def centroidal_momentum_matrix(model: Model, q: Vector) -> Array:
     (..., 3, nv) in the plane. q: (..., nq). Raises SingularError where nothing that moves has a mass. Source: Orin,
     Goswami, Lee 2013.
     """
-    require_model("centroidal_momentum_matrix", model)
+    return evaluate("centroidal_momentum_matrix", model, (q,), None, None, _centroidal_momentum_matrix)
+
+
+def _centroidal_momentum_matrix(function: str, model: Model, inputs: tuple[Vector, ...], *_: None) -> Array:
+    require_model(function, model)
     if not _moves_mass(model):
         raise SingularError(NO_CENTRE.format("no link that moves"))
-    return evaluate("centroidal_momentum_matrix", model, (q,))
+    return careful(function, model, inputs)
 
 
 @fact
@@ -132,7 +135,7 @@ def forward_dynamics_parameter_derivatives(model: Model, q: Vector, qd: Vector, 
 
     Raises as `forward_dynamics_derivatives` does.
     """
-    require_model("forward_dynamics_parameter_derivatives", model)
-    refuse_passive("forward_dynamics_parameter_derivatives", model, tau)
-    refuse_massless(model, "forward_dynamics_parameter_derivatives")
-    return evaluate("forward_dynamics_parameter_derivatives", model, (q, qd, tau))
+    name = "forward_dynamics_parameter_derivatives"
+    if getattr(model, "passive", None):
+        refuse_passive(name, model, tau)
+    return evaluate(name, model, (q, qd, tau), None, None, where_all_move_mass)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -18,7 +17,7 @@ from freebody.model.model import Model
 from freebody.model.parts import Limits
 from freebody.model.required import require_model
 from freebody.spatial import of_dimension
-from freebody.trees.calls import common_batch, evaluate, finite_vector
+from freebody.trees.calls import careful, common_batch, evaluate, finite_vector
 
 _FAR = 1e3  # limits beyond this many rad or m are some file's way to say that there are none
 
@@ -26,10 +25,16 @@ _FAR = 1e3  # limits beyond this many rad or m are some file's way to say that t
 def neutral(model: Model) -> Array:
     """q (nq,) with every coordinate 0 and every quaternion the identity."""
     require_model("neutral", model)
+    return _neutral(model).copy()
+
+
+@fact
+def _neutral(model: Model) -> Array:
     q = np.zeros(model.nq)
     for body, at in zip(model.bodies, model.coordinates, strict=True):
         if body.joint.mimic is None and body.kind.quaternion is not None:
             q[at.q[body.kind.quaternion]] = 1.0
+    q.flags.writeable = False
     return q
 
 
@@ -97,41 +102,35 @@ def integrate(model: Model, q: ArrayLike, v: ArrayLike) -> Array:
 
     Free joints move along their screw (exponential of SE(3)), spherical ones turn by ω; the others add.
     """
-    require_model("integrate", model)
-    way = _way(model)
-    if way == "kernel":
-        return evaluate("integrate", model, (q, v))
-    if way == "add" and _all_plain(model, q, v) and _finite(moved := np.add(q, v)):
-        return moved
-    q0, rate = _batched("integrate", model, q=q, v=v)
-    return _joint_by_joint(model, model.nq, lambda joint: joint.moved, (q0, rate))
+    return evaluate("integrate", model, (q, v), None, None, _moved)
 
 
 def difference(model: Model, q0: ArrayLike, q1: ArrayLike) -> Array:
     """The velocity (..., nv) that leads from q0 to q1 (..., nq) in unit time: integrate(q0, difference(q0,
     q1)) = q1."""
-    require_model("difference", model)
-    way = _way(model)
-    if way == "kernel":
-        return evaluate("difference", model, (q0, q1))
-    if way == "add" and _all_plain(model, q0, q1) and _finite(rates := np.subtract(q1, q0)):
-        return rates
-    a, b = _batched("difference", model, q0=q0, q1=q1)
-    return _joint_by_joint(model, model.nv, lambda joint: joint.between, (a, b))
+    return evaluate("difference", model, (q0, q1), None, None, _between)
 
 
-@fact
-def _way(model: Model) -> str:
-    """Positions that "add" need no kernel; others have one, or go by "joints" where values are missing to trace it."""
-    if all(body.kind.quaternion is None for body in model.bodies):
-        return "add"
-    return "joints" if model.missing else "kernel"
+def _moved(function: str, model: Model, inputs: tuple[ArrayLike, ...], *_: None) -> Array:
+    require_model(function, model)
+    if not model.missing:
+        return careful(function, model, inputs)
+    given = _batched(function, model, q=inputs[0], v=inputs[1])
+    return _joint_by_joint(model, model.nq, lambda joint: joint.moved, given)
+
+
+def _between(function: str, model: Model, inputs: tuple[ArrayLike, ...], *_: None) -> Array:
+    require_model(function, model)
+    if not model.missing:
+        return careful(function, model, inputs)
+    given = _batched(function, model, q0=inputs[0], q1=inputs[1])
+    return _joint_by_joint(model, model.nv, lambda joint: joint.between, given)
 
 
 def _joint_by_joint(
-    model: Model, size: int, way: Callable[[Primitive], Callable[..., Any]], given: tuple[Array, Array]
+    model: Model, size: int, way: Callable[[Primitive], Callable[..., Any]], given: list[Array]
 ) -> Array:
-    """What each joint makes of its entries, over arrays: for models without numbers, and positions that add."""
+    """What each joint makes of its entries, over arrays: for models whose numbers are not all known."""
     result, space = np.empty((*given[0].shape[:-1], size)), of_dimension(model.dim)
     for body, at in zip(model.bodies, model.coordinates, strict=True):
         if body.joint.mimic is None:
@@ -141,18 +140,6 @@ def _joint_by_joint(
             columns = [tuple(x[..., k] for k in ks) for x, ks in zip(given, entries, strict=True)]
             result[..., at.q if size == model.nq else at.v] = np.stack(way(joint)(space, *columns), axis=-1)
     return result
-
-
-def _all_plain(model: Model, *given: Any) -> bool:
-    """Whether these are float64 arrays of one shape, that of positions: nothing else to look at."""
-    first = given[0]
-    return all(
-        type(x) is np.ndarray and x.dtype == np.float64 and x.shape == first.shape for x in given
-    ) and first.shape[-1:] == (model.nq,)
-
-
-def _finite(result: Array) -> bool:
-    return math.isfinite(sum(result.tolist())) if result.ndim == 1 else bool(np.isfinite(result).all())
 
 
 def _batched(function: str, model: Model, **given: ArrayLike) -> list[Array]:

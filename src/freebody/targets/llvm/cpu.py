@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib.metadata
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ from freebody.program.passes import optimise
 from freebody.program.program import Program
 from freebody.targets.kernel import Kernel, Loop
 from freebody.targets.llvm import cache as disk
-from freebody.targets.llvm import fastcall
+from freebody.targets.llvm import fastcall, fastcode
 from freebody.targets.llvm.emit import emit
 from freebody.targets.llvm.gufunc import make_gufunc
 from freebody.targets.llvm.lanes import REALS
@@ -25,33 +25,36 @@ from freebody.targets.target import Target
 class _QuickKernel(Kernel):
     """A kernel whose calls go to C functions of its own: Python finds them, by the class, in the kernel's slots."""
 
-    __slots__ = ("__call__", "checked")
+    __slots__ = ("__call__",)
 
     def __init__(self, kernel: Kernel, addresses: Mapping[str, int], code: Code):
         super().__init__(kernel.program, kernel.target, kernel.width, kernel.ufunc, kernel.dtype.name)
-        self._addresses, self._code = addresses, code
+        self._plain, self._checked = (
+            fastcall.Definition(addresses[symbol], self.program.name, code) for symbol in fastcode.EXPORTS
+        )
         # what is not plain goes to the kernel without them
-        self.__call__ = self._function("fastcall", kernel.__call__)  # type: ignore[method-assign]
-        self.checked = self._function("fastcall.checked", kernel.checked)  # type: ignore[method-assign]
+        self.__call__ = self._plain.function(kernel.__call__)  # type: ignore[method-assign]
 
-    def quick(self, general: Callable[..., Any]) -> Callable[..., Any]:
-        return self._function("fastcall", general)
+    def quick(self, general: Callable[..., Any], held: Any = None) -> Callable[..., Any]:
+        return self._plain.function(general, held)
 
-    def _function(self, symbol: str, general: Callable[..., Any]) -> Callable[..., Any]:
-        return fastcall.function(self._addresses[symbol], self.program.name, general, self._code)
+    def quick_checked(
+        self, general: Callable[..., Any], held: Any = None, units: Sequence[tuple[int, int]] = ()
+    ) -> Callable[..., Any]:
+        return self._checked.function(general, held, fastcall.unit_entries(units) if units else b"")
 
 
 def _build(program: Program, width: int | None, dtype: str) -> Kernel:
     here, real = host(), REALS[dtype]
     machine = here.machine(width, real)
-    fast = fastcall.available(program)
+    fast = fastcall.available()
     key = disk.key(program.digest, here, machine, _compiler_version(), fast)
     code = disk.load(key)
     if code is None:
         text = emit(optimise(program), machine)
-        code = object_code(text + fastcall.text(program, real) if fast else text)
+        code = object_code(text + fastcode.text(program, real) if fast else text)
         disk.store(key, code)
-    symbols = ("kernel", *fastcall.EXPORTS) if fast else ("kernel",)
+    symbols = ("kernel", *fastcode.EXPORTS) if fast else ("kernel",)
     loaded, addresses = load(code, symbols, fastcall.symbols(real) if fast else {})
     ufunc = make_gufunc(addresses["kernel"], program.name, program.inputs, program.outputs, loaded, real)
     kernel = Kernel(program, "cpu", machine.width, ufunc, dtype)
@@ -87,6 +90,6 @@ TARGET = Target(
     widths={
         dtype: tuple(n for n in WIDTHS if n * real.bits <= LONGEST_VECTOR) for dtype, real in REALS.items()
     },
-    variant=fastcall.available,
+    variant=lambda _: fastcall.available(),
     loops=True,
 )

@@ -1,0 +1,134 @@
+"""LLVM text of what a checked call of a kernel looks at: quaternions that come in, and all numbers that come out."""
+
+from __future__ import annotations
+
+import struct
+
+from freebody.program.program import Argument
+from freebody.targets.llvm.lanes import DOUBLE, Real
+from freebody.targets.sound import UNIT
+
+_COUNT, _BYTES = 16, 32  # offsets in PyBytesObject of its length and of what is in it
+
+PAIR = "qq"
+"""One of the units as bytes: an input, and the entry of it where four numbers begin that are to be of unit length."""
+
+
+def are_unit(real: Real) -> str:
+    """Whether four entries are of unit length, NaN being not, for each pair in `units` (argument, first entry)."""
+    widened = "" if real is DOUBLE else "w"
+    lines = [
+        "define internal i1 @fast.unit(ptr %units, ptr %data) {",
+        "entry:",
+        f"  %bytes.at = getelementptr i8, ptr %units, i64 {_COUNT}",
+        "  %bytes = load i64, ptr %bytes.at, align 8",
+        f"  %first = getelementptr i8, ptr %units, i64 {_BYTES}",
+        "  %end = getelementptr i8, ptr %first, i64 %bytes",
+        "  br label %more",
+        "more:",
+        "  %pair = phi ptr [%first, %entry], [%next, %one]",
+        "  %is.end = icmp eq ptr %pair, %end",
+        "  br i1 %is.end, label %good, label %one",
+        "one:",
+        f"  %next = getelementptr i8, ptr %pair, i64 {struct.calcsize(PAIR)}",
+        "  %argument = load i64, ptr %pair, align 8",
+        "  %offset.at = getelementptr i64, ptr %pair, i64 1",
+        "  %offset = load i64, ptr %offset.at, align 8",
+        "  %array.at = getelementptr ptr, ptr %data, i64 %argument",
+        "  %array = load ptr, ptr %array.at, align 8",
+    ]
+    for k in range(4):
+        lines += [
+            f"  %at{k} = getelementptr {real.name}, ptr %array, i64 %offset",
+            f"  %x{k}.at = getelementptr {real.name}, ptr %at{k}, i64 {k}",
+            f"  %{widened}x{k} = load {real.name}, ptr %x{k}.at, align {real.size}",
+            *([f"  %x{k} = fpext {real.name} %wx{k} to double"] if widened else []),
+            f"  %xx{k} = fmul double %x{k}, %x{k}",
+            *([f"  %sum{k} = fadd double %{'sum' if k > 1 else 'xx'}{k - 1}, %xx{k}"] if k else []),
+        ]
+    return "\n".join(
+        [
+            *lines,
+            f"  %off = fsub double %sum3, {DOUBLE.constant(1.0)}",
+            f"  %below = fcmp olt double %off, {DOUBLE.constant(UNIT)}",
+            f"  %above = fcmp ogt double %off, {DOUBLE.constant(-UNIT)}",
+            "  %close = and i1 %below, %above",
+            "  br i1 %close, label %more, label %bad",
+            "good:",
+            "  ret i1 true",
+            "bad:",
+            "  ret i1 false",
+            "}",
+        ]
+    )
+
+
+_TOGETHER = 8  # entries that are looked at in one step
+
+
+def finite(real: Real) -> str:
+    """Whether all entries are finite: eight at a time, and then those that are left."""
+    exponent = {64: 0x7FF << 52, 32: 0xFF << 23}[real.bits]
+    block = f"<{_TOGETHER} x {real.integer}>"
+    mask = "<" + ", ".join([f"{real.integer} {exponent}"] * _TOGETHER) + ">"
+    return f"""\
+define internal i1 @fast.finite(ptr %values, i64 %count) {{
+entry:
+  %whole = and i64 %count, -{_TOGETHER}
+  br label %blocks
+blocks:
+  %k = phi i64 [0, %entry], [%next, %block]
+  %wrong = phi <{_TOGETHER} x i1> [zeroinitializer, %entry], [%wronger, %block]
+  %in.blocks = icmp ult i64 %k, %whole
+  br i1 %in.blocks, label %block, label %rest
+block:
+  %at = getelementptr {real.integer}, ptr %values, i64 %k
+  %bits = load {block}, ptr %at, align {real.size}
+  %exponents = and {block} %bits, {mask}
+  %these = icmp eq {block} %exponents, {mask}
+  %wronger = or <{_TOGETHER} x i1> %wrong, %these
+  %next = add i64 %k, {_TOGETHER}
+  br label %blocks
+rest:
+  %flags = bitcast <{_TOGETHER} x i1> %wrong to i{_TOGETHER}
+  %blocks.fine = icmp eq i{_TOGETHER} %flags, 0
+  br label %left
+left:
+  %j = phi i64 [%whole, %rest], [%j.next, %one]
+  %fine = phi i1 [%blocks.fine, %rest], [%both, %one]
+  %is.left = icmp ult i64 %j, %count
+  br i1 %is.left, label %one, label %done
+one:
+  %one.at = getelementptr {real.integer}, ptr %values, i64 %j
+  %one.bits = load {real.integer}, ptr %one.at, align {real.size}
+  %one.exponent = and {real.integer} %one.bits, {exponent}
+  %one.fine = icmp ne {real.integer} %one.exponent, {exponent}
+  %both = and i1 %fine, %one.fine
+  %j.next = add i64 %j, 1
+  br label %left
+done:
+  ret i1 %fine
+}}"""
+
+
+def checked(outputs: tuple[Argument, ...]) -> list[str]:
+    """If asked for, look whether all entries of the outputs are finite; else let go of them, and go the general way."""
+    lines = [
+        "  br i1 %checked, label %check, label %good",
+        "check:",
+    ]
+    fine = "true"
+    for k, argument in enumerate(outputs):
+        lines += [
+            f"  %finite{k} = call i1 @fast.finite(ptr %out.data{k}, i64 {argument.size})",
+            f"  %fine{k} = and i1 {fine}, %finite{k}",
+        ]
+        fine = f"%fine{k}"
+    return [
+        *lines,
+        f"  br i1 {fine}, label %good, label %bad",
+        "bad:",
+        *(f"  call void @Py_DecRef(ptr %out{k})" for k, argument in enumerate(outputs) if argument.shape),
+        "  br label %general",
+        "good:",
+    ]

@@ -1,0 +1,326 @@
+"""The LLVM text of a kernel's own C function for the interpreter; what it is for is told in `fastcall`."""
+
+from __future__ import annotations
+
+from freebody.program.program import Argument, Program
+from freebody.targets.llvm import fastchecks
+from freebody.targets.llvm.lanes import DOUBLE, Real
+
+_CONTIGUOUS_ALIGNED = 0x0001 | 0x0100
+_WRITEABLE = 0x0400
+_TYPE, _DATA, _ND, _DIMS, _DESCR, _FLAGS = 8, 16, 24, 32, 56, 64  # offsets in PyObject and PyArrayObject
+_COUNT, _ITEMS = 16, 24  # offsets in PyTupleObject
+_GENERAL, _HELD, _UNITS = (
+    _ITEMS + 8 * k for k in range(3)
+)  # offsets in the tuple that a function has as its self
+_VALUE = 16  # offset in PyFloatObject
+
+EXPORTS = ("fastcall", "fastcall.checked")
+
+
+def text(program: Program, real: Real) -> str:
+    """LLVM text of `ptr @fastcall(ptr self, ptr args, i64 nargs, ptr kwnames)`, in front of `@kernel`, and of
+    `@fastcall.checked`, which also looks whether the outputs are finite and quaternions of unit length; `self` is the
+    tuple that `fastcall.Definition.function` makes."""
+    inputs, outputs = program.inputs, program.outputs
+    arguments = (*inputs, *outputs)
+    lines = [
+        "@freebody.PyArray_Type = external global i8",
+        f"@{_descr(real)} = external global i8",
+        "@freebody.PyFloat_Type = external global i8",
+        "@freebody.PyTuple_Type = external global i8",
+        "@freebody.name.out = external global i8",
+        "declare ptr @PyObject_Vectorcall(ptr, ptr, i64, ptr)",
+        "declare ptr @freebody.PyArray_New(ptr, i32, ptr, i32, ptr, ptr, i32, i32, ptr)",
+        "declare ptr @freebody.PyArray_Scalar(ptr, ptr, ptr)",
+        "declare ptr @PyTuple_New(i64)",
+        "declare i32 @PyTuple_SetItem(ptr, i64, ptr)",
+        "declare void @Py_IncRef(ptr)",
+        "declare void @Py_DecRef(ptr)",
+        fastchecks.finite(real),
+        fastchecks.are_unit(real),
+        _numbers("fast.dims", [1, *(n for a in arguments for n in a.shape)]),
+        _numbers(
+            "fast.steps",
+            [real.size * a.size for a in arguments] + [s for a in arguments for s in _strides(a, real.size)],
+        ),
+        *(_numbers(f"fast.shape{k}", list(a.shape)) for k, a in enumerate(outputs) if a.shape),
+        *(_entry(name, checked) for name, checked in zip(EXPORTS, ("false", "true"), strict=True)),
+        "define internal ptr @fast(ptr %self, ptr %args, i64 %nargs, ptr %kwnames, i1 %checked) noinline {",
+        "entry:",
+        f"  %data = alloca [{len(arguments)} x ptr], align 16",
+        *(f"  %cell{k} = alloca {real.name}, align 8" for k, a in enumerate(outputs) if not a.shape),
+        f"  %all = icmp eq i64 %nargs, {len(inputs)}",
+        f"  %but.last = icmp eq i64 %nargs, {len(inputs) - 1}",
+        "  %right.count = or i1 %all, %but.last",
+        f"  %held.at = getelementptr i8, ptr %self, i64 {_HELD}",
+        "  %no.names = icmp eq ptr %kwnames, null",
+        "  br i1 %right.count, label %counted, label %general",
+        *_named_out(len(outputs)),
+    ]
+    for k, argument in enumerate(inputs):
+        is_number = not argument.shape and real is DOUBLE
+        otherwise = f"float{k}" if is_number else "general"
+        last = k == len(inputs) - 1
+        lines += _look(
+            k, argument, real, f"%args, i64 {k}", _CONTIGUOUS_ALIGNED, otherwise=otherwise, last=last
+        )
+        lines += _float(k) if is_number else []
+    lines += [
+        f"look{len(inputs)}:",
+        "  br i1 %checked, label %lengths, label %looked",
+        "lengths:",
+        f"  %units.at = getelementptr i8, ptr %self, i64 {_UNITS}",
+        "  %units = load ptr, ptr %units.at, align 8",
+        "  %are.unit = call i1 @fast.unit(ptr %units, ptr %data)",
+        "  br i1 %are.unit, label %looked, label %general",
+        "looked:",
+        "  br i1 %no.names, label %make, label %taken",
+    ]
+    lines += _taken(len(outputs))
+    lines.append(f"  br label %look{len(inputs) + 1}")
+    for k, argument in enumerate(outputs, len(inputs) + 1):
+        lines += _look(
+            k, argument, real, f"%outs, i64 {k - len(inputs) - 1}", _CONTIGUOUS_ALIGNED | _WRITEABLE, -1
+        )
+    lines += [
+        f"look{len(arguments) + 1}:",
+        *_apart(arguments, len(inputs), real.size),
+        "run:",
+        "  call void @kernel(ptr %data, ptr @fast.dims, ptr @fast.steps, ptr null)",
+        "  call void @Py_IncRef(ptr %given)",
+        "  ret ptr %given",
+        "make:",
+    ]
+    for k, argument in enumerate(outputs):
+        lines += (_make if argument.shape else _cell)(k, len(inputs) + k, argument, real)
+    lines.append("  call void @kernel(ptr %data, ptr @fast.dims, ptr @fast.steps, ptr null)")
+    lines += fastchecks.checked(outputs)
+    for k, argument in enumerate(outputs):
+        lines += [] if argument.shape else _scalar(k, real)
+    lines += ["  ret ptr %out0"] if len(outputs) == 1 else _tuple(len(outputs))
+    lines += [
+        "general:",
+        f"  %callable.at = getelementptr i8, ptr %self, i64 {_GENERAL}",
+        "  %callable = load ptr, ptr %callable.at, align 8",
+        "  %result = call ptr @PyObject_Vectorcall(ptr %callable, ptr %args, i64 %nargs, ptr %kwnames)",
+        "  ret ptr %result",
+        "failed:",
+        "  ret ptr null",
+        "}",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _entry(name: str, checked: str) -> str:
+    return f"""\
+define ptr @{name}(ptr %self, ptr %args, i64 %nargs, ptr %kwnames) {{
+  %result = tail call ptr @fast(ptr %self, ptr %args, i64 %nargs, ptr %kwnames, i1 {checked})
+  ret ptr %result
+}}"""
+
+
+def _descr(real: Real) -> str:
+    return f"freebody.descr.{real.dtype}"
+
+
+def _numbers(name: str, values: list[int]) -> str:
+    entries = ", ".join(f"i64 {value}" for value in values)
+    return f"@{name} = private constant [{len(values)} x i64] [{entries}], align 8"
+
+
+def _strides(argument: Argument, step: int) -> list[int]:
+    """Bytes between neighbours along each core axis, C order; `step` of one number."""
+    strides = []
+    for size in reversed(argument.shape):
+        strides.append(step)
+        step *= size
+    return strides[::-1]
+
+
+def _named_out(outputs: int) -> list[str]:
+    """No keyword, or the one that is `out`: its value `%given`, and where the arrays in it stand, `%outs`."""
+    lines = [
+        "counted:",
+        "  %given.at = getelementptr ptr, ptr %args, i64 %nargs",
+        "  br i1 %no.names, label %look0, label %named",
+        "named:",
+        f"  %names.at = getelementptr i8, ptr %kwnames, i64 {_COUNT}",
+        "  %names = load i64, ptr %names.at, align 8",
+        "  %one.name = icmp eq i64 %names, 1",
+        f"  %name.at = getelementptr i8, ptr %kwnames, i64 {_ITEMS}",
+        "  %name = load ptr, ptr %name.at, align 8",
+        "  %is.out = icmp eq ptr %name, @freebody.name.out",
+        "  %only.out = and i1 %one.name, %is.out",
+    ]
+    if outputs == 1:
+        lines.append("  br i1 %only.out, label %look0, label %general")
+    else:
+        lines += [
+            "  br i1 %only.out, label %several, label %general",
+            "several:",
+            "  %tuple.given = load ptr, ptr %given.at, align 8",
+            f"  %kind.at = getelementptr i8, ptr %tuple.given, i64 {_TYPE}",
+            "  %kind = load ptr, ptr %kind.at, align 8",
+            "  %is.tuple = icmp eq ptr %kind, @freebody.PyTuple_Type",
+            "  br i1 %is.tuple, label %counting, label %general",
+            "counting:",
+            f"  %length.at = getelementptr i8, ptr %tuple.given, i64 {_COUNT}",
+            "  %length = load i64, ptr %length.at, align 8",
+            f"  %as.many = icmp eq i64 %length, {outputs}",
+            "  br i1 %as.many, label %look0, label %general",
+        ]
+    return lines
+
+
+def _taken(outputs: int) -> list[str]:
+    """What was given as `out`, and where its arrays stand."""
+    lines = ["taken:", "  %given = load ptr, ptr %given.at, align 8"]
+    if outputs == 1:
+        return [*lines, "  %outs = getelementptr ptr, ptr %given.at, i64 0"]
+    return [*lines, f"  %outs = getelementptr i8, ptr %given, i64 {_ITEMS}"]
+
+
+def _apart(arguments: tuple[Argument, ...], inputs: int, size: int) -> list[str]:
+    """On to `run` if no output lies where another argument does, else the general way."""
+    lines, apart = [], "true"
+    for k, argument in enumerate(arguments):
+        lines += [
+            f"  %start.at{k} = getelementptr ptr, ptr %data, i64 {k}",
+            f"  %start{k} = load ptr, ptr %start.at{k}, align 8",
+            f"  %stop{k} = getelementptr i8, ptr %start{k}, i64 {size * argument.size}",
+        ]
+    for k in range(inputs, len(arguments)):
+        for other in range(k):
+            pair = f"{k}.{other}"
+            lines += [
+                f"  %before{pair} = icmp ule ptr %stop{k}, %start{other}",
+                f"  %after{pair} = icmp uge ptr %start{k}, %stop{other}",
+                f"  %beside{pair} = or i1 %before{pair}, %after{pair}",
+                f"  %apart{pair} = and i1 {apart}, %beside{pair}",
+            ]
+            apart = f"%apart{pair}"
+    return [*lines, f"  br i1 {apart}, label %run, label %general"]
+
+
+def _look(
+    k: int,
+    argument: Argument,
+    real: Real,
+    place: str,
+    flags: int,
+    shift: int = 0,
+    otherwise: str = "general",
+    last: bool = False,
+) -> list[str]:
+    """Argument k, found at `place`: on to the next if it is a plain array of its core shape, else the general way.
+
+    Its data become entry k + shift of those that the loop takes. otherwise: where what is no array goes. last: whether
+    it is the input that a function may hold.
+    """
+    nd = len(argument.shape)
+    lines = [
+        f"look{k}:",
+        f"  %{'given.' if last else ''}slot{k} = getelementptr ptr, ptr {place}",
+        *([f"  %slot{k} = select i1 %but.last, ptr %held.at, ptr %given.slot{k}"] if last else []),
+        f"  %object{k} = load ptr, ptr %slot{k}, align 8",
+        *_field(k, "type", _TYPE, "ptr"),
+        f"  %is{k} = icmp eq ptr %type{k}, @freebody.PyArray_Type",
+        f"  br i1 %is{k}, label %array{k}, label %{otherwise}",
+        f"array{k}:",
+        *_field(k, "nd", _ND, "i32"),
+        *_field(k, "descr", _DESCR, "ptr"),
+        *_field(k, "flags", _FLAGS, "i32"),
+        f"  %masked{k} = and i32 %flags{k}, {flags}",
+        f"  %a{k} = icmp eq i32 %nd{k}, {nd}",
+        f"  %b{k} = icmp eq ptr %descr{k}, @{_descr(real)}",
+        f"  %c{k} = icmp eq i32 %masked{k}, {flags}",
+        f"  %ab{k} = and i1 %a{k}, %b{k}",
+        f"  %abc{k} = and i1 %ab{k}, %c{k}",
+        f"  br i1 %abc{k}, label %shape{k}, label %general",
+        f"shape{k}:",
+        *_field(k, "dims", _DIMS, "ptr"),
+    ]
+    fits = "true"
+    for axis, size in enumerate(argument.shape):
+        lines += [
+            f"  %at{k}.{axis} = getelementptr i64, ptr %dims{k}, i64 {axis}",
+            f"  %size{k}.{axis} = load i64, ptr %at{k}.{axis}, align 8",
+            f"  %same{k}.{axis} = icmp eq i64 %size{k}.{axis}, {size}",
+            f"  %fits{k}.{axis} = and i1 {fits}, %same{k}.{axis}",
+        ]
+        fits = f"%fits{k}.{axis}"
+    return [
+        *lines,
+        *_field(k, "buffer", _DATA, "ptr"),
+        f"  %entry{k} = getelementptr ptr, ptr %data, i64 {k + shift}",
+        f"  store ptr %buffer{k}, ptr %entry{k}, align 8",
+        f"  br i1 {fits}, label %look{k + 1}, label %general",
+    ]
+
+
+def _float(k: int) -> list[str]:
+    """Input k, which is no array: the double in it if it is a number of Python's, else the general way."""
+    return [
+        f"float{k}:",
+        f"  %is.float{k} = icmp eq ptr %type{k}, @freebody.PyFloat_Type",
+        f"  br i1 %is.float{k}, label %number{k}, label %general",
+        f"number{k}:",
+        f"  %value{k} = getelementptr i8, ptr %object{k}, i64 {_VALUE}",
+        f"  %value.entry{k} = getelementptr ptr, ptr %data, i64 {k}",
+        f"  store ptr %value{k}, ptr %value.entry{k}, align 8",
+        f"  br label %look{k + 1}",
+    ]
+
+
+def _field(k: int, name: str, offset: int, kind: str) -> list[str]:
+    return [
+        f"  %{name}.at{k} = getelementptr i8, ptr %object{k}, i64 {offset}",
+        f"  %{name}{k} = load {kind}, ptr %{name}.at{k}, align {8 if kind == 'ptr' else 4}",
+    ]
+
+
+def _make(k: int, position: int, argument: Argument, real: Real) -> list[str]:
+    """Output k: a new array; `position` among all arguments."""
+    return [
+        f"  %out{k} = call ptr @freebody.PyArray_New(ptr @freebody.PyArray_Type, i32 {len(argument.shape)}, "
+        f"ptr @fast.shape{k}, i32 {real.number}, ptr null, ptr null, i32 0, i32 0, ptr null)",
+        f"  %made{k} = icmp ne ptr %out{k}, null",
+        f"  br i1 %made{k}, label %made.{k}, label %failed",
+        f"made.{k}:",
+        f"  %out.at{k} = getelementptr i8, ptr %out{k}, i64 {_DATA}",
+        f"  %out.data{k} = load ptr, ptr %out.at{k}, align 8",
+        f"  %out.entry{k} = getelementptr ptr, ptr %data, i64 {position}",
+        f"  store ptr %out.data{k}, ptr %out.entry{k}, align 8",
+    ]
+
+
+def _cell(k: int, position: int, argument: Argument, real: Real) -> list[str]:
+    """Output k, one number: a place for it until it is an object."""
+    return [
+        f"  %out.data{k} = getelementptr {real.name}, ptr %cell{k}, i64 0",
+        f"  %out.entry{k} = getelementptr ptr, ptr %data, i64 {position}",
+        f"  store ptr %cell{k}, ptr %out.entry{k}, align 8",
+    ]
+
+
+def _scalar(k: int, real: Real) -> list[str]:
+    """Output k, one number, as NumPy's object of its type."""
+    return [
+        f"  %out{k} = call ptr @freebody.PyArray_Scalar(ptr %cell{k}, ptr @{_descr(real)}, ptr null)",
+        f"  %made{k} = icmp ne ptr %out{k}, null",
+        f"  br i1 %made{k}, label %made.{k}, label %failed",
+        f"made.{k}:",
+    ]
+
+
+def _tuple(count: int) -> list[str]:
+    """Return the outputs as a tuple, which takes over their references."""
+    return [
+        f"  %tuple = call ptr @PyTuple_New(i64 {count})",
+        "  %tupled = icmp ne ptr %tuple, null",
+        "  br i1 %tupled, label %fill, label %failed",
+        "fill:",
+        *(f"  %set{k} = call i32 @PyTuple_SetItem(ptr %tuple, i64 {k}, ptr %out{k})" for k in range(count)),
+        "  ret ptr %tuple",
+    ]
