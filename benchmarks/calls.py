@@ -5,8 +5,8 @@
 Both sides are given float64 arrays of one state and called as a user calls them, in a loop that runs no code of its own
 between two calls. Pinocchio has its `Data`, made before, and gives back what its functions return: where that is a view
 of `Data`, nothing is copied. Poses, velocities and accelerations are its SE3 and Motion, made from `Data` by its own
-calls. Solo has a free base. A row's values are compared first. Rounds are interleaved; a ratio is the median of those
-within a round. It exits with 1 if a ratio is above 1.
+calls. Solo has a free base. A row's values are compared first. Rounds are interleaved, of CPU time; a ratio is the median
+of those within a round. It exits with 1 if a ratio is above 1.
 """
 
 import argparse
@@ -197,13 +197,13 @@ def microseconds(call: tuple[Any, ...]) -> float:
     """Of one call, its arguments given as they are."""
     function, *arguments = call
     columns = [repeat(x, CALLS) for x in arguments] or None
-    start = time.perf_counter()
+    start = time.process_time()
     if columns is None:
         for _ in range(CALLS):
             function()
     else:
         deque(map(function, *columns), maxlen=0)
-    return (time.perf_counter() - start) / CALLS * 1e6
+    return (time.process_time() - start) / CALLS * 1e6
 
 
 def difference(row: Row) -> float:
