@@ -5,8 +5,8 @@
 Both sides are given float64 arrays of one state and called as a user calls them, in a loop that runs no code of its own
 between two calls. Pinocchio has its `Data`, made before, and gives back what its functions return: where that is a view
 of `Data`, nothing is copied. Poses, velocities and accelerations are its SE3 and Motion, made from `Data` by its own
-calls. Solo has a free base. A row's values are compared first. Rounds are interleaved, of CPU time; a ratio is the median
-of those within a round. It exits with 1 if a ratio is above 1.
+calls. Solo has a free base. A row's values are compared first. Times are CPU time, rounds interleaved; a ratio is the
+median of those within a round. It exits with 1 if a ratio is above 1.
 """
 
 import argparse
