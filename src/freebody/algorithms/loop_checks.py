@@ -19,7 +19,7 @@ from freebody.algorithms.constraints import (
     one_if_positive,
 )
 from freebody.algorithms.crba import Factors
-from freebody.algorithms.loop_scales import equations_of_lengths, mechanism_length, rates_of_lengths
+from freebody.algorithms.loop_scales import scales
 from freebody.elementary import Scalar, absolute, maximum, minimum
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, dot, times
@@ -44,17 +44,9 @@ def sure(values: Vector, margins: Iterable[Scalar]) -> Vector:
     return tuple(x + nothing for x in values)
 
 
-def angular(tree: Tree) -> tuple[Vector, Vector]:
-    """Factors that make angles of (the equations, the rates)."""
-    per_length = 1.0 / mechanism_length(tree)
-    of_lengths = equations_of_lengths(tree), rates_of_lengths(tree)
-    rows, rates = (tuple(per_length if x else 1.0 for x in some) for some in of_lengths)
-    return rows, rates
-
-
 def closed_margins(tree: Tree, q: Vector, qd: Vector | None = None) -> list[Scalar]:
     """Of loops that are closed, the right way round, and stay closed at the rates."""
-    rows, rates = angular(tree)
+    rows, rates = scales(tree)
     margins = [CLOSED**2 - x for x in _by_loop(tree, rows, constraint(tree, q))]
     for loop, (a, b) in zip(tree.loops, loop_ends(tree, q), strict=True):
         for n, u in loop.closure.turns:
@@ -69,7 +61,7 @@ def closed_margins(tree: Tree, q: Vector, qd: Vector | None = None) -> list[Scal
 
 def consistent_margin(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Scalar:
     """Of accelerations that keep the loops closed."""
-    rows, rates = angular(tree)
+    rows, rates = scales(tree)
     c = constraint_bias(tree, q, qd)
     left = [s * (dot(row, qdd) - x) for s, row, x in zip(rows, constraint_jacobian(tree, q), c, strict=True)]
     terms = 1.0 + largest(qdd, rates) + _largest(s * x for s, x in zip(rows, c, strict=True))
@@ -83,7 +75,7 @@ def solution_margins(
 
     M and its factors; equations: those that were taken, None is all.
     """
-    rows, rates = angular(tree)
+    rows, rates = scales(tree)
     kept = rows if equations is None else tuple(rows[k] for k in equations)
     pivots = [s * s * pivot for s, pivot in zip(kept, found.pivots, strict=True)]
     diagonal = [M[k][k] for k in range(tree.nv)]
@@ -93,14 +85,14 @@ def solution_margins(
     if pivots:
         most = reduce(maximum, pivots)
         # over rates in m/s, M is a mass: all is made an inertia
-        inertia = reduce(maximum, [m / (r * r) for r, m in zip(rates, diagonal, strict=True)])
+        inertia = reduce(maximum, [r * r * m for r, m in zip(rates, diagonal, strict=True)])
         margins += [reduce(minimum, pivots) - PIVOT * most, LIGHT - inertia * most]
     return [*margins, LIGHT - largest(found.qdd, rates)]
 
 
 def largest(values: Vector, rates: Vector) -> Scalar:
     """The largest of rates, or of their derivatives, as an angular one."""
-    return _largest(x * r for x, r in zip(values, rates, strict=True))
+    return _largest(x / r for x, r in zip(values, rates, strict=True))
 
 
 def _largest(values: Iterable[Scalar]) -> Scalar:

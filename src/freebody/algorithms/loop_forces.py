@@ -19,14 +19,14 @@ from typing import NamedTuple
 
 from freebody.algorithms.constraints import constraint_jacobian, loop_loads, one_if_positive, solved
 from freebody.algorithms.crba import only_inertia
-from freebody.algorithms.loop_scales import equations_of_lengths, mechanism_length, rates_of_lengths
+from freebody.algorithms.loop_scales import scales
 from freebody.algorithms.rnea import Recursion, rnea
 from freebody.elementary import Scalar, maximum, minimum, sqrt
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, add, dot, scale, sub, times, transposed
 
 _PIVOT = 1e-3
-"""The smallest entry of R's diagonal relative to the largest, from which A is regular enough to divide by."""
+"""The smallest entry of R's diagonal relative to the largest, from which columns are regular enough to divide by."""
 _LEFT = 1e-9
 """Of a scaled equation: what rounding leaves of one that follows from others."""
 
@@ -51,6 +51,12 @@ class Orthogonal:
     triangle: tuple[Vector, ...]
     """Of each column its entries of R down to the diagonal."""
 
+    @property
+    def margins(self) -> list[Scalar]:
+        """What is positive where the columns are independent enough to divide by."""
+        sizes = [column[-1] for column in self.triangle]
+        return [reduce(minimum, sizes) - _PIVOT * reduce(maximum, sizes)] if sizes else []
+
     def solve(self, right: Vector) -> Vector:
         """x with Σ x[k] columns[k] = right."""
         x: list[Scalar] = []
@@ -64,13 +70,13 @@ class Orthogonal:
         return tuple(x)
 
     def solve_transposed(self, right: Vector) -> Vector:
-        """x with columns[k] · x = right[k]."""
+        """The smallest x with columns[k] · x = right[k]."""
         z: list[Scalar] = []
         for column, value in zip(self.triangle, right, strict=True):
             for entry, known in zip(column, z, strict=False):
                 value = value - entry * known
             z.append(value / column[-1])
-        x: Vector = (0.0,) * len(right)
+        x: Vector = (0.0,) * len(self.units[0] if self.units else right)
         for unit, value in reversed(tuple(zip(self.units, z, strict=True))):
             x = add(x, scale(value - dot(unit, x), unit))  # Björck 1967: less rounding than Q z
         return x
@@ -163,21 +169,22 @@ def loose_recursions(tree: Tree, q: Vector, partition: Partition) -> list[tuple[
 
 def _where_it_holds(split: _Split, left: Scalar) -> Scalar:
     """1 where the partition's choice is good, NaN elsewhere; left: as of `_loose`."""
-    pivots = [column[-1] for column in split.factors.triangle]
-    if not pivots:
-        return 1.0
-    return one_if_positive(reduce(minimum, pivots) - _PIVOT * reduce(maximum, pivots), _LEFT**2 - left)
+    margins = split.factors.margins
+    return one_if_positive(*margins, _LEFT**2 - left) if margins else 1.0
 
 
-def _split(tree: Tree, q: Vector, partition: Partition) -> _Split:
-    length = mechanism_length(tree)
-    per_length = 1.0 / length
-    rows = tuple(per_length if of_length else 1.0 for of_length in equations_of_lengths(tree))
-    rates = tuple(length if of_length else 1.0 for of_length in rates_of_lengths(tree))
-    phi = tuple(
+def scaled_jacobian(tree: Tree, q: Vector) -> Matrix:
+    """Φ_q in angles, over angular rates."""
+    rows, rates = scales(tree)
+    return tuple(
         tuple(s * x * r for x, r in zip(row, rates, strict=True))
         for s, row in zip(rows, constraint_jacobian(tree, q), strict=True)
     )
+
+
+def _split(tree: Tree, q: Vector, partition: Partition) -> _Split:
+    rows, rates = scales(tree)
+    phi = scaled_jacobian(tree, q)
     columns = transposed(tuple(phi[k] for k in partition.rows))
     independent = tuple(k for k in range(tree.nv) if k not in partition.dependent)
     return _Split(

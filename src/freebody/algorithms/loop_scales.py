@@ -19,6 +19,14 @@ def mechanism_length(tree: Tree) -> Scalar:
     return longest
 
 
+def scales(tree: Tree) -> tuple[Vector, Vector]:
+    """(factors (m,) of the loop equations, divisors (nv,) of the rates) that make angles of what is of lengths."""
+    length = mechanism_length(tree)
+    per_length = 1.0 / length
+    rows = tuple(per_length if of_length else 1.0 for of_length in equations_of_lengths(tree))
+    return rows, tuple(length if of_length else 1.0 for of_length in rates_of_lengths(tree))
+
+
 def equations_of_lengths(tree: Tree) -> tuple[bool, ...]:
     """For each loop equation whether it is one of lengths (m); others are sines of angles."""
     found: list[bool] = []

@@ -23,7 +23,7 @@ _PLACES = {
     "static_torque": ("freebody.loops.dynamics", "holding"),
     "joint_wrenches": ("freebody.loops.reactions", "reactions"),
     "assemble": ("freebody.loops.assembly", "assemble"),
-    "loop_velocity": ("freebody.loops.assembly", "loop_velocity"),
+    "loop_velocity": ("freebody.loops.rates", "loop_velocity"),
     "independent_rows": ("freebody.loops.partition", "independent_rows"),
     "require_partition": ("freebody.loops.partition", "require_partition"),
 }

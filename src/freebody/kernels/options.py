@@ -64,8 +64,12 @@ def _near_home(function: str, model: Model, listed: tuple[str, ...], option: Opt
     if any(FORMULAS[name].settled == "equations" for name in listed):
         option = option._replace(equations=closed("independent_rows")(model))
     for name in listed:
-        if FORMULAS[name].settled == "partition" and option.partition is None:
-            option = option._replace(partition=closed("require_partition")(model, f"{function}: {name}"))
+        settled = FORMULAS[name].settled
+        if settled in ("partition", "loops"):
+            # one by the drives does for what the loops do, too
+            by_drives = settled == "partition" or any(FORMULAS[x].settled == "partition" for x in listed)
+            chosen = closed("require_partition")(model, f"{function}: {name}", by_drives)
+            option = option._replace(partition=chosen)
     return option
 
 

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from freebody.algorithms.loop_checks import CLOSED
-from freebody.arrays import Array, as_floats, at_sample, refuse_not_finite
-from freebody.errors import FreebodyError, LoopError, UnknownNameError
-from freebody.kernels.formulas import Option
-from freebody.kernels.structural import fetch
+from freebody.arrays import Array, at_sample
+from freebody.errors import FreebodyError, LoopError
 from freebody.loops.coordinates import free_coordinates
 from freebody.loops.decompose import decomposed
 from freebody.loops.equations import (
     closing,
-    counting,
     gaps,
-    refuse_inconsistent,
-    require_closed,
     require_loops,
     scaled_jacobian,
     within_tolerance,
@@ -30,12 +25,10 @@ from freebody.loops.scaled import (
     every_residual,
     length,
     rate_scale,
-    row_scale,
     shortest_way,
 )
-from freebody.model.geometry import first_member
 from freebody.model.model import Model
-from freebody.trees.calls import Vector, common_batch, finite_vector
+from freebody.trees.calls import Vector, finite_vector
 from freebody.trees.states import home_guess, integrate
 
 _RESTARTS = 32
@@ -96,29 +89,6 @@ def assembly_modes(model: Model, q: Vector, free: Sequence[str] | None = None, s
     return np.array(modes).reshape(-1, model.nq)
 
 
-def loop_velocity(model: Model, q: Vector, rates: Vector) -> Array:
-    """Rates qd (..., nv) that keep every loop closed at the closed position q (..., nq) (2.35, 5.22).
-
-    rates: {coordinate: value} for the independent coordinates, or a whole vector (..., nv), from which the nearest
-    consistent one is taken. Raises LoopError when the values given contradict the loops, FreebodyError when they leave
-    the motion open.
-    """
-    require_loops(model, "loop_velocity")
-    at = finite_vector("loop_velocity", model, "q", q)
-    require_closed("loop_velocity", model, at)
-    return _consistent("loop_velocity", model, at, rates, np.zeros((*at.shape[:-1], len(row_scale(model)))))
-
-
-def loop_acceleration(model: Model, q: Vector, qd: Vector, accelerations: Vector) -> Array:
-    """Accelerations qdd (..., nv) consistent with the loops at the closed state q, qd (5.28); arguments as for
-    `loop_velocity`."""
-    require_loops(model, "loop_acceleration")
-    at, rates = (finite_vector("loop_acceleration", model, n, x) for n, x in (("q", q), ("qd", qd)))
-    require_closed("loop_acceleration", model, at, rates)
-    right = fetch(first_member(model), ("constraint_bias",), Option())(at, rates)
-    return _consistent("loop_acceleration", model, at, accelerations, right)
-
-
 # ---------------------------------------------------------------- positions
 def _is_closed(model: Model, q: Array, left: Array) -> NDArray[np.bool_]:
     return (left < EXACT) & within_tolerance(model, q).all(axis=-1) & ~backward(model, q).any(axis=-1)
@@ -176,58 +146,3 @@ def _solutions(model: Model, guess: Array, moving: Sequence[int], starts: int) -
     good = closed[_is_closed(model, closed, left)]
     distance = np.linalg.norm(shortest_way(model, np.broadcast_to(guess, good.shape), good), axis=-1)
     return good[np.argsort(distance)]
-
-
-# ---------------------------------------------------------------- rates
-def _given(
-    function: str, model: Model, given: ArrayLike | Mapping[str, ArrayLike]
-) -> tuple[list[int], Array]:
-    """(coordinates that are held to their values, the values (..., nv), 0 for coordinates that are not given)."""
-    if not isinstance(given, Mapping) or hasattr(given, "to_dataarray"):
-        return [], finite_vector(function, model, "rates", given)
-    names, columns = model.velocity_names, {}
-    for name, value in given.items():
-        if name not in names:
-            raise UnknownNameError("coordinate", name, f"{function}: {model.name!r}", names)
-        columns[name] = as_floats(function, f"rates[{name!r}]", value)
-        refuse_not_finite(function, f"rates[{name!r}]", columns[name], 0)
-    values = np.zeros((*common_batch(function, {n: x[..., None] for n, x in columns.items()}), model.nv))
-    for name, column in columns.items():
-        values[..., names.index(name)] = column
-    return sorted(map(names.index, columns)), values
-
-
-def _consistent(
-    function: str, model: Model, q: Array, given: ArrayLike | Mapping[str, ArrayLike], right: Array
-) -> Array:
-    """x (..., nv) with Φ_q x = right: with the values given, or nearest to the vector given."""
-    held, x = _given(function, model, given)
-    batch = common_batch(function, {"q": q, "rates": x, "qd": right})
-    q, x, right = (np.broadcast_to(a, (*batch, a.shape[-1])).reshape(-1, a.shape[-1]) for a in (q, x, right))
-    J = scaled_jacobian(model, q)
-    right, stretch = counting(model, q, row_scale(model) * right), rate_scale(model)
-    result = x / stretch
-    moving = np.setdiff1d(np.arange(model.nv), held)
-    missing = right - np.einsum("nmk,nk->nm", J, result)
-    step = np.einsum("nkm,nm->nk", np.linalg.pinv(J[..., moving], rcond=1e-10), missing)
-    result[:, moving] += step
-    left = right - np.einsum("nmk,nk->nm", J, result)
-    bad = np.flatnonzero(
-        np.abs(left).max(axis=-1, initial=0.0) > 1e-8 * (1.0 + np.abs(result).max(axis=-1, initial=0.0))
-    )
-    if len(bad):
-        sample = at_sample((int(bad[0]),) if batch else ())
-        refuse_inconsistent(
-            function,
-            model,
-            left[bad[0]],
-            f"does not allow the values given{sample}: they contradict its equations; give fewer of them"
-            if held
-            else f"cannot stay closed{sample}, whatever the values: the mechanism is stuck",
-        )
-    if isinstance(given, Mapping) and (np.linalg.matrix_rank(J[..., moving], tol=1e-9) < len(moving)).any():
-        raise FreebodyError(
-            f"{function}: the values given for {', '.join(given) or 'nothing'} leave {model.name!r} free to move; "
-            "give one for every independent coordinate: fb.mobility(model, q).independent names a choice."
-        )
-    return (result * stretch).reshape(*batch, model.nv)

@@ -71,14 +71,15 @@ def partition_of_loops(model: Model) -> Partition | None:
     return partition(model) or partition(model, range(model.nv))
 
 
-def require_partition(model: Model, function: str) -> Partition:
-    """The same for the model's own drives; SingularError where there is none."""
-    found = partition(model)
+def require_partition(model: Model, function: str, by_drives: bool) -> Partition:
+    """The same, for the model's own drives or for the loops alone; SingularError where there is none."""
+    found = partition(model) if by_drives else partition_of_loops(model)
     if found is None:
+        drives = "the drives do not force every motion, or " if by_drives else "nothing moves, or "
         raise SingularError(
             f"{function}: no choice of equations and coordinates of {model.name!r} holds near its home, which a "
-            "compiled kernel needs: the drives do not force every motion, or redundant equations are rounded. Use "
-            "fb.inverse_dynamics or fb.static_torque, which choose at each position."
+            f"compiled kernel needs: {drives}redundant equations are rounded. Use the functions of closed chains, "
+            "fb.inverse_dynamics or fb.reactions, which choose at each position."
         )
     return found
 

@@ -8,10 +8,11 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import LoopError
-from freebody.loops.assembly import assemble, loop_acceleration, loop_velocity
+from freebody.loops.assembly import assemble
 from freebody.loops.coordinates import free_coordinates
 from freebody.loops.equations import closing, scaled_jacobian
 from freebody.loops.mobility import mobility
+from freebody.loops.rates import loop_acceleration, loop_velocity
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled import backward, length, null_space, rate_scale
 from freebody.loops.solving import RANK

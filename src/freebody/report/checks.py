@@ -10,8 +10,9 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import SingularError
 from freebody.loops import dynamics as closed
-from freebody.loops.assembly import assemble, loop_velocity
+from freebody.loops.assembly import assemble
 from freebody.loops.equations import gaps, scaled_residual
+from freebody.loops.rates import loop_velocity
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled import length
 from freebody.model.model import Model

@@ -13,7 +13,8 @@ from freebody.arrays import Array
 from freebody.figures.loads import BodyLoads, body_loads
 from freebody.figures.skeleton import BodyPlace, End, Skeleton, extent, skeleton
 from freebody.lazy import cached_property
-from freebody.loops.assembly import assemble, loop_acceleration, loop_velocity
+from freebody.loops.assembly import assemble
+from freebody.loops.rates import loop_acceleration, loop_velocity
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, with_parameters
 from freebody.trees.calls import Vector, Wrenches, vector

@@ -15,7 +15,9 @@ from freebody.algorithms.constraints import (
     loop_loads,
     loop_wrenches,
 )
+from freebody.algorithms.loop_checks import closed_margins, sure
 from freebody.algorithms.loop_forces import drive_torques, loop_multipliers, loose_recursions
+from freebody.algorithms.loop_rates import led, nearest
 from freebody.algorithms.rnea import joint_wrenches, rnea
 from freebody.kernels.formulas.choices import external, partition_of, seeded
 from freebody.kernels.formulas.record import Formula, Option, Output
@@ -30,6 +32,24 @@ def _constrained(
 ) -> tuple[Any, ...]:
     found = constrained_dynamics(tree, q, qd, tau, external(tree, o, q, wrenches), o.equations)
     return found.qdd, found.multipliers, found.pivots
+
+
+def _velocity(tree: Tree, o: Option, q: Vector, x: Vector) -> tuple[Any, ...]:
+    return _consistent(tree, o, q, None, x, (0.0,) * tree.constraints)
+
+
+def _acceleration(tree: Tree, o: Option, q: Vector, qd: Vector, x: Vector) -> tuple[Any, ...]:
+    return _consistent(tree, o, q, qd, x, constraint_bias(tree, q, qd))
+
+
+def _consistent(
+    tree: Tree, o: Option, q: Vector, qd: Vector | None, x: Vector, right: Vector
+) -> tuple[Any, ...]:
+    if o.held is None:
+        found, margins = nearest(tree, q, x, right, partition_of(o))
+    else:
+        found, margins = led(tree, q, x, right, o.held, o.equations or ())
+    return (sure(found, margins + (closed_margins(tree, q, qd) if o.checks == "state" else [])),)
 
 
 def _jerk(tree: Tree, o: Option, q: Vector, qd: Vector, x: Vector) -> tuple[Any, ...]:
@@ -113,6 +133,20 @@ FORMULAS = {
         },
         _constrained,
     ),
+    "loop_velocity": Formula(
+        ("q", "x"),
+        {"qd": Output(("nv",), "rates next to x that keep the loops closed (rad/s, m/s)")},
+        _velocity,
+        chains="closed",
+        settled="loops",
+    ),
+    "loop_acceleration": Formula(
+        ("q", "qd", "x"),
+        {"qdd": Output(("nv",), "accelerations next to x that keep the loops closed (rad/s^2, m/s^2)")},
+        _acceleration,
+        chains="closed",
+        settled="loops",
+    ),
     "drive_torques": Formula(
         ("q", "x"),
         {
@@ -129,7 +163,7 @@ FORMULAS = {
         {"multipliers": Output(("constraints",), "one for each loop equation (N, N m)")},
         lambda t, o, q, x: (loop_multipliers(t, q, x, partition_of(o)),),
         chains="closed",
-        settled="partition",
+        settled="loops",
     ),
     "closed_wrenches": Formula(
         ("q", "qd", "qdd", "multipliers", "wrenches"),
@@ -148,7 +182,7 @@ FORMULAS = {
         _loose_wrenches,
         axes=_AXES,
         chains="closed",
-        settled="partition",
+        settled="loops",
     ),
     "balance": Formula(
         ("q", "qd", "qdd", "reactions", "wrenches"),

@@ -38,6 +38,8 @@ class Option(NamedTuple):
     """Loop equations that count; None: all. The others follow from them."""
     partition: Partition | None = None
     """Of a closed chain's equations and coordinates, for what its drives do."""
+    held: tuple[int, ...] | None = None
+    """Coordinates whose rates are given, and tell the others; None: all are given, and the nearest possible meant."""
     checks: str = ""
     """Of a closed chain: NaN where the choice of equations does not tell ("solution"), and where its loops do not allow
     the state either ("state")."""
@@ -62,7 +64,8 @@ class Formula:
     world's. of_rows: whether rows of the frame's motion can be chosen.
     chains: which it says something of; "open": it leaves loops out, so that a closed chain must not be given to it.
     settled: what of a closed chain is chosen near home, once for all positions of a kernel: the "equations" that tell
-    all, those left out that depend on others, or the "partition" of equations and coordinates by its drives.
+    all, those left out that depend on others, or the "partition" of equations and coordinates by its drives, or one
+    for what the "loops" do, to which drives do not matter.
     by_columns: how a matrix of a large robot is made column by column.
     """
 
@@ -75,7 +78,7 @@ class Formula:
     axes: tuple[str, ...] = ()
     of_rows: bool = False
     chains: Literal["all", "open", "closed"] = "all"
-    settled: Literal["equations", "partition"] | None = None
+    settled: Literal["equations", "partition", "loops"] | None = None
     by_columns: ByColumns | None = None
 
     def uses(self, option: str) -> bool:

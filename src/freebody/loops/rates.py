@@ -1,0 +1,150 @@
+"""Rates and accelerations that keep every loop closed: the nearest to those given, or what a few of them mean."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from freebody.algorithms.loop_rates import ALLOWED
+from freebody.arrays import Array, as_floats, at_sample, refuse_not_finite
+from freebody.errors import FreebodyError, SingularError, UnknownNameError
+from freebody.kernels.formulas import Option
+from freebody.kernels.structural import fetch
+from freebody.loops.equations import (
+    counting,
+    refuse_inconsistent,
+    require_closed,
+    require_loops,
+    scaled_jacobian,
+)
+from freebody.loops.partition import partition_of_loops
+from freebody.loops.scaled import rate_scale, row_scale
+from freebody.model.model import Model
+from freebody.trees.calls import Vector, attempt, common_batch, finite_vector
+
+_LOOSE = 1e-9  # singular values of Φ_q from which coordinates are told by the others
+
+
+def loop_velocity(model: Model, q: Vector, rates: Vector) -> Array:
+    """Rates qd (..., nv) that keep every loop closed at the closed position q (..., nq) (2.35, 5.22).
+
+    rates: {coordinate: value} for the independent coordinates, or a whole vector (..., nv), from which the nearest
+    consistent one is taken. Raises LoopError when the values given contradict the loops, FreebodyError when they leave
+    the motion open.
+    """
+    require_loops(model, "loop_velocity")
+    found = _attempted("loop_velocity", model, q, rates)
+    if found is not None:
+        return found
+    at = finite_vector("loop_velocity", model, "q", q)
+    require_closed("loop_velocity", model, at)
+    return _consistent("loop_velocity", model, {"q": at}, rates)
+
+
+def loop_acceleration(model: Model, q: Vector, qd: Vector, accelerations: Vector) -> Array:
+    """Accelerations qdd (..., nv) consistent with the loops at the closed state q, qd (5.28); arguments as for
+    `loop_velocity`."""
+    require_loops(model, "loop_acceleration")
+    found = _attempted("loop_acceleration", model, q, qd, accelerations)
+    if found is not None:
+        return found
+    at, rates = (finite_vector("loop_acceleration", model, n, x) for n, x in (("q", q), ("qd", qd)))
+    require_closed("loop_acceleration", model, at, rates)
+    return _consistent("loop_acceleration", model, {"q": at, "qd": rates}, accelerations)
+
+
+def _attempted(function: str, model: Model, *inputs: Vector) -> Array | None:
+    """What a kernel is sure of, of a whole vector."""
+    chosen = None if isinstance(inputs[-1], Mapping) else partition_of_loops(model)
+    if chosen is None:
+        return None
+    return attempt(function, model, inputs, Option(partition=chosen, checks="state"))
+
+
+def _given(
+    function: str, model: Model, given: ArrayLike | Mapping[str, ArrayLike]
+) -> tuple[tuple[int, ...] | None, Array]:
+    """(coordinates that are held to their values, None where a whole vector is given; the values (..., nv), 0 for
+    coordinates that are not given)."""
+    if not isinstance(given, Mapping) or hasattr(given, "to_dataarray"):
+        return None, finite_vector(function, model, "rates", given)
+    names, columns = model.velocity_names, {}
+    for name, value in given.items():
+        if name not in names:
+            raise UnknownNameError("coordinate", name, f"{function}: {model.name!r}", names)
+        columns[name] = as_floats(function, f"rates[{name!r}]", value)
+        refuse_not_finite(function, f"rates[{name!r}]", columns[name], 0)
+    values = np.zeros((*common_batch(function, {n: x[..., None] for n, x in columns.items()}), model.nv))
+    for name, column in columns.items():
+        values[..., names.index(name)] = column
+    return tuple(sorted(map(names.index, columns))), values
+
+
+def _consistent(
+    function: str, model: Model, state: dict[str, Array], given: ArrayLike | Mapping[str, ArrayLike]
+) -> Array:
+    """x (..., nv) with Φ_q x = right at a closed state: with the values given, or nearest to the vector given."""
+    held, x = _given(function, model, given)
+    arrays = state | {"rates": x}
+    batch = common_batch(function, arrays)
+    arrays = {name: np.broadcast_to(a, (*batch, a.shape[-1])) for name, a in arrays.items()}
+    result = _by_kernel(function, model, held, arrays)
+    with_care = np.isnan(result).any(axis=-1)
+    if with_care.any():
+        some = {name: a[with_care] for name, a in arrays.items()}
+        result[with_care] = _carefully(function, model, held, some, np.argwhere(with_care))
+    return result
+
+
+def _by_kernel(function: str, model: Model, held: tuple[int, ...] | None, arrays: dict[str, Array]) -> Array:
+    """NaN where no fixed choice of equations and coordinates does."""
+    chosen = partition_of_loops(model)
+    if chosen is not None:
+        option = Option(partition=chosen) if held is None else Option(equations=chosen.rows, held=held)
+        try:
+            return fetch(model, (function,), option)(*arrays.values())
+        except SingularError:  # a coordinate that no loop feels, and no value tells
+            pass
+    return np.full(arrays["rates"].shape, np.nan)
+
+
+def _carefully(
+    function: str,
+    model: Model,
+    held: tuple[int, ...] | None,
+    arrays: dict[str, Array],
+    samples: NDArray[np.intp],
+) -> Array:
+    """The same by singular values, of arrays (N, …) which are those samples of a batch; refuses what contradicts the
+    loops, or leaves them free to move."""
+    q, x = arrays["q"], arrays["rates"]
+    right = fetch(model, ("constraint_bias",), Option())(q, arrays["qd"]) if "qd" in arrays else np.zeros(1)
+    J = scaled_jacobian(model, q)
+    right, stretch = counting(model, q, row_scale(model) * right), rate_scale(model)
+    result = x / stretch
+    moving = np.setdiff1d(np.arange(model.nv), held or ())
+    missing = right - np.einsum("nmk,nk->nm", J, result)
+    step = np.einsum("nkm,nm->nk", np.linalg.pinv(J[..., moving], rcond=1e-10), missing)
+    result[:, moving] += step
+    left = right - np.einsum("nmk,nk->nm", J, result)
+    allowed = ALLOWED * (1.0 + np.abs(result).max(axis=-1, initial=0.0))
+    bad = np.flatnonzero(np.abs(left).max(axis=-1, initial=0.0) > allowed)
+    if len(bad):
+        sample = at_sample(samples[bad[0]].tolist())
+        refuse_inconsistent(
+            function,
+            model,
+            left[bad[0]],
+            f"does not allow the values given{sample}: they contradict its equations; give fewer of them"
+            if held
+            else f"cannot stay closed{sample}, whatever the values: the mechanism is stuck",
+        )
+    if held is not None and (np.linalg.matrix_rank(J[..., moving], tol=_LOOSE) < len(moving)).any():
+        names = ", ".join(model.velocity_names[k] for k in held) or "nothing"
+        raise FreebodyError(
+            f"{function}: the values given for {names} leave {model.name!r} free to move; "
+            "give one for every independent coordinate: fb.mobility(model, q).independent names a choice."
+        )
+    return result * stretch
