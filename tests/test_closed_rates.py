@@ -82,7 +82,7 @@ def test_one_careful_sample_among_many():
         False,
     ]
     q[1] += 0.01
-    with pytest.raises(LoopError, match="is open by .* sample 1"):
+    with pytest.raises(LoopError, match=r"is open by .* sample 1"):
         fb.loop_velocity(flat, q, expected)
 
 
@@ -95,6 +95,8 @@ def test_a_joint_that_no_loop_feels_must_be_told():
     crank, pendulum = model.velocity_names[0], model.velocity_names[3]
     with pytest.raises(FreebodyError, match=f"given for {crank} leave .* free to move"):
         fb.loop_velocity(model, q, {crank: 1.0})
+    with pytest.raises(FreebodyError, match=r"given for nothing leave .* free to move"):
+        fb.loop_velocity(model, q, {})
     found = fb.loop_velocity(model, q, {crank: 1.0, pendulum: 2.0})
     close(fb.kernel(model, "constraint_jacobian")(q) @ found, np.zeros(2), 1e-14, 1.0)
     assert (found[0], found[3]) == (1.0, 2.0)

@@ -47,6 +47,13 @@ def _regular(model: Model) -> Array | None:
     return None if at is None else regular_jacobian(model, at)[0]
 
 
+@geometric_fact
+def idle_coordinates(model: Model) -> tuple[int, ...]:
+    """Coordinates that no loop feels."""
+    regular = _regular(model)
+    return () if regular is None else tuple(np.flatnonzero(~regular.any(axis=0)).tolist())
+
+
 def _anywhere(model: Model) -> Array | None:
     """A closed position (nq,), the same whatever was asked before: home's, else the first found from fixed starts."""
     for start in (None, *generic_state(model, seed=5, batch=_SEEDS)[0]):

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from freebody.algorithms.loop_rates import ALLOWED
 from freebody.arrays import Array, as_floats, at_sample, refuse_not_finite
-from freebody.errors import FreebodyError, SingularError, UnknownNameError
+from freebody.errors import FreebodyError, UnknownNameError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
 from freebody.loops.equations import (
@@ -19,7 +19,7 @@ from freebody.loops.equations import (
     require_loops,
     scaled_jacobian,
 )
-from freebody.loops.partition import partition_of_loops
+from freebody.loops.partition import idle_coordinates, partition_of_loops
 from freebody.loops.scaled import rate_scale, row_scale
 from freebody.model.model import Model
 from freebody.trees.calls import Vector, attempt, common_batch, finite_vector
@@ -99,15 +99,13 @@ def _consistent(
 
 
 def _by_kernel(function: str, model: Model, held: tuple[int, ...] | None, arrays: dict[str, Array]) -> Array:
-    """NaN where no fixed choice of equations and coordinates does."""
+    """NaN where no fixed choice of equations and coordinates does, or where no loop feels one that is not told."""
     chosen = partition_of_loops(model)
-    if chosen is not None:
-        option = Option(partition=chosen) if held is None else Option(equations=chosen.rows, held=held)
-        try:
-            return fetch(model, (function,), option)(*arrays.values())
-        except SingularError:  # a coordinate that no loop feels, and no value tells
-            pass
-    return np.full(arrays["rates"].shape, np.nan)
+    told = range(model.nv) if held is None else held
+    if chosen is None or not set(idle_coordinates(model)) <= set(told):
+        return np.full(arrays["rates"].shape, np.nan)
+    option = Option(partition=chosen) if held is None else Option(equations=chosen.rows, held=held)
+    return fetch(model, (function,), option)(*arrays.values())
 
 
 def _carefully(
