@@ -150,7 +150,7 @@ class Inertia:
         m, c, tensor = self.numbers()
         return tensor + _steiner(m, np.asarray(point, dtype=float) - c)
 
-    def placed(self, rotation: np.ndarray | Sequence, position: Sequence[float]) -> Inertia:
+    def placed(self, rotation: np.ndarray | Sequence[Sequence[float]], position: Sequence[float]) -> Inertia:
         """The same body in frame A, given the pose R_AB (dim, dim), p_AB (dim,) in m of its own frame B."""
         m, c, tensor = self.numbers()
         R = rotation_matrix(rotation, "Inertia.placed")

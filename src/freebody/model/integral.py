@@ -42,7 +42,9 @@ def integrated_inertia(
     return Inertia.of(mass, com.tolist(), _second(r - com, dm))
 
 
-def inertia_from(mass: float, com: Sequence[float], tensor: Any, about: Sequence[float]) -> Inertia:
+def inertia_from(
+    mass: float, com: Sequence[float] | Array, tensor: Any, about: Sequence[float] | Array
+) -> Inertia:
     """The body whose inertia about a point is `tensor`, a number in the plane: I_G = I_O - m d² (1.19).
 
     com, about: (2,) or (3,), m. Raises ModelError where what is left is no inertia: (1.19) leads from the centre of
@@ -53,7 +55,7 @@ def inertia_from(mass: float, com: Sequence[float], tensor: Any, about: Sequence
     d = np.asarray(com, dtype=float) - np.asarray(about, dtype=float)
     shift = _second(d[None], np.array([mass]))
     body = Inertia.of(
-        mass, com, np.asarray(tensor, dtype=float) - shift if len(d) == 3 else float(tensor) - shift
+        mass, tuple(com), np.asarray(tensor, dtype=float) - shift if len(d) == 3 else float(tensor) - shift
     )
     fault = body.fault()
     if fault is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -94,6 +94,18 @@ class Drive:
     gear: Quantity = 1.0
     stiffness: Quantity = 0.0
     rest: Quantity = 0.0
+
+    if TYPE_CHECKING:  # names of symbols may be given
+
+        def __init__(
+            self,
+            viscous: Quantity | str = 0.0,
+            coulomb: Quantity | str = 0.0,
+            rotor: Quantity | str = 0.0,
+            gear: Quantity | str = 1.0,
+            stiffness: Quantity | str = 0.0,
+            rest: Quantity | str = 0.0,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         for name, value in tuple(vars(self).items()):

@@ -66,7 +66,8 @@ def shifted():
     body = combined([fb.Inertia.point(m, r) for m, r in zip(masses, points, strict=True)])
     O = np.array([-0.3, 0.8])
     direct = sum(m * np.sum((r - O) ** 2) for m, r in zip(masses, points, strict=True))
-    back = fb.inertia_from(body.mass, body.com, direct, about=O)
+    mass, com, _ = body.numbers()
+    back = fb.inertia_from(mass, com, direct, about=O)
     return {
         "m": body.mass, "d": np.linalg.norm(O - body.com), "I_G": back.tensor[0], "I_O": direct,
     }  # fmt: skip

@@ -24,7 +24,7 @@ def thrown_body(omega=1.3, alpha=-2.1):
         "m": whole.mass, "I_G": whole.tensor[0], "alpha": alpha,
         "F_i": Each(tuple(m * a) for m, a in zip(_MASSES, a_i, strict=True)),
         "rho_i": Each(tuple(R @ (p - whole.com)) for p in _POINTS),
-        "a_G": fb.acceleration(body, *motion, "link3", point=whole.com)[:2], "a": a_i[0],
+        "a_G": fb.acceleration(body, *motion, "link3", point=whole.numbers()[1])[:2], "a": a_i[0],
     }  # fmt: skip
 
 

@@ -26,7 +26,7 @@ def curve():
     x, y = path.position.rows
     x_d, y_d = path.velocity.rows
     x_dd, y_dd = path.acceleration.rows
-    return path.values | {"x": x, "y": y, "x_d": x_d, "y_d": y_d, "x_dd": x_dd, "y_dd": y_dd}
+    return dict(path.values) | {"x": x, "y": y, "x_d": x_d, "y_d": y_d, "x_dd": x_dd, "y_dd": y_dd}
 
 
 def circle():
