@@ -29,7 +29,7 @@ from freebody.inverse.singularities import singularities as singularities
 from freebody.kernels.compiled import compile as compile
 from freebody.kernels.exports import export as export
 from freebody.kernels.exports import source as source
-from freebody.kernels.exports import to_jax as to_jax
+from freebody.kernels.in_jax import to_jax as to_jax
 from freebody.kernels.in_torch import to_torch as to_torch
 from freebody.kernels.lookup import kernel as kernel
 from freebody.kernels.scalar_formulas import formula as formula

@@ -23,6 +23,11 @@ NUMERIC: dict[str, Callable[..., Any]] = {}
 """The same for floats and NumPy arrays alone, without asking what comes."""
 
 
+_One = Callable[[Scalar], Scalar]
+_Two = Callable[[Scalar, Scalar], Scalar]
+_Three = Callable[[Scalar, Scalar, Scalar], Scalar]
+
+
 def _dispatch(name: str, numeric: Callable[..., Any], doc: str) -> Callable[..., Scalar]:
     def function(*operands: Scalar) -> Scalar:
         for x in operands:
@@ -48,35 +53,37 @@ def _where(condition: Any, a: Any, b: Any) -> Any:
     return np.where(np.not_equal(condition, 0.0), a, b)[()]
 
 
-sin = _dispatch("sin", np.sin, "Sine of an angle in radians.")
-cos = _dispatch("cos", np.cos, "Cosine of an angle in radians.")
-sqrt = _dispatch("sqrt", np.sqrt, "Square root; NaN where negative.")
-exp = _dispatch("exp", np.exp, "e to the power of x; infinite from 709.8 on.")
-log = _dispatch("log", np.log, "Natural logarithm; -infinity of 0, NaN where negative.")
-tanh = _dispatch("tanh", np.tanh, "Hyperbolic tangent, which saturates at -1 and 1.")
-atan2 = _dispatch(
+sin: _One = _dispatch("sin", np.sin, "Sine of an angle in radians.")
+cos: _One = _dispatch("cos", np.cos, "Cosine of an angle in radians.")
+sqrt: _One = _dispatch("sqrt", np.sqrt, "Square root; NaN where negative.")
+exp: _One = _dispatch("exp", np.exp, "e to the power of x; infinite from 709.8 on.")
+log: _One = _dispatch("log", np.log, "Natural logarithm; -infinity of 0, NaN where negative.")
+tanh: _One = _dispatch("tanh", np.tanh, "Hyperbolic tangent, which saturates at -1 and 1.")
+atan2: _Two = _dispatch(
     "atan2",
     np.arctan2,
     "atan2(y, x): the angle of the vector (x, y), -pi to pi; 0 of (0, 0), whose slopes are NaN.",
 )
-asin = _dispatch(
+asin: _One = _dispatch(
     "asin", np.arcsin, "Arc sine, -pi/2 to pi/2; NaN beyond -1 and 1, where its slope is infinite."
 )
-acos = _dispatch("acos", np.arccos, "Arc cosine, 0 to pi; NaN beyond -1 and 1, where its slope is infinite.")
-sign = _dispatch("sign", np.sign, "-1, 0 or 1; 0 at 0.")
-absolute = _dispatch("absolute", np.absolute, "|x|; its derivative at 0 is 0.")
-less = _dispatch("less", _flag(np.less), "1 where a < b, else 0.")
-less_equal = _dispatch("less_equal", _flag(np.less_equal), "1 where a <= b, else 0.")
-equal = _dispatch("equal", _flag(np.equal), "1 where a and b are equal, else 0.")
-where = _dispatch(
+acos: _One = _dispatch(
+    "acos", np.arccos, "Arc cosine, 0 to pi; NaN beyond -1 and 1, where its slope is infinite."
+)
+sign: _One = _dispatch("sign", np.sign, "-1, 0 or 1; 0 at 0.")
+absolute: _One = _dispatch("absolute", np.absolute, "|x|; its derivative at 0 is 0.")
+less: _Two = _dispatch("less", _flag(np.less), "1 where a < b, else 0.")
+less_equal: _Two = _dispatch("less_equal", _flag(np.less_equal), "1 where a <= b, else 0.")
+equal: _Two = _dispatch("equal", _flag(np.equal), "1 where a and b are equal, else 0.")
+where: _Three = _dispatch(
     "where", _where, "a where the condition is not 0, else b; the derivative is that of the one chosen."
 )
-minimum = _dispatch(
+minimum: _Two = _dispatch(
     "minimum",
     np.minimum,
     "The smaller one, NaN if one is NaN; where they are equal, the derivative is a's.",
 )
-maximum = _dispatch(
+maximum: _Two = _dispatch(
     "maximum",
     np.maximum,
     "The larger one, NaN if one is NaN; where they are equal, the derivative is a's.",

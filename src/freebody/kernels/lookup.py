@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, overload
 
 from freebody.errors import FreebodyError
 from freebody.kernels.arguments import arguments
@@ -16,6 +16,39 @@ from freebody.model.model import Model
 from freebody.model.numbers import Name
 from freebody.program import Argument
 from freebody.targets import Kernel, compile_program
+
+
+@overload
+def kernel(
+    model: Model,
+    names: str | Sequence[str],
+    *,
+    frame: str | None = None,
+    reference: str = "world",
+    wrench_frames: Sequence[str] = (),
+    rows: Sequence[str] | None = None,
+    target: str | None = None,
+    width: int | None = None,
+    dtype: str = "float64",
+    inputs: Name | Sequence[Name],
+    by: str | Sequence[str] = (),
+) -> InputKernel: ...
+
+
+@overload
+def kernel(
+    model: Model,
+    names: str | Sequence[str],
+    *,
+    frame: str | None = None,
+    reference: str = "world",
+    wrench_frames: Sequence[str] = (),
+    rows: Sequence[str] | None = None,
+    target: str | None = None,
+    width: int | None = None,
+    dtype: str = "float64",
+    by: str | Sequence[str] = (),
+) -> Kernel | ColumnKernel | KernelList | InputKernel: ...
 
 
 def kernel(
