@@ -70,7 +70,7 @@ def forward_dynamics(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches:
     SingularError naming the joint that moves no inertia, LoopError for a state that the loops do not allow,
     PassiveJointError for a torque at a joint that nothing drives.
     """
-    if getattr(model, "passive", None):
+    if isinstance(model, Model) and model.passive:
         refuse_passive("forward_dynamics", model, tau)
     return evaluate("forward_dynamics", model, (q, qd, tau), None, wrenches, _forward_dynamics)
 
@@ -136,7 +136,7 @@ def forward_dynamics_derivatives(
 
     Raises SingularError naming the joint that moves no inertia, PassiveJointError for a torque at a passive joint.
     """
-    if getattr(model, "passive", None):
+    if isinstance(model, Model) and model.passive:
         refuse_passive("forward_dynamics_derivatives", model, tau)
     return evaluate("forward_dynamics_derivatives", model, (q, qd, tau), None, None, _forward_derivatives)
 
