@@ -35,11 +35,11 @@ from freebody.kernels.lookup import kernel as kernel
 from freebody.kernels.scalar_formulas import formula as formula
 from freebody.loops.assembly import assemble as assemble
 from freebody.loops.assembly import assembly_modes as assembly_modes
-from freebody.loops.assembly import loop_acceleration as loop_acceleration
-from freebody.loops.assembly import loop_velocity as loop_velocity
 from freebody.loops.loci import singularity_loci as singularity_loci
 from freebody.loops.mobility import mobility as mobility
 from freebody.loops.parallel import input_output as input_output
+from freebody.loops.rates import loop_acceleration as loop_acceleration
+from freebody.loops.rates import loop_velocity as loop_velocity
 from freebody.loops.reactions import reactions as reactions
 from freebody.model.dh import dh as dh
 from freebody.model.inertia import Inertia as Inertia

@@ -136,6 +136,6 @@ def forward_dynamics_parameter_derivatives(model: Model, q: Vector, qd: Vector, 
     Raises as `forward_dynamics_derivatives` does.
     """
     name = "forward_dynamics_parameter_derivatives"
-    if getattr(model, "passive", None):
+    if isinstance(model, Model) and model.passive:
         refuse_passive(name, model, tau)
     return evaluate(name, model, (q, qd, tau), None, None, where_all_move_mass)
