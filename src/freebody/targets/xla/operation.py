@@ -111,7 +111,9 @@ def _applied(kernel: Kernel, arrays: Sequence[Any], batch: tuple[int, int]) -> A
 
     def called(*arrays: Any) -> Arrays:
         results = kernel(*(np.asarray(array) for array in arrays))
-        return results if isinstance(results, tuple) else (results,)
+        results = results if isinstance(results, tuple) else (results,)
+        # without inputs there are no leading axes
+        return tuple(np.reshape(y, x.shape) for x, y in zip(shapes, results, strict=True))
 
     version = interface().version
     if version is None or kernel.loop is None:
