@@ -25,7 +25,7 @@ Arrays = tuple[Any, ...]
 def to_jax(
     what: Model | Kernel | InputKernel, names: str | Sequence[str] | None = None, **options: Any
 ) -> Callable[..., Any]:
-    """The same as a pure JAX function, which may be jitted, differentiated and mapped. Needs JAX.
+    """What `fb.kernel` computes as a function of JAX arrays, for `jit`, `vmap` and derivatives of any order. Needs JAX.
 
     what, names, options: as for `fb.source`. Returns f(q, qd, …), of arrays (..., *core) whose leading axes broadcast,
     in the kernel's order and SI units: one array, or a tuple. On the CPU it runs the compiled kernel, inside of what
