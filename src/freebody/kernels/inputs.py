@@ -97,6 +97,7 @@ class InputKernel:
         self._count = len(kernel.program.inputs)
         self._at = {name: k for k, name in enumerate(names)}
         self._missing = tuple(name for k, name in enumerate(names) if np.isnan(values[..., k]).any())
+        self._held = values if values.ndim == 1 and not self._missing else None
 
     def __call__(self, *arrays: ArrayLike, p: Any = None, out: Any = None, threads: int | None = None) -> Any:
         """The output, or the tuple of outputs; see `Kernel`. A named p is an array, or {name: value or array}."""
@@ -110,6 +111,10 @@ class InputKernel:
         """p (..., k): an array as it is, of {name: value} the rest the model's own, without it all of them."""
         if given is None and not self._missing:
             return self.values
+        if type(given) is dict and self._held is not None:
+            numbers = self._of_floats(given)
+            if numbers is not None:
+                return numbers
         if given is not None and not isinstance(given, Mapping):
             return given
         columns: dict[str, Array] = {}
@@ -130,6 +135,16 @@ class InputKernel:
         numbers = np.array(np.broadcast_to(self.values, (*shape, len(self.parameters))))
         for name, value in columns.items():
             numbers[..., self._at[name]] = value
+        return numbers
+
+    def _of_floats(self, given: dict[Name, Any]) -> Array | None:
+        """The same of names in full with a number each, which is not to take microseconds; None for others."""
+        numbers = self.values.copy()
+        for name, value in given.items():
+            at = self._at.get(name)  # type: ignore[arg-type]
+            if at is None or not isinstance(value, float):
+                return None
+            numbers[at] = value
         return numbers
 
     def place(self, key: Name) -> int:
@@ -169,5 +184,5 @@ class _QuickInputKernel(InputKernel):
 def input_kernel(kernel: Kernel, names: tuple[str, ...], values: Array, model: Model) -> InputKernel:
     """A kernel whose last input is p, to be called in all the ways of an `InputKernel`."""
     plain = InputKernel(kernel, names, values, model)
-    call = kernel.quick(plain.__call__)
+    call = kernel.quick(plain.__call__, plain._held)
     return plain if call is None else _QuickInputKernel(plain, call)
