@@ -15,7 +15,7 @@ import pytest
 from freebody.elementary import sin
 from freebody.errors import ShapeError
 from freebody.program import Argument, trace
-from freebody.targets import Kernel, KernelError, compile_program
+from freebody.targets import Kernel, KernelError, compile_program, settings
 from freebody.targets.llvm import fastcall
 
 
@@ -29,7 +29,7 @@ def kernel(request):
         [Argument("y", (2,)), Argument("B", (2, 3))],
     )
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("FREEBODY_FASTCALL", request.param)
+        patch.setattr(settings, "FASTCALL", request.param == "on")
         if request.param == "on" and not fastcall.available():
             pytest.skip("this interpreter's objects are not laid out as the fast call expects")
         return compile_program(program, target="cpu")
@@ -37,11 +37,11 @@ def kernel(request):
 
 def test_the_environment_switches_it_off(monkeypatch):
     program = trace("switched", lambda q: ([q[0] + 1.0],), [Argument("q", (1,))], [Argument("y", (1,))])
-    monkeypatch.setenv("FREEBODY_FASTCALL", "off")
+    monkeypatch.setattr(settings, "FASTCALL", False)
     without = compile_program(program, target="cpu")
     assert without.__call__.__func__ is Kernel.__call__
     assert without(np.array([1.0]))[0] == 2.0
-    monkeypatch.delenv("FREEBODY_FASTCALL")
+    monkeypatch.undo()
     if fastcall.available():
         within = compile_program(program, target="cpu")
         assert isinstance(within.__call__, types.BuiltinMethodType)

@@ -9,7 +9,7 @@ import freebody as fb
 from freebody.elementary import acos, atan2, cos, exp, log, sign, sin, sqrt, tanh, where
 from freebody.errors import FreebodyError
 from freebody.program import Argument, trace
-from freebody.targets import KernelError, compile_program
+from freebody.targets import KernelError, compile_program, settings
 from freebody.targets.llvm import fastcall, machine
 from freebody.targets.llvm.machine import Machine
 
@@ -21,8 +21,8 @@ ULP = 2.0**-24
 @pytest.fixture(autouse=True)
 def memory_only(monkeypatch):
     monkeypatch.setenv("FREEBODY_CACHE", "off")
-    monkeypatch.delenv("FREEBODY_TARGET", raising=False)
-    monkeypatch.delenv("FREEBODY_WIDTH", raising=False)
+    monkeypatch.setattr(settings, "TARGET", None)
+    monkeypatch.setattr(settings, "WIDTH", None)
 
 
 def mixed(x, A, s, p):

@@ -12,12 +12,12 @@ from freebody.program import Argument, trace
 from freebody.program.derivative import jacobian
 from freebody.program.gradient import gradient
 from freebody.scalars.operations import OPERATIONS
-from freebody.targets import compile_program
+from freebody.targets import compile_program, settings
 
 
 @pytest.fixture(autouse=True)
 def without_compiling(monkeypatch):
-    monkeypatch.setenv("FREEBODY_TARGET", "numpy")
+    monkeypatch.setattr(settings, "TARGET", "numpy")
 
 
 def weighted(program, by, of, arrays, weights):

@@ -12,6 +12,7 @@ import pytest
 import freebody as fb
 from freebody.errors import ShapeError
 from freebody.math import cos, sin, sqrt
+from freebody.targets import settings
 from freebody.targets.target import target_named
 from support.programs import (
     OUTPUTS,
@@ -28,8 +29,8 @@ from support.programs import (
 @pytest.fixture(autouse=True)
 def memory_only(monkeypatch):
     monkeypatch.setenv("FREEBODY_CACHE", "off")
-    monkeypatch.delenv("FREEBODY_TARGET", raising=False)
-    monkeypatch.delenv("FREEBODY_WIDTH", raising=False)
+    monkeypatch.setattr(settings, "TARGET", None)
+    monkeypatch.setattr(settings, "WIDTH", None)
 
 
 @every_target
@@ -261,14 +262,22 @@ def test_options_are_checked(monkeypatch):
     for threads in (0, -1, 1.5):
         with pytest.raises(fb.FreebodyError, match=f"threads={threads}, expected a whole number from 1 up"):
             swap_kernel()(np.ones(3), threads=threads)
-    monkeypatch.setenv("FREEBODY_TARGET", "numpy")
+    monkeypatch.setattr(settings, "TARGET", "numpy")
     assert swap_kernel().target == "numpy"
-    monkeypatch.setenv("FREEBODY_TARGET", "cpu")
-    monkeypatch.setenv("FREEBODY_WIDTH", "2")
+    monkeypatch.setattr(settings, "TARGET", "cpu")
+    monkeypatch.setattr(settings, "WIDTH", "2")
     assert swap_kernel().width == 2
-    monkeypatch.setenv("FREEBODY_WIDTH", "many")
+    monkeypatch.setattr(settings, "WIDTH", "many")
     with pytest.raises(fb.FreebodyError, match="no width many of float64"):
         swap_kernel()
+
+
+def test_the_environment_counts_as_it_was_at_first(monkeypatch):
+    """What answers must not depend on what was called before the environment was changed."""
+    before = swap_kernel()
+    monkeypatch.setenv("FREEBODY_TARGET", "fortran")
+    monkeypatch.setenv("FREEBODY_WIDTH", "many")
+    assert swap_kernel() is before
 
 
 def test_a_kernel_is_a_gufunc_that_can_be_read():

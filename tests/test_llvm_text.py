@@ -10,7 +10,7 @@ import re
 import pytest
 
 from freebody.program.segments import segment
-from freebody.targets import kernel
+from freebody.targets import kernel, settings
 from freebody.targets.llvm import emit
 from support.programs import (
     assert_close,
@@ -24,8 +24,8 @@ from support.programs import (
 @pytest.fixture(autouse=True)
 def memory_only(monkeypatch):
     monkeypatch.setenv("FREEBODY_CACHE", "off")
-    monkeypatch.delenv("FREEBODY_TARGET", raising=False)
-    monkeypatch.delenv("FREEBODY_WIDTH", raising=False)
+    monkeypatch.setattr(settings, "TARGET", None)
+    monkeypatch.setattr(settings, "WIDTH", None)
 
 
 def test_cutting_into_segments_changes_nothing(monkeypatch):

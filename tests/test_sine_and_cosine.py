@@ -14,6 +14,7 @@ import pytest
 
 import freebody as fb
 from freebody.math import cos, sin
+from freebody.targets import settings
 from freebody.targets.llvm import machine
 from freebody.targets.llvm.machine import Machine
 
@@ -21,8 +22,8 @@ from freebody.targets.llvm.machine import Machine
 @pytest.fixture(autouse=True)
 def memory_only(monkeypatch):
     monkeypatch.setenv("FREEBODY_CACHE", "off")
-    monkeypatch.delenv("FREEBODY_TARGET", raising=False)
-    monkeypatch.delenv("FREEBODY_WIDTH", raising=False)
+    monkeypatch.setattr(settings, "TARGET", None)
+    monkeypatch.setattr(settings, "WIDTH", None)
 
 
 BITS = 1400  # fixed point: 1024 bits for the largest double, the rest for its smallest sine

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.targets import TARGETS, Kernel, KernelError
+from freebody.targets import TARGETS, Kernel, KernelError, settings
 from freebody.targets.target import Target
 from support.programs import (
     environment,
@@ -25,8 +25,8 @@ from support.programs import (
 @pytest.fixture(autouse=True)
 def memory_only(monkeypatch):
     monkeypatch.setenv("FREEBODY_CACHE", "off")
-    monkeypatch.delenv("FREEBODY_TARGET", raising=False)
-    monkeypatch.delenv("FREEBODY_WIDTH", raising=False)
+    monkeypatch.setattr(settings, "TARGET", None)
+    monkeypatch.setattr(settings, "WIDTH", None)
 
 
 def test_a_target_is_a_module_and_a_line(monkeypatch):
@@ -57,8 +57,8 @@ def test_a_target_is_a_module_and_a_line(monkeypatch):
     assert pickle.loads(pickle.dumps(first)) is first
     assert asked == [(7, "float64")]
     swap_kernel(target="halves", dtype="float16")
-    monkeypatch.setenv("FREEBODY_TARGET", "halves")
-    monkeypatch.setenv("FREEBODY_WIDTH", "6")
+    monkeypatch.setattr(settings, "TARGET", "halves")
+    monkeypatch.setattr(settings, "WIDTH", "6")
     assert fb.kernel(fb.load("2R"), "bias").target == "halves"
     monkeypatch.setenv("HALVES", "other")  # what the code depends on is part of its key
     assert swap_kernel(width=7) is not first

@@ -15,7 +15,7 @@ import weakref
 import numpy as np
 import pytest
 
-from freebody.targets import kernel
+from freebody.targets import kernel, settings
 from freebody.targets.threads import run_split
 from support.programs import (
     environment,
@@ -29,8 +29,8 @@ from support.programs import (
 @pytest.fixture(autouse=True)
 def memory_only(monkeypatch):
     monkeypatch.setenv("FREEBODY_CACHE", "off")
-    monkeypatch.delenv("FREEBODY_TARGET", raising=False)
-    monkeypatch.delenv("FREEBODY_WIDTH", raising=False)
+    monkeypatch.setattr(settings, "TARGET", None)
+    monkeypatch.setattr(settings, "WIDTH", None)
 
 
 @pytest.mark.parametrize("threads", [1, 2, 3, 7, None])

@@ -12,7 +12,7 @@ from freebody.elementary import cos, sign, sin, sqrt
 from freebody.errors import ShapeError
 from freebody.program import Argument, passes, trace
 from freebody.program.hoist import hoist
-from freebody.targets import compile_program
+from freebody.targets import compile_program, settings
 from freebody.targets.interpret import Interpreter
 from support.programs import assert_close, direct, random_program, samples
 
@@ -23,8 +23,8 @@ every_width = pytest.mark.parametrize("width", LLVM)
 @pytest.fixture(autouse=True)
 def memory_only(monkeypatch):
     monkeypatch.setenv("FREEBODY_CACHE", "off")
-    monkeypatch.delenv("FREEBODY_TARGET", raising=False)
-    monkeypatch.delenv("FREEBODY_WIDTH", raising=False)
+    monkeypatch.setattr(settings, "TARGET", None)
+    monkeypatch.setattr(settings, "WIDTH", None)
 
 
 def mixed(p, x, A, s, y):

@@ -6,7 +6,6 @@ compiled, and a changed number compiles nothing. What is compiled lives as long 
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -116,8 +115,7 @@ def _key(model: Model, names: tuple[str, ...], option: Option) -> tuple[Any, ...
     """Of a kernel among those of a structure: the option with the frames' places instead of their names."""
     frames = tuple([frame_form(model, name) for name in _frames(option)])
     nameless = option._replace(frame=None, wrench_frames=()) if frames else option
-    chosen = os.environ.get("FREEBODY_TARGET"), os.environ.get("FREEBODY_WIDTH")
-    return names, nameless, option.frame is None, frames, _shown_drives(model, names), chosen
+    return names, nameless, option.frame is None, frames, _shown_drives(model, names)
 
 
 def _frames(option: Option) -> tuple[str, ...]:

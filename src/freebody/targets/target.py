@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
-import os
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from freebody.errors import FreebodyError
 from freebody.program.program import Program
+from freebody.targets import settings
 
 if TYPE_CHECKING:
     from freebody.targets.kernel import Kernel
@@ -53,7 +53,7 @@ def chosen_target(name: str | None) -> str:
 
     Raises KernelError where there is no such target.
     """
-    name = name or os.environ.get("FREEBODY_TARGET")
+    name = name or settings.TARGET
     if not name:
         return "cpu" if importlib.util.find_spec("llvmlite") else "numpy"
     if name not in TARGETS:
@@ -74,8 +74,8 @@ def chosen_width(target: str, width: int | None, dtype: str) -> int | None:
         if width is not None:
             raise KernelError(f"width={width}: target {target!r} has no vectors; leave it out.")
         return None
-    given = os.environ.get("FREEBODY_WIDTH") if width is None else str(width)
-    if not given:
+    given = settings.WIDTH if width is None else str(width)
+    if given is None:
         return None
     if given not in map(str, widths[dtype]):
         listed = ", ".join(map(str, widths[dtype]))

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import ctypes
 import importlib
-import os
 import struct
 import sys
 import sysconfig
@@ -25,6 +24,7 @@ from typing import Any
 
 import numpy as np
 
+from freebody.targets import settings
 from freebody.targets.llvm.fastchecks import PAIR
 from freebody.targets.llvm.lanes import Real
 
@@ -37,7 +37,7 @@ _OUT = sys.intern("out")  # as the name of a keyword is
 def available() -> bool:
     """Whether this interpreter has the known layouts, and FREEBODY_FASTCALL is not off."""
     return (
-        os.environ.get("FREEBODY_FASTCALL", "").lower() != "off"
+        settings.FASTCALL
         and sys.implementation.name == "cpython"
         and struct.calcsize("P") == 8
         and not sysconfig.get_config_var("Py_GIL_DISABLED")

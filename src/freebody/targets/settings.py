@@ -1,0 +1,14 @@
+"""What the environment says of targets, read once: what answers a call does not change while a process runs."""
+
+from __future__ import annotations
+
+import os
+
+TARGET = os.environ.get("FREEBODY_TARGET") or None
+"""Where kernels run that are asked for without `target=`."""
+
+WIDTH = os.environ.get("FREEBODY_WIDTH") or None
+"""Samples in a vector of kernels that are asked for without `width=`, as text."""
+
+FASTCALL = os.environ.get("FREEBODY_FASTCALL", "").lower() != "off"
+"""Whether calls of one sample may go by the interpreter's own way."""
