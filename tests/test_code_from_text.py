@@ -32,6 +32,8 @@ EXECUTES = {
     "exec_module", "execfile", "sympy.S",
     # LLVM
     "parse_assembly", "parse_bitcode", "add_object_file", "add_object_img", "add_ir", "add_module", "add_file",
+    # NVIDIA's driver
+    "bindings",
     # SymPy
     "sympify", "parse_expr", "lambdify", "autowrap", "ufuncify", "sympy.symbols", "sympy.var",
     # objects that carry code
@@ -59,6 +61,7 @@ KNOWN = {
         "parse_assembly",
     ): "LLVM text of a verified Program: its names are words of freebody's own",
     ("targets/cuda/assembly.py", "parse_assembly"): "the same, for GPUs",
+    ("targets/cuda/driver.py", "bindings"): "assembles PTX that LLVM has made of that text",
     (
         "targets/llvm/loader.py",
         "add_object_file",

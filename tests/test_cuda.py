@@ -1,14 +1,16 @@
 """PTX: assembled by NVIDIA's own assembler, and its entries run on this processor, thread by thread.
 
-No test here needs a GPU. Those that do are in test_cuda_device.py.
+No test here needs a GPU. Those that do are in test_cuda_device.py, which is run here on an emulated driver.
 """
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,7 +23,8 @@ from freebody.kernels.tracing import program
 from freebody.kernels.vectors import vectors
 from freebody.program import Argument, Program, trace
 from freebody.scalars.operations import OPERATIONS
-from freebody.targets import compile_program
+from freebody.targets import KernelError, compile_program
+from freebody.targets.cuda.driver import missing
 from freebody.targets.cuda.emit import emit
 from freebody.targets.cuda.parts import LARGEST, ROOM, alive, part, parts, prepared
 from freebody.targets.llvm.machine import host
@@ -56,6 +59,11 @@ def formulas(model: fb.Model) -> list[str]:
 
 def traced(model: fb.Model, name: str) -> Program:
     return program(model, *chosen_option(model, name))
+
+
+def require_compiler() -> None:
+    if shutil.which("cc") is None or sys.platform != "linux":
+        pytest.skip("no C compiler on Linux: the emulated driver is not made")
 
 
 def agrees(found: np.ndarray, exact: np.ndarray, allowed: float) -> None:
@@ -252,6 +260,51 @@ def test_ptxas_takes_every_formula(name, dtype, tmp_path):
         assert gpu.assembled(fb.source(model, quantity, "cuda", dtype=dtype), tmp_path), quantity
 
 
+# ---------------------------------------------------------------- the target
+def test_where_there_is_no_gpu_the_target_says_what_is_missing():
+    reason = missing()
+    if not reason:
+        pytest.skip("there is a GPU")
+    with pytest.raises(KernelError, match=f"^target 'cuda' does not run here: {re.escape(reason)}"):
+        fb.kernel(
+            fb.load("2R").bind(l1=1, l2=1, lc1=0.5, lc2=0.5, m1=1, m2=1, I1=1, I2=1), "bias", target="cuda"
+        )
+
+
+def test_kernels_run_on_an_emulated_driver():
+    """All that is said of kernels on a GPU, and of kernels of all targets: their code runs, below NVIDIA's binding."""
+    for package in ("cuda.bindings", "cuda.core"):
+        pytest.importorskip(package, reason=f"{package} is not installed: pip install 'freebody[cuda]'")
+    require_compiler()
+    here = Path(__file__).parent
+    files = [here / name for name in ("test_cuda_device.py", "test_kernels.py")]
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-n0",
+        "-q",
+        "-p",
+        "support.emulated",
+        "-k",
+        "device or cuda",
+        *files,
+    ]
+    path = os.pathsep.join([str(here), *sys.path])
+    done = subprocess.run(
+        command,
+        cwd=here.parent,
+        env=os.environ | {"PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-2000:]
+    ran = re.search(r"(\d+) passed", done.stdout)
+    assert ran
+    assert int(ran[1]) > 50
+
+
 # ---------------------------------------------------------------- text and package
 def test_the_text_is_the_same_each_time_and_says_how_it_is_called(tmp_path):
     model = fb.load("ur5e")
@@ -283,15 +336,14 @@ def test_no_assembler_contracts_what_has_to_be_rounded(name):
 def test_a_package_passes_its_own_test_on_an_emulated_driver_and_can_fail(
     quantity, dtype, tmp_path, monkeypatch
 ):
-    if shutil.which("cc") is None or sys.platform != "linux":
-        pytest.skip("no C compiler on Linux: the emulated driver is not made")
+    require_compiler()
     texts = []
     monkeypatch.setattr(cuda, "emit", lambda *x: texts.append(emit(*x)) or texts[-1])
     model = fb.load("ur5e")
     fb.export(model, quantity, tmp_path, "cuda", dtype=dtype)
-    count = 3 * len(traced(model, quantity).inputs + traced(model, quantity).outputs) + 1
     for text, passes in ((texts[0], True), (texts[0].replace("fsub contract", "fadd contract", 1), False)):
-        environment = gpu.driver(text, count, tmp_path)
+        gpu.driver(tmp_path, text)
+        environment = os.environ | {"LD_LIBRARY_PATH": str(tmp_path)}
         command = [sys.executable, f"{quantity}_test.py"]
         done = subprocess.run(
             command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False

@@ -12,7 +12,7 @@ import pytest
 import freebody as fb
 from freebody.errors import ShapeError
 from freebody.math import cos, sin, sqrt
-from freebody.targets import settings
+from freebody.targets import TARGETS, settings
 from freebody.targets.target import target_named
 from support.programs import (
     OUTPUTS,
@@ -250,7 +250,8 @@ def test_out_of_the_wrong_shape_is_refused(target, width):
 
 def test_options_are_checked(monkeypatch):
     with pytest.raises(
-        fb.FreebodyError, match=r"no target 'fortran'\. Targets: cpu, numpy \(argument or FREEBODY_TARG"
+        fb.FreebodyError,
+        match=rf"no target 'fortran'\. Targets: {', '.join(TARGETS)} \(argument or FREEBODY_TARG",
     ):
         swap_kernel(target="fortran")
     with pytest.raises(

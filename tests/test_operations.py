@@ -14,14 +14,12 @@ from freebody.scalars.expr import Expr, Graph
 from freebody.scalars.nodes import GraphError
 from freebody.scalars.operations import OPERATIONS
 from freebody.scalars.trig import TrigRing
-from freebody.targets import TARGETS, compile_program
+from freebody.targets import compile_program
 from freebody.targets.interpret import FUNCTION
 from freebody.targets.llvm.instructions import INSTRUCTION
-from freebody.targets.target import target_named
 from freebody.targets.text import LANGUAGES, Unit
+from support.programs import every_target
 
-WAYS = [(name, width) for name in TARGETS for width in target_named(name).widths["float64"] or (None,)]
-every_target = pytest.mark.parametrize(("target", "width"), WAYS)
 NAMED = sorted(elementary.FUNCTIONS)
 CHOICES = ("absolute", "less", "less_equal", "equal", "where", "minimum", "maximum", "sign")
 EDGES = (0.0, -0.0, 1.0, -1.0, 2.5, -2.5, 5e-324, -5e-324, 1e-308, 1.7e308, -1.7e308, np.nextafter(1.0, 2.0))

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import ctypes
 import importlib.util
-import os
 import re
 import shutil
 import subprocess
@@ -38,28 +37,48 @@ define void @place(i32 %thread, i32 %threads, i32 %block) {
 
 
 def on_host(text: str) -> str:
-    """The text of a module of entries, for this processor; `@place` says which thread is next."""
+    """The text of a module of entries, for this processor; `@place` says which thread is next.
+
+    `@NAME.packed` is the entry NAME with the addresses of its values in one array, as a driver has them.
+    """
     for register, name in _WHERE.items():
         text = text.replace(f"call i32 @llvm.nvvm.read.ptx.sreg.{register}.x()", f"load i32, ptr @{name}")
-    text = re.sub(r"declare i32 @llvm\.nvvm.*\n", "", text).replace("define ptx_kernel void", "define void")
+    text = re.sub(r"declare i32 @llvm\.nvvm.*\n", "", text)
+    packed = [_packed(*found) for found in re.findall(r"define ptx_kernel void @(\w+)\((.*)\) #3", text)]
+    text = text.replace("define ptx_kernel void", "define void")
+    assert packed
     assert "nvvm" not in text
-    return _PLACES + text + _SET
+    return "\n".join([_PLACES, text, _SET, *packed])
+
+
+def _packed(name: str, parameters: str) -> str:
+    kinds = [parameter.split()[0] for parameter in parameters.split(", ")]
+    lines = [f"define void @{name}.packed(ptr %values) {{"]
+    for k, kind in enumerate(kinds):
+        lines.append(f"  %at{k} = getelementptr ptr, ptr %values, i64 {k}\n  %p{k} = load ptr, ptr %at{k}")
+        lines.append(f"  %x{k} = load {kind}, ptr %p{k}")
+    values = ", ".join(f"{kind} %x{k}" for k, kind in enumerate(kinds))
+    return "\n".join([*lines, f"  call void @{name}({values})\n  ret void\n}}\n"])
 
 
 class Emulated:
     """Entries of a module, to be started as a driver does."""
 
     def __init__(self, text: str, names: list[str]):
-        self._code, self._addresses = load(object_code(on_host(text), 1), ["place", *names], {})
-        self._place = ctypes.CFUNCTYPE(None, *[ctypes.c_int32] * 3)(self._addresses["place"])
+        packed = [f"{name}.packed" for name in names]
+        self._code, self.addresses = load(object_code(on_host(text), 1), ["place", *packed], {})
+        self._place = ctypes.CFUNCTYPE(None, *[ctypes.c_int32] * 3)(self.addresses["place"])
 
     def launch(self, name: str, values: list[int], blocks: int, threads: int = THREADS) -> None:
         """Run every thread of every block with the entry's 64-bit values."""
-        entry = ctypes.CFUNCTYPE(None, *[ctypes.c_int64] * len(values))(self._addresses[name])
+        entry = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(self.addresses[f"{name}.packed"])
+        numbers = (ctypes.c_int64 * len(values))(*values)
+        base = ctypes.addressof(numbers)
+        pointers = (ctypes.c_void_p * len(values))(*(base + 8 * k for k in range(len(values))))
         for block in range(blocks):
             for thread in range(threads):
                 self._place(thread, threads, block)
-                entry(*values)
+                entry(ctypes.addressof(pointers))
 
 
 def values_of(arrays: list[np.ndarray], cores: list[int], count: int) -> list[int]:
@@ -88,16 +107,25 @@ def run(program: Program, arrays: list[np.ndarray], dtype: str = "float64") -> t
     return tuple(x.T.reshape(count, *a.shape) for x, a in zip(outs, program.outputs, strict=True))
 
 
-def driver(text: str, values: int, folder: Path) -> dict[str, str]:
-    """A library in the place of NVIDIA's driver that runs the entries of this text; the environment to find it with.
-
-    values: how many 64-bit values an entry takes.
-    """
-    (folder / "entries.o").write_bytes(object_code(on_host(text), 1))
-    listed = ", ".join(f"x({k})" for k in range(values))
-    command = ["cc", "-O1", "-shared", "-fPIC", f"-DVALUES(x)={listed}", str(DRIVER), "entries.o"]
-    subprocess.run([*command, "-o", "libcuda.so.1", "-ldl"], cwd=folder, check=True)
-    return os.environ | {"LD_LIBRARY_PATH": str(folder)}
+def driver(folder: Path, text: str | None = None) -> Path:
+    """A library in the place of NVIDIA's driver, with the entries of a text in it."""
+    library = folder / "libcuda.so.1"
+    command = [
+        "cc",
+        "-O1",
+        "-shared",
+        "-fPIC",
+        "-Wl,-soname,libcuda.so.1",
+        str(DRIVER),
+        "-o",
+        str(library),
+        "-ldl",
+    ]
+    if text is not None:
+        (folder / "entries.o").write_bytes(object_code(on_host(text), 1))
+        command.insert(1, str(folder / "entries.o"))
+    subprocess.run(command, check=True)
+    return library
 
 
 def ptxas() -> str:

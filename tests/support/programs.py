@@ -29,7 +29,12 @@ from freebody.math import (
 from freebody.targets import TARGETS
 from freebody.targets.target import target_named
 
-WAYS = [(name, width) for name in TARGETS for width in target_named(name).widths["float64"] or (None,)]
+WAYS = [
+    pytest.param(name, width, marks=pytest.mark.skipif(bool(lacking), reason=f"{name}: {lacking}"))
+    for name in TARGETS
+    for lacking in [target_named(name).missing()]
+    for width in target_named(name).widths["float64"] or (None,)
+]
 """Every target with each of its widths: what there is, only the tables of targets say."""
 every_target = pytest.mark.parametrize(("target", "width"), WAYS)
 

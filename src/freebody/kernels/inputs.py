@@ -99,13 +99,18 @@ class InputKernel:
         self._missing = tuple(name for k, name in enumerate(names) if np.isnan(values[..., k]).any())
         self._held = values if values.ndim == 1 and not self._missing else None
 
-    def __call__(self, *arrays: ArrayLike, p: Any = None, out: Any = None, threads: int | None = None) -> Any:
-        """The output, or the tuple of outputs; see `Kernel`. A named p is an array, or {name: value or array}."""
+    def __call__(
+        self, *arrays: ArrayLike, p: Any = None, out: Any = None, threads: int | None = None, **options: Any
+    ) -> Any:
+        """The output, or the tuple of outputs; see `Kernel`. A named p is an array, or {name: value or array}.
+
+        options: what else the kernel takes where it runs, such as a GPU's `stream`.
+        """
         if p is not None or len(arrays) < self._count:
             arrays = (*arrays, p if type(p) is np.ndarray else self.numbers(p))
-        if out is None and threads is None:
+        if out is None and threads is None and not options:
             return self.kernel(*arrays)
-        return self.kernel(*arrays, out=out, threads=threads)
+        return self.kernel(*arrays, out=out, threads=threads, **options)
 
     def numbers(self, given: Any = None) -> Any:
         """p (..., k): an array as it is, of {name: value} the rest the model's own, without it all of them."""

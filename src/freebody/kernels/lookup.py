@@ -72,8 +72,9 @@ def kernel(
     rows: of operational space, among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy", "w"; default all).
     wrench_frames: frames that carry external wrenches; each becomes a further input (..., 6): wrench0, wrench1, … in
     their order.
-    target: where it runs: "cpu" (machine code by LLVM) or "numpy" (node by node, without a compiler); None: what the
-    environment's FREEBODY_TARGET says, else the CPU. width: samples in a vector of the CPU's; None: what suits it.
+    target: where it runs: "cpu" (machine code by LLVM), "numpy" (node by node, without a compiler) or "cuda" (NVIDIA's
+    GPUs, arrays that are there included); None: what FREEBODY_TARGET says, else the CPU. width: samples in a vector of
+    the CPU's; None: what suits it.
     dtype: "float32" computes with numbers of 32 bits, about twice as quick in batches, to about 6 digits of a sample's
     largest entry; arrays of other real types are rounded to it, and so are the robot's numbers.
     inputs: numbers of the model that are to be given, by names and patterns of `fb.parameters` ("link*.mass"; patterns

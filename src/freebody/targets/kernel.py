@@ -159,8 +159,7 @@ class Kernel:
         At once where there is no batch, or where NumPy has something to say about the arrays.
         """
         values = [self._converted(np.asarray(array)) for array in arrays]
-        if threads is not None and (not isinstance(threads, int) or threads < 1):
-            raise KernelError(f"{self.program.name}: threads={threads!r}, expected a whole number from 1 up.")
+        self._require_threads(threads)
         shapes = {x.shape[: x.ndim - core] for x, core in zip(values, self._cores, strict=False)}
         batch = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
         count = prod(batch)
@@ -179,6 +178,10 @@ class Kernel:
         else:
             run_split(self.ufunc, values, outs, self._cores, batch, threads, self._longest)
         return outs[0] if len(outs) == 1 else outs
+
+    def _require_threads(self, threads: int | None) -> None:
+        if threads is not None and (not isinstance(threads, int) or threads < 1):
+            raise KernelError(f"{self.program.name}: threads={threads!r}, expected a whole number from 1 up.")
 
     def _converted(self, array: np.ndarray) -> np.ndarray:
         """As the kernel's own numbers, where that is another real type; what cannot be is left for NumPy to refuse."""
@@ -261,13 +264,14 @@ def compile_program(
 
     Args:
         program: from `trace`.
-        target: "cpu" or "numpy"; by default the environment's FREEBODY_TARGET, else the CPU where LLVM is installed.
+        target: "cpu", "numpy" or "cuda"; by default the environment's FREEBODY_TARGET, else the CPU where LLVM is.
         width: samples in a vector (2, 4, 8; 16 of float32); by default FREEBODY_WIDTH, else what suits the CPU.
             Both are read once, when a process first needs a kernel.
         dtype: "float64" or "float32", of the numbers that come in, are computed with and come out.
 
     Raises:
-        KernelError: an unknown target, width or dtype; a constant beyond the range of the dtype.
+        KernelError: an unknown target, width or dtype, or one that this machine lacks something for; a constant
+            beyond the range of the dtype.
     """
     target = chosen_target(target)
     with locks.KERNELS:  # also while a target is imported, so that no fork falls into an import
@@ -278,6 +282,8 @@ def compile_program(
         key = (program.digest, target, width, dtype, record.variant(program))
         kernel = _kernels.get(key)
         if kernel is None:
+            if lacking := record.missing():
+                raise KernelError(f"target {target!r} does not run here: {lacking}.")
             kernel = _kernels[key] = record.build(_in_range(verify(program), dtype), width, dtype)
         _recent[key] = kernel
         _recent.move_to_end(key)

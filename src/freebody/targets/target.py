@@ -16,7 +16,11 @@ from freebody.targets import settings
 if TYPE_CHECKING:
     from freebody.targets.kernel import Kernel
 
-TARGETS = {"cpu": "freebody.targets.llvm.cpu", "numpy": "freebody.targets.by_node"}
+TARGETS = {
+    "cpu": "freebody.targets.llvm.cpu",
+    "numpy": "freebody.targets.by_node",
+    "cuda": "freebody.targets.cuda.target",
+}
 """Targets by name: the module of each, imported on first use, has its record as `TARGET`."""
 
 
@@ -32,7 +36,7 @@ class Target:
     text, for a width. widths: for each type of number that it computes with, the samples in a vector that may be asked
     for; none where it has no vectors. variant: what else the code of a program depends on, from the environment.
     loops: whether what it makes is a loop that releases the GIL and reads uniform inputs once a call. Long batches are
-    then cut, and shared among threads.
+    then cut, and shared among threads. missing: what this machine lacks to run it, in words; empty if nothing.
     """
 
     build: Callable[[Program, int | None, str], Kernel]
@@ -40,6 +44,7 @@ class Target:
     widths: Mapping[str, tuple[int, ...]]
     variant: Callable[[Program], Hashable]
     loops: bool
+    missing: Callable[[], str] = lambda: ""
 
 
 @cache
