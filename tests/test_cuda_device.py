@@ -16,7 +16,7 @@ import pytest
 import freebody as fb
 from freebody.errors import ShapeError
 from freebody.program import Argument, trace
-from freebody.targets import KernelError, compile_program
+from freebody.targets import KernelError, compile_program, settings
 from freebody.targets.cuda import driver
 from freebody.targets.cuda.arrays import DeviceArray
 from freebody.targets.cuda.driver import GpuError, missing
@@ -238,7 +238,7 @@ def test_a_pickle_is_the_same_kernel(kernels):
 def test_public_functions_run_there_where_the_environment_says_so(arm, monkeypatch):
     q, qd, qdd = state((4,))
     expected = fb.inverse_dynamics(arm, q, qd, qdd)
-    monkeypatch.setenv("FREEBODY_TARGET", "cuda")
+    monkeypatch.setattr(settings, "TARGET", "cuda")
     close(fb.inverse_dynamics(fb.load("ur5e"), q, qd, qdd), expected, 1e-12)
 
 
