@@ -107,3 +107,16 @@ def test_the_head_tells_what_the_letters_stand_for_and_no_others():
     told = set(re.findall(r"^ \*   (\w+) [a-z]", head, re.MULTILINE)) & set(MEANINGS)
     words = re.findall(r"const double (?:minus_)?([A-Za-z]+)\d_[xyz]", body)
     assert told == set(words)
+
+
+def test_a_robot_without_a_joint_goes_out_too(tmp_path):
+    """It has no recursion to take names from."""
+    block = tmp_path / "block.urdf"
+    inertia = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+    block.write_text(
+        f'<robot name="block"><link name="base"><inertial><mass value="1"/>{inertia}</inertial></link></robot>'
+    )
+    assert "0 operations" in fb.source(fb.load(block), "forward_dynamics", "c")
+    assert "M_5_5" not in fb.source(
+        fb.load(block, base="free"), "mass_matrix", "c"
+    )  # a number, not an operation

@@ -20,7 +20,7 @@ from support import real_files
 
 pytestmark = pytest.mark.long
 
-WARNINGS = ["-Wall", "-Wextra", "-Wconversion", "-pedantic", "-Werror"]
+WARNINGS = ["-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-pedantic", "-Werror"]
 LIMIT = {"float64": 1e-13, "float32": 1e-5}
 
 
@@ -76,6 +76,36 @@ def test_c_compiles_without_a_warning_and_agrees_with_the_kernel(
             worst[name] = max(worst[name], float(np.abs(found - wanted[i]).max() / largest))
     print(robot, dtype, compiler, worst)
     assert max(worst.values()) <= LIMIT[dtype]
+
+
+@pytest.mark.parametrize("dtype", LIMIT)
+@pytest.mark.parametrize(
+    ("compiler", "machine"),
+    [("aarch64-linux-gnu-gcc", "qemu-aarch64"), ("arm-linux-gnueabihf-gcc", "qemu-arm")],
+)
+def test_self_tests_pass_on_arm(compiler, machine, dtype, tmp_path):
+    for tool in (compiler, machine):
+        if shutil.which(tool) is None:
+            pytest.skip(f"{tool} is not installed")
+    for name in ("inverse_dynamics", "forward_dynamics"):
+        fb.export(fb.load("panda"), name, tmp_path / name, dtype=dtype)
+        build = [
+            compiler,
+            "-std=c99",
+            *WARNINGS,
+            "-O2",
+            f"{name}.c",
+            f"{name}_test.c",
+            "-lm",
+            "-static",
+            "-o",
+            "t",
+        ]
+        subprocess.run(build, cwd=tmp_path / name, check=True)
+        told = subprocess.run(
+            [machine, "./t"], cwd=tmp_path / name, capture_output=True, text=True, check=False
+        )
+        assert told.returncode == 0, told.stdout + told.stderr
 
 
 def test_text_is_written_quickly():

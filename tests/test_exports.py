@@ -38,7 +38,7 @@ TOOL = {
 }  # fmt: skip
 NEEDS = {"jax": "jax", "casadi": "casadi"}
 STRICT = {
-    "cc -std=c99": "cc -std=c99 -Wall -Wextra -Wconversion -pedantic -Werror",
+    "cc -std=c99": "cc -std=c99 -Wall -Wextra -Wconversion -Wdouble-promotion -pedantic -Werror",
     "c++ ": "c++ -Wall -Wextra -Wconversion -pedantic -Werror ",
     "rustc ": "rustc -D warnings ",
     "python ": f"{sys.executable} ",
@@ -341,6 +341,7 @@ def test_numbers_of_the_robot_are_arguments_where_asked(tmp_path):
         kernel.parameters
     )
     head = (tmp_path / "inverse_dynamics.h").read_text()
+    assert "Gravity: in p." in head
     k = kernel.parameters.index("forearm_link.mass")
     assert f"p [{k}] forearm_link_mass, here 2.846 kg" in head
     changed = {"payload.mass": 2.5, "forearm_link.mass": 4.0, "forearm_link.com.x": -0.1}
@@ -502,7 +503,7 @@ def test_the_head_says_what_is_needed_to_call_it():
     for line in (
         "qd(6): rates (rad/s", "wrench0(6): wrench on the frame wrist_3_link", "inverse_dynamics_tau(6): torques",
         "jacobian_J(6, 6): Jacobian", "3 elbow_joint: revolute, q [2], qd [2], carries forearm_link on upper_arm_link",
-        "The frame is forearm_link; axes: world.", "operations: ",
+        "The frame is forearm_link; axes: world.", "operations: ", "Gravity: [0, 0, -9.81] m/s^2, world axes.",
     ):  # fmt: skip
         assert line in head, line
     count = int(re.search(r"(\d+) operations", head)[1])
@@ -586,37 +587,53 @@ def test_the_command(tmp_path, capsys):
     assert (out / "arm.c").read_text() == "mine"
 
 
-# ---------------------------------------------------------------- the examples of docs/exports.md
-PAGE = (Path(__file__).parents[1] / "docs/exports.md").read_text(encoding="utf-8")
+# ---------------------------------------------------------------- the examples of the docs
+DOCS = Path(__file__).parents[1] / "docs"
+PAGE = (DOCS / "exports.md").read_text(encoding="utf-8")
 
 
-def block(language: str) -> str:
-    (found,) = re.findall(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)
-    return found
+def block(page: str, language: str) -> str:
+    """The first example in a language."""
+    text = (DOCS / page).read_text(encoding="utf-8")
+    return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)[0]
 
 
 def test_the_controller_of_the_docs_reaches_its_goal(tmp_path, monkeypatch):
     require("c")
     monkeypatch.chdir(tmp_path)
-    for command in re.findall(r"^\$ freebody (.*)$", block("console"), re.MULTILINE):
+    for command in re.findall(r"^\$ freebody (.*)$", block("controller.md", "console"), re.MULTILINE):
         assert run(shlex.split(command)) == 0
-    Path("loop.c").write_text(block("c"))
-    strict = block("sh").replace("-O2", "-O0 -Wall -Wextra -Wconversion -pedantic -Werror")
+    Path("loop.c").write_text(block("controller.md", "c"))
+    strict = block("controller.md", "sh").replace("-O2", "-O0 -Wall -Wextra -Wconversion -pedantic -Werror")
     done = subprocess.run(strict, shell=True, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+def test_the_piece_of_text_in_the_docs_is_in_the_text():
+    assert block("exports.md", "c") in fb.source(fb.load("ur5e"), "inverse_dynamics", "c")
+
+
 @pytest.mark.browser
-def test_the_page_of_the_docs_moves(tmp_path, monkeypatch):
+def test_the_page_of_the_docs_moves_under_its_own_policy(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    exec(block("python"), {})
-    Path("pendulum.html").write_text(block("html"), encoding="utf-8")
+    exec(block("web-page.md", "python"), {})
     with browser(tmp_path / "profile") as chromium:
         chromium.set_script_timeout(20)
         chromium.get((tmp_path / "pendulum.html").as_uri())
         seen = chromium.execute_async_script(
-            "const done = arguments[0], at = () => links.getAttribute('points'); const before = at();"
+            "const done = arguments[0], links = document.getElementById('links');"
+            "const at = () => links.getAttribute('points'), before = at();"
             "const look = () => at() === before ? setTimeout(look, 20) : done([before, at()]); look();"
+        )
+        energies = chromium.execute_script(
+            "const energy = () => Number(document.getElementById('energy').textContent), first = energy();"
+            "for (let k = 0; k < 60; k++) draw(); const kept = energy();"
+            "const friction = document.getElementById('slider2'); friction.value = 0.5;"
+            "friction.dispatchEvent(new Event('input')); for (let k = 0; k < 60; k++) draw();"
+            "return [first, kept, energy()];"
         )
         assert chromium.get_log("browser") == []
     assert all(re.fullmatch(r"0,0( -?[\d.e-]+,-?[\d.e-]+){2}", points) for points in seen)
+    first, kept, last = energies
+    assert first == pytest.approx(kept, abs=2e-3)  # nothing rubs
+    assert last < kept - 0.1

@@ -144,7 +144,17 @@ class Description:
             )
         if model.loops:
             lines.append(f"  and {len(model.loops)} loops that close the chain")
-        return lines
+        return [*lines, f"Gravity: {self._gravity()}."]
+
+    def _gravity(self) -> str:
+        """Where it pulls: whoever mounts the robot has to know."""
+        given = self.numbers.model if self.numbers else self.model
+        if (given.gravity_size, given.gravity_direction) != (
+            self.model.gravity_size,
+            self.model.gravity_direction,
+        ):
+            return "in p"
+        return f"[{', '.join(f'{x:.6g}' for x in self.model.gravity)}] m/s^2, world axes"
 
 
 _SECTIONS = (

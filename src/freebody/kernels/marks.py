@@ -54,7 +54,7 @@ def marks(program: Program, option: Option, tree_over: Callable[[Any], Tree]) ->
     tree_over: the tree over the scalars of p.
     """
     inputs = [argument.name for argument in program.inputs]
-    if "q" not in inputs:
+    if not any(argument.name == "q" and argument.size for argument in program.inputs):
         return {}
 
     def evaluate(*values: Any) -> dict[str, np.ndarray]:
