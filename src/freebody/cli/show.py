@@ -158,8 +158,7 @@ def _mobility(model: Model) -> str:
 
 def _row(body: Body) -> tuple[str, ...]:
     joint, limits = body.joint, body.joint.limits
-    length = joint.kind == "prismatic"
-    unit, force = ("m", "N") if length else ("rad", "N m")
+    unit, force = ("m", "N") if body.kind.slides else ("rad", "N m")
     one = body.kind.nv == 1
     bounded = one and (math.isfinite(limits.lower) or math.isfinite(limits.upper))
     mimic = joint.mimic

@@ -53,7 +53,7 @@ class Naming:
 
     def turns(self, n: int) -> bool:
         """Whether body n hangs on a revolute joint of its own."""
-        return self.body(n).kind.name in ("revolute", "continuous") and self.body(n).joint.mimic is None
+        return self.body(n).kind.turns and self.body(n).joint.mimic is None
 
     # ------------------------------------------------------------ joints
     def coordinate(self, n: int) -> str | None:
@@ -90,7 +90,7 @@ class Naming:
 
     def axis(self, n: int) -> Symbol:
         """z_n, which joint n turns about, or u_n, along which it slides."""
-        return vec(f"{'u' if self.body(n).kind.name == 'prismatic' else 'z'}{n}")
+        return vec(f"{self.body(n).kind.axis_letter}{n}")
 
     # ------------------------------------------------------------ forces
     def force(self, i: int, k: int) -> Symbol:

@@ -177,11 +177,10 @@ def symbols(
 def coordinate_names(model: Model) -> tuple[str, ...]:
     """theta_i and d_i by joint, the name itself of a slide called x, y or z; x_i, y_i, theta_i of a planar joint."""
     for body in model.bodies:
-        kind = body.kind.name
-        if kind in ("spherical", "free"):
+        if body.kind.coordinates is None:
             raise FreebodyError(
-                f"joint {body.joint.name!r} of {model.name!r} is {kind}: closed forms need coordinates that are "
-                "numbers; put three revolute joints (Euler angles) and three prismatic ones in its place."
+                f"joint {body.joint.name!r} of {model.name!r} is {body.kind.name}: closed forms need coordinates "
+                "that are numbers; put three revolute joints (Euler angles) and three prismatic ones in its place."
             )
     return tuple(name for names in names_by_body(model) for name in names)
 
@@ -195,13 +194,12 @@ def names_by_body(model: Model) -> list[tuple[str, ...]]:
         joint = body.joint
         i += joint.mimic is None
         own = joint.name in ("x", "y", "z") and joint.name not in parameters
-        kinds = {
-            "prismatic": (joint.name if own else f"d{i}",),
-            "planar": (f"x{i}", f"y{i}", f"theta{i}"),
-            "spherical": (),
-            "free": (),
-        }
-        names.append(() if joint.mimic is not None else kinds.get(body.kind.name, (f"theta{i}",)))
+        if joint.mimic is not None:
+            names.append(())
+        elif body.kind.slides and own:
+            names.append((joint.name,))
+        else:
+            names.append(tuple(f"{name}{i}" for name in body.kind.coordinates or ()))
     return names
 
 
@@ -209,7 +207,7 @@ def _require_whole_ratios(model: Model) -> None:
     """Refuse a turning joint that follows another by a fraction of its angle."""
     for body in model.bodies:
         mimic = body.joint.mimic
-        if mimic is not None and body.kind.name != "prismatic" and mimic.ratio != round(mimic.ratio):
+        if mimic is not None and any(body.kind.angular) and mimic.ratio != round(mimic.ratio):
             raise FreebodyError(
                 f"joint {body.joint.name!r} of {model.name!r} turns {mimic.ratio:g} times as far as "
                 f"{mimic.joint!r}: closed forms need a whole number, since sines and cosines of a fraction of an angle "

@@ -67,7 +67,7 @@ def _joints(drawing: Drawing, loads: BodyLoads) -> None:
     """The joint that carries the body, where it is a flat symbol, those of its children, and its centre of mass."""
     body = loads.body
     if len(drawing.view.rows[0]) == 2:
-        kind, axis = "slider" if body.kind == "prismatic" else "joint", body.axis
+        kind, axis = body.kind.mark, body.axis
         direction = None if axis is None else point(axis)
         drawing.add(Mark(point(body.origin), kind, f"joint {body.number}", "joint", direction, 6.0))
     for end in body.ends:

@@ -10,11 +10,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from freebody.derivations.expression import Symbol
-from freebody.derivations.names import sym
+from freebody.derivations.names import GREEK, sym
 from freebody.derivations.naming import TIP, Naming
 from freebody.derivations.symbols import RATE, SECOND
 from freebody.figures.loads import Load, label
 from freebody.figures.skeleton import BodyPlace, End
+from freebody.model.joints import JointKind
 from freebody.model.model import Model
 
 _DOTS = ("", "\u0307", "\u0308")
@@ -60,7 +61,8 @@ class Names:
 
     def coordinate(self, body: BodyPlace, order: int = 0) -> str:
         """The joint's coordinate or its rate; "" where it has none of its own."""
-        return self.on(("d" if body.kind == "prismatic" else "θ") + _DOTS[order], body.number)
+        name = (body.kind.coordinates or ("theta",))[-1]
+        return self.on(GREEK.get(name, name) + _DOTS[order], body.number)
 
     def mass(self, n: int) -> str:
         """Of body n."""
@@ -72,7 +74,7 @@ class Names:
 
     def axis(self, body: BodyPlace) -> str:
         """The direction of a joint."""
-        return self.on("u" if body.kind == "prismatic" else "z", body.number)
+        return self.on(body.kind.axis_letter, body.number)
 
     def reach(self, body: BodyPlace, end: End, letter: str = "s") -> str:
         """The vector from a joint to where something hangs."""
@@ -86,7 +88,7 @@ class Names:
         """From a joint to the centre of mass."""
         return self.on("l", body.number, "c")
 
-    def acting(self, load: Load, body: BodyPlace, kind: str) -> tuple[str, str]:
+    def acting(self, load: Load, body: BodyPlace, kind: JointKind | None) -> tuple[str, str]:
         """Names of a force and its moment on a body; kind: of the joint that it is a reaction of."""
         n = body.number
         if load.role == "weight":
@@ -99,7 +101,7 @@ class Names:
         if self.moment:
             moment = self.on(self.moment, second)
         else:
-            moment = self.on("τ", second) if kind in ("revolute", "continuous") else f"n_{{{between}}}"
+            moment = self.on("τ", second) if kind is not None and kind.turns else f"n_{{{between}}}"
         return f"{sign}{self.letter}_{{{between}}}", sign + moment
 
 
@@ -146,7 +148,7 @@ class ModelNames(Names):
         taken = {label(sym(x)) for x in self._own.model.parameters}
         return "" if pattern in taken else pattern
 
-    def acting(self, load: Load, body: BodyPlace, kind: str) -> tuple[str, str]:
+    def acting(self, load: Load, body: BodyPlace, kind: JointKind | None) -> tuple[str, str]:
         return load.name, load.moment_name
 
 

@@ -48,7 +48,7 @@ def draw(model: Model, pose: Skeleton, ghosts: Sequence[Skeleton], path: Array |
 
 def sticks(body: BodyPlace) -> list[tuple[Array, Array]]:
     """A body's segments, with the rod of a prismatic joint from where it slides."""
-    rod = [(body.carrier, body.origin)] if body.kind == "prismatic" else []
+    rod = [(body.carrier, body.origin)] if body.kind.slides else []
     return rod + list(body.outline)
 
 
@@ -68,10 +68,10 @@ def add_body(drawing: Drawing, body: BodyPlace) -> None:
 def add_joint(drawing: Drawing, body: BodyPlace) -> None:
     """A pin, or a slider with its rail."""
     name = f"joint {body.number}"
-    if body.kind == "prismatic" and body.axis is not None:
+    if body.kind.slides and body.axis is not None:
         drawing.add(Line((point(body.carrier), point(body.origin)), f"rail {body.number}", "rail"))
         drawing.add(Mark(point(body.origin), "slider", name, "joint", point(body.axis), 8.0))
-    elif body.kind in ("revolute", "continuous"):
+    elif body.kind.turns:
         drawing.add(Mark(point(body.origin), "joint", name, "joint", size=6.0))
 
 
@@ -98,7 +98,7 @@ def _guides(drawing: Drawing, model: Model, pose: Skeleton, body: BodyPlace, siz
     """The joint's variable: an angle from the line before, or a slide; and the link's length."""
     names, n = names_of(model), body.number
     variable = names.coordinate(body) or f"joint {n}"
-    if body.kind == "prismatic" and body.axis is not None:
+    if body.kind.slides and body.axis is not None:
         middle = (body.carrier + body.origin) / 2
         slide = float((body.origin - body.carrier) @ body.axis)
         drawing.add(
@@ -109,7 +109,7 @@ def _guides(drawing: Drawing, model: Model, pose: Skeleton, body: BodyPlace, siz
                 direction=_normal(body.axis),
             )
         )
-    elif body.kind in ("revolute", "continuous"):
+    elif body.kind.turns:
         before = math.atan2(body.carrier_rotation[1, 0], body.carrier_rotation[0, 0])
         now = math.atan2(body.rotation[1, 0], body.rotation[0, 0])
         turned = math.remainder(now - before, 2 * math.pi)

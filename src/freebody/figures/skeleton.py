@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from freebody.algorithms.kinematics import joint_poses, world_poses
 from freebody.arrays import Array
+from freebody.model.joints import JointKind
 from freebody.model.model import Model
 from freebody.model.tree import Mass, Tree
 from freebody.trees.calls import single_vector
@@ -32,7 +33,7 @@ class BodyPlace:
 
     index: int
     name: str
-    kind: str
+    kind: JointKind
     parent: int
     origin: Array
     """The child's joint origin."""
@@ -135,14 +136,14 @@ def _body(
     mass, centre = _centre(node.masses, model.dim)
     ends = [
         End(child.joint.name, k, world[tree.body_of[k]][1])
-        if child.joint.kind != "prismatic"
+        if not child.kind.slides
         else End(child.joint.name, k, p + R @ np.asarray(tree.bodies[tree.body_of[k]].p, dtype=float))
         for k, child in enumerate(model.bodies)
         if child.parent == i
     ]
     ends += _leaves(model, frames, at, R, p)
     return BodyPlace(
-        i, body.name, body.joint.kind, body.parent, p, R, carrier, carrier_R,
+        i, body.name, body.kind, body.parent, p, R, carrier, carrier_R,
         R @ np.asarray(node.axis, dtype=float) if one_axis else None,
         mass, p + R @ centre, tuple(ends),
     )  # fmt: skip

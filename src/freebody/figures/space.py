@@ -55,7 +55,7 @@ def solids(pose: Skeleton, size: float) -> list[Element]:
     elements: list[Element] = [
         Line(((0.0, 0.0, 0.0), point(root.carrier)), "link 0", "link", width=wide)
         for root in pose.roots
-        if root.kind not in ("free", "planar") and np.linalg.norm(root.carrier) > 1e-6
+        if root.kind.holds and np.linalg.norm(root.carrier) > 1e-6
     ]
     return elements + [element for body in pose.bodies for element in solids_of(body, radius, wide)]
 
@@ -74,11 +74,11 @@ def solids_of(body: BodyPlace, radius: float, wide: float = 9.0) -> list[Element
 def joint_symbol(body: BodyPlace, radius: float) -> list[Element]:
     """A cylinder along the axis of a turn, a box along a slide, a ball."""
     name, at = f"joint {body.number}", point(body.origin)
-    if body.kind == "spherical":
-        return [Mark(at, "sphere", name, "joint", size=8.0)]
+    if body.kind.mark == "sphere":
+        return [Mark(at, body.kind.mark, name, "joint", size=8.0)]
     if body.axis is None:
         return []
-    if body.kind == "prismatic":
+    if body.kind.slides:
         return [
             Prism(point(body.carrier), point(body.axis), radius * 1.15, radius * 1.5, name, "joint", sides=4)
         ]
@@ -117,7 +117,7 @@ def _paler(element: Element) -> Element:
 
 
 def _segments(pose: Skeleton) -> list[tuple[Array, Array]]:
-    base = [(np.zeros(3), r.carrier) for r in pose.roots if r.kind not in ("free", "planar")]
+    base = [(np.zeros(3), r.carrier) for r in pose.roots if r.kind.holds]
     return base + [stick for body in pose.bodies for stick in sticks(body)]
 
 

@@ -185,7 +185,7 @@ def _whole(body: Body) -> tuple[float, float, float]:
         return 0.0, 0.0, 0.0
     placed = (part.inertia.placed(*part.placement.lower(of_dimension(3), VALUES)) for part in parts)
     mass, com, tensor = combined(list(placed)).numbers()
-    if body.parent < 0 and body.kind.name in ("revolute", "continuous"):  # nothing else of it is ever felt
+    if body.parent < 0 and body.kind.turns:  # nothing else of it is ever felt
         largest = max(float(np.array(body.joint.axis) @ tensor @ np.array(body.joint.axis)), 0.0)
     else:
         largest = max(float(np.linalg.eigvalsh(tensor).max()), 0.0)

@@ -111,7 +111,7 @@ def _planar(top: Table) -> Description:
     given: dict[str, Any] = {
         key: inner.quantities(key, len(word), default=None) for key in ("l", "lc", "m", "I")
     }
-    limits = [parts.limits_of(t, word[i : i + 1]) for i, t in enumerate(inner.tables("limits"))]
+    limits = [parts.limits_of(t, angles=word[i : i + 1] == "R") for i, t in enumerate(inner.tables("limits"))]
     drives = [parts.drive(t.only(*parts.DRIVE)) for t in inner.tables("drives")]
     described = planar.describe(
         word,

@@ -104,7 +104,6 @@ def joint(table: Table, dim: int) -> Joint:
     if table.flag("passive") and (KINDS[kind].nv == 0 or "mimic" in table):
         reason = "has nothing to drive" if KINDS[kind].nv == 0 else "follows another, which may be passive"
         table.refuse(f"passive: the joint {reason}; remove it.", "passive")
-    letter = "P" if kind == "prismatic" else "R"
     return Joint(
         table.text("name"),
         kind,
@@ -112,7 +111,7 @@ def joint(table: Table, dim: int) -> Joint:
         table.text("child"),
         placement(table, dim),
         _axis(table, kind, dim) if KINDS[kind].needs_axis else (),
-        limits(table, letter),
+        limits(table, angles=not KINDS[kind].slides),
         drive(table),
         _mimic(table),
         table.line,
@@ -122,7 +121,7 @@ def joint(table: Table, dim: int) -> Joint:
 
 def _axis(table: Table, kind: str, dim: int) -> tuple[float, ...]:
     """A vector, or "x", "-z"; in the plane a revolute joint's is 1 (counterclockwise) or -1."""
-    if dim == 2 and kind != "prismatic":
+    if KINDS[kind].axis_size(dim) == 1:
         return (table.number("axis", default=1.0),)
     return _axis_vector(table, dim)
 
@@ -140,16 +139,16 @@ def _axis_vector(table: Table, dim: int) -> tuple[float, ...]:
     return table.vector("axis", dim)
 
 
-def limits(table: Table, letter: str) -> Limits:
-    """limits = { lower, upper, velocity, effort }; letter: "R" for angles, "P" for lengths."""
+def limits(table: Table, angles: bool) -> Limits:
+    """limits = { lower, upper, velocity, effort }; angles: of an angle, not a length."""
     inner = table.table("limits")
-    return limits_of(inner.called(f"{table.where}, limits"), letter) if inner else Limits()
+    return limits_of(inner.called(f"{table.where}, limits"), angles) if inner else Limits()
 
 
-def limits_of(table: Table, letter: str) -> Limits:
+def limits_of(table: Table, angles: bool) -> Limits:
     """The same from its own table."""
     table.only("lower", "upper", "velocity", "effort")
-    angle, rate = ("angle", "rate") if letter == "R" else ("number", "number")
+    angle, rate = ("angle", "rate") if angles else ("number", "number")
     return Limits(
         table.number("lower", angle, -INFINITE, infinite=True),
         table.number("upper", angle, INFINITE, infinite=True),
@@ -355,6 +354,6 @@ def dh_row(table: Table) -> dict[str, Any]:
             friction.quantity("coulomb", default=0.0),
         )
     if "limits" in table:
-        row["limits"] = limits(table, row["joint"])
+        row["limits"] = limits(table, angles=row["joint"] == "R")
     row["passive"] = table.flag("passive")
     return row

@@ -99,7 +99,7 @@ def wrapped(seeker: Seeker, q: Array, reference: Array) -> Array:
     q = q.copy()
     low, high = seeker.bounds
     for body, at in zip(seeker.model.bodies, seeker.model.coordinates, strict=True):
-        if body.joint.mimic is not None or body.kind.name not in ("revolute", "continuous"):
+        if body.joint.mimic is not None or not body.kind.turns:
             continue
         k, turn = at.q[0], 2 * np.pi
         if not _repeats(seeker.model, k):
@@ -135,7 +135,7 @@ def turning_coordinates(model: Model) -> np.ndarray:
     """Which entries of q are angles that repeat (nq,)."""
     mask = np.zeros(model.nq, dtype=bool)
     for body, at in zip(model.bodies, model.coordinates, strict=True):
-        if body.joint.mimic is None and body.kind.name in ("revolute", "continuous"):
+        if body.joint.mimic is None and body.kind.turns:
             mask[at.q[0]] = _repeats(model, at.q[0])
     return mask
 

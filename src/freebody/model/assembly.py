@@ -139,7 +139,7 @@ class _Assembly:
 
     def unit_axis(self, joint: Joint, where: str) -> tuple[float, ...]:
         """The joint's axis, of unit length: for a planar revolute joint (±1,)."""
-        expected = 1 if self.description.dim == 2 and joint.kind != "prismatic" else self.description.dim
+        expected = KINDS[joint.kind].axis_size(self.description.dim)
         axis = np.array(joint.axis, dtype=float)
         if axis.shape != (expected,) or not np.isfinite(axis).all() or not axis.any():
             self.refuse(

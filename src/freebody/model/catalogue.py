@@ -174,7 +174,7 @@ def _joint(model: Model, body: Body, path: Path, space: AnySpace) -> Iterator[tu
         )
     if body.kind.nv != 1:
         return
-    turns = body.kind.name != "prismatic"
+    (turns,) = body.kind.angular
     for label, attribute, unit, what in _DRIVE[turns]:
         editor = Attributes((*path, "joint", "drive"), {label: attribute})
         row = Row(

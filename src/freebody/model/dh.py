@@ -17,6 +17,7 @@ from freebody.errors import FileError, ModelError, UnknownNameError, shown
 from freebody.model.assembly import Policy, assemble
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
+from freebody.model.joints import BY_LETTER
 from freebody.model.members import Entry
 from freebody.model.model import Model
 from freebody.model.parameters import Quantity, quantity
@@ -129,7 +130,7 @@ def _row(
     link = Link(str(row.get("name", f"link{i + 1}")), _inertia(row, where), frame, line)
     joint = Joint(
         name,
-        "revolute" if letter == "R" else "prismatic",
+        BY_LETTER[letter],
         parent,
         link.name,
         placement,

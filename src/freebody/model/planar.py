@@ -14,6 +14,7 @@ from freebody.labels import refuse_labelled
 from freebody.model.assembly import Policy, assemble
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
+from freebody.model.joints import BY_LETTER
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, Quantity, finite, quantity
 from freebody.model.parts import MOST_LINKS, Description, Drive, Joint, Limits, Link, Mount
@@ -108,7 +109,7 @@ def describe(
         joints.append(
             Joint(
                 names[i],
-                "revolute" if letter == "R" else "prismatic",
+                BY_LETTER[letter],
                 links[i].name,
                 links[i + 1].name,
                 shift(reach, 0.0).then(turn("z", turns[i])),

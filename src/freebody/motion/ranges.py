@@ -77,7 +77,7 @@ def angular(model: Model) -> Flags:
     flags: list[bool] = []
     for body in model.bodies:
         if body.joint.mimic is None:
-            flags += _ANGULAR.get(body.kind.name, (True,) * body.kind.nv)
+            flags += body.kind.angular
     return np.array(flags, dtype=bool)
 
 
@@ -95,13 +95,6 @@ def position_columns(model: Model) -> tuple[Index, Index]:
             iq += at.q
             iv += at.v
     return np.array(iq, dtype=int), np.array(iv, dtype=int)
-
-
-_ANGULAR = {
-    "prismatic": (False,),
-    "planar": (False, False, True),
-    "free": (False, False, False, True, True, True),
-}
 
 
 def _narrow(model: Model, lower: Array, upper: Array, velocity: Array) -> Iterator[str]:

@@ -25,17 +25,14 @@ LOADS = {
 }
 """Unit and meaning; of joints without one axis, and where a plane has no such load, NaN."""
 
-_TURNING, _SLIDING = ("revolute", "continuous"), ("prismatic",)
-
 
 def bearing_loads(model: Model, force: Array, moment: Array) -> dict[str, Any]:
     """Variables (time, joint) from the reactions in the child's axes, (T, joints, dim) and (T, joints, 3 or 1)."""
     found = {name: np.full(force.shape[:2], np.nan) for name in LOADS}
     for k, body in enumerate(model.bodies):
-        kind = body.joint.kind
-        if kind in _TURNING and model.dim == 2:
+        if body.kind.turns and model.dim == 2:
             parts = {"radial_force": _size(force[:, k]), "drive_load": body.joint.axis[0] * moment[:, k, 0]}
-        elif kind in _TURNING:
+        elif body.kind.turns:
             axial, radial = _split(force[:, k], body.joint.axis)
             driving, tilting = _split(moment[:, k], body.joint.axis)
             parts = {
@@ -44,7 +41,7 @@ def bearing_loads(model: Model, force: Array, moment: Array) -> dict[str, Any]:
                 "tilting_moment": tilting,
                 "drive_load": driving,
             }
-        elif kind in _SLIDING:
+        elif body.kind.slides:
             driving, radial = _split(force[:, k], body.joint.axis)
             parts = {"radial_force": radial, "drive_load": driving}
             if model.dim == 2:

@@ -35,5 +35,5 @@ def shown(model: Model) -> Shown | None:
 def _has_closed_form(model: Model) -> bool:
     """Whether there are few joints of one axis each, none that follows another, and no loop."""
     bodies = model.bodies
-    simple = all(body.kind.name in ("revolute", "continuous", "prismatic") for body in bodies)
+    simple = all(body.kind.turns or body.kind.slides for body in bodies)
     return len(bodies) <= JOINTS and simple and all(b.joint.mimic is None for b in bodies) and not model.loops

@@ -180,7 +180,7 @@ def reactions(study: Study) -> Table:
 
 def _drive_units(study: Study) -> list[str]:
     """Of each reaction's drive; loops have none."""
-    sliding = {body.joint.name for body in study.model.bodies if body.joint.kind == "prismatic"}
+    sliding = {body.joint.name for body in study.model.bodies if body.kind.slides}
     return ["N" if name in sliding else "N m" for name in study.model.reaction_names]
 
 

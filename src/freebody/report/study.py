@@ -190,8 +190,7 @@ def study(
 
 def _driven(model: Model) -> tuple[str, ...]:
     """A sentence on joints that have no motor in life."""
-    several = ("free", "planar", "spherical")
-    free = [b.joint.name for b in model.bodies if b.joint.kind in several and not b.joint.passive]
+    free = [b.joint.name for b in model.bodies if b.kind.nv > 1 and not b.joint.passive]
     if not free:
         return ()
     return (

@@ -140,7 +140,7 @@ def _missing(model: Model, allowed: Ranges) -> tuple[str, ...]:
         ("a speed limit", _named(driven, lambda b, k: not np.isfinite(allowed.velocity[k]))),
         (
             "a position range",
-            _named(driven, lambda b, k: b.joint.kind != "continuous" and _unbounded(allowed, k)),
+            _named(driven, lambda b, k: b.kind.ranged and _unbounded(allowed, k)),
         ),
     ):
         absent.setdefault(names, []).append(what)

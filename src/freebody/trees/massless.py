@@ -114,7 +114,7 @@ def _alone(body: Body, part: BodyPart, dim: int) -> _Alone:
     if drive is not None and drive[2] < 0.0:
         return _UNSURE  # a rotor that takes inertia away
     entries = _matrix(inertia)
-    travel = 0.0 if body.kind.name in ("revolute", "continuous", "spherical") else _TRAVEL
+    travel = 0.0 if all(body.kind.angular) else _TRAVEL
     return _Alone(
         float(np.linalg.eigvalsh(entries)[0]),
         float(inertia[0]),

@@ -84,10 +84,12 @@ def _states(
             quaternion = rng.normal(size=(*shape, 4))
             q[..., at.q[start:]] = quaternion / np.linalg.norm(quaternion, axis=-1, keepdims=True)
             q[..., at.q[:start]] = rng.uniform(-1, 1, size=(*shape, start))
-        elif body.kind.name == "planar":
-            q[..., at.q] = rng.uniform(-1, 1, size=(*shape, 3)) * [1, 1, np.pi]
+            continue
+        reach = np.where(body.kind.angular, np.pi, 1.0)
+        if body.kind.nv > 1:
+            q[..., at.q] = rng.uniform(-1, 1, size=(*shape, body.kind.nv)) * reach
         else:
-            reach = 1.0 if body.kind.name == "prismatic" else np.pi
+            (reach,) = reach.tolist()
             low, high = allowed.lower, allowed.upper
             if low < -_FAR:
                 low = max(low, -reach if high > _FAR else min(-reach, high - 2 * reach))

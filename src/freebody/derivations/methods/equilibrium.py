@@ -72,8 +72,9 @@ class Equilibrium:
         if not s.is_pin(i):
             lines.append(eq(s.motor(i), self.reactions.motor_rule(i, name)))
         numbers = {("RR", 1): ("2.46",), ("RR", 2): ("2.45",)}.get((s.cited, n), ())
-        motor = "torque" if s.turns(i) else "force"
-        motor = f"the {motor} of its motor" if s.driven(i) else "what must be 0, for it has no motor"
+        motor = (
+            f"the {s.words(i).effort} of its motor" if s.driven(i) else "what must be 0, for it has no motor"
+        )
         reason = f"The two equations of body {n} give the reaction at joint {n} and {motor}."
         return Step(f"Solve for joint {n}", reason, tuple(lines), numbers)
 

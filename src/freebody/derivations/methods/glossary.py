@@ -10,6 +10,7 @@ from freebody.derivations.methods.setting import Setting
 from freebody.derivations.names import sym, vec
 from freebody.derivations.render.literal import literal
 from freebody.derivations.symbols import RATE, SECOND
+from freebody.model.joints import Words
 from freebody.model.parameters import Parameter, each_parameter
 from freebody.model.placement import Placement, Turn
 
@@ -31,25 +32,25 @@ def _span(s: Setting, turning: bool) -> list[int]:
 
 
 def _coordinates(s: Setting, motors: bool) -> Iterator[Meaning]:
-    for turning, words, unit, motor, force in (
-        (True, "angle", "rad", "torque", MOMENT),
-        (False, "displacement", METER, "force", NEWTON),
-    ):
-        joints = _span(s, turning)
-        if not joints:
-            continue
+    joints_by_words: dict[Words, list[int]] = {}
+    for i in s.order:
+        joints_by_words.setdefault(s.words(i), []).append(i)
+    for words in sorted(joints_by_words, key=lambda words: words.unit != "rad"):  # angles first
+        joints = joints_by_words[words]
         names = [s.coordinate(i) for i in joints]
         plural = "s" if len(joints) > 1 else ""
-        where = f"{words}{plural} of the {'revolute' if turning else 'prismatic'} joint{plural}"
-        yield Meaning(tuple(map(sym, names)), where, unit)
+        where = f"{words.coordinate}{plural} of the {words.joint} joint{plural}"
+        yield Meaning(tuple(map(sym, names)), where, words.unit)
         if not s.at_rest:
             rates = tuple(sym(x + dots) for dots in (RATE, SECOND) for x in names)
-            words = "their velocities and accelerations" if plural else "its velocity and acceleration"
-            yield Meaning(rates, words, f"{unit}/s, {unit}/s²")
+            theirs = "their velocities and accelerations" if plural else "its velocity and acceleration"
+            yield Meaning(rates, theirs, f"{words.unit}/s, {words.unit}/s²")
         driven = [i for i in joints if s.motor(i) != ex.ZERO]
         if motors and driven:
             plural = "s" if len(driven) > 1 else ""
-            yield Meaning(tuple(map(s.motor, driven)), f"{motor}{plural} of the motor{plural}", force)
+            yield Meaning(
+                tuple(map(s.motor, driven)), f"{words.effort}{plural} of the motor{plural}", words.effort_unit
+            )
 
 
 def _parameters(s: Setting, moved: bool) -> Iterator[Meaning]:

@@ -60,8 +60,7 @@ def _coordinates(s: Setting) -> Step:
     names = ex.Vector(tuple(sym(s.coordinate(i)) for i in s.order))
     forces = ex.Vector(tuple(s.motor(i) for i in s.order))
     one = len(s.order) == 1
-    kinds = {s.turns(i) for i in s.order}
-    motor = "torque" if kinds == {True} else "force" if kinds == {False} else "torque or force"
+    motor = " or ".join(sorted({s.words(i).effort for i in s.order}, reverse=True))
     reason = (
         f"The joint's variable fixes the pose of the body; its motor's {motor} does work along it."
         if one
@@ -172,7 +171,7 @@ def _equation(s: Setting, energies: Energies, i: int, work: Trig) -> tuple[list[
     force = s.motor(i) if not s.load else sym(f"Q{s.numbers[i]}")
     right = ex.add(force, ex.neg_each(s.show(friction)))
     number = {("RR", 1): "5.15", ("RR", 2): "5.16"}.get((s.cited, s.numbers[i]), "" if s.planar else "6.15")
-    motor = "torque" if s.turns(i) else "force"
+    motor = s.words(i).effort
     reason = f"Lagrange's equation; the generalized force is the {motor} of the joint's motor"
     if not s.driven(i):
         reason = "Lagrange's equation; the joint has no motor and no generalized force"

@@ -30,7 +30,7 @@ def _arm(s: Setting) -> str:
 def _joint(s: Setting, i: int) -> str:
     n, parent = s.numbers[i], s.numbers[s.tree.bodies[i].parent]
     below = "the ground" if parent == 0 else f"body {parent}"
-    how = "revolute, angle" if s.turns(i) else "prismatic, displacement"
+    how = f"{s.words(i).joint}, {s.words(i).coordinate}"
     passive = "" if s.driven(i) else ", passive"
     return f"joint {n} ({how} {_coordinate(s, i)}{passive}) joins body {n} to {below}"
 

@@ -46,11 +46,7 @@ def _fixed_axis(s: Setting, drive: Expression) -> Step:
 def _carried(s: Setting, i: int, drive: Expression) -> Step:
     n, parent = s.numbers[i], s.numbers[s.tree.bodies[i].parent]
     held = f"f_{parent},{n}" + ("" if s.is_pin(i) else f" with the moment n_{parent},{n}")
-    found = (
-        f"the {'torque' if s.turns(i) else 'force'}"
-        if s.driven(i)
-        else "an equation of motion: there is no motor"
-    )
+    found = f"the {s.words(i).effort}" if s.driven(i) else "an equation of motion: there is no motor"
     lines = [*_arms(s, i), eq(s.motor(i), ex.add(_balance(s, i), drive))]
     if s.turns(i):
         pivot = "the pivot" if s.planar else "its axis"

@@ -22,6 +22,7 @@ from freebody.derivations.symbols import Symbols
 from freebody.elementary import Scalar
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
+from freebody.model.joints import Words
 from freebody.model.joints.revolute import Turning
 from freebody.model.tree import Mass, Tree
 from freebody.scalars.trig import Trig
@@ -93,6 +94,10 @@ class Setting:
     def turns(self, i: int) -> bool:
         """Whether body i hangs on a revolute joint."""
         return isinstance(self.tree.bodies[i].primitive, Turning)
+
+    def words(self, i: int) -> Words:
+        """How the joint of body i is spoken of."""
+        return self.tree.bodies[i].primitive.words
 
     @cached_property
     def cited(self) -> str:

@@ -72,10 +72,13 @@ def eliminated(s: Setting, i: int) -> str:
 
 def substituted(s: Setting, i: int, reactions: bool) -> str:
     """What is put in where."""
-    motor = f"the {'torque' if s.turns(i) else 'force'} of motor {s.numbers[i]}"
+    motor = f"the {s.words(i).effort} of motor {s.numbers[i]}"
     if not s.driven(i):
         motor = f"the equation of motion of joint {s.numbers[i]}, which has no motor"
-    bearing = "bearing" if s.turns(i) else "guide"
     what = "force" if s.is_pin(i) else "force and the moment"
-    carried = f"the {what} that the {bearing} of joint {s.numbers[i]} passes on, and " if reactions else ""
+    carried = (
+        f"the {what} that the {s.words(i).bearing} of joint {s.numbers[i]} passes on, and "
+        if reactions
+        else ""
+    )
     return f"With the vectors put in: {carried}{motor}, sorted by accelerations and rates."

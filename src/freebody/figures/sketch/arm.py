@@ -49,7 +49,7 @@ def structure(drawing: Drawing, seen: Snapshot, names: Names, faint: bool = Fals
 
 def _axis_share(seen: Snapshot) -> float:
     """Length of the axes, of the drawing's size; where the base's slide lies on one, its head stays off the block."""
-    slides = [float(np.linalg.norm(r.origin)) for r in seen.pose.roots if r.kind == "prismatic"]
+    slides = [float(np.linalg.norm(r.origin)) for r in seen.pose.roots if r.kind.slides]
     return min([_AXIS, *(0.65 * d / seen.size for d in slides if d > 0.15 * seen.size)])
 
 
@@ -62,9 +62,9 @@ def axes(drawing: Drawing, size: float, origin: Point = (0.0, 0.0), share: float
 
 def support(drawing: Drawing, root: BodyPlace, size: float) -> None:
     """The ground: a pedestal under a turn, a hatched guide under a slide; nothing holds what moves freely."""
-    if root.kind in ("planar", "free"):
+    if not root.kind.holds:
         return
-    if root.kind == "prismatic" and root.axis is not None:
+    if root.kind.slides and root.axis is not None:
         half = 0.5 * float(np.linalg.norm(root.origin - root.carrier)) + 0.12 * size
         middle = (root.origin + root.carrier) / 2
         below = point(root.axis if root.axis[0] >= 0 else -root.axis)
@@ -90,14 +90,14 @@ def hatch(a: Array, b: Array, into: Array, depth: float) -> list[Line]:
 
 def rod(drawing: Drawing, body: BodyPlace) -> None:
     """What a slide runs on, from where it begins; the ground's guide is drawn by `support`."""
-    if body.kind == "prismatic" and body.parent >= 0:
+    if body.kind.slides and body.parent >= 0:
         drawing.add(Line((point(body.carrier), point(body.origin)), f"rod {body.number}", "rail"))
 
 
 def joint(drawing: Drawing, body: BodyPlace, size: float = 6.0) -> None:
     """A pin, or a block along the slide."""
     name = f"joint {body.number}"
-    if body.kind == "prismatic" and body.axis is not None:
+    if body.kind.slides and body.axis is not None:
         drawing.add(Mark(point(body.origin), "slider", name, "joint", point(body.axis), 8.0))
     else:
         drawing.add(Mark(point(body.origin), "joint", name, "joint", size=size))
@@ -189,7 +189,7 @@ def centres(drawing: Drawing, seen: Snapshot, names: Names) -> None:
 def angles(drawing: Drawing, seen: Snapshot, names: Names) -> None:
     """θ_1 from the x axis, further ones from the line of the link before."""
     for body in seen.pose.bodies:
-        if body.kind in ("revolute", "continuous"):
+        if body.kind.turns:
             name = names.coordinate(body)
             if name:
                 angle(drawing, body, _ARC * seen.size, name)
@@ -208,7 +208,7 @@ def angle(drawing: Drawing, body: BodyPlace, reach: float, name: str) -> None:
 def slides(drawing: Drawing, seen: Snapshot, names: Names) -> None:
     """d_i, from where a slide begins to the joint's block."""
     for body in seen.pose.bodies:
-        if body.kind == "prismatic" and np.linalg.norm(body.origin - body.carrier) > _NEAR:
+        if body.kind.slides and np.linalg.norm(body.origin - body.carrier) > _NEAR:
             name = names.coordinate(body)
             ends = point(body.carrier), point(body.origin)
             drawing.add(Dimension(*ends, name, label=name, aside=-_clear_side(seen, body) * 20.0))
@@ -237,7 +237,7 @@ def _length(drawing: Drawing, seen: Snapshot, body: BodyPlace, place: Array, nam
 
 def _clear_side(seen: Snapshot, body: BodyPlace) -> float:
     """1: left of a body, -1: right of it; an angle is drawn behind the turn that made it."""
-    if body.kind == "prismatic":
+    if body.kind.slides:
         return 1.0 if not body.parent >= 0 else _clear_side(seen, seen.pose.bodies[body.parent])
     turned = float(
         body.carrier_rotation[0, 0] * body.rotation[1, 0] - body.carrier_rotation[1, 0] * body.rotation[0, 0]

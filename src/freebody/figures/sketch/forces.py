@@ -113,7 +113,7 @@ def _joints(drawing: Drawing, seen: Snapshot, body: BodyPlace, names: Names) -> 
         if end.child is not None:
             child = seen.pose.bodies[end.child]
             if np.linalg.norm(child.origin - body.origin) > _NOTHING:
-                if child.kind == "prismatic":
+                if child.kind.slides:
                     drawing.add(Line((point(end.place), point(child.origin)), f"rod {child.number}", "guide"))
                 drawing.add(Mark(point(child.origin), "joint", f"joint {child.number}", "joint", size=5.0))
                 _named(drawing, child.origin, letter(seen, names, child.number), heading(seen, body))
@@ -176,7 +176,7 @@ def weight_label(name: str) -> str:
 def called(seen: Snapshot, body: BodyPlace, load: Load, names: Names) -> tuple[str, str]:
     """Names of a force and of its moment."""
     joint = load.joint
-    kind = seen.pose.bodies[joint].kind if joint is not None and joint < len(seen.pose.bodies) else ""
+    kind = seen.pose.bodies[joint].kind if joint is not None and joint < len(seen.pose.bodies) else None
     return names.acting(load, body, kind)
 
 

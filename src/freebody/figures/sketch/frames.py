@@ -77,7 +77,7 @@ def joint_axes(drawing: Drawing, seen: Snapshot, names: Names) -> None:
     """z_i along the axis of each joint, from where it is, and a thin line back."""
     for body in seen.pose.bodies:
         if body.axis is not None:
-            slides = body.kind == "prismatic"
+            slides = body.kind.slides
             name = names.axis(body)
             reach = 0.17 * seen.size * body.axis
             start = body.carrier if slides else body.origin

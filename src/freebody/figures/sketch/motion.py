@@ -30,7 +30,7 @@ def rates(drawing: Drawing, seen: Snapshot, names: Names, second: bool = False) 
             if len(at.v) != 1 or not name:
                 continue
             value = float(values[at.v[0]])
-            if body.kind == "prismatic" and body.axis is not None:
+            if body.kind.slides and body.axis is not None:
                 end = body.origin + 0.16 * seen.size * math.copysign(1.0, value) * body.axis
                 aside = -16.0 - 14.0 * k
                 arrow = Arrow(

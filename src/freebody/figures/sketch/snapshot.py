@@ -170,7 +170,7 @@ def clear_pose(model: Model) -> Array:
     for body, at in zip(model.bodies, model.coordinates, strict=True):
         if body.joint.mimic is not None or body.kind.nq != 1:
             continue
-        if body.joint.kind == "prismatic":
+        if body.kind.slides:
             value = length
         else:
             value, turn = _TURNS[turn % len(_TURNS)], turn + 1
@@ -185,7 +185,7 @@ def clear_pose(model: Model) -> Array:
 def _slide(model: Model) -> float:
     """How far slides are drawn out, metres: about as long as the links are."""
     size = extent([skeleton(model, neutral(model))])
-    turns = sum(body.joint.kind != "prismatic" for body in model.bodies)
+    turns = sum(not body.kind.slides for body in model.bodies)
     return 0.7 if size == 1.0 and not turns else 0.55 * size / max(turns, 1)
 
 

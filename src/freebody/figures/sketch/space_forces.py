@@ -59,7 +59,7 @@ def axis(drawing: Drawing, seen: Snapshot, link: BodyPlace, names: Names, size: 
     """The axis of a joint with its unit vector; rate: and the joint's rate along it."""
     if link.axis is None:
         return
-    slides = link.kind == "prismatic"
+    slides = link.kind.slides
     at, along = link.origin, _AXIS * size * link.axis
     name = names.axis(link)
     drawing.add(Line((point(at - 0.8 * along), point(at)), f"axis {name}", "axisline"))

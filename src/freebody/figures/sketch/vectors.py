@@ -33,7 +33,7 @@ def to_centres(drawing: Drawing, seen: Snapshot, names: Names, aside: float = -B
 def directions(drawing: Drawing, seen: Snapshot, names: Names) -> None:
     """Unit vectors along the slides."""
     for body in seen.pose.bodies:
-        if body.kind == "prismatic" and body.axis is not None:
+        if body.kind.slides and body.axis is not None:
             name, end = names.axis(body), body.origin + 0.16 * seen.size * body.axis
             arrow(drawing, body.origin, end, name, "z", body.axis, "", aside=-2 * BESIDE)
 

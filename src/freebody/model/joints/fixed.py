@@ -12,6 +12,8 @@ class Fixed(JointKind):
     name = "fixed"
     nq = nv = 0
     position_names = velocity_names = ()
+    angular = ()
+    coordinates = ()
     dimensions = (2, 3)
 
     def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:

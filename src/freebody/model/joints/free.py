@@ -61,6 +61,9 @@ class Free(JointKind):
     position_names = ("x", "y", "z", *QUATERNION)
     velocity_names = ("vx", "vy", "vz", "wx", "wy", "wz")
     quaternion = 3
+    angular = (False, False, False, True, True, True)
+    coordinates = None
+    holds = False
 
     def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
         return ((FLOATING, axis),)

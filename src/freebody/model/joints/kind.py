@@ -7,7 +7,7 @@ child's origin, in the child's axes) are constant. That is all the algorithms kn
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from freebody.spatial import AnySpace, Matrix, Vector, add, sub
 
@@ -15,11 +15,28 @@ Column = tuple[Vector, Vector]
 """(angular, linear)."""
 
 
+class Words(NamedTuple):
+    """How a primitive of one axis is spoken of."""
+
+    joint: str
+    """Its adjective: a revolute joint."""
+    coordinate: str
+    """What its coordinate is: an angle."""
+    effort: str
+    """What its motor gives."""
+    bearing: str
+    """What carries the other forces."""
+    unit: str
+    effort_unit: str
+
+
 class Primitive(ABC):
     """A joint with constant motion columns."""
 
     nq: ClassVar[int]
     nv: ClassVar[int]
+    words: ClassVar[Words]
+    """Of one axis."""
 
     @abstractmethod
     def pose(self, space: AnySpace, axis: Vector, q: Vector) -> tuple[Matrix, Vector]:
@@ -63,9 +80,37 @@ class JointKind(ABC):
     velocity_names: ClassVar[tuple[str, ...]] = ("",)
     quaternion: ClassVar[int | None] = None
     """Where in q a unit quaternion w, x, y, z begins."""
+    angular: ClassVar[tuple[bool, ...]]
+    """For each rate whether it turns (rad, N m) or slides (m, N)."""
+    coordinates: ClassVar[tuple[str, ...] | None]
+    """What its coordinates are called in formulas, before the joint's number; None: they are no plain numbers."""
+    letter: ClassVar[str] = ""
+    """In planar words and DH tables."""
+    axis_letter: ClassVar[str] = "z"
+    """What the unit vector along its axis is called, before the joint's number."""
+    mark: ClassVar[str] = "joint"
+    """Its symbol in drawings (`figures.symbols`)."""
+    ranged: ClassVar[bool] = True
+    """Whether it is expected to have a range."""
+    holds: ClassVar[bool] = True
+    """Whether it ties the body to one place or line; drawings show no ground under a body that it does not hold."""
     needs_axis: ClassVar[bool] = False
     dimensions: ClassVar[tuple[int, ...]] = (3,)
     """Spaces (2, 3) in which the kind makes sense."""
+
+    @property
+    def turns(self) -> bool:
+        """Whether all that it does is turn about one axis."""
+        return self.angular == (True,)
+
+    @property
+    def slides(self) -> bool:
+        """Whether all that it does is slide along one axis."""
+        return self.angular == (False,)
+
+    def axis_size(self, dim: int) -> int:
+        """Entries of its axis in a space of so many dimensions."""
+        return dim
 
     @abstractmethod
     def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:

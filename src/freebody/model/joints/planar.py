@@ -14,6 +14,9 @@ class Planar(JointKind):
     name = "planar"
     nq = nv = 3
     position_names = velocity_names = ("x", "y", "theta")
+    angular = (False, False, True)
+    coordinates = ("x", "y", "theta")
+    holds = False
     dimensions = (2, 3)
 
     def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from freebody.model.joints.kind import Column, JointKind, Primitive
+from freebody.model.joints.kind import Column, JointKind, Primitive, Words
 from freebody.spatial import AnySpace, Matrix, Vector, identity, scale
 
 
@@ -10,6 +10,7 @@ class Sliding(Primitive):
     """Translation by q[0] (m) along the axis."""
 
     nq = nv = 1
+    words = Words("prismatic", "displacement", "force", "guide", "m", "N")
 
     def pose(self, space: AnySpace, axis: Vector, q: Vector) -> tuple[Matrix, Vector]:
         return identity(space.dim), scale(q[0], axis)
@@ -26,6 +27,11 @@ class Prismatic(JointKind):
 
     name = "prismatic"
     nq = nv = 1
+    angular = (False,)
+    coordinates = ("d",)
+    letter = "P"
+    axis_letter = "u"
+    mark = "slider"
     needs_axis = True
     dimensions = (2, 3)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from freebody.model.joints.kind import Column, JointKind, Primitive
+from freebody.model.joints.kind import Column, JointKind, Primitive, Words
 from freebody.spatial import AnySpace, Matrix, Vector
 
 
@@ -10,6 +10,7 @@ class Turning(Primitive):
     """Rotation by q[0] (rad) about the axis."""
 
     nq = nv = 1
+    words = Words("revolute", "angle", "torque", "bearing", "rad", "N m")
 
     def pose(self, space: AnySpace, axis: Vector, q: Vector) -> tuple[Matrix, Vector]:
         return space.rotation(axis, q[0]), space.zero
@@ -26,11 +27,17 @@ class Revolute(JointKind):
 
     name = "revolute"
     nq = nv = 1
+    angular = (True,)
+    coordinates = ("theta",)
+    letter = "R"
     needs_axis = True
     dimensions = (2, 3)
 
     def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
         return ((TURNING, axis),)
+
+    def axis_size(self, dim: int) -> int:
+        return 1 if dim == 2 else dim
 
     def axis_in_space(self, axis: tuple[float, ...]) -> tuple[float, ...]:
         return (0.0, 0.0, axis[0])
@@ -40,3 +47,5 @@ class Continuous(Revolute):
     """Revolute without limits; the angle is one number, not a point on a circle."""
 
     name = "continuous"
+    letter = ""
+    ranged = False

@@ -51,6 +51,9 @@ class Spherical(JointKind):
     position_names = QUATERNION
     velocity_names = ("wx", "wy", "wz")
     quaternion = 0
+    angular = (True, True, True)
+    coordinates = None
+    mark = "sphere"
 
     def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
         return ((PIVOTING, axis),)
