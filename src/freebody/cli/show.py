@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from freebody.cli import options, terminal
 from freebody.cli.options import MimicChoice, PhysicalChoice
+from freebody.model import listing
 from freebody.model.parameters import Parameter
 from freebody.model.parts import DOUBTFUL
 
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from rich.table import Table
     from rich.tree import Tree
 
-    from freebody.model.bodies import Body
     from freebody.model.model import Model
 
 EXAMPLE = "Example: freebody show ur5e"
@@ -115,13 +114,12 @@ def _joints(model: Model) -> Table:
     from rich.table import Table
     from rich.text import Text
 
-    mass = "mass, estimated" if model.is_estimated else "mass"
-    titles = ("joint", "kind", "axis", "range", "speed", "effort", "moves", mass, "follows")
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for title in titles:
-        table.add_column(title, justify="right" if title in ("speed", "effort", mass) else "left")
+    for title in listing.titles(model):
+        right = title in ("speed", "effort") or title.startswith("mass")
+        table.add_column(title, justify="right" if right else "left")
     for body in model.bodies:
-        table.add_row(*(Text(cell) for cell in _row(body)))
+        table.add_row(*(Text(cell) for cell in listing.row(body)))
     return table
 
 
@@ -154,29 +152,3 @@ def _mobility(model: Model) -> str:
         return str(mobility(model, assemble(model)))
     except LoopError as problem:
         return f"not closed: {problem}"
-
-
-def _row(body: Body) -> tuple[str, ...]:
-    joint, limits = body.joint, body.joint.limits
-    unit, force = ("m", "N") if body.kind.slides else ("rad", "N m")
-    one = body.kind.nv == 1
-    bounded = one and (math.isfinite(limits.lower) or math.isfinite(limits.upper))
-    mimic = joint.mimic
-    return (
-        joint.name,
-        f"{joint.kind}, passive" if joint.passive else joint.kind,
-        " ".join(f"{x:.4g}" for x in joint.axis),
-        f"{limits.lower:.4g} … {limits.upper:.4g} {unit}" if bounded else "",
-        f"{limits.velocity:.4g} {unit}/s" if one and math.isfinite(limits.velocity) else "",
-        f"{limits.effort:.4g} {force}" if one and math.isfinite(limits.effort) else "",
-        body.name,
-        _mass(body),
-        f"{mimic.ratio:g} × {mimic.joint} + {mimic.offset:g}" if mimic else "",
-    )
-
-
-def _mass(body: Body) -> str:
-    try:
-        return f"{sum(part.inertia.numbers()[0] for part in body.inertias):.4g} kg"
-    except (TypeError, ValueError):  # a parameter without value
-        return "symbolic"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from freebody.derivations.equations import Equations
 from freebody.derivations.expression import Equation, Expression
+from freebody.outputs.display import Titled, counted
 from freebody.scalars.trig import Trig
 
 if TYPE_CHECKING:
@@ -50,8 +51,8 @@ class Drawings:
     style: str
 
 
-@dataclass(frozen=True)
-class Derivation:
+@dataclass(frozen=True, repr=False)
+class Derivation(Titled):
     """How the equations of a model come about by one method, and the torques that this way ends in."""
 
     method: str
@@ -71,6 +72,9 @@ class Derivation:
     torques."""
     draw: Callable[[Derivation], Drawings] | None = field(default=None, compare=False, repr=False)
     """What draws them; figures are made above derivations, so that it comes from there."""
+
+    def _title(self) -> str:
+        return f"Derivation for {self.equations.symbols.model.name!r}: {self.title}; {counted(len(self.steps), 'step')}"
 
     @property
     def result(self) -> Equations:

@@ -18,14 +18,19 @@ from freebody.derivations.symbols import symbols
 from freebody.errors import UnknownNameError
 from freebody.model.model import Model
 from freebody.model.parameters import finite, with_parameters
+from freebody.outputs.display import Titled
 from freebody.scalars.trig import Trig
 
 VIEWS = ("auto", "named", "expanded", "intermediates", "base")
 
 
-@dataclass(frozen=True, eq=False)
-class Equations(ClosedForm):
+@dataclass(frozen=True, eq=False, repr=False)
+class Equations(Titled, ClosedForm):
     """Closed forms of a model, exact polynomials in normal form, and how they read: equal means identical."""
+
+    def _title(self) -> str:
+        s = self.symbols
+        return f"Equations of motion of {s.model.name!r} in closed form: {', '.join(s.coordinates)}"
 
     # ------------------------------------------------------------ for the reader
     @property

@@ -21,18 +21,22 @@ from freebody.derivations.values import time_rates
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
+from freebody.outputs.display import Titled, counted
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, neg, times, transposed
 
 Values = dict[str, Any]
 
 
-class Quantities(Values):
+class Quantities(Titled, Values):
     """Exact quantities by name, and how they print."""
 
     def __init__(self, values: Values, layout: Layout):
         super().__init__(values)
         self.layout = layout
+
+    def _title(self) -> str:
+        return f"Quantities: {counted(len(self), 'name')}: {', '.join(self)}"
 
     def __or__(self, other: Any) -> Quantities:
         """With further quantities."""

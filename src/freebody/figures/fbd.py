@@ -14,17 +14,21 @@ from freebody.figures.loads import BodyLoads, body_loads
 from freebody.figures.svg import picture
 from freebody.lazy import cached_property
 from freebody.model.model import Model
+from freebody.outputs.display import Titled
 from freebody.trees.calls import Vector, Wrenches
 
 
-@dataclass(frozen=True, eq=False)
-class FreeBodyDiagram:
+@dataclass(frozen=True, eq=False, repr=False)
+class FreeBodyDiagram(Titled):
     """The diagrams of one or of all bodies at one instant; shows itself in a notebook."""
 
     title: str
     bodies: tuple[BodyLoads, ...]
     drawings: tuple[Drawing, ...]
     """One a body, in their order."""
+
+    def _title(self) -> str:
+        return self.title
 
     @property
     def drawing(self) -> Drawing:

@@ -11,14 +11,15 @@ from freebody.errors import FreebodyError, UnknownNameError
 from freebody.figures.drawing import Drawing, Element, canonical
 from freebody.figures.svg import Picture, natural_scale, picture
 from freebody.lazy import cached_property
+from freebody.outputs.display import Titled
 from freebody.outputs.files import write
 
 WIDE, TALL = 400.0, 380.0
 """Size of one drawing on a sheet, pixels."""
 
 
-@dataclass(frozen=True, eq=False)
-class Figure:
+@dataclass(frozen=True, eq=False, repr=False)
+class Figure(Titled):
     """Drawings that belong together; shows itself in a notebook."""
 
     title: str
@@ -27,6 +28,9 @@ class Figure:
     width: float = WIDE
     """Of one drawing, pixels."""
     tallest: float = TALL
+
+    def _title(self) -> str:
+        return f"Figure: {self.title}"
 
     @cached_property
     def svg(self) -> str:

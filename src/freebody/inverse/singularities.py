@@ -17,6 +17,7 @@ from freebody.errors import FreebodyError
 from freebody.inverse.chain import arm_length
 from freebody.inverse.task import row_names, rows_of
 from freebody.model.model import Model
+from freebody.outputs.display import Titled
 from freebody.trees.calls import Vector, finite_vector
 from freebody.trees.kinematics import jacobian, jacobian_derivatives
 from freebody.trees.states import generic_state, integrate
@@ -25,8 +26,8 @@ SHORT = 20_000
 """Terms of the Jacobian's entries, all together, above which its determinant is not written out."""
 
 
-@dataclass(frozen=True, eq=False)
-class Singularities:
+@dataclass(frozen=True, eq=False, repr=False)
+class Singularities(Titled):
     """Where the counted rows of a frame's Jacobian lose rank.
 
     rows: their names. notes: which rows and why, and what could not be done in closed form.
@@ -37,6 +38,10 @@ class Singularities:
     rows: tuple[str, ...]
     closed: Determinant | None
     notes: tuple[str, ...]
+
+    def _title(self) -> str:
+        where = "; ".join(map(str, self.conditions)) or "no closed form"
+        return f"Singularities of {self.frame!r} of {self.model.name!r}: {where}"
 
     @property
     def determinant(self) -> Expression | None:

@@ -9,6 +9,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.inverse.seek import EXACT, Seeker
 from freebody.model.model import Model
+from freebody.outputs.display import Table, Tabled, counted
 from freebody.values import ByValue
 
 _OUTSIDE = "  (outside the limits)"
@@ -18,8 +19,8 @@ ALIKE = 1e-2
 """Solutions of a redundant arm nearer than this (rad, m) are one: they are samples of a continuum."""
 
 
-@dataclass(frozen=True, eq=False)
-class Solutions(ByValue):
+@dataclass(frozen=True, eq=False, repr=False)
+class Solutions(Tabled, ByValue):
     """What `inverse_kinematics` found for one target, or for a batch of them (...).
 
     q: (k, nq), one row a solution; of a batch (..., k, nq), k the largest number, NaN where a target has fewer.
@@ -46,17 +47,35 @@ class Solutions(ByValue):
         """How many solutions each target has (...)."""
         return np.isfinite(self.residual).sum(axis=-1)
 
-    def __str__(self) -> str:
+    def _found(self) -> str:
         if self.q.ndim > 2:
             least = int(self.count.min()) if self.count.size else 0
-            head = f"{self.q.shape[:-2]} targets, {least} to {len(self)} solutions each"
-            return "\n".join([f"{head}; {self.method}", *self.notes])
+            return f"{self.q.shape[:-2]} targets, {least} to {len(self)} solutions each; {self.method}"
+        return f"{counted(len(self), 'solution')}; {self.method}"
+
+    def _title(self) -> str:
+        return f"Solutions: {self._found()}"
+
+    def _table(self) -> Table:
+        if self.q.ndim > 2:
+            return Table((), (), self.notes)
+        head = ("", "name", *(f"q[{k}]" for k in range(self.q.shape[-1])), "residual", "within limits")
+        rows = [
+            (str(k), str(name), *(f"{x:.4f}" for x in q), f"{miss:.1e}", "yes" if fine else "no")
+            for k, (q, name, miss, fine) in enumerate(
+                zip(self.q, self.branches, self.residual, self.within_limits, strict=True)
+            )
+        ]
+        return Table(head, rows, self.notes)
+
+    def __str__(self) -> str:
+        if self.q.ndim > 2:
+            return "\n".join([self._found(), *self.notes])
         rows = []
         for q, name, fine in zip(self.q, self.branches, self.within_limits, strict=True):
             shown = np.array2string(q, precision=6, suppress_small=True, max_line_width=200)
             rows.append(f"  {shown}  {name}{_OUTSIDE * (not fine)}".rstrip())
-        found = f"{len(self)} solution{'' if len(self) == 1 else 's'}"
-        return "\n".join([f"{found}; {self.method}", *rows, *self.notes])
+        return "\n".join([self._found(), *rows, *self.notes])
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,6 +26,7 @@ from freebody.loops.partition import partition_of_loops
 from freebody.loops.scaled import every_jacobian, length, null_space, rate_scale, row_scale
 from freebody.loops.solving import RANK
 from freebody.model.model import Model
+from freebody.outputs.display import Titled
 from freebody.trees.balance import balance
 from freebody.trees.calls import Vector, Wrenches, checked_inputs
 from freebody.trees.kinematics import checked_reference
@@ -36,8 +37,8 @@ _ADDED = 20.0  # times what rounding changes in the equations, for what it may c
 _DETERMINED = 1e-7  # part of a wrench, relative to the largest, that undetermined multipliers may add
 
 
-@dataclass(frozen=True, eq=False)
-class Reactions(ByValue):
+@dataclass(frozen=True, eq=False, repr=False)
+class Reactions(Titled, ByValue):
     """Reaction wrenches of a mechanism in motion; arrays have the batch of the inputs in front."""
 
     names: tuple[str, ...]
@@ -58,6 +59,9 @@ class Reactions(ByValue):
     balance: float
     """Largest of ΣF - m a (N) and (ΣM - Ḣ) / length (N) over all bodies, relative to the largest force: it checks the
     wrenches against accelerations found from the poses alone."""
+
+    def _title(self) -> str:
+        return f"Reactions at {', '.join(self.names)}, of shape {self.wrenches.shape}"
 
     def __getitem__(self, name: str) -> Array:
         """The wrench (..., six) of one joint or loop."""

@@ -13,7 +13,7 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, MissingValueError, ModelError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.model import changes as changed
-from freebody.model import identified, numbers
+from freebody.model import identified, listing, numbers
 from freebody.model.bodies import Body, Frame, JointLimits
 from freebody.model.geometry import Geometry, geometry_of
 from freebody.model.gravity import gravity_of
@@ -26,11 +26,12 @@ from freebody.model.parts import ESTIMATED, Loop, Notice
 from freebody.model.reading import VALUES
 from freebody.model.structure import Structure, numbers_of, structure_of
 from freebody.model.tree import Attached, Coordinates, Tree, lower
+from freebody.outputs.display import Table, Tabled, counted
 from freebody.values import ByValue
 
 
-@dataclass(frozen=True, eq=False)
-class Model(ByValue):
+@dataclass(frozen=True, eq=False, repr=False)
+class Model(Tabled, ByValue):
     """A robot: bodies in the file's order of their joints, named frames, gravity. Made by `load`, `planar`, `dh`."""
 
     name: str
@@ -473,8 +474,12 @@ class Model(ByValue):
         """The twin in space of a planar model: its plane is xy, z points to the reader."""
         return self if self.dim == 3 else changed.in_space(self)
 
-    def __repr__(self) -> str:
-        loops = f", {len(self.loops)} loop{'s' if len(self.loops) > 1 else ''}" if self.loops else ""
-        sizes = f"{len(self.bodies)} bodies, nq = {self.nq}, nv = {self.nv}, dim {self.dim}"
+    def _title(self) -> str:
+        loops = f", {counted(len(self.loops), 'loop')}" if self.loops else ""
+        sizes = f"{counted(len(self.bodies), 'body')}, nq = {self.nq}, nv = {self.nv}, dim {self.dim}"
         members = f"; a family of shape {self.family}" if self.family else ""
-        return f"<Model {self.name!r}: {sizes}{loops}{members}>"
+        return f"Model {self.name!r}: {sizes}{loops}{members}"
+
+    def _table(self) -> Table:
+        loops = [f"loop {x.name}: {x.kind}, {x.frames[0]} and {x.frames[1]}" for x in self.loops]
+        return Table(listing.titles(self), [listing.row(body) for body in self.bodies], loops)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ from freebody.model.loops import checked_distance
 from freebody.model.members import Members, arrays_in, common_shape, is_array, members, one_family
 from freebody.model.parameters import LARGEST, Parameter, Quantity, finite, real
 from freebody.model.reading import EXACT
+from freebody.outputs.display import Table
 from freebody.outputs.text import legal
 from freebody.values import ByValue
 
@@ -100,12 +100,8 @@ class Parameters(Sequence[ModelParameter]):
         )
 
     def _repr_html_(self) -> str:
-        head = "".join(f"<th>{x}</th>" for x in ("name", "value", "unit", ""))
-        cells = ((r.name, _cell(r.value), r.unit, _what(r)) for r in self._records)
-        rows = "".join(
-            f"<tr>{''.join(f'<td>{html.escape(legal(x))}</td>' for x in row)}</tr>" for row in cells
-        )
-        return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+        rows = [(r.name, _cell(r.value), r.unit, _what(r)) for r in self._records]
+        return Table(("name", "value", "unit", ""), rows).html(most=len(rows))
 
 
 def _cell(value: float | Array | None) -> str:

@@ -13,6 +13,7 @@ from freebody.arrays import Array, as_floats
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
+from freebody.outputs.display import Table, Tabled, counted
 from freebody.trees.calls import vector
 from freebody.trees.coordinates import (
     Layout,
@@ -28,8 +29,8 @@ FEWEST = 4
 """Samples that a motion needs: fewer do not determine an acceleration."""
 
 
-@dataclass(frozen=True, eq=False)
-class Motion(ByValue):
+@dataclass(frozen=True, eq=False, repr=False)
+class Motion(Tabled, ByValue):
     """Samples of a motion, and between them the quintic through position, rate and acceleration at both ends.
 
     t: (T,) increasing, s. q: (T, nq). qd, qdd: (T, nv). rad and m. The curve has continuous accelerations.
@@ -47,6 +48,22 @@ class Motion(ByValue):
     """What samples the accelerations are derivatives of, where they were not given."""
     _aside = ("source", "notices")
     _copies = True
+
+    def _title(self) -> str:
+        return (
+            f"Motion: {counted(len(self.t), 'sample')}, {self.t[0]:.4g} to {self.t[-1]:.4g} s, {self.layout.nq} "
+            f"positions; {self.source}"
+        )
+
+    def _table(self) -> Table:
+        rows = [(f"q[{k}]", f"{x.min():.4g} … {x.max():.4g}") for k, x in enumerate(self.q.T)]
+        rates = [
+            (f"{abs(v).max():.4g}", f"{abs(a).max():.4g}") for v, a in zip(self.qd.T, self.qdd.T, strict=True)
+        ]
+        if self.layout.flat:
+            rows = [(*row, *rate) for row, rate in zip(rows, rates, strict=True)]
+            return Table(("position", "range", "largest rate", "largest acceleration"), rows, self.notices)
+        return Table(("position", "range"), rows, self.notices)
 
     @property
     def duration(self) -> float:

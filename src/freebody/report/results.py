@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from freebody.arrays import Array
+from freebody.outputs.display import Table, Tabled
 
 CLOSE = 1e-9
 """Of a limit: what is beyond it by less is on it, and so within."""
@@ -47,8 +48,8 @@ class Use:
         )
 
 
-@dataclass(frozen=True)
-class Verdict:
+@dataclass(frozen=True, repr=False)
+class Verdict(Tabled):
     """Whether the robot can make the motion, as far as its description tells; the first line of a study."""
 
     outcome: Outcome
@@ -66,6 +67,23 @@ class Verdict:
     """Run so many times as fast the motion reaches its first limit of speed or torque: above 1 it can be sped up so
     far, below 1 it must be slowed down to that. 0: no slowing helps; infinite: no limit depends on it; NaN: unknown,
     or passive joints would not follow."""
+
+    def _title(self) -> str:
+        return f"Verdict: {self.text}"
+
+    def _table(self) -> Table:
+        rows = [
+            (
+                x.quantity,
+                x.coordinate,
+                f"{x.value:.4g} {x.unit}",
+                f"{x.limit:.4g} {x.unit}",
+                percent(x.fraction),
+            )
+            for x in self.uses
+        ]
+        notes = [f"Not given: {x}." for x in self.missing] + list(self.masses)
+        return Table(("of", "joint", "needed", "limit", "used"), rows, notes)
 
     @property
     def heading(self) -> str:

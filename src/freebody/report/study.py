@@ -16,6 +16,7 @@ from freebody.motion.default import default_motion
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import ranges
 from freebody.motion.table import motion_from_dataset, read_motion
+from freebody.outputs.display import Table, Tabled, counted
 from freebody.report.checks import checks
 from freebody.report.jacobians import singularity
 from freebody.report.measured import Smooth, filtered
@@ -39,8 +40,8 @@ Progress = Callable[[str, float], None]
 """Called with what is being done and the fraction that is done."""
 
 
-@dataclass(frozen=True, eq=False)
-class Study(ByValue):
+@dataclass(frozen=True, eq=False, repr=False)
+class Study(Tabled, ByValue):
     """A robot's dynamic study: everything a report shows, as data.
 
     Names of dimensions: `time` (T samples), `coordinate` (nv; model.velocity_names), `position` (nq; position_names),
@@ -97,6 +98,31 @@ class Study(ByValue):
     seconds: dict[str, float] = field(default_factory=dict)
     """How long each part took (s)."""
     _aside = ("seconds",)
+
+    def _title(self) -> str:
+        samples = counted(len(self.motion.t), "sample")
+        return (
+            f"Study of {self.model.name!r}: {samples} in {self.motion.duration:.4g} s; {self.verdict.heading}"
+        )
+
+    def _table(self) -> Table:
+        s = self.summary
+        units = zip(s.unit.values, s.effort_unit.values, strict=True)
+        columns = (s.coordinate, s.peak_torque, s.rms_torque, s.peak_speed, s.peak_power)
+        rows = [
+            (
+                str(name),
+                f"{peak:.4g} {force}",
+                f"{rms:.4g} {force}",
+                f"{speed:.4g} {unit}/s",
+                f"{power:.4g} W",
+            )
+            for (unit, force), name, peak, rms, speed, power in zip(
+                units, *(column.values for column in columns), strict=True
+            )
+        ]
+        head = ("joint", "peak torque", "RMS torque", "peak speed", "peak power")
+        return Table(head, rows, [self.verdict.text, *self.warnings])
 
     @property
     def checked(self) -> bool:

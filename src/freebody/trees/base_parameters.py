@@ -13,6 +13,7 @@ from freebody.arrays import Array
 from freebody.model.identified import DRIVE, body_parameters
 from freebody.model.model import Model
 from freebody.model.tree import Tree
+from freebody.outputs.display import Titled
 from freebody.trees.operational import inertial_parameters
 from freebody.trees.states import generic_state
 from freebody.values import ByValue
@@ -21,8 +22,8 @@ TOLERANCE = 1e-8
 """Relative rest below which a column of the regressor counts as a combination of those before it."""
 
 
-@dataclass(frozen=True, eq=False)
-class BaseParameters(ByValue):
+@dataclass(frozen=True, eq=False, repr=False)
+class BaseParameters(Titled, ByValue):
     """The combinations of inertial parameters that inverse dynamics depends on: tau = Y[..., columns] values.
 
     names: of the inertial parameter that leads each combination. columns: its place in `fb.regressor`'s last axis.
@@ -34,6 +35,9 @@ class BaseParameters(ByValue):
     matrix: Array
     values: Array
     parameters: tuple[str, ...]
+
+    def _title(self) -> str:
+        return f"BaseParameters: {', '.join(self.names)}"
 
     def __len__(self) -> int:
         return len(self.names)

@@ -21,6 +21,7 @@ from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.model.tree import Tree, TreeLoop
+from freebody.outputs.display import Titled
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, dot, sub
 from freebody.values import ByValue
@@ -30,11 +31,14 @@ _HALF = 0.5
 """The distance d for which (|r|² - d²) / 2d and |r|² - d² are one."""
 
 
-@dataclass(frozen=True, eq=False)
-class LoopEquations(ByValue):
+@dataclass(frozen=True, eq=False, repr=False)
+class LoopEquations(Titled, ByValue):
     """The loop equations of a model, exact polynomials in normal form: equal means identical."""
 
     symbols: Symbols
+
+    def _title(self) -> str:
+        return f"Loop equations of {self.model.name!r}: {', '.join(self.names)}"
 
     @property
     def model(self) -> Model:

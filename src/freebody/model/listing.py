@@ -1,0 +1,57 @@
+"""The joints of a robot as a table of texts, for whoever prints it."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from freebody.model.members import Members
+
+if TYPE_CHECKING:
+    from freebody.model.bodies import Body
+    from freebody.model.model import Model
+
+
+def titles(model: Model) -> tuple[str, ...]:
+    """Of the columns."""
+    mass = "mass, estimated" if model.is_estimated else "mass"
+    return "joint", "kind", "axis", "range", "speed", "effort", "moves", mass, "follows"
+
+
+def row(body: Body) -> tuple[str, ...]:
+    """A joint, its limits, and what it carries."""
+    joint, limits = body.joint, body.joint.limits
+    unit, force = ("m", "N") if body.kind.slides else ("rad", "N m")
+    one = body.kind.nv == 1
+    bounded = one and (_given(limits.lower) or _given(limits.upper))
+    mimic = joint.mimic
+    return (
+        joint.name,
+        f"{joint.kind}, passive" if joint.passive else joint.kind,
+        " ".join(f"{x:.4g}" for x in joint.axis),
+        f"{_number(limits.lower)} … {_number(limits.upper)} {unit}" if bounded else "",
+        f"{_number(limits.velocity)} {unit}/s" if one and _given(limits.velocity) else "",
+        f"{_number(limits.effort)} {force}" if one and _given(limits.effort) else "",
+        body.name,
+        _mass(body),
+        f"{mimic.ratio:g} × {mimic.joint} + {mimic.offset:g}" if mimic else "",
+    )
+
+
+def _given(limit: Any) -> bool:
+    return isinstance(limit, Members) or math.isfinite(limit)
+
+
+def _number(limit: Any) -> str:
+    if isinstance(limit, Members):
+        return f"{limit.array.min():.4g} to {limit.array.max():.4g}"
+    return f"{limit:.4g}"
+
+
+def _mass(body: Body) -> str:
+    if any(isinstance(part.inertia.mass, Members) for part in body.inertias):
+        return "of each member"
+    try:
+        return f"{sum(part.inertia.numbers()[0] for part in body.inertias):.4g} kg"
+    except (TypeError, ValueError):  # a parameter without value
+        return "symbolic"

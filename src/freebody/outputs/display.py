@@ -1,0 +1,66 @@
+"""How results show themselves: one line in a shell, a small table in a notebook."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from freebody.outputs.text import legal
+
+MOST = 24
+"""Rows of a table that are shown."""
+
+_LONGEST = 160
+"""Letters of a line."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of texts: its head, its rows, and sentences below it."""
+
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    notes: Iterable[str] = ()
+
+    def html(self, title: str = "", most: int = MOST) -> str:
+        """As elements of HTML without a style; names in it stay text."""
+        above = f"<p><b>{_text(title)}</b></p>" if title else ""
+        head = "".join(f"<th>{_text(x)}</th>" for x in self.head)
+        rows = "".join(f"<tr>{''.join(f'<td>{_text(x)}</td>' for x in row)}</tr>" for row in self.rows[:most])
+        left = len(self.rows) - most
+        notes = [*([f"… and {left} more"] if left > 0 else []), *self.notes]
+        below = "".join(f"<p>{_text(note)}</p>" for note in notes)
+        table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>" if self.rows else ""
+        return above + table + below
+
+
+class Titled:
+    """Shows itself in a shell as one line, instead of all that it holds."""
+
+    def _title(self) -> str:
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        title = legal(" ".join(self._title().split()))
+        return f"<{title if len(title) <= _LONGEST else title[: _LONGEST - 1] + '…'}>"
+
+
+class Tabled(Titled):
+    """Shows itself in a notebook as a table too."""
+
+    def _table(self) -> Table:
+        raise NotImplementedError
+
+    def _repr_html_(self) -> str:
+        return self._table().html(self._title())
+
+
+def counted(count: int, what: str) -> str:
+    """ "1 body", "2 bodies"."""
+    plural = f"{what[:-1]}ies" if what.endswith("y") else f"{what}s"
+    return f"{count} {what if count == 1 else plural}"
+
+
+def _text(text: str) -> str:
+    return html.escape(legal(text))
