@@ -48,7 +48,8 @@ def test_ten_thousand_steps(name: str):
             moving = max(moving, float(energy(*state)[0]))
     assert np.max(gaps, axis=0)[0] < 1e-12
     assert np.max(gaps, axis=0)[1] < 1e-10
-    assert abs(sum(energy(*state)) - before) < 1e-6 * moving
+    # the motion is chaotic: starts that differ by 1e-13 end with 6e-7 to 1.1e-6
+    assert abs(sum(energy(*state)) - before) < 3e-6 * moving
 
 
 def test_double_four_bar_to_its_tenth_second():

@@ -168,7 +168,10 @@ def _try(
         turned = container(plain[::-1], names[::-1])
         if container not in BATCHED:
             found = call(function, arm, {argument: turned})
-            assert bits(found) == bits(expected), (where, container.__name__)
+            if some:  # what is named is kept, of a whole vector the nearest is found: another way to the same
+                np.testing.assert_array_equal(found, expected)
+            else:
+                assert bits(found) == bits(expected), (where, container.__name__)
             continue
         with contextlib.suppress(fb.FreebodyError):  # where no batch is taken
             _agree(call(function, arm, {argument: turned}), expected, where)
