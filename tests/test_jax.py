@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import textwrap
@@ -49,7 +50,7 @@ def test_the_kernels_own_numbers_bit_by_bit(robot, names, options):
     kernel, function = fb.kernel(model, names, **options), fb.to_jax(model, names, **options)
     arrays = state(model, 37)
     expected = kernel(*arrays)
-    for way in (function, jax.jit(function), jax.vmap(function)):
+    for way in (function, jax.jit(jax.vmap(function))):
         agree(way(*arrays), expected)
     agree(function(*(x[5] for x in arrays)), kernel(*(x[5] for x in arrays)))
     agree(function(*(x.tolist() for x in arrays)), expected)  # whatever JAX makes arrays of
@@ -203,6 +204,77 @@ def test_second_derivatives():
         np.testing.assert_allclose(hessian[j][i], np.swapaxes(wanted, 1, 2), rtol=1e-10, atol=1e-11)
     outward = jax.jacrev(jax.jacrev(function))(*arrays)
     np.testing.assert_allclose(outward, expected[0], rtol=1e-10, atol=1e-11)
+
+
+def test_one_direction_and_one_gradient_have_kernels_of_their_own():
+    """And many directions for the same values go through one whole Jacobian; all ways agree."""
+    model = fb.load("3R")
+    function = fb.to_jax(model, "inverse_dynamics")
+    arrays = state(model, 5)
+    tables = fb.inverse_dynamics_derivatives(model, *arrays)
+    rng = np.random.default_rng(1)
+    rates, weight = list(rng.normal(size=(3, 5, 3))), rng.normal(size=(5, 3))
+
+    value, along = jax.jvp(function, tuple(arrays), tuple(rates))
+    agree(value, fb.kernel(model, "inverse_dynamics")(*arrays))
+    expected = sum(np.einsum("nij,nj->ni", A, x) for A, x in zip(tables, rates, strict=True))
+    np.testing.assert_allclose(along, expected, rtol=1e-11, atol=1e-12)
+    _, back = jax.vjp(function, *arrays)
+    for one, table in zip(back(weight), tables, strict=True):
+        np.testing.assert_allclose(one, np.einsum("nij,ni->nj", table, weight), rtol=1e-11, atol=1e-12)
+    # the transpose of the transpose is the way along
+    forward = jax.linear_transpose(back, weight)
+    np.testing.assert_allclose(forward(tuple(rates))[0], along, rtol=1e-11, atol=1e-12)
+
+    def how(made):
+        return set(re.findall(r"matrix=(True|False)", str(jax.make_jaxpr(made)(*arrays))))
+
+    assert how(jax.vmap(jax.grad(lambda *x: jnp.sum(function(*x))))) == {"False"}
+    assert how(jax.vmap(jax.jacfwd(function))) == how(jax.vmap(jax.jacrev(function))) == {"True"}
+
+
+def test_what_is_shared_by_a_batch_has_the_sum_of_its_gradients():
+    model = fb.load("2R")
+    function = fb.to_jax(model, ["inverse_dynamics", "mass_matrix"])
+    q, qd, qdd = state(model, 6)
+    tables = fb.inverse_dynamics_derivatives(model, q, qd[0], qdd[:1])
+
+    def loss(q, qd, qdd):
+        tau, M = function(q, qd, qdd)
+        return jnp.sum(tau) + jnp.sum(M[:, 0, 1])
+
+    gradients = jax.grad(loss, (1, 2))(q, qd[0], qdd[:1])
+    np.testing.assert_allclose(gradients[0], tables[1].sum((0, 1)), rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(gradients[1], tables[2].sum((0, 1))[None], rtol=1e-12)
+    each = jax.vmap(jax.grad(loss, (0, 1)), (None, 0, None))(q, qd, qdd)
+    for k in range(6):
+        for one, other in zip(each, jax.grad(loss, (0, 1))(q, qd[k], qdd), strict=True):
+            np.testing.assert_allclose(one[k], other, rtol=1e-11, atol=1e-11)
+    apart = jax.vmap(lambda w: jax.vjp(lambda x: function(q, x, qdd)[0], qd[0])[1](w)[0])(
+        np.eye(12).reshape(12, 6, 2)
+    )
+    expected = fb.inverse_dynamics_derivatives(model, q, qd[0], qdd)[1].reshape(12, 2)
+    np.testing.assert_allclose(apart, expected, rtol=1e-11, atol=1e-12)
+
+
+def test_derivatives_of_gradients():
+    """A Hessian times a vector, three ways, one of them over a checkpoint; and the whole Hessian of the energy."""
+    model = fb.load("3R")
+    function = fb.to_jax(model, "forward_dynamics")
+    q, qd, tau = (x[0] for x in state(model, 1))
+    v = np.array([0.3, -0.2, 0.5])
+
+    def loss(q):
+        return jnp.sum(function(q, qd, tau) ** 2)
+
+    _, forward = jax.jvp(jax.grad(loss), (q,), (v,))
+    reverse = jax.grad(lambda q: jax.grad(loss)(q) @ v)(q)
+    again = jax.grad(lambda q: jax.grad(jax.checkpoint(loss))(q) @ v)(q)
+    whole = jax.hessian(loss)(q)
+    for one in (forward, reverse, again):
+        np.testing.assert_allclose(one, whole @ v, rtol=1e-9, atol=1e-9 * np.abs(whole).max())
+    ends = [jax.grad(loss)(q + h * v) for h in (1e-6, -1e-6)]
+    np.testing.assert_allclose(forward, (ends[0] - ends[1]) / 2e-6, rtol=1e-5)
 
 
 def test_derivatives_that_come_in_columns(monkeypatch):

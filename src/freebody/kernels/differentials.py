@@ -69,6 +69,10 @@ class Differentiable:
             self._found[by] = self._jacobian(by)
         return self._found[by]
 
+    def along(self, by: Sequence[int]) -> Differentiable:
+        """The rates of the outputs; those of the inputs `by` come last."""
+        return Differentiable(directional(self.program, tuple(by)))
+
     def ways(self, by: tuple[int, ...]) -> list[Program]:
         """Programs of the whole Jacobian, but for those that would be far too long."""
         found = self._shorter(by) if self._shorter else []

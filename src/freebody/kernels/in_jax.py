@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Sequence
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -17,9 +16,7 @@ from freebody.model.model import Model
 from freebody.program import Program
 from freebody.targets import Kernel, KernelError
 from freebody.targets.kernel import BatchError
-from freebody.targets.xla.operation import Way, interface, operation
-
-Arrays = tuple[Any, ...]
+from freebody.targets.xla.operation import Arrays, Way, interface
 
 
 def to_jax(
@@ -42,6 +39,8 @@ def to_jax(
         import jax
     except ImportError:
         raise FreebodyError("to_jax: JAX is not installed; pip install 'freebody[jax]'.") from None
+    from freebody.kernels.jax_derivatives import Function
+
     if isinstance(chosen, Asked):
         computed, way, given = of_quantities(chosen), Way(), chosen.given
     else:
@@ -59,7 +58,7 @@ def to_jax(
             "the arrays.",
             stacklevel=2,
         )
-    function = _checked(computed.program, jax.jit(_differentiated(computed, way)), way)
+    function = _checked(computed.program, jax.jit(Function(computed, way).call), way)
     function.parameters = given.parameters if isinstance(given, InputKernel) else given.names if given else ()
     function.values = given.values if given else np.zeros(0)
     return function
@@ -79,87 +78,6 @@ def _checked(program: Program, compute: Callable[..., Arrays], way: Way) -> Any:
     function.__name__ = function.__qualname__ = program.name
     function.__doc__ = f"{program}: of arrays (..., *core), whose leading axes broadcast."
     return function
-
-
-def _differentiated(what: Differentiable, way: Way) -> Callable[..., Arrays]:
-    """A function of arrays of one floating-point type."""
-    import jax
-
-    program = what.program
-    plain = operation(program, way)
-
-    @cache
-    def slopes(by: tuple[int, ...]) -> Callable[..., Arrays]:
-        found = what.jacobian(by)
-        function = _differentiated(found.function, way)
-        return function if found.whole else _in_columns(program, by, function)
-
-    @jax.custom_jvp
-    def function(*arrays: Any) -> Arrays:
-        return plain(*_level(program, arrays))
-
-    def rule(primals: Arrays, tangents: Arrays) -> tuple[Arrays, Arrays]:
-        results = function(*primals)  # itself, so that it is differentiated again by this rule
-        by = tuple(k for k, x in enumerate(tangents) if type(x) is not jax.custom_derivatives.SymbolicZero)
-        if not by:
-            return results, tuple(jax.numpy.zeros_like(x) for x in results)
-        tables = iter(slopes(by)(*primals))
-        return results, tuple(
-            sum(
-                _product(next(tables), tangents[k], y, len(output.shape), len(program.inputs[k].shape))
-                for k in by
-            )
-            for y, output in zip(results, program.outputs, strict=True)
-        )
-
-    function.defjvp(rule, symbolic_zeros=True)
-    return function
-
-
-def _product(table: Any, tangent: Any, result: Any, out_axes: int, in_axes: int) -> Any:
-    """Change of a result: derivatives (*batch, *output, *input) times the change of an input."""
-    import jax.numpy as jnp
-
-    batch, core = result.shape[: result.ndim - out_axes], tangent.shape[tangent.ndim - in_axes :]
-    rows, columns = int(np.prod(result.shape[len(batch) :])), int(np.prod(core))
-    matrix = table.reshape(*batch, rows, columns)
-    vector = tangent.reshape(*tangent.shape[: tangent.ndim - in_axes], columns)
-    return jnp.einsum("...oi,...i->...o", matrix, vector, precision="highest").reshape(result.shape)
-
-
-def _in_columns(program: Program, by: Sequence[int], along: Callable[..., Arrays]) -> Callable[..., Arrays]:
-    """The Jacobian by some inputs, from the function that has rates of these as further inputs."""
-    import jax.numpy as jnp
-
-    sizes = [program.inputs[k].size for k in by]
-    ends = np.cumsum(sizes).tolist()
-
-    def function(*arrays: Any) -> Arrays:
-        level = _level(program, arrays)
-        batch = [x.ndim - len(argument.shape) for x, argument in zip(level, program.inputs, strict=True)]
-        given = [jnp.expand_dims(x, axis) for x, axis in zip(level, batch, strict=True)]
-        units = np.eye(ends[-1], dtype=level[0].dtype)
-        rates = [
-            units[:, end - size : end].reshape(-1, *program.inputs[k].shape)
-            for k, size, end in zip(by, sizes, ends, strict=True)
-        ]
-        results = along(*given, *map(jnp.asarray, rates))
-        found = []
-        for y in results:
-            columns = jnp.moveaxis(y, batch[0], -1)
-            for k, size, end in zip(by, sizes, ends, strict=True):
-                part = columns[..., end - size : end]
-                found.append(part.reshape(*part.shape[:-1], *program.inputs[k].shape))
-        return tuple(found)
-
-    return function
-
-
-def _level(program: Program, arrays: Sequence[Any]) -> list[Any]:
-    """The arrays with equally many leading axes, of size 1 where there were fewer."""
-    axes = [x.ndim - len(argument.shape) for x, argument in zip(arrays, program.inputs, strict=True)]
-    most = max(axes, default=0)
-    return [x.reshape((1,) * (most - n) + x.shape) for x, n in zip(arrays, axes, strict=True)]
 
 
 def _array(program: Program, k: int, given: Any) -> Any:

@@ -1,0 +1,275 @@
+"""Programs as functions of JAX, with derivatives of every order.
+
+The derivative along tangents is an operation of JAX's own, `freebody_linear`, which is linear in these and knows its
+transpose. One tangent, or one cotangent, is what a kernel of the derivative along a direction takes, or one of the
+gradient; where there are many for the same values, as in `jacfwd` and `jacrev`, whole Jacobians are computed once and
+multiplied by them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cache
+from math import prod
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.core import ShapedArray
+from jax.extend.core import Primitive
+from jax.interpreters import ad, batching, mlir
+
+from freebody.kernels.differentials import Differentiable
+from freebody.program import Argument
+from freebody.program.gradient import gradient
+from freebody.targets.xla.operation import Arrays, Way, operation
+
+Positions = tuple[int, ...]
+Shape = tuple[int, ...]
+
+
+class Function:
+    """A program as a function of arrays (..., *core) of one floating-point type.
+
+    Attributes:
+        call: the function; returns a tuple.
+        program: what it computes.
+    """
+
+    def __init__(self, what: Differentiable, way: Way):
+        self.what, self.way, self.program = what, way, what.program
+        plain = operation(what.program, way)
+
+        @jax.custom_jvp
+        def call(*arrays: Any) -> Arrays:
+            return plain(*level(self.program.inputs, arrays))
+
+        call.defjvp(self._rule, symbolic_zeros=True)
+        self.call = call
+        self.matrices = cache(self._matrices)
+        self.along = cache(self._along)
+        self.gradient = cache(self._gradient)
+
+    def _rule(self, primals: Arrays, tangents: Arrays) -> tuple[Arrays, Arrays]:
+        results = self.call(*primals)  # itself, so that it is differentiated again by this rule
+        by = tuple(k for k, x in enumerate(tangents) if type(x) is not jax.custom_derivatives.SymbolicZero)
+        if not by:
+            return results, tuple(map(jnp.zeros_like, results))
+        given = level(self.program.inputs, primals)
+        rates = [tangents[k].reshape(given[k].shape) for k in by]
+        every = tuple(range(len(results)))
+        changes = _linear.bind(*given, *rates, function=self, by=by, of=every, back=None, matrix=False)
+        return results, tuple(changes)
+
+    def _along(self, by: Positions) -> Function:
+        """Of the rates of the outputs; rates of the inputs `by` come last."""
+        return Function(self.what.along(by), self.way)
+
+    def _gradient(self, by: Positions, of: Positions) -> Function:
+        """Of the gradient by the inputs `by`; weights of the outputs `of` come last."""
+        return Function(Differentiable(gradient(self.program, by, of)), self.way)
+
+    def _matrices(self, by: Positions) -> Callable[..., Arrays]:
+        """A function of the inputs: the derivatives of each output by each of the inputs `by`, (*output, *input)."""
+        found = self.what.jacobian(by)
+        call = Function(found.function, self.way).call
+        return call if found.whole else lambda *arrays: self._columns(by, arrays)
+
+    def _columns(self, by: Positions, arrays: Arrays) -> Arrays:
+        """The same from the derivatives along unit vectors."""
+        shapes = [self.program.inputs[k].shape for k in by]
+        ends = np.cumsum([prod(shape) for shape in shapes]).tolist()
+        given = level(self.program.inputs, arrays)
+        axis = max(
+            (x.ndim - len(a.shape) for x, a in zip(given, self.program.inputs, strict=True)), default=0
+        )
+        units = np.split(np.eye(ends[-1], dtype=given[0].dtype), ends[:-1], axis=1)
+        rates = [jnp.asarray(x.reshape(-1, *shape)) for x, shape in zip(units, shapes, strict=True)]
+        found = []
+        for y in self.along(by).call(*(jnp.expand_dims(x, axis) for x in given), *rates):
+            parts = jnp.split(jnp.moveaxis(y, axis, -1), ends[:-1], axis=-1)
+            found += [x.reshape(*x.shape[:-1], *shape) for x, shape in zip(parts, shapes, strict=True)]
+        return tuple(found)
+
+
+def level(inputs: Sequence[Argument], arrays: Sequence[Any]) -> list[Any]:
+    """The arrays with equally many leading axes, of size 1 where there were fewer."""
+    axes = [x.ndim - len(argument.shape) for x, argument in zip(arrays, inputs, strict=True)]
+    most = max(axes, default=0)
+    return [x.reshape((1,) * (most - n) + x.shape) for x, n in zip(arrays, axes, strict=True)]
+
+
+_linear = Primitive("freebody_linear")
+"""Operands: the inputs of a function; then, if `back` is None, rates of the inputs `by`, and the results are those of
+the outputs `of`. Else cotangents of the outputs `of`, and the results are those of the inputs `by`, with the leading
+axes `back`. All operands have equally many leading axes. matrix: whether through whole Jacobians."""
+_linear.multiple_results = True
+
+
+def _evaluate(
+    *operands: Any, function: Function, by: Positions, of: Positions, back: Any, matrix: bool
+) -> Arrays:
+    """What the operation computes, in terms of kernels that have derivatives themselves."""
+    count = len(function.program.inputs)
+    primals, given = operands[:count], operands[count:]
+    inputs = [function.program.inputs[k].shape for k in by]
+    outputs = [function.program.outputs[k].shape for k in of]
+    if not matrix and back is None:
+        rates = function.along(by).call(*primals, *given)
+        return tuple(rates[k] for k in of)
+    if not matrix:
+        slopes = function.gradient(by, of).call(*primals, *given)
+        return tuple(
+            _summed(x, (*batch, *shape)) for x, batch, shape in zip(slopes, back, inputs, strict=True)
+        )
+    every = function.matrices(by)(*primals)
+    tables = [every[k * len(by) : (k + 1) * len(by)] for k in of]
+    if back is None:
+        return tuple(
+            sum(_product(False, x, y, out, shape) for x, y, shape in zip(row, given, inputs, strict=True))
+            for row, out in zip(tables, outputs, strict=True)
+        )
+    return tuple(
+        _summed(
+            sum(
+                _product(True, row[j], y, out, shape)
+                for row, y, out in zip(tables, given, outputs, strict=True)
+            ),
+            (*back[j], *shape),
+        )
+        for j, shape in enumerate(inputs)
+    )
+
+
+def _product(back: bool, table: Any, vector: Any, out: Shape, shape: Shape) -> Any:
+    """A matrix (*batch, *output, *input) times a vector (*batch, *input); back: its transpose times (*batch, *output).
+
+    Axes of size 1 are left out: XLA would copy the other factor along them.
+    """
+    taken, made = (out, shape) if back else (shape, out)
+    sizes = table.shape[: table.ndim - len(out) - len(shape)], vector.shape[: vector.ndim - len(taken)]
+    batch = np.broadcast_shapes(*sizes)
+    rows, columns = len(batch), len(batch) + 1
+    axes = [[k for k, n in enumerate(own) if n > 1] for own in sizes]
+    matrix = table.reshape(*(sizes[0][k] for k in axes[0]), prod(out), prod(shape))
+    given = vector.reshape(*(sizes[1][k] for k in axes[1]), prod(taken))
+    # the matrix first, whatever order is wanted: another order costs XLA a copy, which it finds out itself otherwise
+    shared = [k for k in axes[0] if k in axes[1]]
+    contracted, kept = (rows, columns) if back else (columns, rows)
+    labels = [*axes[0], rows, columns], [*axes[1], contracted]
+    at = [[own.index(k) for k in shared] for own in labels]
+    result = jax.lax.dot_general(
+        matrix,
+        given,
+        (([labels[0].index(contracted)], [labels[1].index(contracted)]), (at[0], at[1])),
+        precision="highest",
+    )
+    order = [*shared, *(k for own in labels for k in own if k not in (*shared, contracted))]
+    wanted = [*(k for k, n in enumerate(batch) if n > 1), kept]
+    return result.transpose([order.index(k) for k in wanted]).reshape(*batch, *made)
+
+
+def _summed(x: Any, shape: Shape) -> Any:
+    """The sum over axes along which an array of this shape was broadcast."""
+    axes = tuple(k for k, (n, m) in enumerate(zip(x.shape, shape, strict=True)) if m == 1 and n != 1)
+    return x.sum(axes, keepdims=True) if axes else x
+
+
+def _batches(program: Any, by: Positions, of: Positions, back: Any, operands: Sequence[Any]) -> list[Any]:
+    """The leading axes of each operand."""
+    last = [program.inputs[k] for k in by] if back is None else [program.outputs[k] for k in of]
+    arguments = (*program.inputs, *last)
+    return [x.shape[: x.ndim - len(a.shape)] for x, a in zip(operands, arguments, strict=True)]
+
+
+@_linear.def_abstract_eval
+def _shapes(*operands: Any, function: Function, by: Positions, of: Positions, back: Any, matrix: bool) -> Any:
+    program, dtype = function.program, operands[0].dtype
+    if back is None:
+        batch = np.broadcast_shapes(*_batches(program, by, of, back, operands))
+        shapes = [(*batch, *program.outputs[k].shape) for k in of]
+    else:
+        shapes = [(*batch, *program.inputs[k].shape) for batch, k in zip(back, by, strict=True)]
+    return [ShapedArray(shape, dtype) for shape in shapes]
+
+
+def _mapped(operands: Sequence[Any], axes: Sequence[int | None], **params: Any) -> Any:
+    """Where many vectors come for the same values, through a matrix."""
+    count = len(params["function"].program.inputs)
+    size = next(x.shape[axis] for x, axis in zip(operands, axes, strict=True) if axis is not None)
+    moved = [
+        x[None] if axis is None else jnp.moveaxis(x, axis, 0) for x, axis in zip(operands, axes, strict=True)
+    ]
+    if all(axis is None for axis in axes[:count]):
+        params["matrix"] = True
+    if params["back"] is not None:
+        params["back"] = tuple((size, *batch) for batch in params["back"])
+    results = _linear.bind(*moved, **params)
+    return results, [0] * len(results)
+
+
+def _jvp(operands: Sequence[Any], tangents: Sequence[Any], **params: Any) -> Any:
+    """It is linear in its last operands, and in the others what `_evaluate` is."""
+    count = len(params["function"].program.inputs)
+    results, changes = _linear.bind(*operands, **params), []
+    moving = [k for k in range(count) if type(tangents[k]) is not ad.Zero]
+    if moving:
+
+        def of_moving(*given: Any) -> Arrays:
+            values = list(operands)
+            for k, x in zip(moving, given, strict=True):
+                values[k] = x
+            return _evaluate(*values, **params)
+
+        at, along = ([x[k] for k in moving] for x in (operands, tangents))
+        changes.append(jax.jvp(of_moving, at, along)[1])
+    if any(type(x) is not ad.Zero for x in tangents[count:]):
+        last = map(ad.instantiate_zeros, tangents[count:])
+        changes.append(_linear.bind(*operands[:count], *last, **params))
+    return results, [sum(terms[1:], terms[0]) for terms in zip(*changes, strict=True)]
+
+
+def _transposed(
+    cotangents: Sequence[Any],
+    *operands: Any,
+    function: Function,
+    by: Positions,
+    of: Positions,
+    back: Any,
+    matrix: bool,
+) -> list[Any]:
+    """The other way, by the operands that are unknown, of the results that count."""
+    count = len(function.program.inputs)
+    primals, last = operands[:count], operands[count:]
+    unknown = [k for k, x in enumerate(last) if ad.is_undefined_primal(x)]
+    counting = [k for k, x in enumerate(cotangents) if type(x) is not ad.Zero]
+    found: list[Any] = [None] * len(operands)
+    if not counting:
+        return found
+    given = [cotangents[k] for k in counting]
+    shapes = [last[k].aval.shape for k in unknown]
+    if back is None:
+        wanted = tuple(by[k] for k in unknown)
+        cores = [len(function.program.inputs[k].shape) for k in wanted]
+        axes = tuple(shape[: len(shape) - core] for shape, core in zip(shapes, cores, strict=True))
+        kept = tuple(of[k] for k in counting)
+        results = _linear.bind(
+            *primals, *given, function=function, by=wanted, of=kept, back=axes, matrix=matrix
+        )
+    else:
+        kept, wanted = tuple(by[k] for k in counting), tuple(of[k] for k in unknown)
+        results = _linear.bind(
+            *primals, *given, function=function, by=kept, of=wanted, back=None, matrix=matrix
+        )
+        results = [_summed(x, shape) for x, shape in zip(results, shapes, strict=True)]
+    for k, result in zip(unknown, results, strict=True):
+        found[count + k] = result
+    return found
+
+
+_linear.def_impl(_evaluate)
+mlir.register_lowering(_linear, mlir.lower_fun(_evaluate, multiple_results=True))
+batching.primitive_batchers[_linear] = _mapped
+ad.primitive_jvps[_linear] = _jvp
+ad.primitive_transposes[_linear] = _transposed
