@@ -43,7 +43,7 @@ def robot(name: str) -> fb.Model:
         return fb.load(name)
     if not TALOS.exists():
         pytest.skip("example-robot-data is not installed")
-    return fb.load(TALOS, mimic="free")
+    return fb.load(TALOS, mimic="free", tip="left_sole_link")
 
 
 def formulas(model: fb.Model) -> list[str]:

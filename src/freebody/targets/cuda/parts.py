@@ -1,8 +1,8 @@
 """What one thread computes of a program: all of it, or where that does not fit its registers some of the outputs.
 
 A thread has 255 registers of 32 bits; what does not fit goes to memory and comes back (it is spilled). Outputs computed
-apart repeat what they share, so a program is divided only where that costs less than `LARGEST` times its operations:
-derivatives of a UR5e by all rates are, those of a Panda would be repeated ten times over and stay whole.
+apart repeat what they share, so a program is divided only where all parts fit then and cost less than `LARGEST` times
+its operations: the derivatives of a UR5e's dynamics are, those of a Panda's would be repeated ten times over.
 """
 
 from __future__ import annotations
@@ -20,7 +20,9 @@ ROOM = {"float64": 150, "float32": 300}
 """Values alive at a time up to which nothing is spilled. More than registers hold: inputs can be read again."""
 
 LARGEST = 2.5
-"""Operations of all parts together, over those of the whole program."""
+"""Operations of all parts together, over those of the whole program. Not measured on a GPU: by data sheets a spilled
+number costs as much as four to eight operations, so that for some programs less is quicker; `benchmarks/on_cuda.py
+--whole` tells."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,7 @@ def alive(piece: Part) -> int:
 
 
 def parts(program: Program, dtype: str) -> list[Part]:
-    """Runs of results, output by output and column by column, that fit; the whole where they cost too much."""
+    """Runs of results, output by output and column by column, that fit; the whole where none do, or too many."""
     whole = part(program, range(len(program.results)))
     order = _by_columns(program)
     made: list[Part] = []
@@ -86,12 +88,12 @@ def parts(program: Program, dtype: str) -> list[Part]:
     while done < len(order):
         rest = part(program, order[done:])
         count = len(order) - done
-        if alive(rest) > ROOM[dtype]:
-            # of runs of growing length the last that fits; one result is computed whether it fits or not
-            fits = bisect_left(
-                range(2, count), True, key=lambda n: _too_many(program, order[done : done + n], dtype)
+        if alive(rest) > ROOM[dtype]:  # of runs of growing length the last that fits
+            count = bisect_left(
+                range(1, count), True, key=lambda n: _too_many(program, order[done : done + n], dtype)
             )
-            count = fits + 1
+            if not count:
+                return [whole]
             rest = part(program, order[done : done + count])
         made.append(rest)
         done += count
