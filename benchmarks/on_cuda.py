@@ -2,8 +2,8 @@
 
     python benchmarks/on_cuda.py [ROBOT …] [--samples 4000000] [--rounds 20] [--whole]
 
-Needs a GPU and the extra `cuda`. Rows are arrays (n, k), columns (k, n). The limit is the lower one of the two that `ptx.py`
-tells, of arithmetic and of memory. --whole: programs are not divided among entries, and spill instead. Results are
+Needs a GPU and the extra `cuda`. Rows are arrays (n, k), columns (k, n). The limit is the lower of the two of `ptx.py`,
+of arithmetic and of memory. --whole: programs are not divided among entries, and spill instead. Results are
 compared with the CPU's.
 """
 
