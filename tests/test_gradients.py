@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import sys
+
 import numpy as np
 import pytest
 
 import freebody as fb
 from freebody import elementary
 from freebody.elementary import atan2, log, maximum, sin, sqrt, where
+from freebody.errors import FreebodyError
 from freebody.program import Argument, trace
 from freebody.program.derivative import jacobian
 from freebody.program.gradient import gradient
@@ -151,3 +154,12 @@ def test_the_gradient_by_weights_that_are_zero():
     )
     second = gradient(gradient(program, (0,), (0,)), (1,), (0,))
     assert compile_program(second)([4.0, 0.0], [0.0, 0.0], [1.0, 1.0]).tolist() == [0.25, 1.0]
+
+
+# ---------------------------------------------------------------- PyTorch, which runs them
+def test_without_pytorch(monkeypatch):
+    for name in ("torch", "torch.autograd"):
+        monkeypatch.setitem(sys.modules, name, None)
+    monkeypatch.delitem(sys.modules, "freebody.targets.in_torch", raising=False)
+    with pytest.raises(FreebodyError, match=r"pip install 'freebody\[torch\]'"):
+        fb.to_torch(fb.load("2R"), "bias")

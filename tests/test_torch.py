@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import pickle
-import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -14,14 +13,11 @@ import freebody as fb
 from freebody.errors import FreebodyError, MissingValueError, ShapeError
 from freebody.targets import KernelError
 from freebody.targets.kernel import BatchError
+from support.hostile import JOINTS, LINKS, hostile
 
-try:
-    import torch
-except ImportError:
-    torch = None
+torch = pytest.importorskip("torch", reason="PyTorch is not installed")
 
 pytestmark = pytest.mark.filterwarnings("default:`torch.jit:DeprecationWarning")  # PyTorch's own
-needs_torch = pytest.mark.skipif(torch is None, reason="PyTorch is not installed")
 
 
 def random(*shape, grad=True, seed=0, dtype=None):
@@ -43,7 +39,6 @@ def free_base():
 
 
 # ---------------------------------------------------------------- numbers
-@needs_torch
 @pytest.mark.parametrize("dtype", ["float64", "float32"])
 def test_results_are_the_kernels_to_the_last_bit(dtype):
     model = fb.load("ur5e")
@@ -60,7 +55,6 @@ def test_results_are_the_kernels_to_the_last_bit(dtype):
     assert f(q[:0], qd[:0], qdd[:0]).shape == (0, 5, 6)
 
 
-@needs_torch
 def test_several_outputs_numbers_and_mixed_types():
     model = fb.load("2R")
     energies = fb.to_torch(model, ["kinetic_energy", "potential_energy"])
@@ -79,7 +73,6 @@ def test_several_outputs_numbers_and_mixed_types():
     assert fb.to_torch(fb.kernel(model, "mass_matrix", dtype="float32"))(q).dtype == torch.float32
 
 
-@needs_torch
 def test_tensors_are_read_where_they_lie():
     """A kernel sees the tensor's own memory, and a result is no copy."""
     f = fb.to_torch(fb.compile(lambda x: [x[0] + 1.0, x[1]], {"x": 2}, {"y": 2}))
@@ -110,7 +103,6 @@ def quantities():
     }  # fmt: skip
 
 
-@needs_torch
 @pytest.mark.parametrize("case", [
     "inverse dynamics", "forward dynamics, with a wrench", "a free base, by quaternions", "a closed chain",
     "several outputs", "numbers of the robot", "a step",
@@ -128,7 +120,6 @@ def test_gradcheck(case):
     assert torch.autograd.gradcheck(f, given, check_forward_ad=True, eps=1e-6, atol=1e-4)
 
 
-@needs_torch
 @pytest.mark.parametrize(
     "case", ["inverse dynamics", "a free base, by quaternions", "a closed chain", "numbers of the robot"]
 )
@@ -141,7 +132,6 @@ def test_gradgradcheck(case):
     assert torch.autograd.gradgradcheck(f, given, check_fwd_over_rev=True, atol=1e-4)
 
 
-@needs_torch
 def test_transforms_agree_with_each_other_and_with_the_kernels_of_derivatives():
     from torch.func import hessian, jacfwd, jacrev, vmap
 
@@ -158,7 +148,6 @@ def test_transforms_agree_with_each_other_and_with_the_kernels_of_derivatives():
     np.testing.assert_allclose(second.numpy(), table, atol=1e-11)
 
 
-@needs_torch
 def test_vmap_over_any_axis_nested_and_beside_batches():
     from torch.func import vmap
 
@@ -178,7 +167,6 @@ def test_vmap_over_any_axis_nested_and_beside_batches():
     np.testing.assert_array_equal(torch.stack(two).numpy(), torch.stack(one).numpy())
 
 
-@needs_torch
 def test_only_what_is_asked_for_is_differentiated():
     f = fb.to_torch(fb.load("2R"), ["inverse_dynamics", "kinetic_energy"])
     own = f._of[torch.float64]
@@ -196,7 +184,6 @@ def test_only_what_is_asked_for_is_differentiated():
         assert not f(q, q, q)[0].requires_grad
 
 
-@needs_torch
 def test_forward_mode_sees_what_has_no_gradient():
     """A direction alone does not make a tensor require a gradient; its memory holds no direction."""
     import torch.autograd.forward_ad as forward
@@ -209,7 +196,6 @@ def test_forward_mode_sees_what_has_no_gradient():
     np.testing.assert_allclose(change.item(), expected, rtol=1e-12)
 
 
-@needs_torch
 def test_numbers_of_the_robot_are_differentiated_by_name():
     model = fb.load("2R")
     f = fb.to_torch(model, "inverse_dynamics", inputs=["link*.mass", "gravity"])
@@ -238,7 +224,6 @@ def test_numbers_of_the_robot_are_differentiated_by_name():
 
 
 # ---------------------------------------------------------------- graphs
-@needs_torch
 @pytest.mark.parametrize("backend", ["eager", "aot_eager"])
 def test_in_a_compiled_function(backend):
     from torch.func import vmap
@@ -260,7 +245,6 @@ def test_in_a_compiled_function(backend):
     torch._dynamo.reset()
 
 
-@needs_torch
 def test_in_an_exported_program():
     class Plant(torch.nn.Module):
         def __init__(self):
@@ -283,7 +267,6 @@ def test_in_an_exported_program():
         torch.ops.freebody.evaluate("inverse_dynamics cpu float64 0123", given)
 
 
-@needs_torch
 def test_the_operator_passes_pytorchs_own_tests():
     f = fb.to_torch(fb.load("2R"), "inverse_dynamics")
     given = [random(3, 2, seed=s) for s in range(3)]
@@ -291,8 +274,23 @@ def test_the_operator_passes_pytorchs_own_tests():
     assert set(done.values()) == {"SUCCESS"}
 
 
+def test_names_of_strangers_are_in_no_graph(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    model = hostile()
+    f = fb.to_torch(model, "inverse_dynamics", inputs=["*.mass"], wrench_frames=[model.frames[1].name])
+
+    class Arm(torch.nn.Module):
+        def forward(self, *state):
+            return f(*state)
+
+    given = [random(*x.shape, grad=False) for x in f.program.inputs]
+    text = str(torch.export.export(Arm(), tuple(given)))
+    assert "evaluate" in text
+    assert not [name for name in (*JOINTS, *LINKS[1:], model.name) if name in text]
+    assert f._of[torch.float64].key.replace(" ", "_").isidentifier()
+
+
 # ---------------------------------------------------------------- use
-@needs_torch
 def test_a_gradient_through_a_rollout():
     """A hundred steps of RK4 under a linear law: the gradient by its gains, against differences."""
     model = fb.load("2R")
@@ -317,7 +315,6 @@ def test_a_gradient_through_a_rollout():
             np.testing.assert_allclose(gains.grad[k].item(), difference.item(), rtol=1e-6)
 
 
-@needs_torch
 def test_threads():
     f = fb.to_torch(fb.load("2R"), "forward_dynamics")
 
@@ -332,7 +329,6 @@ def test_threads():
             np.testing.assert_array_equal(found, known)
 
 
-@needs_torch
 def test_copies_and_pickles():
     f = fb.to_torch(fb.load("2R"), "inverse_dynamics", inputs=["gravity"])
     q = random(2, grad=False)
@@ -342,7 +338,6 @@ def test_copies_and_pickles():
         )
 
 
-@needs_torch
 def test_a_tensor_that_is_changed_before_its_gradient_is_refused():
     f = fb.to_torch(fb.load("2R"), "gravity_torque")
     q = random(2)
@@ -355,7 +350,6 @@ def test_a_tensor_that_is_changed_before_its_gradient_is_refused():
 
 
 # ---------------------------------------------------------------- what is refused
-@needs_torch
 def test_refusals():
     model = fb.load("2R")
     f = fb.to_torch(model, "inverse_dynamics")
@@ -380,11 +374,3 @@ def test_refusals():
     with pytest.raises(FreebodyError, match="give the quantities"):
         fb.to_torch(model)
     assert torch.isnan(f(q, q, torch.tensor([1.0, torch.nan]))).all()
-
-
-def test_without_pytorch(monkeypatch):
-    for name in ("torch", "torch.autograd"):
-        monkeypatch.setitem(sys.modules, name, None)
-    monkeypatch.delitem(sys.modules, "freebody.targets.in_torch", raising=False)
-    with pytest.raises(FreebodyError, match=r"pip install 'freebody\[torch\]'"):
-        fb.to_torch(fb.load("2R"), "bias")
