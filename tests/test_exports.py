@@ -477,15 +477,18 @@ def test_a_function_has_a_word_for_a_name(name):
 
 
 # ---------------------------------------------------------------- the text itself
-def test_text_is_the_same_in_every_process():
+def test_text_is_the_same_in_every_process(tmp_path):
     code = (
-        "import freebody as fb, hashlib; from freebody.targets.text import LANGUAGES; m = fb.load('ur5e')\n"
+        "import freebody as fb, hashlib, pathlib, sys; m = fb.load('ur5e')\n"
+        "from freebody.targets.text import LANGUAGES; out = pathlib.Path(sys.argv[1])\n"
         "t = ''.join(fb.source(m, ('forward_dynamics', 'jacobian'), x) for x in LANGUAGES)\n"
+        "fb.export(m, 'rk4_step', out, inputs=['payload.*', 'gravity'])\n"
+        "t += ''.join(p.read_text() for p in sorted(out.iterdir()) if p.name != 'manifest.json')\n"
         "print(hashlib.sha256(t.encode()).hexdigest())"
     )
     found = {
         subprocess.run(
-            [sys.executable, "-c", code],
+            [sys.executable, "-c", code, str(tmp_path / seed)],
             env=os.environ | {"PYTHONHASHSEED": seed},
             capture_output=True, text=True, check=True,
         ).stdout
@@ -582,6 +585,22 @@ def test_the_command(tmp_path, capsys):
     }
     assert run([*arguments, "--language", "fortran"]) == 2
     assert "error: no language 'fortran' in fb.export." in capsys.readouterr().err
+    slopes = [
+        "export",
+        "2R",
+        "inverse_dynamics",
+        "--input",
+        "m2",
+        "--by",
+        "p",
+        "--out",
+        str(tmp_path / "slopes"),
+    ]
+    assert run(slopes) == 0
+    assert "dtau_dp[2]" in (tmp_path / "slopes/inverse_dynamics.h").read_text()
+    one_row = ["export", "ur5e", "operational_space_inertia", "--row", "vz", "--out", str(tmp_path / "row")]
+    assert run(one_row) == 0
+    assert "Lambda[1]" in (tmp_path / "row/operational_space_inertia.h").read_text()
     (out / "arm.c").write_text("mine")
     assert run(arguments) == 2
     assert (out / "arm.c").read_text() == "mine"

@@ -133,6 +133,19 @@ REMARKS = re.compile(
 )
 
 
+@pytest.mark.parametrize("language", ["c", "matlab", "numpy"])
+def test_source_text_with_numbers_as_inputs_is_that_of_a_robot_with_plain_names(model, tame, language):
+    """Their names hold those of bodies and joints."""
+    texts = [fb.source(m, "inverse_dynamics", language, inputs=["*"]) for m in (model, tame)]
+    texts += [
+        fb.source(fb.kernel(m, "bias", inputs=["*"], target="numpy"), language=language)
+        for m in (model, tame)
+    ]
+    code = [REMARKS.sub("", text) for text in texts]
+    assert code[0] == code[1]
+    assert code[2] == code[3]
+
+
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_source_text_is_that_of_a_robot_with_plain_names(model, tame, language):
     texts = [fb.source(m, QUANTITIES[:2], language, wrench_frames=[m.tip]) for m in (model, tame)]

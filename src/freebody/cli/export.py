@@ -41,7 +41,7 @@ def export(
         str | None, typer.Option(metavar="WORD", help="The function's name. Default: the quantities'.")
     ] = None,
     dtype: Annotated[
-        NumberChoice, typer.Option(help="Type of number (float32: c, rust, julia).")
+        NumberChoice, typer.Option(help="Type of number (float32: c, rust, julia, cuda).")
     ] = NumberChoice.float64,
     frame: Annotated[
         str | None, typer.Option(help="Frame of kinematic quantities. Default: the tip.")
@@ -59,6 +59,19 @@ def export(
             "--input",
             metavar="NAME",
             help="A number of the robot that is given at each call, such as '*.mass'; may be repeated.",
+        ),
+    ] = None,
+    by: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="ARGUMENT",
+            help="Derivatives by this argument as well, such as q, or p for the numbers of --input; may be repeated.",
+        ),
+    ] = None,
+    row: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="ROW", help="Of operational space only vx, vy, vz, wx, wy or wz; may be repeated."
         ),
     ] = None,
     tip: options.Tip = None,
@@ -85,6 +98,8 @@ def export(
             reference=reference,
             wrench_frames=wrench or (),
             inputs=inputs or (),
+            by=by or (),
+            rows=row,
         )
     for path in paths:
         terminal.out().print(f"written: {path}", markup=False, soft_wrap=True)
