@@ -50,7 +50,10 @@ class Bound:
         numbers: tuple[Array, ...] = (),
         quaternions: tuple[tuple[int, int], ...] = (),
     ):
-        """numbers: none, or the one array of them that is the kernel's last argument. quaternions: see `Compiled`."""
+        """numbers: the one array of them that is the kernel's last argument; none where its parts have them.
+
+        quaternions: see `Compiled`.
+        """
         self.kernel, self.numbers, self.quaternions = kernel, numbers, quaternions
 
     def __call__(self, *arrays: ArrayLike, out: Any = None, threads: int | None = None) -> Any:
@@ -107,7 +110,7 @@ def known(model: Model, names: tuple[str, ...], option: Option) -> Bound | None:
         if compiled is None:
             return None
         numbers = _numbers(model, option, compiled.read)
-        found = model.compiled[place] = Bound(compiled.kernel, numbers, compiled.quaternions)
+        found = model.compiled[place] = Bound(compiled.kernel, (numbers,), compiled.quaternions)
     return found
 
 
@@ -128,16 +131,16 @@ def _shown_drives(model: Model, names: tuple[str, ...]) -> tuple[bool, ...] | No
     return drives(model) if shown else None
 
 
-def _numbers(model: Model, option: Option, read: NDArray[np.intp]) -> tuple[Array, ...]:
-    """Those that a kernel reads; without any it has no such argument."""
-    if not len(read):
-        return ()
+def _numbers(model: Model, option: Option, read: NDArray[np.intp]) -> Array:
+    """Those that a kernel reads, of a family (*family, k) also where its members have these in common."""
     numbers, frames = model.numbers, _frames(option)
     if frames:
         numbers = joined([numbers, *(pose_part(model.frame(f).placement, model.dim).numbers for f in frames)])
     chosen = numbers.take(read, axis=-1)
+    if chosen.shape[:-1] != model.family:
+        chosen = np.broadcast_to(chosen, (*model.family, len(read)))
     chosen.flags.writeable = False
-    return (chosen,)
+    return chosen
 
 
 def _compiled(model: Model, names: tuple[str, ...], option: Option) -> Compiled:

@@ -12,6 +12,7 @@ from freebody.model.places import (
     TENSOR,
     Attributes,
     Editor,
+    Items,
     Leaves,
     Load,
     Mass,
@@ -27,7 +28,7 @@ from freebody.spatial import AnySpace, of_dimension
 if TYPE_CHECKING:
     from freebody.model.model import Model
 
-Sort = Literal["inertia", "placement", "drive", "limit", "symbol", "other"]
+Sort = Literal["inertia", "placement", "direction", "drive", "limit", "symbol", "other"]
 
 PAYLOAD = "payload"
 """The load whose numbers exist also when it is not there."""
@@ -129,6 +130,13 @@ def _places(model: Model, space: AnySpace) -> Iterator[tuple[Row, Path]]:
         Row(("gravity",), "model", gravity, "gravity", "m/s²", "size of the gravity field"),
         ("gravity_size",),
     )
+    along = Items(("gravity_direction",), {f"direction.{x}": k for k, x in enumerate(space.axes)})
+    for field, k in along.places.items():
+        what = "component of the gravity field's direction, a unit vector in world axes"
+        yield (
+            Row(("gravity", *field.split(".")), "model", along, field, "1", what, "direction"),
+            (*along.path, k),
+        )
     for k, part in enumerate(model.base_inertias):
         yield from _part(model, part, ("base_inertias", k), space)
     for i, body in enumerate(model.bodies):

@@ -11,8 +11,9 @@ import numpy as np
 
 from freebody.errors import ModelError
 from freebody.labels import refuse_labelled
-from freebody.model.members import Members, members
+from freebody.model.members import Members, members, of_member
 from freebody.model.parameters import LARGEST, Parameter, Quantity, finite, quantity
+from freebody.model.reading import VALUES
 from freebody.spatial import unit
 
 
@@ -41,7 +42,7 @@ def gravity_of(
 
 
 def _of_members(given: object, dim: int, direction: tuple[Any, ...]) -> tuple[Quantity, tuple[Any, ...]]:
-    """Gravity of a family: a size for each member, along the direction that they share."""
+    """Gravity of a family: a size for each member, and the direction that they share, or each its own."""
     vectors = members(given, "gravity", LARGEST).array
     if vectors.shape[-1] != dim:
         raise ModelError(
@@ -51,9 +52,24 @@ def _of_members(given: object, dim: int, direction: tuple[Any, ...]) -> tuple[Qu
     if not sizes.any():
         return Members(sizes), direction
     along = unit(vectors.reshape(-1, dim)[int(np.argmax(sizes))])
-    if not np.allclose(vectors, sizes[..., None] * along, rtol=0.0, atol=1e-14 * float(sizes.max())):
-        raise ModelError(
-            "gravity: the vectors of a family's members have different directions; they may differ in size only, "
-            "since the direction is structure. Make a model for each direction."
-        )
-    return Members(sizes), along
+    if np.allclose(vectors, sizes[..., None] * along, rtol=0.0, atol=1e-14 * float(sizes.max())):
+        return Members(sizes), along
+    some = sizes > 0.0
+    turned = np.where(some[..., None], vectors, along) / np.where(some, sizes, 1.0)[..., None]
+    columns = np.moveaxis(turned, -1, 0)
+    return Members(sizes), tuple([Members(x.copy()) if x.any() else 0.0 for x in columns])
+
+
+def direction_fault(direction: tuple[Any, ...]) -> str | None:
+    """What is wrong with a direction of the field: its length; None if nothing is, or where a kernel reads it."""
+    if any(isinstance(x, Parameter) for x in direction):
+        return None
+    length = np.sqrt(sum(np.square(VALUES.quantity(x)) for x in direction))
+    off = np.argwhere(np.abs(length - 1.0) > _UNIT)
+    if not len(off):
+        return None
+    at = tuple(map(int, off[0]))
+    return f"gravity.direction has length {length[at]:.9g}{of_member(at)}; it must be 1"
+
+
+_UNIT = 1e-9

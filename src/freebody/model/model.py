@@ -224,7 +224,8 @@ class Model(Tabled, ByValue):
     def family(self) -> tuple[int, ...]:
         """The shape of the family of robots that the model is, where some of its numbers are arrays; () for one robot.
 
-        Results of numeric functions have this shape, broadcast with that of the samples.
+        Results of numeric functions have this shape, broadcast with that of the samples, whatever numbers differ; but
+        for those that know no number of a model: neutral, random_state, integrate, difference.
         """
         return numbers.family(self)
 
@@ -352,8 +353,8 @@ class Model(Tabled, ByValue):
     ) -> Model:
         """The model with another name, tip, gravity, choice of driven joints, or tolerance of its loops.
 
-        gravity: a size (0 for none), a name, or a vector in world axes; vectors (..., dim) of one direction are those
-        of a family (sizes of a family: bind({"gravity": sizes})). actuated: names; all other joints are passive.
+        gravity: a size (0 for none), a name, or a vector in world axes; vectors (..., dim) are those of a
+        family (sizes of a family: bind({"gravity": sizes})). actuated: names; all other joints are passive.
         loop_tolerance: (m, rad), see `with_loop`.
         """
         changes: dict[str, object] = {}

@@ -13,6 +13,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import ModelError, UnknownNameError, likely, listed, shown
 from freebody.model.catalogue import Catalogue, Row, catalogue
+from freebody.model.gravity import direction_fault
 from freebody.model.inertia import faults
 from freebody.model.inherited import made_from
 from freebody.model.loops import checked_distance
@@ -35,7 +36,8 @@ class ModelParameter(ByValue):
     """One number that a model is made of.
 
     value: None where a symbol has none yet; of a family an array where members differ. structural: an exact zero or
-    right angle of a placement, which patterns leave out, as they do limits; a name in full takes them.
+    right angle of a placement, or of gravity's direction, which patterns leave out, as they do limits; a name in full
+    takes them.
     """
 
     name: str
@@ -122,9 +124,9 @@ def parameters(model: Model) -> Parameters:
     Names: forearm.mass, forearm.com.x, forearm.inertia.xx (about the centre of mass, in the link's axes), forearm.scale
     (a factor on mass and inertia); elbow.placement.x … yaw (where the joint sits in its parent link);
     elbow.friction.viscous, elbow.rotor.gear, elbow.spring.stiffness, elbow.limits.upper; elbow.a, elbow.alpha of a DH
-    table; gravity; loop.distance; tool.placement.z of frames; payload.mass at the tip, zero where there is no load;
-    and the model's own symbols (l1), by which the places are known where they stand.
-    Joints' axes, mimic ratios and the direction of gravity are structure and have no name.
+    table; gravity (the field's size), gravity.direction.z; loop.distance; tool.placement.z of frames; payload.mass at
+    the tip, zero where there is no load; and the model's own symbols (l1), by which the places are known where they
+    stand. Joints' axes and mimic ratios are structure and have no name.
     Names shared by two things are told apart by what they belong to: "joint:elbow.placement.x".
     """
     return Parameters(model)
@@ -145,7 +147,9 @@ def _records(model: Model, names: Catalogue) -> Iterator[ModelParameter]:
         if fields is None:
             fields = read[id(row.editor)] = row.editor.read(model)
         value = _plain(fields[row.field])
-        structural = row.sort == "placement" and _is_structural(value, row.unit)
+        structural = (row.sort == "placement" and _is_structural(value, row.unit)) or (
+            row.sort == "direction" and isinstance(value, float) and value in (0.0, 1.0, -1.0)
+        )
         yield ModelParameter(name, row.parts, value, row.unit, row.what, structural, row.sort == "limit")
 
 
@@ -205,7 +209,7 @@ def matching(names: Catalogue, records: Sequence[ModelParameter], pattern: Name,
         hint = f" Near it: {', '.join(near)}." if near else ""
         left = [r.name for r in records if r.structural and fnmatchcase(r.name, pattern)]
         if left:
-            hint = f" {left[0]!r} is an exact zero or right angle of a placement: write it in full."
+            hint = f" {left[0]!r} is an exact zero or right angle: write it in full."
         limits = [r.name for r in records if r.limit and fnmatchcase(r.name, pattern)]
         if limits and not left:
             hint = f" {limits[0]!r} is a limit, which no kernel reads: bind it instead."
@@ -271,6 +275,12 @@ def _check(old: Model, new: Model) -> None:
             fault = faults(after.inertia)
             if fault:
                 raise ModelError(f"{new.name!r}: link {after.link!r}: {fault}. Bind a physical value.")
+    if new.gravity_direction is not old.gravity_direction:
+        fault = direction_fault(new.gravity_direction)
+        if fault:
+            raise ModelError(
+                f"{new.name!r}: {fault}. Bind all its components, or use model.replace(gravity=)."
+            )
     if new.loops is not old.loops:
         for loop in new.loops:
             checked_distance(loop)

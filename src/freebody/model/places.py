@@ -151,6 +151,25 @@ class Attributes:
 
 
 @dataclass(frozen=True)
+class Items:
+    """Numbers in a tuple: field -> place."""
+
+    path: Path
+    places: Mapping[str, int]
+    first = False
+    keeps_places = True
+
+    def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
+        piece = get(model, self.path)
+        return {field: piece[k] for field, k in self.places.items()}
+
+    def write(self, model: Model, values: Fields) -> Model:
+        for field, value in values.items():
+            model = put(model, (*self.path, self.places[field]), value)
+        return model
+
+
+@dataclass(frozen=True)
 class Mass:
     """The inertia of a link, about its centre of mass and in the axes of the link; `scale` is a factor on all of it.
 

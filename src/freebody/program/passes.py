@@ -30,7 +30,7 @@ def drop_dead(program: Program) -> Program:
 def without_unread(program: Program, name: str) -> tuple[Program, tuple[int, ...]]:
     """The program whose input of that name, a vector, holds only the scalars that it reads; and which they are.
 
-    The input is left out where it reads none.
+    Where it reads none, the first stays: the input has a say in the shape of what comes out.
     """
     before = 0
     for argument in program.inputs:
@@ -39,12 +39,12 @@ def without_unread(program: Program, name: str) -> tuple[Program, tuple[int, ...
         before += argument.size
     last = before + argument.size
     places = [program.a[i] for i, op in enumerate(program.op) if op == "input"]
-    read = sorted({place - before for place in places if before <= place < last})
+    read = sorted({place - before for place in places if before <= place < last}) or [0]
     new = {before + place: before + k for k, place in enumerate(read)}
     new |= {place: place - argument.size + len(read) for place in places if place >= last}
     a = tuple(new.get(x, x) if op == "input" else x for op, x in zip(program.op, program.a, strict=True))
-    shorter = (replace(argument, shape=(len(read),)),) if read else ()
-    inputs = tuple(y for x in program.inputs for y in (shorter if x.name == name else (x,)))
+    shorter = replace(argument, shape=(len(read),))
+    inputs = tuple(shorter if x.name == name else x for x in program.inputs)
     return verify(replace(program, inputs=inputs, a=a)), tuple(read)
 
 
