@@ -104,7 +104,7 @@ def with_drive(model: Model, joint: str, given: dict[str, Any]) -> Model:
     }
     driven = replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **numbers)))
     other = made_from(put(model, ("bodies", k), driven), model)
-    return one_family(other, *numbers.values())
+    return one_family(other, model, *numbers.values())
 
 
 def with_payload(model: Model, inertia: Inertia, frame: str | None, name: str) -> Model:
@@ -112,7 +112,7 @@ def with_payload(model: Model, inertia: Inertia, frame: str | None, name: str) -
     at = model.frame(frame)
     added = attached(inertia, at.placement, name, at.name, model.dim, model.name)
     path = ("base_inertias",) if at.body < 0 else ("bodies", at.body, "inertias")
-    return one_family(made_from(put(model, path, (*get(model, path), added)), model), inertia)
+    return one_family(made_from(put(model, path, (*get(model, path), added)), model), model, inertia)
 
 
 def attached(inertia: Inertia, placement: Placement, name: str, frame: str, dim: int, owner: str) -> Attached:

@@ -370,7 +370,7 @@ class Model(Tabled, ByValue):
             changes["bodies"] = changed.actuated(self, actuated)
         if loop_tolerance is not None:
             changes["loop_tolerance"] = checked_tolerance(loop_tolerance, "Model.replace")
-        return one_family(dataclasses.replace(self, **changes), *changes.values())  # type: ignore[arg-type]
+        return one_family(dataclasses.replace(self, **changes), self, *changes.values())  # type: ignore[arg-type]
 
     def with_drive(
         self,

@@ -260,7 +260,7 @@ def written(model: Model, wanted: Mapping[str, Quantity]) -> Model:
     if same_places:
         result.__dict__["_catalogue"] = names
     _check(model, result)
-    return one_family(made_from(result, model), *wanted.values())
+    return one_family(made_from(result, model), model, *wanted.values())
 
 
 def _same(old: Quantity, new: Quantity) -> bool:
