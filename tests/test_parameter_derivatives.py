@@ -38,7 +38,7 @@ def free_base() -> fb.Model:
 
 def complex_steps(model: fb.Model, name: str, names: list[str], arrays: dict[str, np.ndarray]) -> np.ndarray:
     """∂f/∂p (*output, k), all k in one evaluation over arrays of complex numbers."""
-    given = inputs_of(model, names)
+    given = inputs_of("fb.kernel", model, names)
     p = given.values[:, None] + 1j * STEP * np.eye(len(given.names))
     _, option = chosen_option(model, name)
     taken = chosen(name, {k: tuple(map(float, x)) for k, x in arrays.items()}, option)
