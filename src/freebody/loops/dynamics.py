@@ -24,7 +24,7 @@ from freebody.loops.equations import (
 )
 from freebody.loops.partition import independent_rows, partition
 from freebody.loops.redundancy import redundancy
-from freebody.loops.scaled import loop_of_row, null_space, rate_scale, row_scale
+from freebody.loops.scaled import loop_of_row, mechanism, null_space, rate_scale, row_scale
 from freebody.loops.solving import BLURRED, RANK, Idle, Jerk, solve
 from freebody.model.geometry import first_member
 from freebody.model.members import member_at
@@ -141,7 +141,7 @@ def careful(model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Arr
 def require_way(model: Model, q: Array, qd: Array, qdd: Array) -> None:
     """Refuse a singular position (nq,) from which the rates and accelerations found (nv,) lead nowhere."""
     _, loose = null_space(scaled_jacobian(model, q), BLURRED)
-    lost = model.tree.constraints - loose.shape[1] < len(independent_rows(model))
+    lost = mechanism(model).constraints - loose.shape[1] < len(independent_rows(model))
     if lost and not _leads_on(model, q, qd, qdd):
         worst = int(np.argmax(np.linalg.norm(loose, axis=1)))
         name = model.loops[loop_of_row(model)[worst]].name

@@ -83,7 +83,7 @@ def mobility(model: Model, q: Vector) -> Mobility:
     require_closed("mobility", model, at)
     here, _ = null_space(scaled_jacobian(model, at), _RANK)
     regular, moves = regular_jacobian(model, at)
-    finite = model.nv - _rank(regular) if moves else 0
+    finite = model.nv - rank(regular) if moves else 0
     names, known = row_names(model), redundancy(model)
     rounded = known.rank is not None
     redundant = sorted(set(range(len(names))) - set(known.rows)) if rounded else dependent_rows(regular)
@@ -93,7 +93,7 @@ def mobility(model: Model, q: Vector) -> Mobility:
         finite,
         model.nv - len(names),
         len(names),
-        _rank(regular),
+        rank(regular),
         tuple(names[k] for k in redundant),
         independent_coordinates(model, here),
         known.misfit,
@@ -104,10 +104,11 @@ def regular_jacobian(model: Model, q: Array) -> tuple[Array, bool]:
     """(the scaled Φ_q (m, nv) of largest rank at q (nq,) and at positions reached from it, whether any is reached)."""
     J = scaled_jacobian(model, q)
     reached = _neighbours(model, q, null_space(J, _RANK)[0])
-    return max([J, *(scaled_jacobian(model, p) for p in reached)], key=_rank), len(reached) > 0
+    return max([J, *(scaled_jacobian(model, p) for p in reached)], key=rank), len(reached) > 0
 
 
-def _rank(J: Array) -> int:
+def rank(J: Array) -> int:
+    """Of a scaled Φ_q (m, nv)."""
     s = np.linalg.svd(J, compute_uv=False)
     return int((s > _RANK * s.max(initial=1e-300)).sum())
 

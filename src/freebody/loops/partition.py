@@ -14,8 +14,10 @@ from freebody.algorithms.loop_forces import Partition
 from freebody.arrays import Array
 from freebody.errors import LoopError, SingularError
 from freebody.loops.assembly import assemble
-from freebody.loops.mobility import dependent_rows, regular_jacobian
+from freebody.loops.equations import scaled_jacobian
+from freebody.loops.mobility import dependent_rows, rank, regular_jacobian
 from freebody.loops.redundancy import redundancy
+from freebody.loops.scaled import mechanism
 from freebody.model.geometry import first_member, geometric_fact
 from freebody.model.model import Model
 from freebody.trees.states import generic_state
@@ -37,14 +39,17 @@ def independent_rows(model: Model) -> tuple[int, ...]:
         return known.rows
     regular = _regular(model)
     dropped = () if regular is None else dependent_rows(regular)
-    return tuple(k for k in range(model.tree.constraints) if k not in dropped)
+    return tuple(k for k in range(mechanism(model).constraints) if k not in dropped)
 
 
 @geometric_fact
 def _regular(model: Model) -> Array | None:
     """Φ_q (m, nv), scaled, at a regular position near home; None where no closed position was found."""
     at = _anywhere(model)
-    return None if at is None else regular_jacobian(model, at)[0]
+    if at is None:
+        return None
+    here = scaled_jacobian(model, at)  # more than all equations cannot be independent anywhere
+    return here if rank(here) == len(here) else regular_jacobian(model, at)[0]
 
 
 @geometric_fact

@@ -23,7 +23,7 @@ from freebody.loops.dynamics import (
 )
 from freebody.loops.equations import require_closed, scaled_jacobian
 from freebody.loops.partition import partition_of_loops
-from freebody.loops.scaled import every_jacobian, length, null_space, rate_scale, row_scale
+from freebody.loops.scaled import every_jacobian, length, mechanism, null_space, rate_scale, row_scale
 from freebody.loops.solving import RANK
 from freebody.model.model import Model
 from freebody.outputs.display import Titled
@@ -134,7 +134,7 @@ def _found(
         kernel = fetch(model, ("closed_wrenches",), Option(reference=axes, wrench_frames=frames))
         return kernel(q, qd, qdd, multipliers, *loads)
 
-    multipliers = np.zeros((*q.shape[:-1], model.tree.constraints))
+    multipliers = np.zeros((*q.shape[:-1], mechanism(model).constraints))
     determined = np.ones((*q.shape[:-1], *_shape(model)), dtype=bool)
     if model.loops:
         needed = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))(q, qd, qdd, *loads)
@@ -156,11 +156,11 @@ def _multipliers(model: Model, q: Array, force: Array, reference: str) -> tuple[
     batch, chosen = q.shape[:-1], partition_of_loops(model)
     determined = np.ones((*batch, *_shape(model)), dtype=bool)
     if chosen is None:
-        multipliers, with_care = np.zeros((*batch, model.tree.constraints)), np.ones(batch, dtype=bool)
+        multipliers, with_care = np.zeros((*batch, mechanism(model).constraints)), np.ones(batch, dtype=bool)
     else:
         multipliers = fetch(model, ("loop_multipliers",), Option(partition=chosen))(q, force)
         with_care = np.isnan(multipliers).any(axis=-1)
-        if len(chosen.rows) < model.tree.constraints:
+        if len(chosen.rows) < mechanism(model).constraints:
             change = fetch(model, ("loose_wrenches",), Option(reference=reference, partition=chosen))(q)
             determined = _undisturbed(model, np.abs(change).max(axis=-3), np.full(batch, _DETERMINED))
     for index in np.argwhere(with_care):
@@ -180,7 +180,7 @@ def _careful_multipliers(
     if not combinations.shape[1]:
         return multipliers, np.ones(_shape(model), dtype=bool)
     kernel, still = fetch(model, ("closed_wrenches",), Option(reference=reference)), np.zeros(model.nv)
-    rest = kernel(q, still, still, np.zeros(model.tree.constraints))
+    rest = kernel(q, still, still, np.zeros(mechanism(model).constraints))
     change = np.abs(kernel(q, still, still, combinations.T) - rest).max(axis=0)
     doubt = max(_DETERMINED, _doubt(A, every_jacobian(model, q)))
     return multipliers, _undisturbed(model, change, np.array(doubt))

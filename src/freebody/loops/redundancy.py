@@ -26,6 +26,7 @@ from freebody.loops.scaled import (
     every_jacobian,
     every_residual,
     length,
+    mechanism,
     rate_scale,
     scales,
     shortest_way,
@@ -76,7 +77,7 @@ def redundancy(model: Model) -> Redundancy:
         return _NONE
     search = _Search(model, soft)
     at = search.start()
-    if at is None or search.regularity(at)[0] == model.tree.constraints:
+    if at is None or search.regularity(at)[0] == mechanism(model).constraints:
         return _NONE
     reached = search.neighbours(at)  # from a singular position to regular ones
     if not len(reached):
@@ -84,7 +85,7 @@ def redundancy(model: Model) -> Redundancy:
     at = max(reached, key=search.regularity)
     _, s, Vt = np.linalg.svd(every_jacobian(model, at))
     rank = int((s > soft).sum())
-    if rank == model.tree.constraints:
+    if rank == mechanism(model).constraints:
         return _NONE
     # singular values between rounding in the computation and rounding in the file: do they let it move?
     doubtful = [k for k in range(rank, len(s)) if s[k] > _ZERO * s[0]]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +13,15 @@ from freebody.algorithms.loop_scales import equations_of_lengths, mechanism_leng
 from freebody.arrays import Array
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
+from freebody.model.bodies import Body
+from freebody.model.contributions import pose_part
 from freebody.model.geometry import first_member, geometric_fact
 from freebody.model.model import Model
-from freebody.spatial import dot, times
+from freebody.model.parameters import Quantity
+from freebody.model.placement import Placement
+from freebody.model.reading import VALUES
+from freebody.model.tree import Attached, Mass, Pieces, Pose, Tree, tree_of
+from freebody.spatial import Vector, dot, of_dimension, times
 from freebody.trees.states import difference
 
 _NOTHING = 1e-13  # an equation that holds wherever the mechanism goes
@@ -24,15 +31,41 @@ _MOST = (1e-3, 1e-3)
 """(m, rad): files print metres to four digits and angles to three, and a loop adds up a few of them."""
 
 
+class _Places(Pieces):
+    """Where everything is, and no more: what a tree without masses and drives is made of."""
+
+    def pose(self, placement: Placement) -> Pose:
+        return pose_part(placement, self.space.dim).pose
+
+    def masses(self, parts: tuple[Attached, ...]) -> tuple[Mass, ...]:
+        return ()
+
+    def drive(self, body: Body) -> None:
+        return None
+
+    def gravity(self, size: Quantity, direction: tuple[Any, ...]) -> Vector:
+        return self.space.zero
+
+
+@geometric_fact
+def mechanism(model: Model) -> Tree:
+    """The tree of a geometry, without inertias, drives and gravity; names in it may be those of another model."""
+    return tree_of(model, _Places(of_dimension(model.dim), VALUES))
+
+
 def row_names(model: Model) -> tuple[str, ...]:
     """A name for each loop equation: the loop's, and the component of its reaction."""
-    space = model.tree.space
-    return tuple(f"{loop.name}.{part}" for loop in model.tree.loops for part in loop.closure.row_names(space))
+    tree = mechanism(model)
+    return tuple(
+        f"{loop.name}.{part}"
+        for loop, told in zip(model.loops, tree.loops, strict=True)
+        for part in told.closure.row_names(tree.space)
+    )
 
 
 def loop_of_row(model: Model) -> tuple[int, ...]:
     """For each equation the index of its loop."""
-    tree = first_member(model).tree
+    tree = mechanism(model)
     return tuple(i for i, loop in enumerate(tree.loops) for _ in range(loop.closure.size(tree.space)))
 
 
@@ -58,7 +91,7 @@ class Scales:
 @geometric_fact
 def scales(model: Model) -> Scales:
     """The scales of a geometry, found once."""
-    tree = model.tree
+    tree = mechanism(model)
     reach = float(mechanism_length(tree))
     tolerance: list[float] = []
     for i, loop in enumerate(tree.loops):
@@ -79,7 +112,7 @@ def tolerance_of_loop(model: Model, index: int) -> tuple[float, float]:
     """(metres, radians): the model's `loop_tolerance`, or its default for a loop of that size."""
     if model.loop_tolerance is not None:
         return model.loop_tolerance
-    tree = model.tree
+    tree = mechanism(model)
     loop = tree.loops[index]
     first, second = (ancestors(tree, tree.frames[frame][0]) for frame in loop.frames)
     offsets = [tree.bodies[i].p for i in set(first) ^ set(second)]
@@ -126,7 +159,7 @@ def every_jacobian(model: Model, q: Array) -> Array:
 def backward(model: Model, q: Array) -> NDArray[np.bool_]:
     """(..., loops): whether a loop is closed the wrong way round: turned by a half, or where three axes are held, by a
     third, from which its equations cannot tell it."""
-    tree = first_member(model).tree
+    tree = mechanism(model)
     space = tree.space
     if not any(loop.closure.turns for loop in tree.loops):
         return np.zeros((*q.shape[:-1], len(tree.loops)), dtype=bool)

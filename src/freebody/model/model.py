@@ -246,8 +246,11 @@ class Model(Tabled, ByValue):
     @cached_property
     def tree(self) -> Tree:
         """The model in numbers, as the algorithms take it."""
-        self.require_values("the numbers")
-        return lower(self, VALUES)
+        try:
+            return lower(self, VALUES)
+        except ModelError:
+            self.require_values("the numbers")
+            raise
 
     @cached_property
     def structure(self) -> Structure:

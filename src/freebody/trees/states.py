@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array
+from freebody.errors import MissingValueError
 from freebody.labels import refuse_other_times
 from freebody.model.facts import fact
 from freebody.model.joints import Primitive
@@ -115,7 +116,7 @@ def difference(model: Model, q0: ArrayLike, q1: ArrayLike) -> Array:
 
 def _moved(function: str, model: Model, inputs: tuple[ArrayLike, ...], *_: None) -> Array:
     require_model(function, model)
-    if not model.missing:
+    if _has_numbers(model):
         return careful(function, model, inputs)
     given = _batched(function, model, q=inputs[0], v=inputs[1])
     return _joint_by_joint(model, model.nq, lambda joint: joint.moved, given)
@@ -123,10 +124,17 @@ def _moved(function: str, model: Model, inputs: tuple[ArrayLike, ...], *_: None)
 
 def _between(function: str, model: Model, inputs: tuple[ArrayLike, ...], *_: None) -> Array:
     require_model(function, model)
-    if not model.missing:
+    if _has_numbers(model):
         return careful(function, model, inputs)
     given = _batched(function, model, q0=inputs[0], q1=inputs[1])
     return _joint_by_joint(model, model.nv, lambda joint: joint.between, given)
+
+
+def _has_numbers(model: Model) -> bool:
+    try:
+        return model.numbers is not None
+    except MissingValueError:
+        return False
 
 
 def _joint_by_joint(
