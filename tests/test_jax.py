@@ -400,6 +400,40 @@ def test_threads():
         agree(result, expected)
 
 
+def test_long_batches_are_shared_among_threads_without_a_trace(monkeypatch):
+    """Of every size and shape, also by several callers at a time: each sample is the kernel's own."""
+    monkeypatch.setattr("freebody.targets.kernel._WORTH", 200.0)
+    kernel = fb.compile(lambda x, y: [x * 1.2345678, x / (y[0] * y[0] + y[1])], {"x": (), "y": 2}, {"z": 2})
+    assert kernel.samples_of_a_thread < 20
+    function = jax.jit(fb.to_jax(kernel))
+    rng = np.random.default_rng(4)
+    for shapes in (
+        ((1,), (1,)),
+        ((17,), (17,)),
+        ((1000,), ()),
+        ((100_001,), (100_001,)),
+        ((3, 1), (1, 70)),
+        ((40, 300), (1, 300)),
+    ):
+        x, y = rng.normal(size=shapes[0]), rng.normal(size=(*shapes[1], 2))
+        agree(function(x, y), kernel(x, y))
+    x, y = rng.normal(size=(10_000,)), rng.normal(size=(10_000, 2))
+    expected, found = kernel(x, y), []
+
+    def work():
+        with jax.enable_x64(True):
+            found.extend(np.array(function(x, y)) for _ in range(50))
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(found) == 200
+    for result in found:
+        agree(result, expected)
+
+
 def test_equal_kernels_are_given_to_xla_once():
     def given():
         fb.to_jax(fb.load("2R"), "mass_matrix")(np.zeros(2))

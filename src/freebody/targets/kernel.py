@@ -207,6 +207,11 @@ class Kernel:
         return _compiled_again, (self.program, self.target, self.asked_width, self.dtype.name)
 
     @property
+    def samples_of_a_thread(self) -> int:
+        """Samples that a further thread is woken for."""
+        return max(1, int(_WORTH / self._cost))
+
+    @property
     def asked_width(self) -> int | None:
         """What is to be asked for, so that another program of the target has the same width."""
         return self.width if target_named(self.target).widths[self.dtype.name] else None

@@ -1,7 +1,8 @@
-"""LLVM text of the function that XLA calls: it takes a call frame apart, and runs a kernel's loop.
+"""LLVM text of the function that XLA calls: it takes a call frame apart, and has a kernel's loop run.
 
 Buffers come as (outer, inner, *core), each of the two leading sizes 1 or that of the outputs; where it is 1, the one
-value serves all. The loop takes the inner axis at once, so that what is uniform there may change along the outer one.
+value serves all. A call of the loop takes entries of the inner axis, so that what is uniform there may change along the
+outer one.
 """
 
 from __future__ import annotations
@@ -9,6 +10,8 @@ from __future__ import annotations
 from freebody.program.program import Argument, Program
 from freebody.targets.llvm.lanes import Real
 from freebody.targets.xla.layout import NUMBERS, OFFSETS, SIZES
+from freebody.targets.xla.lines import Lines
+from freebody.targets.xla.sharing import BASES, sharing, size_of
 
 _DEFAULT_MODES = (
     0x1F80  # of SSE: no traps, to nearest, tiny numbers as they are, which XLA makes zero elsewhere
@@ -17,71 +20,26 @@ _REFUSED = "freebody: a call that is laid out in another way than the interface'
 _NUMBER = {"float64": NUMBERS["XLA_FFI_DataType_F64"], "float32": NUMBERS["XLA_FFI_DataType_F32"]}
 
 
-class _Lines(list[str]):
-    """Lines of text, with what recurs."""
-
-    def field(self, name: str, kind: str, base: str, offset: int) -> str:
-        """Load what lies at an offset."""
-        self.append(f"  %{name}.at = getelementptr i8, ptr {base}, i64 {offset}")
-        self.append(f"  %{name} = load {kind}, ptr %{name}.at, align {4 if kind == 'i32' else 8}")
-        return f"%{name}"
-
-    def entry(self, name: str, base: str, index: int) -> str:
-        """Load a pointer, or a size, of an array of them."""
-        return self.field(name, "ptr", base, 8 * index)
-
-    def put(self, kind: str, value: str | int, base: str, offset: int) -> None:
-        """Store something at an offset."""
-        name = f"%put{len(self)}"
-        self.append(f"  {name} = getelementptr i8, ptr {base}, i64 {offset}")
-        self.append(f"  store {kind} {value}, ptr {name}, align {4 if kind == 'i32' else 8}")
-
-    def equal(self, name: str, kind: str, value: str, other: str | int) -> str:
-        """Whether two numbers are equal."""
-        self.append(f"  %{name} = icmp eq {kind} {value}, {other}")
-        return f"%{name}"
-
-    def all(self, name: str, flags: list[str]) -> str:
-        """Whether all are true."""
-        known = "true"
-        for k, flag in enumerate(flags):
-            self.append(f"  %{name}.{k} = and i1 {known}, {flag}")
-            known = f"%{name}.{k}"
-        return known
-
-
-def text(program: Program, real: Real, loop: int, x86: bool, version: tuple[int, int]) -> str:
+def text(program: Program, real: Real, loop: int, x86: bool, version: tuple[int, int], each: int) -> str:
     """`ptr @xla(ptr frame)`: null, or XLA's error.
 
     loop: address of `void loop(ptr args, ptr dims, ptr steps, ptr data)` of the program's kernel, for any batch.
-    version: of the interface, which XLA asks for.
+    version: of the interface, which XLA asks for. each: samples that a thread is woken for.
     """
     arguments = (*program.inputs, *program.outputs)
-    axes = sum(len(argument.shape) for argument in arguments)
-    lines = _Lines()
-    lines += [
-        "define ptr @xla(ptr %frame) {",
-        "entry:",
-        f"  %data = alloca [{len(arguments)} x ptr], align 16",
-        f"  %dims = alloca [{1 + axes} x i64], align 16",
-        f"  %steps = alloca [{len(arguments) + axes} x i64], align 16",
-        *(["  %flags = alloca i32, align 4", "  %modes = alloca i32, align 4"] if x86 else []),
-    ]
+    lines = Lines(["define ptr @xla(ptr %frame) {", "entry:"])
     _asked(lines, version)
     _counted(lines, program)
     right = [_right(lines, k, argument, real) for k, argument in enumerate(arguments)]
     lines.append(f"  br i1 {lines.all('right', right)}, label %sized, label %refuse\nsized:")
     _sizes(lines, arguments, len(program.inputs), real)
-    _rounds(lines, len(arguments), loop, x86)
     _refused(lines)
     words = "".join(f"\\{byte:02X}" for byte in _REFUSED.encode() + b"\0")
     lines.append(f'@message = private constant [{len(_REFUSED) + 1} x i8] c"{words}"')
-    if x86:
-        lines += ["declare void @llvm.x86.sse.stmxcsr(ptr)", "declare void @llvm.x86.sse.ldmxcsr(ptr)"]
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, sharing(arguments, real, loop, x86, each), ""])
 
 
-def _asked(lines: _Lines, version: tuple[int, int]) -> None:
+def _asked(lines: Lines, version: tuple[int, int]) -> None:
     """Where XLA asks what the function is, with an extension of the frame, tell it."""
     frame, about = OFFSETS["XLA_FFI_CallFrame"], OFFSETS["XLA_FFI_Api_Version"]
     start = OFFSETS["XLA_FFI_Metadata"]["api_version"]
@@ -100,7 +58,7 @@ def _asked(lines: _Lines, version: tuple[int, int]) -> None:
     lines.append("  ret ptr null\nwork:")
 
 
-def _counted(lines: _Lines, program: Program) -> None:
+def _counted(lines: Lines, program: Program) -> None:
     """Whether the frame is of the known layout and has as many buffers as the program; then the lists of them."""
     frame, right = OFFSETS["XLA_FFI_CallFrame"], []
     for part, kind, wanted in (
@@ -122,7 +80,7 @@ def _counted(lines: _Lines, program: Program) -> None:
         lines.entry(f"buffer{len(program.inputs) + k}", "%rets.list", k)
 
 
-def _right(lines: _Lines, k: int, argument: Argument, real: Real) -> str:
+def _right(lines: Lines, k: int, argument: Argument, real: Real) -> str:
     """Whether buffer k has numbers of the right type and as many axes as are expected."""
     buffer = OFFSETS["XLA_FFI_Buffer"]
     dtype = lines.field(f"dtype{k}", "i32", f"%buffer{k}", buffer["dtype"])
@@ -132,9 +90,10 @@ def _right(lines: _Lines, k: int, argument: Argument, real: Real) -> str:
     return lines.all(f"fits{k}", [typed, ranked])
 
 
-def _sizes(lines: _Lines, arguments: tuple[Argument, ...], inputs: int, real: Real) -> None:
-    """Sizes of all axes and bytes between neighbours, as the loop takes them; bytes of a round of the outer axis."""
-    axis, buffer = 0, OFFSETS["XLA_FFI_Buffer"]
+def _sizes(lines: Lines, arguments: tuple[Argument, ...], inputs: int, real: Real) -> None:
+    """Where the buffers are, bytes between samples along both axes, and how many there are; then all is computed."""
+    buffer, count = OFFSETS["XLA_FFI_Buffer"], len(arguments)
+    lines.append(f"  %work.new = call ptr @malloc(i64 {size_of(count)})")
     for k, argument in enumerate(arguments):
         size = real.size * argument.size
         base = lines.field(f"base{k}", "ptr", f"%buffer{k}", buffer["data"])
@@ -144,51 +103,18 @@ def _sizes(lines: _Lines, arguments: tuple[Argument, ...], inputs: int, real: Re
             f"  %one.inner{k} = icmp eq i64 {inner}, 1",
             f"  %step{k} = select i1 %one.inner{k}, i64 0, i64 {size}",
             f"  %one.outer{k} = icmp eq i64 {outer}, 1",
-            f"  %round{k} = mul i64 {inner}, {size}",
-            f"  %shift{k} = select i1 %one.outer{k}, i64 0, i64 %round{k}",
+            f"  %row{k} = mul i64 {inner}, {size}",
+            f"  %shift{k} = select i1 %one.outer{k}, i64 0, i64 %row{k}",
         ]
-        lines.put("ptr", base, "%data", 8 * k)
-        lines.put("i64", f"%step{k}", "%steps", 8 * k)
-        for length in argument.shape:
-            size //= length
-            lines.put("i64", length, "%dims", 8 * (1 + axis))
-            lines.put("i64", size, "%steps", 8 * (len(arguments) + axis))
-            axis += 1
-    lines.put("i64", f"%inner{inputs}", "%dims", 0)
+        lines.put("ptr", base, "%work.new", BASES + 8 * k)
+        lines.put("i64", f"%step{k}", "%work.new", BASES + 8 * (count + k))
+        lines.put("i64", f"%shift{k}", "%work.new", BASES + 8 * (2 * count + k))
+    lines.append(
+        f"  call void @share(ptr %frame, ptr %work.new, i64 %outer{inputs}, i64 %inner{inputs})\n  ret ptr null"
+    )
 
 
-def _rounds(lines: _Lines, count: int, loop: int, x86: bool) -> None:
-    """Run the loop once for each entry of the outer axis, the processor in its usual mode."""
-    if x86:
-        lines += [
-            "  call void @llvm.x86.sse.stmxcsr(ptr %flags)",
-            f"  store i32 {_DEFAULT_MODES}, ptr %modes, align 4",
-            "  call void @llvm.x86.sse.ldmxcsr(ptr %modes)",
-        ]
-    lines += [
-        "  br label %rounds",
-        "rounds:",
-        "  %o = phi i64 [ 0, %sized ], [ %o.next, %run ]",
-        f"  %more = icmp slt i64 %o, %outer{count - 1}",
-        "  br i1 %more, label %run, label %done",
-        "run:",
-    ]
-    for k in range(count):
-        lines.append(f"  %moved{k} = mul i64 %o, %shift{k}")
-        lines.append(f"  %now{k} = getelementptr i8, ptr %base{k}, i64 %moved{k}")
-        lines.put("ptr", f"%now{k}", "%data", 8 * k)
-    lines += [
-        f"  %loop = inttoptr i64 {loop} to ptr",
-        "  call void %loop(ptr %data, ptr %dims, ptr %steps, ptr null)",
-        "  %o.next = add i64 %o, 1",
-        "  br label %rounds",
-        "done:",
-        *(["  call void @llvm.x86.sse.ldmxcsr(ptr %flags)"] if x86 else []),
-        "  ret ptr null",
-    ]
-
-
-def _refused(lines: _Lines) -> None:
+def _refused(lines: Lines) -> None:
     """Return an error of XLA's."""
     given, kind = OFFSETS["XLA_FFI_Error_Create_Args"], "XLA_FFI_Error_Create_Args"
     lines.append("refuse:\n  %problem = alloca [32 x i8], align 8")

@@ -14,7 +14,7 @@ MAJOR = 0
 """Version of the interface that the offsets are of."""
 
 OFFSETS = {
-    "XLA_FFI_CallFrame": {"extension_start": 8, "api": 16, "stage": 32, "args": 40, "rets": 80},
+    "XLA_FFI_CallFrame": {"extension_start": 8, "api": 16, "ctx": 24, "stage": 32, "args": 40, "rets": 80},
     "XLA_FFI_Args": {"struct_size": 0, "size": 16, "args": 32},
     "XLA_FFI_Rets": {"struct_size": 0, "size": 16, "rets": 32},
     "XLA_FFI_Buffer": {"dtype": 16, "data": 24, "rank": 32, "dims": 40},
@@ -22,11 +22,38 @@ OFFSETS = {
     "XLA_FFI_Metadata_Extension": {"metadata": 24},
     "XLA_FFI_Metadata": {"api_version": 8, "traits": 32},
     "XLA_FFI_Api_Version": {"struct_size": 0, "extension_start": 8, "major_version": 16, "minor_version": 20},
-    "XLA_FFI_Api": {"XLA_FFI_Error_Create": 48},
+    "XLA_FFI_Api": {
+        "XLA_FFI_Error_Create": 48,
+        "XLA_FFI_Error_Destroy": 64,
+        "XLA_FFI_ThreadPool_Schedule": 136,
+        "XLA_FFI_ThreadPool_NumThreads": 144,
+    },
     "XLA_FFI_Error_Create_Args": {"struct_size": 0, "extension_start": 8, "message": 16, "errc": 24},
+    "XLA_FFI_Error_Destroy_Args": {"struct_size": 0, "extension_start": 8, "error": 16},
+    "XLA_FFI_ThreadPool_Schedule_Args": {
+        "struct_size": 0,
+        "extension_start": 8,
+        "ctx": 16,
+        "task": 24,
+        "data": 32,
+    },
+    "XLA_FFI_ThreadPool_NumThreads_Args": {
+        "struct_size": 0,
+        "extension_start": 8,
+        "ctx": 16,
+        "num_threads": 24,
+    },
 }
 
-SIZES = {"XLA_FFI_Args": 40, "XLA_FFI_Rets": 40, "XLA_FFI_Api_Version": 24, "XLA_FFI_Error_Create_Args": 28}
+SIZES = {
+    "XLA_FFI_Args": 40,
+    "XLA_FFI_Rets": 40,
+    "XLA_FFI_Api_Version": 24,
+    "XLA_FFI_Error_Create_Args": 28,
+    "XLA_FFI_Error_Destroy_Args": 24,
+    "XLA_FFI_ThreadPool_Schedule_Args": 40,
+    "XLA_FFI_ThreadPool_NumThreads_Args": 32,
+}
 """What `struct_size` says. Were one of the first two larger, what lies behind it would have moved."""
 
 NUMBERS = {

@@ -140,7 +140,8 @@ def _name(kernel: Kernel, version: tuple[int, int]) -> str:
     name = f"freebody_{version[0]}_{version[1]}_{kernel.loop.content}"
     with locks.KERNELS:
         if name not in _given:
-            words = text(kernel.program, REALS[kernel.dtype.name], kernel.loop.address, host().x86, version)
+            real, each = REALS[kernel.dtype.name], kernel.samples_of_a_thread
+            words = text(kernel.program, real, kernel.loop.address, host().x86, version, each)
             code, addresses = load(object_code(words), ("xla",), {})
             capsule = jax.ffi.pycapsule(ctypes.c_void_p(addresses["xla"]))
             jax.ffi.register_ffi_target(name, capsule, platform="cpu")

@@ -1,0 +1,256 @@
+"""LLVM text that runs a kernel's loop over a batch, shared with the threads that XLA has.
+
+The batch is cut into parts that whoever comes next takes, the caller among them; a thread that comes late finds nothing
+left, and what it looks at lives until the last one has let go of it. So nobody waits for a thread that has not begun. A
+sample's numbers do not depend on the cut.
+"""
+
+from __future__ import annotations
+
+from freebody.program.program import Argument
+from freebody.targets.llvm.lanes import Real
+from freebody.targets.threads import GRAIN
+from freebody.targets.xla.layout import OFFSETS, SIZES
+from freebody.targets.xla.lines import Lines
+
+_NEXT, _LEFT, _HOLDERS, _PARTS, _IN_ROW, _SIZE, _INNER = range(0, 56, 8)
+"""Offsets in the record of a call's work: the next part, those that are not done, who holds the record; how many parts
+there are, how many of them in a row of the outer axis, samples of one; samples in a row."""
+
+BASES = 56
+"""Then addresses of all arguments, bytes from sample to sample, and from row to row."""
+
+_MODES = 0x1F80  # of SSE: no traps, to nearest, tiny numbers as they are, which XLA makes zero elsewhere
+
+
+def size_of(arguments: int) -> int:
+    """Bytes of the record."""
+    return BASES + 24 * arguments
+
+
+def sharing(arguments: tuple[Argument, ...], real: Real, loop: int, x86: bool, each: int) -> str:
+    """`void @share(ptr frame, ptr work, i64 outer, i64 inner)`, which frees the record of the work when all is done.
+
+    loop: address of the kernel's loop. each: samples that a thread is woken for.
+    """
+    parts = [
+        _share(each, x86),
+        _work(arguments, real, loop, x86),
+        "define internal void @task(ptr %work) {\n"
+        "  call void @parts(ptr %work)\n  call void @let.go(ptr %work)\n  ret void\n}",
+        f"""\
+define internal void @let.go(ptr %work) {{
+  %at = getelementptr i8, ptr %work, i64 {_HOLDERS}
+  %before = atomicrmw sub ptr %at, i64 1 acq_rel
+  %last = icmp eq i64 %before, 1
+  br i1 %last, label %end, label %done
+end:
+  call void @free(ptr %work)
+  br label %done
+done:
+  ret void
+}}
+declare ptr @malloc(i64)
+declare void @free(ptr)""",
+    ]
+    if x86:
+        parts.append(
+            "declare void @llvm.x86.sse.stmxcsr(ptr)\n"
+            "declare void @llvm.x86.sse.ldmxcsr(ptr)\n"
+            "declare void @llvm.x86.sse2.pause()"
+        )
+    return "\n".join(parts)
+
+
+def _share(each: int, x86: bool) -> str:
+    """Cut the batch, ask for threads where it is worth it, do what nobody else does, and wait for those at work."""
+    frame, api = OFFSETS["XLA_FFI_CallFrame"], OFFSETS["XLA_FFI_Api"]
+    asked, count = OFFSETS["XLA_FFI_ThreadPool_NumThreads_Args"], "XLA_FFI_ThreadPool_NumThreads_Args"
+    given, schedule = OFFSETS["XLA_FFI_ThreadPool_Schedule_Args"], "XLA_FFI_ThreadPool_Schedule_Args"
+    lines = Lines(
+        [
+            "define internal void @share(ptr %frame, ptr %work, i64 %outer, i64 %inner) {",
+            "entry:",
+            "  %found = alloca i64, align 8",
+            f"  %asked = alloca [{SIZES[count]} x i8], align 8",
+            f"  %given = alloca [{SIZES[schedule]} x i8], align 8",
+            "  %samples = mul i64 %outer, %inner",
+            f"  %worth = udiv i64 %samples, {each}",
+            "  store i64 1, ptr %found, align 8",
+        ]
+    )
+    context = lines.field("context", "ptr", "%frame", frame["ctx"])
+    functions = lines.field("api", "ptr", "%frame", frame["api"])
+    lines.append("  %long = icmp ugt i64 %worth, 1\n  br i1 %long, label %ask, label %cut\nask:")
+    lines.put("i64", SIZES[count], "%asked", asked["struct_size"])
+    lines.put("ptr", "null", "%asked", asked["extension_start"])
+    lines.put("ptr", context, "%asked", asked["ctx"])
+    lines.put("ptr", "%found", "%asked", asked["num_threads"])
+    lines.field("number", "ptr", functions, api["XLA_FFI_ThreadPool_NumThreads"])
+    lines += [
+        "  %no.number = call ptr %number(ptr %asked)",
+        "  call void @forget(ptr %api, ptr %no.number)",
+        "  br label %cut",
+        "cut:",
+        "  %threads.found = load i64, ptr %found, align 8",
+        "  %few = icmp ult i64 %worth, %threads.found",
+        "  %threads.most = select i1 %few, i64 %worth, i64 %threads.found",
+        "  %none = icmp ult i64 %threads.most, 1",
+        "  %threads = select i1 %none, i64 1, i64 %threads.most",
+        "  %alone = icmp eq i64 %threads, 1",
+        "  %pieces = mul i64 %threads, 2",  # so that one that is slow keeps the others less
+        "  %piece.down = udiv i64 %samples, %pieces",
+        f"  %piece.grains = udiv i64 %piece.down, {GRAIN}",
+        "  %piece.more = add i64 %piece.grains, 1",
+        f"  %piece = mul i64 %piece.more, {GRAIN}",
+        "  %short.row = icmp ult i64 %inner, %piece",
+        "  %whole.row = or i1 %alone, %short.row",
+        "  %size = select i1 %whole.row, i64 %inner, i64 %piece",
+        "  %up = add i64 %inner, %size",
+        "  %up.less = sub i64 %up, 1",
+        "  %in.row = udiv i64 %up.less, %size",
+        "  %parts.all = mul i64 %in.row, %outer",
+    ]
+    for value, offset in (
+        ("0", _NEXT), ("%parts.all", _LEFT), ("1", _HOLDERS), ("%parts.all", _PARTS), ("%in.row", _IN_ROW),
+        ("%size", _SIZE), ("%inner", _INNER),
+    ):  # fmt: skip
+        lines.put("i64", value, "%work", offset)
+    lines.put("i64", SIZES[schedule], "%given", given["struct_size"])
+    lines.put("ptr", "null", "%given", given["extension_start"])
+    lines.put("ptr", context, "%given", given["ctx"])
+    lines.put("ptr", "@task", "%given", given["task"])
+    lines.put("ptr", "%work", "%given", given["data"])
+    lines.append("  br i1 %alone, label %begin, label %call")
+    lines.append("call:")
+    lines.field("plan", "ptr", functions, api["XLA_FFI_ThreadPool_Schedule"])
+    lines += [
+        f"  %holders = getelementptr i8, ptr %work, i64 {_HOLDERS}",
+        "  br label %another",
+        "another:",
+        "  %k = phi i64 [ 1, %call ], [ %k.next, %planned ]",
+        "  %enough = icmp uge i64 %k, %threads",
+        "  br i1 %enough, label %begin, label %wake",
+        "wake:",
+        "  %held = atomicrmw add ptr %holders, i64 1 acq_rel",
+        "  %no.thread = call ptr %plan(ptr %given)",
+        "  %planned.well = icmp eq ptr %no.thread, null",
+        "  br i1 %planned.well, label %planned, label %refused",
+        "planned:",
+        "  %k.next = add i64 %k, 1",
+        "  br label %another",
+        "refused:",
+        "  %back = atomicrmw sub ptr %holders, i64 1 acq_rel",
+        "  call void @forget(ptr %api, ptr %no.thread)",
+        "  br label %begin",
+        "begin:",
+        "  call void @parts(ptr %work)",
+        f"  %left.at = getelementptr i8, ptr %work, i64 {_LEFT}",
+        "  br label %wait",
+        "wait:",
+        "  %left = load atomic i64, ptr %left.at acquire, align 8",
+        "  %over = icmp eq i64 %left, 0",
+        "  br i1 %over, label %done, label %rest",
+        "rest:",
+        *(["  call void @llvm.x86.sse2.pause()"] if x86 else []),
+        "  br label %wait",
+        "done:",
+        "  call void @let.go(ptr %work)",
+        "  ret void",
+        "}",
+        _forget(),
+    ]
+    return "\n".join(lines)
+
+
+def _forget() -> str:
+    """An error of XLA's, if it is one, given back."""
+    kind, fields = "XLA_FFI_Error_Destroy_Args", OFFSETS["XLA_FFI_Error_Destroy_Args"]
+    lines = Lines(
+        [
+            "define internal void @forget(ptr %api, ptr %error) {",
+            "entry:",
+            f"  %given = alloca [{SIZES[kind]} x i8], align 8",
+            "  %fine = icmp eq ptr %error, null",
+            "  br i1 %fine, label %done, label %drop",
+            "drop:",
+        ]
+    )
+    lines.put("i64", SIZES[kind], "%given", fields["struct_size"])
+    lines.put("ptr", "null", "%given", fields["extension_start"])
+    lines.put("ptr", "%error", "%given", fields["error"])
+    lines.field("destroy", "ptr", "%api", OFFSETS["XLA_FFI_Api"]["XLA_FFI_Error_Destroy"])
+    lines += ["  call void %destroy(ptr %given)", "  br label %done", "done:", "  ret void", "}"]
+    return "\n".join(lines)
+
+
+def _work(arguments: tuple[Argument, ...], real: Real, loop: int, x86: bool) -> str:
+    """Take parts until there are none, the processor in its usual mode."""
+    count, axes = len(arguments), sum(len(argument.shape) for argument in arguments)
+    lines = Lines(
+        [
+            "define internal void @parts(ptr %work) {",
+            "entry:",
+            f"  %data = alloca [{count} x ptr], align 16",
+            f"  %dims = alloca [{1 + axes} x i64], align 16",
+            f"  %steps = alloca [{count + axes} x i64], align 16",
+        ]
+    )
+    if x86:
+        lines += [
+            "  %flags = alloca i32, align 4",
+            "  %modes = alloca i32, align 4",
+            "  call void @llvm.x86.sse.stmxcsr(ptr %flags)",
+            f"  store i32 {_MODES}, ptr %modes, align 4",
+            "  call void @llvm.x86.sse.ldmxcsr(ptr %modes)",
+        ]
+    axis = 0
+    for k, argument in enumerate(arguments):
+        lines.field(f"base{k}", "ptr", "%work", BASES + 8 * k)
+        step = lines.field(f"step{k}", "i64", "%work", BASES + 8 * (count + k))
+        lines.field(f"shift{k}", "i64", "%work", BASES + 8 * (2 * count + k))
+        lines.put("i64", step, "%steps", 8 * k)
+        size = real.size * argument.size
+        for length in argument.shape:
+            size //= length
+            lines.put("i64", length, "%dims", 8 * (1 + axis))
+            lines.put("i64", size, "%steps", 8 * (count + axis))
+            axis += 1
+    for name, offset in (("all", _PARTS), ("in.row", _IN_ROW), ("size", _SIZE), ("inner", _INNER)):
+        lines.field(name, "i64", "%work", offset)
+    lines += [
+        f"  %next.at = getelementptr i8, ptr %work, i64 {_NEXT}",
+        f"  %left.at = getelementptr i8, ptr %work, i64 {_LEFT}",
+        "  br label %take",
+        "take:",
+        "  %part = atomicrmw add ptr %next.at, i64 1 acq_rel",
+        "  %some = icmp ult i64 %part, %all",
+        "  br i1 %some, label %run, label %done",
+        "run:",
+        "  %row = udiv i64 %part, %in.row",
+        "  %in = urem i64 %part, %in.row",
+        "  %start = mul i64 %in, %size",
+        "  %rest = sub i64 %inner, %start",
+        "  %last = icmp ult i64 %rest, %size",
+        "  %n = select i1 %last, i64 %rest, i64 %size",
+        "  store i64 %n, ptr %dims, align 8",
+    ]
+    for k in range(count):
+        lines += [
+            f"  %down{k} = mul i64 %row, %shift{k}",
+            f"  %along{k} = mul i64 %start, %step{k}",
+            f"  %moved{k} = add i64 %down{k}, %along{k}",
+            f"  %now{k} = getelementptr i8, ptr %base{k}, i64 %moved{k}",
+        ]
+        lines.put("ptr", f"%now{k}", "%data", 8 * k)
+    lines += [
+        f"  %loop = inttoptr i64 {loop} to ptr",
+        "  call void %loop(ptr %data, ptr %dims, ptr %steps, ptr null)",
+        "  %before = atomicrmw sub ptr %left.at, i64 1 acq_rel",
+        "  br label %take",
+        "done:",
+        *(["  call void @llvm.x86.sse.ldmxcsr(ptr %flags)"] if x86 else []),
+        "  ret void",
+        "}",
+    ]
+    return "\n".join(lines)
