@@ -8,8 +8,6 @@ import pytest
 import freebody as fb
 from freebody.derivations.closed.first_kind import FirstKind
 from freebody.derivations.closed.statics import LoopStatics
-from freebody.kernels.formulas import Option
-from freebody.kernels.lookup import fetch
 
 PLANAR = ["slider_crank", "four_bar", "five_bar", "five_bar_rods", "double_four_bar"]
 METHOD = "lagrange-first-kind"
@@ -20,7 +18,7 @@ def closed_state(model, seed=0):
     rng = np.random.default_rng(seed)
     while True:
         q = fb.assemble(model, rng.uniform(-2, 2, model.nq))
-        s = np.linalg.svd(fetch(model, ("constraint_jacobian",), Option())(q), compute_uv=False)
+        s = np.linalg.svd(fb.kernel(model, "constraint_jacobian")(q), compute_uv=False)
         if s[-1] > 0.05 * s[0]:
             return q, fb.loop_velocity(model, q, rng.normal(size=model.nv))
 
@@ -39,7 +37,7 @@ def test_polynomials_equal_the_kernels(name):
     rng = np.random.default_rng(1)
     q, qd = rng.uniform(-1, 1, (5, model.nq)), rng.normal(size=(5, model.nv))
     names = ("constraint", "constraint_jacobian", "constraint_bias")
-    Phi, Phi_q, c = fetch(model, names, Option())(q, qd)
+    Phi, Phi_q, c = fb.kernel(model, names)(q, qd)
     scale = loops.evaluate(loops.scale, q)
     np.testing.assert_allclose(loops.evaluate(loops.Phi, q), scale * Phi, rtol=0, atol=1e-12)
     np.testing.assert_allclose(loops.evaluate(loops.Phi_q, q), scale[..., None] * Phi_q, rtol=0, atol=1e-12)

@@ -1,4 +1,7 @@
-"""Matrices by columns equal the ones that are compiled whole; second derivatives equal differences of first ones."""
+"""Matrices by columns equal the ones that are compiled whole; second derivatives equal differences of first ones.
+
+Columns are made from 65 coordinates on; to hold them against a whole matrix, small robots are given to them directly.
+"""
 
 from __future__ import annotations
 
@@ -10,11 +13,10 @@ from freebody.kernels import lookup
 from freebody.kernels.arguments import arguments
 from freebody.kernels.columns import ColumnKernel, KernelList
 from freebody.kernels.formulas import FORMULAS, Option
-from freebody.kernels.lookup import fetch
-from freebody.kernels.reference import reference
 from freebody.targets import KernelError
 from support.branched import MODELS, difference_along
 from support.helpers import refused
+from support.reference import reference
 
 BY_COLUMNS = [name for name, formula in FORMULAS.items() if formula.by_columns]
 INPUTS = {"q": 0, "qd": 1, "qdd": 2, "tau": 2}
@@ -27,8 +29,8 @@ def test_columns_equal_the_whole(model_name, name):
     state = fb.random_state(model, seed=2, batch=(2, 3))
     given = [state[INPUTS[x]] for x in FORMULAS[name].inputs]
     inputs = arguments(model, (name,), Option())
-    by_columns = ColumnKernel(name, inputs, model.nv, lambda part: fetch(model, (part,), Option()))(*given)
-    whole = fetch(model, (name,), Option())(*given)
+    by_columns = ColumnKernel(name, inputs, model.nv, lambda part: fb.kernel(model, part))(*given)
+    whole = fb.kernel(model, name)(*given)
     for a, b in zip(np.atleast_1d(by_columns), np.atleast_1d(whole), strict=True):
         np.testing.assert_allclose(a, b, atol=1e-10 * np.abs(b).max())
 
@@ -36,7 +38,7 @@ def test_columns_equal_the_whole(model_name, name):
 def test_refusals_are_those_of_a_kernel():
     model = fb.planar("RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1])
     inputs = arguments(model, ("coriolis_matrix",), Option())
-    kernel = ColumnKernel("coriolis_matrix", inputs, 2, lambda part: fetch(model, (part,), Option()))
+    kernel = ColumnKernel("coriolis_matrix", inputs, 2, lambda part: fb.kernel(model, part))
     q = np.zeros(2)
     for text, call in (
         ("coriolis_matrix: 1 arguments given, expected 2: q(2), qd(2).", lambda: kernel(q)),
@@ -125,9 +127,7 @@ def test_several_quantities_of_a_long_chain(monkeypatch):
 def test_second_derivatives_are_differences_of_first_ones(model_name):
     model = MODELS[model_name]()
     q, qd, qdd = fb.random_state(model, seed=6)
-    by_q_q, by_qd_q, by_qd_qd, M_q = reference(
-        model, "inverse_dynamics_second_derivatives", Option(), q, qd, qdd
-    )
+    by_q_q, by_qd_q, by_qd_qd, M_q = reference(model, "inverse_dynamics_second_derivatives", q, qd, qdd)
 
     def first(part):
         return lambda x: fb.inverse_dynamics_derivatives(model, x, qd, qdd)[part]

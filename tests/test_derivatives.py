@@ -9,9 +9,8 @@ import freebody as fb
 from freebody.algorithms import kinematics
 from freebody.algorithms.crba import forward_dynamics
 from freebody.algorithms.rnea import rnea
-from freebody.kernels.formulas import Option
-from freebody.kernels.reference import reference
 from support.branched import MODELS, difference_along
+from support.reference import reference
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -55,7 +54,7 @@ def test_kernels_equal_the_reference(name, formula):
     model = MODELS[name]()
     state = fb.random_state(model, seed=5, batch=3)[: 2 if formula == "coriolis_matrix" else 3]
     compiled = getattr(fb, formula)(model, *state)
-    plain = reference(model, formula, Option(), *state)
+    plain = reference(model, formula, *state)
     for a, b in zip(compiled, plain, strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-11 * np.abs(b).max())
 
@@ -83,6 +82,6 @@ def test_derivatives_are_complex_steps_of_the_recursions(name):
         ("inverse_dynamics_derivatives", lambda tree, *state: rnea(tree, *state).tau),
         ("forward_dynamics_derivatives", forward_dynamics),
     ):
-        found = reference(model, formula, Option(), q, qd, qdd)
+        found = reference(model, formula, q, qd, qdd)
         for ours, theirs in zip(found, _complex_steps(model, function, q, qd, qdd), strict=False):
             np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-11 * np.abs(theirs).max())

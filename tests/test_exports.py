@@ -1,4 +1,8 @@
-"""Text in other languages: compiled or run by the language's own tool, it gives what the kernel gives."""
+"""Text in other languages: compiled or run by the language's own tool, it gives what the kernel gives.
+
+Which languages there are, and their tables of words and operations, `targets.text` says; a program of every operation,
+and one laid out as no robot asks for, are traced here.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +29,6 @@ from freebody.kernels.vectors import vectors
 from freebody.program import Argument, Program, trace
 from freebody.scalars.expr import Expr
 from freebody.scalars.operations import OPERATIONS
-from freebody.targets import compile_program
 from freebody.targets.text import LANGUAGES, Unit, c, javascript, julia, matlab, rust
 from freebody.targets.text.language import called
 from freebody.targets.text.statements import Spelling, lines, statements, words_of
@@ -525,11 +528,11 @@ def test_sections_follow_the_recursion():
 
 
 def test_source_of_a_kernel_of_ones_own():
-    program = trace("f", lambda x: ([x[0] * sin(x[1])],), [Argument("x", (2,))], [Argument("y", (1,))])
-    text = fb.source(compile_program(program, target="numpy"), language="c", name="mine")
+    kernel = fb.compile(lambda x: [x[0] * sin(x[1])], {"x": 2}, {"y": 1}, target="numpy")
+    text = fb.source(kernel, language="c", name="mine")
     assert "int mine(const double x[2], double y[1])" in text
     with pytest.raises(fb.FreebodyError, match="a kernel has its quantities already"):
-        fb.source(compile_program(program, target="numpy"), "bias", "c")
+        fb.source(kernel, "bias", "c")
 
 
 # ---------------------------------------------------------------- refusals, and the command
@@ -561,18 +564,18 @@ def test_what_cannot_be_written_is_refused():
         fb.source(model, language="c")
     with pytest.raises(fb.FreebodyError, match=r"fb.source\(fb.load\('ur5e'\)"):
         fb.source("ur5e", "bias", "c")
-    heavy = trace("f", lambda x: ([1e39 * x[0]],), [Argument("x", (1,))], [Argument("y", (1,))])
+    heavy = fb.compile(lambda x: [1e39 * x[0]], {"x": 1}, {"y": 1}, target="numpy")
     with pytest.raises(fb.FreebodyError, match="beyond what float32 can hold"):
-        fb.source(compile_program(heavy, target="numpy"), language="c", dtype="float32")
+        fb.source(heavy, language="c", dtype="float32")
 
 
 def test_what_has_no_value_anywhere_is_refused_before_a_file_is_written(tmp_path):
     massless = fb.planar("R", l=[1], lc=[0], m=[0], I=[0])
     with pytest.raises(fb.FreebodyError, match="divides by zero in every state"):
         fb.export(massless, "forward_dynamics", tmp_path / "out")
-    root = trace("f", lambda x: ([sqrt(-1.0 - x[0] * x[0])],), [Argument("x", (1,))], [Argument("y", (1,))])
+    root = fb.compile(lambda x: [sqrt(-1.0 - x[0] * x[0])], {"x": 1}, {"y": 1}, target="numpy")
     with pytest.raises(fb.FreebodyError, match="infinite or NaN at all of 40 random inputs"):
-        fb.export(compile_program(root, target="numpy"), out=tmp_path / "out")
+        fb.export(root, out=tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 

@@ -1,4 +1,7 @@
-"""The interpreter's own way into a kernel: plain single samples take it, everything else comes out the same."""
+"""The interpreter's own way into a kernel: plain single samples take it, everything else comes out the same.
+
+Which way a call took cannot be seen in its result, so the general way is replaced by what tells.
+"""
 
 from __future__ import annotations
 

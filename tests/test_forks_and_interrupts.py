@@ -1,4 +1,7 @@
-"""A process that forks, or is stopped by Ctrl-C, in the middle of the work of another thread or of a long call."""
+"""A process that forks, or is stopped by Ctrl-C, in the middle of the work of another thread or of a long call.
+
+Where a fork or an interrupt hits is not to be seen from outside: locks and loops are watched where they are.
+"""
 
 from __future__ import annotations
 

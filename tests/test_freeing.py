@@ -1,4 +1,7 @@
-"""Machine code goes when nothing can call it any more, and not before."""
+"""Machine code goes when nothing can call it any more, and not before.
+
+How many kernels are kept is said by the compiler, and is emptied there; its library is held against memory by itself.
+"""
 
 from __future__ import annotations
 
@@ -8,14 +11,13 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.elementary import sin
-from freebody.program import Argument, trace
-from freebody.targets import Kernel, compile_program
+from freebody.math import sin
 from freebody.targets.kernel import RECENT
 from freebody.targets.llvm.lanes import DOUBLE
 from freebody.targets.llvm.machine import object_code
@@ -35,11 +37,10 @@ DIFFERENT = 48
 """Programs, each compiled once: more than are kept for the next who asks."""
 
 
-def kernel(number: int, target: str | None = None) -> Kernel:
+def kernel(number: int, target: str | None = None) -> Any:
     """x -> x² + number."""
     plus = float(number % DIFFERENT)
-    program = trace("plus", lambda x: ([x[0] * x[0] + plus],), [Argument("x", (1,))], [Argument("y", (1,))])
-    return compile_program(program, target=target)
+    return fb.compile(lambda x: [x[0] * x[0] + plus], {"x": 1}, {"y": 1}, target=target)
 
 
 def value(number: int) -> float:
@@ -139,14 +140,11 @@ def test_a_kernel_is_the_same_while_it_is_held_and_the_last_ones_are_kept():
 
 
 def test_a_call_that_is_running_keeps_its_code():
-    program = trace(
-        "slow",
-        lambda x: ([sum((sin(x[0] + k) for k in range(40)), start=0.0)],),
-        [Argument("x", (1,))],
-        [Argument("y", (1,))],
-    )
+    def slow(x):
+        return [sum((sin(x[0] + k) for k in range(40)), start=0.0)]
+
     x = np.linspace(0.0, 1.0, 400_000)[:, None]
-    kernels, results = [compile_program(program)], []
+    kernels, results = [fb.compile(slow, {"x": 1}, {"y": 1})], []
     expected = kernels[0](x)
     started = threading.Event()
 
@@ -185,11 +183,9 @@ def run(code: str, **environment: str) -> subprocess.CompletedProcess[str]:
 MAKE = """
 import os, sys, gc, threading
 import numpy as np
-from freebody.program import Argument, trace
-from freebody.targets import compile_program
+import freebody as fb
 def kernel(number):
-    return compile_program(
-        trace("plus", lambda x: ([x[0] * x[0] + number],), [Argument("x", (1,))], [Argument("y", (1,))]))
+    return fb.compile(lambda x: [x[0] * x[0] + number], {"x": 1}, {"y": 1})
 x = np.array([0.5])
 held = [kernel(float(k)) for k in range(12)]
 """

@@ -1,4 +1,8 @@
-"""The operations of programs: every one in every target, by its own laws, at the edges of the number range."""
+"""The operations of programs: every one in every target, by its own laws, at the edges of the number range.
+
+Which operations there are, and what each promises, the tables of the compiler say: so these tests read them, and trace
+each operation by itself.
+"""
 
 import itertools
 import math

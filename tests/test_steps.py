@@ -14,7 +14,6 @@ from freebody.algorithms.kinematics import coordinate_rates
 from freebody.algorithms.regroup import lightened
 from freebody.errors import FreebodyError
 from freebody.kernels.formulas import FORMULAS, Option
-from freebody.kernels.reference import reference
 from freebody.model.assembly import assemble
 from freebody.model.gravity import gravity_of
 from freebody.model.model import Model
@@ -22,6 +21,7 @@ from freebody.model.parts import Description, Joint, Link
 from freebody.program import Argument, trace
 from support import generate
 from support.helpers import numbers
+from support.reference import reference
 
 METHODS = {"semi_implicit_step": 1, "rk4_step": 4, "implicit_step": 2}
 """The order of each."""
@@ -93,7 +93,7 @@ def test_a_short_step_is_the_acceleration(seed: int):
     qd, h = qd + np.copysign(0.5, qd), 1e-7  # all slide
     expected = numbers(model, "forward_dynamics", q, qd, tau)
     for method in METHODS:
-        _, qd1 = reference(model, method, Option(), q, qd, tau, np.full(2, h))
+        _, qd1 = reference(model, method, q, qd, tau, np.full(2, h))
         np.testing.assert_allclose(
             (qd1 - qd) / h, expected, rtol=0, atol=2e-5 * np.abs(expected).max() + 1e-7
         )
@@ -121,7 +121,7 @@ def test_a_kernel_is_the_formula(method: str):
     if "feedback" in method:
         given += [q_ref, qd_ref, np.abs(gains), 0.1 * np.abs(gains)]
     for found, expected in zip(
-        fb.kernel(model, method)(*given), reference(model, method, Option(), *given), strict=True
+        fb.kernel(model, method)(*given), reference(model, method, *given), strict=True
     ):
         np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12 * np.abs(expected).max())
 

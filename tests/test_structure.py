@@ -1,4 +1,8 @@
-"""Public functions run the code of a model's structure: the same values as code of fixed numbers, compiled once."""
+"""Public functions run the code of a model's structure: the same values as code of fixed numbers, compiled once.
+
+What is compiled is noted at the entrance of the compiler; two quantities that no public function returns are fetched as
+these functions do.
+"""
 
 from __future__ import annotations
 

@@ -13,7 +13,6 @@ from scipy.linalg import expm
 import freebody as fb
 from freebody.elementary import cos, sin
 from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
-from freebody.kernels.lookup import kernel
 from freebody.motion.motion import motion_of
 from freebody.report import replay as replays
 from freebody.report.checks import checks
@@ -105,7 +104,7 @@ def test_the_replay_finds_a_wrong_torque():
     motion = fb.default_motion(model)
     whole, allowed = replays.system(model), replays.ranges(model)
     heavier = replace(
-        whole, inverse=kernel(model.bind(m2=model.parameters["m2"] * (1 + 1e-4)), "inverse_dynamics")
+        whole, inverse=fb.kernel(model.bind(m2=model.parameters["m2"] * (1 + 1e-4)), "inverse_dynamics")
     )
     edges = np.array([0.0, 1.0, 2.0, 3.0])
     assert replays._land(whole, motion, edges[:-1], edges[1:], allowed, "DOP853").max() < 1e-9

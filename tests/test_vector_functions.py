@@ -1,4 +1,7 @@
-"""Exponential, logarithm, hyperbolic tangent and inverse trigonometric functions in vector code, against mpmath."""
+"""Exponential, logarithm, hyperbolic tangent and inverse trigonometric functions in vector code, against mpmath.
+
+A CPU without fused multiply-add has to be feigned, so the host is patched; each function is traced by itself.
+"""
 
 import dataclasses
 import itertools

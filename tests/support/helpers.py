@@ -12,8 +12,8 @@ import pytest
 import freebody as fb
 from freebody.algorithms.kinematics import frame_pose, joint_poses, world_poses
 from freebody.kernels.formulas import Option
-from freebody.kernels.reference import reference as run
 from freebody.model.model import Model
+from support.reference import reference as run
 
 # central differences of eighth order on -4 … 4
 FIRST = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
@@ -37,7 +37,8 @@ def numbers(
     loads = wrenches or {}
     at = model.frame(frame).name if frame is not None or model.tip is not None else None
     option = Option(at, reference, tuple(loads), point)
-    return run(model, name, option, *(np.asarray(a, dtype=float) for a in (*arrays, *loads.values())))
+    given = (np.asarray(a, dtype=float) for a in (*arrays, *loads.values()))
+    return run(model, name, *given, option=option)
 
 
 def poses(model: Model, q: np.ndarray) -> dict[str, np.ndarray]:

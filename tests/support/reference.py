@@ -1,4 +1,8 @@
-"""Formulas run on NumPy arrays as they stand, without a program or a kernel: what kernels are held against."""
+"""Formulas run on NumPy arrays as they stand, without a program or a kernel: what kernels are held against.
+
+`fb.formula` does so with nested sequences and checked options; this takes a kernel's arrays, a point too, and of closed
+chains all equations, so it goes to the table itself.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +16,11 @@ from freebody.kernels.formulas import FORMULAS, Option
 from freebody.model.model import Model
 
 
-def reference(model: Model, name: str, option: Option, *arrays: Array) -> Array | tuple[Array, ...]:
+def reference(
+    model: Model, name: str, *arrays: Array, option: Option | None = None
+) -> Array | tuple[Array, ...]:
     """The formula run on NumPy arrays instead of the compiled kernel; arguments and results as for the kernel."""
+    option = option or Option()
     inputs = arguments(model, (name,), option)
     batch = np.broadcast_shapes(
         *(a.shape[: a.ndim - len(argument.shape)] for a, argument in zip(arrays, inputs, strict=True))
