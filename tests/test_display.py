@@ -46,6 +46,9 @@ def test_a_line_in_a_shell(arm):
         "quantities": fb.quantities(fb.load("2R")),
         "loop equations": fb.loop_equations(closed),
         "mobility": fb.mobility(closed, fb.assemble(closed)),
+        "inputs and outputs": fb.input_output(closed, fb.assemble(closed)),
+        "verdict of an answer": fb.check(fb.load("2R"), "M11 = 1"),
+        "trajectory": fb.sampled_trajectory(np.arange(8.0), np.ones((8, 2))),
         "reactions": fb.reactions(closed, fb.assemble(closed), np.zeros(4), qdd=np.zeros(4)),
     }
     for kind, value in arm.items():
@@ -71,6 +74,9 @@ def test_a_table_in_a_notebook(arm):
     family = fb.load("ur5e").with_payload(mass=[1.0, 2.0])
     assert "of each member" in family._repr_html_()
     assert "loop tip_pin: " in fb.load("five_bar")._repr_html_()
+    closed = fb.load("five_bar")
+    forces = fb.reactions(closed, fb.assemble(closed), np.zeros(4), qdd=np.zeros(4))
+    assert f"<td>tip_pin</td><td>{forces['tip_pin'][0]:.4g}</td>" in forces._repr_html_()
     quadrotor = fb.load("quadrotor")
     assert "q[6]" in fb.default_motion(quadrotor)._repr_html_()
 

@@ -21,6 +21,7 @@ from freebody.derivations.names import sym
 from freebody.derivations.render.sympy import to_sympy
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.lazy import cached_property
+from freebody.outputs.display import Titled
 
 
 @dataclass(frozen=True)
@@ -105,11 +106,14 @@ class Trajectory:
         return {"t": r.symbols[0], "r": r.rows, "r_d": self.velocity.rows, "r_dd": self.acceleration.rows}
 
 
-@dataclass(frozen=True)
-class SampledTrajectory:
+@dataclass(frozen=True, repr=False)
+class SampledTrajectory(Titled):
     """The path of a point through samples, a spline of the fifth degree, and its derivatives."""
 
     spline: Any
+
+    def _title(self) -> str:
+        return f"Trajectory through samples, {self.spline.t[0]:.4g} to {self.spline.t[-1]:.4g} s"
 
     def at(self, t: ArrayLike) -> tuple[Array, Array, Array]:
         """Position, velocity, acceleration (..., dim) at the times t (...)."""

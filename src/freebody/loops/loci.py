@@ -22,6 +22,7 @@ from freebody.loops.equations import require_loops, scaled_jacobian, scaled_resi
 from freebody.loops.partition import independent_rows
 from freebody.loops.scaled import backward, length, rate_scale, shortest_way
 from freebody.model.model import Model
+from freebody.outputs.display import Titled, counted
 from freebody.trees.kinematics import jacobian
 from freebody.trees.states import difference, generic_state, integrate, neutral
 from freebody.values import ByValue
@@ -36,8 +37,8 @@ _NEAR = 2.5 * _STEP  # two curves this close are one
 _DIFFERENCE = 1e-6
 
 
-@dataclass(frozen=True, eq=False)
-class Locus(ByValue):
+@dataclass(frozen=True, eq=False, repr=False)
+class Locus(Titled, ByValue):
     """One curve of singular positions, or a single position where nothing else can move."""
 
     kind: Literal["first", "second"]
@@ -45,6 +46,10 @@ class Locus(ByValue):
     """(k, nq)."""
     closed: bool
     """Whether the curve ends where it began."""
+
+    def _title(self) -> str:
+        curve = "closed curve" if self.closed else "curve"
+        return f"Singular positions of the {self.kind} type: {curve} of {counted(len(self.q), 'position')}"
 
 
 def singularity_loci(

@@ -12,6 +12,7 @@ from freebody.loops.equations import closing, require_closed, scaled_jacobian
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled import null_space, rate_scale, row_names
 from freebody.model.model import Model
+from freebody.outputs.display import Titled, counted
 from freebody.trees.calls import Vector, finite_vector
 from freebody.trees.states import difference, integrate
 from freebody.values import ByValue
@@ -22,8 +23,8 @@ _RANK = (
 _STEPS = (0.05, 0.13, 0.31)  # rad: lengths of the ways along which the neighbourhood is explored
 
 
-@dataclass(frozen=True, eq=False)
-class Mobility(ByValue):
+@dataclass(frozen=True, eq=False, repr=False)
+class Mobility(Titled, ByValue):
     """Degrees of freedom of a closed chain, and where its equations depend on one another."""
 
     model: str
@@ -43,6 +44,9 @@ class Mobility(ByValue):
     misfit: tuple[float, float] = (0.0, 0.0)
     """(m, rad): how far rounded numbers keep the redundant equations from holding, at most, where that was looked at;
     0 where they hold but for rounding in the computation."""
+
+    def _title(self) -> str:
+        return f"Mobility of {self.model!r}: {counted(self.generic, 'degree')} of freedom, {self.instantaneous} here"
 
     @property
     def singular(self) -> bool:

@@ -15,13 +15,14 @@ from freebody.loops.equations import require_closed, require_loops, scaled_jacob
 from freebody.loops.scaled import length, null_space, rate_scale
 from freebody.loops.solving import RANK
 from freebody.model.model import Model
+from freebody.outputs.display import Titled
 from freebody.trees.calls import Vector, finite_vector
 from freebody.trees.kinematics import jacobian
 from freebody.values import ByValue
 
 
-@dataclass(frozen=True, eq=False)
-class InputOutput(ByValue):
+@dataclass(frozen=True, eq=False, repr=False)
+class InputOutput(Titled, ByValue):
     """J_a ẋ + J_b θ̇ = 0 between the tip's motion ẋ (r,) and the driven rates θ̇ (r,), at one position.
 
     The equations are combined and scaled so that [J_a J_b] has orthonormal rows over angular rates; `first`, `second`
@@ -36,6 +37,12 @@ class InputOutput(ByValue):
     """Type 1, 0 where J_b is singular: the tip loses a motion though the drives may turn; limits of the workspace."""
     second: float
     """Type 2, 0 where J_a is singular: the tip gives way though the drives stand still."""
+
+    def _title(self) -> str:
+        return (
+            f"Input and output: {', '.join(self.rows)} by {', '.join(self.driven)}; "
+            f"singular values {self.first:.3g} (first type), {self.second:.3g} (second)"
+        )
 
     @property
     def J(self) -> Array:

@@ -26,7 +26,7 @@ from freebody.loops.partition import partition_of_loops
 from freebody.loops.scaled import every_jacobian, length, mechanism, null_space, rate_scale, row_scale
 from freebody.loops.solving import RANK
 from freebody.model.model import Model
-from freebody.outputs.display import Titled
+from freebody.outputs.display import Table, Tabled
 from freebody.trees.balance import balance
 from freebody.trees.calls import Vector, Wrenches, checked_inputs
 from freebody.trees.kinematics import checked_reference
@@ -38,7 +38,7 @@ _DETERMINED = 1e-7  # part of a wrench, relative to the largest, that undetermin
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Reactions(Titled, ByValue):
+class Reactions(Tabled, ByValue):
     """Reaction wrenches of a mechanism in motion; arrays have the batch of the inputs in front."""
 
     names: tuple[str, ...]
@@ -62,6 +62,19 @@ class Reactions(Titled, ByValue):
 
     def _title(self) -> str:
         return f"Reactions at {', '.join(self.names)}, of shape {self.wrenches.shape}"
+
+    def _table(self) -> Table:
+        if self.wrenches.ndim > 2:
+            return Table(
+                (), (), (f"At one instant: wrenches[{', '.join(['k'] * (self.wrenches.ndim - 2))}].",)
+            )
+        axes = ("fx", "fy", "fz", "mx", "my", "mz") if self.wrenches.shape[-1] == 6 else ("fx", "fy", "m")
+        rows = [
+            (name, *(f"{x:.4g}{'' if known else ' *'}" for x, known in zip(wrench, told, strict=True)))
+            for name, wrench, told in zip(self.names, self.wrenches, self.determined, strict=True)
+        ]
+        undetermined = () if self.determined.all() else ("* not determined: the smallest possible.",)
+        return Table(("N, N m", *axes), rows, undetermined)
 
     def __getitem__(self, name: str) -> Array:
         """The wrench (..., six) of one joint or loop."""

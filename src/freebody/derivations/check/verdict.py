@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from freebody.outputs.display import Titled, counted
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -63,12 +65,17 @@ class Equation:
         return "\n".join(lines)
 
 
-@dataclass(frozen=True)
-class Verdict:
+@dataclass(frozen=True, repr=False)
+class Verdict(Titled):
     """True when every equation of the answer is equal to the right one; `print` it to read why not."""
 
     equations: tuple[Equation, ...]
     model: str = field(default="", repr=False)
+
+    def _title(self) -> str:
+        right = sum(equation.equal for equation in self.equations)
+        mistakes = counted(len(self.findings), "mistake")
+        return f"Verdict: {right} of {counted(len(self.equations), 'equation')} right, {mistakes}"
 
     def __bool__(self) -> bool:
         return all(equation.equal for equation in self.equations)
