@@ -16,6 +16,7 @@ from freebody.kernels import differentials
 from freebody.kernels.differentials import Differentiable
 from freebody.targets.xla import operation as xla
 from freebody.targets.xla.grid import arranged
+from support.real_files import ROBOTS
 
 jax = pytest.importorskip("jax", reason="JAX is an extra: pip install 'freebody[jax]'")
 jnp = jax.numpy
@@ -432,6 +433,34 @@ def test_long_batches_are_shared_among_threads_without_a_trace(monkeypatch):
     assert len(found) == 200
     for result in found:
         agree(result, expected)
+
+
+def test_symbols_without_values_are_refused():
+    with pytest.raises(fb.FreebodyError, match=r"numbers need a value for I1, I2, l1, l2, lc1, lc2, m1, m2"):
+        fb.to_jax(fb.planar("RR"), "inverse_dynamics")
+
+
+@pytest.mark.long
+def test_a_humanoid():
+    """Values bit by bit; directions and gradients are each other's transpose, and those of the formula."""
+    path = ROBOTS / "talos_data/robots/talos_reduced.urdf"
+    if not path.exists():
+        pytest.skip("example-robot-data is not installed")
+    model = fb.load(path, base="free", tip="left_sole_link")
+    for name in ("inverse_dynamics", "forward_dynamics"):
+        function, arrays = fb.to_jax(model, name), [x[0] for x in state(model, 1)]
+        agree(function(*arrays), fb.kernel(model, name)(*arrays))
+        tables = fb.kernel(model, f"{name}_derivatives")(*arrays)
+        rates, weight = state(model, seed=8), np.random.default_rng(1).normal(size=model.nv)
+        _, along = jax.jvp(function, tuple(arrays), tuple(rates))
+        _, back = jax.vjp(function, *arrays)
+        slopes = back(weight)
+        np.testing.assert_allclose(
+            weight @ along, sum(x @ y for x, y in zip(slopes, rates, strict=True)), rtol=1e-9
+        )
+        for slope, table in zip(slopes[1:], tables[1:], strict=True):
+            scale = np.abs(slope).max()
+            np.testing.assert_allclose(slope / scale, weight @ table / scale, atol=1e-9)
 
 
 def test_equal_kernels_are_given_to_xla_once():

@@ -27,16 +27,6 @@ from freebody.spatial import dot, identity, transposed
 LONGEST = 20_000
 """Operations up to which a whole Jacobian is one program; it compiles in about two seconds."""
 
-SHORTER: dict[tuple[str, ...], dict[str, tuple[str, ...]]] = {
-    ("inverse_dynamics",): {"inverse_dynamics_derivatives": ("q", "qd", "qdd"), "mass_matrix": ("qdd",)},
-    ("forward_dynamics",): {
-        "forward_dynamics_derivatives": ("q", "qd", "tau"),
-        "mass_matrix_inverse": ("tau",),
-    },
-}
-"""Quantities of an open chain without wrenches -> formulas of their derivatives, on the tangent space, and the inputs
-by which their outputs are, in their order."""
-
 
 @dataclass(frozen=True)
 class Jacobian:
@@ -105,8 +95,8 @@ def of_quantities(asked: Asked) -> Differentiable:
                 "not). Matrices of so large a robot are derivatives: that of inverse_dynamics by qdd is M."
             )
     traced = formula_program(model, names, option, p, over, by)
-    formulas = SHORTER.get(names, {})
-    if not formulas or by or model.loops or option.wrench_frames:
+    formulas = FORMULAS[names[0]].derivatives
+    if not formulas or len(names) > 1 or by or model.loops or option.wrench_frames:
         return Differentiable(traced)
 
     @cache

@@ -83,6 +83,7 @@ FORMULAS = {
         _inverse,
         by_motion=True,
         settled="partition",
+        derivatives={"inverse_dynamics_derivatives": ("q", "qd", "qdd"), "mass_matrix": ("qdd",)},
     ),
     "forward_dynamics": Formula(
         ("q", "qd", "tau", "wrenches"),
@@ -90,6 +91,7 @@ FORMULAS = {
         forward,
         by_motion=True,
         settled="equations",
+        derivatives={"forward_dynamics_derivatives": ("q", "qd", "tau"), "mass_matrix_inverse": ("tau",)},
     ),
     "mass_matrix": Formula(
         ("q",),

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
 from freebody.algorithms.loop_forces import Partition
@@ -67,6 +67,8 @@ class Formula:
     all, those left out that depend on others, or the "partition" of equations and coordinates by its drives, or one
     for what the "loops" do, to which drives do not matter.
     by_columns: how a matrix of a large robot is made column by column.
+    derivatives: of an open chain without wrenches, formulas of the one output's derivatives on the tangent space, and
+    the inputs by which their outputs are, in their order.
     """
 
     inputs: tuple[str, ...]
@@ -80,6 +82,7 @@ class Formula:
     chains: Literal["all", "open", "closed"] = "all"
     settled: Literal["equations", "partition", "loops"] | None = None
     by_columns: ByColumns | None = None
+    derivatives: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def uses(self, option: str) -> bool:
         """Whether the option of `fb.kernel` means something for it."""
