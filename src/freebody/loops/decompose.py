@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -10,8 +10,20 @@ import numpy as np
 
 from freebody.algorithms.kinematics import ancestors
 from freebody.arrays import Array
-from freebody.loops import dyads
-from freebody.loops.dyads import Chain, Coincident, Crossing, Posture, Step
+from freebody.loops.dyads import (
+    OF_ONE,
+    OF_TWO,
+    Chain,
+    Coincident,
+    Crossing,
+    Posture,
+    Step,
+    chain,
+    coordinate,
+    coordinates,
+    heading,
+    is_turning,
+)
 from freebody.model.model import Model
 from freebody.trees.triangles import side_of
 
@@ -46,8 +58,8 @@ class Decomposition:
         for step in self.steps:
             label = step.label(at)
             if label is not None:
-                (left, right), stem = step.words, step.words[0].split()[0]
-                columns.append([side_of(float(x), 1.0, left, right, f"{stem} straight") for x in label[0]])
+                words = [f"{step.called} {way}" for way in (*step.ways, "straight")]
+                columns.append([side_of(float(x), 1.0, *words) for x in label[0]])
         return [", ".join(names) for names in zip(*columns, strict=True)] if columns else [""] * len(q)
 
     def obstacles(self, q: Array, target: Array | None = None) -> list[str]:
@@ -67,7 +79,7 @@ class Decomposition:
             if good.any():
                 at = at.moved(solutions[:, good])
                 continue
-            unsolved |= dyads.coordinates(self.model.tree, step.crossings)
+            unsolved |= coordinates(self.model.tree, step.crossings)
             reach = step.reach(at)
             if reach is not None:
                 found.append(_obstacle(*reach))
@@ -77,7 +89,7 @@ class Decomposition:
         """The coordinates that a step's frames hang on."""
         tree = self.model.tree
         bodies = [tree.frames[frame][0] for frame in step.frames]
-        return dyads.coordinates(tree, ((i, 1.0) for body in bodies for i in ancestors(tree, body)))
+        return coordinates(tree, ((i, 1.0) for body in bodies for i in ancestors(tree, body)))
 
     def _posture(self, q: Array, target: Array | None) -> Posture:
         if target is None:
@@ -109,29 +121,31 @@ def decomposed(
         return None
     pending: list[Chain] = []
     if held is not None:
-        pending.append(dyads.chain(tree, held, (None, held)))
+        pending.append(chain(tree, held, (None, held)))
     for loop in tree.loops:
         closure = loop.closure
         if closure.slides or closure.turns:
             return None
         distance = float(loop.distance) if closure.distance else 0.0
-        pending.append(dyads.chain(tree, loop.name, loop.frames, distance))
+        pending.append(chain(tree, loop.name, loop.frames, distance))
     steps = _found(model, set(unknown), pending, held if oriented else None)
     return None if steps is None else Decomposition(model, tuple(steps))
 
 
-def _found(model: Model, left: set[int], pending: list[Chain], heading: str | None) -> list[Step] | None:
+def _found(model: Model, left: set[int], pending: list[Chain], held: str | None) -> list[Step] | None:
     """Steps for all coordinates in `left`, or None."""
     steps: list[Step] = []
-    if heading is not None:
-        turns = [c for c in pending[0].path if _at(model, c) in left and dyads.is_turning(model.tree, c)]
+    if held is not None:
+        turns = [
+            c for c in pending[0].path if coordinate(model.tree, c) in left and is_turning(model.tree, c)
+        ]
         if len(turns) > 1:
             return None
-        steps += [dyads.Heading(heading, turns[0])] if turns else []
+        steps += [heading(held, turns[0])] if turns else []
     while True:
         for step in steps:
-            left -= dyads.coordinates(model.tree, step.crossings)
-        pending = [c for c in pending if any(_at(model, x) in left for x in c.path)]
+            left -= coordinates(model.tree, step.crossings)
+        pending = [c for c in pending if any(coordinate(model.tree, x) in left for x in c.path)]
         if not pending:
             return None if left else steps
         chosen = _next(model, left, pending)
@@ -142,67 +156,24 @@ def _found(model: Model, left: set[int], pending: list[Chain], heading: str | No
         pending = [c for c in pending if c not in used]
 
 
-def _at(model: Model, crossing: Crossing) -> int:
-    return model.tree.bodies[crossing[0]].coordinates.q[0]
-
-
 def _next(model: Model, left: set[int], pending: list[Chain]) -> tuple[Step, tuple[Chain, ...]] | None:
     """The next step, and the chains that it closes."""
+    tree = model.tree
+
+    def free(c: Chain) -> list[Crossing]:
+        return [x for x in c.path if coordinate(tree, x) in left]
+
+    def name_of(crossing: Crossing) -> str:
+        return model.position_names[coordinate(tree, crossing)]
+
     for c in pending:
-        free = [x for x in c.path if _at(model, x) in left]
-        kinds = "".join("R" if dyads.is_turning(model.tree, x) else "P" for x in free)
-        make = _STEPS.get((c.distance > 0.0, kinds))
-        if make is not None:
-            return make(model, c, free), (c,)
-    for one, two in combinations([c for c in pending if c.distance > 0.0], 2):
-        step = _circles(model, left, one, two)
-        if step is not None:
-            return step, (one, two)
+        joints = "".join("R" if is_turning(tree, x) else "P" for x in free(c))
+        kind = OF_ONE.get((c.distance > 0.0, joints))
+        if kind is not None:
+            return kind.make(c, free(c), name_of), (c,)
+    for one, two in combinations(pending, 2):
+        for make in OF_TWO:
+            step = make(tree, (one, two), (free(one), free(two)))
+            if step is not None:
+                return step, (one, two)
     return None
-
-
-def _circles(model: Model, left: set[int], one: Chain, two: Chain) -> Step | None:
-    free = [[x for x in c.path if _at(model, x) in left] for c in (one, two)]
-    bodies = [sorted(i for i, _ in row) for row in free]
-    signs = [{sign for _, sign in row} for row in free]
-    slides = all(not dyads.is_turning(model.tree, x) for row in free for x in row)
-    if len(bodies[0]) != 2 or bodies[0] != bodies[1] or not slides or any(len(s) != 1 for s in signs):
-        return None
-    a, b = bodies[0]
-    (first,), (second,) = signs
-    name = one.ends[1] if first > 0 else one.ends[0]
-    return dyads.TwoCircles((one, two), ((a, 1.0), (b, 1.0)), (first, second), str(name))
-
-
-def _joint(model: Model, crossing: Crossing) -> str:
-    """Name of the coordinate."""
-    return model.position_names[_at(model, crossing)]
-
-
-def _triangle(model: Model, c: Chain, free: list[Crossing]) -> Step:
-    one, two = free
-    return dyads.Triangle(c, one, two, (_joint(model, one), _joint(model, two), c.ends[0] or c.ends[1]))
-
-
-def _mixed(model: Model, c: Chain, free: list[Crossing]) -> Step:
-    turn, slide = sorted(free, key=lambda x: not dyads.is_turning(model.tree, x))
-    return dyads.TurnAndSlide(c, turn, slide, _joint(model, slide))
-
-
-def _swing(model: Model, c: Chain, free: list[Crossing]) -> Step:
-    (turn,) = free
-    end = c.ends[1] if turn[1] > 0 else c.ends[0]
-    return dyads.Swing(c, turn, (_joint(model, turn), str(end)))
-
-
-Maker = Callable[[Model, Chain, list[Crossing]], Step]
-
-_STEPS: dict[tuple[bool, str], Maker] = {
-    (False, "RR"): _triangle,
-    (False, "RP"): _mixed,
-    (False, "PR"): _mixed,
-    (False, "PP"): lambda _, c, free: dyads.TwoSlides(c, free[0], free[1]),
-    (True, "R"): _swing,
-    (True, "P"): lambda model, c, free: dyads.Stretch(c, free[0], _joint(model, free[0])),
-}
-"""By whether the ends stay a distance apart, and the unknown joints in their order."""

@@ -1,0 +1,43 @@
+"""Two unknown joints of a planar loop in closed form: triangles and circles, each with its two solutions.
+
+A loop is cut at its pin. Seen from a joint in it, everything on the way to one end of the cut turns, or slides,
+against everything on the way to the other; what lies between two unknown joints is rigid, whatever its links. So two
+unknown pins and the cut make a triangle with known sides: R R R. Vectors are complex numbers, arrays (N, K) of samples
+and solutions. A further kind is a file here and a line in a table.
+"""
+
+from freebody.loops.dyads.chain import Chain, Crossing, chain, coordinate, coordinates, is_turning
+from freebody.loops.dyads.geometry import Coincident
+from freebody.loops.dyads.heading import heading
+from freebody.loops.dyads.posture import Posture
+from freebody.loops.dyads.step import OfOne, OfTwo, Step
+from freebody.loops.dyads.stretch import STRETCH
+from freebody.loops.dyads.swing import SWING
+from freebody.loops.dyads.triangle import TRIANGLE
+from freebody.loops.dyads.turn_and_slide import SLIDE_AND_TURN, TURN_AND_SLIDE
+from freebody.loops.dyads.two_circles import two_circles
+from freebody.loops.dyads.two_slides import TWO_SLIDES
+
+__all__ = [
+    "OF_ONE",
+    "OF_TWO",
+    "Chain",
+    "Coincident",
+    "Crossing",
+    "Posture",
+    "Step",
+    "chain",
+    "coordinate",
+    "coordinates",
+    "heading",
+    "is_turning",
+]
+
+OF_ONE: dict[tuple[bool, str], OfOne] = {
+    (kind.rod, kind.joints): kind
+    for kind in (TRIANGLE, TURN_AND_SLIDE, SLIDE_AND_TURN, TWO_SLIDES, SWING, STRETCH)
+}
+"""By whether the ends stay a distance apart, and the unknown joints in their order."""
+
+OF_TWO: tuple[OfTwo, ...] = (two_circles,)
+"""Tried in their order."""

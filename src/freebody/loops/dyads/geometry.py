@@ -1,0 +1,64 @@
+"""Triangles and right-angled triangles, of vectors as complex numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.loops.dyads.chain import Crossing
+from freebody.loops.dyads.posture import Complex, Posture
+from freebody.trees.triangles import by_triangle
+
+_COINCIDE = 1e-6  # sides of a triangle, relative to its perimeter, below which two of its pins are one
+_LOOSE = 1e-9  # how far (relative) a square may be negative and still be taken as 0: a straight dyad
+
+
+class Coincident(Exception):
+    """Pins of a dyad lie on one another: any angle does."""
+
+
+def along(e: Complex, v: Complex) -> Array:
+    """e · v."""
+    return np.asarray(np.real(np.conj(e) * v), dtype=float)
+
+
+def across(e: Complex, v: Complex) -> Array:
+    """e × v."""
+    return np.asarray(np.imag(np.conj(e) * v), dtype=float)
+
+
+def corner(opposite: Array, a: Array, b: Array) -> Array:
+    """The angle of a triangle between sides a and b, by half-angles; NaN where the sides make none."""
+    d = a - b
+    above, below = (opposite - d) * (opposite + d), (a + b - opposite) * (a + b + opposite)
+    return by_triangle(above, below, (a + b) ** 2 + opposite**2)
+
+
+def root(a: Array, b: Array) -> Array:
+    """√(a² - b²); 0 where it is short of that by rounding, else NaN."""
+    square = (a - b) * (a + b)
+    with np.errstate(invalid="ignore"):
+        return np.sqrt(np.where((square < 0) & (square > -_LOOSE * (a * a + b * b)), 0.0, square))
+
+
+def side(base: Complex, other: Complex, elbow: Complex) -> Array:
+    """The sine of the angle from base-other to base-elbow: positive where the elbow lies on the left."""
+    one, two = other - base, elbow - base
+    return across(one, two) / np.maximum(np.abs(one) * np.abs(two), 1e-300)
+
+
+def shifted(at: Posture, first: Crossing, second: Crossing, way: Complex) -> Array:
+    """q with two joints slid so that together they move what comes behind by `way`."""
+    e, g = at.slide(first), at.slide(second)
+    det = across(e, g)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        det = np.where(np.abs(det) > 1e-12, det, np.nan)
+        x, y = across(way, g) / det, across(e, way) / det
+    return at.moved(at.slid(first, x)).slid(second, y)
+
+
+def refuse_coincident(*sides: Array) -> None:
+    whole = np.add.reduce(sides)
+    for side in sides:
+        if np.any(side <= _COINCIDE * np.maximum(whole, 1e-300)):
+            raise Coincident

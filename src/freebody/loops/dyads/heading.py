@@ -1,0 +1,25 @@
+"""The pin that turns the tip to the direction wanted."""
+
+from __future__ import annotations
+
+from freebody.arrays import Array
+from freebody.loops.dyads.chain import Crossing
+from freebody.loops.dyads.posture import Posture
+from freebody.loops.dyads.step import Step
+
+
+class Heading(Step):
+    """Name: of the frame whose direction is wanted; it closes no chain."""
+
+    @property
+    def frames(self) -> tuple[str, ...]:
+        return self.names
+
+    def solve(self, at: Posture) -> list[Array]:
+        assert at.angle is not None
+        return [at.turned((self.crossings[0], at.angle - at.heading(self.names[0])))]
+
+
+def heading(frame: str, turn: Crossing) -> Step:
+    """The step that turns a frame."""
+    return Heading((), (turn,), (frame,))

@@ -1,0 +1,77 @@
+"""What a dyad is: unknown joints of chains, found from the others."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+from freebody.arrays import Array
+from freebody.loops.dyads.chain import Chain, Crossing
+from freebody.loops.dyads.posture import Posture
+from freebody.model.tree import Tree
+
+Reach = tuple[str, str, Array, Array, Array]
+"""Two points, how far apart they are (N, K), and how far apart what joins them can hold them: from, to."""
+
+
+@dataclass(frozen=True)
+class Step(ABC):
+    """Unknown joints of one chain, or of two, found from the others."""
+
+    chains: tuple[Chain, ...]
+    crossings: tuple[Crossing, ...]
+    """The joints that it finds."""
+    names: tuple[str, ...] = ()
+    """Of its points, as each kind needs them."""
+    ways: ClassVar[tuple[str, str]] = ("left", "right")
+    """What the solutions with a positive and a negative label are called."""
+
+    @property
+    def chain(self) -> Chain:
+        """The chain, where it is one."""
+        return self.chains[0]
+
+    @property
+    def frames(self) -> tuple[str, ...]:
+        """The frames that it brings together."""
+        return tuple(frame for chain in self.chains for frame in chain.frames)
+
+    @property
+    def called(self) -> str:
+        """What lies one way or the other."""
+        return self.names[0]
+
+    @abstractmethod
+    def solve(self, at: Posture) -> list[Array]:
+        """q (N, K, nq) of each solution, NaN where there is none."""
+
+    def label(self, at: Posture) -> Array | None:
+        """Which solution a posture is: a positive or a negative number (N, K)."""
+        del at
+        return None
+
+    def reach(self, at: Posture) -> Reach | None:
+        """What keeps it from closing."""
+        del at
+        return None
+
+
+NameOf = Callable[[Crossing], str]
+"""Name of the coordinate of a joint on the way."""
+
+
+@dataclass(frozen=True)
+class OfOne:
+    """A kind of step that closes one chain."""
+
+    joints: str
+    """The unknown joints in their order: R pins, P slides."""
+    rod: bool
+    """Whether the chain's ends stay a distance apart, or meet."""
+    make: Callable[[Chain, Sequence[Crossing], NameOf], Step]
+
+
+OfTwo = Callable[[Tree, tuple[Chain, Chain], tuple[list[Crossing], list[Crossing]]], Step | None]
+"""A kind of step that closes two chains at once, whose unknown joints are these; None where it is not made for them."""

@@ -1,0 +1,33 @@
+"""A slide in a chain whose ends stay a distance apart."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.loops.dyads.geometry import across, along, root
+from freebody.loops.dyads.posture import Posture
+from freebody.loops.dyads.step import OfOne, Step
+
+
+class Stretch(Step):
+    """Name: of the slide."""
+
+    ways = ("forward", "backward")
+
+    def solve(self, at: Posture) -> list[Array]:
+        ahead, aside = self._gap(at)
+        half = root(np.full(ahead.shape, self.chain.distance), aside)
+        return [at.slid(self.crossings[0], s * half - ahead) for s in (1.0, -1.0)]
+
+    def label(self, at: Posture) -> Array:
+        return self._gap(at)[0] / self.chain.distance
+
+    def _gap(self, at: Posture) -> tuple[Array, Array]:
+        """From the first end to the second, along the slide and across."""
+        start, end = (at.point(frame) for frame in self.chain.ends)
+        e = at.slide(self.crossings[0])
+        return along(e, end - start), across(e, end - start)
+
+
+STRETCH = OfOne("P", True, lambda chain, free, name_of: Stretch((chain,), tuple(free), (name_of(free[0]),)))

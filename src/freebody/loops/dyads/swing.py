@@ -1,0 +1,54 @@
+"""A pin in a chain whose ends stay a distance apart."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.loops.dyads.chain import Chain, Crossing
+from freebody.loops.dyads.geometry import corner, refuse_coincident, side
+from freebody.loops.dyads.posture import Posture
+from freebody.loops.dyads.step import NameOf, OfOne, Reach, Step
+
+
+class Swing(Step):
+    """Names: of the pin, and of the end that turns about it."""
+
+    @property
+    def called(self) -> str:
+        return self.names[1]
+
+    def solve(self, at: Posture) -> list[Array]:
+        (turn,) = self.crossings
+        o = at.pivot(turn[0])
+        near, far = (at.point(end) - o for end in self.chain.ends)
+        a, b = np.abs(near), np.abs(far)
+        refuse_coincident(a, b)
+        here, wanted = np.angle(far / near), corner(np.full(a.shape, self.chain.distance), a, b)
+        return [at.turned((turn, s * wanted - here)) for s in (1.0, -1.0)]
+
+    def label(self, at: Posture) -> Array:
+        ((body, sign),) = self.crossings
+        start, end = (at.point(frame) for frame in self.chain.ends)
+        o = at.pivot(body)
+        return side(o, start, end) if sign > 0 else side(o, end, start)
+
+    def reach(self, at: Posture) -> Reach:
+        ((body, sign),) = self.crossings
+        o = at.pivot(body)
+        near, far = (np.abs(at.point(end) - o) for end in self.chain.ends)
+        base, leg = (near, far) if sign > 0 else (far, near)
+        other = self.chain.ends[0 if sign > 0 else 1] or "the target"
+        d = self.chain.distance
+        return self.names[0], other, base, np.abs(leg - d), leg + d
+
+
+def _made(chain: Chain, free: Sequence[Crossing], name_of: NameOf) -> Step:
+    (turn,) = free
+    end = chain.ends[1] if turn[1] > 0 else chain.ends[0]
+    return Swing((chain,), (turn,), (name_of(turn), str(end)))
+
+
+SWING = OfOne("R", True, _made)

@@ -1,0 +1,56 @@
+"""A pin and a slide, R P or P R: a right-angled triangle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.loops.dyads.chain import Chain, Crossing
+from freebody.loops.dyads.geometry import across, along, refuse_coincident, root
+from freebody.loops.dyads.posture import Complex, Posture
+from freebody.loops.dyads.step import NameOf, OfOne, Step
+
+
+class TurnAndSlide(Step):
+    """Crossings: the pin, then the slide. Name: of the slide."""
+
+    ways = ("forward", "backward")
+
+    def solve(self, at: Posture) -> list[Array]:
+        turn, slide = self.crossings
+        rigid, sliding, e, behind = self._parts(at)
+        ahead, aside = along(e, sliding), across(e, sliding)
+        refuse_coincident(np.abs(rigid))
+        half = root(np.abs(rigid), aside)
+        found = []
+        for s in (1.0, -1.0):
+            way = s * half - ahead
+            arrived = sliding + way * e
+            angle = np.angle(rigid / arrived)
+            slid = at.moved(at.slid(slide, way))
+            found.append(slid.turned((turn, angle if behind else -angle)))
+        return found
+
+    def label(self, at: Posture) -> Array:
+        _, sliding, e, _ = self._parts(at)
+        return along(e, sliding) / np.maximum(np.abs(sliding), 1e-300)
+
+    def _parts(self, at: Posture) -> tuple[Complex, Complex, Complex, bool]:
+        """From the pin: what is rigid, what slides, along which way; whether the slide lies behind the pin."""
+        turn, slide = self.crossings
+        o = at.pivot(turn[0])
+        near, far = (at.point(end) - o for end in self.chain.ends)
+        behind = self.chain.path.index(slide) > self.chain.path.index(turn)
+        e = at.slide(slide)
+        return (near, far, e, behind) if behind else (far, near, -e, behind)
+
+
+def _turn_first(chain: Chain, free: Sequence[Crossing], name_of: NameOf) -> Step:
+    turn, slide = free
+    return TurnAndSlide((chain,), (turn, slide), (name_of(slide),))
+
+
+TURN_AND_SLIDE = OfOne("RP", False, _turn_first)
+SLIDE_AND_TURN = OfOne("PR", False, lambda chain, free, name_of: _turn_first(chain, free[::-1], name_of))

@@ -1,0 +1,67 @@
+"""Two slides that carry the ends of two rods: where two circles meet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.loops.dyads.chain import Chain, Crossing, is_turning
+from freebody.loops.dyads.geometry import corner, refuse_coincident, shifted, side
+from freebody.loops.dyads.posture import Complex, Posture
+from freebody.loops.dyads.step import Reach, Step
+from freebody.model.tree import Tree
+
+
+@dataclass(frozen=True)
+class TwoCircles(Step):
+    """Name: of what the slides carry."""
+
+    signs: tuple[float, ...] = ()
+    """With which the slides move the second end of each chain against its first."""
+
+    def solve(self, at: Posture) -> list[Array]:
+        one, two = self._gaps(at)
+        between = one - two  # from the first centre to the second
+        r, t = (np.full(one.shape, c.distance) for c in self.chains)
+        d = np.abs(between)
+        refuse_coincident(d)
+        angle, (first, second) = corner(t, r, d), self.crossings
+        return [
+            shifted(at, first, second, between / d * r * np.exp(1j * s * angle) - one) for s in (1.0, -1.0)
+        ]
+
+    def label(self, at: Posture) -> Array:
+        one, two = self._gaps(at)
+        return side(np.zeros_like(one), one - two, one)
+
+    def reach(self, at: Posture) -> Reach:
+        one, two = self._gaps(at)
+        r, t = (np.full(one.shape, c.distance) for c in self.chains)
+        a, b = (c.ends[0] if s > 0 else c.ends[1] for c, s in zip(self.chains, self.signs, strict=True))
+        return str(a), str(b), np.abs(one - two), np.abs(r - t), r + t
+
+    def _gaps(self, at: Posture) -> list[Complex]:
+        """How the carried end lies from the centre of each circle."""
+        return [
+            sign * (at.point(c.ends[1]) - at.point(c.ends[0]))
+            for c, sign in zip(self.chains, self.signs, strict=True)
+        ]
+
+
+def two_circles(
+    tree: Tree, chains: tuple[Chain, Chain], free: tuple[list[Crossing], list[Crossing]]
+) -> Step | None:
+    """The step for two rods whose unknown joints are the same two slides."""
+    bodies = [sorted(i for i, _ in row) for row in free]
+    signs = [{sign for _, sign in row} for row in free]
+    rods = all(c.distance > 0.0 for c in chains)
+    slides = not any(is_turning(tree, x) for row in free for x in row)
+    if not (rods and slides and len(bodies[0]) == 2 and bodies[0] == bodies[1]):
+        return None
+    if any(len(s) != 1 for s in signs):
+        return None
+    (a, b), (first,), (second,) = bodies[0], *signs
+    carried = chains[0].ends[1] if first > 0 else chains[0].ends[0]
+    return TwoCircles(chains, ((a, 1.0), (b, 1.0)), (str(carried),), (first, second))

@@ -1,0 +1,20 @@
+"""Two slides, P P: one solution."""
+
+from __future__ import annotations
+
+from freebody.arrays import Array
+from freebody.loops.dyads.geometry import shifted
+from freebody.loops.dyads.posture import Posture
+from freebody.loops.dyads.step import OfOne, Step
+
+
+class TwoSlides(Step):
+    """Nothing to tell apart, so without names."""
+
+    def solve(self, at: Posture) -> list[Array]:
+        first, second = self.crossings
+        start, end = (at.point(frame) for frame in self.chain.ends)
+        return [shifted(at, first, second, start - end)]
+
+
+TWO_SLIDES = OfOne("PP", False, lambda chain, free, _: TwoSlides((chain,), tuple(free)))
