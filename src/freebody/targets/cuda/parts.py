@@ -19,6 +19,9 @@ from freebody.scalars.operations import ARITY
 ROOM = {"float64": 150, "float32": 300}
 """Values alive at a time up to which nothing is spilled. More than registers hold: inputs can be read again."""
 
+MOST = 2.0
+"""Values alive at a time, over the room that there is, beyond which no division was ever found that pays."""
+
 LARGEST = 2.5
 """Operations of all parts together, over those of the whole program. Not measured on a GPU: by data sheets a spilled
 number costs as much as four to eight operations, so that for some programs less is quicker; `benchmarks/on_cuda.py
@@ -82,6 +85,8 @@ def alive(piece: Part) -> int:
 def parts(program: Program, dtype: str) -> list[Part]:
     """Runs of results, output by output and column by column, that fit; the whole where none do, or too many."""
     whole = part(program, range(len(program.results)))
+    if alive(whole) > MOST * ROOM[dtype]:
+        return [whole]
     order = _by_columns(program)
     made: list[Part] = []
     done = cost = 0

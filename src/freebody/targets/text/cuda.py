@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from freebody.program.program import Argument, Program
 from freebody.targets.cuda.assembly import ptx
 from freebody.targets.cuda.emit import emit
-from freebody.targets.cuda.parts import parts, prepared
+from freebody.targets.cuda.parts import Part, parts, prepared
 from freebody.targets.text.language import (
     Language,
     Vectors,
@@ -44,15 +45,20 @@ def _words(unit: Unit) -> Words:
     return words_of(unit, RESERVED)
 
 
-def _entries(unit: Unit) -> list[str]:
-    """Names of the entries: the function's, numbered where one thread does not compute all outputs."""
-    word, count = _words(unit).function, len(parts(_sampled(unit), unit.dtype))
-    return [word] if count == 1 else [f"{word}_part{k}" for k in range(1, count + 1)]
+def _entries(unit: Unit) -> dict[str, Part]:
+    """Entries by name: the function's, numbered where one thread does not compute all outputs."""
+    word, made = _words(unit).function, parts(_sampled(unit), unit.dtype)
+    return {word: made[0]} if len(made) == 1 else {f"{word}_part{k}": x for k, x in enumerate(made, 1)}
 
 
 def _emit(unit: Unit) -> str:
-    program, names = _sampled(unit), _entries(unit)
-    text = ptx(emit(dict(zip(names, parts(program, unit.dtype), strict=True)), unit.dtype))
+    return _text(unit, _entries(unit))
+
+
+def _text(unit: Unit, entries: Mapping[str, Part]) -> str:
+    """The entries as PTX, under a head that says how they are started."""
+    program, names = unit.program, list(entries)
+    text = ptx(emit(entries, unit.dtype))
     listed = f"the entry {names[0]}" if len(names) == 1 else f"each of the entries {', '.join(names)}"
     use = _USE.format(
         started=listed,
@@ -131,7 +137,7 @@ sys.exit(bad)
 
 
 def _package(unit: Unit, vectors: Vectors) -> dict[str, str]:
-    words = _words(unit)
+    words, entries = _words(unit), _entries(unit)
     names = words.outputs
 
     def tables(arguments: tuple[Argument, ...], arrays: tuple) -> str:
@@ -150,9 +156,9 @@ def _package(unit: Unit, vectors: Vectors) -> dict[str, str]:
         largest=largest_entries(vectors),
         allowed=list(vectors.tolerances),
         count=vectors.count,
-        entries=_entries(unit),
+        entries=list(entries),
     )
-    return {f"{words.function}.ptx": _emit(unit), f"{words.function}_test.py": test}
+    return {f"{words.function}.ptx": _text(unit, entries), f"{words.function}_test.py": test}
 
 
 CUDA = Language(
