@@ -158,9 +158,10 @@ def test_source_text_is_that_of_a_robot_with_plain_names(model, tame, language):
         np.testing.assert_allclose(tau, fb.inverse_dynamics(tame, *STATE, LOAD))
 
 
-def test_a_package_holds_the_names_and_nothing_runs_them(model, hostile, tmp_path):
+@pytest.mark.parametrize("language", ["numpy", "cuda"])
+def test_a_package_holds_the_names_and_nothing_runs_them(model, hostile, language, tmp_path):
     before = set(tmp_path.rglob("*"))
-    paths = fb.export(model, "inverse_dynamics", tmp_path / "out", "numpy", wrench_frames=[model.tip])
+    paths = fb.export(model, "inverse_dynamics", tmp_path / "out", language, wrench_frames=[model.tip])
     assert set(tmp_path.rglob("*")) - before == {tmp_path / "out", *paths}
     names = json.loads((tmp_path / "out" / "names.json").read_text(encoding="utf-8"))
     assert list(names["robot"].values()) == [hostile]
