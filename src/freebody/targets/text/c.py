@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import partial
 
@@ -27,6 +27,7 @@ from freebody.targets.text.unit import Unit
 
 LONGEST = 4000
 """Operations of one function: compilers take longer than in proportion."""
+_WIDEST = 110
 
 _ONE = ("sqrt", "sin", "cos", "exp", "log", "tanh", "asin", "acos")
 FUNCTIONS = {op: f"{op}{{f}}({{a}})" for op in _ONE} | {
@@ -165,7 +166,13 @@ def _parameters(unit: Unit, words: Words, t: str) -> dict[str, str]:
 
 def _prototype(unit: Unit, dialect: _Dialect) -> str:
     words = words_of(unit, RESERVED)
-    return f"{dialect.head}int {words.function}({', '.join(_parameters(unit, words, dialect.t).values())})"
+    return _wrapped(f"{dialect.head}int {words.function}", _parameters(unit, words, dialect.t).values())
+
+
+def _wrapped(name: str, parameters: Collection[str]) -> str:
+    """The head of a function; a long one has a line for each parameter."""
+    line = f"{name}({', '.join(parameters)})"
+    return line if len(line) <= _WIDEST else name + "(\n    " + ",\n    ".join(parameters) + ")"
 
 
 def _definitions(unit: Unit, dialect: _Dialect) -> list[str]:
@@ -191,7 +198,7 @@ def _part(name: str, piece: Piece, parameters: list[str], dialect: _Dialect, spe
     t = dialect.t
     return "\n".join(
         [
-            f"{dialect.before}void {name}({', '.join([*parameters, f'{t} *w'])})",
+            _wrapped(f"{dialect.before}void {name}", [*parameters, f"{t} *w"]),
             "{",
             *(f"    const {t} {word} = w[{slot}];" for word, slot in piece.loads),
             *lines(piece.statements, spelling, "    "),
