@@ -10,7 +10,8 @@ import pytest
 
 import freebody as fb
 from freebody.errors import FreebodyError, UnknownNameError
-from freebody.scalars.trig import Trig, TrigRing, exactly, rational_axis, rational_rotation, rational_sin_cos
+from freebody.scalars.rational import exactly, rational_axis, rational_rotation, rational_sin_cos
+from freebody.scalars.trig import Trig, TrigRing
 from support.generate import random_rotation
 
 RING = TrigRing(["x", "y", "z"], ["d", "x_d", "y_d", "z_d", "d_d", "sgn_x_d", "m", "l"])

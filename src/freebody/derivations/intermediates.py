@@ -21,7 +21,7 @@ from freebody.model.parameters import Parameter, Quantity
 from freebody.model.reading import Reader, exact_sin_cos
 from freebody.model.tree import lower
 from freebody.scalars.expr import Expr, Graph
-from freebody.scalars.trig import exactly
+from freebody.scalars.rational import exactly
 
 
 class GraphReader(Reader):

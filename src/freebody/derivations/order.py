@@ -16,7 +16,7 @@ from freebody.model.bodies import Body
 from freebody.model.joints.revolute import Turning
 from freebody.model.parameters import Parameter, each_parameter
 from freebody.model.placement import Turn
-from freebody.scalars.trig import rational_sin_cos
+from freebody.scalars.rational import rational_sin_cos
 from freebody.spatial import neg
 
 Rank = tuple[int, int, int, str]

@@ -18,7 +18,8 @@ from freebody.model.parameters import Parameter, Quantity, each_parameter, with_
 from freebody.model.placement import Turn
 from freebody.model.reading import Reader
 from freebody.model.tree import Tree, lower
-from freebody.scalars.trig import Trig, TrigRing, rational_axis, rational_rotation, rational_sin_cos
+from freebody.scalars.rational import rational_axis, rational_rotation, rational_sin_cos
+from freebody.scalars.trig import Trig, TrigRing
 from freebody.spatial import Matrix, Vector
 from freebody.values import ByValue, key
 

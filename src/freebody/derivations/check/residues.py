@@ -23,7 +23,8 @@ from freebody.derivations.check.tree import (
     Symbol,
     Wave,
 )
-from freebody.scalars.trig import Trig, TrigRing, rational_sin_cos
+from freebody.scalars.rational import rational_sin_cos
+from freebody.scalars.trig import Trig, TrigRing
 
 PRIME = 2**61 - 1
 

@@ -19,7 +19,8 @@ from freebody.derivations.check.source import Source
 from freebody.derivations.check.tree import Node, Number, nodes, replaced
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
-from freebody.scalars.trig import Trig, exactly, rational_sin_cos
+from freebody.scalars.rational import exactly, rational_sin_cos
+from freebody.scalars.trig import Trig
 
 MEASURED = Fraction(1, 1000)
 """Of a term of a model whose numbers are measured ones: how far it may be off."""

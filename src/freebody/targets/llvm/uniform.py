@@ -20,6 +20,11 @@ def reading(inputs: int, poison: int, lanes: Lanes) -> str:
         poison: place of the further one.
         lanes: vectors in which they are moved.
     """
+    return f"{_gather(lanes)}\n{_finite(inputs, poison, lanes)}"
+
+
+def _gather(lanes: Lanes) -> str:
+    """Rows as they stand by vectors, anything else by its offsets, number by number."""
     kind, v, size, width = lanes.real.name, lanes.v, lanes.real.size, lanes.width
     return f"""\
 define internal void @gather(ptr %at, i1 %rows, ptr %strides, ptr %shape, i64 %d, i64 %n, ptr %offsets, ptr %to) #0 {{
@@ -69,7 +74,13 @@ scalar:
 done:
   ret void
 }}
+"""
 
+
+def _finite(inputs: int, poison: int, lanes: Lanes) -> str:
+    """0 times each number, added up: NaN if one of them is not finite."""
+    kind, v, size, width = lanes.real.name, lanes.v, lanes.real.size, lanes.width
+    return f"""\
 define internal void @uniform.finite(ptr %values) #0 {{
 entry:
   br label %blocks
