@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from functools import reduce
+from functools import cache, reduce
 from typing import Any
 
 from freebody.elementary import Scalar, cos, sin
@@ -70,6 +70,9 @@ def combine(vectors: tuple[Vector, ...], weights: Vector) -> Vector:
 
 def times(A: Matrix, x: Vector) -> Vector:
     """A x."""
+    if len(x) == 3:  # as in `dot`
+        a, b, c = x
+        return tuple([row[0] * a + row[1] * b + row[2] * c for row in A])
     return tuple([dot(row, x) for row in A])
 
 
@@ -101,6 +104,7 @@ def symmetric(n: int, entry: Any) -> Matrix:
     return tuple(tuple(upper[min(i, j), max(i, j)] for j in range(n)) for i in range(n))
 
 
+@cache
 def identity(n: int) -> Matrix:
     """The n×n unit matrix."""
     return tuple(tuple(1.0 if i == j else 0.0 for j in range(n)) for i in range(n))

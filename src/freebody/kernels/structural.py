@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,7 @@ class Compiled:
     """A kernel of a structure, which of the numbers it reads, in order, and where it is given quaternions."""
 
     kernel: Kernel
-    read: NDArray[np.intp]
+    read: slice | NDArray[np.intp]
     quaternions: tuple[tuple[int, int], ...]
     """(input, entry of it) where each begins."""
 
@@ -106,19 +107,31 @@ def known(model: Model, names: tuple[str, ...], option: Option) -> Bound | None:
     place = names, option, "structure"
     found = model.compiled.get(place)
     if found is None:
-        compiled = model.structure.kernels.get(_key(model, names, option))
-        if compiled is None:
-            return None
-        numbers = _numbers(model, option, compiled.read)
-        found = model.compiled[place] = Bound(compiled.kernel, (numbers,), compiled.quaternions)
+        found = ready(model, names, option)
+        if found is not None:
+            model.compiled[place] = found
     return found
+
+
+def ready(model: Model, names: tuple[str, ...], option: Option) -> Bound | None:
+    """The same, for who keeps what it makes of it."""
+    compiled = model.structure.kernels.get(_key(model, names, option))
+    if compiled is None:
+        return None
+    numbers = _numbers(model, option, compiled.read)
+    return Bound(compiled.kernel, (numbers,), compiled.quaternions)
 
 
 def _key(model: Model, names: tuple[str, ...], option: Option) -> tuple[Any, ...]:
     """Of a kernel among those of a structure: the option with the frames' places instead of their names."""
+    if option == _PLAIN and not any(map(_shows_drives, names)):
+        return names
     frames = tuple([frame_form(model, name) for name in _frames(option)])
     nameless = option._replace(frame=None, wrench_frames=()) if frames else option
     return names, nameless, option.frame is None, frames, _shown_drives(model, names)
+
+
+_PLAIN = Option()
 
 
 def _frames(option: Option) -> tuple[str, ...]:
@@ -127,19 +140,22 @@ def _frames(option: Option) -> tuple[str, ...]:
 
 def _shown_drives(model: Model, names: tuple[str, ...]) -> tuple[bool, ...] | None:
     """Which joints have a drive, where an output has entries for each that has one."""
-    shown = any("parameters" in output.dims for name in names for output in FORMULAS[name].outputs.values())
-    return drives(model) if shown else None
+    return drives(model) if any(map(_shows_drives, names)) else None
 
 
-def _numbers(model: Model, option: Option, read: NDArray[np.intp]) -> Array:
+@cache
+def _shows_drives(name: str) -> bool:
+    return any("parameters" in output.dims for output in FORMULAS[name].outputs.values())
+
+
+def _numbers(model: Model, option: Option, read: slice | NDArray[np.intp]) -> Array:
     """Those that a kernel reads, of a family (*family, k) also where its members have these in common."""
     numbers, frames = model.numbers, _frames(option)
     if frames:
         numbers = joined([numbers, *(pose_part(model.frame(f).placement, model.dim).numbers for f in frames)])
-    chosen = numbers.take(read, axis=-1)
+    chosen = numbers[..., read]
     if chosen.shape[:-1] != model.family:
-        chosen = np.broadcast_to(chosen, (*model.family, len(read)))
-    chosen.flags.writeable = False
+        chosen = np.broadcast_to(chosen, (*model.family, chosen.shape[-1]))
     return chosen
 
 
@@ -155,4 +171,10 @@ def _compiled(model: Model, names: tuple[str, ...], option: Option) -> Compiled:
     traced, read = without_unread(program(model, names, option, p, over), "p")
     given = [i for i, argument in enumerate(traced.inputs) if argument.name in POSITIONS]
     quaternions = tuple((i, start) for i in given for start in model.structure.quaternions)
-    return Compiled(compile_program(traced), np.array(read, dtype=np.intp), quaternions)
+    return Compiled(compile_program(traced), _in_one_piece(read), quaternions)
+
+
+def _in_one_piece(read: tuple[int, ...]) -> slice | NDArray[np.intp]:
+    """A slice where the indices follow one another, since what it takes out is not copied."""
+    first, last = read[0], read[-1]
+    return slice(first, last + 1) if last - first + 1 == len(read) else np.array(read, dtype=np.intp)

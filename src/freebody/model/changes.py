@@ -69,7 +69,7 @@ def load(inertia: Any, mass: Any, com: Any, dim: int) -> Inertia:
         raise ModelError("with_payload: inertia and mass= exclude each other; give one of them.")
     given = mass if inertia is None else inertia
     centre = None if com is None else _entries(com, dim)
-    if isinstance(given, int | float | Real):
+    if isinstance(given, (float, int, Real)):
         return Inertia.point(float(given), (0.0,) * dim if centre is None else centre)
     if is_array(given):
         masses = members(given, "with_payload: mass", LARGEST)

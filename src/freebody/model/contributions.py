@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakValueDictionary
 
@@ -15,13 +15,13 @@ from freebody.elementary import Scalar
 from freebody.lazy import kept
 from freebody.model.placement import Placement
 from freebody.model.reading import VALUES
-from freebody.model.tree import Attached, Pose, about_origin, drive_of, in_body
-from freebody.spatial import AnySpace, of_dimension
+from freebody.model.tree import Attached, Pose, drive_of, placed_composite
+from freebody.spatial import AnySpace, Matrix, of_dimension
 
 if TYPE_CHECKING:
     from freebody.model.bodies import Body
     from freebody.model.model import Model
-    from freebody.model.parts import Joint
+    from freebody.model.parts import Drive, Joint
 
 _SAME = 1e-15  # by how much rounding may part the two cosines, and sines, of a turn about a coordinate axis
 
@@ -63,8 +63,7 @@ def _form(content: Any) -> Form:
     return _forms.get(content) or _forms.setdefault(content, Form(content))
 
 
-@dataclass(frozen=True)
-class Part:
+class Part(NamedTuple):
     """What a constant pose contributes, its structure and its numbers (..., k), and the pose itself."""
 
     form: Form
@@ -110,9 +109,16 @@ def _body_part(body: Body, dim: int) -> BodyPart:
 
 def _joint_part(joint: Joint, one_axis: bool, dim: int) -> JointPart:
     placed = pose_part(joint.placement, dim)
-    drive = as_row(drive_of(joint.drive, VALUES)) if one_axis else None
-    driven = drive is not None and bool(drive[..., :4].any())
+    drive, driven = (
+        kept(joint.drive, "part", partial(_drive_part, joint.drive)) if one_axis else (None, False)
+    )
     return JointPart(_form((joint.kind, joint.axis, placed.form)), placed.numbers, drive, driven)
+
+
+def _drive_part(drive: Drive) -> tuple[Array, bool]:
+    """Its numbers, and whether friction, a rotor or a spring acts."""
+    scalars = drive_of(drive, VALUES)
+    return as_row(scalars), any(x.any() if isinstance(x, np.ndarray) else x != 0.0 for x in scalars[:4])
 
 
 def pose_part(placement: Placement, dim: int) -> Part:
@@ -122,20 +128,42 @@ def pose_part(placement: Placement, dim: int) -> Part:
 
 def _pose_part(placement: Placement, dim: int) -> Part:
     R, p = placement.lower(of_dimension(dim), VALUES)
+    try:
+        rows, turning = _known_rotation(R)
+    except TypeError:  # a member each
+        rows, turning = _rotation(R)
+    numbers = list(turning)
+    shift: list[Entry] = []
+    for x in p:
+        if is_exactly(x, 0.0):
+            shift.append(0.0)
+        else:
+            shift.append((len(numbers), 1.0))
+            numbers.append(x)
+    return Part(_form(Pattern(rows, tuple(shift))), as_row(numbers), (R, p))
+
+
+def _rotation(R: Matrix) -> tuple[tuple[tuple[Entry, ...], ...], tuple[Scalar, ...]]:
+    """A rotation without its numbers, and these."""
+    found = _coordinate_turn(R)
+    if found is not None:
+        return found
     numbers: list[Scalar] = []
 
-    def entry(x: Scalar, *exact: float) -> Entry:
-        if is_exactly(x, *exact):
+    def entry(x: Scalar) -> Entry:
+        if is_exactly(x, 0.0, 1.0, -1.0):
             return float(x) + 0.0
         numbers.append(x)
         return len(numbers) - 1, 1.0
 
-    rows = _coordinate_turn(R, numbers) or tuple(tuple(entry(x, 0.0, 1.0, -1.0) for x in row) for row in R)
-    shift = tuple(entry(x, 0.0) for x in p)
-    return Part(_form(Pattern(rows, shift)), as_row(numbers), (R, p))
+    return tuple(tuple(map(entry, row)) for row in R), tuple(numbers)
 
 
-def _coordinate_turn(R: Any, numbers: list[Scalar]) -> tuple[tuple[Entry, ...], ...] | None:
+_known_rotation = lru_cache(maxsize=256)(_rotation)
+"""The same where entries are numbers: a length changes often, and rotations with it seldom."""
+
+
+def _coordinate_turn(R: Matrix) -> tuple[tuple[tuple[Entry, ...], ...], tuple[Scalar, ...]] | None:
     """A rotation that maps one coordinate axis to one, otherwise by a cosine and a sine, which are its two numbers."""
     n = len(R)
     exact = [(i, j) for i in range(n) for j in range(n) if is_exactly(R[i][j], 1.0, -1.0)]
@@ -148,12 +176,12 @@ def _coordinate_turn(R: Any, numbers: list[Scalar]) -> tuple[tuple[Entry, ...], 
     turn = 1.0 if not exact else float((-1) ** (i + j)) * R[i][j]  # the determinant of what is left
     if not (np.all(np.abs(b + turn * c) <= _SAME) and np.all(np.abs(d - turn * a) <= _SAME)):
         return None
-    numbers += a, c
     left: Iterator[Entry] = iter(((0, 1.0), (1, -turn), (1, 1.0), (0, turn)))
-    return tuple(
+    rows = tuple(
         tuple(R[r][k] if (r, k) == (i, j) else 0.0 if r == i or k == j else next(left) for k in range(n))
         for r in range(n)
     )
+    return rows, (a, c)
 
 
 def inertial(parts: tuple[Attached, ...], dim: int) -> Array:
@@ -171,8 +199,9 @@ def _linear(part: Attached, dim: int) -> Array:
 
 
 def _linear_entries(space: AnySpace, part: Attached) -> list[Scalar]:
-    mass = in_body(space, part.inertia.lower(VALUES), pose_part(part.placement, space.dim).pose)
-    m, h, inertia = about_origin(space, (mass,))
+    m, h, inertia = placed_composite(
+        space, part.inertia.lower(VALUES), pose_part(part.placement, space.dim).pose
+    )
     if space.dim == 2:
         return [m, *h, inertia]
     return [m, *h, *inertia[0], inertia[1][1], inertia[1][2], inertia[2][2]]
@@ -213,12 +242,15 @@ def joined(parts: Sequence[Array]) -> Array:
 
 def is_exactly(x: Scalar, *exact: float) -> bool:
     """Whether it is one of these numbers, and no array of a family."""
-    return isinstance(x, float | int) and x in exact
+    return (type(x) is float or isinstance(x, (float, int))) and x in exact
+
+
+_PLAIN = {float, int}
 
 
 def as_row(values: Sequence[Scalar]) -> Array:
     """Scalars, or arrays of a family, as one array (..., k)."""
-    if {*map(type, values)} <= {float, int}:
+    if {*map(type, values)} <= _PLAIN:
         row = np.array(values, dtype=float)
     else:
         row = np.stack(np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in values)), axis=-1)

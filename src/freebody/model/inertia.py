@@ -41,6 +41,8 @@ class Inertia:
                 f"Inertia: com has {len(self.com)} and tensor {len(self.tensor)} entries; give 3 and 6 "
                 "(ixx, ixy, ixz, iyy, iyz, izz) in space, 2 and 1 in the plane."
             )
+        if type(self.com) is type(self.tensor) is tuple and _are_plain((self.mass, *self.com, *self.tensor)):
+            return
         for name, values in (("mass", (self.mass,)), ("com", self.com), ("tensor", self.tensor)):
             cleaned = tuple([_number(x, f"Inertia: {name}") for x in values])
             object.__setattr__(self, name, cleaned[0] if name == "mass" else cleaned)
@@ -202,6 +204,11 @@ class Inertia:
         minors = min(a * b - d, a * c - e, b * c - f)
         determinant = a * b * c - a * f - b * e - c * d - 2.0 * xy * xz * yz  # type: ignore[operator]
         return minors > _MARGIN * size**2 and determinant > _MARGIN * size**3
+
+
+def _are_plain(values: tuple[Any, ...]) -> bool:
+    """Whether all are floats that no number of a robot exceeds; NaN does."""
+    return {*map(type, values)} == {float} and sum(map(abs, values)) <= LARGEST
 
 
 def _number(x: Any, owner: str) -> Quantity:

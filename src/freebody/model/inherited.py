@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from freebody.arrays import Array
-from freebody.model.contributions import part_of, rows_of
+from freebody.model.contributions import JointPart, gravity_part, part_of, rows_of
 
 if TYPE_CHECKING:
+    from freebody.model.bodies import Body
     from freebody.model.model import Model
     from freebody.model.structure import Structure
 
@@ -32,39 +33,57 @@ def _source(model: Model) -> Model | None:
     return None if source is None or "numbers" not in source.__dict__ else source
 
 
-def _other_bodies(model: Model, source: Model) -> list[int] | None:
-    """Which bodies are others; None where more is, and structure and numbers have to be put together anew."""
+def inherited(model: Model) -> tuple[Structure, Array] | None:
+    """Structure and numbers of the model that this one is made from, the numbers of what is other put in; None where
+    more than numbers may be other, or a family's numbers come in."""
+    source = _source(model)
     if (
-        model.gravity_size is not source.gravity_size
-        or model.gravity_direction is not source.gravity_direction
+        source is None
         or model.base_inertias is not source.base_inertias
         or model.loops is not source.loops
         or (model.loops and model.frames is not source.frames)
         or model.dim != source.dim
         or len(model.bodies) != len(source.bodies)
+        or source.numbers.ndim > 1
     ):
         return None
-    return [i for i, (a, b) in enumerate(zip(model.bodies, source.bodies, strict=True)) if a is not b]
+    structure, numbers = source.structure, source.numbers.copy()
+    for i, (new, old) in enumerate(zip(model.bodies, source.bodies, strict=True)):
+        if new is old:
+            continue
+        part, before = part_of(new, model.dim), part_of(old, model.dim)
+        if not _moves_alike(new, old, part.joint, before.joint):
+            return None
+        start = structure.starts[i]
+        for row in rows_of(part, structure.driven):
+            if row.ndim > 1:
+                return None
+            end = start + len(row)
+            numbers[start:end] = row
+            start = end
+    if (
+        model.gravity_size is not source.gravity_size
+        or model.gravity_direction is not source.gravity_direction
+    ):
+        zeros, row = gravity_part(model)
+        if row.ndim > 1 or zeros != gravity_part(source)[0]:
+            return None
+        numbers[structure.gravity : structure.gravity + len(row)] = row
+    numbers.setflags(write=False)
+    return structure, numbers
 
 
-def inherited_structure(model: Model) -> Structure | None:
-    """The structure of the model that this one is made from, if it is surely the same."""
-    source = _source(model)
-    others = None if source is None else _other_bodies(model, source)
-    if source is None or others is None:
-        return None
-    for i in others:
-        new, old = model.bodies[i], source.bodies[i]
-        a, b = part_of(new, model.dim).joint, part_of(old, model.dim).joint
-        if a is not b and (a.form is not b.form or a.driven != b.driven):
-            return None
-        if (
-            new.parent != old.parent
-            or new.joint.mimic is not old.joint.mimic
-            or new.joint.name != old.joint.name
-        ):
-            return None
-    return source.structure
+def _moves_alike(new: Body, old: Body, a: JointPart, b: JointPart) -> bool:
+    """Whether the structure of two bodies is surely the same, a and b being the parts of their joints."""
+    if new.joint is old.joint:
+        return new.parent == old.parent
+    return (
+        a.form is b.form
+        and a.driven == b.driven
+        and new.parent == old.parent
+        and new.joint.mimic is old.joint.mimic
+        and new.joint.name == old.joint.name
+    )
 
 
 def hand_on(model: Model, numbers: Array) -> None:
@@ -72,24 +91,3 @@ def hand_on(model: Model, numbers: Array) -> None:
     source, origin = _source(model), model.__dict__.pop(_SOURCE, None)
     if source is None and origin is not None and numbers.ndim == 1:
         origin.__dict__.setdefault(_SOURCE, model)
-
-
-def inherited_numbers(model: Model) -> Array | None:
-    """The numbers of the model that this one is made from, those of the bodies that are others put in."""
-    source = _source(model)
-    others = None if source is None else _other_bodies(model, source)
-    if source is None or others is None:
-        return None
-    numbers = source.numbers
-    if model.structure is not source.structure or numbers.ndim > 1:
-        return None
-    numbers = numbers.copy()
-    for i in others:
-        start = model.structure.starts[i]
-        for row in rows_of(part_of(model.bodies[i], model.dim), model.structure.driven):
-            if row.ndim > 1:
-                return None
-            end = start + len(row)
-            numbers[start:end] = row
-            start = end
-    return numbers

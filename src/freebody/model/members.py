@@ -116,7 +116,7 @@ def common_shape(arrays: list[Members], owner: str) -> tuple[int, ...]:
 
 def one_family(model: Any, old: Any, *new: Any) -> Any:
     """A changed copy of `old`, whose arrays broadcast together; refuses it where those among what is new do not."""
-    if arrays_in(new):
+    if {*map(type, new)} != {float} and arrays_in(new):
         common_shape(arrays_in(model), repr(model.name))
     elif not old.family:  # known at once: to look for arrays everywhere takes longer than many a change
         model.__dict__["family"] = ()

@@ -271,7 +271,7 @@ def _same(old: Quantity, new: Quantity) -> bool:
 def _check(old: Model, new: Model) -> None:
     """Refuse what no robot is, where it is other than before; what was accepted before stays so."""
     for before, after in _pairs(old, new):
-        if before is not after:
+        if before is None or before.inertia is not after.inertia:
             fault = faults(after.inertia)
             if fault:
                 raise ModelError(f"{new.name!r}: link {after.link!r}: {fault}. Bind a physical value.")

@@ -56,6 +56,8 @@ def real(value: object, owner: str) -> float:
 
 def finite(value: object, owner: str) -> float:
     """`value` as a finite float, or an error that names its owner."""
+    if type(value) is float and -LARGEST <= value <= LARGEST:  # most are
+        return value
     number = real(value, owner)
     if not math.isfinite(number):
         raise ModelError(f"{owner}: {number} is not a finite number.")

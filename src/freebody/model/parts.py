@@ -81,7 +81,7 @@ class Limits:
 
 
 @dataclass(frozen=True)
-class Drive:
+class Drive(Keeps):
     """What acts along a one-axis joint besides the motor.
 
     Friction: viscous d q̇ + coulomb sign(q̇). Rotor: inertia J seen through a gear as J gear². Spring:

@@ -68,6 +68,8 @@ class Placement(Keeps):
         p: Vector = space.zero
         for step in self.steps:
             if isinstance(step, Shift):
+                if step.by == space.zero:
+                    continue
                 by = tuple([reader.quantity(x) for x in step.by])
                 p = add(p, by if R is None else times(R, by))
                 continue
@@ -75,6 +77,8 @@ class Placement(Keeps):
                 turn = reader.rotation(step.matrix)
             else:
                 s, c = reader.sin_cos(step.angle)
+                if type(s) is float and s == 0.0 and c == 1.0:
+                    continue
                 turn = ((c, -s), (s, c)) if space.dim == 2 else about(step.axis, s, c)
             R = turn if R is None else product(R, turn)
         return identity(space.dim) if R is None else R, p

@@ -8,7 +8,7 @@ or a parameter that a kernel reads as an input.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
@@ -53,6 +53,21 @@ def put(thing: Any, path: Path, piece: Any) -> Any:
     if type(step) is int:
         return (*thing[:step], put(thing[step], rest, piece), *thing[step + 1 :])
     return changed(thing, {step: put(getattr(thing, step), rest, piece)})
+
+
+def put_at(thing: Any, paths: Sequence[Path], piece: Any) -> Any:
+    """The same with one piece at several paths, none of which leads through another."""
+    if len(paths) == 1:
+        return put(thing, paths[0], piece)
+    behind: dict[Any, list[Path]] = {}
+    for path in paths:
+        behind.setdefault(path[0], []).append(path[1:])
+    if type(thing) is tuple:
+        items = list(thing)
+        for step, rest in behind.items():
+            items[step] = put_at(thing[step], rest, piece)
+        return tuple(items)
+    return changed(thing, {step: put_at(getattr(thing, step), rest, piece) for step, rest in behind.items()})
 
 
 def named_leaves(thing: Any) -> dict[tuple[str, ...], list[Path]]:
@@ -127,9 +142,7 @@ class Leaves:
                 value = Members(value.array, old.name)
             else:
                 value = Entry(value, old.name)  # type: ignore[arg-type]
-        for path in self.paths:
-            model = put(model, path, value)
-        return model
+        return put_at(model, self.paths, value)
 
 
 @dataclass(frozen=True)
@@ -194,13 +207,13 @@ class Mass:
         factor = values.get("scale", 1.0)
         if not _FACTORS.issuperset(values):
             part = self._told(model, part)
-        fields = {**self._fields(part.inertia), **values}
-        com = tuple([fields[label] for label in _CENTRE[self.space.dim]])
-        tensor = tuple([_times(fields[label], factor) for label in _TENSOR[self.space.dim]])
-        inertia = changed(
-            part.inertia, {"mass": _times(fields["mass"], factor), "com": com, "tensor": tensor}
-        )
-        return put(model, self.path, changed(part, {"inertia": inertia}))
+        inertia = part.inertia
+        other: dict[str, Any] = {"mass": _times(values.get("mass", inertia.mass), factor)}
+        if len(values) > 1 or "mass" not in values:
+            fields = self._fields(inertia) | dict(values)
+            other["com"] = tuple([fields[label] for label in _CENTRE[self.space.dim]])
+            other["tensor"] = tuple([_times(fields[label], factor) for label in _TENSOR[self.space.dim]])
+        return put(model, self.path, changed(part, {"inertia": changed(inertia, other)}))
 
     def _fields(self, inertia: Inertia) -> dict[str, Quantity]:
         labels = ("mass", *_CENTRE[self.space.dim], *_TENSOR[self.space.dim])

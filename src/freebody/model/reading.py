@@ -54,6 +54,8 @@ VALUES = Reader()
 
 def exact_sin_cos(angle: float, tolerance: float = EXACT) -> tuple[float, float]:
     """sin and cos, exactly 0 and ±1 within `tolerance` (rad) of a multiple of π/2; with 0 as computed."""
+    if angle == 0.0:  # most are
+        return 0.0, 1.0
     quarter = round(angle / (math.pi / 2))
     if tolerance > 0.0 and abs(angle - quarter * (math.pi / 2)) <= tolerance:
         return ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))[quarter % 4]

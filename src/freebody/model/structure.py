@@ -33,7 +33,7 @@ from freebody.model.contributions import (
     pose_part,
     rows_of,
 )
-from freebody.model.inherited import hand_on, inherited_numbers, inherited_structure
+from freebody.model.inherited import hand_on, inherited
 from freebody.model.placement import Placement
 from freebody.model.reading import VALUES
 from freebody.model.tree import (
@@ -77,6 +77,8 @@ class Structure:
         sizes = [sum(row.shape[-1] for row in rows_of(known[i], self.driven)) for i in self.order]
         self.starts = dict(zip(self.order, accumulate(sizes, initial=0), strict=False))
         """Where the numbers of each body begin."""
+        self.gravity = sum(sizes)
+        """Where those of gravity begin."""
         self.geometric = np.flatnonzero(
             [placed for row, placed in _pieces(model, self) for _ in range(row.shape[-1])]
         )
@@ -85,7 +87,13 @@ class Structure:
 
 def structure_of(model: Model) -> Structure:
     """The structure of a model with all values."""
-    found = inherited_structure(model) or _structure(model)
+    both = inherited(model)
+    if both is None:
+        found = _structure(model)
+    else:
+        found, numbers = both
+        hand_on(model, numbers)
+        model.__dict__.setdefault("numbers", numbers)
     if not _recent or _recent[-1] is not found:
         _recent.append(found)
     return found
@@ -114,15 +122,13 @@ _recent: deque[Structure] = deque(maxlen=_RECENT)
 
 def numbers_of(model: Model) -> Array:
     """The numbers (..., k) of a model with all values, in the order in which `Inputs` asks for them."""
-    numbers = inherited_numbers(model)
-    if numbers is None:
-        numbers = _numbers(model)
-    hand_on(model, numbers)
-    return numbers
-
-
-def _numbers(model: Model) -> Array:
-    return joined([row for row, _ in _pieces(model, model.structure)])
+    structure = model.structure
+    found = model.__dict__.get("numbers")  # they may have come with it
+    if found is None:
+        found = joined([row for row, _ in _pieces(model, structure)])
+        found.setflags(write=False)
+        hand_on(model, found)
+    return found
 
 
 def _pieces(model: Model, structure: Structure) -> Iterator[tuple[Array, bool]]:

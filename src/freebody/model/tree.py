@@ -285,9 +285,25 @@ def placed_mass(space: AnySpace, part: Attached, reader: Reader) -> Mass:
 
 def in_body(space: AnySpace, inertia: tuple[Scalar, Vector, Scalar], pose: Pose) -> Mass:
     """(mass, centre, inertia about it) of what is fixed to a body at a pose, in the body's axes."""
-    (m, c, inertia), (R, p) = inertia, pose
-    turned = inertia if _is_zero(inertia) else space.turned_inertia(R, inertia)
-    return Mass(m, add(p, times(R, c)), turned)
+    return Mass(*_placed(space, inertia, pose))
+
+
+def _placed(
+    space: AnySpace, inertia: tuple[Scalar, Vector, Scalar], pose: Pose
+) -> tuple[Scalar, Vector, Scalar]:
+    (m, c, about), (R, p) = inertia, pose
+    if R is identity(space.dim):  # as it is where nothing turns
+        return m, add(p, c), about
+    turned = about if _is_zero(about) else space.turned_inertia(R, about)
+    return m, add(p, times(R, c)), turned
+
+
+def placed_composite(
+    space: AnySpace, inertia: tuple[Scalar, Vector, Scalar], pose: Pose
+) -> tuple[Scalar, Vector, Scalar]:
+    """The same as mass, first moment and inertia about the body's origin."""
+    m, c, about = _placed(space, inertia, pose)
+    return m, scale(m, c), space.plus_inertia(about, space.steiner(m, space.zero, c))
 
 
 Composite = tuple[Scalar, Vector, Scalar]
@@ -313,16 +329,17 @@ def _is_nothing(mass: Mass) -> bool:
 
 def _is_zero(inertia: Scalar) -> bool:
     """Whether all entries are the number 0, and none a parameter's scalar or an array of a family."""
-    rows = inertia if isinstance(inertia, tuple) else ((inertia,),)
-    return all(isinstance(x, float) and x == 0.0 for row in rows for x in row)
+    for row in inertia if isinstance(inertia, tuple) else ((inertia,),):
+        for x in row:
+            if not isinstance(x, float) or x != 0.0:
+                return False
+    return True
 
 
 def drive_of(drive: Drive, reader: Reader) -> tuple[Scalar, ...]:
     """Viscous and Coulomb friction, reflected rotor inertia, stiffness and rest position."""
-    viscous, coulomb, rotor, gear, stiffness, rest = (
-        reader.quantity(x)
-        for x in (drive.viscous, drive.coulomb, drive.rotor, drive.gear, drive.stiffness, drive.rest)
-    )
+    own = (drive.viscous, drive.coulomb, drive.rotor, drive.gear, drive.stiffness, drive.rest)
+    viscous, coulomb, rotor, gear, stiffness, rest = [reader.quantity(x) for x in own]
     return viscous, coulomb, rotor * gear * gear, stiffness, rest
 
 

@@ -129,7 +129,7 @@ def _is_known(function: str, model: Model, option: Option, wrenches: Wrenches, p
     try:
         frames = () if wrenches is None else tuple(model.frame(name).name for name in _given(wrenches)[0])
         loaded = option._replace(wrench_frames=frames) if frames else option
-        bound = structural.known(model, (function,), loaded)
+        bound = structural.ready(model, (function,), loaded)
     except FreebodyError:  # said in its turn
         return False
     if bound is None or len(set(frames)) < len(frames):

@@ -71,7 +71,7 @@ class _Alone(NamedTuple):
     """A body and its joint, without the rest."""
 
     least: float
-    """Smallest eigenvalue of its inertia at its origin, of translations (m/s) and turns (rad/s)."""
+    """What the smallest eigenvalue of its inertia at its origin, of translations (m/s) and turns (rad/s), surely is."""
     mass: float
     inertia: float
     """Trace of the inertia about its origin."""
@@ -113,33 +113,42 @@ def _alone(body: Body, part: BodyPart, dim: int) -> _Alone:
         return _UNSURE  # a family, whose members are looked at
     if drive is not None and drive[2] < 0.0:
         return _UNSURE  # a rotor that takes inertia away
-    entries = _matrix(inertia)
+    least, about = _least(inertia.tolist())
     travel = 0.0 if all(body.kind.angular) else _TRAVEL
     return _Alone(
-        float(np.linalg.eigvalsh(entries)[0]),
+        least,
         float(inertia[0]),
-        float(np.trace(entries[dim:, dim:])),
+        about,
         0.0 if drive is None else float(drive[2]),
         math.hypot(*origin) + travel,
     )
 
 
-def _matrix(inertia: Array) -> Array:
-    """Of mass, first moment and inertia about the origin the symmetric matrix, of translations, then turns."""
-    if len(inertia) == 4:
-        m, x, y, about = inertia.tolist()
-        return np.array([[m, 0.0, -y], [0.0, m, x], [-y, x, about]])
-    m, x, y, z, xx, xy, xz, yy, yz, zz = inertia.tolist()
-    return np.array(
-        [
-            [m, 0.0, 0.0, 0.0, z, -y],
-            [0.0, m, 0.0, -z, 0.0, x],
-            [0.0, 0.0, m, y, -x, 0.0],
-            [0.0, -z, y, xx, xy, xz],
-            [z, 0.0, -x, xy, yy, yz],
-            [-y, x, 0.0, xz, yz, zz],
-        ]
-    )
+def _least(inertia: list[float]) -> tuple[float, float]:
+    """(bound from below of the smallest eigenvalue, trace of the inertia about the origin) of a body's inertia.
+
+    With the centre of mass c and T = (1, -c×; 0, 1) the inertia is Tᵀ diag(m 1, I_c) T, so that its eigenvalues are at
+    least min(m, those of I_c) / (1 + |c|)². Of three positive eigenvalues the smallest is at least det / (trace / 2)².
+    """
+    m, *rest = inertia
+    dim = 2 if len(rest) == 3 else 3
+    about = rest[2] if dim == 2 else rest[3] + rest[6] + rest[8]
+    if m <= 0.0:
+        return -math.inf, about
+    c = [h / m for h in rest[:dim]]
+    off = sum([x * x for x in c])
+    if dim == 2:
+        least = about - m * off
+    else:
+        x, y, z = c
+        xx, xy, xz, yy, yz, zz = rest[3:]
+        a, b, d = xx - m * (off - x * x), yy - m * (off - y * y), zz - m * (off - z * z)
+        ab, ad, bd = xy + m * x * y, xz + m * x * z, yz + m * y * z
+        minor = a * b - ab * ab
+        determinant = minor * d - a * bd * bd - b * ad * ad + 2.0 * ab * ad * bd
+        half = 0.5 * (a + b + d)
+        least = determinant / (half * half) if min(a, minor, determinant) > 0.0 else 0.0
+    return min(m, least) / (1.0 + math.sqrt(off)) ** 2 if least > 0.0 else -math.inf, about
 
 
 def _idle(model: Model, members: tuple[int, ...]) -> tuple[tuple[str, ...], int]:
