@@ -211,6 +211,8 @@ def test_numbers_of_the_robot_are_differentiated_by_name():
     np.testing.assert_allclose(mass.grad.numpy(), [(grown - lighter).sum()] * 3, rtol=1e-9)  # linear in it
     plain = fb.inverse_dynamics(model, q.numpy(), [0, 0], [0, 0])
     np.testing.assert_allclose(f(q, 0.0 * q, 0.0 * q).numpy(), plain, rtol=1e-12)
+    given = f(q, 0.0 * q, 0.0 * q, p=torch.from_numpy(f.values.copy()))
+    np.testing.assert_allclose(given.numpy(), plain, rtol=1e-12)
     assert f(q.float(), q.float(), q.float()).dtype == torch.float32
     with pytest.raises(FreebodyError, match="no input of this kernel"):
         f(q, q, q, p={"link1.com.x": 1.0})
@@ -375,4 +377,9 @@ def test_refusals():
         fb.to_torch(fb.kernel(model, "bias"), "bias")
     with pytest.raises(FreebodyError, match="give the quantities"):
         fb.to_torch(model)
+    far = fb.kernel(model, "bias", target="numpy")
+    far.target = "cuda"
+    with pytest.raises(FreebodyError, match="not by target 'cuda'"):
+        fb.to_torch(far)
+    far.target = "numpy"  # others may be given this kernel too
     assert torch.isnan(f(q, q, torch.tensor([1.0, torch.nan]))).all()

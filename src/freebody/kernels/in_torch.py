@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from freebody.errors import FreebodyError, KindError
 from freebody.kernels.inputs import InputKernel
 from freebody.kernels.lookup import kernel
@@ -59,6 +61,7 @@ class TorchFunction:
     Attributes:
         program: what was traced.
         parameters: names of the entries of p; none where there is no p.
+        values: p of the model itself, of a family (*family, k).
     """
 
     def __init__(self, kernel: Kernel | InputKernel, dtype: str | None):
@@ -77,7 +80,13 @@ class TorchFunction:
         self._fixed = None if dtype is None else known[dtype]
         self.program = kernel.program
         self.parameters: tuple[str, ...] = kernel.parameters if isinstance(kernel, InputKernel) else ()
+        self.values = kernel.values if isinstance(kernel, InputKernel) else np.zeros(0)
         own = kernel.kernel if isinstance(kernel, InputKernel) else kernel
+        if own.target not in in_torch.TARGETS:
+            raise FreebodyError(
+                f"fb.to_torch: tensors are computed with on the CPU, not by target {own.target!r}, whose kernels take "
+                "PyTorch's tensors there themselves, without gradients: call what fb.kernel returns."
+            )
         self._of: dict[Any, TensorProgram] = {
             kind: in_torch.TensorProgram.of(kernel.program, own.target, kind) for kind in known.values()
         }
