@@ -89,7 +89,8 @@ def run(tree: Path, given: argparse.Namespace) -> dict[str, float]:
 
 
 def measured(robots: list[str], dtype: str) -> dict[str, float]:
-    """Nanoseconds: of a sample in a batch, of one call of the kernel and of the public function; of compiling (CPU)."""
+    """Nanoseconds: of a sample in a batch, of one call of the kernel and of the public function; of compiling, and of a
+    process up to its first kernel (CPU)."""
     import freebody as fb
 
     options = {} if dtype == "float64" else {"dtype": dtype}
@@ -97,6 +98,9 @@ def measured(robots: list[str], dtype: str) -> dict[str, float]:
     for robot in robots:
         file, tip = ROBOTS[robot]
         model = fb.load(folder() / file, mimic="free", tip=tip, physical="ignore").without("friction")
+        if not rows:  # what the first one imports is no compiling
+            fb.kernel(model, "gravity_torque", **options)
+            rows["import, first robot and first kernel"] = time.process_time() * 1e9
         rng = np.random.default_rng(20261101)
         for task, names in TASKS.items():
             start = time.process_time()

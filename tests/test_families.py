@@ -553,9 +553,36 @@ def test_numbers_of_members_are_numbers_that_are_there(value, words):
 def test_what_picks_no_member_is_refused():
     """As an array without numbers is where a family is made."""
     family = fb.load("ur5e").bind({"forearm_link.mass": [1.0, 2.0]})
-    for index in (slice(0, 0), np.array([False, False]), []):
-        with pytest.raises(fb.FreebodyError, match=r"picks no member of a family of shape \(2,\)"):
+    for index in (slice(0, 0), np.array([False, False]), [], 2, (0, 0), "a", 1.0, np.array([True])):
+        with pytest.raises(fb.FreebodyError, match=r"picks no member of a family of shape \(2,\)") as caught:
             family[index]
+        assert isinstance(caught.value, IndexError)
+
+
+STEPS = {
+    "rk4_step": (),
+    "semi_implicit_step": (),
+    "implicit_step": (),
+    "implicit_feedback_step": (np.zeros(2), np.zeros(2), np.full(2, 1e4), np.full(2, 1e2)),
+}
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_steps_of_a_family_are_those_of_its_members(name):
+    """With derivatives, and in 32 bits to what these hold."""
+    family = random_family(fb.load("2R").with_drive("joint1", viscous=0.1, stiffness=2.0, rest=0.1))
+    q, qd, tau = fb.random_state(fb.load("2R"), 0, (5, 1))
+    step = fb.kernel(family, name, by=("q", "p"))
+    short = fb.kernel(family, name, by=("q", "p"), dtype="float32")
+    found, rounded = (k(q, qd, tau, 1e-3, *STEPS[name]) for k in (step, short))
+    assert found[3].shape == (5, 2, 2, len(step.parameters))
+    one = fb.kernel(family[0], name, by=("q", "p"), inputs=list(step.parameters))
+    for i in range(2):
+        expected = one(*(x[:, 0] for x in (q, qd, tau)), 1e-3, *STEPS[name], step.values[i])
+        for a, b, c in zip(found, expected, rounded, strict=True):
+            assert_near(a[:, i], b)
+            assert c.dtype == np.float32
+            assert np.abs(c[:, i] - b).max() <= 1e-5 * np.abs(b).max()
 
 
 @pytest.mark.parametrize("option", ["inputs", "by"])

@@ -170,6 +170,16 @@ def test_axis_is_normalised_and_said(tmp_path):
     assert said(model, "axis") == ["5: joint 'elbow': the axis has length 5; it is made a unit vector."]
 
 
+def test_an_axis_beside_a_coordinate_axis_is_taken_as_it_is(tmp_path):
+    """Rodrigues' formula for the axis (1, e, 0), to first order in e; Pinocchio makes it (1, 0, 0)."""
+    e, angle = 1e-12, 0.7
+    model = read(tmp_path, joint(f'<axis xyz="1 {e} 0"/>', "continuous"))
+    R = fb.forward_kinematics(model, [angle], "hand")[:3, :3]
+    turn = (1.0 - math.cos(angle)) * e
+    expected = [turn, e * math.sin(angle), turn, -e * math.sin(angle)]
+    assert [R[0, 1], R[0, 2], R[1, 0], R[2, 0]] == pytest.approx(expected, rel=1e-12)
+
+
 def test_floating_joint_is_free(tmp_path):
     model = read(tmp_path, joint(kind="floating"))
     assert (model.nq, model.nv, model.bodies[0].joint.kind) == (7, 6, "free")

@@ -162,6 +162,10 @@ def changed(thing: Any, new: dict[str, Any]) -> Any:
     return copy
 
 
+class MemberError(FreebodyError, IndexError):
+    """An index that picks no member of a family."""
+
+
 class FamilyError(FreebodyError, TypeError):
     """A family where one robot is needed."""
 

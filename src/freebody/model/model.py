@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError, MissingValueError, ModelError, UnknownNameError
+from freebody.errors import FreebodyError, MissingValueError, ModelError, UnknownNameError, shown
 from freebody.lazy import cached_property
 from freebody.model import changes as changed
 from freebody.model import identified, listing, numbers
@@ -20,7 +20,7 @@ from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import JointKind
 from freebody.model.loops import checked_tolerance
-from freebody.model.members import one_family, taken
+from freebody.model.members import MemberError, one_family, taken
 from freebody.model.parameters import Quantity, each_parameter
 from freebody.model.parts import ESTIMATED, Loop, Notice
 from freebody.model.reading import VALUES
@@ -232,13 +232,16 @@ class Model(Tabled, ByValue):
     def __getitem__(self, index: Any) -> Model:
         """A member of a family, or by slices some of them; indices are those of an array of its shape."""
         if not self.family:
-            raise FreebodyError(f"{self.name!r} is one robot, no family: it has no member {index!r}.")
-        some = taken(self, self.family, index)
-        if 0 in some.family:
-            raise FreebodyError(
-                f"{self.name!r}: {index!r} picks no member of a family of shape {self.family}."
+            raise MemberError(f"{self.name!r} is one robot, no family: it has no member {shown(index)}.")
+        try:
+            picked = np.empty(self.family)[index].size
+        except (IndexError, ValueError, TypeError):
+            picked = 0
+        if not picked:
+            raise MemberError(
+                f"{self.name!r}: {shown(index)} picks no member of a family of shape {self.family}."
             )
-        return some
+        return taken(self, self.family, index)
 
     # a family is no sequence that runs out: members are asked by index
     __iter__ = None
