@@ -153,13 +153,8 @@ def _reactions(names: Naming, pose: Skeleton, body: BodyPlace, wrenches: Array) 
     """By the parent, and by each child the opposite of what it receives."""
     n = body.number
     before = body.parent + 1
-    by = (
-        pose.bodies[body.parent].name
-        if before
-        else "its drives"
-        if body.kind.name == "free"
-        else "the ground"
-    )
+    ground = "its drives" if body.kind.frees(pose.dim) else "the ground"
+    by = pose.bodies[body.parent].name if before else ground
     force, moment = names.force(before, n), names.joint_moment(n)
     loads = [_reaction(force, moment, "reaction", by, body.origin, wrenches[body.index], body.index)]
     for child in pose.bodies:

@@ -85,7 +85,7 @@ class _Assembly:
                 joints.insert(0, Joint("base", "free", "", root))
             self._unique("joint", tuple(joints))
             parent_joint[root] = joints[0]
-        order = [joint.child for joint in joints if joint.kind != "fixed"]
+        order = [joint.child for joint in joints if KINDS[joint.kind].nv]
         index = {name: i for i, name in enumerate(order)}
         carrier: dict[str, tuple[int, Placement]] = {}
         for link in d.links:
@@ -306,7 +306,7 @@ class _Assembly:
                 self.refuse(str(error))
         bodies = []
         for joint in joints:
-            if joint.kind == "fixed":
+            if not KINDS[joint.kind].nv:
                 continue
             parent, placement = carrier[joint.parent] if joint.parent else (-1, Placement())
             mounted = replace(
@@ -336,7 +336,7 @@ class _Assembly:
     def frames(self, joints: list[Joint], carrier: dict[str, tuple[int, Placement]]) -> list[Frame]:
         """The frames of links, then those mounted on them, which the carriers are completed with."""
         d = self.description
-        fixed_to = {joint.child: joint.parent for joint in joints if joint.kind == "fixed"}
+        fixed_to = {joint.child: joint.parent for joint in joints if not KINDS[joint.kind].nv}
         frames = [Frame(link.name, *carrier[link.name], fixed_to.get(link.name, "")) for link in d.links]
         for mount in d.mounts:
             if mount.link not in carrier:
@@ -351,7 +351,7 @@ class _Assembly:
     def loops(self, joints: list[Joint], carrier: dict[str, tuple[int, Placement]]) -> tuple[Loop, ...]:
         """The loops, each checked."""
         body_of = {name: body for name, (body, _) in carrier.items()}
-        taken = {joint.name for joint in joints if joint.kind != "fixed"}
+        taken = {joint.name for joint in joints if KINDS[joint.kind].nv}
         checked = []
         for loop in self.description.loops:
             try:

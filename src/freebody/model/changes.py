@@ -188,9 +188,7 @@ def _loop_in_space(loop: Loop) -> Loop:
     kind = LOOP_KINDS[loop.kind]
     if 3 not in kind.dimensions:
         return replace(loop, kind=kind.elsewhere)
-    return replace(
-        loop, axis={"revolute": (0.0, 0.0, 1.0), "prismatic": (*loop.axis, 0.0)}.get(loop.kind, ())
-    )
+    return replace(loop, axis=kind.axis_in_space(loop.axis))
 
 
 def _placement_in_space(placement: Placement) -> Placement:

@@ -59,6 +59,14 @@ class LoopKind:
     needs_distance: bool = False
     elsewhere: str = ""
     """What it is called in the space in which this name does not exist."""
+    pins: bool = False
+    """Whether it does no more than hold two points, or lines, together."""
+
+    def axis_in_space(self, axis: tuple[float, ...]) -> tuple[float, ...]:
+        """The axis of a planar model's loop in its twin in space, whose xy-plane the plane is."""
+        if 2 in self.axis_in:
+            return (*axis, 0.0)
+        return (0.0, 0.0, 1.0) if 3 in self.axis_in else ()
 
 
 def normals(axis: Vector) -> tuple[Vector, ...]:
@@ -96,10 +104,12 @@ def _aligned(space: AnySpace) -> tuple[Pair, ...]:
 LOOP_KINDS: dict[str, LoopKind] = {
     kind.name: kind
     for kind in (
-        LoopKind("revolute", lambda s, a: Closure(point=True, turns=_parallel(s, a)), axis_in=(3,)),
+        LoopKind(
+            "revolute", lambda s, a: Closure(point=True, turns=_parallel(s, a)), axis_in=(3,), pins=True
+        ),
         LoopKind("prismatic", lambda s, a: Closure(slides=normals(a), turns=_aligned(s)), axis_in=(2, 3)),
-        LoopKind("spherical", lambda s, a: Closure(point=True), (3,), elsewhere="point"),
-        LoopKind("point", lambda s, a: Closure(point=True), (2,), elsewhere="spherical"),
+        LoopKind("spherical", lambda s, a: Closure(point=True), (3,), elsewhere="point", pins=True),
+        LoopKind("point", lambda s, a: Closure(point=True), (2,), elsewhere="spherical", pins=True),
         LoopKind("fixed", lambda s, a: Closure(point=True, turns=_aligned(s))),
         LoopKind("distance", lambda s, a: Closure(distance=True), needs_distance=True),
     )

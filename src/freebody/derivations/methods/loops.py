@@ -16,6 +16,7 @@ from freebody.derivations.names import entry, sym
 from freebody.derivations.render.literal import literal
 from freebody.errors import listed
 from freebody.lazy import cached_property
+from freebody.model.closures import LOOP_KINDS
 from freebody.model.tree import TreeLoop
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, add, scale
@@ -69,7 +70,7 @@ class Loops:
         if loop.closure.distance:
             return f"{literal(loop.name)} is a rod without mass from {first} to {second}"
         kind = next(x.kind for x in self.s.symbols.model.loops if x.name == loop.name)
-        if kind in ("revolute", "point", "spherical"):
+        if LOOP_KINDS[kind].pins:
             return f"{literal(loop.name)} holds {first} and {second} together"
         return f"{literal(loop.name)} ({kind}) joins {first} to {second}"
 

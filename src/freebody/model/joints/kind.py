@@ -108,6 +108,10 @@ class JointKind(ABC):
         """Whether all that it does is slide along one axis."""
         return self.angular == (False,)
 
+    def frees(self, dim: int) -> bool:
+        """Whether it leaves a body all its motion in a space of so many dimensions."""
+        return self.nv == (6 if dim == 3 else 3)
+
     def axis_size(self, dim: int) -> int:
         """Entries of its axis in a space of so many dimensions."""
         return dim
