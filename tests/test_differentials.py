@@ -9,7 +9,7 @@ import freebody as fb
 from freebody.kernels import differentials
 from freebody.kernels.asked import asked
 from freebody.kernels.differentials import Differentiable, of_quantities
-from freebody.program.derivative import directional, jacobian
+from freebody.program.derivative import applied, applied_back, directional, jacobian
 from freebody.program.evaluate import evaluated
 from freebody.targets import compile_program
 
@@ -75,6 +75,24 @@ def test_jacobians_are_those_by_complex_steps(robot, names, options):
         for way in function.ways(by):
             agree(run(way, arrays), expected)
         agree(columns(program, by, arrays), expected)
+
+
+def test_jacobians_times_vectors():
+    """And their transpose: products of the matrices themselves."""
+    function, _ = quantity(fb.load("2R"), ["inverse_dynamics", "mass_matrix", "kinetic_energy"])
+    program, by, of = function.program, (0, 1), (0, 2)
+    arrays, rng = given(program), np.random.default_rng(3)
+    table = jacobian(program, by)
+    tables = run(table, arrays)
+    matrix = {k: np.hstack([tables[2 * k + j].reshape(-1, 2) for j in range(2)]) for k in of}
+    rates = rng.normal(size=(2, 3, 2))
+    for k, made in zip(of, run(applied(table, program, by, of, 3), [*arrays, *rates]), strict=True):
+        expected = matrix[k] @ np.hstack(rates).T
+        np.testing.assert_allclose(made, expected.reshape(*program.outputs[k].shape, 3), rtol=1e-12)
+    weights = rng.normal(size=(3, 2)), rng.normal(size=3)
+    found = run(applied_back(table, program, by, of, 3), [*arrays, *weights])
+    expected = weights[0] @ matrix[0] + weights[1][:, None] * matrix[2]
+    np.testing.assert_allclose(np.hstack(found), expected, rtol=1e-12)
 
 
 def run(program, arrays):

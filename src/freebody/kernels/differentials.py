@@ -20,7 +20,7 @@ from freebody.kernels.tracing import program as formula_program
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.program import Program, trace
-from freebody.program.derivative import directional, jacobian, slope_arguments
+from freebody.program.derivative import applied, applied_back, directional, jacobian, slope_arguments
 from freebody.program.evaluate import evaluated
 from freebody.spatial import dot, identity, transposed
 
@@ -62,6 +62,19 @@ class Differentiable:
     def along(self, by: Sequence[int]) -> Differentiable:
         """The rates of the outputs; those of the inputs `by` come last."""
         return Differentiable(directional(self.program, tuple(by)))
+
+    def applied(
+        self, by: Sequence[int], of: Sequence[int], count: int, back: bool = False
+    ) -> Differentiable | None:
+        """Rates of the outputs `of` for so many vectors, each a rate of the inputs `by`; back: of the transpose.
+
+        See `program.derivative`. None where the products would be more than half: a library's matrices are as quick.
+        """
+        found, made = self.jacobian(by), applied_back if back else applied
+        entries = sum(self.program.inputs[k].size for k in by) * sum(self.program.outputs[k].size for k in of)
+        if not found.whole or 2 * count * entries > length(found.function.program):
+            return None
+        return Differentiable(made(found.function.program, self.program, by, of, count))
 
     def ways(self, by: tuple[int, ...]) -> list[Program]:
         """Programs of the whole Jacobian, but for those that would be far too long."""

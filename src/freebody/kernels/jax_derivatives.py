@@ -49,6 +49,7 @@ class Function:
         self.call = call
         self.matrices = cache(self._matrices)
         self.along = cache(self._along)
+        self.applied = cache(self._applied)
         self.gradient = cache(self._gradient)
 
     def _rule(self, primals: Arrays, tangents: Arrays) -> tuple[Arrays, Arrays]:
@@ -69,6 +70,11 @@ class Function:
     def _gradient(self, by: Positions, of: Positions) -> Function:
         """Of the gradient by the inputs `by`; weights of the outputs `of` come last."""
         return Function(Differentiable(gradient(self.program, by, of)), self.way)
+
+    def _applied(self, by: Positions, of: Positions, count: int, back: bool) -> Function | None:
+        """Of the Jacobian, or its transpose, times so many vectors, which come last; None if it would be too long."""
+        made = self.what.applied(by, of, count, back)
+        return made and Function(made, self.way)
 
     def _matrices(self, by: Positions) -> Callable[..., Arrays]:
         """A function of the inputs: the derivatives of each output by each of the inputs `by`, (*output, *input)."""
@@ -113,16 +119,67 @@ def _evaluate(
     """What the operation computes, in terms of kernels that have derivatives themselves."""
     count = len(function.program.inputs)
     primals, given = operands[:count], operands[count:]
-    inputs = [function.program.inputs[k].shape for k in by]
-    outputs = [function.program.outputs[k].shape for k in of]
     if not matrix and back is None:
         rates = function.along(by).call(*primals, *given)
         return tuple(rates[k] for k in of)
     if not matrix:
         slopes = function.gradient(by, of).call(*primals, *given)
+        inputs = [function.program.inputs[k].shape for k in by]
         return tuple(
             _summed(x, (*batch, *shape)) for x, batch, shape in zip(slopes, back, inputs, strict=True)
         )
+    how = function, by, of, back
+    results = _shared(*how, primals, given)
+    return _multiplied(*how, primals, given) if results is None else results
+
+
+def _shared(
+    function: Function, by: Positions, of: Positions, back: Any, primals: Arrays, given: Arrays
+) -> Arrays | None:
+    """Of vectors that are the same for all samples, by a kernel that multiplies with them itself; None where others
+    come, or too many."""
+    sizes = _batches(function.program, by, of, back, (*primals, *given))
+    values, vectors = (np.broadcast_shapes(*some) for some in (sizes[: len(primals)], sizes[len(primals) :]))
+    many = [k for k, n in enumerate(vectors) if n > 1]
+    if any(values[k] > 1 for k in many):
+        return None
+    count = prod(vectors[k] for k in many)
+    found = function.applied(by, of, count, back is not None)
+    if found is None:
+        return None
+    lists = []
+    for x in given:
+        core = x.shape[len(vectors) :]
+        lists.append(jnp.broadcast_to(x, (*vectors, *core)).reshape(count, *core))
+    results = found.call(*primals, *lists)
+    one = [k for k in range(len(vectors)) if k not in many]
+    sizes_of = [values[k] for k in one], [vectors[k] for k in many]
+    if back is None:
+        cores = [function.program.outputs[k].shape for k in of]
+        return tuple(
+            _placed(y.reshape(*sizes_of[0], *core, *sizes_of[1]), [*one, *range(-len(core), 0), *many])
+            for y, core in zip(results, cores, strict=True)
+        )
+    cores = [function.program.inputs[k].shape for k in by]
+    placed = [
+        _placed(y.reshape(*sizes_of[0], *sizes_of[1], *core), [*one, *many, *range(-len(core), 0)])
+        for y, core in zip(results, cores, strict=True)
+    ]
+    return tuple(_summed(x, (*batch, *core)) for x, batch, core in zip(placed, back, cores, strict=True))
+
+
+def _placed(x: Any, axes: Sequence[int]) -> Any:
+    """An array whose axes are these of another one, in the order of that one."""
+    order = sorted(axes, key=lambda k: k if k >= 0 else len(axes) + k)
+    return x.transpose([axes.index(k) for k in order])
+
+
+def _multiplied(
+    function: Function, by: Positions, of: Positions, back: Any, primals: Arrays, given: Arrays
+) -> Arrays:
+    """Through Jacobians as arrays."""
+    inputs = [function.program.inputs[k].shape for k in by]
+    outputs = [function.program.outputs[k].shape for k in of]
     every = function.matrices(by)(*primals)
     tables = [every[k * len(by) : (k + 1) * len(by)] for k in of]
     if back is None:
