@@ -234,6 +234,25 @@ def test_one_direction_and_one_gradient_have_kernels_of_their_own():
     assert how(jax.vmap(jax.jacfwd(function))) == how(jax.vmap(jax.jacrev(function))) == {"True"}
 
 
+def test_every_sample_may_have_directions_of_its_own():
+    model = fb.load("2R")
+    function = fb.to_jax(model, "inverse_dynamics")
+    q, qd, qdd = state(model, 5)
+    directions, weights = np.random.default_rng(6).normal(size=(2, 5, 3, 2))
+    table = fb.inverse_dynamics_derivatives(model, q, qd, qdd)[0]
+
+    def along(q, qd, qdd, directions):
+        return jax.vmap(lambda d: jax.jvp(lambda x: function(x, qd, qdd), (q,), (d,))[1])(directions)
+
+    def back(q, qd, qdd, weights):
+        return jax.vmap(lambda w: jax.vjp(lambda x: function(x, qd, qdd), q)[1](w)[0])(weights)
+
+    found = jax.vmap(along)(q, qd, qdd, directions)
+    np.testing.assert_allclose(found, np.einsum("nij,ndj->ndi", table, directions), rtol=1e-11, atol=1e-12)
+    found = jax.vmap(back)(q, qd, qdd, weights)
+    np.testing.assert_allclose(found, np.einsum("nij,ndi->ndj", table, weights), rtol=1e-11, atol=1e-12)
+
+
 def test_what_is_shared_by_a_batch_has_the_sum_of_its_gradients():
     model = fb.load("2R")
     function = fb.to_jax(model, ["inverse_dynamics", "mass_matrix"])
