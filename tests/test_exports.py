@@ -340,9 +340,10 @@ def test_numbers_of_the_robot_are_arguments_where_asked(tmp_path):
     fb.export(model, "inverse_dynamics", tmp_path, inputs=inputs)
     passes(tmp_path, "c", "inverse_dynamics")
     kernel = fb.kernel(model, "inverse_dynamics", inputs=inputs)
-    assert list(json.loads((tmp_path / "names.json").read_text())["numbers"].values()) == list(
-        kernel.parameters
-    )
+    originals = json.loads((tmp_path / "names.json").read_text())["numbers"]
+    assert list(originals.values()) == list(fb.parameters(model).names)
+    listed = re.findall(r"p \[\d+\] (\w+)", (tmp_path / "inverse_dynamics.h").read_text())
+    assert [originals[word] for word in listed] == list(kernel.parameters)
     head = (tmp_path / "inverse_dynamics.h").read_text()
     assert "Gravity: in p." in head
     k = kernel.parameters.index("forearm_link.mass")
@@ -377,7 +378,8 @@ def test_the_vectors_of_a_kernel_with_inputs_are_near_the_robots_own_numbers(tmp
     assert (off <= 0.1 * np.maximum(np.abs(kernel.values), 0.1) + 1e-15).all()
     assert (off > 0).any()
     names = json.loads((tmp_path / "names.json").read_text())
-    assert list(names["numbers"].values()) == list(kernel.parameters)
+    listed = re.findall(r"p \[\d+\] (\w+)", text)
+    assert [names["numbers"][word] for word in listed] == list(kernel.parameters)
 
 
 def test_the_self_test_of_loop_equations_asks_for_agreement():
@@ -471,6 +473,19 @@ def test_names_of_a_robot_are_words_in_the_text_and_as_they_were_in_names_json(t
     names = json.loads((tmp_path / "out" / "names.json").read_text())
     assert list(names["robot"].values()) == [hostile]
     assert set(tmp_path.iterdir()) == {tmp_path / "out"}
+
+
+def test_functions_of_a_robot_share_a_folder(tmp_path):
+    """What the second writes over says nothing of the first that is lost."""
+    model = fb.load("2R")
+    fb.export(model, "mass_matrix", tmp_path, inputs=["*.mass"])
+    names = (tmp_path / "names.json").read_text()
+    fb.export(model, "gravity_torque", tmp_path)
+    assert (tmp_path / "names.json").read_text() == names
+    assert "of gravity_torque" in (tmp_path / "README.txt").read_text()
+    require("c")
+    passes(tmp_path, "c", "mass_matrix")
+    passes(tmp_path, "c", "gravity_torque")
 
 
 @pytest.mark.parametrize("name", ["a b", "", "int main", "θ", "lambda", "../x"])

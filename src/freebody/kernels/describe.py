@@ -34,7 +34,8 @@ class Description:
         program: Program,
     ):
         self.model, self.option, self.numbers, self.program = model, option, numbers, program
-        self._number_words = identifiers(numbers.names if numbers else ())
+        # of all numbers: names.json is then the same for all functions of a robot, which may share a folder
+        self._number_words = identifiers(Parameters(model).names)
         self._joint_words = identifiers(model.joint_names)
         self._body_words = identifiers([*(body.name for body in model.bodies), *model.frame_names])
         self._meanings = self._worded(quantities)
@@ -191,7 +192,7 @@ def _listed_numbers(model: Model, numbers: Inputs | None, words: dict[str, str])
 def of_program(program: Program, numbers: Inputs | None = None) -> tuple[tuple[str, ...], dict[str, Any]]:
     """The head of the text of a kernel, of which no more is known than its program and its p; and p's names."""
     counts = ", ".join(f"{count} {op}" for op, count in sorted(program.operations.items()))
-    words = identifiers(numbers.names if numbers else ())
+    words = identifiers(Parameters(numbers.model).names if numbers else ())
     head = [
         f"{program.name}: {', '.join(map(str, program.inputs))} -> {', '.join(map(str, program.outputs))}.",
         f"{sum(program.operations.values())} operations: {counts or 'none'}.",

@@ -69,7 +69,7 @@ def export(
     model = what if isinstance(what, Model) else None
     files = known.package(unit, vectors(unit.program, dtype, model, given.values if given else None))
     word = next(iter(files)).partition(".")[0]
-    files["README.txt"] = _readme(unit, known.test.format(name=word), known.note, list(files))
+    files["README.txt"] = _readme(word, known.test.format(name=word), known.note, list(files))
     files["names.json"] = json.dumps(described, indent=1) + "\n"
     about = {"freebody": __version__, "function": word, "language": language, "dtype": dtype}
     return write_folder(out, {key: (lambda text=text: text) for key, text in files.items()}, about)
@@ -113,16 +113,16 @@ def _unit(
     return unit, about.names, chosen.given
 
 
-def _readme(unit: Unit, command: str, note: str, files: list[str]) -> str:
-    """What lies in the folder and how it is tried."""
+def _readme(word: str, command: str, note: str, files: list[str]) -> str:
+    """What lies in the folder and how it is tried; it serves the functions that were written there before, too."""
     return "\n".join(
         [
-            *unit.comment,
+            f"Functions written by freebody {__version__}. How one is called stands at the head of its text.",
+            f"Files of {word}: {', '.join(files)}.",
+            "names.json has the robot's names as they were where the texts have words, manifest.json checksums.",
             "",
-            f"Files: {', '.join(files)};",
-            "names.json has the names as they were where the text has words, manifest.json checksums.",
-            "",
-            "The self-test compares with results in more digits, and ends with status 0 if they agree:",
+            f"Each has a self-test, which compares with results in more digits and ends with status 0 if they agree;"
+            f" that of {word}:",
             f"    {command}",
             *(["", note] if note else []),
             "",
