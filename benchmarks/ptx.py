@@ -89,38 +89,46 @@ def instructions(text: str, dtype: str) -> int:
     return sum(_WEIGHT.get(word, 1) for word in words)
 
 
-def row(model: fb.Model, name: str, quantity: str, dtype: str) -> str:
-    """One line of the table."""
+def figures(model: fb.Model, quantity: str, dtype: str) -> tuple[str, ...]:
+    """What the table tells of one kernel."""
     begin = process_time()
     text = fb.source(model, quantity, "cuda", dtype=dtype)
     emitted = process_time() - begin
     registers, moved, spent = assembled(text)
     count, size = instructions(text, dtype), 8 if dtype == "float64" else 4
     program = fb.kernel(model, quantity, target="numpy").program
-    bytes_moved = size * (program.input_size + program.output_size)
-    limits = INSTRUCTIONS[dtype] / count / 1e9, BYTES / bytes_moved / 1e9
+    there = size * (program.input_size + program.output_size)
+    limits = INSTRUCTIONS[dtype] / count / 1e9, BYTES / there / 1e9
     shown = (
-        name, quantity.replace("_", " "), dtype, len(registers), max(registers), moved, count, bytes_moved,
-        f"{len(text) / 1e3:.0f}", f"{emitted:.2f} + {spent:.2f}", *(f"{x:.2g}" for x in limits),
-    )  # fmt: skip
-    return f"| {' | '.join(map(str, shown))} |"
+        len(registers),
+        max(registers),
+        moved,
+        count,
+        there,
+        f"{len(text) / 1e3:.0f}",
+        f"{emitted + spent:.1f}",
+    )
+    return (*map(str, shown), f"{min(limits):.2g} ({'arithmetic' if limits[0] < limits[1] else 'memory'})")
+
+
+HEAD = (
+    "entries, registers, bytes spilled and read, instructions, bytes in and out, kB of text, seconds, limit"
+)
 
 
 def main() -> None:
-    """The table."""
+    """The table: of double and of float."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("robots", nargs="*", default=ROBOTS)
     parser.add_argument("--all", action="store_true", help="every quantity")
     asked = parser.parse_args()
-    print(
-        "| robot | quantity | type | entries | registers | bytes spilled and read | instructions | bytes in and out "
-        "| kB | seconds (LLVM + ptxas) | arithmetic | memory |\n|---|---|---|---|---|---|---|---|---|---|---|---|"
-    )
+    print(f"| robot | quantity | {HEAD.replace(', ', ' | ')} |\n|{'---|' * 10}")
     for name in asked.robots:
         model = robot(name)
         for quantity in quantities(model, asked.all):
-            for dtype in INSTRUCTIONS:
-                print(row(model, name, quantity, dtype), flush=True)
+            cells = zip(*(figures(model, quantity, dtype) for dtype in INSTRUCTIONS), strict=True)
+            both = (x if x == y else f"{x} / {y}" for x, y in cells)
+            print(f"| {name} | {quantity.replace('_', ' ')} | {' | '.join(both)} |", flush=True)
 
 
 if __name__ == "__main__":

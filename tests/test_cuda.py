@@ -28,7 +28,7 @@ from freebody.targets.cuda.driver import missing
 from freebody.targets.cuda.emit import emit
 from freebody.targets.cuda.parts import LARGEST, ROOM, alive, part, parts, prepared
 from freebody.targets.llvm.machine import host
-from freebody.targets.text import cuda
+from freebody.targets.text import Unit, cuda
 from support import gpu
 from support.real_files import ROBOTS
 
@@ -244,6 +244,15 @@ def test_parts_are_all_results_once_and_a_program_that_would_cost_too_much_stays
         if divided:
             assert max(map(alive, some)) <= ROOM["float64"]
             assert whole.operations < sum(x.operations for x in some) <= LARGEST * whole.operations
+
+
+def test_a_program_without_numbers_is_an_entry_all_the_same(tmp_path):
+    empty = trace("nothing", lambda q: ([],), [Argument("q", (2,))], [Argument("y", (0,))])
+    text = cuda.CUDA.emit(Unit(empty, "nothing"))
+    assert re.findall(r"\.entry (\w+)\(", text) == ["nothing"]
+    gpu.assembled(text, tmp_path)
+    (found,) = gpu.run(empty, [np.ones((3, 2))])
+    assert found.shape == (3, 0)
 
 
 @pytest.mark.parametrize("processor", ["sm_75", "sm_80", "sm_100"])

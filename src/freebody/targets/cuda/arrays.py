@@ -134,6 +134,8 @@ class DeviceArray:
     def numpy(self) -> np.ndarray:
         """A copy in the host's memory; waits until the numbers are there."""
         made = np.empty(self.shape, self.dtype)
+        if not made.size:
+            return made
         with driver.current(self._memory.device):
             driver.call(
                 "cuMemcpyDtoHAsync", made.ctypes.data, self._memory.address, made.nbytes, self._memory.stream

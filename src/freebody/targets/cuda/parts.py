@@ -16,8 +16,9 @@ from freebody.program.passes import gather_factors, share_reciprocals
 from freebody.program.program import Program
 from freebody.scalars.operations import ARITY
 
-ROOM = {"float64": 150, "float32": 300}
-"""Values alive at a time up to which nothing is spilled. More than registers hold: inputs can be read again."""
+ROOM = {"float64": 156, "float32": 275}
+"""Values alive at a time up to which `ptxas` spilled nothing, or in one of 60 formulas 48 bytes. It is more than
+registers hold: inputs can be read again."""
 
 MOST = 2.0
 """Values alive at a time, over the room that there is, beyond which no division was ever found that pays."""
@@ -105,7 +106,7 @@ def parts(program: Program, dtype: str) -> list[Part]:
         cost += rest.operations
         if cost > LARGEST * whole.operations:
             return [whole]
-    return made
+    return made or [whole]
 
 
 def _too_many(program: Program, results: Sequence[int], dtype: str) -> bool:
