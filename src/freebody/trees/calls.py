@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from freebody.arrays import Array, as_floats, at_sample, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError
 from freebody.kernels import structural
-from freebody.kernels.formulas import FORMULAS, POSITIONS, Option
+from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
 from freebody.labels import aligned, refuse_other_times
 from freebody.model.model import Model
 from freebody.model.required import require_model
@@ -19,8 +19,6 @@ from freebody.targets.sound import HUGE, UNIT
 
 Vector = ArrayLike | Mapping[str, float]
 Wrenches = ArrayLike | Mapping[str, ArrayLike] | None
-
-_POINTS = ("point", "about")
 
 
 Key = str | tuple[Any, ...]
@@ -185,27 +183,41 @@ def _refuse_overflow(function: str, named: Mapping[str, Array]) -> None:
 
 def vector(function: str, model: Model, name: str, value: Any) -> Array:
     """q, qd, qdd, tau or a point as a checked array; one whose entries carry names (`labels`) is put in order."""
-    array = as_floats(function, name, aligned(function, name, value, labels(model, name), _DIMS[_kind(name)]))
-    symbol = "nq" if name in POSITIONS else "dim" if name in _POINTS else "nv"
-    size = getattr(model, symbol)
+    dimension, names = _dimension(name), labels(model, name)
+    array = as_floats(function, name, aligned(function, name, value, names, _VECTORS[dimension].dims))
+    size = len(names)
     if array.shape[-1:] != (size,):
-        check_core(function, name, array, (size,), f"model {model.name!r} has {symbol} = {size}")
+        check_core(function, name, array, (size,), f"model {model.name!r} has {dimension} = {size}")
     if name in POSITIONS and model.nq != model.nv:
         _check_quaternions(function, model, array)
     return array
 
 
-_DIMS = {
-    "positions": ("position", "joint"),
-    "velocities": ("velocity", "joint"),
-    "point": ("axis",),
+class _Vectors(NamedTuple):
+    """Vectors of one dimension: what a DataArray may call it, and the names of their entries."""
+
+    dims: tuple[str, ...]
+    entries: Callable[[Model], tuple[str, ...]]
+
+
+_VECTORS = {
+    "nq": _Vectors(("position", "joint"), lambda model: model.position_names),
+    "nv": _Vectors(("velocity", "joint"), lambda model: model.velocity_names),
+    "dim": _Vectors(("axis",), lambda model: ("x", "y", "z")[: model.dim]),
+    "six": _Vectors(
+        ("component", "axis"),
+        lambda model: ("fx", "fy", "fz", "mx", "my", "mz") if model.dim == 3 else ("fx", "fy", "m"),
+    ),
 }
-_OF_WRENCH = ("component", "axis")
-"""Dimensions of a DataArray that stand for the vector."""
+"""By the dimension of an input (`kernels.formulas.INPUTS`)."""
 
 
-def _kind(name: str) -> str:
-    return "positions" if name in POSITIONS else "point" if name in _POINTS else "velocities"
+def _dimension(name: str) -> str:
+    """Of an argument: inputs of formulas have theirs in the table, all others are along the rates."""
+    if name.startswith("wrenches"):
+        return "six"
+    given = INPUTS.get("point" if name == "about" else name)
+    return "nv" if given is None else str(given.dims[0])
 
 
 def finite_vector(function: str, model: Model, name: str, value: Any) -> Array:
@@ -234,13 +246,7 @@ def common_batch(function: str, named: Mapping[str, Array]) -> tuple[int, ...]:
 
 def labels(model: Model, name: str) -> tuple[str, ...]:
     """Names of the entries of an input."""
-    if name in POSITIONS:
-        return model.position_names
-    if name in _POINTS:
-        return ("x", "y", "z")[: model.dim]
-    if name.startswith("wrenches"):
-        return ("fx", "fy", "fz", "mx", "my", "mz") if model.dim == 3 else ("fx", "fy", "m")
-    return model.velocity_names
+    return _VECTORS[_dimension(name)].entries(model)
 
 
 def _check_quaternions(function: str, model: Model, q: Array) -> None:
@@ -272,7 +278,9 @@ def wrenches_by_frame(
         if name in loads:
             raise FreebodyError(f"{function}: wrenches holds frame {name!r} twice; add the two wrenches up.")
         argument = f"wrenches[{name!r}]"
-        loads[name] = as_floats(function, argument, aligned(function, argument, value, names, _OF_WRENCH))
+        loads[name] = as_floats(
+            function, argument, aligned(function, argument, value, names, _VECTORS["six"].dims)
+        )
         order = "force, then moment, world axes"
         check_core(function, argument, loads[name], (len(names),), order)
         if single and loads[name].ndim > 1:
