@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody.kernels.inputs import InputKernel
 from freebody.model.members import FamilyError
 from freebody.model.reading import VALUES
 from freebody.targets.llvm import fastcall
@@ -410,6 +411,30 @@ def test_plain_arrays_with_numbers_go_to_the_compiled_function_itself():
     if kernel.kernel.target != "cpu" or not fastcall.available():
         pytest.skip("no C function here")
     assert type(kernel.__call__) is type(kernel.kernel.__call__) is types.BuiltinFunctionType
+
+
+def test_without_p_the_compiled_function_takes_the_models_own_numbers(monkeypatch):
+    kernel, q = fb.kernel(fb.load("2R"), "gravity_torque", inputs=["m1", "m2"]), np.array([0.3, -0.4])
+    if kernel.kernel.target != "cpu" or not fastcall.available():
+        pytest.skip("no C function here")
+    expected = kernel(q, kernel.values)
+    monkeypatch.setattr(InputKernel, "numbers", lambda *_: pytest.fail("the general way"))
+    assert kernel(q).tobytes() == expected.tobytes()
+    out = np.empty(2)
+    assert kernel(q, out=out) is out
+    assert out.tobytes() == expected.tobytes()
+
+
+@pytest.mark.parametrize("number", [2.5, np.float64(2.5), 2, np.float32(2.5)])
+def test_numbers_of_any_kind_by_name(number):
+    kernel, q = fb.kernel(fb.load("2R"), "gravity_torque", inputs=["m1", "m2"]), np.array([0.3, -0.4])
+    p = np.array(kernel.values)
+    p[1] = number
+    for name in ("m2", ("m2",), "link2.mass"):
+        assert kernel(q, p={name: number}).tobytes() == kernel(q, p).tobytes()
+        with pytest.raises(fb.FreebodyError, match="'l1' is no input"):
+            kernel(q, p={name: number, "l1": 1.0})
+    assert kernel.values[1] != p[1]
 
 
 @pytest.mark.parametrize("seed", [4, 9])

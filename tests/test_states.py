@@ -225,3 +225,19 @@ def test_the_second_quaternion_of_a_difference_is_looked_at_on_every_call():
         fb.difference(model, q, q)
         with pytest.raises(fb.FreebodyError, match=r"has length 1\.001"):
             fb.difference(model, q, off)
+
+
+def test_positions_that_add_are_added_to_the_last_bit():
+    model, rng = fb.load("ur5e"), np.random.default_rng(5)
+    q, v = rng.normal(size=(2, 7, 6))
+    assert fb.integrate(model, q, v).tobytes() == (q + v).tobytes()
+    assert fb.difference(model, q, v).tobytes() == (v - q).tobytes()
+    assert fb.integrate(model, q[0], v).tobytes() == (q[0] + v).tobytes()
+    for k in range(7):
+        assert fb.integrate(model, q[k], v[k]).tobytes() == (q[k] + v[k]).tobytes()
+
+
+def test_neutral_is_the_callers_own():
+    model = fb.load("ur5e")
+    fb.neutral(model)[0] = 1.0
+    assert not fb.neutral(model).any()

@@ -146,6 +146,39 @@ def test_what_was_called_before_changes_no_bit():
     assert fb.inverse_dynamics(model, *state).tobytes() == alone.tobytes()
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda m: m.bind({"forearm_link.mass": 2.5}),
+        lambda m: m.bind({"forearm_link.com.x": 0.1, "wrist_1_link.scale": 1.5, "elbow_joint.a": -0.5}),
+        lambda m: m.bind({"elbow_joint.alpha": 0.1}),
+        lambda m: m.bind({"elbow_joint.a": 0.0}),
+        lambda m: m.bind({"gravity": 1.62}),
+        lambda m: m.bind({"gravity": [1.62, 9.81]}),
+        lambda m: m.bind({"forearm_link.mass": [2.5, 3.0]}),
+        lambda m: m.with_payload(mass=2.0, com=(0.01, 0.02, 0.1)),
+        lambda m: m.with_payload(Inertia.box(2.0, (0.1, 0.2, 0.3)), frame="frame3").bind(gravity=1.0),
+        lambda m: m.with_drive("elbow_joint", viscous=2.0),
+        lambda m: m.with_drive("elbow_joint", rest=2.0),
+    ],
+)
+@pytest.mark.parametrize("driven", [False, True])
+def test_a_changed_copy_has_the_structure_and_numbers_of_one_made_anew(change, driven: bool):
+    """It takes over what it shares with the model that it is made from."""
+    model = fb.load("ur5e")
+    model = model.with_drive("wrist_1_joint", coulomb=0.1) if driven else model
+    before = model.numbers.copy()
+    changed = change(model)
+    anew = pickle.loads(pickle.dumps(changed))
+    assert changed.structure is anew.structure
+    assert changed.numbers.shape == anew.numbers.shape
+    assert changed.numbers.tobytes() == anew.numbers.tobytes()
+    again = change(changed)
+    assert again.numbers.tobytes() == pickle.loads(pickle.dumps(again)).numbers.tobytes()
+    assert model.numbers.tobytes() == before.tobytes()
+    assert not changed.numbers.flags.writeable
+
+
 def test_a_family_is_its_members_one_by_one():
     ur5e = fb.load("ur5e")
     masses = np.array([0.0, 1.0, 2.5])
