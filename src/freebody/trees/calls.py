@@ -44,8 +44,8 @@ def evaluate(
         if wrenches is None:
             found = model.compiled[key](*inputs)
         elif type(wrenches) is dict and len(wrenches) == 1:  # most are
-            [(frame, load)] = wrenches.items()
-            found = model.compiled[key, frame](*inputs, load)
+            [frame] = wrenches
+            found = model.compiled[key, frame](*inputs, wrenches[frame])
         else:
             frames, loads = _given(wrenches)
             found = model.compiled[key, *frames](*inputs, *loads)
