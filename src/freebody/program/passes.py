@@ -8,11 +8,18 @@ from __future__ import annotations
 
 import heapq
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 from freebody.program.program import Program, verify
 from freebody.scalars.operations import ARITY
+
+SHORT = 700
+"""Nodes of a program that a processor nearly has in view at once: it waits for the longest chain. There, an order that
+looks at chains takes 0-8 % less time in batches, and up to 13 % less a call; in long programs of trees 20 % more."""
+
+STRIDE = 4
+"""Nodes of a chain that make no difference."""
 
 
 def drop_dead(program: Program) -> Program:
@@ -108,8 +115,8 @@ def schedule(program: Program) -> Program:
     """An order in which few values are alive at a time, so that they fit the registers.
 
     Of the nodes whose operands are there, the next is the one that is the last reader of most operands; among
-    equals the one with the youngest operand. Inputs and constants do not count: they can be read again from
-    where they are.
+    equals, in a short program, the one on which the longest chain rests; then the one with the youngest operand.
+    Inputs and constants do not count: they can be read again from where they are.
     """
     count = len(program)
     leaf = [ARITY[op] == 0 for op in program.op]
@@ -121,12 +128,14 @@ def schedule(program: Program) -> Program:
     unread = [len(those) for those in readers]  # readers of each node that are still to come
     missing = [len(those) for those in operands]
     frees = [sum(unread[i] == 1 for i in those) for those in operands]
+    height = _heights(operands) if count < SHORT else [0] * count
     place = [-1] * count
     order = [index for index in range(count) if leaf[index]]
-    ready: list[tuple[int, int, int]] = []
+    ready: list[tuple[int, int, int, int]] = []
 
     def push(index: int) -> None:
-        heapq.heappush(ready, (-frees[index], -max((place[i] for i in operands[index]), default=0), index))
+        youngest = max((place[i] for i in operands[index]), default=0)
+        heapq.heappush(ready, (-frees[index], -height[index], -youngest, index))
 
     def put(index: int) -> None:
         place[index] = len(order)
@@ -147,10 +156,19 @@ def schedule(program: Program) -> Program:
         if not leaf[index] and not operands[index]:
             push(index)
     while ready:
-        index = heapq.heappop(ready)[2]
+        index = heapq.heappop(ready)[3]
         if place[index] < 0:  # else it was pushed again since with a better rank
             put(index)
     return _reordered(program, order)
+
+
+def _heights(operands: Sequence[Sequence[int]]) -> list[int]:
+    """How long the longest chain is that rests on a node, in `STRIDE`s."""
+    height = [0] * len(operands)
+    for index in range(len(operands) - 1, -1, -1):
+        for operand in operands[index]:
+            height[operand] = max(height[operand], height[index] + 1)
+    return [h // STRIDE for h in height]
 
 
 PASSES: dict[str, Callable[[Program], Program]] = {

@@ -25,9 +25,9 @@ from freebody.targets.llvm.uniform import reading
 LONG = 700, 16 * 2**10
 """Nodes from which a program gains by two groups a round, 5 %, and bytes that their tiles may have."""
 
-LONGER = 3000, 36 * 2**10
+LONGER = 3000, 36 * 2**10, 60 * 2**10
 """Nodes from which code is fetched anew for each group, so that two groups a round are 5-25 % faster; unless the tiles
-of one group have no more than these bytes and stay in a first cache of 48 kB, which those of two do not."""
+of one group stay in a first cache of 48 kB, of so many bytes, and those of two, of more bytes than these, do not."""
 
 PIECES = 32
 """Pieces of a program that one function runs: LLVM's time grows with the square of the loops in a function."""
@@ -65,8 +65,9 @@ def emit(program: Program, machine: Machine) -> str:
 
 def _tiles(nodes: int, room: int) -> int:
     """Groups in a round: each has two tiles of `room` bytes, one to compute on and one that goes out."""
-    gains = nodes >= LONG[0] and 4 * room <= LONG[1]
-    return 2 if gains or (nodes >= LONGER[0] and 2 * room > LONGER[1]) else 1
+    if nodes >= LONGER[0]:
+        return 1 if 2 * room <= LONGER[1] and 4 * room > LONGER[2] else 2
+    return 2 if nodes >= LONG[0] and 4 * room <= LONG[1] else 1
 
 
 def declared_once(text: str) -> str:
