@@ -1,7 +1,7 @@
 """What JAX adds to a kernel: inverse dynamics and its derivatives of 4096 samples, inside `jax.jit`.
 
 Nanoseconds a sample, one thread, least of rounds that take turns, so that what else the machine does counts little;
-ratios of these; and seconds from a new function to its first result, with the disk cache off. Needs JAX.
+ratios of these; and seconds of CPU time from a new function to its first result, with the disk cache off. Needs JAX.
 """
 
 import os
@@ -31,11 +31,11 @@ def least(runs: dict) -> dict:
 
 
 def first(made, *arrays) -> tuple:
-    """A function that waits for its result, and the seconds until its first one."""
-    start = time.perf_counter()
+    """A function that waits for its result, and the CPU time until its first one."""
+    start = time.process_time()
     function = jax.jit(made())
     jax.block_until_ready(function(*arrays))
-    return lambda: jax.block_until_ready(function(*arrays)), time.perf_counter() - start
+    return lambda: jax.block_until_ready(function(*arrays)), time.process_time() - start
 
 
 def robot(name: str) -> list[tuple]:
