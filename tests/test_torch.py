@@ -144,6 +144,8 @@ def test_transforms_agree_with_each_other_and_with_the_kernels_of_derivatives():
         made = vmap(transform(f, argnums=(0, 1, 2)))(q, qd, qdd)
         for found, table in zip(made, expected, strict=True):
             np.testing.assert_allclose(found.numpy(), table, atol=1e-12)
+    model = fb.load("3R")
+    f, q, qd, qdd = fb.to_torch(model, "inverse_dynamics"), q[:, :3], qd[:, :3], qdd[:, :3]
     second = vmap(hessian(f))(q, qd, qdd)
     table = fb.inverse_dynamics_second_derivatives(model, q.numpy(), qd.numpy(), qdd.numpy())[0]
     np.testing.assert_allclose(second.numpy(), table, atol=1e-11)
@@ -269,6 +271,32 @@ def test_in_an_exported_program():
     np.testing.assert_array_equal(torch.stack(made).numpy(), torch.stack(expected).numpy())
     with pytest.raises(KernelError, match=r"call fb\.to_torch as where the graph was made"):
         torch.ops.freebody.evaluate("inverse_dynamics cpu float64 0123", given)
+
+
+def test_the_longer_ways_give_the_same(monkeypatch):
+    """Taken in a PyTorch that does not tell whether a transform is under way."""
+    from freebody.targets import in_torch
+
+    f = fb.to_torch(fb.load("2R"), "inverse_dynamics")
+    given = [random(3, 2, seed=s) for s in range(3)]
+    expected = f(*given)
+    slopes = torch.autograd.grad(expected.square().sum(), given)
+    monkeypatch.setattr(in_torch, "_watched", lambda: True)
+    monkeypatch.setattr(in_torch, "_graphed", lambda: True)
+    np.testing.assert_array_equal(f(*given).detach().numpy(), expected.detach().numpy())
+    for found, slope in zip(torch.autograd.grad(f(*given).square().sum(), given), slopes, strict=True):
+        np.testing.assert_array_equal(found.numpy(), slope.numpy())
+
+
+def test_in_a_traced_graph():
+    from torch.fx.experimental.proxy_tensor import make_fx
+
+    f = fb.to_torch(fb.load("2R"), "inverse_dynamics")
+    given = [random(3, 2, grad=False, seed=s) for s in range(3)]
+    traced = make_fx(f)(*given)
+    assert "freebody.evaluate" in traced.code
+    other = [x + 1.0 for x in given]
+    np.testing.assert_array_equal(traced(*other).numpy(), f(*other).numpy())
 
 
 def test_the_operator_passes_pytorchs_own_tests():

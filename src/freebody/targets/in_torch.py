@@ -121,17 +121,18 @@ _PLAIN = (torch.Tensor, torch.nn.Parameter)
 def _watched() -> bool:
     """Whether a transform (`vmap`, `jvp`, …) may be under way, which sees what is done through PyTorch alone."""
     try:
-        return torch._C._functorch.peek_interpreter_stack() is not None or forward_ad._current_level >= 0
+        nested = torch._C._functorch.peek_interpreter_stack()  # pyright: ignore[reportAttributeAccessIssue]
+        return nested is not None or forward_ad._current_level >= 0
     except AttributeError:  # another PyTorch, where they have other names: the longer way is always right
         return True
 
 
 def _graphed() -> bool:
-    """Whether tensors may stand for others, so that their memory tells nothing."""
+    """Whether tensors may stand for others, so that their memory tells nothing; the operator is then called."""
     try:
-        return torch._C._len_torch_dispatch_stack() > 0 or torch.jit.is_tracing()
+        return torch._C._len_torch_dispatch_stack() > 0 or torch._C._get_tracing_state() is not None
     except AttributeError:
-        return False
+        return True
 
 
 def _computed(function: TensorProgram, tensors: Sequence[Tensor]) -> tuple[Tensor, ...]:
