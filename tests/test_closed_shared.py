@@ -69,13 +69,23 @@ def test_a_family_of_one_geometry_is_its_members(name: str):
         "driven": lambda m, *x: fb.inverse_dynamics(m, *x, actuated=list(model.actuated)),
         "static": lambda m, q, *_: fb.static_torque(m, q),
         "forward": lambda m, q, qd, _: fb.forward_dynamics(m, q, qd, np.zeros(model.nv)),
+        "pressed": lambda m, q, qd, qdd: _pressed(m, q, qd, qdd=qdd),
+        "moved": lambda m, q, qd, _: _pressed(m, q, qd, tau=np.zeros(model.nv)),
     }
     for label, call in calls.items():
         found = call(family, *(x[:, None] for x in (q, qd, qdd)))
-        assert found.shape == (len(q), 3, model.nv), label
+        assert found.shape[:2] == (len(q), 3), label
         for k in range(3):
             expected = call(family[k], q, qd, qdd)
             close(found[:, k], expected, 1e-12, np.abs(expected).max(), label)
+
+
+def _pressed(model, q, qd, **given):
+    """All reactions of a motion, what of them is determined, and whether they balance."""
+    found = fb.reactions(model, q, qd, **given)
+    assert found.balance < 1e-9
+    entries = found.wrenches.reshape(*found.wrenches.shape[:-2], -1)
+    return np.concatenate([entries, found.multipliers, found.tau, found.qdd], axis=-1)
 
 
 def test_members_near_a_singular_position_take_the_careful_way_each():

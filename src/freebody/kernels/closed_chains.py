@@ -14,6 +14,7 @@ _OF_FAMILIES = (
     "inverse_dynamics",
     "forward_dynamics",
     "static_torque",
+    "joint_wrenches",
     "independent_rows",
     "require_partition",
 )

@@ -48,24 +48,23 @@ def forward(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches
         found = attempt("forward_dynamics", model, (q, qd, tau), option, wrenches)
         if found is not None:
             return found
-    frames, (at, rates, drive, *loads) = checked_inputs(
-        "forward_dynamics", model, {"q": q, "qd": qd, "tau": tau}, wrenches
-    )
-    require_closed("forward_dynamics", model, at, rates)
-    qdd = definite_accelerations(model, frames, at, rates, drive, *loads)
-    require_consistent("forward_dynamics", model, at, rates, qdd, STUCK)
-    return qdd
+    frames, arrays = checked_inputs("forward_dynamics", model, {"q": q, "qd": qd, "tau": tau}, wrenches)
+    return definite_accelerations("forward_dynamics", model, frames, *arrays)
 
 
 def definite_accelerations(
-    model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
+    function: str, model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
 ) -> Array:
-    """The same as `accelerations`, of states that were found closed; refuses singular positions from which no way leads
-    on."""
-    qdd, with_care = _solved(model, "state", frames, q, qd, tau, *loads)
-    for index in np.argwhere(with_care):
-        at = tuple(index)
-        require_way(first_member(model), q[at], qd[at], qdd[at])
+    """q̈ (..., nv); refuses states that the loops do not allow, and singular positions from which no way leads on."""
+    qdd = _by_kernel(model, "state", frames, q, qd, tau, *loads)
+    with_care = np.isnan(qdd).any(axis=-1)
+    if with_care.any():
+        require_closed(function, model, q, qd)
+        _complete(model, frames, qdd, q, qd, tau, *loads)
+        for index in np.argwhere(with_care):
+            at = tuple(index)
+            require_way(first_member(model), q[at], qd[at], qdd[at])
+        require_consistent(function, model, q, qd, qdd, STUCK)
     return qdd
 
 
@@ -73,7 +72,9 @@ def accelerations(
     model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
 ) -> Array:
     """q̈ (..., nv), of states taken as closed: the stages of a motion, which by themselves do not tell where it goes."""
-    return _solved(model, "solution", frames, q, qd, tau, *loads)[0]
+    qdd = _by_kernel(model, "solution", frames, q, qd, tau, *loads)
+    _complete(model, frames, qdd, q, qd, tau, *loads)
+    return qdd
 
 
 def _solution(model: Model, checks: str) -> Option | None:
@@ -83,21 +84,21 @@ def _solution(model: Model, checks: str) -> Option | None:
     return Option(equations=independent_rows(model), checks=checks)
 
 
-def _solved(
-    model: Model, checks: str, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
-) -> tuple[Array, NDArray[np.bool_]]:
-    """(q̈ (..., nv), which samples took care): compiled where M is regular and the equations are independent."""
+def _by_kernel(model: Model, checks: str, frames: tuple[str, ...], *arrays: Array) -> Array:
+    """q̈ (..., nv) where M is regular and the equations are independent, else NaN."""
     option = _solution(model, checks)
     if option is None:
-        qdd, with_care = np.empty(qd.shape), np.ones(qd.shape[:-1], dtype=bool)
-    else:
-        qdd = fetch(model, ("forward_dynamics",), option._replace(wrench_frames=frames))(q, qd, tau, *loads)
-        with_care = np.isnan(qdd).any(axis=-1)
-    for at in np.argwhere(with_care):
+        return np.full(arrays[1].shape, np.nan)
+    return fetch(model, ("forward_dynamics",), option._replace(wrench_frames=frames))(*arrays)
+
+
+def _complete(model: Model, frames: tuple[str, ...], qdd: Array, *arrays: Array) -> None:
+    """Put the careful solution where q̈ (..., nv) is NaN."""
+    batch = qdd.shape[:-1]
+    for at in np.argwhere(np.isnan(qdd).any(axis=-1)):
         sample = tuple(at)
-        part = [np.broadcast_to(x, (*with_care.shape, x.shape[-1]))[sample] for x in (q, qd, tau, *loads)]
-        qdd[sample] = careful(member_at(model, sample), frames, *part)
-    return qdd, with_care
+        some = [np.broadcast_to(x, (*batch, x.shape[-1]))[sample] for x in arrays]
+        qdd[sample] = careful(member_at(model, sample), frames, *some)
 
 
 def regular(model: Model, q: Array) -> bool:
@@ -181,16 +182,33 @@ def inverse(
     actuated: Sequence[str] | None = None,
 ) -> Array:
     """See `fb.inverse_dynamics`."""
-    if actuated is None:
-        found = _attempted("inverse_dynamics", model, (q, qd, qdd), wrenches)
-        if found is not None:
-            return found
-    frames, (at, rates, second, *loads) = checked_inputs(
-        "inverse_dynamics", model, {"q": q, "qd": qd, "qdd": qdd}, wrenches
-    )
-    require_closed("inverse_dynamics", model, at, rates)
-    require_consistent("inverse_dynamics", model, at, rates, second, WOULD_OPEN)
-    return _of_drives("inverse_dynamics", model, frames, (at, rates, second, *loads), actuated)
+    found = _attempted("inverse_dynamics", model, (q, qd, qdd), wrenches, actuated)
+    if found is not None:
+        return found
+    frames, arrays = checked_inputs("inverse_dynamics", model, {"q": q, "qd": qd, "qdd": qdd}, wrenches)
+    return motion_torques("inverse_dynamics", model, frames, *arrays, actuated=actuated)
+
+
+def motion_torques(
+    function: str,
+    model: Model,
+    frames: tuple[str, ...],
+    q: Array,
+    qd: Array,
+    qdd: Array,
+    *loads: Array,
+    actuated: Sequence[str] | None = None,
+) -> Array:
+    """Torques (..., nv) of the drives; refuses states and accelerations that the loops do not allow."""
+    driven = drives(function, model, actuated)
+    arrays = q, qd, qdd, *loads
+    tau = _by_drives("inverse_dynamics", model, driven, frames, arrays)
+    if np.isnan(tau).any():
+        require_closed(function, model, q, qd)
+        require_consistent(function, model, q, qd, qdd, WOULD_OPEN)
+        needed = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))(*arrays)
+        _complete_torques(function, model, driven, tau, q, needed)
+    return tau
 
 
 def holding(model: Model, q: Vector, wrenches: Wrenches) -> Array:
@@ -198,41 +216,43 @@ def holding(model: Model, q: Vector, wrenches: Wrenches) -> Array:
     found = _attempted("static_torque", model, (q,), wrenches)
     if found is not None:
         return found
-    frames, (at, *loads) = checked_inputs("static_torque", model, {"q": q}, wrenches)
-    require_closed("static_torque", model, at)
-    return _of_drives("static_torque", model, frames, (at, *loads))
+    frames, arrays = checked_inputs("static_torque", model, {"q": q}, wrenches)
+    tau = _by_drives("static_torque", model, model.driven, frames, tuple(arrays))
+    if np.isnan(tau).any():
+        require_closed("static_torque", model, arrays[0])
+        needed = fetch(model.opened, ("static_torque",), Option(wrench_frames=frames))(*arrays)
+        _complete_torques("static_torque", model, model.driven, tau, arrays[0], needed)
+    return tau
 
 
-def _attempted(function: str, model: Model, inputs: tuple[Vector, ...], wrenches: Wrenches) -> Array | None:
-    """The torques of the model's own drives where a kernel is sure of them."""
-    chosen = partition(model)
-    if chosen is None:
-        return None
-    return attempt(function, model, inputs, Option(partition=chosen, checks="state"), wrenches)
-
-
-def _of_drives(
+def _attempted(
     function: str,
     model: Model,
+    inputs: tuple[Vector, ...],
+    wrenches: Wrenches,
+    actuated: Sequence[str] | None = None,
+) -> Array | None:
+    """The torques of the drives where a kernel is sure of them."""
+    chosen = partition(model, drives(function, model, actuated))
+    if chosen is None:
+        return None
+    key = function if actuated is None else (function, "driven", *chosen.driven)
+    return attempt(key, model, inputs, Option(partition=chosen, checks="state"), wrenches)
+
+
+def _by_drives(
+    function: str,
+    model: Model,
+    driven: tuple[int, ...],
     frames: tuple[str, ...],
     arrays: tuple[Array, ...],
-    actuated: Sequence[str] | None = None,
 ) -> Array:
-    """Torques (..., nv) of the drives, of arrays (q, …) of states that the loops allow."""
-    driven = drives(function, model, actuated)
-    chosen, option = partition(model, driven), Option(wrench_frames=frames)
+    """Torques (..., nv) of the drives, of arrays q, …; NaN where a kernel is not sure."""
+    chosen = partition(model, driven)
     if chosen is None:
-        tau, with_care = (
-            np.zeros(arrays[0].shape[:-1] + (model.nv,)),
-            np.ones(arrays[0].shape[:-1], dtype=bool),
-        )
-    else:
-        tau = fetch(model, (function,), option._replace(partition=chosen, checks="state"))(*arrays)
-        with_care = np.isnan(tau).any(axis=-1)
-    if with_care.any():
-        needed = fetch(model.opened, (function,), option)(*arrays)
-        tau[with_care] = _careful_torques(function, model, arrays[0], needed, driven, with_care)
-    return tau
+        return np.full((*arrays[0].shape[:-1], model.nv), np.nan)
+    option = Option(wrench_frames=frames, partition=chosen, checks="state")
+    return fetch(model, (function,), option)(*arrays)
 
 
 def torques(model: Model, q: Array, qd: Array, qdd: Array) -> Array:
@@ -242,25 +262,29 @@ def torques(model: Model, q: Array, qd: Array, qdd: Array) -> Array:
     return drive_torques("inverse_dynamics", model, q, needed)
 
 
-def drive_torques(
-    function: str, model: Model, q: Array, needed: Array, actuated: Sequence[str] | None = None
-) -> Array:
+def drive_torques(function: str, model: Model, q: Array, needed: Array) -> Array:
     """Torques (..., nv) of the driven joints, zero elsewhere, with the power of `needed` in every motion that the loops
     allow.
 
     needed (..., nv): torques of the tree that is left when all loops are cut. Least norm where too many drive.
     """
-    driven = drives(function, model, actuated)
-    chosen = partition(model, driven)
+    chosen = partition(model)
     if chosen is None:
-        tau, with_care = np.zeros(needed.shape), np.ones(needed.shape[:-1], dtype=bool)
+        tau = np.full(needed.shape, np.nan)
     else:
         tau = fetch(model, ("drive_torques",), Option(partition=chosen))(q, needed)
-        with_care = np.isnan(tau).any(axis=-1)
+    _complete_torques(function, model, model.driven, tau, q, needed)
+    return tau
+
+
+def _complete_torques(
+    function: str, model: Model, driven: Sequence[int], tau: Array, q: Array, needed: Array
+) -> None:
+    """Put torques found by singular values where tau (..., nv) is NaN."""
+    with_care = np.asarray(np.isnan(tau).any(axis=-1))
     if with_care.any():
         q = np.broadcast_to(q, (*needed.shape[:-1], model.nq))
         tau[with_care] = _careful_torques(function, model, q, needed, driven, with_care)
-    return tau
 
 
 def _careful_torques(

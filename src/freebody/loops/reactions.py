@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -14,17 +13,12 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
-from freebody.loops.dynamics import (
-    STUCK,
-    WOULD_OPEN,
-    definite_accelerations,
-    drive_torques,
-    require_consistent,
-)
-from freebody.loops.equations import require_closed, scaled_jacobian
+from freebody.loops.dynamics import definite_accelerations, motion_torques
+from freebody.loops.equations import scaled_jacobian
 from freebody.loops.partition import partition_of_loops
 from freebody.loops.scaled import every_jacobian, length, mechanism, null_space, rate_scale, row_scale
 from freebody.loops.solving import RANK
+from freebody.model.geometry import first_member
 from freebody.model.model import Model
 from freebody.outputs.display import Table, Tabled
 from freebody.trees.balance import balance
@@ -57,8 +51,8 @@ class Reactions(Tabled, ByValue):
     tau: Array
     """(..., nv): of the drives."""
     balance: float
-    """Largest of ΣF - m a (N) and (ΣM - Ḣ) / length (N) over all bodies, relative to the largest force: it checks the
-    wrenches against accelerations found from the poses alone."""
+    """Largest of ΣF - m a (N) and (ΣM - Ḣ) / length (N; of a family the first member's) over all bodies, relative to
+    the largest force: it checks the wrenches against accelerations found from the poses alone."""
 
     def _title(self) -> str:
         return f"Reactions at {', '.join(self.names)}, of shape {self.wrenches.shape}"
@@ -114,22 +108,19 @@ def reactions(
     frames, (at, rates, given, *loads) = checked_inputs(
         "reactions", model, {"q": q, "qd": qd, name: third}, wrenches
     )
-    if model.loops:
-        require_closed("reactions", model, at, rates)
-    needed = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))
+    state = at, rates, given, *loads
     if qdd is not None:
         second = given
-        tree_torque = needed(at, rates, given, *loads)
-        drive = drive_torques("reactions", model, at, tree_torque, actuated) if model.loops else tree_torque
+        if model.loops:
+            drive = motion_torques("reactions", model, frames, *state, actuated=actuated)
+        else:
+            drive = fetch(model, ("inverse_dynamics",), Option(wrench_frames=frames))(*state)
     else:
         drive = given
-        second = (
-            definite_accelerations(model, frames, at, rates, drive, *loads)
-            if model.loops
-            else fetch(model, ("forward_dynamics",), Option(wrench_frames=frames))(at, rates, drive, *loads)
-        )
-    if model.loops:
-        require_consistent("reactions", model, at, rates, second, STUCK if qdd is None else WOULD_OPEN)
+        if model.loops:
+            second = definite_accelerations("reactions", model, frames, *state)
+        else:
+            second = fetch(model, ("forward_dynamics",), Option(wrench_frames=frames))(*state)
     return _found(model, frames, at, rates, second, drive, loads, reference)
 
 
@@ -147,11 +138,11 @@ def _found(
         kernel = fetch(model, ("closed_wrenches",), Option(reference=axes, wrench_frames=frames))
         return kernel(q, qd, qdd, multipliers, *loads)
 
-    multipliers = np.zeros((*q.shape[:-1], mechanism(model).constraints))
+    multipliers = np.zeros((*q.shape[:-1], 0))
     determined = np.ones((*q.shape[:-1], *_shape(model)), dtype=bool)
     if model.loops:
         needed = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))(q, qd, qdd, *loads)
-        multipliers, determined = _multipliers(model, q, tau - needed, reference)
+        multipliers, determined = _multipliers(first_member(model), q, tau - needed, reference)
     world = wrenches_in("world")
     left = _miss(model, q, qd, qdd, world, frames, loads)
     asked = world if reference == "world" else wrenches_in(reference)
@@ -228,9 +219,6 @@ def _miss(
     loads: list[Array],
 ) -> float:
     """Largest miss of ΣF = m a and ΣM = Ḣ over all bodies, relative to the largest force that enters."""
-    samples = math.prod(q.shape[:-1])
-    q, qd, qdd = (x.reshape(samples, x.shape[-1]) for x in (q, qd, qdd))
-    external = {name: load.reshape(samples, load.shape[-1]) for name, load in zip(frames, loads, strict=True)}
-    found = balance(model, q, qd, qdd, wrenches.reshape(samples, *wrenches.shape[-2:]), external)
+    found = balance(model, q, qd, qdd, wrenches, dict(zip(frames, loads, strict=True)))
     force, moment = (float(np.abs(x).max(initial=0.0)) for x in (found.force, found.moment))
-    return max(force, moment / length(model)) / (found.largest_force or 1.0)
+    return max(force, moment / length(first_member(model))) / (found.largest_force or 1.0)

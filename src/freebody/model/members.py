@@ -178,13 +178,13 @@ class FamilyError(FreebodyError, TypeError):
 
 
 class LengthsDiffer(FamilyError):
-    """A family of closed chains that are not of one geometry."""
+    """A family whose members are not of one geometry, where that is needed."""
 
     def __init__(self, name: str, shape: tuple[int, ...]):
         example = ", ".join("0" for _ in shape)
         FreebodyError.__init__(
             self,
-            f"{name!r} is a family of closed chains, shape {shape}, whose lengths or placements differ: how one member "
-            f"closes and moves is not how another does: take a member, model[{example}]. Members may differ in masses, "
-            "inertias, friction and gravity.",
+            f"{name!r} is a family of robots, shape {shape}, whose lengths or placements differ, and this is about "
+            f"robots of one geometry: take a member, model[{example}]. Members may differ in masses, inertias, "
+            "friction and gravity.",
         )

@@ -57,12 +57,13 @@ def evaluate(
 
 
 def attempt(
-    function: str, model: Model, inputs: tuple[Any, ...], option: Option, wrenches: Wrenches = None
+    key: Key, model: Model, inputs: tuple[Any, ...], option: Option, wrenches: Wrenches = None
 ) -> Any:
     """What `evaluate` finds with the kernel of an option that says NaN where there is something to look at; None there.
 
-    The kernel is the one that it will try for this function and model from now on.
+    The kernel is the one that it will try under this key from now on.
     """
+    function = key if isinstance(key, str) else key[0]
     try:
         frames = () if wrenches is None else tuple(model.frame(name).name for name in _given(wrenches)[0])
     except FreebodyError:  # said in its turn
@@ -70,8 +71,8 @@ def attempt(
     if len(set(frames)) < len(frames):
         return None
     bound = structural.fetch(model, (function,), option._replace(wrench_frames=frames))
-    model.compiled[_place(function, wrenches)] = bound.checked(every=True)
-    return evaluate(function, model, inputs, None, wrenches, _nothing)
+    model.compiled[_place(key, wrenches)] = bound.checked(every=True)
+    return evaluate(key, model, inputs, None, wrenches, _nothing)
 
 
 def _nothing(*_: Any) -> None:
