@@ -21,12 +21,12 @@ from jax.extend.core import Primitive
 from jax.interpreters import ad, batching, mlir
 
 from freebody.kernels.differentials import Differentiable
+from freebody.kernels.jax_products import placed, product, summed
 from freebody.program import Argument
 from freebody.program.gradient import gradient
 from freebody.targets.xla.operation import Arrays, Way, operation
 
 Positions = tuple[int, ...]
-Shape = tuple[int, ...]
 
 
 class Function:
@@ -126,7 +126,7 @@ def _evaluate(
         slopes = function.gradient(by, of).call(*primals, *given)
         inputs = [function.program.inputs[k].shape for k in by]
         return tuple(
-            _summed(x, (*batch, *shape)) for x, batch, shape in zip(slopes, back, inputs, strict=True)
+            summed(x, (*batch, *shape)) for x, batch, shape in zip(slopes, back, inputs, strict=True)
         )
     how = function, by, of, back
     results = _shared(*how, primals, given)
@@ -157,21 +157,15 @@ def _shared(
     if back is None:
         cores = [function.program.outputs[k].shape for k in of]
         return tuple(
-            _placed(y.reshape(*sizes_of[0], *core, *sizes_of[1]), [*one, *range(-len(core), 0), *many])
+            placed(y.reshape(*sizes_of[0], *core, *sizes_of[1]), [*one, *range(-len(core), 0), *many])
             for y, core in zip(results, cores, strict=True)
         )
     cores = [function.program.inputs[k].shape for k in by]
-    placed = [
-        _placed(y.reshape(*sizes_of[0], *sizes_of[1], *core), [*one, *many, *range(-len(core), 0)])
+    made = [
+        placed(y.reshape(*sizes_of[0], *sizes_of[1], *core), [*one, *many, *range(-len(core), 0)])
         for y, core in zip(results, cores, strict=True)
     ]
-    return tuple(_summed(x, (*batch, *core)) for x, batch, core in zip(placed, back, cores, strict=True))
-
-
-def _placed(x: Any, axes: Sequence[int]) -> Any:
-    """An array whose axes are these of another one, in the order of that one."""
-    order = sorted(axes, key=lambda k: k if k >= 0 else len(axes) + k)
-    return x.transpose([axes.index(k) for k in order])
+    return tuple(summed(x, (*batch, *core)) for x, batch, core in zip(made, back, cores, strict=True))
 
 
 def _multiplied(
@@ -184,53 +178,19 @@ def _multiplied(
     tables = [every[k * len(by) : (k + 1) * len(by)] for k in of]
     if back is None:
         return tuple(
-            sum(_product(False, x, y, out, shape) for x, y, shape in zip(row, given, inputs, strict=True))
+            sum(product(False, x, y, out, shape) for x, y, shape in zip(row, given, inputs, strict=True))
             for row, out in zip(tables, outputs, strict=True)
         )
     return tuple(
-        _summed(
+        summed(
             sum(
-                _product(True, row[j], y, out, shape)
+                product(True, row[j], y, out, shape)
                 for row, y, out in zip(tables, given, outputs, strict=True)
             ),
             (*back[j], *shape),
         )
         for j, shape in enumerate(inputs)
     )
-
-
-def _product(back: bool, table: Any, vector: Any, out: Shape, shape: Shape) -> Any:
-    """A matrix (*batch, *output, *input) times a vector (*batch, *input); back: its transpose times (*batch, *output).
-
-    Axes of size 1 are left out: XLA would copy the other factor along them.
-    """
-    taken, made = (out, shape) if back else (shape, out)
-    sizes = table.shape[: table.ndim - len(out) - len(shape)], vector.shape[: vector.ndim - len(taken)]
-    batch = np.broadcast_shapes(*sizes)
-    rows, columns = len(batch), len(batch) + 1
-    axes = [[k for k, n in enumerate(own) if n > 1] for own in sizes]
-    matrix = table.reshape(*(sizes[0][k] for k in axes[0]), prod(out), prod(shape))
-    given = vector.reshape(*(sizes[1][k] for k in axes[1]), prod(taken))
-    # the matrix first, whatever order is wanted: another order costs XLA a copy, which it finds out itself otherwise
-    shared = [k for k in axes[0] if k in axes[1]]
-    contracted, kept = (rows, columns) if back else (columns, rows)
-    labels = [*axes[0], rows, columns], [*axes[1], contracted]
-    at = [[own.index(k) for k in shared] for own in labels]
-    result = jax.lax.dot_general(
-        matrix,
-        given,
-        (([labels[0].index(contracted)], [labels[1].index(contracted)]), (at[0], at[1])),
-        precision="highest",
-    )
-    order = [*shared, *(k for own in labels for k in own if k not in (*shared, contracted))]
-    wanted = [*(k for k, n in enumerate(batch) if n > 1), kept]
-    return result.transpose([order.index(k) for k in wanted]).reshape(*batch, *made)
-
-
-def _summed(x: Any, shape: Shape) -> Any:
-    """The sum over axes along which an array of this shape was broadcast."""
-    axes = tuple(k for k, (n, m) in enumerate(zip(x.shape, shape, strict=True)) if m == 1 and n != 1)
-    return x.sum(axes, keepdims=True) if axes else x
 
 
 def _batches(program: Any, by: Positions, of: Positions, back: Any, operands: Sequence[Any]) -> list[Any]:
@@ -319,7 +279,7 @@ def _transposed(
         results = _linear.bind(
             *primals, *given, function=function, by=kept, of=wanted, back=None, matrix=matrix
         )
-        results = [_summed(x, shape) for x, shape in zip(results, shapes, strict=True)]
+        results = [summed(x, shape) for x, shape in zip(results, shapes, strict=True)]
     for k, result in zip(unknown, results, strict=True):
         found[count + k] = result
     return found

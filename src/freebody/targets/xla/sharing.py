@@ -20,6 +20,7 @@ there are, how many of them in a row of the outer axis, samples of one; samples 
 BASES = 56
 """Then addresses of all arguments, bytes from sample to sample, and from row to row."""
 
+_NUMBER, _SCHEDULE = "XLA_FFI_ThreadPool_NumThreads_Args", "XLA_FFI_ThreadPool_Schedule_Args"
 _MODES = 0x1F80  # of SSE: no traps, to nearest, tiny numbers as they are, which XLA makes zero elsewhere
 
 
@@ -64,33 +65,64 @@ declare void @free(ptr)""",
 
 def _share(each: int, x86: bool) -> str:
     """Cut the batch, ask for threads where it is worth it, do what nobody else does, and wait for those at work."""
-    frame, api = OFFSETS["XLA_FFI_CallFrame"], OFFSETS["XLA_FFI_Api"]
-    asked, count = OFFSETS["XLA_FFI_ThreadPool_NumThreads_Args"], "XLA_FFI_ThreadPool_NumThreads_Args"
-    given, schedule = OFFSETS["XLA_FFI_ThreadPool_Schedule_Args"], "XLA_FFI_ThreadPool_Schedule_Args"
     lines = Lines(
         [
             "define internal void @share(ptr %frame, ptr %work, i64 %outer, i64 %inner) {",
             "entry:",
+            f"  %asked = alloca [{SIZES[_NUMBER]} x i8], align 8",
+            f"  %given = alloca [{SIZES[_SCHEDULE]} x i8], align 8",
             "  %found = alloca i64, align 8",
-            f"  %asked = alloca [{SIZES[count]} x i8], align 8",
-            f"  %given = alloca [{SIZES[schedule]} x i8], align 8",
+            "  store i64 1, ptr %found, align 8",
             "  %samples = mul i64 %outer, %inner",
             f"  %worth = udiv i64 %samples, {each}",
-            "  store i64 1, ptr %found, align 8",
         ]
     )
-    context = lines.field("context", "ptr", "%frame", frame["ctx"])
-    functions = lines.field("api", "ptr", "%frame", frame["api"])
+    frame = OFFSETS["XLA_FFI_CallFrame"]
+    lines.field("context", "ptr", "%frame", frame["ctx"])
+    lines.field("api", "ptr", "%frame", frame["api"])
+    _ask(lines)
+    _cut(lines)
+    _wake(lines)
+    lines += [
+        "begin:",
+        "  call void @parts(ptr %work)",
+        f"  %left.at = getelementptr i8, ptr %work, i64 {_LEFT}",
+        "  br label %wait",
+        "wait:",
+        "  %left = load atomic i64, ptr %left.at acquire, align 8",
+        "  %over = icmp eq i64 %left, 0",
+        "  br i1 %over, label %done, label %rest",
+        "rest:",
+        *(["  call void @llvm.x86.sse2.pause()"] if x86 else []),
+        "  br label %wait",
+        "done:",
+        "  call void @let.go(ptr %work)",
+        "  ret void",
+        "}",
+        _forget(),
+    ]
+    return "\n".join(lines)
+
+
+def _ask(lines: Lines) -> None:
+    """How many threads there are, where there is work for more than one; on to `cut`."""
+    fields = OFFSETS[_NUMBER]
     lines.append("  %long = icmp ugt i64 %worth, 1\n  br i1 %long, label %ask, label %cut\nask:")
-    lines.put("i64", SIZES[count], "%asked", asked["struct_size"])
-    lines.put("ptr", "null", "%asked", asked["extension_start"])
-    lines.put("ptr", context, "%asked", asked["ctx"])
-    lines.put("ptr", "%found", "%asked", asked["num_threads"])
-    lines.field("number", "ptr", functions, api["XLA_FFI_ThreadPool_NumThreads"])
+    lines.put("i64", SIZES[_NUMBER], "%asked", fields["struct_size"])
+    lines.put("ptr", "null", "%asked", fields["extension_start"])
+    lines.put("ptr", "%context", "%asked", fields["ctx"])
+    lines.put("ptr", "%found", "%asked", fields["num_threads"])
+    lines.field("number", "ptr", "%api", OFFSETS["XLA_FFI_Api"]["XLA_FFI_ThreadPool_NumThreads"])
     lines += [
         "  %no.number = call ptr %number(ptr %asked)",
         "  call void @forget(ptr %api, ptr %no.number)",
         "  br label %cut",
+    ]
+
+
+def _cut(lines: Lines) -> None:
+    """Into two parts a thread, so that one that is slow keeps the others less; of one thread a row is a part."""
+    lines += [
         "cut:",
         "  %threads.found = load i64, ptr %found, align 8",
         "  %few = icmp ult i64 %worth, %threads.found",
@@ -98,7 +130,7 @@ def _share(each: int, x86: bool) -> str:
         "  %none = icmp ult i64 %threads.most, 1",
         "  %threads = select i1 %none, i64 1, i64 %threads.most",
         "  %alone = icmp eq i64 %threads, 1",
-        "  %pieces = mul i64 %threads, 2",  # so that one that is slow keeps the others less
+        "  %pieces = mul i64 %threads, 2",
         "  %piece.down = udiv i64 %samples, %pieces",
         f"  %piece.grains = udiv i64 %piece.down, {GRAIN}",
         "  %piece.more = add i64 %piece.grains, 1",
@@ -111,19 +143,29 @@ def _share(each: int, x86: bool) -> str:
         "  %in.row = udiv i64 %up.less, %size",
         "  %parts.all = mul i64 %in.row, %outer",
     ]
-    for value, offset in (
-        ("0", _NEXT), ("%parts.all", _LEFT), ("1", _HOLDERS), ("%parts.all", _PARTS), ("%in.row", _IN_ROW),
-        ("%size", _SIZE), ("%inner", _INNER),
-    ):  # fmt: skip
+    record = {
+        _NEXT: "0",
+        _LEFT: "%parts.all",
+        _HOLDERS: "1",
+        _PARTS: "%parts.all",
+        _IN_ROW: "%in.row",
+        _SIZE: "%size",
+        _INNER: "%inner",
+    }
+    for offset, value in record.items():
         lines.put("i64", value, "%work", offset)
-    lines.put("i64", SIZES[schedule], "%given", given["struct_size"])
-    lines.put("ptr", "null", "%given", given["extension_start"])
-    lines.put("ptr", context, "%given", given["ctx"])
-    lines.put("ptr", "@task", "%given", given["task"])
-    lines.put("ptr", "%work", "%given", given["data"])
-    lines.append("  br i1 %alone, label %begin, label %call")
-    lines.append("call:")
-    lines.field("plan", "ptr", functions, api["XLA_FFI_ThreadPool_Schedule"])
+
+
+def _wake(lines: Lines) -> None:
+    """Have further threads run `@task`, each of which holds the work; on to `begin`."""
+    fields = OFFSETS[_SCHEDULE]
+    lines.append("  br i1 %alone, label %begin, label %call\ncall:")
+    lines.put("i64", SIZES[_SCHEDULE], "%given", fields["struct_size"])
+    lines.put("ptr", "null", "%given", fields["extension_start"])
+    lines.put("ptr", "%context", "%given", fields["ctx"])
+    lines.put("ptr", "@task", "%given", fields["task"])
+    lines.put("ptr", "%work", "%given", fields["data"])
+    lines.field("plan", "ptr", "%api", OFFSETS["XLA_FFI_Api"]["XLA_FFI_ThreadPool_Schedule"])
     lines += [
         f"  %holders = getelementptr i8, ptr %work, i64 {_HOLDERS}",
         "  br label %another",
@@ -143,24 +185,7 @@ def _share(each: int, x86: bool) -> str:
         "  %back = atomicrmw sub ptr %holders, i64 1 acq_rel",
         "  call void @forget(ptr %api, ptr %no.thread)",
         "  br label %begin",
-        "begin:",
-        "  call void @parts(ptr %work)",
-        f"  %left.at = getelementptr i8, ptr %work, i64 {_LEFT}",
-        "  br label %wait",
-        "wait:",
-        "  %left = load atomic i64, ptr %left.at acquire, align 8",
-        "  %over = icmp eq i64 %left, 0",
-        "  br i1 %over, label %done, label %rest",
-        "rest:",
-        *(["  call void @llvm.x86.sse2.pause()"] if x86 else []),
-        "  br label %wait",
-        "done:",
-        "  call void @let.go(ptr %work)",
-        "  ret void",
-        "}",
-        _forget(),
     ]
-    return "\n".join(lines)
 
 
 def _forget() -> str:
