@@ -7,8 +7,8 @@ import pytest
 
 import freebody as fb
 from freebody.model.model import Model
-from test_closed_yardsticks import TIP, cranks
-from test_steps import METHODS, State, apart, walk
+from support.double_four_bar import TIP, cranks
+from support.stepping import METHODS, State, apart, walk
 
 
 def swing(name: str) -> tuple[Model, State, np.ndarray]:
