@@ -457,6 +457,16 @@ def test_long_batches_are_shared_among_threads_without_a_trace(monkeypatch):
 def test_symbols_without_values_are_refused():
     with pytest.raises(fb.FreebodyError, match=r"numbers need a value for I1, I2, l1, l2, lc1, lc2, m1, m2"):
         fb.to_jax(fb.planar("RR"), "inverse_dynamics")
+    family = fb.load("2R").bind(m1=[1.0, 2.0])
+    with pytest.raises(
+        fb.FreebodyError, match=r"fb.to_jax without inputs=: '2R' is a family of robots, shape \(2,\)"
+    ):
+        fb.to_jax(family, "inverse_dynamics")
+    found = fb.to_jax(family, "inverse_dynamics", inputs=["m1"])
+    agree(
+        found([0.1, 0.2], [0.0, 0.0], [0.0, 0.0], found.values),
+        fb.inverse_dynamics(family, [0.1, 0.2], [0.0, 0.0], [0.0, 0.0]),
+    )
 
 
 @pytest.mark.long

@@ -12,6 +12,7 @@ from freebody.errors import FreebodyError, ShapeError
 from freebody.kernels.asked import Asked, asked
 from freebody.kernels.differentials import Differentiable, of_quantities
 from freebody.kernels.inputs import InputKernel
+from freebody.model.members import FamilyError
 from freebody.model.model import Model
 from freebody.program import Program
 from freebody.targets import Kernel, KernelError
@@ -42,6 +43,8 @@ def to_jax(
     from freebody.kernels.jax_derivatives import Function
 
     if isinstance(chosen, Asked):
+        if chosen.model.family and not chosen.given:
+            raise FamilyError("fb.to_jax without inputs=", chosen.model.name, chosen.model.family)
         computed, way, given = of_quantities(chosen), Way(), chosen.given
     else:
         kernel, given = (chosen.kernel, chosen) if isinstance(chosen, InputKernel) else (chosen, None)
@@ -72,7 +75,7 @@ def _checked(program: Program, compute: Callable[..., Arrays], way: Way) -> Any:
         values = [x if isinstance(x, jax.Array) else _array(program, k, x) for k, x in enumerate(arrays)]
         _check(program, values)
         kind = way.dtype if way.dtype == "float32" else _common(program, values)
-        results = compute(*(x.astype(kind) for x in values))
+        results = compute(*(x if x.dtype == kind else x.astype(kind) for x in values))
         return results[0] if len(results) == 1 else results
 
     function.__name__ = function.__qualname__ = program.name
