@@ -4,7 +4,8 @@
 
 The Stewart platform with its balls as point contacts, 24 joint coordinates and 18 equations on both sides, along its
 default motion. Pinocchio has no batch call for it and is called in a loop; it iterates to 1e-10 on its multipliers.
-A second table has the public functions with all their checks, CPU time a sample of a batch of 1000.
+Then the public functions with all their checks: CPU time of one call, and a sample of a batch of 1000; what a changed
+number costs before the first call; and a sample near a singular position, which takes the careful way.
 """
 
 import argparse
@@ -50,18 +51,21 @@ def main() -> None:
     print(
         f"largest difference, over the largest acceleration: {np.abs(ours - theirs).max() / np.abs(ours).max():.1e}"
     )
+    alone, _ = twin(model, q[:1], qd[:1], tau[:1])
     rows = {
         "kernel": (lambda: kernel(q, qd, tau, out=out, threads=1), BATCH),
         "function": (lambda: fb.forward_dynamics(model, q, qd, tau), BATCH),
         "Pinocchio": (peer, LOOP),
+        "function, one call": (partial(fb.forward_dynamics, model, q[0], qd[0], tau[0]), 1),
+        "Pinocchio, one call": (alone, 1),
     }
     times = {name: [] for name in rows}
     for _ in range(repeats):
         for name, (run, samples) in rows.items():
-            times[name].append(timed(run) / samples)
+            times[name].append(min(timed(run) for _ in range(9)) / samples)
     for name, found in times.items():
         print(
-            f"{name:<10} {np.median(found) * 1e9:9.0f} ns  ({min(found) * 1e9:.0f} .. {max(found) * 1e9:.0f})"
+            f"{name:<20} {np.median(found) * 1e9:9.0f} ns  ({min(found) * 1e9:.0f} .. {max(found) * 1e9:.0f})"
         )
     ratio = np.array(times["Pinocchio"]) / np.array(times["kernel"])
     print(
@@ -69,28 +73,73 @@ def main() -> None:
     )
 
     functions(repeats)
+    changes(repeats)
+
+
+State = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+"""q, qd, qdd, tau."""
+
+
+def rows_of(model: Model) -> dict[str, Callable[[State], object]]:
+    """The public functions by name, of a state or many."""
+    frame = model.frame_names[-1]
+    return {
+        "inverse_dynamics": lambda s: fb.inverse_dynamics(model, *s[:3]),
+        "static_torque": lambda s: fb.static_torque(model, s[0]),
+        "forward_dynamics": lambda s: fb.forward_dynamics(model, s[0], s[1], s[3]),
+        "reactions, qdd": lambda s: fb.reactions(model, s[0], s[1], qdd=s[2]),
+        "reactions, tau": lambda s: fb.reactions(model, s[0], s[1], tau=s[3]),
+        "joint_wrenches": lambda s: fb.joint_wrenches(model, *s[:3]),
+        "loop_velocity": lambda s: fb.loop_velocity(model, *s[:2]),
+        "loop_acceleration": lambda s: fb.loop_acceleration(model, *s[:3]),
+        "assemble": lambda s: fb.assemble(model, s[0]),
+        "assemble, 0.01 rad off": lambda s: fb.assemble(model, fb.integrate(model, s[0], 0.01 + 0.0 * s[1])),
+        "jacobian": lambda s: fb.jacobian(model, s[0], frame),
+        "kinetic_energy": lambda s: fb.kinetic_energy(model, *s[:2]),
+    }
 
 
 def functions(repeats: int) -> None:
-    """The public functions, batches of `SAMPLES`."""
+    """The public functions, one call and batches of `SAMPLES`."""
+    print(f"{'':<33} one call  a sample  (µs)")
     for robot in ROBOTS:
         model = fb.load(robot)
         motion = fb.default_motion(model, samples=SAMPLES)
-        state = motion.q, motion.qd
-        tau = fb.inverse_dynamics(model, *state, motion.qdd)
-        rows: dict[str, Callable[[], object]] = {
-            "inverse_dynamics": partial(fb.inverse_dynamics, model, *state, motion.qdd),
-            "static_torque": partial(fb.static_torque, model, motion.q),
-            "forward_dynamics": partial(fb.forward_dynamics, model, *state, tau),
-            "reactions, qdd": partial(fb.reactions, model, *state, qdd=motion.qdd),
-            "reactions, tau": partial(fb.reactions, model, *state, tau=tau),
-            "loop_velocity": partial(fb.loop_velocity, model, *state),
-            "loop_acceleration": partial(fb.loop_acceleration, model, *state, motion.qdd),
-            "assemble": partial(fb.assemble, model, motion.q),
-        }
-        for name, run in rows.items():
-            best = min(timed(run, time.process_time) for _ in range(repeats))
-            print(f"{robot:<10} {name:<18} {best / SAMPLES * 1e6:8.2f} µs a sample")
+        tau = fb.inverse_dynamics(model, motion.q, motion.qd, motion.qdd)
+        every: State = motion.q, motion.qd, motion.qdd, tau
+        first: State = tuple(x[SAMPLES // 2] for x in every)  # type: ignore[assignment]
+        for name, run in rows_of(model).items():
+            one = min(timed(partial(run, first)) for _ in range(20 * repeats))
+            best = min(timed(partial(run, every), time.process_time) for _ in range(repeats))
+            print(f"{robot:<10} {name:<22} {one * 1e6:8.1f}  {best / SAMPLES * 1e6:8.2f}")
+
+
+def changes(repeats: int) -> None:
+    """A changed number and one forward dynamics; a sample that takes the careful way."""
+    for robot, length in ("five_bar", "l1"), ("stewart", "swing1.placement.x"):
+        model = fb.load(robot)
+        q, still = fb.assemble(model), np.zeros(model.nv)
+        size, frame = fb.parameters(model)[length].value, model.frame_names[-1]
+        loads = iter(np.linspace(0.5, 1.0, 20 * repeats + 1))
+        sizes = iter(size * (1.0 + 1e-9 * np.arange(1, 2 * repeats + 2)))
+
+        def payload(model: Model = model, loads=loads, frame=frame, q=q, still=still) -> None:
+            fb.forward_dynamics(model.with_payload(mass=float(next(loads)), frame=frame), q, still, still)
+
+        def other_length(model: Model = model, sizes=sizes, length=length, q=q, still=still) -> None:
+            fb.forward_dynamics(model.bind({length: float(next(sizes))}), q, still, still)
+
+        for name, run, rounds in ("payload", payload, 10 * repeats), ("length", other_length, repeats):
+            best = min(timed(run) for _ in range(rounds))
+            print(f"{robot:<10} new {name} and forward_dynamics {best * 1e6:8.0f} µs")
+    flat = fb.load("four_bar").bind(l1=0.3, l3=0.3, l2=1.0, d=1.0)
+    q = fb.assemble(flat, [1e-4, -1e-4, 1e-4], free=("coupler_pin", "rocker_pin"))
+    for name, careful in (
+        ("forward_dynamics", partial(fb.forward_dynamics, flat, q, np.zeros(3), np.zeros(3))),
+        ("static_torque", partial(fb.static_torque, flat, q)),
+        ("loop_velocity", partial(fb.loop_velocity, flat, q, np.ones(3))),
+    ):
+        print(f"near singular {name:<18} {min(timed(careful) for _ in range(repeats)) * 1e6:8.0f} µs")
 
 
 def timed(run: Callable[[], object], clock: Callable[[], float] = time.perf_counter) -> float:

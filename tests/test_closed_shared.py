@@ -80,6 +80,17 @@ def test_a_family_of_one_geometry_is_its_members(name: str):
             close(found[:, k], expected, 1e-12, np.abs(expected).max(), label)
 
 
+@pytest.mark.parametrize("step", ["semi_implicit_step", "rk4_step", "implicit_step"])
+def test_steps_of_a_family_are_those_of_its_members(step: str):
+    model, q, qd, _ = _state("five_bar")
+    family = model.with_payload(mass=np.array([0.0, 1.0, 7.0]), frame="P4")
+    given = np.zeros(model.nv), 1e-2
+    found = fb.kernel(family, step)(q[:, None], qd[:, None], *given)
+    for k in range(3):
+        for a, b in zip(found, fb.kernel(family[k], step)(q, qd, *given), strict=True):
+            close(a[:, k], b, 1e-13, 1.0 + np.abs(b).max())
+
+
 def _pressed(model, q, qd, **given):
     """All reactions of a motion, what of them is determined, and whether they balance."""
     found = fb.reactions(model, q, qd, **given)
