@@ -13,7 +13,9 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody.kernels.formulas import Option
 from freebody.kernels.inputs import InputKernel
+from freebody.kernels.structural import fetch
 from freebody.loops.reactions import Reactions
 from freebody.model.members import FamilyError
 from freebody.model.reading import VALUES
@@ -237,6 +239,15 @@ def test_a_family_gives_what_its_members_give(seed, dim, family_of):
                 for x, y in zip(*(z.values() if isinstance(z, dict) else (z,) for z in (a, b)), strict=True):
                     assert x.shape == (3, 2, *y.shape[2:]), name
                     assert_near(x[:, i], y[:, 0], cond[i] if inverse else 1.0, least=1.0)
+
+
+def test_kernels_get_the_numbers_of_a_member_side_by_side():
+    """In columns a batch takes twice the time."""
+    family = fb.load("ur5e").bind({"forearm_link.mass": np.linspace(2.0, 3.0, 4), "wrist_3_joint.d": 0.1})
+    for name in ("inverse_dynamics", "mass_matrix", "gravity_torque"):
+        (numbers,) = fetch(family, (name,), Option()).numbers
+        assert numbers.shape[0] == 4
+        assert numbers.strides[-1] == numbers.itemsize
 
 
 def test_shapes_broadcast_as_numpy_does():

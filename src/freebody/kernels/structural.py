@@ -154,6 +154,8 @@ def _numbers(model: Model, option: Option, read: slice | NDArray[np.intp]) -> Ar
     if frames:
         numbers = joined([numbers, *(pose_part(model.frame(f).placement, model.dim).numbers for f in frames)])
     chosen = numbers[..., read]
+    if chosen.ndim > 1 and chosen.strides[-1] != chosen.itemsize:  # a kernel reads rows twice as quickly
+        chosen = np.ascontiguousarray(chosen)
     if chosen.shape[:-1] != model.family:
         chosen = np.broadcast_to(chosen, (*model.family, chosen.shape[-1]))
     return chosen
