@@ -112,6 +112,8 @@ class Model(Tabled, ByValue):
     @cached_property
     def passive(self) -> tuple[int, ...]:
         """Coordinates, as entries of q̇ and tau, that nothing drives: those of passive joints."""
+        if not [body for body in self.bodies if body.joint.passive]:  # most have none
+            return ()
         return tuple(
             k
             for body, at in zip(self.bodies, self.coordinates, strict=True)

@@ -102,7 +102,7 @@ def careful(
     require_model(function, model)
     if FORMULAS[function].chains == "open":
         model.require_tree(function)
-    chosen = Option() if option is None else option(model, *choice)
+    chosen = structural.PLAIN if option is None else option(model, *choice)
     place = _place(key, wrenches)
     if place not in model.compiled and _is_known(function, model, chosen, wrenches, place):
         return evaluate(key, model, inputs, option, wrenches)

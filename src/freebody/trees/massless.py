@@ -17,7 +17,7 @@ from freebody.arrays import Array
 from freebody.errors import SingularError, listed
 from freebody.lazy import kept
 from freebody.model.bodies import Body
-from freebody.model.contributions import BodyPart, body_parts, pose_part
+from freebody.model.contributions import part_of, pose_part
 from freebody.model.facts import fact
 from freebody.model.members import of_member
 from freebody.model.model import Model
@@ -89,27 +89,30 @@ def _all_sound(model: Model) -> bool:
     A pivot is twice the least kinetic energy at unit rate of its joint, while all that carries the joint rests; the
     energy of the joint's own body is a part of it, and that of the others is not negative.
     """
-    if any(body.joint.mimic is not None for body in model.bodies):
+    if [body for body in model.bodies if body.joint.mimic is not None]:
         return False
     order = model.structure.order  # which refuses numbers that are missing
-    parts = body_parts(model)
-    alone = [
-        kept(
-            model.bodies[i],
-            f"alone, dimension {model.dim}",
-            partial(_alone, model.bodies[i], parts[i], model.dim),
-        )
-        for i in order
-    ]
+    alone = [_known_alone(model.bodies[i], model.dim) for i in order]
     far = sum([x.reach for x in alone])
     bound = sum([2.0 * (x.mass * (1.0 + far * far) + x.inertia) + x.rotor for x in alone])
     return min([x.least for x in alone], default=1.0) > _CLEAR * bound
 
 
-def _alone(body: Body, part: BodyPart, dim: int) -> _Alone:
+def _known_alone(body: Body, dim: int) -> _Alone:
+    """Kept with the body; a new payload and one call are to take microseconds."""
+    name = _NAME[dim]
+    return body.__dict__.get(name) or kept(body, name, partial(_alone, body, dim))
+
+
+_NAME = {2: "alone in the plane", 3: "alone in space"}
+
+
+def _alone(body: Body, dim: int) -> _Alone:
+    part = part_of(body, dim)
     inertia, drive = part.inertia, part.joint.drive
     _, origin = pose_part(body.joint.placement, dim).pose
-    if inertia.ndim > 1 or (drive is not None and drive.ndim > 1) or any(map(np.ndim, origin)):
+    several = [x for x in origin if isinstance(x, np.ndarray)]
+    if inertia.ndim > 1 or (drive is not None and drive.ndim > 1) or several:
         return _UNSURE  # a family, whose members are looked at
     if drive is not None and drive[2] < 0.0:
         return _UNSURE  # a rotor that takes inertia away
