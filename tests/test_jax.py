@@ -279,10 +279,10 @@ def test_what_is_shared_by_a_batch_has_the_sum_of_its_gradients():
 
 def test_derivatives_of_gradients():
     """A Hessian times a vector, three ways, one of them over a checkpoint; and the whole Hessian of the energy."""
-    model = fb.load("3R")
+    model = fb.load("2R")
     function = fb.to_jax(model, "forward_dynamics")
     q, qd, tau = (x[0] for x in state(model, 1))
-    v = np.array([0.3, -0.2, 0.5])
+    v = np.array([0.3, -0.2])
 
     def loss(q):
         return jnp.sum(function(q, qd, tau) ** 2)
@@ -299,11 +299,11 @@ def test_derivatives_of_gradients():
 
 def test_derivatives_that_come_in_columns(monkeypatch):
     """As those of a step of a larger robot, whose whole Jacobian would be too long a program: the same, also twice."""
-    model = fb.load("2R")
+    model = fb.load("3R")
     q, qd, tau = (x[0] for x in state(model, 1))
 
     def results():
-        step = fb.to_jax(model, "rk4_step")
+        step = fb.to_jax(model, "semi_implicit_step")
 
         def end(qd, h):
             return step(q, qd, tau, h)[1]
@@ -313,7 +313,7 @@ def test_derivatives_that_come_in_columns(monkeypatch):
 
     whole = results()
     monkeypatch.setattr(differentials, "LONGEST", 10)
-    assert not Differentiable(fb.kernel(model, "rk4_step").program).jacobian((1, 3)).whole
+    assert not Differentiable(fb.kernel(model, "semi_implicit_step").program).jacobian((1, 3)).whole
     for one, other in zip(results(), whole, strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-11, atol=1e-13)
 
