@@ -265,7 +265,7 @@ def test_derive_takes_the_options_of_its_methods(capsys: pytest.CaptureFixture[s
     assert run(["derive", "pendulum", "--route", "pivot"]) == 0
     assert "I_A = I₁ + m₁ lc₁²" in capsys.readouterr().out
     assert run(["derive", "2R", "--method", "lagrange", "--route", "pivot"]) == 2
-    assert "--route belongs to --method newton-euler, not to lagrange" in capsys.readouterr().err
+    assert "derive 'lagrange': route is an option of 'newton-euler'; leave it out." in capsys.readouterr().err
 
 
 def test_an_interruption_while_the_program_is_imported_is_one_line(

@@ -9,6 +9,7 @@ import pytest
 
 import freebody as fb
 from freebody.cli.app import run
+from freebody.derivations.methods import METHODS
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.figures import mathtext, svg
 from freebody.figures.drawing import Arc, Arrow, Dimension, Label, Line, Mark, Turn
@@ -144,7 +145,7 @@ def test_symbols_without_values_are_drawn():
     assert with_values(fb.load("2R")).parameters == fb.load("2R").parameters, "known values stay"
 
 
-@pytest.mark.parametrize("method", [None, "newton-euler", "recursive", "statics", "kinematics"])
+@pytest.mark.parametrize("method", [None, *METHODS])
 def test_arm_with_only_one_moment_of_inertia_named_is_drawn(method):
     """Typical values of Izz beside Ixx = Iyy = 0 are of no rigid body; nothing of that is drawn."""
     rows = [
@@ -449,7 +450,7 @@ def test_slide_goes_along_its_axis(figures):
 
 
 # ---------------------------------------------------------------- beside the derivations
-@pytest.mark.parametrize("method", ["newton-euler", "recursive", "lagrange", "statics"])
+@pytest.mark.parametrize("method", METHODS)
 def test_derivation_of_a_planar_arm_is_illustrated(method):
     derivation = fb.derive(fb.planar("RP"), method)
     drawn = illustrations(derivation)

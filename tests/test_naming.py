@@ -12,6 +12,7 @@ import freebody as fb
 from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Derivation
 from freebody.derivations.evaluate import evaluate
+from freebody.derivations.methods import METHODS
 from freebody.derivations.names import sym
 from freebody.derivations.naming import Naming
 from freebody.errors import FreebodyError
@@ -26,10 +27,11 @@ from freebody.model.parts import Description, Drive, Joint, Link, Mount
 from freebody.model.placement import Placement, shift
 
 OPEN = {
-    "newton-euler": {}, "newton-euler about pivots": {"route": "pivot"}, "newton-euler loaded": {"load": True},
-    "recursive": {}, "recursive with weights": {"gravity": "explicit"}, "lagrange": {}, "statics": {}, "kinematics": {},
+    "newton-euler about pivots": {"route": "pivot"}, "newton-euler loaded": {"load": True},
+    "recursive with weights": {"gravity": "explicit"},
+    **{name: {} for name in METHODS},
 }  # fmt: skip
-CLOSED = ("lagrange-first-kind", "statics", "kinematics")
+CLOSED = tuple(name for name, method in METHODS.items() if method.closed)
 
 
 HERE = Placement()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody.derivations.methods import METHODS
 from freebody.model.model import Model
 
 RR = {"l": ["l1", "l2"], "lc": ["l1", "l2"], "m": ["m1", "m2"]}
@@ -67,7 +68,7 @@ def test_no_gravity_means_no_gravity_terms():
     assert fb.check(still, "G1 = 0")
 
 
-@pytest.mark.parametrize("method", ["newton-euler", "recursive", "lagrange", "statics", "kinematics"])
+@pytest.mark.parametrize("method", METHODS)
 def test_derivations_of_bodies_with_nothing_in_them(method: str):
     """Massless bodies, point masses, joints in one place: every method ends, and names no moment of inertia."""
     for model in (

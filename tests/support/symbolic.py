@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 import freebody as fb
+from freebody.derivations.methods import METHODS as TABLE
 from freebody.model.model import Model
 
-METHODS = ["lagrange", "newton-euler", "recursive", "statics", "kinematics"]
+METHODS = list(TABLE)
+"""Names of all methods of derivation."""
+WAYS = [
+    (method.name, dict(zip((option.name for option in method.options), chosen, strict=True)))
+    for method in TABLE.values()
+    if method.finds_torques and not method.at_rest and not method.closed
+    for chosen in itertools.product(*(option.choices for option in method.options))
+]
+"""The ways from a motion to the torques: every method of open chains, with every choice of its options."""
 
 
 def spatial_arm(seed: int, n: int) -> Model:

@@ -26,7 +26,7 @@ app = typer.Typer(
 )
 app.command(epilog=study.EXAMPLE)(study.study)
 app.command(epilog=show.EXAMPLE)(show.show)
-app.command(epilog=derive.EXAMPLE)(derive.derive)
+app.command(epilog=derive.EXAMPLE, cls=derive.Command)(derive.derive)
 app.command(epilog=check.EXAMPLE)(check.check)
 app.command(epilog=fbd.EXAMPLE)(fbd.fbd)
 app.command(epilog=export.EXAMPLE)(export.export)

@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from enum import StrEnum
+from inspect import Parameter, Signature, cleandoc
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 from freebody.cli import options, terminal
 from freebody.outputs.files import write
 
 if TYPE_CHECKING:
     from freebody.derivations.derivation import Derivation
+    from freebody.derivations.methods.method import Method, Option
 
 EXAMPLE = "Example: freebody derive 2R --method lagrange"
-
-
-class MethodChoice(StrEnum):
-    """Ways to the equations."""
-
-    newton_euler = "newton-euler"
-    recursive = "recursive"
-    lagrange = "lagrange"
-    lagrange_first_kind = "lagrange-first-kind"
-    statics = "statics"
-    kinematics = "kinematics"
+_CHOSEN = "freebody.derive"
+"""Where the parser's context keeps the methods' options that were given."""
 
 
 class FormChoice(StrEnum):
@@ -37,60 +32,92 @@ class FormChoice(StrEnum):
     html = "html"
 
 
-class RouteChoice(StrEnum):
-    """Points that newton-euler takes moments about."""
+class Command(TyperCommand):
+    """`derive` with the options of its methods and a list of them; their table is read when it is run itself."""
 
-    centre = "centre"
-    pivot = "pivot"
+    def get_params(self, ctx: typer.Context) -> list[Any]:
+        """The parameters of the function below, then the methods' options, then --help."""
+        from freebody.derivations.methods import METHODS
+
+        *params, last = super().get_params(ctx)
+        return [*params, *_options_of(METHODS.values()), last]
+
+    def format_help(self, ctx: typer.Context, formatter: Any) -> None:
+        """The help, the methods listed below its first paragraph."""
+        from freebody.derivations.methods import METHODS
+
+        lines = [f"{method.name}: {method.words} ({method.source})." for method in METHODS.values()]
+        self.help = "\n\n".join([cleandoc(derive.__doc__ or ""), *lines])
+        super().format_help(ctx, formatter)
 
 
-class GravityChoice(StrEnum):
-    """How the recursion counts gravity."""
+def _options_of(methods: Iterable[Method]) -> list[Any]:
+    """The methods' options, as the parser makes them of a signature; `derive` finds in the context what was given."""
 
-    base = "base"
-    explicit = "explicit"
+    def command(**_options: str | None) -> None:
+        """Never called."""
+
+    owned = [(method, option) for method in methods for option in method.options]
+    command.__signature__ = Signature([_parameter(*pair) for pair in owned])  # type: ignore[attr-defined]
+    parser = typer.Typer(add_completion=False)
+    parser.command()(command)
+    made = [param for param in typer.main.get_command(parser).params if param.name != "help"]
+    for param in made:
+        param.expose_value = False
+    return made
 
 
-Method = Annotated[
-    MethodChoice | None,
-    typer.Option(
-        help="How the equations are derived. Default: newton-euler, of closed chains lagrange-first-kind."
-    ),
-]
+def _parameter(method: Method, option: Option) -> Parameter:
+    """An option of a method as an argument with what the parser needs to know."""
+
+    def keep(context: typer.Context, value: str | None) -> None:
+        if value is not None:
+            context.meta.setdefault(_CHOSEN, {})[option.name] = value
+
+    said = typer.Option(
+        f"--{option.name}",
+        metavar="|".join(option.choices),
+        help=f"{option.words[0].upper()}{option.words[1:]} ({method.name}).",
+        callback=keep,
+    )
+    return Parameter(
+        option.name, Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[str | None, said]
+    )
 
 
 def derive(
+    context: typer.Context,
     robot: options.Robot,
-    method: Method = None,
+    method: Annotated[
+        str | None,
+        typer.Option(
+            metavar="METHOD",
+            help="How the equations are derived: a name of the list above. Default: the first that serves.",
+        ),
+    ] = None,
     compare: Annotated[
-        MethodChoice | None, typer.Option(help="Derive by this method too, and prove that both agree.")
+        str | None,
+        typer.Option(metavar="METHOD", help="Derive by this method too, and prove that both agree."),
     ] = None,
     form: Annotated[FormChoice, typer.Option(help="Text for a terminal, or a document.")] = FormChoice.text,
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write there instead of the terminal.")
     ] = None,
-    route: Annotated[
-        RouteChoice | None, typer.Option(help="Moments about centres of mass or pivots (newton-euler).")
-    ] = None,
-    gravity: Annotated[
-        GravityChoice | None, typer.Option(help="As acceleration of the base, or as weights (recursive).")
-    ] = None,
     load: Annotated[
-        bool | None, typer.Option("--load/--no-load", help="A force on the tip (default: in statics).")
+        bool | None, typer.Option("--load/--no-load", help="A force on the tip. Default: for robots at rest.")
     ] = None,
     convention: options.Convention = None,
 ) -> None:
     """Derive a robot's equations of motion step by step. Exit code 1 if two methods were to disagree."""
     from freebody.derivations.derive import compare as compared
-    from freebody.derivations.derive import default_method
+    from freebody.derivations.derive import default_method, method_named
     from freebody.figures.illustrate import derive as derivation_of
 
     model = options.load(robot, convention=convention)
-    method = method or MethodChoice(default_method(model))
-    chosen = _options(method, route, gravity)
-    with terminal.progress(f"deriving by {method.value}"):
-        first = derivation_of(model, method.value, load=load, **chosen)
-        other = derivation_of(model, compare.value, load=load) if compare is not None else None
+    record = method_named(method) if method else default_method(model)
+    with terminal.progress(f"deriving by {record.name}"):
+        first = derivation_of(model, record.name, load=load, **context.meta.get(_CHOSEN, {}))
+        other = derivation_of(model, compare, load=load) if compare is not None else None
         comparison = compared(first, other) if other is not None else None
         text = _markdown(first, out) if form is FormChoice.markdown and out else getattr(first, form.value)()
     if out is None:
@@ -101,17 +128,6 @@ def derive(
         terminal.out().print(f"\n{comparison}", markup=False)
         if not comparison:
             raise typer.Exit(1)
-
-
-def _options(
-    method: MethodChoice, route: RouteChoice | None, gravity: GravityChoice | None
-) -> dict[str, str]:
-    """Options of the method, as far as they are given; an error for those of another."""
-    given = {"route": (route, MethodChoice.newton_euler), "gravity": (gravity, MethodChoice.recursive)}
-    for name, (value, owner) in given.items():
-        if value is not None and method is not owner:
-            raise typer.BadParameter(f"--{name} belongs to --method {owner.value}, not to {method.value}.")
-    return {name: value.value for name, (value, _) in given.items() if value is not None}
 
 
 def _markdown(derivation: Derivation, out: Path) -> str:

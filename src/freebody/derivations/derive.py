@@ -1,4 +1,4 @@
-"""`derive`: the equations of motion step by step, by one of the methods of the notes."""
+"""`derive`: the equations of motion step by step, by one of the methods of `derivations/methods`."""
 
 from __future__ import annotations
 
@@ -7,35 +7,15 @@ from typing import Any
 
 from freebody.derivations.closed.first_kind import MULTIPLIER
 from freebody.derivations.derivation import Comparison, Derivation
-from freebody.derivations.methods import (
-    first_kind,
-    kinematics,
-    lagrange,
-    newton_euler,
-    recursive,
-    statics,
-)
+from freebody.derivations.methods import METHODS
+from freebody.derivations.methods.method import Method
+from freebody.derivations.methods.overview import overview
 from freebody.derivations.methods.setting import Setting, require_chain_of_bodies
 from freebody.derivations.symbols import symbols
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.closures import LOOP_KINDS
 from freebody.model.model import Model
 from freebody.spatial import of_dimension
-
-METHODS = {
-    "newton-euler": newton_euler.derive,
-    "recursive": recursive.derive,
-    "lagrange": lagrange.derive,
-    "lagrange-first-kind": first_kind.derive,
-    "statics": statics.derive,
-    "kinematics": kinematics.derive,
-}
-
-OPTIONS = {"newton-euler": ("route",), "recursive": ("gravity",)}
-"""Options that a method has of its own."""
-
-CLOSED = ("lagrange-first-kind", "statics", "kinematics")
-"""Methods for closed chains."""
 
 LOADS = {2: ("fx", "fy"), 3: ("fx", "fy", "fz")}
 """Names of the components of the force on the tip."""
@@ -46,45 +26,77 @@ def derive(
 ) -> Derivation:
     """A derivation of the model's equations as an ordered list of steps.
 
-    method: "newton-euler" (route="centre": moments about each centre of mass, or "pivot": of all that a joint carries
-    about it), "recursive" (gravity="base": as acceleration of the base, or "explicit": as weights), "lagrange",
-    "statics", "kinematics" (of the tip); of closed chains "lagrange-first-kind", with multipliers and the reduction to
-    independent coordinates. Default: "newton-euler", of closed chains "lagrange-first-kind".
-    load: whether a force f, with world components fx, fy (fz), acts on the tip; by default in statics. Raises
-    FreebodyError for joints with several axes or followers, and for a load on a model without a tip.
-    Source: S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019.
+    method: a name of the list below. Default: the first there that serves the model.
+    load: whether a force f, with world components fx, fy (fz), acts on the tip. Default: in a method for robots at
+    rest, where the model has a tip that moves. options: the method's own. Raises FreebodyError for joints with several
+    axes or followers, for a load on a model without a tip, and for what the method would not use.
+    Source: S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019, where the method's line
+    names no other.
     """
-    if method is None:
-        method = default_method(model)
-    if method not in METHODS:
-        raise UnknownNameError("method", method, "fb.derive", METHODS)
-    _require_options(method, load, options)
-    if method not in CLOSED:
-        model.require_tree(f"derive {method!r}", " or ".join(map(repr, CLOSED)))
+    record = default_method(model) if method is None else method_named(method)
+    _require_options(record, load, options)
+    _require_served(record, model)
     if load is None:
-        load = method == "statics" and _has_moving_tip(model)
+        load = record.at_rest and _has_moving_tip(model)
     names = LOADS[model.dim] if load else ()
     made = symbols(model, extra=(*names, *_multipliers(model)))
-    require_chain_of_bodies(made, f"derive {method!r}")
-    return METHODS[method](Setting(made, names, at_rest=method == "statics"), **options)
+    require_chain_of_bodies(made, f"derive {record.name!r}")
+    setting = Setting(made, names, at_rest=record.at_rest)
+    worked = record(setting, **options)
+    given, glossary = overview(setting, record, worked)
+    title = worked.title or record.title
+    return Derivation(
+        record.name, title, setting.equations, worked.steps, worked.tau, given, glossary, worked.system
+    )
 
 
-def default_method(model: Model) -> str:
-    """The method for a model where none is asked for."""
-    return "lagrange-first-kind" if model.loops else "newton-euler"
+def method_named(name: str) -> Method:
+    """The method of that name or alias."""
+    for method in METHODS.values():
+        if name == method.name or name in method.aliases:
+            return method
+    raise UnknownNameError("method", name, "fb.derive", METHODS)
 
 
-def _require_options(method: str, load: bool | None, options: Mapping[str, Any]) -> None:
+def default_method(model: Model) -> Method:
+    """The method for a model where none is asked for: the first that serves it."""
+    return next(method for method in METHODS.values() if _serves(method, model))
+
+
+def _serves(method: Method, model: Model) -> bool:
+    return model.dim in (method.closed if model.loops else method.spaces)
+
+
+def _require_served(method: Method, model: Model) -> None:
+    """Refuse a robot that the method is not written for."""
+    if _serves(method, model):
+        return
+    what = f"derive {method.name!r}"
+    others = [repr(other.name) for other in METHODS.values() if _serves(other, model)]
+    if not model.loops:
+        where = "the plane" if model.dim == 2 else "space"
+        raise FreebodyError(f"{what}: {model.name!r} is in {where}; take {' or '.join(others)}.")
+    if not method.closed:
+        model.require_tree(what, " or ".join(others))
+    where = "in the plane" if model.dim == 2 else "in space"
+    numbers = f"; {method.elsewhere} give its numbers" if method.elsewhere else ""
+    raise FreebodyError(
+        f"{what}: {model.name!r} is a closed chain {where}, for which {method.name} is not written out{numbers}."
+    )
+
+
+def _require_options(method: Method, load: bool | None, options: Mapping[str, Any]) -> None:
     """Refuse what the method would not use."""
+    own = [option.name for option in method.options]
     for name in options:
-        owner = next((m for m, own in OPTIONS.items() if name in own), None)
-        if owner is None:
-            known = ("load", *OPTIONS.get(method, ()))
-            raise UnknownNameError("option", name, f"derive {method!r}", known)
-        if owner != method:
-            raise FreebodyError(f"derive {method!r}: {name} is an option of {owner!r}; leave it out.")
-    if load and method == "kinematics":
-        raise FreebodyError("derive 'kinematics': forces do not occur in it; leave load out.")
+        owners = [m.name for m in METHODS.values() if name in (option.name for option in m.options)]
+        if not owners:
+            raise UnknownNameError("option", name, f"derive {method.name!r}", ("load", *own))
+        if name not in own:
+            owner = " and ".join(map(repr, owners))
+            raise FreebodyError(f"derive {method.name!r}: {name} is an option of {owner}; leave it out.")
+    if load and not method.finds_torques:
+        raise FreebodyError(f"derive {method.name!r}: forces do not occur in it; leave load out.")
 
 
 def _multipliers(model: Model) -> tuple[str, ...]:
@@ -103,8 +115,27 @@ def compare(first: Derivation, second: Derivation) -> Comparison:
     a, b = first.equations.symbols, second.equations.symbols
     if a.given is not b.given:
         raise FreebodyError("compare: the derivations are of different models.")
-    if not (first.tau and second.tau):
-        raise FreebodyError("compare: a derivation of kinematics ends in no torques.")
+    for derivation in (first, second):
+        if not METHODS[derivation.method].finds_torques:
+            raise FreebodyError(f"compare: a derivation of {derivation.method} ends in no torques.")
     if a.ring != b.ring:
         raise FreebodyError("compare: one derivation has a load on the tip, the other has none.")
     return Comparison(first, second)
+
+
+def _listed() -> str:
+    """The methods with their options, a line each, for a docstring."""
+    lines = []
+    for method in METHODS.values():
+        serves = "open chains" + (" and closed ones" if method.closed else "")
+        options = [
+            f"{option.name}={' | '.join(map(repr, option.choices))}: {option.words}"
+            for option in method.options
+        ]
+        also = f" Also called {', '.join(map(repr, method.aliases))}." if method.aliases else ""
+        own = f" Options: {'; '.join(options)}." if options else ""
+        lines.append(f"    {method.name!r}: {method.words}; {serves} ({method.source}).{own}{also}")
+    return "\n".join(lines)
+
+
+derive.__doc__ = f"{derive.__doc__}\n    Methods:\n{_listed()}\n"

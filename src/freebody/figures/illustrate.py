@@ -14,6 +14,7 @@ import numpy as np
 from freebody.derivations import derive as plain
 from freebody.derivations.derivation import Derivation, Drawings, Step
 from freebody.derivations.expression import Expression, Symbol, nodes
+from freebody.derivations.methods import METHODS
 from freebody.derivations.names import vec
 from freebody.figures import theme
 from freebody.figures.drawing import Drawing, Element, canonical
@@ -108,7 +109,7 @@ def _shown(derivation: Derivation) -> Snapshot:
     """A state that is seen well: moving, or at rest; under a load on the tip if the equations have one."""
     symbols = derivation.equations.symbols
     model = with_values(symbols.model)
-    still = np.zeros(model.nv) if derivation.method == "statics" else None
+    still = np.zeros(model.nv) if METHODS[derivation.method].at_rest else None
     load = _tip_load(model) if "fx" in symbols.extra else None
     return snapshot(model, None if still is None else resting_pose(model, load), still, still, load)
 

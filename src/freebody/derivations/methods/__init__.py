@@ -1,1 +1,24 @@
-"""Ways to the equations of motion, one file each."""
+"""Ways to the equations of motion, one file each, and their table."""
+
+from freebody.derivations.methods import (
+    first_kind,
+    kinematics,
+    lagrange,
+    newton_euler,
+    recursive,
+    statics,
+)
+from freebody.derivations.methods.method import Method
+
+METHODS: dict[str, Method] = {
+    module.METHOD.name: module.METHOD
+    for module in (
+        newton_euler,
+        recursive,
+        lagrange,
+        first_kind,
+        statics,
+        kinematics,
+    )
+}
+"""The methods by name; where none is asked for, the first that serves the robot is taken."""

@@ -2,32 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 
 from freebody.derivations import expression as ex
 from freebody.derivations.closed.first_kind import Reduction
 from freebody.derivations.closed.linear import Ratio, product, quotient
-from freebody.derivations.derivation import Derivation, Step
+from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expression import Equation, Expression, eq
-from freebody.derivations.methods import lagrange
+from freebody.derivations.methods import glossary, lagrange
 from freebody.derivations.methods.loops import LONG, Loops
-from freebody.derivations.methods.overview import overview
+from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.work import virtual_work
 from freebody.derivations.names import entry, sym
 from freebody.derivations.symbols import RATE, SECOND
 from freebody.scalars.trig import Trig
 
-METHOD = "lagrange-first-kind"
 HALF = ex.num(Fraction(1, 2))
 SHORT = 14
 """Numbers and symbols up to which a denominator is written in every quotient."""
-TITLE = "Lagrange's equations of the first kind"
 
 
-def derive(setting: Setting) -> Derivation:
-    """The derivation; of an open chain that of the second kind, for there are no multipliers."""
+def derive(setting: Setting) -> Worked:
+    """The steps; of an open chain that of the second kind, for there are no multipliers."""
     if not setting.tree.loops:
         return _open_chain(setting)
     loops = Loops(setting)
@@ -36,18 +35,19 @@ def derive(setting: Setting) -> Derivation:
     for i in setting.order:
         steps += work.equation(i)
     steps += [loops.wrenches(), loops.seconds(), *work.together(), *work.reduced()]
-    return Derivation(
-        METHOD,
-        TITLE,
-        setting.equations,
-        tuple(steps),
-        tuple(work.forces),
-        *overview(setting, METHOD),
-        system=loops.system,
-    )
+    sought = "Given what the motors do, the accelerations and the forces in the loops are sought."
+    return Worked(tuple(steps), tuple(work.forces), _symbols(setting), sought=sought, system=loops.system)
 
 
-def _open_chain(setting: Setting) -> Derivation:
+def _symbols(s: Setting) -> Iterator[Meaning]:
+    yield from lagrange.symbols(s)
+    yield glossary.loop_equations()
+    yield Meaning((sym("lam_k"),), "its multiplier: what the loop presses with", "")
+    yield glossary.joint_forces()
+    yield Meaning((sym("u"), sym("N")), "independent coordinates; rates of all by theirs", "")
+
+
+def _open_chain(setting: Setting) -> Worked:
     """No loops: Φ is empty and (5.23) is (5.24)."""
     second = lagrange.derive(setting)
     reason = (
@@ -60,7 +60,7 @@ def _open_chain(setting: Setting) -> Derivation:
         (eq("f", ex.sub("n", "m"), ex.sub(len(setting.order), 0)),),
         ("5.24",),
     )
-    return replace(second, method=METHOD, title=TITLE, steps=(step, *second.steps))
+    return replace(second, steps=(step, *second.steps))
 
 
 class _FirstKind:
@@ -318,3 +318,13 @@ def _squared(factors: tuple[Expression, ...]) -> list[Expression]:
 def _is_plain(x: Ratio) -> bool:
     """Whether an entry is a number."""
     return x.is_polynomial and x.above.is_constant
+
+
+METHOD = Method(
+    "lagrange-first-kind",
+    "Lagrange's equations of the first kind",
+    "loops as constraints with multipliers, and their reduction to independent coordinates",
+    "lecture notes, section 5.4",
+    derive,
+    closed=(2, 3),
+)

@@ -1,8 +1,8 @@
-"""The table of symbols of a derivation: parameters by what they are in the model, the rest by the method."""
+"""The table of symbols of a derivation: parameters by what they are in the model, then what the method introduces."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Meaning
@@ -18,17 +18,12 @@ METER, KILOGRAM, NEWTON, MOMENT = "m", "kg", "N", "N m"
 INERTIA, SPEED, ACCELERATION, JOULE = "kg m²", "m/s", "m/s²", "J"
 
 
-def glossary(s: Setting, method: str) -> tuple[Meaning, ...]:
-    """Coordinates and motors, parameters, then what the method introduces."""
-    moved = method == "kinematics"
-    rows = [*_coordinates(s, not moved), *_parameters(s, moved), *_METHODS[method](s)]
+def glossary(s: Setting, introduced: Iterable[Meaning], forces: bool) -> tuple[Meaning, ...]:
+    """Coordinates and motors, parameters, then what the method introduces; forces: whether there are any."""
+    rows = [*_coordinates(s, forces), *_parameters(s, not forces), *introduced]
     if s.load:
         rows.append(Meaning((vec("f"),), "force on the tip, by the surroundings", NEWTON))
     return tuple(rows)
-
-
-def _span(s: Setting, turning: bool) -> list[int]:
-    return [i for i in s.order if s.turns(i) == turning]
 
 
 def _coordinates(s: Setting, motors: bool) -> Iterator[Meaning]:
@@ -135,97 +130,40 @@ _DRIVE = {
 }
 
 
-def _vectors(s: Setting) -> Iterator[Meaning]:
+# ---------------------------------------------------------------- rows that several methods introduce
+def vectors(s: Setting) -> Iterator[Meaning]:
+    """The vectors along the bodies, and the directions of the joints."""
     yield Meaning((sym("s_i", True),), "joint i to the next joint, or to the tip", METER)
     yield Meaning((sym("s_ci", True),), "joint i to the centre of mass of body i", METER)
     if not s.planar:
         yield Meaning((sym("z_i", True),), "direction of a revolute joint's axis", "")
-    if _span(s, False):
+    if not all(map(s.turns, s.order)):
         yield Meaning((sym("u_i", True),), "direction of a prismatic joint's slide", "")
 
 
-def _moving(s: Setting) -> Iterator[Meaning]:
+def moving(s: Setting) -> Iterator[Meaning]:
+    """How the bodies move."""
     yield Meaning((sym("omega_i", not s.planar),), "angular velocity of body i", "rad/s")
     yield Meaning((sym("v_ci", True),), "velocity of the centre of mass of body i", SPEED)
 
 
-def _pivot(s: Setting) -> Iterator[Meaning]:
-    yield from _vectors(s)
-    yield from _moving(s)
-    if s.cited == "R":
-        yield Meaning((sym("I_A"),), "moment of inertia about the pivot", INERTIA)
-    elif any(s.turns(i) and s.tree.children(i) for i in s.order):
-        yield Meaning((sym("r_i,ck", True),), "joint i to the centre of mass of body k", METER)
+def inertia_forces(s: Setting) -> Iterator[Meaning]:
+    """What forces and moments on a body add up to."""
+    yield Meaning((sym("f_ci", True),), "mass times acceleration of body i", NEWTON)
+    yield Meaning((sym("n_ci", not s.planar),), "rate of body i's angular momentum about its centre", MOMENT)
 
 
-def _moments(s: Setting) -> Iterator[Meaning]:
+def joint_forces() -> Meaning:
+    """The force in a joint."""
+    return Meaning((sym("f_i,k", True),), "force of body i on body k at their joint", NEWTON)
+
+
+def joint_moments(s: Setting) -> Iterator[Meaning]:
     """Those that are not a motor's torque and no more."""
     if not all(map(s.is_pin, s.order)):
         yield Meaning((sym("n_i,k", not s.planar),), "moment of body i on body k at their joint", MOMENT)
 
 
-def _newton_euler(s: Setting) -> Iterator[Meaning]:
-    yield from _vectors(s)
-    yield from _moving(s)
-    yield Meaning((sym("f_i,k", True),), "force of body i on body k at their joint", NEWTON)
-    yield from _moments(s)
-
-
-def _recursive(s: Setting) -> Iterator[Meaning]:
-    yield from _vectors(s)
-    yield from _moving(s)
-    yield Meaning((sym("v_i", True),), "velocity of the point of body i at joint i", SPEED)
-    yield Meaning((sym("f_ci", True),), "mass times acceleration of body i", NEWTON)
-    yield Meaning((sym("n_ci", not s.planar),), "rate of body i's angular momentum about its centre", MOMENT)
-    yield Meaning((sym("f_i,k", True),), "force of body i on body k at their joint", NEWTON)
-    yield from _moments(s)
-
-
-def _lagrange(s: Setting) -> Iterator[Meaning]:
-    yield Meaning((sym("r_ci", True),), "centre of mass of body i, from the base's origin", METER)
-    yield from _moving(s)
-    yield Meaning((sym("T_i"), sym("V_i")), "kinetic and potential energy of body i", JOULE)
-    yield Meaning((sym("L"),), "Lagrangian", JOULE)
-
-
-def _first_kind(s: Setting) -> Iterator[Meaning]:
-    yield from _lagrange(s)
-    if not s.tree.loops:
-        return
-    yield Meaning((sym("Phi_k"),), "a loop equation, zero where the loop is closed", "")
-    yield Meaning((sym("lam_k"),), "its multiplier: what the loop presses with", "")
-    yield Meaning((sym("f_i,k", True),), "force of body i on body k at their joint", NEWTON)
-    yield Meaning((sym("u"), sym("N")), "independent coordinates; rates of all by theirs", "")
-
-
-def _statics(s: Setting) -> Iterator[Meaning]:
-    yield from _vectors(s)
-    if s.tree.loops:
-        yield Meaning((sym("lam_k"),), "multiplier of loop equation k: what the loop presses with", "")
-    yield Meaning((sym("f_i,k", True),), "force of body i on body k at their joint", NEWTON)
-    yield from _moments(s)
-
-
-def _kinematics(s: Setting) -> Iterator[Meaning]:
-    if s.tree.loops:
-        yield Meaning((sym("Phi_k"),), "a loop equation, zero where the loop is closed", "")
-        yield Meaning((vec("v"),), "rates of the tip", "m/s, rad/s")
-        yield Meaning((sym("J"),), "Jacobian of the tip by the driven joints", "m or 1")
-        return
-    yield Meaning((sym("r_P", True),), "the tip, from the base's origin", METER)
-    if s.planar:
-        yield Meaning((sym("s_i", True),), "joint i to the next joint, or to the tip", METER)
-        if len(s.order) > 2:
-            yield Meaning((sym("phi"),), "angle of the last body from the x axis", "rad")
-    yield Meaning((sym("J"),), "Jacobian of the tip", "m or 1")
-
-
-_METHODS = {
-    "newton-euler": _newton_euler,
-    "pivot": _pivot,
-    "recursive": _recursive,
-    "lagrange": _lagrange,
-    "lagrange-first-kind": _first_kind,
-    "statics": _statics,
-    "kinematics": _kinematics,
-}
+def loop_equations() -> Meaning:
+    """A loop equation."""
+    return Meaning((sym("Phi_k"),), "a loop equation, zero where the loop is closed", "")

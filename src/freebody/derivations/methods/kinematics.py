@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise
 
 from freebody.derivations import expression as ex
-from freebody.derivations.derivation import Derivation, Step
+from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expression import Equation, Expression, eq
 from freebody.derivations.kinematics import Kinematics
-from freebody.derivations.methods.overview import overview
+from freebody.derivations.methods import loop_kinematics
+from freebody.derivations.methods.glossary import METER
+from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.positions import inverse_position
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.names import sym, vec
@@ -18,11 +21,9 @@ from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 
-def derive(setting: Setting) -> Derivation:
-    """The derivation; there are no torques in it. Of a closed chain: see `loop_kinematics`."""
+def derive(setting: Setting) -> Worked:
+    """The steps; there are no torques in them. Of a closed chain: see `loop_kinematics`."""
     if setting.tree.loops:
-        from freebody.derivations.methods import loop_kinematics
-
         return loop_kinematics.derive(setting)
     work = _Tip(setting)
     steps = [
@@ -34,10 +35,16 @@ def derive(setting: Setting) -> Derivation:
         *work.back(),
     ]
     steps += inverse_position(setting)
-    title = "Kinematics of the tip"
-    return Derivation(
-        "kinematics", title, setting.equations, tuple(steps), (), *overview(setting, "kinematics")
-    )
+    return Worked(tuple(steps), (), _symbols(setting), "Kinematics of the tip", loop_kinematics.SOUGHT)
+
+
+def _symbols(s: Setting) -> Iterator[Meaning]:
+    yield Meaning((sym("r_P", True),), "the tip, from the base's origin", METER)
+    if s.planar:
+        yield Meaning((sym("s_i", True),), "joint i to the next joint, or to the tip", METER)
+        if len(s.order) > 2:
+            yield Meaning((sym("phi"),), "angle of the last body from the x axis", "rad")
+    yield Meaning((sym("J"),), "Jacobian of the tip", "m or 1")
 
 
 class _Tip:
@@ -224,3 +231,14 @@ class _Tip:
             determinant, adjugate = determinant.operand, [[ex.neg_each(x) for x in row] for row in adjugate]
         rows = [[x if x == ex.ZERO else ex.div(x, determinant) for x in row] for row in adjugate]
         return [eq(ex.Symbol("J_inverse", "J", high="-1"), ex.matrix(rows))]
+
+
+METHOD = Method(
+    "kinematics",
+    "Kinematics",
+    "position, velocity, Jacobian, singular poses and acceleration of the tip",
+    "lecture notes, sections 2.2 and 2.3",
+    derive,
+    closed=(2, 3),
+    finds_torques=False,
+)

@@ -3,16 +3,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from fractions import Fraction
 
 from freebody.algorithms.kinematics import Motion, outward
 from freebody.derivations import expression as ex
-from freebody.derivations.derivation import Derivation, Step
+from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expression import Expression, eq
-from freebody.derivations.methods import wording
+from freebody.derivations.methods import glossary, wording
 from freebody.derivations.methods.closing import closed_form
 from freebody.derivations.methods.energies import Energies, kinetic_step, potential_step
-from freebody.derivations.methods.overview import overview
+from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.work import virtual_work
 from freebody.derivations.names import sym
@@ -22,8 +23,8 @@ from freebody.scalars.trig import Trig
 HALF = ex.num(Fraction(1, 2))
 
 
-def derive(setting: Setting) -> Derivation:
-    """The derivation by energies."""
+def derive(setting: Setting) -> Worked:
+    """The steps, by energies."""
     s = setting
     energies, found = lagrangian(s)
     steps = [_coordinates(s), *found]
@@ -38,8 +39,15 @@ def derive(setting: Setting) -> Derivation:
         steps += more
         tau.append(torque)
     steps.append(closed_form(s))
-    title = "Lagrange's equations of the second kind"
-    return Derivation("lagrange", title, s.equations, tuple(steps), tuple(tau), *overview(s, "lagrange"))
+    return Worked(tuple(steps), tuple(tau), symbols(s))
+
+
+def symbols(s: Setting) -> Iterator[Meaning]:
+    """What the energies bring in."""
+    yield Meaning((sym("r_ci", True),), "centre of mass of body i, from the base's origin", glossary.METER)
+    yield from glossary.moving(s)
+    yield Meaning((sym("T_i"), sym("V_i")), "kinetic and potential energy of body i", glossary.JOULE)
+    yield Meaning((sym("L"),), "Lagrangian", glossary.JOULE)
 
 
 def lagrangian(s: Setting) -> tuple[Energies, list[Step]]:
@@ -185,3 +193,13 @@ def _equation(s: Setting, energies: Energies, i: int, work: Trig) -> tuple[list[
         ("5.7", number) if number else ("5.7",),
     )
     return [first, equation], torque
+
+
+METHOD = Method(
+    "lagrange",
+    "Lagrange's equations of the second kind",
+    "kinetic and potential energies, one equation a coordinate",
+    "lecture notes, chapter 5 and section 6.2",
+    derive,
+    aliases=("lagrange-second-kind",),
+)

@@ -2,29 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from freebody.derivations import expression as ex
 from freebody.derivations.closed.input_output import ClosedInputOutput
 from freebody.derivations.closed.linear import product, quotient
-from freebody.derivations.derivation import Derivation, Step
+from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expression import Equation, Expression, eq
+from freebody.derivations.methods import glossary
 from freebody.derivations.methods.loops import LONG, Loops
-from freebody.derivations.methods.overview import overview
+from freebody.derivations.methods.method import Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.names import entry, sym, vec
 from freebody.derivations.singularities import Determinant
 from freebody.derivations.symbols import RATE
 
+SOUGHT = "Sought: how the tip P moves with the joints, and the joints' motion for a given one of the tip."
 
-def derive(setting: Setting) -> Derivation:
-    """The derivation; drives and rows of the tip's motion as many as there are freedoms."""
+
+def derive(setting: Setting) -> Worked:
+    """The steps; drives and rows of the tip's motion as many as there are freedoms."""
     loops = Loops(setting)
     work = _TipAndDrives(setting, loops, loops.equations.input_output())
     steps = [loops.cut(), loops.closed(), loops.freedom(), loops.rates()]
     steps += [work.between(), work.jacobian(), work.singular()]
-    title = "Kinematics"
-    return Derivation(
-        "kinematics", title, setting.equations, tuple(steps), (), *overview(setting, "kinematics")
-    )
+    return Worked(tuple(steps), (), _symbols(), sought=SOUGHT)
+
+
+def _symbols() -> Iterator[Meaning]:
+    yield glossary.loop_equations()
+    yield Meaning((vec("v"),), "rates of the tip", "m/s, rad/s")
+    yield Meaning((sym("J"),), "Jacobian of the tip by the driven joints", "m or 1")
 
 
 class _TipAndDrives:

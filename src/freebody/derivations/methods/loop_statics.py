@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from freebody.algorithms import constraints
@@ -10,43 +10,39 @@ from freebody.algorithms.kinematics import frame_pose
 from freebody.derivations import expression as ex
 from freebody.derivations.closed.linear import Ratio, product
 from freebody.derivations.closed.statics import LoopStatics
-from freebody.derivations.derivation import Derivation, Step
+from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expression import Equation, Expression, eq
+from freebody.derivations.methods import glossary
 from freebody.derivations.methods.equilibrium import Equilibrium
 from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.loops import LONG, Loops
-from freebody.derivations.methods.overview import overview
+from freebody.derivations.methods.method import Worked
 from freebody.derivations.methods.reactions import Reactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.names import entry, sym
-from freebody.errors import FreebodyError, listed
+from freebody.errors import listed
 from freebody.lazy import cached_property
 from freebody.model.tree import TreeLoop
 from freebody.spatial import Vector, sub
 
 
-def derive(setting: Setting) -> Derivation:
-    """The derivation; planar chains only."""
-    if not setting.planar:
-        raise FreebodyError(
-            f"derive 'statics': {setting.symbols.model.name!r} is a closed chain in space, for which statics is not "
-            "written out; fb.static_torque and fb.reactions give its numbers."
-        )
+def derive(setting: Setting) -> Worked:
+    """The steps; planar chains only."""
     loops = Loops(setting)
     work = _Balance(setting, loops, _LoopReactions(setting, loops))
     steps = [work.convention()] if setting.load else []
     steps += [work.forces(), *map(work.body, setting.order), work.geometry()]
     steps += [*work.passive(), work.torques(), work.reactions_step()]
     torques = tuple(work.reactions.motor(i) for i in setting.order)
-    return Derivation(
-        "statics",
-        "Statics",
-        setting.equations,
-        tuple(steps),
-        torques,
-        *overview(setting, "statics"),
-        system=work.system,
-    )
+    sought = "Sought: what the motors must give to hold the robot at rest, and the forces in the loops."
+    return Worked(tuple(steps), torques, _symbols(setting), sought=sought, system=work.system)
+
+
+def _symbols(s: Setting) -> Iterator[Meaning]:
+    yield from glossary.vectors(s)
+    yield Meaning((sym("lam_k"),), "multiplier of loop equation k: what the loop presses with", "")
+    yield glossary.joint_forces()
+    yield from glossary.joint_moments(s)
 
 
 class _LoopReactions(Reactions):

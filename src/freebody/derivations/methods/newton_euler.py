@@ -6,29 +6,26 @@ plane the whole moment), a prismatic one's the force along its axis; the other c
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from freebody.derivations import expression as ex
-from freebody.derivations.derivation import Derivation, Step
+from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expression import Expression, eq
-from freebody.derivations.methods import wording
+from freebody.derivations.methods import glossary, wording
 from freebody.derivations.methods.closing import closed_form
 from freebody.derivations.methods.geometry import geometry
+from freebody.derivations.methods.method import Method, Option, Worked
 from freebody.derivations.methods.motion import motion
-from freebody.derivations.methods.overview import overview
-from freebody.derivations.methods.pivots import about_pivots
+from freebody.derivations.methods.pivots import about_pivots, arms_of_pivots
 from freebody.derivations.methods.reactions import Reactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.names import vec
-from freebody.errors import UnknownNameError
 from freebody.scalars.trig import Trig
 
-ROUTES = ("centre", "pivot")
 
-
-def derive(setting: Setting, route: str = "centre") -> Derivation:
-    """The derivation; route: moments of each body about its centre of mass, or of what hangs on a joint
+def derive(setting: Setting, route: str) -> Worked:
+    """The steps; route: moments of each body about its centre of mass, or of what hangs on a joint
     about its pivot."""
-    if route not in ROUTES:
-        raise UnknownNameError("route", route, "newton-euler", ROUTES)
     inward = tuple(reversed(setting.order))
     reactions = Reactions(setting)
     tau = {i: reactions.motor(i) for i in inward}
@@ -43,10 +40,19 @@ def derive(setting: Setting, route: str = "centre") -> Derivation:
     ]
     steps += [work.substituted(i, route == "centre") for i in inward]
     steps.append(closed_form(setting))
-    title = "Newton and Euler, body by body" + (", moments about the pivots" if route == "pivot" else "")
+    title = f"{METHOD.title}, moments about the pivots" if route == "pivot" else ""
     torques = tuple(tau[i] for i in setting.order)
-    given = overview(setting, "newton-euler" if route == "centre" else "pivot")
-    return Derivation("newton-euler", title, setting.equations, tuple(steps), torques, *given)
+    return Worked(tuple(steps), torques, _symbols(setting, route), title)
+
+
+def _symbols(s: Setting, route: str) -> Iterator[Meaning]:
+    yield from glossary.vectors(s)
+    yield from glossary.moving(s)
+    if route == "pivot":
+        yield from arms_of_pivots(s)
+    else:
+        yield glossary.joint_forces()
+        yield from glossary.joint_moments(s)
 
 
 class FreeBodies:
@@ -149,3 +155,13 @@ class FreeBodies:
                 lines.append(eq(s.joint_moment(i), s.angular(self.reactions.n[i])))
         lines.append(eq(s.motor(i), s.show(self.tau[i])))
         return Step(f"Put the motion in: joint {n}", wording.substituted(s, i, reactions), tuple(lines))
+
+
+METHOD = Method(
+    "newton-euler",
+    "Newton and Euler, body by body",
+    "forces and moments on each body, the reactions eliminated",
+    "lecture notes, chapter 3 and section 6.1",
+    derive,
+    options=(Option("route", ("centre", "pivot"), "moments about centres of mass or pivots"),),
+)

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from freebody.derivations.derivation import Meaning
 from freebody.derivations.methods.glossary import glossary
+from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.render.literal import literal
 from freebody.model.parameters import Parameter
 
 
-def overview(s: Setting, method: str) -> tuple[str, tuple[Meaning, ...]]:
+def overview(s: Setting, method: Method, worked: Worked) -> tuple[str, tuple[Meaning, ...]]:
     """(what is given and sought, symbols)."""
-    moved = method == "kinematics"
-    gravity = [] if moved else _gravity(s)
-    axes = ["Vectors have components in the world's axes."] if moved and not s.planar else _axes(s)
-    return " ".join([_arm(s), *_loops(s), *gravity, *axes, *_load(s), _sought(s, method)]), glossary(
-        s, method
-    )
+    forces = method.finds_torques
+    gravity = _gravity(s) if forces else []
+    axes = _axes(s) if forces or s.planar else ["Vectors have components in the world's axes."]
+    told = [_arm(s), *_loops(s), *gravity, *axes, *_load(s), worked.sought or _sought(s)]
+    return " ".join(told), glossary(s, worked.symbols, forces)
 
 
 def _arm(s: Setting) -> str:
@@ -87,22 +87,14 @@ def _load(s: Setting) -> list[str]:
     )
 
 
-_CLOSED = {
-    "lagrange-first-kind": "Given what the motors do, the accelerations and the forces in the loops are sought.",
-    "statics": "Sought: what the motors must give to hold the robot at rest, and the forces in the loops.",
-}
-
-
-def _sought(s: Setting, method: str) -> str:
-    motors = "torques" if all(map(s.turns, s.order)) else "torques and forces"
+def motors(s: Setting) -> str:
+    """What the motors give: torques, or a force."""
+    words = "torques" if all(map(s.turns, s.order)) else "torques and forces"
     if len(s.order) == 1:
-        motors = motors.removesuffix("s") if motors == "torques" else "force"
-    if method == "kinematics":
-        return (
-            "Sought: how the tip P moves with the joints, and the joints' motion for a given one of the tip."
-        )
-    if s.tree.loops and method != "kinematics":
-        return _CLOSED[method]
-    if method == "statics":
-        return f"Sought: the motor {motors} that hold{'s' if len(s.order) == 1 else ''} the arm at rest."
-    return f"Given a motion of the joints, the motor {motors} {'is' if len(s.order) == 1 else 'are'} sought."
+        return "torque" if words == "torques" else "force"
+    return words
+
+
+def _sought(s: Setting) -> str:
+    verb = "is" if len(s.order) == 1 else "are"
+    return f"Given a motion of the joints, the motor {motors(s)} {verb} sought."

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from freebody.derivations import expression as ex
-from freebody.derivations.derivation import Step
+from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expression import Equation, Expression, eq
+from freebody.derivations.methods.glossary import INERTIA, METER
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.names import sym, vec
 from freebody.scalars.trig import Trig
@@ -18,6 +19,14 @@ def about_pivots(s: Setting, drives: Mapping[int, Trig]) -> list[Step]:
     if s.cited == "R":
         return [_fixed_axis(s, s.show(drives[s.order[0]]))]
     return [_carried(s, i, s.show(drives[i])) for i in s.order]
+
+
+def arms_of_pivots(s: Setting) -> Iterator[Meaning]:
+    """The symbols that moments about pivots bring in."""
+    if s.cited == "R":
+        yield Meaning((sym("I_A"),), "moment of inertia about the pivot", INERTIA)
+    elif any(s.turns(i) and s.tree.children(i) for i in s.order):
+        yield Meaning((sym("r_i,ck", True),), "joint i to the centre of mass of body k", METER)
 
 
 def _fixed_axis(s: Setting, drive: Expression) -> Step:

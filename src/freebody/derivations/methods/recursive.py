@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from freebody.algorithms.rnea import Recursion, rnea
 from freebody.derivations import expression as ex
-from freebody.derivations.derivation import Derivation, Step
+from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expression import Equation, Expression, eq
+from freebody.derivations.methods import glossary
 from freebody.derivations.methods.closing import closed_form
 from freebody.derivations.methods.geometry import geometry, rotation_name
 from freebody.derivations.methods.inward import Inward
-from freebody.derivations.methods.overview import overview
+from freebody.derivations.methods.method import Method, Option, Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.names import sym, vec
 from freebody.derivations.symbols import RATE, SECOND
-from freebody.errors import UnknownNameError
 from freebody.spatial import times, transposed
 
 GRAVITIES = ("base", "explicit")
 
 
-def derive(setting: Setting, gravity: str = "base") -> Derivation:
-    """The derivation; gravity: as acceleration -g of the base, or as each body's weight."""
-    if gravity not in GRAVITIES:
-        raise UnknownNameError("gravity", gravity, "recursive", GRAVITIES)
+def derive(setting: Setting, gravity: str) -> Worked:
+    """The steps; gravity: as acceleration -g of the base, or as each body's weight."""
     base = gravity == "base" or not setting.weighs
     record = _recursion(setting, gravity)
     outward, inward = _Outward(setting, record, base), Inward(setting, record, base)
@@ -31,9 +31,17 @@ def derive(setting: Setting, gravity: str = "base") -> Derivation:
     steps += [inward.step(i) for i in reversed(setting.order)]
     steps.append(closed_form(setting))
     tau = tuple(inward.torque(i) for i in setting.order)
-    title = "The recursive method of Newton and Euler" + ("" if base else ", gravity as weights")
-    given = overview(setting, "recursive")
-    return Derivation("recursive", title, setting.equations, tuple(steps), tau, *given)
+    title = "" if base else f"{METHOD.title}, gravity as weights"
+    return Worked(tuple(steps), tau, _symbols(setting), title)
+
+
+def _symbols(s: Setting) -> Iterator[Meaning]:
+    yield from glossary.vectors(s)
+    yield from glossary.moving(s)
+    yield Meaning((sym("v_i", True),), "velocity of the point of body i at joint i", glossary.SPEED)
+    yield from glossary.inertia_forces(s)
+    yield glossary.joint_forces()
+    yield from glossary.joint_moments(s)
 
 
 def _recursion(s: Setting, gravity: str) -> Recursion:
@@ -166,3 +174,14 @@ _SPATIAL = {True: ("6.18", "6.19", "6.20", "6.21", "6.22"), False: ("6.22", "6.2
 def chain(name: Expression, rule: Expression, value: Expression) -> Equation:
     """name = rule = value, without a side that repeats the one before."""
     return eq(name, value) if rule in (value, ex.ZERO) else eq(name, rule, value)
+
+
+METHOD = Method(
+    "recursive",
+    "The recursive method of Newton and Euler",
+    "motion from the base outward, forces from the tip inward",
+    "lecture notes, sections 4.3 and 6.3",
+    derive,
+    aliases=("recursive-newton-euler",),
+    options=(Option("gravity", GRAVITIES, "gravity as acceleration of the base, or as weights"),),
+)

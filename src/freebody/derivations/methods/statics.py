@@ -3,17 +3,20 @@
 
 from __future__ import annotations
 
-from freebody.derivations.derivation import Derivation
-from freebody.derivations.methods import loop_statics
+from collections.abc import Iterator
+
+from freebody.derivations.derivation import Meaning
+from freebody.derivations.methods import glossary, loop_statics
 from freebody.derivations.methods.equilibrium import Equilibrium
 from freebody.derivations.methods.geometry import geometry
-from freebody.derivations.methods.overview import overview
+from freebody.derivations.methods.method import Method, Worked
+from freebody.derivations.methods.overview import motors
 from freebody.derivations.methods.reactions import Reactions
 from freebody.derivations.methods.setting import Setting
 
 
-def derive(setting: Setting) -> Derivation:
-    """The derivation; the setting is at rest. Of a closed chain: see `loop_statics`."""
+def derive(setting: Setting) -> Worked:
+    """The steps; the setting is at rest. Of a closed chain: see `loop_statics`."""
     if setting.tree.loops:
         return loop_statics.derive(setting)
     reactions = Reactions(setting)
@@ -26,6 +29,24 @@ def derive(setting: Setting) -> Derivation:
     if setting.load:
         steps.append(work.transpose())
     torques = tuple(tau[i] for i in setting.order)
-    return Derivation(
-        "statics", "Statics", setting.equations, tuple(steps), torques, *overview(setting, "statics")
-    )
+    one = len(setting.order) == 1
+    sought = f"Sought: the motor {motors(setting)} that hold{'s' if one else ''} the arm at rest."
+    return Worked(tuple(steps), torques, _symbols(setting), sought=sought)
+
+
+def _symbols(s: Setting) -> Iterator[Meaning]:
+    yield from glossary.vectors(s)
+    yield glossary.joint_forces()
+    yield from glossary.joint_moments(s)
+
+
+METHOD = Method(
+    "statics",
+    "Statics",
+    "equilibrium of each body at rest, with a force on the tip",
+    "lecture notes, section 2.4",
+    derive,
+    closed=(2,),
+    elsewhere="fb.static_torque and fb.reactions",
+    at_rest=True,
+)
