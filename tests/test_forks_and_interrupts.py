@@ -70,6 +70,48 @@ def test_a_child_forked_while_another_thread_traces_goes_on(target):
     assert done.returncode == 0, done.stderr
 
 
+FORK_DURING_AN_IMPORT = """
+import os, signal, sys, threading, time, warnings
+warnings.simplefilter("ignore", DeprecationWarning)
+import freebody as fb
+inside = threading.Event()
+class Slow:  # a disk that takes its time
+    def find_spec(self, name, path, target=None):
+        if name == "freebody.{slow}":
+            inside.set()
+            time.sleep(0.5)
+sys.meta_path.insert(0, Slow())
+def first_use():
+    {use}
+using = threading.Thread(target=first_use)
+using.start()
+assert inside.wait(20)
+child = os.fork()
+if child == 0:
+    signal.alarm(5)  # a child that waits for ever ends by this
+    {use}
+    os._exit(0 if callable(fb.compile) else 1)
+status = os.waitpid(child, 0)[1]
+using.join()
+assert status == 0, status
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
+@pytest.mark.parametrize(
+    ("use", "slow"),
+    [
+        ("fb.compile", "kernels.compiled"),
+        ("fb.math", "math"),
+        ("import freebody.kernels.compiled", "targets.threads"),  # what is imported is half there
+    ],
+)
+def test_a_child_forked_while_another_thread_imports_goes_on(use, slow):
+    done = run(FORK_DURING_AN_IMPORT.format(use=use, slow=slow))
+    assert done.returncode == 0, done.stderr
+    assert not done.stderr
+
+
 def test_nothing_in_freebody_holds_a_lock_that_a_fork_would_leave_taken():
     """`functools.cached_property` holds one for all instances before Python 3.12."""
     users = [

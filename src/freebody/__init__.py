@@ -5,8 +5,9 @@ This module is a table of contents: each name is imported from its place when it
 
 from __future__ import annotations
 
-import importlib
 from typing import Any
+
+from freebody.locks import imported
 
 __version__ = "0.1.0"
 
@@ -122,13 +123,13 @@ __all__ = [*_PLACE_OF, *_MODULES, "__version__"]
 
 def __getattr__(name: str) -> Any:
     if name in _MODULES:
-        return importlib.import_module(f"freebody.{name}")
+        return imported(f"freebody.{name}")
     if name not in _PLACE_OF:
         raise AttributeError(f"module 'freebody' has no attribute {name!r}")
-    value = getattr(importlib.import_module(_PLACE_OF[name]), name)
+    value = getattr(imported(_PLACE_OF[name]), name)
     code = getattr(value, "__code__", None)
     if code is not None and code.co_varnames[:1] == ("model",) and _PLACE_OF[name] not in _QUICK:
-        value = importlib.import_module("freebody.model.required").takes_model(name, value)
+        value = imported("freebody.model.required").takes_model(name, value)
     globals()[name] = value
     return value
 

@@ -13,12 +13,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from freebody import locks
 from freebody.errors import FreebodyError, ShapeError
 from freebody.lazy import cached_property
 from freebody.program.hoist import hoist
 from freebody.program.program import Argument, Program, verify
 from freebody.scalars.operations import OPERATIONS
-from freebody.targets import locks, memory
+from freebody.targets import memory
 from freebody.targets.target import KernelError, chosen_target, chosen_width, target_named
 from freebody.targets.threads import cpus, run_split
 
@@ -279,7 +280,7 @@ def compile_program(
             beyond the range of the dtype.
     """
     target = chosen_target(target)
-    with locks.KERNELS:  # also while a target is imported, so that no fork falls into an import
+    with locks.KERNELS:
         width = chosen_width(target, width, dtype)
         if not _has_scalars(program):
             target, width = "numpy", None

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Iterator
 from typing import Any
 
-from freebody.targets.locks import COMPILER
+from freebody.locks import COMPILER
 
 _gone: deque[Any] = deque()
 

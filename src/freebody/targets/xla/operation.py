@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from freebody import locks
 from freebody.program.program import Program
-from freebody.targets import locks
 from freebody.targets.kernel import Kernel, compile_program
 from freebody.targets.xla import layout
 from freebody.targets.xla.grid import arranged

@@ -1,0 +1,48 @@
+"""The locks of a process, in the order in which they are taken, and the imports that a fork waits for.
+
+A fork waits for them, since its child would find them taken for ever. They stand together, and are there with the
+package itself, because hooks of a fork run in the order in which they were registered: what is imported later
+registers none.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+import threading
+from types import ModuleType
+
+KERNELS = threading.Lock()
+"""Of the kernels of this process; held while a target is imported and builds one."""
+
+COMPILER = threading.Lock()
+"""Of a compiler's library, which one thread uses at a time."""
+
+IMPORTS = threading.RLock()
+"""Of modules of public names; nothing that a module does while it is imported takes the locks above."""
+
+
+def imported(module: str) -> ModuleType:
+    """A module of freebody, so that no fork falls into its import."""
+    with IMPORTS:
+        return importlib.import_module(module)
+
+
+def _take() -> None:
+    KERNELS.acquire()
+    COMPILER.acquire()
+    IMPORTS.acquire()
+    # modules that other threads import by a statement: asking for one again waits until it is there
+    for name in [name for name in list(sys.modules) if name.startswith("freebody.")]:
+        importlib.import_module(name)
+
+
+def _release() -> None:
+    IMPORTS.release()
+    COMPILER.release()
+    KERNELS.release()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(before=_take, after_in_parent=_release, after_in_child=_release)
