@@ -70,6 +70,8 @@ class Derivation(Titled):
     system: FirstKind | LoopStatics | None = None
     """Of a closed chain, as polynomials: of the first kind M, Φ_q, c and the reduction; of statics multipliers and
     torques."""
+    reference: str = ""
+    """Where the method is described, if not in the lecture notes."""
     draw: Callable[[Derivation], Drawings] | None = field(default=None, compare=False, repr=False)
     """What draws them; figures are made above derivations, so that it comes from there."""
 

@@ -44,9 +44,16 @@ def derive(
     setting = Setting(made, names, at_rest=record.at_rest)
     worked = record(setting, **options)
     given, glossary = overview(setting, record, worked)
-    title = worked.title or record.title
     return Derivation(
-        record.name, title, setting.equations, worked.steps, worked.tau, given, glossary, worked.system
+        record.name,
+        worked.title or record.title,
+        setting.equations,
+        worked.steps,
+        worked.tau,
+        given,
+        glossary,
+        worked.system,
+        record.reference,
     )
 
 

@@ -2,6 +2,7 @@
 
 from freebody.derivations.methods import (
     first_kind,
+    kane,
     kinematics,
     lagrange,
     newton_euler,
@@ -17,6 +18,7 @@ METHODS: dict[str, Method] = {
         recursive,
         lagrange,
         first_kind,
+        kane,
         statics,
         kinematics,
     )

@@ -44,12 +44,13 @@ class Option:
 class Method:
     """A way to the equations of a robot.
 
-    name: what users write, as they may each of the aliases. title: heading of a derivation. words: what is done, for
-    lists of the methods. source: where the method is described. derive: from a setting and the options to the steps.
-    spaces, closed: the numbers of dimensions in which it serves open and closed chains; elsewhere: the functions that
-    give numbers for closed chains which it does not serve. at_rest: whether the robot stands still, and a force acts
-    on the tip unless it is left out. finds_torques: whether it ends in the torques of the motors; forces do not occur
-    in one that does not.
+    name: what users write, as they may each of the aliases. title: heading of a derivation. words: what is
+    done, for lists of the methods. source: where the method is described. derive: from a setting and the options
+    to the steps. reference: the source in full, for the foot of a derivation, where it is not the lecture notes.
+    spaces, closed: the numbers of dimensions in which it serves open and closed chains; elsewhere: the functions
+    that give numbers for closed chains which it does not serve. at_rest: whether the robot stands still, and a
+    force acts on the tip unless it is left out. finds_torques: whether it ends in the torques of the motors;
+    forces do not occur in one that does not.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Method:
     words: str
     source: str
     derive: Callable[..., Worked]
+    reference: str = ""
     aliases: tuple[str, ...] = ()
     options: tuple[Option, ...] = ()
     spaces: tuple[int, ...] = (2, 3)

@@ -241,6 +241,7 @@ def _source(derivation: Derivation) -> str:
     numbered = any(step.notes for step in derivation.steps)
     source = derivation.equations.symbols.model.source
     parts = [
+        f"Method: {derivation.reference}" if derivation.reference else "",
         f"Equation numbers: {SOURCE}." if numbered else "",
         f"Robot: {literal(source.rstrip('.'))}" if source else "",
     ]
