@@ -206,8 +206,8 @@ def test_numpy_computes_in_the_same_type():
 
 
 def test_options_are_checked():
-    with pytest.raises(KernelError, match=r"no dtype 'float16' of kernels. Known: float64, float32\."):
-        compile_program(PROGRAM, dtype="float16")
+    with pytest.raises(KernelError, match=r"target 'cpu' has no dtype 'float16'. It has: float64, float32\."):
+        compile_program(PROGRAM, target="cpu", dtype="float16")
     with pytest.raises(KernelError, match=r"no width 16 of float64\. Widths: 2, 4, 8 "):
         compile_program(PROGRAM, target="cpu", width=16)
 

@@ -65,7 +65,7 @@ def test_a_target_is_a_module_and_a_line(monkeypatch):
     assert asked[1:] == [(None, "float16"), (6, "float64"), (7, "float64")]
     for option, text in (
         ({"width": 4}, "no width 4 of float64. Widths: 6, 7 "),
-        ({"dtype": "float32"}, "Known: float64, float16"),
+        ({"dtype": "float32"}, "target 'halves' has no dtype 'float32'. It has: float64, float16."),
     ):
         with pytest.raises(KernelError, match=re.escape(text)):
             swap_kernel(**option)

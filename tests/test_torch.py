@@ -12,7 +12,7 @@ import pytest
 
 import freebody as fb
 from freebody.errors import FreebodyError, MissingValueError, ShapeError
-from freebody.targets import KernelError
+from freebody.targets import TARGETS, Kernel, KernelError
 from freebody.targets.kernel import BatchError
 from support.hostile import JOINTS, LINKS, hostile
 
@@ -411,3 +411,12 @@ def test_refusals():
         fb.to_torch(far)
     far.target = "numpy"  # others may be given this kernel too
     assert torch.isnan(f(q, q, torch.tensor([1.0, torch.nan]))).all()
+
+
+def test_any_target_in_the_hosts_memory_is_called(monkeypatch):
+    """Its record says so, no list of names."""
+    monkeypatch.setitem(TARGETS, "of_tomorrow", TARGETS["numpy"])
+    plain = fb.kernel(fb.load("2R"), "bias", target="numpy")
+    q = random(2, grad=False)
+    found = fb.to_torch(Kernel(plain.program, "of_tomorrow", 1, plain.ufunc))(q, q)
+    np.testing.assert_array_equal(found, plain(q.numpy(), q.numpy()))

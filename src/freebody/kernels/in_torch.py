@@ -12,6 +12,7 @@ from freebody.kernels.inputs import InputKernel
 from freebody.kernels.lookup import kernel
 from freebody.model.model import Model
 from freebody.targets import Kernel, KernelError
+from freebody.targets.target import target_named
 
 if TYPE_CHECKING:
     from freebody.targets.in_torch import Tensor, TensorProgram
@@ -82,7 +83,7 @@ class TorchFunction:
         self.parameters: tuple[str, ...] = kernel.parameters if isinstance(kernel, InputKernel) else ()
         self.values = kernel.values if isinstance(kernel, InputKernel) else np.zeros(0)
         own = kernel.kernel if isinstance(kernel, InputKernel) else kernel
-        if own.target not in in_torch.TARGETS:
+        if not target_named(own.target).host:
             raise FreebodyError(
                 f"fb.to_torch: tensors are computed with on the CPU, not by target {own.target!r}, whose kernels take "
                 "PyTorch's tensors there themselves, without gradients: call what fb.kernel returns."

@@ -30,10 +30,6 @@ DTYPES = {torch.float64: "float64", torch.float32: "float32"}
 """Types of number that kernels compute with."""
 
 
-TARGETS = ("cpu", "numpy")
-"""Those whose kernels read the memory of tensors here; a GPU's take the GPU's tensors themselves, without gradients."""
-
-
 class TensorProgram:
     """A program for tensors of one type, and those of its derivatives as they are asked for.
 

@@ -37,6 +37,7 @@ class Target:
     for; none where it has no vectors. variant: what else the code of a program depends on, from the environment.
     loops: whether what it makes is a loop that releases the GIL and reads uniform inputs once a call. Long batches are
     then cut, and shared among threads. missing: what this machine lacks to run it, in words; empty if nothing.
+    host: whether its kernels compute with the host's memory, which tensors of the CPU are.
     """
 
     build: Callable[[Program, int | None, str], Kernel]
@@ -45,6 +46,7 @@ class Target:
     variant: Callable[[Program], Hashable]
     loops: bool
     missing: Callable[[], str] = lambda: ""
+    host: bool = True
 
 
 @cache
@@ -74,7 +76,7 @@ def chosen_width(target: str, width: int | None, dtype: str) -> int | None:
     """
     widths = target_named(target).widths
     if dtype not in widths:
-        raise KernelError(f"no dtype {dtype!r} of kernels. Known: {', '.join(widths)}.")
+        raise KernelError(f"target {target!r} has no dtype {dtype!r}. It has: {', '.join(widths)}.")
     if not widths[dtype]:
         if width is not None:
             raise KernelError(f"width={width}: target {target!r} has no vectors; leave it out.")

@@ -24,4 +24,5 @@ TARGET = Target(
     variant=lambda program: None,
     loops=True,
     missing=missing,
+    host=False,
 )
