@@ -1,4 +1,4 @@
-"""The table of ways out: for each language and quantity the text's size, the time of a call, and how far off it is.
+"""The table of exported text: for each language and quantity its size, its time and its difference from the kernel.
 
     python benchmarks/ways_out.py [--robots ur5e panda] [--languages c javascript …] [--quantities …] [--rounds 7]
 
@@ -326,7 +326,7 @@ def main() -> None:
     given = parser.parse_args()
     print(f"{cpu()}; Python {platform.python_version()}, freebody {fb.__version__}; best of {given.rounds}\n")
     ways = {name: WAYS[name] for name in given.languages if available(WAYS[name], given.python)}
-    print(f"| robot | quantity | {' | '.join(ways)} | off | float |")
+    print(f"| robot | quantity | {' | '.join(ways)} | error, double | error, float |")
     print(f"|---|---|{'---|' * len(ways)}---|---|")
     for robot in given.robots:
         model = fb.load(robot).without("friction", "rotors", "springs")
