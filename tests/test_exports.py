@@ -16,6 +16,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -29,7 +30,7 @@ from freebody.kernels.vectors import vectors
 from freebody.program import Argument, Program, trace
 from freebody.scalars.expr import Expr
 from freebody.scalars.operations import OPERATIONS
-from freebody.targets.text import LANGUAGES, Unit, c, javascript, julia, matlab, rust
+from freebody.targets.text import LANGUAGES, Unit
 from freebody.targets.text.language import called
 from freebody.targets.text.statements import Spelling, lines, statements, words_of
 from support.browser import browser
@@ -47,6 +48,17 @@ STRICT = {
     "python ": f"{sys.executable} ",
     "-O2": "-O0",
 }
+
+
+def module_of(language: str) -> ModuleType:
+    """The file of a language."""
+    emit = LANGUAGES[language].emit
+    return sys.modules[getattr(emit, "func", emit).__module__]
+
+
+def having(table: str) -> list[str]:
+    """Languages whose file has a table or bound of that name: a new one is among them by itself."""
+    return [language for language in LANGUAGES if hasattr(module_of(language), table)]
 
 
 def require(language: str) -> None:
@@ -115,14 +127,10 @@ def test_a_package_passes_its_own_test_and_its_test_can_fail(language, tmp_path)
     assert "FAILED" in done.stdout
 
 
-@pytest.mark.parametrize("language", ["c", "cpp", "matlab"])
+@pytest.mark.parametrize("language", having("FUNCTIONS"))
 def test_no_input_has_the_name_of_a_function_that_the_text_calls(language, tmp_path):
-    tables = {
-        "c": (c.FUNCTIONS, c._HELPERS),
-        "cpp": (c.FUNCTIONS,),
-        "matlab": (matlab.FUNCTIONS, matlab._HELPERS),
-    }
-    names = sorted(called(*tables[language]) - {"if"})[:24]
+    module = module_of(language)
+    names = sorted(called(module.FUNCTIONS, getattr(module, "_HELPERS", {})) - {"if"})[:24]
     law = fb.compile(
         lambda **x: {"y": fb.math.minimum(sum(map(fb.math.tanh, x.values())), 1.0)}, dict.fromkeys(names, ())
     )
@@ -182,10 +190,9 @@ def test_every_operation_in_every_language(language, tmp_path):
     require(language)
 
 
-@pytest.mark.parametrize("language", ["c", "cpp", "javascript", "rust"])
+@pytest.mark.parametrize("language", having("LONGEST"))
 def test_long_programs_are_cut_and_compute_the_same(language, tmp_path, monkeypatch):
-    for module in (c, javascript, rust, julia):
-        monkeypatch.setattr(module, "LONGEST", 60)
+    monkeypatch.setattr(module_of(language), "LONGEST", 60)
     fb.export(ROBOTS["arm"](), ("forward_dynamics", "mass_matrix"), tmp_path, language, name="cut")
     text = "".join(path.read_text() for path in tmp_path.glob("cut.*"))
     assert len(set(re.findall(r"cut_part\d+", text))) > 10
