@@ -145,4 +145,4 @@ def _listed() -> str:
     return "\n".join(lines)
 
 
-derive.__doc__ = f"{derive.__doc__}\n    Methods:\n{_listed()}\n"
+derive.__doc__ = f"{derive.__doc__ or ''}\n    Methods:\n{_listed()}\n"

@@ -129,6 +129,9 @@ def _drawn(seen: Snapshot, names: Names, name: str) -> Drawing | None:
             return (forces.alone if cut[1] == "free-body" else forces.carried)(seen, body, names)
         view_of_all = frames.viewed(seen)
         return space_forces.alone(seen, body, names, view_of_all) if cut[1] == "free-body" else None
+    alone = re.fullmatch(r"partial (\d+)", name)
+    if alone:
+        return _partial(seen, names, int(alone[1])) if seen.model.dim == 2 else None
     draw = (_PLANE if seen.model.dim == 2 else _SPACE).get(name)
     return draw(seen, names) if draw else None
 
@@ -179,6 +182,17 @@ def _tip(order: int, note: str) -> Callable[[Snapshot, Names], Drawing]:
         return _noted(drawing, note)
 
     return lambda seen, names: (plane if seen.model.dim == 2 else space)(seen, names)
+
+
+def _partial(seen: Snapshot, names: Names, joint: int) -> Drawing:
+    """How the centres of mass move when one joint alone does."""
+    note = f"Partial velocities: joint {joint} alone moves, at the rate 1"
+    drawing = arm.blank(f"{seen.model.name}: {note.lower()}")
+    arm.structure(drawing, seen, names)
+    for layer in (arm.angles, arm.slides, arm.centres):
+        layer(drawing, seen, names)
+    motion.partial_of_centres(drawing, seen, joint)
+    return _noted(drawing, note)
 
 
 def _noted(drawing: Drawing, note: str) -> Drawing:

@@ -96,7 +96,8 @@ class _Joint:
                 f"velocity its factor in the angular velocity of a body. {what}"
             )
         rest = "; those that are not listed are zero" if self.s.order[1:] else ""
-        return Step(f"Partial velocities: joint {self.number}", f"{what}{rest}.", tuple(lines))
+        figure = f"partial {self.number}" if any(map(_some, self.centres.values())) else None
+        return Step(f"Partial velocities: joint {self.number}", f"{what}{rest}.", tuple(lines), figure=figure)
 
     def _v(self, k: int) -> Expression:
         """v_ck,r."""

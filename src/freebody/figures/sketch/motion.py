@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -61,6 +62,15 @@ def of_centres(drawing: Drawing, seen: Snapshot, names: Names, scaled: bool = Fa
     found = [seen.velocity_at(body, body.com) for body in bodies]
     labels = [names.on("v", body.number, "c") for body in bodies]
     arrows(drawing, [b.com for b in bodies], found, labels, "velocity", "m/s", seen.size, scaled)
+
+
+def partial_of_centres(drawing: Drawing, seen: Snapshot, joint: int) -> None:
+    """v_ci,r: velocities of the centres of mass when joint r alone moves, at the rate 1; joints count from 1."""
+    alone = replace(seen, qd=np.eye(seen.model.nv)[seen.model.coordinates[joint - 1].v[0]])
+    bodies = [body for body in seen.pose.bodies if body.mass > 0]
+    found = [alone.velocity_at(body, body.com) for body in bodies]
+    labels = [f"v_{{c{body.number},{joint}}}" for body in bodies]
+    arrows(drawing, [b.com for b in bodies], found, labels, "velocity", "m/s", seen.size, scaled=False)
 
 
 def second_of_centres(drawing: Drawing, seen: Snapshot, names: Names, scaled: bool = False) -> None:
