@@ -306,6 +306,15 @@ def test_the_operator_passes_pytorchs_own_tests():
     assert set(done.values()) == {"SUCCESS"}
 
 
+@pytest.mark.parametrize("where", range(3))
+def test_of_tensors_without_numbers_come_shapes(where):
+    f, given = fb.to_torch(fb.load("2R"), "inverse_dynamics"), [random(5, 2, grad=False) for _ in range(3)]
+    given[where] = given[where].to("meta")
+    made = f(*given)
+    assert made.is_meta
+    assert made.shape == (5, 2)
+
+
 def test_names_of_strangers_are_in_no_graph(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     model = hostile()
@@ -394,6 +403,7 @@ def test_refusals():
         ((q.half(), q, q), KernelError, "torch.float16; kernels compute with"),
         ((q.int(), q, q), KernelError, "torch.int32"),
         ((True, q, q), FreebodyError, "expected a tensor"),
+        ((q, q.to_sparse(), q), KernelError, "no plain array: .*[Ss]parse"),
     ):
         with pytest.raises(error, match=words):
             f(*given)

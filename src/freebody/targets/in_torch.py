@@ -133,14 +133,17 @@ def _graphed() -> bool:
 
 def _computed(function: TensorProgram, tensors: Sequence[Tensor]) -> tuple[Tensor, ...]:
     """The outputs, by the kernel where the tensors have memory of their own."""
-    if _graphed() or any(type(x) not in _PLAIN for x in tensors):
+    if _graphed() or any(type(x) not in _PLAIN or x.is_meta for x in tensors):
         return tuple(_operator(function.key, list(tensors)))
     return _run(function, tensors)
 
 
 def _run(function: TensorProgram, tensors: Sequence[Tensor]) -> tuple[Tensor, ...]:
     """The outputs, by the kernel from the tensors' memory."""
-    arrays = [x.numpy(force=True) if x.requires_grad or x.is_neg() else x.numpy() for x in tensors]
+    try:
+        arrays = [x.numpy(force=True) if x.requires_grad or x.is_neg() else x.numpy() for x in tensors]
+    except (TypeError, RuntimeError) as problem:  # sparse ones, say
+        raise KernelError(f"{function.program.name}: a tensor that is no plain array: {problem}") from None
     made = function.kernel(*arrays)
     return tuple([torch.from_numpy(np.asarray(y)) for y in (made if type(made) is tuple else (made,))])
 
@@ -243,8 +246,10 @@ def _operator(key: str, inputs: Sequence[torch.Tensor]) -> list[torch.Tensor]:
 def _(key: str, inputs: Sequence[torch.Tensor]) -> list[torch.Tensor]:
     function = _IN_GRAPHS[key] = _named(key)
     batch = function.batch(inputs)
+    # of one tensor without numbers none come out
+    device = next((x.device for x in inputs if x.is_meta), inputs[0].device)
     return [
-        torch.empty((*batch, *argument.shape), dtype=function.dtype, device=inputs[0].device)
+        torch.empty((*batch, *argument.shape), dtype=function.dtype, device=device)
         for argument in function.program.outputs
     ]
 
