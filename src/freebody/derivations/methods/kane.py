@@ -55,8 +55,8 @@ def _inertia_forces(s: Setting) -> Step:
             lines.append(eq(s.angular_name("nc", i), s.spin_terms(i)))
     return Step(
         "Inertia forces of the bodies",
-        "The motion of a body counts as an inertia force -f_ci at its centre of mass and an inertia torque -n_ci, the "
-        "opposites of what accelerates it (d'Alembert).",
+        "By d'Alembert's principle the motion of a body counts as a load on it: an inertia force at its centre of "
+        "mass, the opposite of f_ci, and an inertia torque, the opposite of the rate of its angular momentum.",
         tuple(lines),
     )
 
