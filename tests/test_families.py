@@ -298,6 +298,37 @@ def test_the_ways_to_a_family():
         assert np.allclose(fb.gravity_torque(field, q)[i], fb.gravity_torque(field[i], q), atol=1e-12)
 
 
+def test_lists_of_vectors_are_what_their_arrays_are():
+    """Three members, so that rows and columns are as many."""
+    model, rows = fb.load("ur5e"), np.arange(1.0, 10.0).reshape(3, 3) ** 2
+    for some in (rows, rows[:2]):
+        for given in (some.tolist(), tuple(map(tuple, some)), list(some)):
+            assert model.with_payload(mass=2.0, com=given) == model.with_payload(mass=2.0, com=some)
+            assert model.replace(gravity=given) == model.replace(gravity=some)
+    assert model.with_payload(mass=2.0, com=[0.0, 0.0, [0.1, 0.2]])[1] == model.with_payload(
+        mass=2.0, com=[0.0, 0.0, 0.2]
+    )
+    assert model.with_payload(mass=np.array(2.0)) == model.with_payload(mass=2.0)
+    assert model.replace(gravity=np.array(1.6)) == model.replace(gravity=1.6)
+    for com in (0.1, np.array(0.1), [], [0, 0], [[0, 0], [0, 0], [0.1, 0.2]], [[0, 0], [0, 0, 0.1]]):
+        with pytest.raises(fb.FreebodyError, match="with_payload: com"):
+            model.with_payload(mass=2.0, com=com)
+    for gravity in (1j, np.array(None), {1.0}, [[0, 0], [0, 0, 1.0]]):
+        with pytest.raises(fb.FreebodyError, match="gravity: "):
+            model.replace(gravity=gravity)
+
+
+def test_kernels_of_members_that_differ_in_limits_alone_are_compiled():
+    model = fb.load("ur5e")
+    family = with_limits(model)
+    q = np.linspace(0.1, 0.6, 6)
+    for dtype, apart in (("float64", 1e-12), ("float32", 1e-4)):
+        kernel = fb.kernel(family, "gravity_torque", dtype=dtype)
+        assert kernel.kernel.target == fb.kernel(model, "gravity_torque").target
+        assert kernel.values.shape == (2, 1)
+        assert np.allclose(kernel(q), np.broadcast_to(fb.gravity_torque(model, q), (2, 6)), atol=apart)
+
+
 def test_members_on_other_slopes_have_gravity_in_other_directions():
     model, vectors = fb.load("ur5e"), np.array([[0.0, 0, -9.81], [0, 3.0, -9.0], [1.6, 0, 0], [0, 0, 0]])
     family = model.replace(gravity=vectors)

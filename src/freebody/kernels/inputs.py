@@ -66,6 +66,8 @@ def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> Inputs:
                 f"{function}: {record.name!r} is a limit, which no kernel reads; bind it instead."
             )
     varied = {r.name for r in records if isinstance(r.value, np.ndarray) and not r.limit}
+    if model.family and not meant | varied:  # only limits differ: one number tells the family's shape
+        varied = {next(record.name for record in records if not record.limit)}
     chosen = [record for record in records if record.name in meant | varied]
     names = tuple(record.name for record in chosen)
     tokens = {name: Token(f"p{k}", None, k) for k, name in enumerate(names)}

@@ -80,7 +80,8 @@ def kernel(
     inputs: numbers of the model that are to be given, by names and patterns of `fb.parameters` ("link*.mass"; patterns
     leave out exact zeros and right angles of placements, names in full take them): they are gathered, in the order of
     `fb.parameters`, in one last argument p (..., k), or given as p={name: value}; without p they are the model's own.
-    k.parameters are their names, k.values the model's own. Of a family all numbers with members are inputs.
+    k.parameters are their names, k.values the model's own. Of a family all numbers with members are inputs; where
+    its members differ in limits alone, the size of gravity.
     by: inputs by which each output is differentiated as well (exactly, in forward mode), "p" among them: behind the
     outputs follow dtau_dp (*output, k) and so on, of each output in turn; by positions on the tangent space (nv).
     Returns k(q, qd, …, out=None, threads=None), which broadcasts like a NumPy ufunc, lets NaN through and checks no

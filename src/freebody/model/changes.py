@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import ModelError, UnknownNameError
+from freebody.errors import ModelError, UnknownNameError, shown
 from freebody.model.bodies import Body, Frame
 from freebody.model.closures import LOOP_KINDS
 from freebody.model.inertia import Inertia, faults
 from freebody.model.inherited import made_from
 from freebody.model.loops import checked_loop
-from freebody.model.members import is_array, members, one_family
+from freebody.model.members import Members, is_array, is_nested, members, one_family
 from freebody.model.parameters import LARGEST, Quantity, finite, quantity
 from freebody.model.parts import Loop
 from freebody.model.placement import Placement, Rotate, Shift, Turn, rotate, shift
@@ -69,6 +69,8 @@ def load(inertia: Any, mass: Any, com: Any, dim: int) -> Inertia:
         raise ModelError("with_payload: inertia and mass= exclude each other; give one of them.")
     given = mass if inertia is None else inertia
     centre = None if com is None else _entries(com, dim)
+    if isinstance(given, np.ndarray) and not given.ndim:
+        given = given[()]
     if isinstance(given, (float, int, Real)):
         return Inertia.point(float(given), (0.0,) * dim if centre is None else centre)
     if is_array(given):
@@ -80,11 +82,16 @@ def load(inertia: Any, mass: Any, com: Any, dim: int) -> Inertia:
 
 
 def _entries(com: Any, dim: int) -> tuple[Quantity, ...]:
-    """The entries of a centre of mass (..., dim), or of dim entries each of which may be an array over the members."""
-    if isinstance(com, np.ndarray) and com.ndim > 1:
-        if com.shape[-1] != dim:
-            raise ModelError(f"with_payload: com has shape {com.shape}, expected (..., {dim}).")
-        return tuple(members(com[..., k], "with_payload: com", LARGEST) for k in range(dim))
+    """The entries of a centre of mass (..., dim), or of dim entries some of which are arrays over the members."""
+    if is_nested(com):  # a list of centres is what its array is
+        centres = members(com, "with_payload: com", LARGEST).array
+        if centres.shape[-1] != dim:
+            raise ModelError(f"with_payload: com has shape {centres.shape}, expected (..., {dim}).")
+        return tuple(Members(centres[..., k]) for k in range(dim))
+    if (not isinstance(com, Sequence) and np.ndim(com) == 0) or len(com) != dim:
+        raise ModelError(
+            f"with_payload: com is {shown(com)}, expected {dim} entries, or an array (..., {dim})."
+        )
     return tuple(members(x, "with_payload: com", LARGEST) if is_array(x) else x for x in com)
 
 

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from freebody.errors import ModelError
+from freebody.errors import ModelError, shown
 from freebody.labels import refuse_labelled
-from freebody.model.members import Members, members, of_member
+from freebody.model.members import Members, is_nested, members, of_member
 from freebody.model.parameters import LARGEST, Parameter, Quantity, finite, quantity
 from freebody.model.reading import VALUES
 from freebody.spatial import unit
@@ -30,11 +30,17 @@ def gravity_of(
     """
     down = (0.0,) * (dim - 1) + (-1.0,)
     direction = direction or down
+    if isinstance(given, np.ndarray) and not given.ndim:
+        given = given[()]
     if isinstance(given, str | Parameter | int | float | Real):
         return quantity(given, "gravity", name), direction
     refuse_labelled("gravity", given)
-    if np.ndim(given) > 1:  # type: ignore[arg-type]
+    if is_nested(given):
         return _of_members(given, dim, direction)
+    if not isinstance(given, Sequence) and np.ndim(given) == 0:
+        raise ModelError(
+            f"gravity: {shown(given)} is neither a size, nor a name, nor a vector of {dim} entries."
+        )
     vector = np.array([finite(x, "gravity") for x in given])
     if vector.shape != (dim,):
         raise ModelError(f"gravity: a vector of {dim} entries in world axes is needed, not {len(vector)}.")

@@ -49,6 +49,13 @@ def is_array(value: object) -> bool:
     return isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim > 0)
 
 
+def is_nested(value: Any) -> bool:
+    """Whether something is given as an array of more than one axis, or as sequences that all hold sequences."""
+    if isinstance(value, (list, tuple)):
+        return bool(value) and all(map(is_array, value))
+    return isinstance(value, np.ndarray) and value.ndim > 1
+
+
 def members(value: Any, owner: str, largest: float) -> Members:
     """Finite numbers, one a member, or an error that names their owner and the member."""
     refuse_masked(owner, value)
