@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from time import process_time
 
 import numpy as np
 import pytest
@@ -24,8 +25,9 @@ from freebody.kernels.vectors import vectors
 from freebody.program import Argument, Program, trace
 from freebody.scalars.operations import OPERATIONS
 from freebody.targets import KernelError, compile_program
+from freebody.targets.cuda.assembly import ptx
 from freebody.targets.cuda.driver import missing
-from freebody.targets.cuda.emit import emit
+from freebody.targets.cuda.emit import TOGETHER, emit
 from freebody.targets.cuda.parts import LARGEST, ROOM, alive, part, parts, prepared
 from freebody.targets.llvm.machine import host
 from freebody.targets.text import Unit, cuda
@@ -195,6 +197,36 @@ def test_every_sample_is_read_and_written_in_its_place_and_nothing_else(layout, 
         found[...] = 7.0
     for whole in kept[3:]:
         assert (whole == 7.0).all(), "something else was written"
+
+
+def many(inputs: int, outputs: int) -> Program:
+    """Entry k of the output is k times an input, which come in turn."""
+    arrays = [Argument("x", (inputs,))], [Argument("y", (outputs,))]
+    return prepared(trace("many", lambda x: ([x[k % inputs] * float(k) for k in range(outputs)],), *arrays))
+
+
+@pytest.mark.parametrize("layout", ["rows", "columns"])
+def test_arrays_of_many_entries_are_read_and_written_in_their_places(layout):
+    n = 2 * TOGETHER + 3
+    entry = gpu.Emulated(emit({"entry": part(many(n, n), range(n))}, "float64"), ["entry"])
+    given, made = np.random.default_rng(3).normal(size=(9, n)), np.full((11, n), 7.0)
+    if layout == "columns":
+        given, made = np.asfortranarray(given), np.asfortranarray(made)
+    entry.launch("entry", gpu.values_of([given, made[1:-1]], [1, 1], 9), 1)
+    np.testing.assert_array_equal(made[1:-1], given * np.arange(n))
+    assert (made[[0, -1]] == 7.0).all()
+
+
+def test_the_time_of_llvm_grows_no_faster_than_the_outputs():
+    """LLVM compares addresses in pairs: four times the outputs took it 15 times as long."""
+
+    def seconds(n: int) -> float:
+        text = emit({"entry": part(many(2, n), range(n))}, "float64")
+        begin = process_time()
+        ptx(text)
+        return process_time() - begin
+
+    assert seconds(2000) < 9 * seconds(500)
 
 
 def test_what_is_the_same_for_all_samples_is_broadcast():

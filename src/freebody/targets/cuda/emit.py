@@ -26,6 +26,10 @@ from freebody.targets.llvm.vector import function
 
 _SINES = ("sin", "cos")
 
+TOGETHER = 256
+"""Entries of one argument whose addresses LLVM derives one from another: it compares all pairs of them, so that all
+6144 of a Talos's Jacobian derivatives would take it minutes, where these runs take seconds."""
+
 _INDEX = """\
   %thread = call i32 @llvm.nvvm.read.ptx.sreg.tid.x()
   %threads = call i32 @llvm.nvvm.read.ptx.sreg.ntid.x()
@@ -74,6 +78,7 @@ class _Entry:
         self.lines: list[str] = []
         self.names: dict[int, str] = {}
         self.turned: set[int] = set()
+        self.runs: set[tuple[str, str]] = set()
         self.table = instructions(lanes)
 
     def text(self, name: str) -> str:
@@ -146,9 +151,24 @@ class _Entry:
         if uniform:
             self.lines.append(f"  %p{k}.{j} = getelementptr {self.lanes.v}, ptr %a{k}, i64 {j}")
         else:
-            self.lines.append(f"  %o{k}.{j} = mul i64 %core{k}, {j}")
-            self.lines.append(f"  %p{k}.{j} = getelementptr {self.lanes.v}, ptr %row{k}, i64 %o{k}.{j}")
+            run, within = divmod(j, TOGETHER)
+            begin, step = self._run(k, run) if run else (f"%row{k}", f"%core{k}")
+            self.lines.append(f"  %o{k}.{j} = mul i64 {step}, {within}")
+            self.lines.append(f"  %p{k}.{j} = getelementptr {self.lanes.v}, ptr {begin}, i64 %o{k}.{j}")
         return f"%p{k}.{j}"
+
+    def _run(self, k: int, run: int) -> tuple[str, str]:
+        """Where a run of `TOGETHER` entries of argument k begins, and a step that LLVM takes for a number of its own.
+
+        With the same step the runs would share their offsets, all of them alive for as long as the thread writes.
+        """
+        begin, step = names = f"%run{k}.{run}", f"%core{k}.{run}"
+        if names not in self.runs:
+            self.runs.add(names)
+            self.lines.append(f"  %far{k}.{run} = mul i64 %core{k}, {run * TOGETHER}")
+            self.lines.append(f"  {begin} = getelementptr {self.lanes.v}, ptr %row{k}, i64 %far{k}.{run}")
+            self.lines.append(f"  {step} = freeze i64 %core{k}")
+        return names
 
     def _node(self, index: int, scalars: Sequence[str]) -> None:
         """The instruction of a node; sine and cosine of one argument come together."""
