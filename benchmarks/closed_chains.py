@@ -5,7 +5,7 @@
 The Stewart platform with its balls as point contacts, 24 joint coordinates and 18 equations on both sides, along its
 default motion. Pinocchio has no batch call for it and is called in a loop; it iterates to 1e-10 on its multipliers.
 Then the public functions with all their checks: CPU time of one call, and a sample of a batch of 1000; what a changed
-number costs before the first call; and a sample near a singular position, which takes the careful way.
+number costs before the first call; and a sample near a singular position, by singular values.
 """
 
 import argparse

@@ -372,14 +372,14 @@ def test_a_family_says_that_it_is_one():
 
 def test_members_are_checked_one_by_one():
     model = fb.load("ur5e")
-    with pytest.raises(fb.FreebodyError, match=r"mass -1 kg is negative of member 1"):
+    with pytest.raises(fb.FreebodyError, match=r"mass -1 kg is negative \(member 1\)"):
         model.bind({"forearm_link.mass": [1.0, -1.0]})
-    with pytest.raises(fb.FreebodyError, match="nan of member 2"):
+    with pytest.raises(fb.FreebodyError, match=r"nan \(member 2\)"):
         model.bind({"forearm_link.mass": [1.0, 1.0, np.nan]})
     light = fb.load("2R").bind(m2=[1.0, 0.0], I2=[0.1, 0.0])
-    with pytest.raises(fb.FreebodyError, match=r"of member 1 is singular: joint 'joint2' moves no inertia"):
+    with pytest.raises(fb.FreebodyError, match=r"\(member 1\) is singular: joint 'joint2' moves no inertia"):
         fb.forward_dynamics(light, [0.1, 0.2], [0, 0], [0, 0])
-    with pytest.raises(fb.FreebodyError, match="no mass of member 0"):
+    with pytest.raises(fb.FreebodyError, match=r"no mass \(member 0\)"):
         fb.center_of_mass(fb.planar("R", l=[1], lc=[1], m=[1], I=[0]).bind(m1=[0.0, 1.0]), [0.1])
 
 

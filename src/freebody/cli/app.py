@@ -1,6 +1,6 @@
 """The program: its commands, and what becomes of errors.
 
-Exit code 0: done. 1: a finding, such as a failed check. 2: bad input.
+Exit status 0: done. 1: a finding, such as a failed check. 2: bad input.
 """
 
 from __future__ import annotations

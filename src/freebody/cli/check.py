@@ -34,7 +34,7 @@ def check(
 ) -> None:
     """Compare your own equations (tau1, H12, c1, G1, J11, T, V, …) with the robot's, and name the mistakes.
 
-    Exit code 0: all are right. 1: a mistake was found. 2: something cannot be read.
+    Exit status 0: all are right. 1: a mistake was found. 2: something cannot be read.
     """
     from freebody.derivations.check.check import check as verdict_on
     from freebody.derivations.check.source import AnswerError

@@ -108,7 +108,7 @@ def derive(
     ] = None,
     convention: options.Convention = None,
 ) -> None:
-    """Derive a robot's equations of motion step by step. Exit code 1 if two methods were to disagree."""
+    """Derive a robot's equations of motion step by step. Exit status 1 if two methods disagree."""
     from freebody.derivations.derive import compare as compared
     from freebody.derivations.derive import default_method, method_named
     from freebody.figures.illustrate import derive as derivation_of

@@ -61,7 +61,7 @@ def study(
 ) -> None:
     """Study a robot along a motion: torques, powers, reactions, energies and checks, as a report and as data.
 
-    Exit code 0: feasible, or not judged because limits are not given. 1: a limit is exceeded, masses are missing or
+    Exit status 0: feasible, or not judged because limits are not given. 1: a limit is exceeded, masses are missing or
     doubtful, or a self-check failed. 2: something cannot be read or written.
     """
     directory = out or Path(f"study-{Path(robot).stem}")

@@ -117,11 +117,11 @@ def _readme(word: str, command: str, note: str, files: list[str]) -> str:
     """What lies in the folder and how it is tried; it serves the functions that were written there before, too."""
     return "\n".join(
         [
-            f"Functions written by freebody {__version__}. How one is called stands at the head of its text.",
+            f"Functions written by freebody {__version__}. The head of each text says how to call it.",
             f"Files of {word}: {', '.join(files)}.",
-            "names.json has the robot's names as they were where the texts have words, manifest.json checksums.",
+            "names.json: names as in the robot's file, where a text had to change them. manifest.json: checksums.",
             "",
-            f"Each has a self-test, which compares with results in more digits and ends with status 0 if they agree;"
+            f"Each has a self-test: it compares results with more exact ones and ends with status 0 if they agree;"
             f" that of {word}:",
             f"    {command}",
             *(["", note] if note else []),

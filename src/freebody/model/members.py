@@ -64,11 +64,11 @@ def members(value: Any, owner: str, largest: float) -> Members:
     except ValueError:
         array = np.array(None)
     if array.dtype.kind not in "iufb":
-        raise ModelError(f"{owner}: {shown(value)} is not an array of real numbers, one a member.")
+        raise ModelError(f"{owner}: {shown(value)} is not an array of real numbers, one for each member.")
     array = array.astype(float)
     if not array.size:
         raise ModelError(
-            f"{owner}: an array of shape {array.shape} holds no number, and a family has members."
+            f"{owner}: an array of shape {array.shape} holds no number; a family needs at least one member."
         )
     wrong = np.argwhere(~(np.abs(array) <= largest))
     if len(wrong):
@@ -78,8 +78,8 @@ def members(value: Any, owner: str, largest: float) -> Members:
 
 
 def of_member(index: tuple[int, ...]) -> str:
-    """` of member 3`, ` of member (3, 0)`."""
-    return f" of member {index[0] if len(index) == 1 else index}" if index else ""
+    """` (member 3)`, ` (member 3, 0)`: behind what is said of a family."""
+    return f" (member {', '.join(map(str, index))})" if index else ""
 
 
 def arrays_in(thing: Any) -> list[Members]:
@@ -179,7 +179,7 @@ class FamilyError(FreebodyError, TypeError):
     def __init__(self, function: str, name: str, shape: tuple[int, ...]):
         example = ", ".join("0" for _ in shape)
         super().__init__(
-            f"{function}: {name!r} is a family of robots, shape {shape}, and this is about one of them: "
+            f"{function}: {name!r} is a family of robots, shape {shape}, and one robot is needed here: "
             f"take a member, model[{example}]."
         )
 
@@ -191,7 +191,7 @@ class LengthsDiffer(FamilyError):
         example = ", ".join("0" for _ in shape)
         FreebodyError.__init__(
             self,
-            f"{name!r} is a family of robots, shape {shape}, whose lengths or placements differ, and this is about "
-            f"robots of one geometry: take a member, model[{example}]. Members may differ in masses, inertias, "
+            f"{name!r} is a family of robots, shape {shape}, whose lengths or placements differ, and robots of one "
+            f"geometry are needed here: take a member, model[{example}]. Members may differ in masses, inertias, "
             "friction and gravity.",
         )
