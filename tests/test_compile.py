@@ -216,6 +216,8 @@ def endless(x):
         (lambda x: x[0] ** 0.5, r"whole number from -64 to 64; else there are sqrt\(x\)"),
         (lambda x: x[0] / 0, "division by the constant 0"),
         (lambda x: x[0] * math.inf, "constants must be finite"),
+        (lambda x: x[0] * 10**5000, "beyond 1.8e308 .*: constants must be finite"),
+        (lambda x: fb.kernel(fb.load("2R"), "bias")(x, x), r"expected real numbers\. "),
         (lambda x: fm.log(x[0] * 0), r"log\(0.0\) has no finite value"),
         (endless, "endless calls itself without end"),
     ],

@@ -131,8 +131,9 @@ def _called(title: str, function: Callable[..., Any], given: dict[str, Any]) -> 
             word in str(problem) for word in ("Expr", "Dual", "Outer", "ufunc", "dtype('O')", "object")
         ):
             raise
+        said = str(problem).rstrip(".")
         raise GraphError(
-            f"fb.compile: {title} does with traced scalars what cannot be recorded: {problem}. Functions of them are "
+            f"fb.compile: {title} does with traced scalars what cannot be recorded: {said}. Functions of them are "
             "those of freebody.math (freebody.math.sin, where, …), not those of Python's math or NumPy; vectors are "
             "tuples, and np.array makes arrays of them, for + - * / @ with other arrays."
         ) from problem

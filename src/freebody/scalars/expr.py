@@ -31,7 +31,7 @@ class Graph(Nodes):
 
     def constant(self, value: float) -> Expr:
         """The node of a finite number."""
-        return Expr(self, self.number(float(value)))
+        return Expr(self, self.number(_float(value)))
 
     def operand(self, value: Any) -> int:
         """Index of the node that stands for an Expr of this graph or a number; -1 for anything else."""
@@ -43,7 +43,7 @@ class Graph(Nodes):
                 )
             return value.index
         if isinstance(value, (float, int, Real)):
-            return self.number(float(value))
+            return self.number(_float(value))
         return -1
 
     def describe(self, index: int) -> str:
@@ -55,6 +55,15 @@ class Graph(Nodes):
             return self.input_names[self.a[index]]
         operands = (self.a[index], self.b[index], self.c[index])[: ARITY[op]]
         return f"{op}({', '.join(f'%{i}' for i in operands)})"
+
+
+def _float(value: Any) -> float:
+    try:
+        return float(value)
+    except OverflowError:  # a whole number or a fraction, which may have too many digits to be shown
+        raise GraphError(
+            "a constant beyond 1.8e308 in a traced computation: constants must be finite numbers of 64 bits."
+        ) from None
 
 
 class Expr:
