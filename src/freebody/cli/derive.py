@@ -16,7 +16,7 @@ from freebody.outputs.files import write
 
 if TYPE_CHECKING:
     from freebody.derivations.derivation import Derivation
-    from freebody.derivations.methods.method import Method, Option
+    from freebody.derivations.methods.method import Method, MethodOption
 
 EXAMPLE = "Example: freebody derive 2R --method lagrange"
 _CHOSEN = "freebody.derive"
@@ -67,7 +67,7 @@ def _options_of(methods: Iterable[Method]) -> list[Any]:
     return made
 
 
-def _parameter(method: Method, option: Option) -> Parameter:
+def _parameter(method: Method, option: MethodOption) -> Parameter:
     """An option of a method as an argument with what the parser needs to know."""
 
     def keep(context: typer.Context, value: str | None) -> None:

@@ -32,7 +32,7 @@ class Worked:
 
 
 @dataclass(frozen=True)
-class Option:
+class MethodOption:
     """An option that one method has: its name, its choices, the default first, and what it chooses, in words."""
 
     name: str
@@ -60,7 +60,7 @@ class Method:
     derive: Callable[..., Worked]
     reference: str = ""
     aliases: tuple[str, ...] = ()
-    options: tuple[Option, ...] = ()
+    options: tuple[MethodOption, ...] = ()
     spaces: tuple[int, ...] = (2, 3)
     closed: tuple[int, ...] = ()
     elsewhere: str = ""

@@ -14,7 +14,7 @@ from freebody.derivations.expression import Expression, eq
 from freebody.derivations.methods import glossary, wording
 from freebody.derivations.methods.closing import closed_form
 from freebody.derivations.methods.geometry import geometry
-from freebody.derivations.methods.method import Method, Option, Worked
+from freebody.derivations.methods.method import Method, MethodOption, Worked
 from freebody.derivations.methods.motion import motion
 from freebody.derivations.methods.pivots import about_pivots, arms_of_pivots
 from freebody.derivations.methods.reactions import Reactions
@@ -163,5 +163,5 @@ METHOD = Method(
     "forces and moments on each body, the reactions eliminated",
     "lecture notes, chapter 3 and section 6.1",
     derive,
-    options=(Option("route", ("centre", "pivot"), "moments about centres of mass or pivots"),),
+    options=(MethodOption("route", ("centre", "pivot"), "moments about centres of mass or pivots"),),
 )

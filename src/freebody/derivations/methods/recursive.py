@@ -12,7 +12,7 @@ from freebody.derivations.methods import glossary
 from freebody.derivations.methods.closing import closed_form
 from freebody.derivations.methods.geometry import geometry, rotation_name
 from freebody.derivations.methods.inward import Inward
-from freebody.derivations.methods.method import Method, Option, Worked
+from freebody.derivations.methods.method import Method, MethodOption, Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.names import sym, vec
 from freebody.derivations.symbols import RATE, SECOND
@@ -183,5 +183,5 @@ METHOD = Method(
     "lecture notes, sections 4.3 and 6.3",
     derive,
     aliases=("recursive-newton-euler",),
-    options=(Option("gravity", GRAVITIES, "gravity as acceleration of the base, or as weights"),),
+    options=(MethodOption("gravity", GRAVITIES, "gravity as acceleration of the base, or as weights"),),
 )
