@@ -373,6 +373,27 @@ def test_the_gradient_through_a_simulation():
     np.testing.assert_allclose(reverse, moved, rtol=1e-6)
 
 
+@pytest.mark.parametrize(("kind", "right"), [("implicit_step", True), ("semi_implicit_step", False)])
+def test_gradients_from_rest_with_coulomb_friction(kind, right):
+    """Right through the step whose friction is smooth, and not through one that has sign(q̇), as the docs warn."""
+    model = fb.planar("RR", l=[0.5, 0.4], lc=[0.25, 0.2], m=[2.0, 1.0], I=[0.05, 0.02])
+    step = fb.to_jax(model, kind, inputs=["joint*.friction.coulomb"])
+
+    @jax.jit
+    def end(torques):
+        def moved(state, tau):
+            return step(*state, tau, 1e-3, jnp.array([1.0, 0.5])), None
+
+        (q, _), _ = jax.lax.scan(moved, (jnp.array([0.3, 0.4]), jnp.zeros(2)), torques)
+        return 1e4 * jnp.sum(q)
+
+    hold = fb.gravity_torque(model, [0.3, 0.4])  # against friction, nothing moves
+    torques, change = np.tile(hold, (20, 1)), np.array([0.3, 0.2]) * np.ones((20, 1))
+    slope = float(jnp.sum(jax.grad(end)(torques) * change))
+    moved = float(end(torques + 1e-4 * change) - end(torques - 1e-4 * change)) / 2e-4
+    assert (abs(slope - moved) < 1e-4 * abs(moved)) == right, (slope, moved)
+
+
 def test_whole_numbers_and_what_is_not_differentiated():
     model = fb.load("2R")
     function = fb.to_jax(model, "inverse_dynamics")
