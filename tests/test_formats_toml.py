@@ -14,6 +14,9 @@ from freebody.formats import dh_csv, toml
 from freebody.formats.lines import line_of, lines
 from freebody.formats.saving import as_toml
 from freebody.model.assembly import assemble
+from freebody.model.joints import KINDS, JointKind
+from freebody.model.joints.prismatic import SLIDING
+from freebody.model.joints.revolute import TURNING
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter
 from freebody.model.parts import Limits, Mimic
@@ -433,3 +436,25 @@ def test_examples_of_the_reference():
     assert [(model.name, model.nv) for model in models] == [("crane", 2), ("2R", 2), ("arm", 2)]
     (table,) = re.findall(r"^```text\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
     assert len(dh_csv.describe("arm.csv", table, name="arm", convention=None).joints) == 3
+
+
+def test_a_joint_kind_of_tomorrow_says_itself_whether_it_has_an_axis(tmp_path, monkeypatch):
+    """A cylindrical joint: a file and a line, and its files are written and read."""
+
+    class Cylindrical(JointKind):
+        name, nq, nv, needs_axis = "cylindrical", 2, 2, True
+        position_names = velocity_names = ("turn", "slide")
+        angular, coordinates = (True, False), ("theta", "d")
+
+        def primitives(self, space, axis):
+            return ((TURNING, axis), (SLIDING, axis))
+
+    monkeypatch.setitem(KINDS, "cylindrical", Cylindrical())
+    model = read(LINKS + JOINT.replace("revolute", "cylindrical") + "axis = [0, 0.6, 0.8]\n")
+    fb.save(model, tmp_path / "saved.toml")
+    for arm in (model, fb.load(tmp_path / "saved.toml")):
+        velocity = fb.velocity(arm, [0.3, 0.2], [1.0, 2.0], frame="arm")
+        np.testing.assert_allclose(velocity, [0.0, 1.2, 1.6, 0.0, 0.6, 0.8], atol=1e-15)
+    assert "a cylindrical joint has no friction; remove it" in message(
+        LINKS + JOINT.replace("revolute", "cylindrical") + "axis = [0, 0, 1]\nfriction = { viscous = 1.0 }\n"
+    )

@@ -11,6 +11,7 @@ import numpy as np
 from freebody.model.assembly import assemble
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
+from freebody.model.joints import KINDS
 from freebody.model.model import Model
 from freebody.model.parts import Description, Drive, Joint, Limits, Link, Mimic, Mount, Payload
 from freebody.model.placement import Placement, rotate, shift, turn
@@ -134,7 +135,7 @@ class _Tree:
             leader = rng.choice(following if following and rng.random() < 0.3 else leaders)
             mimic = Mimic(str(leader), float(rng.uniform(-2, 2)), float(rng.normal(scale=0.3)))
         axis: tuple[float, ...] = ()
-        if one_axis:
+        if KINDS[kind].needs_axis:
             axis = self.axis(kind, general)
         limits = (
             Limits(-1.5, 2.0, 3.0, 50.0)

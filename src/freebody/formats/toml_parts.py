@@ -98,8 +98,9 @@ def joint(table: Table, dim: int) -> Joint:
     table = table.called(f"joint {table.text('name')!r}")
     table.only("name", "kind", "parent", "child", *PLACE, "axis", "limits", *DRIVE, "mimic", "passive")
     kind = table.choice("kind", KINDS)
-    unused = [key for key in ("axis", "limits", *DRIVE, "mimic") if key in table and KINDS[kind].nv != 1]
-    if unused:
+    one = KINDS[kind].nv == 1
+    taken = {"axis": KINDS[kind].needs_axis, "limits": one, **dict.fromkeys(DRIVE, one), "mimic": one}
+    if unused := [key for key, has_it in taken.items() if key in table and not has_it]:
         table.refuse(f"a {kind} joint has no {unused[0]}; remove it.", unused[0])
     if table.flag("passive") and (KINDS[kind].nv == 0 or "mimic" in table):
         reason = "has nothing to drive" if KINDS[kind].nv == 0 else "follows another, which may be passive"
