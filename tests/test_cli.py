@@ -247,6 +247,23 @@ def test_what_cannot_be_compared_is_refused_before_anything_is_printed_or_writte
     assert not Path("derivation.txt").exists()
 
 
+@pytest.mark.parametrize(
+    ("name", "start"),
+    [
+        ("a.html", "<!doctype html>"),
+        ("a.HTM", "<!doctype html>"),
+        ("a.tex", "\\documentclass"),
+        ("a.md", "# "),
+        ("a.txt", "2R: "),
+    ],
+)
+def test_the_ending_of_a_file_says_how_a_derivation_is_written(name, start, tmp_path):
+    assert run(["derive", "2R", "--out", str(tmp_path / name)]) == 0
+    assert (tmp_path / name).read_text(encoding="utf-8").lstrip().lower().startswith(start.lower())
+    assert run(["derive", "2R", "--form", "text", "--out", str(tmp_path / name)]) == 0
+    assert (tmp_path / name).read_text(encoding="utf-8").startswith("2R: ")
+
+
 def test_derive_prints_writes_and_compares(capsys: pytest.CaptureFixture[str], tmp_path: Path):
     assert run(["derive", "2R", "--method", "lagrange", "--compare", "recursive"]) == 0
     text = capsys.readouterr().out

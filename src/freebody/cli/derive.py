@@ -32,6 +32,15 @@ class FormChoice(StrEnum):
     html = "html"
 
 
+_ENDINGS = {
+    ".md": FormChoice.markdown,
+    ".tex": FormChoice.latex,
+    ".html": FormChoice.html,
+    ".htm": FormChoice.html,
+}
+"""The form that the ending of a file's name asks for; of other names it is text."""
+
+
 class Command(TyperCommand):
     """`derive` with the options of its methods and a list of them; their table is read when it is run itself."""
 
@@ -99,7 +108,10 @@ def derive(
         str | None,
         typer.Option(metavar="METHOD", help="Derive by this method too, and prove that both agree."),
     ] = None,
-    form: Annotated[FormChoice, typer.Option(help="Text for a terminal, or a document.")] = FormChoice.text,
+    form: Annotated[
+        FormChoice | None,
+        typer.Option(help="Text for a terminal, or a document. Default: by the ending of FILE, else text."),
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write there instead of the terminal.")
     ] = None,
@@ -119,6 +131,7 @@ def derive(
         first = derivation_of(model, record.name, load=load, **context.meta.get(_CHOSEN, {}))
         other = derivation_of(model, compare, load=load) if compare is not None else None
         comparison = compared(first, other) if other is not None else None
+        form = form or _ENDINGS.get(out.suffix.lower() if out else "", FormChoice.text)
         text = _markdown(first, out) if form is FormChoice.markdown and out else getattr(first, form.value)()
     if out is None:
         terminal.out().print(text, markup=False, soft_wrap=True)
