@@ -12,6 +12,8 @@ import typer
 
 import freebody as fb
 from freebody.cli.app import app
+from freebody.model.closures import LOOP_KINDS
+from freebody.model.joints import KINDS
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted(ROOT.glob("*.md")) + sorted(ROOT.glob("docs/**/*.md")) + sorted(ROOT.glob("benchmarks/*.md"))
@@ -94,3 +96,30 @@ def test_every_public_name_is_in_the_list_of_functions():
         r"^\| `fb\.(\w+)` \|", (ROOT / "docs/functions.md").read_text(encoding="utf-8"), re.MULTILINE
     )
     assert sorted(listed) == sorted(set(fb.__all__) - {"__version__"})
+
+
+@pytest.mark.parametrize(
+    ("kinds", "text"),
+    [
+        (KINDS, ROOT / "docs/formats.md"),
+        (LOOP_KINDS, ROOT / "docs/formats.md"),
+        (LOOP_KINDS, ROOT / "docs/closed-chains.md"),
+        (LOOP_KINDS, fb.Model.with_loop.__doc__),
+    ],
+)
+def test_every_kind_of_joint_and_loop_is_named_where_people_look(kinds, text):
+    """The tables of kinds, which only the model's inside knows."""
+    text = text.read_text(encoding="utf-8") if isinstance(text, Path) else text
+    assert [kind for kind in kinds if not re.search(rf'[`"]{kind}[`"]', text)] == []
+
+
+def test_files_that_the_architecture_sends_to_are_there():
+    """In the table of what to change, each path below the package; a bare name is beside the one before it."""
+    text = (ROOT / "docs/architecture.md").read_text(encoding="utf-8").partition("| to change |")[2]
+    folder, found = Path(), 0
+    for path in re.findall(r"`([\w/]+(?:/|\.py))`", text):
+        full = Path(path) if "/" in path else folder / path
+        folder = full if path.endswith("/") else full.parent
+        assert (ROOT / "src/freebody" / full).exists(), full
+        found += 1
+    assert found > 15
