@@ -8,7 +8,7 @@ import pytest
 import freebody as fb
 from freebody.kernels import differentials
 from freebody.kernels.asked import asked
-from freebody.kernels.differentials import Differentiable, of_quantities
+from freebody.kernels.differentials import Differentiable, length, of_quantities
 from freebody.program.derivative import applied, applied_back, directional, jacobian
 from freebody.program.evaluate import evaluated
 from freebody.targets import compile_program
@@ -93,6 +93,31 @@ def test_jacobians_times_vectors():
     found = run(applied_back(table, program, by, of, 3), [*arrays, *weights])
     expected = weights[0] @ matrix[0] + weights[1][:, None] * matrix[2]
     np.testing.assert_allclose(np.hstack(found), expected, rtol=1e-12)
+
+
+def five_links():
+    ones = [1.0] * 5
+    return fb.planar("RRRRR", l=ones, lc=ones, m=ones, I=ones)
+
+
+def test_which_products_are_in_the_program():
+    """Those of a transpose up to two thirds of it, others up to half; none that make it too long."""
+    of_five, _ = quantity(five_links(), "inverse_dynamics")
+    entries, own = 5 * 15, length(of_five.jacobian((0, 1, 2)).function.program)
+    assert own < 2 * 5 * entries < 2 * own < 2 * 15 * entries
+    assert of_five.applied((0, 1, 2), (0,), 5, back=True)
+    assert not of_five.applied((0, 1, 2), (0,), 15, back=True)
+    assert not of_five.applied((0, 1, 2), (0,), 5)
+    assert of_five.applied((0, 1, 2), (0,), 2)
+
+
+def test_products_do_not_make_a_long_program_longer(monkeypatch):
+    of_five, _ = quantity(five_links(), "inverse_dynamics")
+    own = length(of_five.jacobian((0, 1, 2)).function.program)
+    monkeypatch.setattr(differentials, "LONGEST", own + 2 * 5 * 5 * 15 - 1)
+    assert not of_five.applied((0, 1, 2), (0,), 5, back=True)
+    monkeypatch.setattr(differentials, "LONGEST", own)
+    assert of_five.applied((0, 1, 2), (0,), 2, back=True)
 
 
 def run(program, arrays):

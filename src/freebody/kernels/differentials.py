@@ -68,11 +68,13 @@ class Differentiable:
     ) -> Differentiable | None:
         """Rates of the outputs `of` for so many vectors, each a rate of the inputs `by`; back: of the transpose.
 
-        See `program.derivative`. None where the products would be more than half: a library's matrices are as quick.
+        See `program.derivative`. None where the products would be more than half, of the transpose two thirds: there
+        few vectors have many entries, and a library's matrices are several times slower.
         """
         found, made = self.jacobian(by), applied_back if back else applied
         entries = sum(self.program.inputs[k].size for k in by) * sum(self.program.outputs[k].size for k in of)
-        if not found.whole or 2 * count * entries > length(found.function.program):
+        products, own = 2 * count * entries, length(found.function.program)
+        if not found.whole or products > (min(2 * own, max(own, LONGEST - own)) if back else own):
             return None
         return Differentiable(made(found.function.program, self.program, by, of, count))
 
