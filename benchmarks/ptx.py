@@ -111,9 +111,7 @@ def figures(model: fb.Model, quantity: str, dtype: str) -> tuple[str, ...]:
     return (*map(str, shown), f"{min(limits):.2g} ({'arithmetic' if limits[0] < limits[1] else 'memory'})")
 
 
-HEAD = (
-    "entries, registers, bytes spilled and read, instructions, bytes in and out, kB of text, seconds, limit"
-)
+HEAD = "entry points, registers, bytes spilled, instructions, bytes in and out, kB of text, seconds, limit (10⁹/s)"
 
 
 def main() -> None:

@@ -1,11 +1,11 @@
 """The table of exported text: for each language and quantity its size, its time and its difference from the kernel.
 
-    python benchmarks/ways_out.py [--robots ur5e panda] [--languages c javascript …] [--quantities …] [--rounds 7]
+    python benchmarks/ways_out.py [--robots ur5e panda] [--languages C JavaScript …] [--quantities …] [--rounds 7]
 
 Each text is called for 256 random states, as a program of its language would; results are compared with the kernel's,
 relative to an output's largest entry. Tools that are not there are left out: gcc, g++, node, rustc, octave, casadi.
-Prints rows of Markdown: nanoseconds and kilobytes in each language, then the largest difference of all that compute in
-double, and of those in float.
+Prints two tables of Markdown: nanoseconds in each language; then kilobytes, with the largest difference of all that
+compute in double, and of those in float.
 """
 
 from __future__ import annotations
@@ -326,18 +326,24 @@ def main() -> None:
     given = parser.parse_args()
     print(f"{cpu()}; Python {platform.python_version()}, freebody {fb.__version__}; best of {given.rounds}\n")
     ways = {name: WAYS[name] for name in given.languages if available(WAYS[name], given.python)}
-    print(f"| robot | quantity | {' | '.join(ways)} | error, double | error, float |")
-    print(f"|---|---|{'---|' * len(ways)}---|---|")
+    sizes = [
+        f"| kilobytes of text | {' | '.join(ways)} | error, double | error, float |",
+        f"|---|{'---|' * len(ways)}---|---|",
+    ]
+    print(f"| nanoseconds a call | {' | '.join(ways)} |\n|---|{'---|' * len(ways)}")
     for robot in given.robots:
         model = fb.load(robot).without("friction", "rotors", "springs")
         for quantity in given.quantities:
             found = {
                 name: measured(model, quantity, way, given.python, given.rounds) for name, way in ways.items()
             }
-            cells = [f"{time:.0f}, {size / 1000:.0f}" for size, time, _ in found.values()]
+            times = [f"{time:,.0f}" for _, time, _ in found.values()]
+            cells = [f"{size / 1000:.0f}" for size, _, _ in found.values()]
             off = {d: [found[name][2] for name, way in ways.items() if way.dtype == d] for d in DTYPES}
             worst = [f"{max(some):.0e}" if some else "" for some in off.values()]
-            print(f"| {robot} | {quantity} | {' | '.join([*cells, *worst])} |", flush=True)
+            print(f"| {robot}, {quantity} | {' | '.join(times)} |", flush=True)
+            sizes.append(f"| {robot}, {quantity} | {' | '.join([*cells, *worst])} |")
+    print("", *sizes, sep="\n")
 
 
 if __name__ == "__main__":
