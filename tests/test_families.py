@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody.errors import MissingValueError
 from freebody.kernels.formulas import Option
 from freebody.kernels.inputs import InputKernel
 from freebody.kernels.structural import fetch
@@ -514,6 +515,10 @@ def test_symbols_without_values_are_inputs():
     )
     with pytest.raises(fb.FreebodyError, match="need a value for I1"):
         kernel(ones, ones, ones)
+    others = "need a value for I1, I2, l1, l2, lc1, lc2, m2. Give them with model.bind"
+    for less, some in ((model, ["m1"]), (model.bind(m1=[1.0, 2.0]), [])):
+        with pytest.raises(MissingValueError, match=others):
+            fb.kernel(less, "inverse_dynamics", inputs=some)
 
 
 def test_closed_chains_have_numbers_as_inputs():

@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats
 from freebody.elementary import Scalar, cos, sin
-from freebody.errors import FreebodyError, MissingValueError
+from freebody.errors import FreebodyError, MissingValueError, ModelError
 from freebody.model.model import Model
 from freebody.model.numbers import Name, Parameters, found, known, written
-from freebody.model.parameters import Parameter, Quantity
+from freebody.model.parameters import Parameter, Quantity, each_parameter
 from freebody.model.reading import Reader, exact_sin_cos
 from freebody.model.tree import Tree, lower
 from freebody.targets import Kernel
@@ -52,8 +52,18 @@ class Inputs:
     model: Model
 
     def tree(self, scalars: Sequence[Scalar]) -> Tree:
-        """The model's tree over scalars in the place of these numbers."""
-        return lower(self.model, InputReader(scalars))
+        """The model's tree over scalars in the place of these numbers; refuses other symbols that it needs."""
+        try:
+            return lower(self.model, InputReader(scalars))
+        except ModelError:
+            left = {
+                x.name for x in each_parameter(self.model) if x.value is None and not isinstance(x, Token)
+            }
+            if left:
+                raise MissingValueError(
+                    f"what is no input of a kernel of {self.model.name!r}", left
+                ) from None
+            raise
 
 
 def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> Inputs:
