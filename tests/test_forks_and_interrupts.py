@@ -115,6 +115,39 @@ def test_a_child_forked_while_another_thread_imports_goes_on(use, slow, stage):
     assert not done.stderr
 
 
+HANDLER_THAT_COMPILES = """
+import os, signal, threading
+import freebody as fb
+import llvmlite.binding as llvm
+from freebody.targets import kernel
+stopped = threading.Timer(20, os._exit, [7])  # who waits for ever ends by this
+stopped.daemon = True
+stopped.start()
+numbers, made = iter(range(2, 9)), []
+def scaled():
+    by = next(numbers)
+    scale = fb.compile(lambda x: [by * x[0]], {{"x": 1}}, {{"y": 1}})
+    made.append((by, scale([[1.0]] * 5000, threads=by)[-1, 0]))
+signal.signal(signal.SIGINT, lambda *_: scaled())
+scaled()
+before = {place}
+def interrupted(*given):
+    {place} = before
+    signal.raise_signal(signal.SIGINT)
+    return before(*given)
+{place} = interrupted
+scaled()
+scaled()
+assert [y for _, y in made] == [by for by, _ in made] and len(made) == 4, made
+"""
+
+
+@pytest.mark.parametrize("place", ["kernel.verify", "llvm.parse_assembly", "threading.Thread.start"])
+def test_a_handler_of_a_signal_may_ask_for_a_kernel_while_one_is_compiled(place):
+    done = run(HANDLER_THAT_COMPILES.format(place=place), FREEBODY_CACHE="off")
+    assert done.returncode == 0, done.stderr
+
+
 def test_nothing_in_freebody_holds_a_lock_that_a_fork_would_leave_taken():
     """`functools.cached_property` holds one for all instances before Python 3.12."""
     users = [

@@ -3,6 +3,9 @@
 A fork waits for them, since its child would find them taken for ever. They stand together, and are there with the
 package itself, because hooks of a fork run in the order in which they were registered: what is imported later
 registers none.
+
+A thread that holds one may take it again: a signal's handler, or a finalizer, runs in the middle of whatever its thread
+does, and may ask for a kernel itself.
 """
 
 from __future__ import annotations
@@ -13,10 +16,10 @@ import sys
 import threading
 from types import ModuleType
 
-KERNELS = threading.Lock()
+KERNELS = threading.RLock()
 """Of the kernels of this process; held while a target is imported and builds one."""
 
-COMPILER = threading.Lock()
+COMPILER = threading.RLock()
 """Of a compiler's library, which one thread uses at a time."""
 
 IMPORTS = threading.RLock()

@@ -291,8 +291,8 @@ def compile_program(
             if lacking := record.missing():
                 raise KernelError(f"target {target!r} does not run here: {lacking}.")
             kernel = _kernels[key] = record.build(_in_range(verify(program), dtype), width, dtype)
+        _recent.pop(key, None)
         _recent[key] = kernel
-        _recent.move_to_end(key)
         if len(_recent) > RECENT:
             _recent.popitem(last=False)
     return kernel

@@ -24,7 +24,7 @@ GRAIN = 16
 """Parts begin at multiples of this many samples, so that all but the last consist of whole vectors."""
 
 _Jobs = SimpleQueue[Callable[[], None]]
-_lock = threading.Lock()
+_lock = threading.RLock()  # a signal's handler may come while its thread starts helpers
 _jobs: _Jobs = SimpleQueue()
 _helpers = 0
 
@@ -145,7 +145,7 @@ def _serve(jobs: _Jobs) -> None:
 def _forget() -> None:
     """Threads do not survive a fork, and the lock may have been held."""
     global _helpers, _jobs, _lock
-    _helpers, _jobs, _lock = 0, SimpleQueue(), threading.Lock()
+    _helpers, _jobs, _lock = 0, SimpleQueue(), threading.RLock()
 
 
 if hasattr(os, "register_at_fork"):

@@ -14,7 +14,7 @@ _gone: deque[Any] = deque()
 
 @contextlib.contextmanager
 def exclusive() -> Iterator[None]:
-    """Alone in LLVM."""
+    """Alone in LLVM. A handler of a signal may come between two calls of it, not into one: nothing there calls back."""
     try:
         with COMPILER:
             yield
@@ -25,7 +25,7 @@ def exclusive() -> Iterator[None]:
 def close(thing: Any) -> None:
     """Close an object of LLVM: now, or when the thread is done that works with LLVM just now.
 
-    For finalizers, which run at any moment of any thread, also of one that holds the lock.
+    For finalizers, which run at any moment of any thread.
     """
     _gone.append(thing)
     _close_what_is_gone()
