@@ -562,7 +562,7 @@ def test_what_cannot_be_written_is_refused():
     model = ROBOTS["plane"]()
     with pytest.raises(fb.FreebodyError, match=r"no language 'fortran' in fb.source. Languages: c, cpp"):
         fb.source(model, "bias", "fortran")
-    with pytest.raises(fb.FreebodyError, match=r"dtype='float32' in matlab; it can be float64"):
+    with pytest.raises(fb.FreebodyError, match=r"language 'matlab' has no dtype 'float32'; it has float64"):
         fb.source(model, "bias", "matlab", dtype="float32")
     says = {
         r"no quantity 'bia' in fb\.source": lambda: fb.source(model, "bia", "c"),

@@ -89,7 +89,9 @@ def _unit(
         raise UnknownNameError("language", language, function, LANGUAGES)
     dtypes = LANGUAGES[language].dtypes
     if dtype not in dtypes:
-        raise FreebodyError(f"{function}: dtype={dtype!r} in {language}; it can be {' or '.join(dtypes)}.")
+        raise FreebodyError(
+            f"{function}: language {language!r} has no dtype {dtype!r}; it has {' and '.join(dtypes)}."
+        )
     if name is not None and not is_identifier(name):
         raise FreebodyError(
             f"{function}: name={name!r} is no word of letters a-z, digits and _ that could be a function's name."

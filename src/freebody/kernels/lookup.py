@@ -73,8 +73,8 @@ def kernel(
     wrench_frames: frames that carry external wrenches; each becomes a further input (..., 6): wrench0, wrench1, … in
     their order.
     target: where it runs: "cpu" (machine code by LLVM), "numpy" (node by node, without a compiler) or "cuda" (NVIDIA's
-    GPUs, arrays that are there included); None: what FREEBODY_TARGET says, else the CPU. width: samples in a vector of
-    the CPU's; None: what suits it.
+    GPUs; it takes arrays in their memory); None: what FREEBODY_TARGET says, else the CPU. width: samples in a CPU
+    vector; None: as many as suit it.
     dtype: "float32" computes with numbers of 32 bits, about twice as quick in batches, to about 6 digits of a sample's
     largest entry; arrays of other real types are rounded to it, and so are the robot's numbers.
     inputs: numbers of the model that are to be given, by names and patterns of `fb.parameters` ("link*.mass"; patterns
@@ -82,12 +82,13 @@ def kernel(
     `fb.parameters`, in one last argument p (..., k), or given as p={name: value}; without p they are the model's own.
     k.parameters are their names, k.values the model's own. Of a family all numbers with members are inputs; where
     its members differ in limits alone, the size of gravity.
-    by: inputs by which each output is differentiated as well (exactly, in forward mode), "p" among them: behind the
-    outputs follow dtau_dp (*output, k) and so on, of each output in turn; by positions on the tangent space (nv).
+    by: inputs by which each output is differentiated as well (exactly, in forward mode), "p" among them: after the
+    outputs come their derivatives, dtau_dp (*output, k) and so on, output by output; those by
+    positions are on the tangent space (nv).
     Returns k(q, qd, …, out=None, threads=None), which broadcasts like a NumPy ufunc, lets NaN through and checks no
     names; its inputs are those of the quantities, in the order q, qd, qdd, tau, wrenches, and its outputs in the order
-    of `names`. Dynamics of a closed chain take its state to be closed, and are not defined at singular positions, where
-    the functions of the same names are: torques of the drives are NaN there. One step of a simulation is a quantity
+    of `names`. Kernels of a closed chain assume that its loops are closed; at singular positions the drives' torques
+    are NaN, where the public functions of the same names still answer. One step of a simulation is a quantity
     too: "rk4_step", "semi_implicit_step", "implicit_step" and "implicit_feedback_step", with the step's length h after
     tau, return (q1, qd1); see docs/stepping.md. Raises UnknownNameError, SingularError where the drives of a closed
     chain do not force its motion.

@@ -226,8 +226,8 @@ class Model(Tabled, ByValue):
     def family(self) -> tuple[int, ...]:
         """The shape of the family of robots that the model is, where some of its numbers are arrays; () for one robot.
 
-        Results of numeric functions have this shape, broadcast with that of the samples, whatever numbers differ; but
-        for those that know no number of a model: neutral, random_state, integrate, difference.
+        Results of numeric functions have this shape, broadcast with that of the samples, whatever numbers differ.
+        Exceptions are those that use no number of a model: neutral, random_state, integrate, difference.
         """
         return numbers.family(self)
 
