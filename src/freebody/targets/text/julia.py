@@ -158,5 +158,5 @@ JULIA = Language(
     _package,
     "julia {name}_test.jl",
     ("float64", "float32"),
-    "No Julia was at hand when freebody was made: the text has never been run. Run the self-test.",
+    "This text has never been run, since freebody was developed without Julia: run the self-test before use.",
 )
