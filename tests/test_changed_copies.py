@@ -12,6 +12,8 @@ import pytest
 
 import freebody as fb
 from freebody.errors import FreebodyError, MissingValueError
+from freebody.model.placement import Placement, Shift
+from freebody.model.places import get, put_at
 from support import generate
 
 ROBOTS: dict[str, Callable[[], fb.Model]] = {
@@ -92,3 +94,31 @@ def test_a_value_that_is_missing_is_named_though_the_origin_had_it():
     loaded = model.with_payload(fb.Inertia.of("load", (0.0, 0.0), 0.0))
     with pytest.raises(MissingValueError, match="load"):
         fb.inverse_dynamics(loaded, [0.1, 0.2], [0.0, 0.0], [0.0, 0.0])
+
+
+def test_what_was_one_object_at_several_places_is_one_again():
+    twice = Shift((1.0, 2.0, 3.0))
+    things = (Placement((twice,)), (Placement((twice, twice)), twice), Shift((1.0, 5.0, 6.0)))
+    first, again, other = (0, "steps", 0, "by", 0), (1, 1, "by", 0), (2, "by", 0)
+    found = put_at(things, (first, (1, 0, "steps", 1, "by", 0), again, other), 7.0)
+    assert found == (
+        Placement((Shift((7.0, 2.0, 3.0)),)),
+        (Placement((twice, Shift((7.0, 2.0, 3.0)))), Shift((7.0, 2.0, 3.0))),
+        Shift((7.0, 5.0, 6.0)),
+    )
+    assert get(found, first[:3]) is get(found, again[:2])
+    assert things[0].steps[0] is twice
+    assert twice.by == (1.0, 2.0, 3.0)
+
+
+def test_one_object_reached_in_two_ways_is_changed_in_each_way():
+    shared = Shift((1.0, 2.0, 3.0))
+    found = put_at((shared, shared), ((0, "by", 0), (1, "by", 1)), 7.0)
+    assert found == (Shift((7.0, 2.0, 3.0)), Shift((1.0, 7.0, 3.0)))
+
+
+def test_a_frame_and_the_inertia_in_it_keep_one_placement_when_a_length_changes():
+    arm = fb.load("ur5e").bind({"elbow_joint.a": -0.5})
+    (part,) = arm.bodies[2].inertias
+    assert [frame.placement is part.placement for frame in arm.frames].count(True) == 1
+    assert part.placement.steps[1] is arm.bodies[3].joint.placement.steps[1]

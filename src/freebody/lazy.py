@@ -16,11 +16,12 @@ class Keeps:
         return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}  # type: ignore[arg-type]
 
 
-def kept(instance: object, name: str, find: Callable[[], T]) -> T:
-    """What `find` says of a frozen instance (of `Keeps`, or one that pickles its fields alone), kept there by name."""
+def kept(instance: object, name: str, find: Callable[..., T], *arguments: Any) -> T:
+    """What `find(*arguments)` says of a frozen instance (of `Keeps`, or one that pickles its fields alone), kept there
+    by name."""
     values = instance.__dict__
     if name not in values:
-        values.setdefault(name, find())
+        return values.setdefault(name, find(*arguments))
     return values[name]
 
 

@@ -24,7 +24,10 @@ Matrix = tuple[Vector, ...]
 def add(*vectors: Vector) -> Vector:
     """Sum of vectors."""
     if len(vectors) == 2:
-        return tuple([x + y for x, y in zip(*vectors, strict=True)])
+        a, b = vectors
+        if len(a) == len(b) == 3:  # most are: tracing and lowering spend their time here
+            return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+        return tuple([x + y for x, y in zip(a, b, strict=True)])
     return tuple(reduce(lambda x, y: x + y, column) for column in zip(*vectors, strict=True))
 
 
@@ -40,12 +43,14 @@ def neg(a: Vector) -> Vector:
 
 def scale(s: Scalar, a: Vector) -> Vector:
     """s a."""
+    if len(a) == 3:  # as in `add`
+        return s * a[0], s * a[1], s * a[2]
     return tuple(s * x for x in a)
 
 
 def dot(a: Vector, b: Vector) -> Scalar:
     """a · b."""
-    if len(a) == len(b) == 3:  # most are: tracing and lowering spend their time here
+    if len(a) == len(b) == 3:  # as in `add`
         return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
     return reduce(lambda x, y: x + y, (x * y for x, y in zip(a, b, strict=True)))
 
@@ -70,7 +75,7 @@ def combine(vectors: tuple[Vector, ...], weights: Vector) -> Vector:
 
 def times(A: Matrix, x: Vector) -> Vector:
     """A x."""
-    if len(x) == 3:  # as in `dot`
+    if len(x) == 3:  # as in `add`
         a, b, c = x
         return tuple([row[0] * a + row[1] * b + row[2] * c for row in A])
     return tuple([dot(row, x) for row in A])

@@ -124,7 +124,7 @@ def ready(model: Model, names: tuple[str, ...], option: Option) -> Bound | None:
 
 def _key(model: Model, names: tuple[str, ...], option: Option) -> tuple[Any, ...]:
     """Of a kernel among those of a structure: the option with the frames' places instead of their names."""
-    if option == PLAIN and not any(map(_shows_drives, names)):
+    if option == PLAIN and True not in map(_shows_drives, names):
         return names
     frames = tuple([frame_form(model, name) for name in _frames(option)])
     nameless = option._replace(frame=None, wrench_frames=()) if frames else option

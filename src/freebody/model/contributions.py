@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import lru_cache
+from itertools import count
 from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakValueDictionary
 
@@ -96,23 +97,30 @@ def body_parts(model: Model) -> list[BodyPart]:
 def part_of(body: Body, dim: int) -> BodyPart:
     """Of one body; a new payload and one call are to take microseconds."""
     name = _NAME[dim]
-    return body.__dict__.get(name) or kept(body, name, partial(_body_part, body, dim))
+    return body.__dict__.get(name) or kept(body, name, _body_part, body, dim)
 
 
 _NAME = {2: "part in the plane", 3: "part in space"}
 
 
 def _body_part(body: Body, dim: int) -> BodyPart:
-    joint = kept(body.joint, _NAME[dim], partial(_joint_part, body.joint, body.kind.nv == 1, dim))
-    return BodyPart(joint, inertial(body.inertias, dim))
+    return BodyPart(joint_part(body, dim), inertial(body.inertias, dim))
+
+
+def joint_part(body: Body, dim: int) -> JointPart:
+    """Of the joint that carries a body."""
+    return kept(body.joint, _NAME[dim], _joint_part, body.joint, body.kind.nv == 1, dim)
 
 
 def _joint_part(joint: Joint, one_axis: bool, dim: int) -> JointPart:
     placed = pose_part(joint.placement, dim)
-    drive, driven = (
-        kept(joint.drive, "part", partial(_drive_part, joint.drive)) if one_axis else (None, False)
-    )
-    return JointPart(_form((joint.kind, joint.axis, placed.form)), placed.numbers, drive, driven)
+    drive, driven = kept(joint.drive, "part", _drive_part, joint.drive) if one_axis else (None, False)
+    return JointPart(_joint_form(joint.kind, joint.axis, placed.form), placed.numbers, drive, driven)
+
+
+@lru_cache(maxsize=1024)
+def _joint_form(kind: str, axis: tuple[float, ...], placed: Form) -> Form:
+    return _form((kind, axis, placed))
 
 
 def _drive_part(drive: Drive) -> tuple[Array, bool]:
@@ -123,24 +131,31 @@ def _drive_part(drive: Drive) -> tuple[Array, bool]:
 
 def pose_part(placement: Placement, dim: int) -> Part:
     """Of a constant pose."""
-    return kept(placement, _NAME[dim], partial(_pose_part, placement, dim))
+    return kept(placement, _NAME[dim], _pose_part, placement, dim)
 
 
 def _pose_part(placement: Placement, dim: int) -> Part:
     R, p = placement.lower(of_dimension(dim), VALUES)
     try:
-        rows, turning = _known_rotation(R)
+        form, turning = _known_pose_form(R, tuple([x == 0.0 for x in p]))
+        shift = [x for x in p if x != 0.0]
     except TypeError:  # a member each
-        rows, turning = _rotation(R)
-    numbers = list(turning)
-    shift: list[Entry] = []
-    for x in p:
-        if is_exactly(x, 0.0):
-            shift.append(0.0)
-        else:
-            shift.append((len(numbers), 1.0))
-            numbers.append(x)
-    return Part(_form(Pattern(rows, tuple(shift))), as_row(numbers), (R, p))
+        zeros = tuple([is_exactly(x, 0.0) for x in p])
+        form, turning = _pose_form(R, zeros)
+        shift = [x for x, zero in zip(p, zeros, strict=True) if not zero]
+    return Part(form, as_row((*turning, *shift)), (R, p))
+
+
+def _pose_form(R: Matrix, zeros: tuple[bool, ...]) -> tuple[Form, tuple[Scalar, ...]]:
+    """The form of a pose, given which entries of its position are zero, and the numbers of its rotation."""
+    rows, turning = _rotation(R)
+    place = count(len(turning))
+    shift = tuple([0.0 if zero else (next(place), 1.0) for zero in zeros])
+    return _form(Pattern(rows, shift)), turning
+
+
+_known_pose_form = lru_cache(maxsize=256)(_pose_form)
+"""The same where entries are numbers: a length changes often, and rotations with it seldom."""
 
 
 def _rotation(R: Matrix) -> tuple[tuple[tuple[Entry, ...], ...], tuple[Scalar, ...]]:
@@ -157,10 +172,6 @@ def _rotation(R: Matrix) -> tuple[tuple[tuple[Entry, ...], ...], tuple[Scalar, .
         return len(numbers) - 1, 1.0
 
     return tuple(tuple(map(entry, row)) for row in R), tuple(numbers)
-
-
-_known_rotation = lru_cache(maxsize=256)(_rotation)
-"""The same where entries are numbers: a length changes often, and rotations with it seldom."""
 
 
 def _coordinate_turn(R: Matrix) -> tuple[tuple[tuple[Entry, ...], ...], tuple[Scalar, ...]] | None:
@@ -195,16 +206,17 @@ def inertial(parts: tuple[Attached, ...], dim: int) -> Array:
 
 
 def _linear(part: Attached, dim: int) -> Array:
-    return kept(part, _NAME[dim], lambda: as_row(_linear_entries(of_dimension(dim), part)))
+    return kept(part, _NAME[dim], _linear_row, of_dimension(dim), part)
 
 
-def _linear_entries(space: AnySpace, part: Attached) -> list[Scalar]:
+def _linear_row(space: AnySpace, part: Attached) -> Array:
     m, h, inertia = placed_composite(
         space, part.inertia.lower(VALUES), pose_part(part.placement, space.dim).pose
     )
     if space.dim == 2:
-        return [m, *h, inertia]
-    return [m, *h, *inertia[0], inertia[1][1], inertia[1][2], inertia[2][2]]
+        return as_row((m, *h, inertia))
+    (_, yy, yz), zz = inertia[1], inertia[2][2]
+    return as_row((m, *h, *inertia[0], yy, yz, zz))
 
 
 _NOTHING = {2: np.zeros(4), 3: np.zeros(10)}
@@ -212,7 +224,7 @@ _NOTHING = {2: np.zeros(4), 3: np.zeros(10)}
 
 def gravity_part(model: Model) -> tuple[tuple[bool, ...], Array]:
     """Which entries of the field are zero, and the others."""
-    return kept(model, "gravity part", partial(_field, model))
+    return kept(model, "gravity part", _field, model)
 
 
 def _field(model: Model) -> tuple[tuple[bool, ...], Array]:
@@ -222,7 +234,7 @@ def _field(model: Model) -> tuple[tuple[bool, ...], Array]:
     return zeros, as_row([size * x for x, zero in zip(direction, zeros, strict=True) if not zero])
 
 
-def rows_of(part: BodyPart, driven: bool) -> list[Array]:
+def rows_of(part: tuple[JointPart, Array], driven: bool) -> list[Array]:
     """What a body adds to the numbers, in order."""
     joint, inertia = part
     return (
@@ -245,14 +257,13 @@ def is_exactly(x: Scalar, *exact: float) -> bool:
     return (type(x) is float or isinstance(x, (float, int))) and x in exact
 
 
-_PLAIN = {float, int}
-
-
 def as_row(values: Sequence[Scalar]) -> Array:
     """Scalars, or arrays of a family, as one array (..., k)."""
-    if {*map(type, values)} <= _PLAIN:
+    try:
         row = np.array(values, dtype=float)
-    else:
+    except ValueError:  # arrays beside numbers
+        row = None
+    if row is None or row.ndim != 1:
         row = np.stack(np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in values)), axis=-1)
-    row.flags.writeable = False
+    row.setflags(write=False)
     return row

@@ -139,13 +139,12 @@ class Inertia:
 
     def lower(self, reader: Reader) -> tuple[Scalar, Vector, Scalar]:
         """(mass, com, tensor) in scalars: a 3×3 matrix in space, a number in the plane."""
-        m = reader.quantity(self.mass)
-        c = tuple([reader.quantity(x) for x in self.com])
-        t = tuple([reader.quantity(x) for x in self.tensor])
+        read = reader.quantities((self.mass, *self.com, *self.tensor))
         if self.dim == 2:
-            return m, c, t[0]
-        xx, xy, xz, yy, yz, zz = t
-        return m, c, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+            m, x, y, zz = read
+            return m, (x, y), zz
+        m, x, y, z, xx, xy, xz, yy, yz, zz = read
+        return m, (x, y, z), ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
 
     def about(self, point: Sequence[float]) -> np.ndarray:
         """Tensor (3, 3), or (1, 1) in the plane, about a point of the frame: parallel axis theorem (1.19)."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from freebody.arrays import Array
-from freebody.model.contributions import JointPart, gravity_part, part_of, rows_of
+from freebody.model.contributions import JointPart, gravity_part, inertial, joint_part, part_of, rows_of
 
 if TYPE_CHECKING:
     from freebody.model.bodies import Body
@@ -48,19 +48,23 @@ def inherited(model: Model) -> tuple[Structure, Array] | None:
     ):
         return None
     structure, numbers = source.structure, source.numbers.copy()
+    driven = structure.driven
     for i, (new, old) in enumerate(zip(model.bodies, source.bodies, strict=True)):
         if new is old:
             continue
-        part, before = part_of(new, model.dim), part_of(old, model.dim)
-        if not _moves_alike(new, old, part.joint, before.joint):
+        before = part_of(old, model.dim)
+        joint = before.joint if new.joint is old.joint else joint_part(new, model.dim)
+        if not _moves_alike(new, old, joint, before.joint):
             return None
-        start = structure.starts[i]
-        for row in rows_of(part, structure.driven):
+        inertia = before.inertia if new.inertias is old.inertias else inertial(new.inertias, model.dim)
+        end = structure.starts[i]
+        for row, known in zip(rows_of((joint, inertia), driven), rows_of(before, driven), strict=True):
+            start, end = end, end + row.shape[-1]
+            if row is known:
+                continue
             if row.ndim > 1:
                 return None
-            end = start + len(row)
             numbers[start:end] = row
-            start = end
     if (
         model.gravity_size is not source.gravity_size
         or model.gravity_direction is not source.gravity_direction
@@ -86,8 +90,13 @@ def _moves_alike(new: Body, old: Body, a: JointPart, b: JointPart) -> bool:
     )
 
 
+def let_go(model: Model) -> Model | None:
+    """The model has its numbers and needs what it was made from no longer, which is returned."""
+    return model.__dict__.pop(_SOURCE, None)
+
+
 def hand_on(model: Model, numbers: Array) -> None:
-    """The model has its numbers: it lets go of what it was made from, which takes it as a source if it has no other."""
-    source, origin = _source(model), model.__dict__.pop(_SOURCE, None)
+    """The model has found its numbers: what it was made from takes it as a source if it has no other."""
+    source, origin = _source(model), let_go(model)
     if source is None and origin is not None and numbers.ndim == 1:
         origin.__dict__.setdefault(_SOURCE, model)

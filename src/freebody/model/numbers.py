@@ -270,7 +270,8 @@ def _same(old: Quantity, new: Quantity) -> bool:
 
 def _check(old: Model, new: Model) -> None:
     """Refuse what no robot is, where it is other than before; what was accepted before stays so."""
-    for before, after in _pairs(old, new):
+    bodies = [(b, a) for b, a in zip(old.bodies, new.bodies, strict=True) if a is not b]
+    for before, after in _pairs(old, new, bodies):
         if before is None or before.inertia is not after.inertia:
             fault = faults(after.inertia)
             if fault:
@@ -284,21 +285,20 @@ def _check(old: Model, new: Model) -> None:
     if new.loops is not old.loops:
         for loop in new.loops:
             checked_distance(loop)
-    for b, a in zip(old.bodies, new.bodies, strict=True):
-        if a is not b and a.joint.limits is not b.joint.limits:
+    for b, a in bodies:
+        if a.joint.limits is not b.joint.limits:
             problem = a.joint.limits.fault()
             if problem:
                 raise ModelError(f"{new.name!r}: joint {a.joint.name!r}: {problem}.")
 
 
-def _pairs(old: Model, new: Model) -> Iterable[tuple[Any, Any]]:
-    """Inertias of both models, side by side; a load that is new beside nothing."""
+def _pairs(old: Model, new: Model, bodies: list[tuple[Any, Any]]) -> Iterable[tuple[Any, Any]]:
+    """Inertias of both models, and of these bodies of theirs, side by side; a load that is new beside nothing."""
     if new.base_inertias is not old.base_inertias:
         yield from _beside(old.base_inertias, new.base_inertias)
-    if new.bodies is not old.bodies:
-        for b, a in zip(old.bodies, new.bodies, strict=True):
-            if a is not b and a.inertias is not b.inertias:
-                yield from _beside(b.inertias, a.inertias)
+    for b, a in bodies:
+        if a.inertias is not b.inertias:
+            yield from _beside(b.inertias, a.inertias)
 
 
 def _beside(old: tuple[Any, ...], new: tuple[Any, ...]) -> Iterable[tuple[Any, Any]]:

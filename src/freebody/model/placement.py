@@ -49,7 +49,9 @@ class Placement(Keeps):
     steps: tuple[Shift | Turn | Rotate, ...] = ()
 
     def then(self, other: Placement) -> Placement:
-        """T_AB T_BC."""
+        """T_AB T_BC; where one of them has no steps the other itself, which keeps what is known of it."""
+        if not (self.steps and other.steps):
+            return self if self.steps else other
         return Placement(self.steps + other.steps)
 
     def folded(self, space: AnySpace) -> Placement:
@@ -70,7 +72,7 @@ class Placement(Keeps):
             if isinstance(step, Shift):
                 if step.by == space.zero:
                     continue
-                by = tuple([reader.quantity(x) for x in step.by])
+                by = tuple(reader.quantities(step.by))
                 p = add(p, by if R is None else times(R, by))
                 continue
             if isinstance(step, Rotate):

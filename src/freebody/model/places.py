@@ -8,8 +8,9 @@ or a parameter that a kernel reads as an input.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
@@ -17,7 +18,7 @@ import numpy as np
 from freebody.elementary import Scalar
 from freebody.errors import ModelError
 from freebody.model.inertia import Inertia
-from freebody.model.members import Entry, Members, changed, fields_of
+from freebody.model.members import Entry, Members, changed, copied, fields_of
 from freebody.model.parameters import Parameter, Product, Quantity, each_parameter
 from freebody.model.placement import Placement, Rotate, Shift, Turn, shift, turn
 from freebody.model.reading import VALUES
@@ -47,27 +48,75 @@ def get(thing: Any, path: Path) -> Any:
 
 def put(thing: Any, path: Path, piece: Any) -> Any:
     """A copy of the thing with another piece at a path."""
-    if not path:
+    return put_at(thing, (path,), piece)
+
+
+def put_at(thing: Any, paths: tuple[Path, ...], piece: Any) -> Any:
+    """The same with one piece at several paths, none of which leads through another.
+
+    What was one object at several of these places is one again.
+    """
+    return _put(thing, _branch(paths), piece, {})
+
+
+class _Branch:
+    """Where the same piece is put, as a tree."""
+
+    __slots__ = ("again", "steps")
+
+    def __init__(self, steps: tuple[tuple[Any, _Branch | None], ...]):
+        self.steps = steps
+        """(field or index, what lies behind it; None where the piece goes)."""
+        self.again = False
+        """Whether there may be others like it, so that the same object may be met twice."""
+
+
+@lru_cache(maxsize=1024)
+def _branch(paths: tuple[Path, ...]) -> _Branch | None:
+    return _grown(paths, {})
+
+
+def _grown(paths: tuple[Path, ...], known: dict[tuple[Path, ...], _Branch]) -> _Branch | None:
+    """Paths as a tree; equal branches are one object."""
+    if paths == ((),):
+        return None
+    if paths in known:
+        _mark(known[paths])
+    else:
+        behind: dict[Any, list[Path]] = {}
+        for path in paths:
+            behind.setdefault(path[0], []).append(path[1:])
+        known[paths] = _Branch(tuple((step, _grown(tuple(rest), known)) for step, rest in behind.items()))
+    return known[paths]
+
+
+def _mark(branch: _Branch) -> None:
+    branch.again = True
+    for _, rest in branch.steps:
+        if rest is not None and not rest.again:
+            _mark(rest)
+
+
+def _put(thing: Any, branch: _Branch | None, piece: Any, made: dict[tuple[int, _Branch] | None, Any]) -> Any:
+    """made: copies made so far, where there may be others."""
+    if branch is None:
         return piece
-    step, rest = path[0], path[1:]
-    if type(step) is int:
-        return (*thing[:step], put(thing[step], rest, piece), *thing[step + 1 :])
-    return changed(thing, {step: put(getattr(thing, step), rest, piece)})
-
-
-def put_at(thing: Any, paths: Sequence[Path], piece: Any) -> Any:
-    """The same with one piece at several paths, none of which leads through another."""
-    if len(paths) == 1:
-        return put(thing, paths[0], piece)
-    behind: dict[Any, list[Path]] = {}
-    for path in paths:
-        behind.setdefault(path[0], []).append(path[1:])
+    place = (id(thing), branch) if branch.again else None
+    if place in made:
+        return made[place]
     if type(thing) is tuple:
         items = list(thing)
-        for step, rest in behind.items():
-            items[step] = put_at(thing[step], rest, piece)
-        return tuple(items)
-    return changed(thing, {step: put_at(getattr(thing, step), rest, piece) for step, rest in behind.items()})
+        for step, rest in branch.steps:
+            items[step] = _put(items[step], rest, piece, made)
+        copy = tuple(items)
+    else:
+        copy = copied(thing)
+        own = copy.__dict__
+        for step, rest in branch.steps:
+            own[step] = _put(own[step], rest, piece, made)
+    if place is not None:
+        made[place] = copy
+    return copy
 
 
 def named_leaves(thing: Any) -> dict[tuple[str, ...], list[Path]]:

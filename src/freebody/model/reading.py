@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from math import prod
 
 import numpy as np
 
 from freebody.elementary import Scalar
 from freebody.errors import ModelError
-from freebody.model.members import Members
+from freebody.model.members import Entry, Members
 from freebody.model.parameters import Parameter, Product, Quantity
 from freebody.spatial import Matrix, Vector
 
@@ -25,8 +26,9 @@ class Reader:
 
     def quantity(self, q: Quantity) -> Scalar:
         """The scalar of a number or parameter; of a family an array of its shape."""
-        if type(q) is float:  # most are
-            return q
+        kind = type(q)
+        if kind is float or kind is Entry:  # most are
+            return q  # type: ignore[return-value]
         if isinstance(q, Parameter):
             if q.value is None:
                 raise ModelError(f"parameter {q.name!r} has no value.")
@@ -35,8 +37,14 @@ class Reader:
             return q.array
         return prod(map(self.quantity, q.factors)) if isinstance(q, Product) else q
 
+    def quantities(self, qs: Sequence[Quantity]) -> Sequence[Scalar]:
+        """The scalars of several."""
+        return [*map(self.quantity, qs)]
+
     def sin_cos(self, angle: Quantity) -> tuple[Scalar, Scalar]:
         """Sine and cosine of a constant angle."""
+        if angle == 0.0:  # most are
+            return 0.0, 1.0
         read = self.quantity(angle)
         return _exact_each(read) if isinstance(read, np.ndarray) else exact_sin_cos(read)
 
@@ -49,7 +57,18 @@ class Reader:
         return axis
 
 
-VALUES = Reader()
+class Values(Reader):
+    """Reads numbers as they are, which most are, and parameters as their values."""
+
+    def quantities(self, qs: Sequence[Quantity]) -> Sequence[Scalar]:
+        if {*map(type, qs)} <= _NUMBERS:
+            return qs  # type: ignore[return-value]
+        return super().quantities(qs)
+
+
+_NUMBERS = {float, Entry}
+
+VALUES = Values()
 
 
 def exact_sin_cos(angle: float, tolerance: float = EXACT) -> tuple[float, float]:

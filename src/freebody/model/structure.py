@@ -33,7 +33,7 @@ from freebody.model.contributions import (
     pose_part,
     rows_of,
 )
-from freebody.model.inherited import hand_on, inherited
+from freebody.model.inherited import hand_on, inherited, let_go
 from freebody.model.placement import Placement
 from freebody.model.reading import VALUES
 from freebody.model.tree import (
@@ -92,8 +92,8 @@ def structure_of(model: Model) -> Structure:
         found = _structure(model)
     else:
         found, numbers = both
-        hand_on(model, numbers)
         model.__dict__.setdefault("numbers", numbers)
+        let_go(model)
     if not _recent or _recent[-1] is not found:
         _recent.append(found)
     return found

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 from freebody.arrays import Array
 from freebody.errors import MissingValueError
 from freebody.labels import refuse_other_times
-from freebody.model.facts import fact
 from freebody.model.joints import Primitive
 from freebody.model.members import FamilyError, arrays_in
 from freebody.model.model import Model
@@ -25,11 +24,16 @@ _FAR = 1e3  # limits beyond this many rad or m are some file's way to say that t
 
 def neutral(model: Model) -> Array:
     """q (nq,) with every coordinate 0 and every quaternion the identity."""
-    require_model("neutral", model)
-    return _neutral(model).copy()
+    try:  # less than a microsecond: what was found before is tried at once
+        return model.facts[_NEUTRAL].copy()
+    except (KeyError, AttributeError):
+        require_model("neutral", model)
+        return model.facts.setdefault(_NEUTRAL, _neutral(model)).copy()
 
 
-@fact
+_NEUTRAL = "neutral"
+
+
 def _neutral(model: Model) -> Array:
     q = np.zeros(model.nq)
     for body, at in zip(model.bodies, model.coordinates, strict=True):
