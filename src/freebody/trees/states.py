@@ -26,7 +26,7 @@ def neutral(model: Model) -> Array:
     """q (nq,) with every coordinate 0 and every quaternion the identity."""
     try:  # less than a microsecond: what was found before is tried at once
         return model.facts[_NEUTRAL].copy()
-    except (KeyError, AttributeError):
+    except (KeyError, AttributeError, TypeError):
         require_model("neutral", model)
         return model.facts.setdefault(_NEUTRAL, _neutral(model)).copy()
 
