@@ -171,6 +171,7 @@ def double() -> Kernel:
 def test_an_interrupt_stops_a_long_call_after_the_part_that_is_being_computed(monkeypatch, threads, shape):
     """Ctrl-C in the third of many parts: of those that nobody has begun, none is computed."""
     long, calls = double(), []
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's job in the background ignores it
     monkeypatch.setattr(long, "_longest", 16)
     monkeypatch.setattr(long, "_small", 8)
     computed = long.ufunc
@@ -183,8 +184,11 @@ def test_an_interrupt_stops_a_long_call_after_the_part_that_is_being_computed(mo
         return computed(*arrays, out=out)
 
     monkeypatch.setattr(long, "ufunc", stopped)
-    with pytest.raises(KeyboardInterrupt):
-        long(np.ones((*shape, 1)), threads=threads)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            long(np.ones((*shape, 1)), threads=threads)
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert max(calls) <= 16
     assert len(calls) < 100  # of 250
 
