@@ -171,7 +171,9 @@ def double() -> Kernel:
 def test_an_interrupt_stops_a_long_call_after_the_part_that_is_being_computed(monkeypatch, threads, shape):
     """Ctrl-C in the third of many parts: of those that nobody has begun, none is computed."""
     long, calls = double(), []
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's job in the background ignores it
+    before = signal.signal(
+        signal.SIGINT, signal.default_int_handler
+    )  # a shell's job in the background ignores it
     monkeypatch.setattr(long, "_longest", 16)
     monkeypatch.setattr(long, "_small", 8)
     computed = long.ufunc
