@@ -2,9 +2,9 @@
 
     python benchmarks/against.py BEFORE [AFTER] [--robots ur5 panda talos] [--runs 5] [--dtype float64]
 
-Each commit is checked out into a folder of its own. Processes of both take turns, so that a machine that slows down
-slows both; within a process a row's time is the quickest of its rounds. AFTER is HEAD by default; `.` is the working
-tree.
+Each commit is checked out into a folder of its own. Processes of both take turns, so that a machine
+that slows down slows both; within a process a row's time is the quickest of its rounds. AFTER is
+HEAD by default; `.` is the working tree.
 """
 
 import argparse
@@ -68,7 +68,9 @@ def main() -> int:
 
 
 def git(*arguments: str) -> str:
-    return subprocess.run(["git", *arguments], check=True, capture_output=True, text=True).stdout.strip()
+    return subprocess.run(
+        ["git", *arguments], check=True, capture_output=True, text=True
+    ).stdout.strip()
 
 
 def checked_out(commit: str, folder: Path) -> Path:
@@ -83,21 +85,32 @@ def run(tree: Path, given: argparse.Namespace) -> dict[str, float]:
     """Times of all rows, by a process that imports freebody from that folder."""
     threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     environment = os.environ | threads | {"PYTHONPATH": str(tree / "src"), "FREEBODY_CACHE": "off"}
-    command = [sys.executable, __file__, "-", "--measure", "--dtype", given.dtype, "--robots", *given.robots]
+    command = [
+        sys.executable,
+        __file__,
+        "-",
+        "--measure",
+        "--dtype",
+        given.dtype,
+        "--robots",
+        *given.robots,
+    ]
     done = subprocess.run(command, env=environment, check=True, stdout=subprocess.PIPE, text=True)
     return json.loads(done.stdout)
 
 
 def measured(robots: list[str], dtype: str) -> dict[str, float]:
-    """Nanoseconds: of a sample in a batch, of one call of the kernel and of the public function; of compiling, and of a
-    process up to its first kernel (CPU)."""
+    """Nanoseconds: of a sample in a batch, of one call of the kernel and of the public function; of
+    compiling, and of a process up to its first kernel (CPU)."""
     import freebody as fb
 
     options = {} if dtype == "float64" else {"dtype": dtype}
     rows: dict[str, float] = {}
     for robot in robots:
         file, tip = ROBOTS[robot]
-        model = fb.load(folder() / file, mimic="free", tip=tip, physical="ignore").without("friction")
+        model = fb.load(folder() / file, mimic="free", tip=tip, physical="ignore").without(
+            "friction"
+        )
         if not rows:  # what the first one imports is no compiling
             fb.kernel(model, "gravity_torque", **options)
             rows["import, first robot and first kernel"] = time.process_time() * 1e9
@@ -106,7 +119,9 @@ def measured(robots: list[str], dtype: str) -> dict[str, float]:
             start = time.process_time()
             kernel = fb.kernel(model, names, **options)
             rows[f"{robot}, {task}, compiling"] = (time.process_time() - start) * 1e9
-            given = [rng.uniform(-1, 1, (BATCH, *x.shape)).astype(dtype) for x in kernel.program.inputs]
+            given = [
+                rng.uniform(-1, 1, (BATCH, *x.shape)).astype(dtype) for x in kernel.program.inputs
+            ]
             one = [x[0] for x in given]
             batch = partial(kernel, *given, out=kernel(*given), threads=1)
             rows[f"{robot}, {task}, batch"] = quickest(batch) / BATCH
@@ -133,12 +148,16 @@ def folder() -> Path:
         found = Path(entry) / "cmeel.prefix/share/example-robot-data/robots"
         if found.is_dir():
             return found
-    raise SystemExit("The robots come from the package example-robot-data: pip install -e '.[bench]'")
+    raise SystemExit(
+        "The robots come from the package example-robot-data: pip install -e '.[bench]'"
+    )
 
 
 def report(before: list[dict[str, float]], after: list[dict[str, float]]) -> int:
     """Print each row; how many are slower by more than the limit."""
-    print(f"{'':<52}{'before, ns':>14}{'after, ns':>14}{'after / before':>16}{'of single pairs':>18}")
+    print(
+        f"{'':<52}{'before, ns':>14}{'after, ns':>14}{'after / before':>16}{'of single pairs':>18}"
+    )
     slower = 0
     for row in before[0]:
         old, new = (np.array([run[row] for run in runs]) for runs in (before, after))

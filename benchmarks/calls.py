@@ -1,12 +1,14 @@
-"""One call of each public function beside Pinocchio's call for the same quantity: times and their ratio.
+"""One call of each public function beside Pinocchio's call for the same quantity: times and their
+ratio.
 
     python benchmarks/calls.py [--robots ur5 panda talos solo] [--rounds 15] [--only jacobian momentum]
 
-Both sides are given float64 arrays of one state and called as a user calls them, in a loop that runs no code of its own
-between two calls. Pinocchio has its `Data`, made before, and gives back what its functions return: where that is a view
-of `Data`, nothing is copied. Poses, velocities and accelerations are its SE3 and Motion, made from `Data` by its own
-calls. Solo has a free base. A row's values are compared first. Times are CPU time, rounds interleaved; a ratio is the
-median of those within a round. It exits with 1 if a ratio is above 1.
+Both sides are given float64 arrays of one state and called as a user calls them, in a loop that
+runs no code of its own between two calls. Pinocchio has its `Data`, made before, and gives back
+what its functions return: where that is a view of `Data`, nothing is copied. Poses, velocities and
+accelerations are its SE3 and Motion, made from `Data` by its own calls. Solo has a free base. A
+row's values are compared first. Times are CPU time, rounds interleaved; a ratio is the median of
+those within a round. It exits with 1 if a ratio is above 1.
 """
 
 import argparse
@@ -33,7 +35,8 @@ AGREE = 1e-7
 
 
 class Row(NamedTuple):
-    """A quantity, both functions with their arguments, and what makes of Pinocchio's result freebody's."""
+    """A quantity, both functions with their arguments, and what makes of Pinocchio's result
+    freebody's."""
 
     name: str
     ours: tuple[Any, ...]
@@ -42,7 +45,8 @@ class Row(NamedTuple):
 
 
 class Robot:
-    """One robot on both sides at one state; velocities and torques in each side's order of joints."""
+    """One robot on both sides at one state; velocities and torques in each side's order of
+    joints."""
 
     def __init__(self, name: str):
         file, self.tip = (ROBOTS | FREE)[name]
@@ -89,7 +93,9 @@ class Robot:
 
     def squares(self, some: Any) -> np.ndarray:
         """Three matrices, of which the last is symmetric."""
-        return np.stack([*(x[np.ix_(self.back, self.back)] for x in some[:2]), self.symmetric(some[2])])
+        return np.stack(
+            [*(x[np.ix_(self.back, self.back)] for x in some[:2]), self.symmetric(some[2])]
+        )
 
 
 def matrix(pose: Any) -> np.ndarray:
@@ -123,14 +129,18 @@ def rows(r: Robot) -> Iterator[Row]:
         return pin.getFrameJacobianTimeVariation(p, d, f, axes)
 
     def regressors() -> Any:
-        return pin.computeKineticEnergyRegressor(p, d, a, v), pin.computePotentialEnergyRegressor(p, d, a)
+        return pin.computeKineticEnergyRegressor(p, d, a, v), pin.computePotentialEnergyRegressor(
+            p, d, a
+        )
 
     tip, body = r.tip, pin.ReferenceFrame.LOCAL
     yield Row("neutral", (fb.neutral, m), (pin.neutral, p), r.position)
     yield Row("integrate", (fb.integrate, m, q, qd), (pin.integrate, p, a, v), r.position)
     yield Row("difference", (fb.difference, m, q, q1), (pin.difference, p, a, b), r.vector)
     yield Row("forward_kinematics", (fb.forward_kinematics, m, q), (pose,), matrix)
-    yield Row("forward_kinematics, frame named", (fb.forward_kinematics, m, q, tip), (pose,), matrix)
+    yield Row(
+        "forward_kinematics, frame named", (fb.forward_kinematics, m, q, tip), (pose,), matrix
+    )
     yield Row("velocity", (fb.velocity, m, q, qd), (velocity,), np.asarray)
     yield Row("acceleration", (fb.acceleration, m, q, qd, qdd), (acceleration,), np.asarray)
     of_frame = pin.computeFrameJacobian, p, d, a, f
@@ -149,40 +159,68 @@ def rows(r: Robot) -> Iterator[Row]:
     inverse = pin.computeRNEADerivatives, p, d, a, v, w
     forward = pin.computeABADerivatives, p, d, a, v, w
     yield Row(
-        "… derivatives of inverse", (fb.inverse_dynamics_derivatives, m, q, qd, qdd), inverse, r.squares
+        "… derivatives of inverse",
+        (fb.inverse_dynamics_derivatives, m, q, qd, qdd),
+        inverse,
+        r.squares,
     )
     yield Row(
-        "… derivatives of forward", (fb.forward_dynamics_derivatives, m, q, qd, qdd), forward, r.squares
+        "… derivatives of forward",
+        (fb.forward_dynamics_derivatives, m, q, qd, qdd),
+        forward,
+        r.squares,
     )
     yield Row("mass_matrix", (fb.mass_matrix, m, q), (pin.crba, p, d, a), r.symmetric)
     yield Row(
-        "mass_matrix_inverse", (fb.mass_matrix_inverse, m, q), (pin.computeMinverse, p, d, a), r.symmetric
+        "mass_matrix_inverse",
+        (fb.mass_matrix_inverse, m, q),
+        (pin.computeMinverse, p, d, a),
+        r.symmetric,
     )
-    yield Row("coriolis_matrix", (fb.coriolis_matrix, m, q, qd), (pin.computeCoriolisMatrix, p, d, a, v))
+    yield Row(
+        "coriolis_matrix", (fb.coriolis_matrix, m, q, qd), (pin.computeCoriolisMatrix, p, d, a, v)
+    )
     yield Row("bias", (fb.bias, m, q, qd), (pin.nonLinearEffects, p, d, a, v), r.vector)
-    yield Row("gravity_torque", (fb.gravity_torque, m, q), (pin.computeGeneralizedGravity, p, d, a), r.vector)
+    yield Row(
+        "gravity_torque",
+        (fb.gravity_torque, m, q),
+        (pin.computeGeneralizedGravity, p, d, a),
+        r.vector,
+    )
     held = fb.static_torque, m, q, {tip: wrench}
     yield Row("static_torque, a wrench", held, (pin.computeStaticTorque, p, d, a, loads), r.vector)
     yield Row(
-        "kinetic_energy", (fb.kinetic_energy, m, q, qd), (pin.computeKineticEnergy, p, d, a, v), np.asarray
+        "kinetic_energy",
+        (fb.kinetic_energy, m, q, qd),
+        (pin.computeKineticEnergy, p, d, a, v),
+        np.asarray,
     )
     yield Row(
-        "potential_energy", (fb.potential_energy, m, q), (pin.computePotentialEnergy, p, d, a), np.asarray
+        "potential_energy",
+        (fb.potential_energy, m, q),
+        (pin.computePotentialEnergy, p, d, a),
+        np.asarray,
     )
     about_com = pin.computeCentroidalMomentum, p, d, a, v
     yield Row("momentum", (fb.momentum, m, q, qd), about_com)
     yield Row(
-        "momentum, about a point", (fb.momentum, m, q, qd, pin.centerOfMass(p, d, a)), about_com, np.asarray
+        "momentum, about a point",
+        (fb.momentum, m, q, qd, pin.centerOfMass(p, d, a)),
+        about_com,
+        np.asarray,
     )
     centroidal = pin.computeCentroidalMap, p, d, a
-    yield Row("centroidal_momentum_matrix", (fb.centroidal_momentum_matrix, m, q), centroidal, r.columns)
+    yield Row(
+        "centroidal_momentum_matrix", (fb.centroidal_momentum_matrix, m, q), centroidal, r.columns
+    )
     parameters = pin.computeJointTorqueRegressor, p, d, a, v, w
     yield Row("regressor", (fb.regressor, m, q, qd, qdd), parameters)
     yield Row("energy_regressor", (fb.energy_regressor, m, q, qd), (regressors,))
 
 
 def _loads(r: Robot, q: np.ndarray, wrench: np.ndarray) -> Any:
-    """A wrench at the tip, in world axes, as Pinocchio takes it: for each joint in its own frame, made before."""
+    """A wrench at the tip, in world axes, as Pinocchio takes it: for each joint in its own frame,
+    made before."""
     pin.forwardKinematics(r.pin, r.data, q)
     tip = pin.updateFramePlacement(r.pin, r.data, r.frame)
     joint = r.pin.frames[r.frame].parentJoint
@@ -227,7 +265,9 @@ def main() -> int:
     slower = 0
     for name in given.robots:
         chosen = [
-            x for x in rows(Robot(name)) if not given.only or any(x.name.startswith(y) for y in given.only)
+            x
+            for x in rows(Robot(name))
+            if not given.only or any(x.name.startswith(y) for y in given.only)
         ]
         for row in chosen:
             if not difference(row) <= AGREE:

@@ -1,8 +1,10 @@
-"""Chains of many joints: what compiling and running costs a joint, each time in a process of its own.
+"""Chains of many joints: what compiling and running costs a joint, each time in a process of its
+own.
 
     python benchmarks/chains.py [--joints 25 50 100 200] [--tasks inverse_dynamics forward_dynamics] [--repeats 3]
 
-Seconds are the CPU's, which other work on the machine disturbs less; of the processes the quickest counts.
+Seconds are the CPU's, which other work on the machine disturbs less; of the processes the quickest
+counts.
 """
 
 import argparse
@@ -11,7 +13,9 @@ import subprocess
 import sys
 import time
 
-os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1", FREEBODY_CACHE="off")
+os.environ.update(
+    OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1", FREEBODY_CACHE="off"
+)
 
 import numpy as np
 
@@ -19,7 +23,14 @@ import freebody as fb
 
 TASKS = ("inverse_dynamics", "forward_dynamics")
 BATCH = 512
-LINK = {"a": 0.02, "d": 0.01, "alpha": 0.7, "m": 0.1, "com": [0.01, 0, 0], "I": np.diag([1e-4, 2e-4, 2e-4])}
+LINK = {
+    "a": 0.02,
+    "d": 0.01,
+    "alpha": 0.7,
+    "m": 0.1,
+    "com": [0.01, 0, 0],
+    "I": np.diag([1e-4, 2e-4, 2e-4]),
+}
 
 
 def measure(task: str, joints: int) -> tuple[float, float]:
@@ -61,7 +72,12 @@ def main() -> None:
         for joints in options.joints:
             command = [sys.executable, __file__, "--one", "--tasks", task, "--joints", str(joints)]
             runs = [
-                [*map(float, subprocess.run(command, check=True, capture_output=True).stdout.split())]
+                [
+                    *map(
+                        float,
+                        subprocess.run(command, check=True, capture_output=True).stdout.split(),
+                    )
+                ]
                 for _ in range(options.repeats)
             ]
             compiling, running = np.min(runs, axis=0) / joints

@@ -1,10 +1,12 @@
-"""What a changed number costs: a new payload, mass, length or gravity of a UR5e, and one call of the new robot.
+"""What a changed number costs: a new payload, mass, length or gravity of a UR5e, and one call of
+the new robot.
 
     python benchmarks/changed.py [--rounds 15]
 
-First the changed copy alone, then with one inverse and one forward dynamics of it, each time with another value; the
-structure has been called before. Below, one call of a kernel with `inputs=`, as a multiple of the kernel of fixed
-numbers: p left out, as an array, and by name. Microseconds of CPU time, the median of rounds and the quickest.
+First the changed copy alone, then with one inverse and one forward dynamics of it, each time with
+another value; the structure has been called before. Below, one call of a kernel with `inputs=`, as
+a multiple of the kernel of fixed numbers: p left out, as an array, and by name. Microseconds of CPU
+time, the median of rounds and the quickest.
 """
 
 import argparse
@@ -27,12 +29,19 @@ import freebody as fb
 CALLS, WITHIN = 400, 100
 CHANGES: dict[str, Callable[[fb.Model, float], fb.Model]] = {
     "payload": lambda model, x: model.with_payload(mass=2.0 + x),
-    "payload with its centre": lambda model, x: model.with_payload(mass=2.0 + x, com=(0.01, 0.02, 0.1)),
+    "payload with its centre": lambda model, x: model.with_payload(
+        mass=2.0 + x, com=(0.01, 0.02, 0.1)
+    ),
     "mass": lambda model, x: model.bind({"forearm_link.mass": 2.0 + x}),
     "length": lambda model, x: model.bind({"elbow_joint.a": -0.4 - x}),
     "gravity": lambda model, x: model.bind({"gravity": 9.0 + x}),
 }
-INPUTS = {"one mass": ["forearm_link.mass"], "payload": ["payload.*"], "masses": ["*.mass"], "all": ["*"]}
+INPUTS = {
+    "one mass": ["forearm_link.mass"],
+    "payload": ["payload.*"],
+    "masses": ["*.mass"],
+    "all": ["*"],
+}
 
 
 def microseconds(run: Callable[[float], object]) -> float:
@@ -99,7 +108,9 @@ def main() -> None:
             },
             rounds,
         )
-        ratios = [median(a / b for a, b in zip(taken[way], taken["fixed"], strict=True)) for way in taken]
+        ratios = [
+            median(a / b for a, b in zip(taken[way], taken["fixed"], strict=True)) for way in taken
+        ]
         print(f"{f'{title} ({len(p)})':<44}" + "".join(f"{ratio:10.2f}" for ratio in ratios[1:]))
 
 

@@ -1,11 +1,13 @@
-"""A closed chain's forward dynamics: freebody's kernel beside Pinocchio's `constraintDynamics`, in one run, one thread.
+"""A closed chain's forward dynamics: freebody's kernel beside Pinocchio's `constraintDynamics`, in
+one run, one thread.
 
     python benchmarks/closed_chains.py [--repeats 9]
 
-The Stewart platform with its balls as point contacts, 24 joint coordinates and 18 equations on both sides, along its
-default motion. Pinocchio has no batch call for it and is called in a loop; it iterates to 1e-10 on its multipliers.
-Then the public functions with all their checks: CPU time of one call, and a sample of a batch of 1000; what a changed
-number costs before the first call; and a sample near a singular position, by singular values.
+The Stewart platform with its balls as point contacts, 24 joint coordinates and 18 equations on both
+sides, along its default motion. Pinocchio has no batch call for it and is called in a loop; it
+iterates to 1e-10 on its multipliers. Then the public functions with all their checks: CPU time of
+one call, and a sample of a batch of 1000; what a changed number costs before the first call; and a
+sample near a singular position, by singular values.
 """
 
 import argparse
@@ -47,9 +49,12 @@ def main() -> None:
     out = np.empty_like(tau)
     peer, order = twin(model, q[:LOOP], qd[:LOOP], tau[:LOOP])
     ours, theirs = fb.forward_dynamics(model, q[:LOOP], qd[:LOOP], tau[:LOOP]), peer()[:, order]
-    print(f"freebody {fb.__version__}, Pinocchio {version('pin')}; {model.name}, batches of {BATCH}")
     print(
-        f"largest difference, over the largest acceleration: {np.abs(ours - theirs).max() / np.abs(ours).max():.1e}"
+        f"freebody {fb.__version__}, Pinocchio {version('pin')}; {model.name}, batches of {BATCH}"
+    )
+    print(
+        f"largest difference, over the largest acceleration: "
+        f"{np.abs(ours - theirs).max() / np.abs(ours).max():.1e}"
     )
     alone, _ = twin(model, q[:1], qd[:1], tau[:1])
     rows = {
@@ -65,11 +70,13 @@ def main() -> None:
             times[name].append(min(timed(run) for _ in range(9)) / samples)
     for name, found in times.items():
         print(
-            f"{name:<20} {np.median(found) * 1e9:9.0f} ns  ({min(found) * 1e9:.0f} .. {max(found) * 1e9:.0f})"
+            f"{name:<20} {np.median(found) * 1e9:9.0f} ns  ({min(found) * 1e9:.0f} .. "
+            f"{max(found) * 1e9:.0f})"
         )
     ratio = np.array(times["Pinocchio"]) / np.array(times["kernel"])
     print(
-        f"Pinocchio takes {np.median(ratio):.0f} times as long as the kernel ({ratio.min():.0f} .. {ratio.max():.0f})"
+        f"Pinocchio takes {np.median(ratio):.0f} times as long as the kernel ({ratio.min():.0f} .. "
+        f"{ratio.max():.0f})"
     )
 
     functions(repeats)
@@ -93,7 +100,9 @@ def rows_of(model: Model) -> dict[str, Callable[[State], object]]:
         "loop_velocity": lambda s: fb.loop_velocity(model, *s[:2]),
         "loop_acceleration": lambda s: fb.loop_acceleration(model, *s[:3]),
         "assemble": lambda s: fb.assemble(model, s[0]),
-        "assemble, 0.01 rad off": lambda s: fb.assemble(model, fb.integrate(model, s[0], 0.01 + 0.0 * s[1])),
+        "assemble, 0.01 rad off": lambda s: fb.assemble(
+            model, fb.integrate(model, s[0], 0.01 + 0.0 * s[1])
+        ),
         "jacobian": lambda s: fb.jacobian(model, s[0], frame),
         "kinetic_energy": lambda s: fb.kinetic_energy(model, *s[:2]),
     }
@@ -124,12 +133,19 @@ def changes(repeats: int) -> None:
         sizes = iter(size * (1.0 + 1e-9 * np.arange(1, 2 * repeats + 2)))
 
         def payload(model: Model = model, loads=loads, frame=frame, q=q, still=still) -> None:
-            fb.forward_dynamics(model.with_payload(mass=float(next(loads)), frame=frame), q, still, still)
+            fb.forward_dynamics(
+                model.with_payload(mass=float(next(loads)), frame=frame), q, still, still
+            )
 
-        def other_length(model: Model = model, sizes=sizes, length=length, q=q, still=still) -> None:
+        def other_length(
+            model: Model = model, sizes=sizes, length=length, q=q, still=still
+        ) -> None:
             fb.forward_dynamics(model.bind({length: float(next(sizes))}), q, still, still)
 
-        for name, run, rounds in ("payload", payload, 10 * repeats), ("length", other_length, repeats):
+        for name, run, rounds in (
+            ("payload", payload, 10 * repeats),
+            ("length", other_length, repeats),
+        ):
             best = min(timed(run) for _ in range(rounds))
             print(f"{robot:<10} new {name} and forward_dynamics {best * 1e6:8.0f} µs")
     flat = fb.load("four_bar").bind(l1=0.3, l3=0.3, l2=1.0, d=1.0)
@@ -139,7 +155,9 @@ def changes(repeats: int) -> None:
         ("static_torque", partial(fb.static_torque, flat, q)),
         ("loop_velocity", partial(fb.loop_velocity, flat, q, np.ones(3))),
     ):
-        print(f"near singular {name:<18} {min(timed(careful) for _ in range(repeats)) * 1e6:8.0f} µs")
+        print(
+            f"near singular {name:<18} {min(timed(careful) for _ in range(repeats)) * 1e6:8.0f} µs"
+        )
 
 
 def timed(run: Callable[[], object], clock: Callable[[], float] = time.perf_counter) -> float:
@@ -177,7 +195,9 @@ def twin(
             (ids[body], pin.SE3(np.array(R), np.array(at)))
             for body, R, at in (model.tree.frames[name] for name in loop.frames)
         )
-        contacts.append(pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, built, i, A, j, B, pin.LOCAL))
+        contacts.append(
+            pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, built, i, A, j, B, pin.LOCAL)
+        )
     for contact in contacts:
         datas.append(contact.createData())
     data, settings = built.createData(), pin.ProximalSettings(1e-10, 1e-6, 100)

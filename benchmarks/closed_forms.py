@@ -1,9 +1,11 @@
-"""How long the equations of motion in closed form take, by freebody and by SymPy's Lagrange method, in one run.
+"""How long the equations of motion in closed form take, by freebody and by SymPy's Lagrange method,
+in one run.
 
-The same arms on both sides, every length, mass, first moment and inertia a symbol. freebody makes M, C (Christoffel's
-symbols), c and g as polynomials in normal form, in which equal means identical. SymPy makes M and the remaining terms
-(`LagrangesMethod.mass_matrix`, `.forcing`) from the same energies, as it leaves them: not expanded, not simplified, and
-with velocity and gravity terms in one sum.
+The same arms on both sides, every length, mass, first moment and inertia a symbol. freebody makes
+M, C (Christoffel's symbols), c and g as polynomials in normal form, in which equal means identical.
+SymPy makes M and the remaining terms (`LagrangesMethod.mass_matrix`, `.forcing`) from the same
+energies, as it leaves them: not expanded, not simplified, and with velocity and gravity terms in
+one sum.
 """
 
 from __future__ import annotations
@@ -31,11 +33,16 @@ IIWA = (-HALF, HALF, HALF, -HALF, -HALF, HALF, 0.0)
 def main() -> None:
     """A table of freebody's times, then SymPy's beside them."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--joints", type=int, default=4, help="joints up to which SymPy derives too")
-    parser.add_argument("--repeats", type=int, default=5, help="runs of freebody, of which the median counts")
+    parser.add_argument(
+        "--joints", type=int, default=4, help="joints up to which SymPy derives too"
+    )
+    parser.add_argument(
+        "--repeats", type=int, default=5, help="runs of freebody, of which the median counts"
+    )
     options = parser.parse_args()
     print(
-        f"freebody {fb.__version__}, SymPy {sympy.__version__}, Python {platform.python_version()}, {cpu()}\n"
+        f"freebody {fb.__version__}, SymPy {sympy.__version__}, Python "
+        f"{platform.python_version()}, {cpu()}\n"
     )
     print("freebody: M, C, c and g in normal form")
     print(f"{'arm':34}{'median':>10}{'slowest':>10}{'terms of M':>12}{'of c':>9}{'of g':>7}")
@@ -46,12 +53,17 @@ def main() -> None:
             f"{name:34}{statistics.median(seconds):9.3f}s{max(seconds):9.3f}s"
             f"{count['M']:12}{count['c']:9}{count['g']:7}"
         )
-    print("\nthe same arm by both: Puma-like twists, all symbols; difference of the results at one state")
+    print(
+        "\nthe same arm by both: Puma-like twists, all symbols; difference of the results at one "
+        "state"
+    )
     heads = ("freebody", "SymPy, M and forcing", "ratio", "SymPy operations", "difference")
     print("joints" + "".join(f"{head:>{len(head) + 3}}" for head in heads))
     for n in range(1, options.joints + 1):
         model = spatial(PUMA[:n])
-        mine = statistics.median(timed(lambda model=model: derived(model)) for _ in range(options.repeats))
+        mine = statistics.median(
+            timed(lambda model=model: derived(model)) for _ in range(options.repeats)
+        )
         start = time.perf_counter()
         M, forcing = by_sympy(model)
         theirs = time.perf_counter() - start
@@ -91,7 +103,8 @@ def derived(model: Model) -> None:
 
 
 def by_sympy(model: Model) -> tuple[sympy.Matrix, sympy.Matrix]:
-    """M and forcing from kinetic and potential energy, positions and velocities put together link by link."""
+    """M and forcing from kinetic and potential energy, positions and velocities put together link
+    by link."""
     t = dynamicsymbols._t
     q = dynamicsymbols(f"q1:{model.nv + 1}")
     gravity = sympy.Symbol("g")
@@ -118,10 +131,13 @@ def by_sympy(model: Model) -> tuple[sympy.Matrix, sympy.Matrix]:
 
 
 def difference(model: Model, M: sympy.Matrix, forcing: sympy.Matrix) -> float:
-    """Largest deviation of SymPy's M and c + g from freebody's at one state, relative to the largest entry."""
+    """Largest deviation of SymPy's M and c + g from freebody's at one state, relative to the
+    largest entry."""
     rng = np.random.default_rng(0)
     small = ("xy", "xz", "yz")
-    values = {name: rng.uniform(0.5, 1.0) * (0.1 if name.endswith(small) else 1) for name in model.missing}
+    values = {
+        name: rng.uniform(0.5, 1.0) * (0.1 if name.endswith(small) else 1) for name in model.missing
+    }
     equations = fb.equations(model.bind(**values))
     q, qd = rng.uniform(-1, 1, (2, model.nv))
     mine = [equations.evaluate(x, q, qd) for x in (equations.M, equations.c, equations.g)]
@@ -132,7 +148,9 @@ def difference(model: Model, M: sympy.Matrix, forcing: sympy.Matrix) -> float:
     numbers = [np.array(x.xreplace(known).evalf(), dtype=float) for x in (M, forcing)]
     expected = [mine[0], -(mine[1] + mine[2])[:, None]]
     pairs = zip(numbers, expected, strict=True)
-    return max(float(np.abs(a - b).max()) for a, b in pairs) / max(float(np.abs(b).max()) for b in expected)
+    return max(float(np.abs(a - b).max()) for a, b in pairs) / max(
+        float(np.abs(b).max()) for b in expected
+    )
 
 
 def round_cos(alpha: float) -> tuple[int, int]:
@@ -151,7 +169,9 @@ def cpu() -> str:
     """The processor's name."""
     try:
         with open("/proc/cpuinfo", encoding="utf-8") as file:
-            return next(line.split(":")[1].strip() for line in file if line.startswith("model name"))
+            return next(
+                line.split(":")[1].strip() for line in file if line.startswith("model name")
+            )
     except (OSError, StopIteration):
         return platform.processor() or platform.machine()
 

@@ -1,17 +1,22 @@
-"""freebody beside Pinocchio, MuJoCo and Drake: the time of one sample on one thread, interleaved in one run.
+"""freebody beside Pinocchio, MuJoCo and Drake: the time of one sample on one thread, interleaved in
+one run.
 
     python benchmarks/compare.py [--robots ur5 panda talos] [--batch 4096] [--repeats 9]
 
-Every engine reads the same URDF with the same joints free (mimic joints too) and without friction, which
-Pinocchio's algorithms leave out, and every result is compared with freebody's before its time is taken.
-Engines that are not installed are left out. What has no batch call of its own is called in a loop.
+Every engine reads the same URDF with the same joints free (mimic joints too) and without friction,
+which Pinocchio's algorithms leave out, and every result is compared with freebody's before its time
+is taken. Engines that are not installed are left out. What has no batch call of its own is called
+in a loop.
 """
 
 import argparse
 import os
 
-# Before the imports: one thread each, and no kernel from an earlier run, so that compile times are real.
-os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1", FREEBODY_CACHE="off")
+# Before the imports: one thread each, and no kernel from an earlier run, so that compile times are
+# real.
+os.environ.update(
+    OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1", FREEBODY_CACHE="off"
+)
 
 import importlib.metadata
 import platform
@@ -45,13 +50,22 @@ TASKS = {  # task: quantities of the kernel
 }
 LOOP = 256  # samples of a batch that are put through an engine one at a time
 SINGLE = 500  # calls that are timed together to get the cost of one
-OTHER_TAGS = ("visual", "collision", "dynamics", "mimic", "safety_controller", "gazebo", "transmission")
+OTHER_TAGS = (
+    "visual",
+    "collision",
+    "dynamics",
+    "mimic",
+    "safety_controller",
+    "gazebo",
+    "transmission",
+)
 AGREE = 1e-6  # relative; snapped right angles move torques by about 1e-10
 
 
 @dataclass
 class States:
-    """Random states in freebody's order of joints, and the permutation to another engine's order."""
+    """Random states in freebody's order of joints, and the permutation to another engine's
+    order."""
 
     q: np.ndarray
     qd: np.ndarray
@@ -74,7 +88,8 @@ class States:
 
 @dataclass
 class Entry:
-    """One thing that is timed: run() processes `samples` samples; result() is compared with freebody's."""
+    """One thing that is timed: run() processes `samples` samples; result() is compared with
+    freebody's."""
 
     engine: str
     task: str
@@ -122,7 +137,11 @@ def freebody_entries(model, kernels, states: States) -> Iterator[Entry]:
     for task, kernel in kernels.items():
         arguments = states.arguments(task)
         results = kernel(*arguments)
-        out = tuple(map(np.empty_like, results)) if isinstance(results, tuple) else np.empty_like(results)
+        out = (
+            tuple(map(np.empty_like, results))
+            if isinstance(results, tuple)
+            else np.empty_like(results)
+        )
         yield Entry(
             "freebody",
             task,
@@ -184,7 +203,12 @@ def mujoco_entries(urdf: str, states: States, tip: str) -> Iterator[Entry]:
     import mujoco as mj
 
     root = ET.fromstring(urdf)
-    compiler = {"fusestatic": "true", "balanceinertia": "true", "boundmass": "1e-9", "boundinertia": "1e-12"}
+    compiler = {
+        "fusestatic": "true",
+        "balanceinertia": "true",
+        "boundmass": "1e-9",
+        "boundinertia": "1e-12",
+    }
     ET.SubElement(ET.SubElement(root, "mujoco"), "compiler", compiler)
     model = mj.MjModel.from_xml_string(ET.tostring(root, encoding="unicode"))
     model.opt.disableflags |= int(mj.mjtDisableBit.mjDSBL_CONSTRAINT)
@@ -227,8 +251,12 @@ def drake_entries(urdf: str, states: States, tip: str) -> Iterator[Entry]:
     plant = MultibodyPlant(time_step=0.0)
     Parser(plant).AddModelsFromString(urdf, "urdf")
     base = ET.fromstring(urdf)
-    children = {j.find("child").get("link") for j in base.iter("joint") if j.find("child") is not None}
-    root = next(link.get("name") for link in base.findall("link") if link.get("name") not in children)
+    children = {
+        j.find("child").get("link") for j in base.iter("joint") if j.find("child") is not None
+    }
+    root = next(
+        link.get("name") for link in base.findall("link") if link.get("name") not in children
+    )
     if root != "world":
         plant.WeldFrames(plant.world_frame(), plant.GetFrameByName(root))
     plant.Finalize()
@@ -287,11 +315,14 @@ def robots_folder() -> Path:
         folder = Path(entry) / "cmeel.prefix/share/example-robot-data/robots"
         if folder.is_dir():
             return folder
-    raise SystemExit("The robots come from the package example-robot-data: pip install -e '.[bench]'")
+    raise SystemExit(
+        "The robots come from the package example-robot-data: pip install -e '.[bench]'"
+    )
 
 
 def bare(path: Path) -> str:
-    """The URDF without meshes, friction and mimic, for the engines that cannot be told to leave them out."""
+    """The URDF without meshes, friction and mimic, for the engines that cannot be told to leave
+    them out."""
     root = ET.parse(path).getroot()
     for parent in list(root.iter()):
         for child in list(parent):
@@ -318,7 +349,8 @@ def vector_width() -> str:
 
 
 def measure(entries: list[Entry], repeats: int) -> list[np.ndarray]:
-    """Nanoseconds a sample of each entry, one a round; each round times all, so that noise meets all."""
+    """Nanoseconds a sample of each entry, one a round; each round times all, so that noise meets
+    all."""
     passes = []
     for entry in entries:
         entry.run()
@@ -343,8 +375,12 @@ def disagreement(entry: Entry, reference: dict[str, np.ndarray]) -> float | None
     return float(np.abs(entry.result() - mine).max() / np.abs(mine).max())
 
 
-def table(robot: str, entries: list[Entry], times: list[np.ndarray], errors: list[float | None]) -> None:
-    print(f"\n{robot:<30}{'':40}{'ns a sample':>12}{'min .. max':>20}{'freebody is':>14}{'difference':>13}")
+def table(
+    robot: str, entries: list[Entry], times: list[np.ndarray], errors: list[float | None]
+) -> None:
+    print(
+        f"\n{robot:<30}{'':40}{'ns a sample':>12}{'min .. max':>20}{'freebody is':>14}{'difference':>13}"
+    )
     for task in dict.fromkeys(e.task for e in entries):
         rows = [i for i, e in enumerate(entries) if e.task == task]
         ours = next(times[i] for i in rows if entries[i].engine == "freebody")
@@ -365,12 +401,16 @@ def print_limits(kernels, entries: list[Entry], times: list[np.ndarray]) -> None
     width = next(iter(kernels.values())).width
     rate = limit.multiplications_per_ns(width)
     print(
-        f"\n{rate:.1f} independent vector multiplications of {width} lanes a ns; were the kernels that quick:"
+        f"\n{rate:.1f} independent vector multiplications of {width} lanes a ns; were the kernels "
+        f"that quick:"
     )
     for entry, t in zip(entries, times, strict=True):
         if entry.engine == "freebody" and entry.task in kernels:
             best = limit.nanoseconds_a_sample(kernels[entry.task].program.operations, width, rate)
-            print(f"  {entry.task:<28}{best:8.1f} ns a sample, {best / np.median(t):4.0%} of that reached")
+            print(
+                f"  {entry.task:<28}{best:8.1f} ns a sample, {best / np.median(t):4.0%} of that "
+                f"reached"
+            )
 
 
 def compare(robot: str, batch: int, repeats: int) -> None:
@@ -410,10 +450,15 @@ def compare(robot: str, batch: int, repeats: int) -> None:
     table(robot, entries, times, errors)
     print_limits(kernels, entries, times)
     wrong = [
-        f"{e.engine} {e.how}" for e, error in zip(entries, errors, strict=True) if error and error > AGREE
+        f"{e.engine} {e.how}"
+        for e, error in zip(entries, errors, strict=True)
+        if error and error > AGREE
     ]
     if wrong:
-        print(f"These do not compute the same as freebody, so their times say nothing: {', '.join(wrong)}")
+        print(
+            f"These do not compute the same as freebody, so their times say nothing: "
+            f"{', '.join(wrong)}"
+        )
 
 
 def main() -> None:
@@ -433,7 +478,10 @@ def main() -> None:
             versions.append(f"{distribution} not installed")
     print(f"{cpu()}; {vector_width()}")
     print(f"Python {platform.python_version()}, {', '.join(versions)}")
-    print(f"batch {options.batch}, median of {options.repeats} interleaved rounds, one thread, float64")
+    print(
+        f"batch {options.batch}, median of {options.repeats} interleaved rounds, one thread, "
+        f"float64"
+    )
     for robot in options.robots:
         compare(robot, options.batch, options.repeats)
     file, tip = ROBOTS[options.robots[0]]

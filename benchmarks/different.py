@@ -1,11 +1,13 @@
-"""A million different robots: the time of one RK4 step of one of them, beside that of equal ones, on one thread.
+"""A million different robots: the time of one RK4 step of one of them, beside that of equal ones,
+on one thread.
 
     python benchmarks/different.py [--arms 1000000] [--block 1024] [--steps 50] [--rounds 3]
 
-Every arm is a UR5e with masses, centres, inertias and lengths of its own, 66 numbers: a family, whose kernel reads them
-for every sample. All arms are moved on by all steps, a block of arms after the other, so that the block's states and
-numbers stay in the caches from step to step. Equal arms go the same way through the kernel of fixed numbers.
-Afterwards some of the arms are bound one by one and compared. Times are CPU times of whole rounds, interleaved.
+Every arm is a UR5e with masses, centres, inertias and lengths of its own, 66 numbers: a family,
+whose kernel reads them for every sample. All arms are moved on by all steps, a block of arms after
+the other, so that the block's states and numbers stay in the caches from step to step. Equal arms
+go the same way through the kernel of fixed numbers. Afterwards some of the arms are bound one by
+one and compared. Times are CPU times of whole rounds, interleaved.
 """
 
 import argparse
@@ -27,7 +29,8 @@ COMPARED = 20
 
 
 def family_of(arm: fb.Model, count: int, seed: int = 0) -> fb.Model:
-    """So many robots: the bodies of each are heavier, and its lengths longer, by factors of its own."""
+    """So many robots: the bodies of each are heavier, and its lengths longer, by factors of its
+    own."""
     known, rng = fb.parameters(arm), np.random.default_rng(seed)
     heavier, longer = rng.uniform(0.9, 1.1, (2, count))  # what is physical stays so
     values = {}
@@ -64,7 +67,8 @@ class Arms:
 
 
 def difference(arms: Arms, family: fb.Model) -> float:
-    """Of the states where some arms are and those where they get one by one, relative to each arm's fastest joint."""
+    """Of the states where some arms are and those where they get one by one, relative to each arm's
+    fastest joint."""
     worst = 0.0
     for i in np.linspace(0, len(arms.q) - 1, COMPARED, dtype=int):
         state, step = (arms.q[i], arms.qd[i]), fb.kernel(family[int(i)], "rk4_step")
@@ -89,16 +93,19 @@ def main() -> None:
     step, fixed = fb.kernel(family, "rk4_step"), fb.kernel(arm, "rk4_step")
     made = time.perf_counter() - start
     print(
-        f"{given.arms} arms, {step.values.shape[-1]} numbers each, made in {made:.1f} s; blocks of {given.block}"
+        f"{given.arms} arms, {step.values.shape[-1]} numbers each, made in {made:.1f} s; blocks of "
+        f"{given.block}"
     )
     for _ in range(given.rounds):
         equal, different = arms.moved(fixed, None), arms.moved(step, step.values)
         print(
-            f"a step: equal {equal:.1f} ns, different {different:.1f} ns, ratio {different / equal:.2f}",
+            f"a step: equal {equal:.1f} ns, different {different:.1f} ns, ratio "
+            f"{different / equal:.2f}",
             flush=True,
         )
     print(
-        f"difference to {COMPARED} arms bound one by one, after {given.steps} steps: {difference(arms, family):.1e}"
+        f"difference to {COMPARED} arms bound one by one, after {given.steps} steps: "
+        f"{difference(arms, family):.1e}"
     )
 
 

@@ -2,9 +2,9 @@
 
     python benchmarks/embedded.py [--robots ur5e panda scara talos] [--quantities inverse_dynamics …]
 
-Needs Debian's gcc-arm-none-eabi and libnewlib-arm-none-eabi. Code is what `-Os` makes of the C, constants included,
-without the sines of the C library; stack is the function's own and that of the largest it calls. Talos comes from the
-wheel example-robot-data.
+Needs Debian's gcc-arm-none-eabi and libnewlib-arm-none-eabi. Code is what `-Os` makes of the C,
+constants included, without the sines of the C library; stack is the function's own and that of the
+largest it calls. Talos comes from the wheel example-robot-data.
 """
 
 from __future__ import annotations
@@ -18,9 +18,7 @@ from pathlib import Path
 import freebody as fb
 from compare import robots_folder
 
-GCC = (
-    "arm-none-eabi-gcc -std=c99 -Os -mthumb -mfloat-abi=hard -fstack-usage -Wall -Wextra -Wconversion -Werror"
-)
+GCC = "arm-none-eabi-gcc -std=c99 -Os -mthumb -mfloat-abi=hard -fstack-usage -Wall -Wextra -Wconversion -Werror"
 MACHINES = {
     "Cortex-M4F, float": ("float32", "-mcpu=cortex-m4 -mfpu=fpv4-sp-d16 -Wdouble-promotion"),
     "Cortex-M7, double": ("float64", "-mcpu=cortex-m7 -mfpu=fpv5-d16"),
@@ -42,7 +40,9 @@ def bytes_of(model: fb.Model, quantity: str, dtype: str, flags: str) -> tuple[in
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         fb.export(model, quantity, folder, dtype=dtype, name="f_")
-        subprocess.run([*GCC.split(), *flags.split(), "-c", "f_.c", "-o", "f_.o"], cwd=folder, check=True)
+        subprocess.run(
+            [*GCC.split(), *flags.split(), "-c", "f_.c", "-o", "f_.o"], cwd=folder, check=True
+        )
         size = subprocess.run(
             ["arm-none-eabi-size", "f_.o"], cwd=folder, capture_output=True, text=True, check=True
         ).stdout.splitlines()[1]

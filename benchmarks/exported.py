@@ -1,11 +1,12 @@
-"""Exported C and JavaScript beside Pinocchio's C++: the time of one call, interleaved in one process.
+"""Exported C and JavaScript beside Pinocchio's C++: the time of one call, interleaved in one
+process.
 
     python benchmarks/exported.py [--robots ur5e panda] [--rounds 15]
 
-Needs gcc, g++, Eigen (Debian: libeigen3-dev) and the wheel `pin`, whose headers are compiled here with
--O3 -march=native as the exported C is; node, if it is there, runs the exported JavaScript. Pinocchio's model is written
-in C++ from freebody's own: the same joints, placements and inertias, without friction and rotors. Results are compared
-before times are taken.
+Needs gcc, g++, Eigen (Debian: libeigen3-dev) and the wheel `pin`, whose headers are compiled here
+with -O3 -march=native as the exported C is; node, if it is there, runs the exported JavaScript.
+Pinocchio's model is written in C++ from freebody's own: the same joints, placements and inertias,
+without friction and rotors. Results are compared before times are taken.
 """
 
 from __future__ import annotations
@@ -44,7 +45,8 @@ STATES = 256  # inputs that are gone through, so that no branch or cache learns 
 
 
 def load(robot: str) -> fb.Model:
-    """Bundled, or the Panda with its fingers from example-robot-data; without what Pinocchio leaves out."""
+    """Bundled, or the Panda with its fingers from example-robot-data; without what Pinocchio leaves
+    out."""
     if robot == "panda":
         text = bare(robots_folder() / "panda_description/urdf/panda.urdf")
         with tempfile.TemporaryDirectory() as folder:
@@ -64,7 +66,11 @@ def model_in_cpp(model: fb.Model) -> str:
         axis = tuple(float(x) for x in body.axis)
         units = {(1.0, 0.0, 0.0): "X", (0.0, 1.0, 0.0): "Y", (0.0, 0.0, 1.0): "Z"}
         long = "Revolute" if kind == "R" else "Prismatic"
-        joint = f"JointModel{kind}{units[axis]}()" if axis in units else f"JointModel{long}Unaligned{axis}"
+        joint = (
+            f"JointModel{kind}{units[axis]}()"
+            if axis in units
+            else f"JointModel{long}Unaligned{axis}"
+        )
         lines.append(
             f'R << {R}; p << {p}; id = model.addJoint({body.parent + 1}, {joint}, SE3(R, p), "j{k}");'
         )
@@ -72,25 +78,31 @@ def model_in_cpp(model: fb.Model) -> str:
             c = ", ".join(repr(float(x)) for x in mass.c)
             inertia = ", ".join(repr(float(x)) for row in mass.inertia for x in row)
             lines.append(
-                f"R << {inertia}; p << {c}; model.appendBodyToJoint(id, Inertia({float(mass.m)!r}, p, R));"
+                f"R << {inertia}; p << {c}; model.appendBodyToJoint(id, Inertia({float(mass.m)!r}, "
+                f"p, R));"
             )
     gx, gy, gz = (float(x) for x in model.gravity)
     return "\n  ".join([*lines, f"model.gravity.linear() << {gx}, {gy}, {gz};"])
 
 
-def program(model: fb.Model, task: str, q: np.ndarray, a: np.ndarray, b: np.ndarray, rounds: int) -> str:
+def program(
+    model: fb.Model, task: str, q: np.ndarray, a: np.ndarray, b: np.ndarray, rounds: int
+) -> str:
     """C++ that compares and times both."""
     header, call, result = TASKS[task]
     n, size = (
         model.nv,
-        {"mass_matrix": model.nv**2, "inverse_dynamics_derivatives": 3 * model.nv**2}.get(task, model.nv),
+        {"mass_matrix": model.nv**2, "inverse_dynamics_derivatives": 3 * model.nv**2}.get(
+            task, model.nv
+        ),
     )
     arguments = {
         "mass_matrix": "Q[i], out",
         "inverse_dynamics_derivatives": f"Q[i], A[i], B[i], out, out + {n * n}, out + {2 * n * n}",
     }.get(task, "Q[i], A[i], B[i], out")
     tables = "\n".join(
-        f"static double {name}[{STATES}][{n}] = {str(x.tolist()).replace('[', '{').replace(']', '}')};"
+        f"static double {name}[{STATES}][{n}] = "
+        f"{str(x.tolist()).replace('[', '{').replace(']', '}')};"
         for name, x in (("Q", q), ("A", a), ("B", b))
     )
     return f"""#include <pinocchio/multibody.hpp>
@@ -173,7 +185,9 @@ def compare(robot: str, task: str, rounds: int, eigen: str) -> None:
         (folder / "run.cpp").write_text(program(model, task, q, a, b, rounds))
         include = Path(sysconfig.get_paths()["purelib"]) / "cmeel.prefix/include"
         quick = ["-O3", "-march=native"]
-        subprocess.run(["gcc", "-std=c99", *quick, "-c", "c/f.c", "-o", "f.o"], cwd=folder, check=True)
+        subprocess.run(
+            ["gcc", "-std=c99", *quick, "-c", "c/f.c", "-o", "f.o"], cwd=folder, check=True
+        )
         subprocess.run(
             ["g++", "-std=c++17", *quick, "-w", "-DNDEBUG", *BOOST, "-isystem", include, "-isystem", eigen, "-Ic",
              "run.cpp", "f.o", "-lm", "-o", "run"],
@@ -185,7 +199,11 @@ def compare(robot: str, task: str, rounds: int, eigen: str) -> None:
         if shutil.which("node"):
             (folder / "javascript/run.mjs").write_text(script(q, a, b, task, rounds))
             told = subprocess.run(
-                ["node", "run.mjs"], cwd=folder / "javascript", capture_output=True, text=True, check=True
+                ["node", "run.mjs"],
+                cwd=folder / "javascript",
+                capture_output=True,
+                text=True,
+                check=True,
             ).stdout
             script_time = float(told)
         size = (folder / "c/f.c").stat().st_size / 1000
@@ -204,10 +222,12 @@ def main() -> None:
     parser.add_argument("--eigen", default=os.environ.get("EIGEN", "/usr/include/eigen3"))
     given = parser.parse_args()
     print(
-        f"{cpu()}; Python {platform.python_version()}, freebody {fb.__version__}; ns a call, best of {given.rounds}"
+        f"{cpu()}; Python {platform.python_version()}, freebody {fb.__version__}; ns a call, best "
+        f"of {given.rounds}"
     )
     print(
-        f"{'robot':8} {'quantity':30} {'C':>8} {'C++ pin':>8} {'ratio':>7} {'JS':>8} {'JS/C':>7} {'C kB':>8} {'off':>9}"
+        f"{'robot':8} {'quantity':30} {'C':>8} {'C++ pin':>8} {'ratio':>7} {'JS':>8} {'JS/C':>7} "
+        f"{'C kB':>8} {'off':>9}"
     )
     for robot in given.robots:
         for task in given.tasks:

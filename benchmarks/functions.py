@@ -1,7 +1,8 @@
-"""Nanoseconds that each function of `freebody.math` takes inside a kernel, beside NumPy's function over an array.
+"""Nanoseconds that each function of `freebody.math` takes inside a kernel, beside NumPy's function
+over an array.
 
-Of a kernel that adds the function of 24 inputs, the time less that of one which adds the inputs; one thread, batches of
-4096 that stay in the cache, CPU time, medians of rounds that take turns.
+Of a kernel that adds the function of 24 inputs, the time less that of one which adds the inputs;
+one thread, batches of 4096 that stay in the cache, CPU time, medians of rounds that take turns.
 """
 
 import time
@@ -66,7 +67,9 @@ def main() -> None:
             (
                 seconds(lambda made=made: made(x, out=out, threads=1)),
                 seconds(lambda: plain(x, out=out, threads=1)),
-                seconds(lambda array=array, operands=operands, places=places: array(*operands, **places)),
+                seconds(
+                    lambda array=array, operands=operands, places=places: array(*operands, **places)
+                ),
             )
             for _ in range(ROUNDS)
         ]

@@ -1,7 +1,9 @@
-"""What JAX adds to a kernel: inverse dynamics and its derivatives of 4096 samples, inside `jax.jit`.
+"""What JAX adds to a kernel: inverse dynamics and its derivatives of 4096 samples, inside
+`jax.jit`.
 
-Nanoseconds a sample, one thread, least of rounds that take turns, so that what else the machine does counts little;
-ratios of these; and seconds of CPU time from a new function to its first result, with the disk cache off. Needs JAX.
+Nanoseconds a sample, one thread, least of rounds that take turns, so that what else the machine
+does counts little; ratios of these; and seconds of CPU time from a new function to its first
+result, with the disk cache off. Needs JAX.
 """
 
 import os

@@ -1,7 +1,9 @@
-"""What PyTorch adds to a kernel: one call, a batch of 4096, and the gradient beside the kernels that it is made by.
+"""What PyTorch adds to a kernel: one call, a batch of 4096, and the gradient beside the kernels
+that it is made by.
 
-Microseconds, one thread, least of rounds that take turns, so that what else the machine does counts little. The
-gradient is that by q, qd and qdd (tau) at once; `derivatives` is the kernel of all three matrices, for comparison.
+Microseconds, one thread, least of rounds that take turns, so that what else the machine does counts
+little. The gradient is that by q, qd and qdd (tau) at once; `derivatives` is the kernel of all
+three matrices, for comparison.
 """
 
 import time
@@ -62,7 +64,9 @@ def line(model: fb.Model, quantity: str) -> dict:
 def main() -> None:
     """A column for each robot and quantity."""
     torch.set_num_threads(1)
-    cases = [(name, q) for name in ("ur5e", "panda") for q in ("inverse_dynamics", "forward_dynamics")]
+    cases = [
+        (name, q) for name in ("ur5e", "panda") for q in ("inverse_dynamics", "forward_dynamics")
+    ]
     columns = [line(fb.load(name), quantity) for name, quantity in cases]
     print(f"{'':36}", *(f"{name + ' ' + quantity.split('_')[0]:>16}" for name, quantity in cases))
     for key in columns[0]:

@@ -1,18 +1,22 @@
-"""What it costs that numbers are inputs, or have 32 bits: the time of one sample in a batch, on one thread.
+"""What it costs that numbers are inputs, or have 32 bits: the time of one sample in a batch, on one
+thread.
 
     python benchmarks/inputs.py [--robots ur5e ur5 panda talos] [--zeros] [--batch 4096] [--rounds 100]
 
-Beside the kernel of fixed numbers stand the same kernel with `inputs=` the masses, centres, inertias and lengths of the
-robot that are not zero (of a UR5e 59; with `--zeros`, all ten numbers of each of its bodies: 66): one value for the
-batch, and one for every sample; the public function for one robot and, beside it, for a family of as many different
-ones as there are samples; and the kernel in float32, with its error against float64 relative to a sample's largest
-entry. Rounds are interleaved; times are the quickest round's.
+Beside the kernel of fixed numbers stand the same kernel with `inputs=` the masses, centres,
+inertias and lengths of the robot that are not zero (of a UR5e 59; with `--zeros`, all ten numbers
+of each of its bodies: 66): one value for the batch, and one for every sample; the public function
+for one robot and, beside it, for a family of as many different ones as there are samples; and the
+kernel in float32, with its error against float64 relative to a sample's largest entry. Rounds are
+interleaved; times are the quickest round's.
 """
 
 import argparse
 import os
 
-os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1", FREEBODY_CACHE="off")
+os.environ.update(
+    OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1", FREEBODY_CACHE="off"
+)
 
 import time
 from dataclasses import replace
@@ -28,7 +32,13 @@ from freebody.model.tree import Attached
 from freebody.spatial import of_dimension
 
 TASKS = ("inverse_dynamics", "forward_dynamics")
-LENGTHS = {"a", "d", "alpha", "theta", *(f"placement.{x}" for x in ("x", "y", "z", "roll", "pitch", "yaw"))}
+LENGTHS = {
+    "a",
+    "d",
+    "alpha",
+    "theta",
+    *(f"placement.{x}" for x in ("x", "y", "z", "roll", "pitch", "yaw")),
+}
 
 
 def lumped(model: fb.Model) -> fb.Model:
@@ -36,19 +46,36 @@ def lumped(model: fb.Model) -> fb.Model:
     space = of_dimension(model.dim)
     bodies = []
     for body in model.bodies:
-        moved = [x.inertia.placed(*x.placement.lower(space, VALUES)) for x in body.inertias if x.inertia.mass]
-        bodies.append(replace(body, inertias=(Attached(body.name, combined(moved)),) if moved else ()))
+        moved = [
+            x.inertia.placed(*x.placement.lower(space, VALUES))
+            for x in body.inertias
+            if x.inertia.mass
+        ]
+        bodies.append(
+            replace(body, inertias=(Attached(body.name, combined(moved)),) if moved else ())
+        )
     return replace(model, bodies=tuple(bodies))
 
 
 def named(model: fb.Model, zeros: bool) -> list[str]:
-    """Masses, centres, inertias, lengths and angles; a right angle of a placement stays structure."""
-    inertial = {"mass", *(f"com.{x}" for x in "xyz"), *(f"inertia.{x}{y}" for x in "xyz" for y in "xyz")}
-    empty = {r.name.split(".")[0] for r in fb.parameters(model) if r.name.endswith(".mass") and not r.value}
+    """Masses, centres, inertias, lengths and angles; a right angle of a placement stays
+    structure."""
+    inertial = {
+        "mass",
+        *(f"com.{x}" for x in "xyz"),
+        *(f"inertia.{x}{y}" for x in "xyz" for y in "xyz"),
+    }
+    empty = {
+        r.name.split(".")[0]
+        for r in fb.parameters(model)
+        if r.name.endswith(".mass") and not r.value
+    }
     found = []
     for record in fb.parameters(model):
         owner, _, number = record.name.partition(".")
-        meant = not record.structural and (number in LENGTHS or (number in inertial and owner not in empty))
+        meant = not record.structural and (
+            number in LENGTHS or (number in inertial and owner not in empty)
+        )
         if meant and (record.value or (zeros and number in inertial)):
             found.append(record.name)
     return found
@@ -71,14 +98,25 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--robots", nargs="+", default=["ur5e", "ur5", "panda", "talos"])
-    parser.add_argument("--zeros", action="store_true", help="also those of a body's numbers that are zero")
+    parser.add_argument(
+        "--zeros", action="store_true", help="also those of a body's numbers that are zero"
+    )
     parser.add_argument("--batch", type=int, default=4096)
     parser.add_argument("--rounds", type=int, default=100)
     given = parser.parse_args()
     if hasattr(os, "sched_setaffinity"):  # public functions take the threads that are there
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     rng = np.random.default_rng(20261122)
-    head = ("fixed", "uniform", "a sample", "float32", "function", "family", "error: median", "greatest")
+    head = (
+        "fixed",
+        "uniform",
+        "a sample",
+        "float32",
+        "function",
+        "family",
+        "error: median",
+        "greatest",
+    )
     print(f"{'':<26}{'numbers':>8}" + "".join(f"{title:>19}" for title in head))
     for robot in given.robots:
         if robot in ROBOTS:
@@ -111,14 +149,23 @@ def main() -> None:
                 "a sample": (open_, (*q, each), np.empty_like(out)),
                 "float32": (short, rounded, np.empty_like(out32)),
             }
-            runs = {title: partial(k, *x, out=into, threads=1) for title, (k, x, into) in wanted.items()}
-            runs |= {"function": partial(function, model, *q), "family": partial(function, family, *q)}
+            runs = {
+                title: partial(k, *x, out=into, threads=1) for title, (k, x, into) in wanted.items()
+            }
+            runs |= {
+                "function": partial(function, model, *q),
+                "family": partial(function, family, *q),
+            }
             found = quickest(runs, given.rounds, given.batch)
             beside = {"family": "function"}
-            cells = [f"{found[x]:.1f} ns, {found[x] / found[beside.get(x, 'fixed')]:.2f}" for x in head[:-2]]
+            cells = [
+                f"{found[x]:.1f} ns, {found[x] / found[beside.get(x, 'fixed')]:.2f}"
+                for x in head[:-2]
+            ]
             cells += [f"{np.median(error):.1e}", f"{error.max():.1e}"]
             print(
-                f"{robot + ' ' + task:<26}{len(numbers):>8}" + "".join(f"{cell:>19}" for cell in cells),
+                f"{robot + ' ' + task:<26}{len(numbers):>8}"
+                + "".join(f"{cell:>19}" for cell in cells),
                 flush=True,
             )
 

@@ -1,4 +1,5 @@
-"""What this core could do at best: the rate at which it finishes independent vector multiplications."""
+"""What this core could do at best: the rate at which it finishes independent vector
+multiplications."""
 
 import ctypes
 import time
@@ -7,7 +8,12 @@ import llvmlite.binding as llvm
 
 CHAINS = 12  # independent of each other, so that latency is hidden; they fit into 16 registers
 STEPS = 4_000_000
-COST = {"sin": 17, "cos": 17, "div": 8, "sqrt": 8}  # as many multiplications; everything else counts as one
+COST = {
+    "sin": 17,
+    "cos": 17,
+    "div": 8,
+    "sqrt": 8,
+}  # as many multiplications; everything else counts as one
 
 
 def _multiplications(width: int) -> str:
@@ -20,7 +26,10 @@ def _multiplications(width: int) -> str:
         "loop:",
         "  %i = phi i64 [ 0, %start ], [ %next, %loop ]",
     ]
-    lines += [f"  %x{c} = phi {vector} [ zeroinitializer, %start ], [ %y{c}, %loop ]" for c in range(CHAINS)]
+    lines += [
+        f"  %x{c} = phi {vector} [ zeroinitializer, %start ], [ %y{c}, %loop ]"
+        for c in range(CHAINS)
+    ]
     lines += [f"  %y{c} = fmul {vector} %x{c}, %x{c}" for c in range(CHAINS)]
     lines += [
         "  %next = add i64 %i, 1",
@@ -45,7 +54,9 @@ def multiplications_per_ns(width: int) -> float:
     )
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(_multiplications(width)), machine)
     engine.finalize_object()
-    chains = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p)(engine.get_function_address("chains"))
+    chains = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p)(
+        engine.get_function_address("chains")
+    )
     out = (ctypes.c_double * (width * CHAINS))()
     best = float("inf")
     for _ in range(5):
@@ -56,5 +67,6 @@ def multiplications_per_ns(width: int) -> float:
 
 
 def nanoseconds_a_sample(operations: dict[str, int], width: int, rate: float) -> float:
-    """The time of a program's arithmetic, `width` samples at once, if the core never had to wait."""
+    """The time of a program's arithmetic, `width` samples at once, if the core never had to
+    wait."""
     return sum(COST.get(op, 1) * n for op, n in operations.items()) / (width * rate)

@@ -1,10 +1,11 @@
-"""Kernels on a GPU: evaluations a second with all data there, and the share of what the card's data sheet allows.
+"""Kernels on a GPU: evaluations a second with all data there, and the share of what the card's data
+sheet allows.
 
     python benchmarks/on_cuda.py [ROBOT …] [--samples 4000000] [--rounds 20] [--whole]
 
-Needs a GPU and the extra `cuda`. Rows are arrays (n, k), columns (k, n). The limit is the lower of the two of `ptx.py`,
-of arithmetic and of memory. --whole: programs are not divided among entries, and spill instead. Results are
-compared with the CPU's.
+Needs a GPU and the extra `cuda`. Rows are arrays (n, k), columns (k, n). The limit is the lower of
+the two of `ptx.py`, of arithmetic and of memory. --whole: programs are not divided among entries,
+and spill instead. Results are compared with the CPU's.
 """
 
 from __future__ import annotations
@@ -45,7 +46,13 @@ def resident(values: np.ndarray, columns: bool) -> DeviceArray | Columns:
     flat = np.ascontiguousarray(np.moveaxis(values, 0, -1) if columns else values)
     with driver.current(0):
         memory = driver.Memory(flat.nbytes, 0, driver.DEFAULT_STREAM)
-        driver.call("cuMemcpyHtoDAsync", memory.address, flat.ctypes.data, flat.nbytes, driver.DEFAULT_STREAM)
+        driver.call(
+            "cuMemcpyHtoDAsync",
+            memory.address,
+            flat.ctypes.data,
+            flat.nbytes,
+            driver.DEFAULT_STREAM,
+        )
         driver.call("cuStreamSynchronize", driver.DEFAULT_STREAM)
     return (Columns if columns else DeviceArray)(memory, values.shape, values.dtype)
 
@@ -56,7 +63,9 @@ def first(array: Any, count: int) -> np.ndarray:
     whole = np.empty(array.shape, array.dtype)
     with driver.current(0):
         address = array.__cuda_array_interface__["data"][0]
-        driver.call("cuMemcpyDtoHAsync", whole.ctypes.data, address, whole.nbytes, driver.DEFAULT_STREAM)
+        driver.call(
+            "cuMemcpyDtoHAsync", whole.ctypes.data, address, whole.nbytes, driver.DEFAULT_STREAM
+        )
         driver.call("cuStreamSynchronize", driver.DEFAULT_STREAM)
     if isinstance(array, Columns):
         whole = np.moveaxis(whole.reshape(*core, n), -1, 0)
@@ -78,12 +87,16 @@ def seconds(kernel: Any, given: list[Any], outs: tuple[Any, ...], rounds: int) -
 
 def line(model: fb.Model, name: str, quantity: str, dtype: str, samples: int, rounds: int) -> str:
     """One line of the table."""
-    kernel, there = (fb.kernel(model, quantity, target=target, dtype=dtype) for target in ("cuda", "cpu"))
+    kernel, there = (
+        fb.kernel(model, quantity, target=target, dtype=dtype) for target in ("cuda", "cpu")
+    )
     program, size = kernel.program, np.dtype(dtype).itemsize
     moved = size * (program.input_size + program.output_size)
     samples = min(samples, int(8e9) // moved)
     rng = np.random.default_rng(0)
-    arrays = [(0.3 * rng.standard_normal((samples, *a.shape))).astype(dtype) for a in program.inputs]
+    arrays = [
+        (0.3 * rng.standard_normal((samples, *a.shape))).astype(dtype) for a in program.inputs
+    ]
     expected = there(*(x[:1000] for x in arrays))
     expected = expected if isinstance(expected, tuple) else (expected,)
     count = instructions(kernel.source, dtype)
@@ -91,13 +104,23 @@ def line(model: fb.Model, name: str, quantity: str, dtype: str, samples: int, ro
     found, off = [], 0.0
     for columns in (False, True):
         given = [resident(x, columns) for x in arrays]
-        outs = tuple(resident(np.zeros((samples, *a.shape), dtype), columns) for a in program.outputs)
+        outs = tuple(
+            resident(np.zeros((samples, *a.shape), dtype), columns) for a in program.outputs
+        )
         rate = samples / seconds(kernel, given, outs, rounds)
         found += [f"{rate / 1e9:.2f}", f"{rate / limit:.0%}"]
         for x, y in zip(outs, expected, strict=True):
             off = max(off, float(np.abs(first(x, 1000) - y).max() / np.abs(y).max()))
     entries = len(kernel.plan.parts)
-    shown = (name, quantity.replace("_", " "), dtype, entries, *found, f"{limit / 1e9:.2g}", f"{off:.0e}")
+    shown = (
+        name,
+        quantity.replace("_", " "),
+        dtype,
+        entries,
+        *found,
+        f"{limit / 1e9:.2g}",
+        f"{off:.0e}",
+    )
     return f"| {' | '.join(map(str, shown))} |"
 
 
@@ -116,7 +139,10 @@ def main() -> None:
         parts.LARGEST = 0.0
     with driver.current(0):
         card = driver.call("cuDeviceGetName", 100, 0).split(b"\0")[0].decode()
-    print(f"{card}; {platform.node()}; 10^9 evaluations a second, data on the card, share of the limit\n")
+    print(
+        f"{card}; {platform.node()}; 10^9 evaluations a second, data on the card, share of the "
+        f"limit\n"
+    )
     print("| robot | quantity | type | entries | rows | share | columns | share | limit | off by |")
     print("|---|---|---|---|---|---|---|---|---|---|")
     for name in asked.robots:

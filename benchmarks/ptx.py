@@ -1,8 +1,9 @@
-"""What kernels for GPUs take: registers, spilled bytes, length, time, and the limits of a card. Needs ptxas, no GPU.
+"""What kernels for GPUs take: registers, spilled bytes, length, time, and the limits of a card.
+Needs ptxas, no GPU.
 
-`python benchmarks/ptx.py [ROBOT …] [--all]`: a Markdown table. Limits are those of an H200, in 10^9 evaluations a
-second: its data sheet has 34 and 67 · 10^12 double and float operations a second, multiply-add counted as two, and
-4.8 · 10^12 bytes.
+`python benchmarks/ptx.py [ROBOT …] [--all]`: a Markdown table. Limits are those of an H200, in 10^9
+evaluations a second: its data sheet has 34 and 67 · 10^12 double and float operations a second,
+multiply-add counted as two, and 4.8 · 10^12 bytes.
 """
 
 from __future__ import annotations
@@ -49,13 +50,20 @@ def quantities(model: fb.Model, every: bool) -> list[str]:
     """Those that there are of an open or closed chain."""
     loops = ("constraint", "constrained_dynamics", "closed_wrenches")
     other = "open" if model.loops else "closed"
-    there = [x for x, f in FORMULAS.items() if f.chains != other and (model.loops or not x.startswith(loops))]
+    there = [
+        x
+        for x, f in FORMULAS.items()
+        if f.chains != other and (model.loops or not x.startswith(loops))
+    ]
     return there if every else [x for x in QUANTITIES if x in there]
 
 
 def ptxas() -> str:
     """NVIDIA's assembler."""
-    found = [*Path(sysconfig.get_path("purelib"), "nvidia").glob("*/bin/ptxas"), shutil.which("ptxas")]
+    found = [
+        *Path(sysconfig.get_path("purelib"), "nvidia").glob("*/bin/ptxas"),
+        shutil.which("ptxas"),
+    ]
     if not any(found):
         sys.exit("ptxas is missing: pip install nvidia-cuda-nvcc-cu12")
     return str(next(x for x in found if x))
@@ -67,7 +75,8 @@ def _of_children() -> float:
 
 
 def assembled(text: str) -> tuple[list[int], int, float]:
-    """Registers of each entry, bytes that are spilled and read back in all, seconds of a processor's time."""
+    """Registers of each entry, bytes that are spilled and read back in all, seconds of a
+    processor's time."""
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "x.ptx").write_text(text, encoding="ascii")
         begin = _of_children()
@@ -84,7 +93,9 @@ def instructions(text: str, dtype: str) -> int:
     entries = text[text.index(".visible .entry") :]
     kind = "f64" if dtype == "float64" else "f32"
     words = re.findall(
-        rf"^\s+(fma|add|sub|mul|div|sqrt|neg|min|max|setp\.\w+)[.\w]*\.{kind}\b", entries, re.MULTILINE
+        rf"^\s+(fma|add|sub|mul|div|sqrt|neg|min|max|setp\.\w+)[.\w]*\.{kind}\b",
+        entries,
+        re.MULTILINE,
     )
     return sum(_WEIGHT.get(word, 1) for word in words)
 
@@ -108,7 +119,10 @@ def figures(model: fb.Model, quantity: str, dtype: str) -> tuple[str, ...]:
         f"{len(text) / 1e3:.0f}",
         f"{emitted + spent:.1f}",
     )
-    return (*map(str, shown), f"{min(limits):.2g} ({'arithmetic' if limits[0] < limits[1] else 'memory'})")
+    return (
+        *map(str, shown),
+        f"{min(limits):.2g} ({'arithmetic' if limits[0] < limits[1] else 'memory'})",
+    )
 
 
 HEAD = "entry points, registers, bytes spilled, instructions, bytes in and out, kB of text, seconds, limit (10⁹/s)"

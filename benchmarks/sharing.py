@@ -1,4 +1,5 @@
-"""Two threads on one batch beside two independent processes, each with one thread and a batch of its own."""
+"""Two threads on one batch beside two independent processes, each with one thread and a batch of
+its own."""
 
 import multiprocessing
 import time
@@ -40,7 +41,8 @@ def alone(path: str, tip: str, batch: int, orders: Connection) -> None:
 
 
 def print_sharing(path: str, tip: str, batch: int, repeats: int) -> None:
-    """The rates of one thread, two threads and two processes, taken in turn, and the median of their ratios."""
+    """The rates of one thread, two threads and two processes, taken in turn, and the median of
+    their ratios."""
     context = multiprocessing.get_context("spawn")
     pipes, processes = [], []
     for _ in range(2):
@@ -61,8 +63,10 @@ def print_sharing(path: str, tip: str, batch: int, repeats: int) -> None:
             rows.append((rate(one, batch), rate(two, batch), both))
         single, shared, apart = np.array(rows).T
         print(
-            f"  {task:<20} one thread {np.median(single):6.1f}, two threads {np.median(shared):6.1f}, "
-            f"two processes {np.median(apart):6.1f}; threads / processes {np.median(shared / apart):.2f} "
+            f"  {task:<20} one thread {np.median(single):6.1f}, two threads "
+            f"{np.median(shared):6.1f}, "
+            f"two processes {np.median(apart):6.1f}; threads / processes "
+            f"{np.median(shared / apart):.2f} "
             f"({(shared / apart).min():.2f} .. {(shared / apart).max():.2f})"
         )
     for pipe, process in zip(pipes, processes, strict=True):

@@ -1,10 +1,12 @@
-"""Steps of many arms beside MuJoCo: the time of one step of one arm on one thread, interleaved in one run.
+"""Steps of many arms beside MuJoCo: the time of one step of one arm on one thread, interleaved in
+one run.
 
     python benchmarks/stepping.py [--arms 4096] [--steps 50] [--repeats 7]
 
-A UR5e swings under torques that are held. MuJoCo reads a model that is written here from freebody's own: the same
-bodies, masses and inertias, no contacts, limits, friction or sensors; the states of both are compared after all steps.
-freebody calls its step kernel once a step for a block of arms; MuJoCo's `rollout` makes all steps of all in one call.
+A UR5e swings under torques that are held. MuJoCo reads a model that is written here from freebody's
+own: the same bodies, masses and inertias, no contacts, limits, friction or sensors; the states of
+both are compared after all steps. freebody calls its step kernel once a step for a block of arms;
+MuJoCo's `rollout` makes all steps of all in one call.
 """
 
 import argparse
@@ -37,7 +39,9 @@ AGREE = 1e-6  # MuJoCo turns each inertia to its principal axes and back
 def mjcf(model: fb.Model) -> str:
     """An arm of one-axis joints as MuJoCo's XML."""
     root = Element("mujoco")
-    SubElement(root, "compiler", angle="radian", autolimits="false", boundmass="0", boundinertia="0")
+    SubElement(
+        root, "compiler", angle="radian", autolimits="false", boundmass="0", boundinertia="0"
+    )
     SubElement(root, "option", gravity=_text(model.gravity), timestep=repr(STEP))
     above = {-1: SubElement(root, "worldbody")}
     for i, body in enumerate(model.tree.bodies):
@@ -49,7 +53,9 @@ def mjcf(model: fb.Model) -> str:
         (mass,) = body.masses
         I = np.array(mass.inertia)
         full = I[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
-        SubElement(tag, "inertial", mass=repr(float(mass.m)), pos=_text(mass.c), fullinertia=_text(full))
+        SubElement(
+            tag, "inertial", mass=repr(float(mass.m)), pos=_text(mass.c), fullinertia=_text(full)
+        )
     return tostring(root, encoding="unicode")
 
 
@@ -130,7 +136,8 @@ def main() -> None:
     args = parser.parse_args()
     model = fb.load("ur5e").without("friction")
     print(
-        f"{platform.processor() or platform.machine()}, freebody {fb.__version__}, MuJoCo {mujoco.__version__}"
+        f"{platform.processor() or platform.machine()}, freebody {fb.__version__}, MuJoCo "
+        f"{mujoco.__version__}"
     )
     print(f"UR5e, {args.arms} arms, {args.steps} steps a round, {args.repeats} rounds; ns a step")
     print(
@@ -144,7 +151,9 @@ def main() -> None:
         rate = max(
             limit.multiplications_per_ns(arms.step.width) for _ in range(9)
         )  # where its loop lies matters
-        bound = limit.nanoseconds_a_sample(dict(arms.step.program.operations), arms.step.width, rate)
+        bound = limit.nanoseconds_a_sample(
+            dict(arms.step.program.operations), arms.step.width, rate
+        )
         void = "" if apart < AGREE else "  the comparison is void"
         print(
             f"{method:22}{_spread(ours):>22}{_spread(peer):>26}{np.median(peer / ours):8.0f}"

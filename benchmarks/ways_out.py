@@ -1,11 +1,12 @@
-"""The table of exported text: for each language and quantity its size, its time and its difference from the kernel.
+"""The table of exported text: for each language and quantity its size, its time and its difference
+from the kernel.
 
     python benchmarks/ways_out.py [--robots ur5e panda] [--languages C JavaScript …] [--quantities …] [--rounds 7]
 
-Each text is called for 256 random states, as a program of its language would; results are compared with the kernel's,
-relative to an output's largest entry. Tools that are not there are left out: gcc, g++, node, rustc, octave, casadi.
-Prints two tables of Markdown: nanoseconds in each language; then kilobytes, with the largest difference of all that
-compute in double, and of those in float.
+Each text is called for 256 random states, as a program of its language would; results are compared
+with the kernel's, relative to an output's largest entry. Tools that are not there are left out:
+gcc, g++, node, rustc, octave, casadi. Prints two tables of Markdown: nanoseconds in each language;
+then kilobytes, with the largest difference of all that compute in double, and of those in float.
 """
 
 from __future__ import annotations
@@ -40,7 +41,8 @@ QUANTITIES = (
 DTYPES = ("float64", "float32")
 STATES = 256
 INPUTS, OUTPUTS = "given.bin", "found.bin"
-"""Files of doubles, (STATES, all scalars of the inputs), and what the program writes of the outputs."""
+"""Files of doubles, (STATES, all scalars of the inputs), and what the program writes of the
+outputs."""
 
 
 @dataclass(frozen=True)
@@ -233,7 +235,8 @@ print(best)
 
 @dataclass(frozen=True)
 class Way:
-    """A language as it is called here: its name for `fb.export`, what it needs, its program, and the commands."""
+    """A language as it is called here: its name for `fb.export`, what it needs, its program, and
+    the commands."""
 
     language: str
     needs: str
@@ -260,18 +263,26 @@ WAYS = {
         "rust",
         "rustc",
         in_rust,
-        ("rustc --edition 2021 -C opt-level=3 -C target-cpu=native -A warnings run.rs -o run", "./run"),
+        (
+            "rustc --edition 2021 -C opt-level=3 -C target-cpu=native -A warnings run.rs -o run",
+            "./run",
+        ),
         ".rs",
     ),
     "JavaScript": Way("javascript", "node", in_javascript, ("node run.mjs",), ".mjs"),
     "NumPy": Way("numpy", "numpy", in_python, ("{python} run.py",), ".py"),
-    "CasADi": Way("casadi", "casadi", lambda t: in_python(t, casadi=True), ("{python} run.py",), ".py"),
+    "CasADi": Way(
+        "casadi", "casadi", lambda t: in_python(t, casadi=True), ("{python} run.py",), ".py"
+    ),
     "Octave": Way("matlab", "octave", in_octave, ("octave --quiet run.m",), ".m"),
 }
 
 
-def measured(model: fb.Model, quantity: str, way: Way, python: str, rounds: int) -> tuple[int, float, float]:
-    """Bytes of the text, nanoseconds a call, and the largest difference over an output's largest entry."""
+def measured(
+    model: fb.Model, quantity: str, way: Way, python: str, rounds: int
+) -> tuple[int, float, float]:
+    """Bytes of the text, nanoseconds a call, and the largest difference over an output's largest
+    entry."""
     kernel = fb.kernel(model, quantity)
     rng = np.random.default_rng(0)
     q, qd, last = fb.random_state(model, 0, STATES)
@@ -280,7 +291,9 @@ def measured(model: fb.Model, quantity: str, way: Way, python: str, rounds: int)
     expected = kernel(*given)
     expected = expected if isinstance(expected, tuple) else (expected,)
     operations = max(sum(kernel.program.operations.values()), 100)
-    task = Task(kernel.program.inputs, kernel.program.outputs, rounds, max(1, 400_000 // operations // 10))
+    task = Task(
+        kernel.program.inputs, kernel.program.outputs, rounds, max(1, 400_000 // operations // 10)
+    )
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         fb.export(model, quantity, folder, way.language, name="f_", dtype=way.dtype)
@@ -321,10 +334,15 @@ def main() -> None:
     parser.add_argument("--robots", nargs="+", default=["ur5e", "panda"])
     parser.add_argument("--quantities", nargs="+", default=list(QUANTITIES))
     parser.add_argument("--languages", nargs="+", default=list(WAYS))
-    parser.add_argument("--python", default=sys.executable, help="an interpreter with NumPy and CasADi")
+    parser.add_argument(
+        "--python", default=sys.executable, help="an interpreter with NumPy and CasADi"
+    )
     parser.add_argument("--rounds", type=int, default=7)
     given = parser.parse_args()
-    print(f"{cpu()}; Python {platform.python_version()}, freebody {fb.__version__}; best of {given.rounds}\n")
+    print(
+        f"{cpu()}; Python {platform.python_version()}, freebody {fb.__version__}; best of "
+        f"{given.rounds}\n"
+    )
     ways = {name: WAYS[name] for name in given.languages if available(WAYS[name], given.python)}
     sizes = [
         f"| kilobytes of text | {' | '.join(ways)} | error, double | error, float |",
@@ -335,11 +353,14 @@ def main() -> None:
         model = fb.load(robot).without("friction", "rotors", "springs")
         for quantity in given.quantities:
             found = {
-                name: measured(model, quantity, way, given.python, given.rounds) for name, way in ways.items()
+                name: measured(model, quantity, way, given.python, given.rounds)
+                for name, way in ways.items()
             }
             times = [f"{time:,.0f}" for _, time, _ in found.values()]
             cells = [f"{size / 1000:.0f}" for size, _, _ in found.values()]
-            off = {d: [found[name][2] for name, way in ways.items() if way.dtype == d] for d in DTYPES}
+            off = {
+                d: [found[name][2] for name, way in ways.items() if way.dtype == d] for d in DTYPES
+            }
             worst = [f"{max(some):.0e}" if some else "" for some in off.values()]
             print(f"| {robot}, {quantity} | {' | '.join(times)} |", flush=True)
             sizes.append(f"| {robot}, {quantity} | {' | '.join([*cells, *worst])} |")

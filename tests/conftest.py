@@ -13,7 +13,8 @@ settings.register_profile("freebody", deadline=None, derandomize=True, database=
 settings.load_profile("freebody")
 
 if "FREEBODY_CACHE" not in os.environ:
-    # one folder for all workers of a run, which inherit it: the user's own cache is neither trusted nor filled
+    # one folder for all workers of a run, which inherit it: the user's own cache is neither trusted
+    # nor filled
     os.environ["FREEBODY_CACHE"] = tempfile.mkdtemp(prefix="freebody-tests-")
     atexit.register(shutil.rmtree, os.environ["FREEBODY_CACHE"], ignore_errors=True)
 

@@ -1,4 +1,5 @@
-"""What errors advise when a name is not known: the likely one, and none rather than an absurd one."""
+"""What errors advise when a name is not known: the likely one, and none rather than an absurd
+one."""
 
 import pytest
 
@@ -6,10 +7,26 @@ import freebody as fb
 from freebody.derivations.check.source import AnswerError
 from freebody.errors import likely
 
-NOTES = ["theta1", "theta2", "theta1_d", "theta2_d", "m1", "lc1", "I1", "l1", "m2", "lc2", "I2", "l2", "g"]
+NOTES = [
+    "theta1",
+    "theta2",
+    "theta1_d",
+    "theta2_d",
+    "m1",
+    "lc1",
+    "I1",
+    "l1",
+    "m2",
+    "lc2",
+    "I2",
+    "l2",
+    "g",
+]
 
 
-@pytest.mark.parametrize("name", ["J2", "beta", "kg", "RR", "x", "alpha", "k1", "anything", "z" * 5000, ""])
+@pytest.mark.parametrize(
+    "name", ["J2", "beta", "kg", "RR", "x", "alpha", "k1", "anything", "z" * 5000, ""]
+)
 def test_no_absurd_advice(name: str):
     assert likely(name, [*NOTES, "3RRR", "2R"]) == []
 
@@ -41,14 +58,17 @@ def test_a_capital_for_the_cosine_or_sine_is_explained():
     verdict = fb.check(arm, "H12 = m2 (lc2^2 + l1 lc2 C2) + I2")
     assert not verdict
     assert (
-        "‘C2’ on the right is read as the velocity term of joint 2; write c2 for the cosine" in verdict.text
+        "‘C2’ on the right is read as the velocity term of joint 2; write c2 for the cosine"
+        in verdict.text
     )
     assert (
         "write c12 for the cosine. With that the equation is right."
         in fb.check(arm, "G2 = m2 g lc2 C12").text
     )
     assert "write c2 for the cosine" in fb.check(arm, "H12 = m2 (lc2^2 + 2 l1 lc2 C2) + I2").text
-    assert fb.check(arm, "tau2 = H21 theta1_dd + H22 theta2_dd + C2 + G2")  # where the velocity term is meant
+    assert fb.check(
+        arm, "tau2 = H21 theta1_dd + H22 theta2_dd + C2 + G2"
+    )  # where the velocity term is meant
     with pytest.raises(AnswerError, match="The cosine of the angle is written c123"):
         fb.check(fb.planar("RRR"), "x = l1*C123")
     with pytest.raises(AnswerError, match="The sine of the angle is written s2"):

@@ -15,10 +15,14 @@ from freebody.cli.app import run
 from freebody.errors import KindError
 
 FUNCTIONS = {
-    name: getattr(fb, name) for name in sorted(fb.__all__) if inspect.isfunction(getattr(fb, name, None))
+    name: getattr(fb, name)
+    for name in sorted(fb.__all__)
+    if inspect.isfunction(getattr(fb, name, None))
 }
 OF_MODELS = [
-    name for name, function in FUNCTIONS.items() if [*inspect.signature(function).parameters][:1] == ["model"]
+    name
+    for name, function in FUNCTIONS.items()
+    if [*inspect.signature(function).parameters][:1] == ["model"]
 ]
 KEYWORDS: dict[str, dict[str, Any]] = {"reactions": {"tau": np.zeros(6)}}
 
@@ -30,7 +34,9 @@ def call(name: str, first: Any) -> Any:
     return FUNCTIONS[name](first, *(np.zeros(6) for _ in needed), **KEYWORDS.get(name, {}))
 
 
-@pytest.mark.parametrize("first", ["ur5e", Path("arm.urdf"), None, [1.0], np.zeros(6), fb.Model], ids=repr)
+@pytest.mark.parametrize(
+    "first", ["ur5e", Path("arm.urdf"), None, [1.0], np.zeros(6), fb.Model], ids=repr
+)
 @pytest.mark.parametrize("name", OF_MODELS)
 def test_what_is_no_model_is_refused_with_what_to_write(name: str, first: Any):
     with pytest.raises(KindError, match=rf"^{name}: the first argument is ") as problem:
@@ -109,7 +115,9 @@ def test_options_of_notes_that_would_not_be_used_are_refused(
 ):
     monkeypatch.chdir(tmp_path)
     assert run(["notes", *arguments]) == 2
-    assert re.search(r"error: notes: .*(needs something to write|is not used with)", capsys.readouterr().err)
+    assert re.search(
+        r"error: notes: .*(needs something to write|is not used with)", capsys.readouterr().err
+    )
     assert not list(tmp_path.iterdir())
 
 

@@ -1,4 +1,5 @@
-"""Base parameters: no column of the regressor is missed, none is left over, and the equations are the same."""
+"""Base parameters: no column of the regressor is missed, none is left over, and the equations are
+the same."""
 
 from __future__ import annotations
 
@@ -91,7 +92,9 @@ def test_2r_by_base_parameters():
     )
     short = by_base_parameters(eqs)
     assert short.count()["M"] < eqs.count()["M"]
-    assert {"m1", "m2", "I1", "I2", "lc2"} & {n for x in short.tau for p, _ in x.terms() for n in p} == set()
+    assert {"m1", "m2", "I1", "I2", "lc2"} & {
+        n for x in short.tau for p, _ in x.terms() for n in p
+    } == set()
 
 
 def test_a_rotor_joins_the_inertia_that_it_cannot_be_told_from():
@@ -102,7 +105,8 @@ def test_a_rotor_joins_the_inertia_that_it_cannot_be_told_from():
 
 @pytest.mark.parametrize(("robot", "count"), [("puma560", 36), ("ur5e", 36), ("panda", None)])
 def test_real_robots_have_as_many_as_is_known(robot, count):
-    # 36 of six revolute joints with a vertical first and a horizontal second axis (Khalil and Dombre, 9.4)
+    # 36 of six revolute joints with a vertical first and a horizontal second axis (Khalil and
+    # Dombre, 9.4)
     model = fb.load(robot, physical="ignore").without("friction", "rotors", "springs")
     found = fb.base_parameters(model)
     assert len(found) == rank(model)
@@ -115,11 +119,17 @@ def test_real_robots_have_as_many_as_is_known(robot, count):
 def test_base_parameters_in_words():
     model = fb.planar("RR", l=[1, 0.5], lc=[0.5, 0.25], m=[2, 1], I=[0.2, 0.1])
     found = fb.base_parameters(model)
-    assert found.names == tuple(f"{body.name}.{p}" for body in model.bodies for p in ("hx", "hy", "I"))
-    assert found.combination(found.names[2]) == {found.names[2]: 1.0, f"{model.bodies[1].name}.m": 1.0}
+    assert found.names == tuple(
+        f"{body.name}.{p}" for body in model.bodies for p in ("hx", "hy", "I")
+    )
+    assert found.combination(found.names[2]) == {
+        found.names[2]: 1.0,
+        f"{model.bodies[1].name}.m": 1.0,
+    }
     np.testing.assert_allclose(found.values, [2.0, 0, 1.7, 0.25, 0, 0.1625])
     assert (
-        str(found).splitlines()[0] == f"{found.names[0]}: 2 = +1 {found.names[0]} +1 {model.bodies[1].name}.m"
+        str(found).splitlines()[0]
+        == f"{found.names[0]}: 2 = +1 {found.names[0]} +1 {model.bodies[1].name}.m"
     )
 
 

@@ -1,4 +1,5 @@
-"""A changed copy of a model takes over what is known of the pieces that stay: the same bits as found anew."""
+"""A changed copy of a model takes over what is known of the pieces that stay: the same bits as
+found anew."""
 
 from __future__ import annotations
 
@@ -25,11 +26,15 @@ ROBOTS: dict[str, Callable[[], fb.Model]] = {
 
 
 def changed(model: fb.Model, rng: np.random.Generator) -> fb.Model:
-    """A copy with something else: what leaves the structure as it is, what makes another, what makes a family."""
+    """A copy with something else: what leaves the structure as it is, what makes another, what
+    makes a family."""
     x = float(rng.uniform(0.1, 0.5))
     joint, frame = rng.choice(model.joint_names), rng.choice(model.frame_names)
     usual = [r.name for r in fb.parameters(model) if not r.limit and ".inertia." not in r.name]
-    number, g = str(rng.choice(usual)), next(r.name for r in fb.parameters(model) if r.unit == "m/s²")
+    number, g = (
+        str(rng.choice(usual)),
+        next(r.name for r in fb.parameters(model) if r.unit == "m/s²"),
+    )
     ways = [
         lambda: model.with_payload(mass=x, com=(x,) * model.dim, frame=frame, name=f"load {x}"),
         lambda: model.bind({number: x}),
@@ -71,7 +76,9 @@ def test_the_first_copy_lends_its_numbers_to_the_next():
     taus = [fb.inverse_dynamics(model.with_payload(mass=m), q, q, q) for m in (1.0, 2.0, 3.0)]
     np.testing.assert_allclose(taus[2] - taus[1], taus[1] - taus[0], atol=1e-12)
     assert np.abs(taus[1] - taus[0]).max() > 1.0
-    np.testing.assert_allclose(fb.inverse_dynamics(model, q, q, q), 2.0 * taus[0] - taus[1], atol=1e-12)
+    np.testing.assert_allclose(
+        fb.inverse_dynamics(model, q, q, q), 2.0 * taus[0] - taus[1], atol=1e-12
+    )
 
 
 def test_a_row_of_changes_keeps_no_row_of_models():
@@ -82,7 +89,9 @@ def test_a_row_of_changes_keeps_no_row_of_models():
         if k == 10:
             fb.inverse_dynamics(model, *fb.random_state(model, 1))
         met.append(weakref.ref(model))
-    assert sum(ref() is not None for ref in met) == 2  # the last, and the one whose numbers are known
+    assert (
+        sum(ref() is not None for ref in met) == 2
+    )  # the last, and the one whose numbers are known
     fb.inverse_dynamics(model, *fb.random_state(model, 1))
     gc.collect()
     assert sum(ref() is not None for ref in met) == 1

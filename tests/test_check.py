@@ -1,4 +1,5 @@
-"""`check` by hand: answers in many notations, typical mistakes and what is said of them, unreadable input."""
+"""`check` by hand: answers in many notations, typical mistakes and what is said of them, unreadable
+input."""
 
 from __future__ import annotations
 
@@ -36,13 +37,15 @@ EQUAL = [
     "tau1 = H11 θ̈1 + H12 θ̈2 - h θ̇2^2 - 2hθ̇1θ̇2 + G1",
     "tau1 = H11 qdd1 + H12 qdd2 + h qd2^2 + 2 h qd1 qd2 + G1\nh = -m2 l1 lc2 sin(q2)",
     "τ₂ - m2 g lc2 c12 = H21 θ₁'' + H22 θ₂''\n  + m2 l1 lc2 s2 θ₁'²",
-    "T = 1/2 m1 lc1^2 ω1^2 + ½ I1 ω1² + 1/2 I2 ω2^2 + 1/2 m2 (l1²ω1² + lc2² ω2² + 2 l1 lc2 ω1 ω2 cos θ2)",
+    "T = 1/2 m1 lc1^2 ω1^2 + ½ I1 ω1² + 1/2 I2 ω2^2 + 1/2 m2 (l1²ω1² + lc2² ω2² + 2 l1 lc2 ω1 ω2 "
+    "cos θ2)",
     "V = m1 g lc1 sin θ1 + m2 g (l1 sin θ1 + lc2 sin (θ1 + θ2)) + m1 g l1",
     "J11 = -l1 s1 - l2 s12; J12 = -l2 s12; J31 = 1",
     "x = l1 c1 + l2 c12, y = l1 s1 + l2 s12",
     "ẍ = -l1(θ̈1 s1 + θ̇1² c1) - l2((θ̈1+θ̈2)s12 + (θ̇1+θ̇2)² c12)",
     "detJ = l1 l2 s2",
-    "M = [[m1 lc1^2 + I1 + m2 l1^2 + H22 + 2 m2 l1 lc2 c2, H21], [m2*lc2*(lc2 + l1*c2) + I2, m2*lc2**2 + I2]]",
+    "M = [[m1 lc1^2 + I1 + m2 l1^2 + H22 + 2 m2 l1 lc2 c2, H21], [m2*lc2*(lc2 + l1*c2) + I2, "
+    "m2*lc2**2 + I2]]",
     r"G = \begin{bmatrix} m_1 g l_{c1} c_1 + m_2 g (l_1 c_1 + l_{c2} c_{12}) \\ m_2 g l_{c2} c_{12} \end{bmatrix}",
     "# what I found\nH22 = m2 lc2^2 + I2\n\nG2 = m2 g lc2 cos(θ1+θ2)",
     r"\begin{aligned} H_{22} &= m_2 l_{c2}^2 + I_2 \\ h &= m_2 l_1 l_{c2} \sin \theta_2 \end{aligned}",
@@ -61,7 +64,10 @@ def test_what_the_program_prints_is_equal():
         model = fb.planar(word)
         equations = fb.equations(model)
         for view in ("named", "expanded"):
-            for text in (equations.text(view, width=40), equations.latex(view, environment="align*")):
+            for text in (
+                equations.text(view, width=40),
+                equations.latex(view, environment="align*"),
+            ):
                 verdict = fb.check(model, text)
                 assert verdict, verdict.text
                 assert len(verdict.equations) >= len(word)
@@ -140,7 +146,11 @@ def test_a_verdict_reads_like_this():
         "yours is 0.2815, the right one 0.1882.",
     ]
     (finding,) = verdict.findings
-    assert (finding.kind, finding.yours, finding.right) == ("factor", "2*l1*lc2*cos(theta2)", "l₁ lc₂ cos θ₂")
+    assert (finding.kind, finding.yours, finding.right) == (
+        "factor",
+        "2*l1*lc2*cos(theta2)",
+        "l₁ lc₂ cos θ₂",
+    )
     assert (finding.line, finding.column) == (2, 20)
 
 
@@ -190,11 +200,17 @@ def test_sympy_is_read():
     m1, m2, l1, lc1, lc2, I1, I2, g = sympy.symbols("m1 m2 l1 lc1 lc2 I1 I2 g")
     p1 = sympy.Matrix([lc1 * sympy.cos(q1), lc1 * sympy.sin(q1)])
     p2 = sympy.Matrix(
-        [l1 * sympy.cos(q1) + lc2 * sympy.cos(q1 + q2), l1 * sympy.sin(q1) + lc2 * sympy.sin(q1 + q2)]
+        [
+            l1 * sympy.cos(q1) + lc2 * sympy.cos(q1 + q2),
+            l1 * sympy.sin(q1) + lc2 * sympy.sin(q1 + q2),
+        ]
     )
     w = q1.diff(t), q1.diff(t) + q2.diff(t)
     T = (
-        m1 * p1.diff(t).dot(p1.diff(t)) + m2 * p2.diff(t).dot(p2.diff(t)) + I1 * w[0] ** 2 + I2 * w[1] ** 2
+        m1 * p1.diff(t).dot(p1.diff(t))
+        + m2 * p2.diff(t).dot(p2.diff(t))
+        + I1 * w[0] ** 2
+        + I2 * w[1] ** 2
     ) / 2
     V = g * (m1 * p1[1] + m2 * p2[1])
     tau = [(T.diff(x.diff(t))).diff(t) - (T - V).diff(x) for x in (q1, q2)]
@@ -211,7 +227,9 @@ def test_names_of_ones_own():
     assert fb.check(ARM, "H22 = M2 a2^2 + J2", names={"M": "m", "a": "lc", "J": "I"})
     assert fb.check(ARM, "G2 = m2 g lc2 cos φ2", names={"φ2": "θ1 + θ2"})
     assert fb.check(
-        ARM, "T2 = ½ I2 φ̇2² + ½ m2 (l1² θ̇1² + lc2² φ̇2² + 2 l1 lc2 cos(φ2 - θ1) θ̇1 φ̇2)", names={"φ2": "θ1+θ2"}
+        ARM,
+        "T2 = ½ I2 φ̇2² + ½ m2 (l1² θ̇1² + lc2² φ̇2² + 2 l1 lc2 cos(φ2 - θ1) θ̇1 φ̇2)",
+        names={"φ2": "θ1+θ2"},
     )
     assert fb.check(ARM, "h = A sin θ2\nA = m2 l1 lc2\nH12 = A c2 + m2 lc2^2 + I2")
 
@@ -323,7 +341,9 @@ def test_the_command_says_what_is_wrong(capsys: pytest.CaptureFixture[str], tmp_
     assert run(["check", "2R", f"H12 = {M12}"]) == 0
     assert capsys.readouterr().out == "H12 is right.\n"
     file = tmp_path / "answer.tex"
-    file.write_text("\\begin{align} H_{22} &= m_2 l_{c2}^2 + I_2 \\\\ G_2 &= m_2 g l_2 c_{12} \\end{align}")
+    file.write_text(
+        "\\begin{align} H_{22} &= m_2 l_{c2}^2 + I_2 \\\\ G_2 &= m_2 g l_2 c_{12} \\end{align}"
+    )
     assert run(["check", "2R", str(file)]) == 1
     said = capsys.readouterr().out
     assert said.startswith("H_{22} is right.\nG_2, the gravity term of joint 2, is not right.\n")
@@ -336,7 +356,9 @@ def test_the_command_refuses_in_one_line_and_points(capsys: pytest.CaptureFixtur
     said = capsys.readouterr()
     assert said.out == ""
     first, *place = said.err.splitlines()
-    assert first.startswith("error: check: no symbol 'L1' in '2R' (line 1, column 10). Did you mean 'l1'?")
+    assert first.startswith(
+        "error: check: no symbol 'L1' in '2R' (line 1, column 10). Did you mean 'l1'?"
+    )
     assert place == ["    H12 = m2*L1", "             ^^"]
     assert run(["check", "2R", "missing.txt"]) == 2
     assert "no such file" in capsys.readouterr().err

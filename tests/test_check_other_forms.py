@@ -1,4 +1,5 @@
-"""Right answers of other forms: other matrices C, numbers, equations of passive joints; answers that say nothing."""
+"""Right answers of other forms: other matrices C, numbers, equations of passive joints; answers
+that say nothing."""
 
 import re
 from fractions import Fraction
@@ -18,7 +19,8 @@ C12 = -h theta2_d
 C21 = h theta1_d
 C22 = 0
 h = m2 l1 lc2 sin(theta2)"""
-"""The acrobot's matrix as Tedrake prints it (Underactuated Robotics, the acrobot's equations of motion)."""
+"""The acrobot's matrix as Tedrake prints it (Underactuated Robotics, the acrobot's equations of
+motion)."""
 
 
 # ---------------------------------------------------------------- Coriolis matrices
@@ -37,7 +39,8 @@ def test_christoffels_own_matrix_needs_no_word():
 
 
 def test_another_skew_symmetric_matrix_is_said_to_be_one():
-    """Christoffel's and S with S q̇ = 0, S skew-symmetric: of three joints S = u [q̇]× with any u."""
+    """Christoffel's and S with S q̇ = 0, S skew-symmetric: of three joints S = u [q̇]× with any
+    u."""
     arm = fb.planar("PPR")
     own = fb.equations(arm).C
     text = [[str(fb.equations(arm).form(x)) for x in row] for row in own]
@@ -221,9 +224,10 @@ def test_the_mistake_in_an_equation_without_motor_is_named():
 def test_x_of_a_cart_is_asked_for():
     """x is the tip's; the words say how to make it the cart's."""
     answer = "u = (mc + mp) ẍ - mp l sin(θ) θ̈ - mp l cos(θ) θ̇^2"
-    assert "for the slide write d1, or say names={'x': 'd1'}. With that the equation is right." in fb.check(
-        CART, answer
-    ).text.replace("\n", " ")
+    assert (
+        "for the slide write d1, or say names={'x': 'd1'}. With that the equation is right."
+        in fb.check(CART, answer).text.replace("\n", " ")
+    )
     assert fb.check(CART, answer, names={"x": "d1"})
 
 

@@ -1,4 +1,5 @@
-"""`check` at random: right answers rewritten are equal, wrong ones never, and what was done to them is named."""
+"""`check` at random: right answers rewritten are equal, wrong ones never, and what was done to them
+is named."""
 
 from __future__ import annotations
 
@@ -10,7 +11,17 @@ import pytest
 import freebody as fb
 from freebody.derivations.check.setting import setting
 from freebody.derivations.check.targets import polynomial
-from support.answers import KINDS, WORDS, Mistake, Writer, mistake, model, named, quantities, rewritten
+from support.answers import (
+    KINDS,
+    WORDS,
+    Mistake,
+    Writer,
+    mistake,
+    model,
+    named,
+    quantities,
+    rewritten,
+)
 
 SHORT, LONG = 150, 1000
 
@@ -39,7 +50,9 @@ def mistakes(count: int) -> list[tuple[random.Random, str, str, Mistake]]:
             continue
         where = setting(model(word)[1])
         change = polynomial(where, made.answer) - polynomial(where, made.right)
-        constant = name == "V" and all(change.derivative(x).is_zero for x in where.symbols.coordinates)
+        constant = name == "V" and all(
+            change.derivative(x).is_zero for x in where.symbols.coordinates
+        )
         if not change.is_zero and not constant:
             found.append((rng, word, name, made))
     return found

@@ -1,4 +1,5 @@
-"""The command line: examples of its help run, errors are one line with exit code 2, findings give 1."""
+"""The command line: examples of its help run, errors are one line with exit code 2, findings give
+1."""
 
 from __future__ import annotations
 
@@ -46,17 +47,21 @@ def test_study_writes_a_report_and_data(capsys: pytest.CaptureFixture[str]):
     assert said.err == ""
     lines = said.out.splitlines()
     assert lines.pop(0) == (
-        "Not judged: not given are an effort limit, a speed limit and a position range of joint1 and joint2."
+        "Not judged: not given are an effort limit, a speed limit and a position range of joint1 "
+        "and joint2."
     )
     assert lines[0] == (
-        "2R: 2 coordinates. Motion: by default every joint swings within its limits, from rest to rest in 5 s."
+        "2R: 2 coordinates. Motion: by default every joint swings within its limits, from rest to "
+        "rest in 5 s."
     )
     assert lines[1] == "The tip is 'tip', the only end of the robot."
     assert re.split("  +", lines[2].strip()) == [
         "peak torque", "at", "RMS torque", "peak speed", "peak power", "of effort limit",
     ]  # fmt: skip
     assert lines[3].startswith("joint1 ")
-    assert re.search(r"^Self-checks: freebody agrees with itself in all \d\.$", said.out, re.MULTILINE)
+    assert re.search(
+        r"^Self-checks: freebody agrees with itself in all \d\.$", said.out, re.MULTILINE
+    )
     assert lines[-2:] == [
         "report: study-2R/report.html",
         "data:   study-2R/study.nc and CSV tables beside it",
@@ -78,10 +83,15 @@ def test_a_failed_check_gives_exit_code_1(
         checks, "_parts", lambda data: checks.check("equation of motion", 0.5, 1e-10, "Planted.")
     )
     assert run(["study", "pendulum"]) == 1
-    assert "self-check failed: equation of motion: 0.5, allowed 1e-10. Planted." in capsys.readouterr().out
+    assert (
+        "self-check failed: equation of motion: 0.5, allowed 1e-10. Planted."
+        in capsys.readouterr().out
+    )
 
 
-def test_doubtful_inertias_are_yellow_lines_and_stand_in_the_report(capsys: pytest.CaptureFixture[str]):
+def test_doubtful_inertias_are_yellow_lines_and_stand_in_the_report(
+    capsys: pytest.CaptureFixture[str],
+):
     assert run(["study", "puma560"]) == 0
     said = capsys.readouterr().err.splitlines()
     text = "link 'link1': principal moments 0, 0, 0.35 kg m² break the triangle inequality (0 + 0 < 0.35)."
@@ -118,7 +128,9 @@ def test_show(capsys: pytest.CaptureFixture[str]):
     assert "base (planar" not in capsys.readouterr().out.splitlines()[0]
 
 
-def test_show_says_when_all_joints_of_a_closed_chain_count_as_drives(capsys: pytest.CaptureFixture[str]):
+def test_show_says_when_all_joints_of_a_closed_chain_count_as_drives(
+    capsys: pytest.CaptureFixture[str],
+):
     assert run(["show", "bricard"]) == 0
     assert "driven: all joints, since none is said to be passive" in capsys.readouterr().out
     assert run(["show", "four_bar"]) == 0
@@ -151,7 +163,8 @@ def test_the_example_of_each_help_runs(command: list[str]):
 def test_help_needs_nothing_heavy():
     code = (
         "import sys, freebody.cli.app as a; a.run(['--help']); "
-        "print([m for m in ('scipy', 'xarray', 'llvmlite', 'matplotlib', 'pydantic') if m in sys.modules])"
+        "print([m for m in ('scipy', 'xarray', 'llvmlite', 'matplotlib', 'pydantic') if m in "
+        "sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "[]"
@@ -165,13 +178,17 @@ def test_what_is_no_robot_is_refused(capsys: pytest.CaptureFixture[str], tmp_pat
     Path("still.urdf").write_text(EMPTY)
     assert error(capsys, "study", "nothing.urdf").startswith("nothing.urdf: there is no such file.")
     assert error(capsys, "study", "empty.urdf") == "empty.urdf: the file is empty."
-    assert error(capsys, "study", "folder.urdf") == "folder.urdf: this is a folder; name a file in it."
+    assert (
+        error(capsys, "study", "folder.urdf") == "folder.urdf: this is a folder; name a file in it."
+    )
     assert error(capsys, "study", "binary.urdf") == "binary.urdf: the file is binary, not text."
     assert error(capsys, "study", "short.urdf") == (
         "short.urdf:3: the file ends inside <link>, opened on line 2; it seems cut short."
     )
     assert error(capsys, "show", "robot.xyz").endswith("it reads .urdf, .toml, .csv.")
-    assert "no model 'ur5' in the bundled models. Did you mean 'ur5e'?" in error(capsys, "study", "ur5")
+    assert "no model 'ur5' in the bundled models. Did you mean 'ur5e'?" in error(
+        capsys, "study", "ur5"
+    )
     assert "has no movable joint" in error(capsys, "study", "still.urdf")
 
 
@@ -180,11 +197,15 @@ def test_bad_motions_tips_and_options_are_refused(capsys: pytest.CaptureFixture[
     assert error(capsys, "study", "2R", "--motion", "m.csv").startswith(
         "m.csv:1: no column 'jont2' in a motion of '2R'. Did you mean 'joint2'?"
     )
-    assert error(capsys, "study", "2R", "--motion", "none.csv") == "none.csv: there is no such file."
+    assert (
+        error(capsys, "study", "2R", "--motion", "none.csv") == "none.csv: there is no such file."
+    )
     assert error(capsys, "study", "2R", "--tip", "tipp") == (
         "no frame 'tipp' in '2R'. Did you mean 'tip'? Frames: base, link1, link2, tip."
     )
-    assert "'flying' is not one of 'fixed', 'free'" in error(capsys, "study", "2R", "--base", "flying")
+    assert "'flying' is not one of 'fixed', 'free'" in error(
+        capsys, "study", "2R", "--base", "flying"
+    )
     assert "No such option: --nope" in error(capsys, "study", "2R", "--nope")
     assert error(capsys, "study").startswith("Missing argument")
     assert "No such command 'studdy'" in error(capsys, "studdy")
@@ -213,7 +234,8 @@ def test_an_interruption_and_a_fault_are_one_line(
 
     monkeypatch.setattr("freebody.robots.models", broken)
     assert error(capsys, "models") == (
-        "ZeroDivisionError: it broke (a fault of freebody, please report it; FREEBODY_TRACEBACK=1 shows where)"
+        "ZeroDivisionError: it broke (a fault of freebody, please report it; FREEBODY_TRACEBACK=1 "
+        "shows where)"
     )
 
 
@@ -282,7 +304,10 @@ def test_derive_takes_the_options_of_its_methods(capsys: pytest.CaptureFixture[s
     assert run(["derive", "pendulum", "--route", "pivot"]) == 0
     assert "I_A = I₁ + m₁ lc₁²" in capsys.readouterr().out
     assert run(["derive", "2R", "--method", "lagrange", "--route", "pivot"]) == 2
-    assert "derive 'lagrange': route is an option of 'newton-euler'; leave it out." in capsys.readouterr().err
+    assert (
+        "derive 'lagrange': route is an option of 'newton-euler'; leave it out."
+        in capsys.readouterr().err
+    )
 
 
 def test_an_interruption_while_the_program_is_imported_is_one_line(

@@ -1,4 +1,5 @@
-"""Closed chains in closed form: loop equations, the first kind and its reduction, statics, parallel robots."""
+"""Closed chains in closed form: loop equations, the first kind and its reduction, statics, parallel
+robots."""
 
 from __future__ import annotations
 
@@ -40,7 +41,9 @@ def test_polynomials_equal_the_kernels(name):
     Phi, Phi_q, c = fb.kernel(model, names)(q, qd)
     scale = loops.evaluate(loops.scale, q)
     np.testing.assert_allclose(loops.evaluate(loops.Phi, q), scale * Phi, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(loops.evaluate(loops.Phi_q, q), scale[..., None] * Phi_q, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        loops.evaluate(loops.Phi_q, q), scale[..., None] * Phi_q, rtol=0, atol=1e-12
+    )
     np.testing.assert_allclose(loops.evaluate(loops.c, q, qd), scale * c, rtol=0, atol=2e-12)
 
 
@@ -62,7 +65,12 @@ def test_five_bar_equals_the_corrected_notes():
     """(2.33)-(2.40), d = 2b, A at -d/2."""
     loops = fb.loop_equations(fb.load("five_bar_rods"))
     ring = loops.symbols.ring
-    x, y, d, l1, l2, l3, l4 = ring["x"], ring["y"], 2 * ring["b"], *(ring[f"l{i}"] for i in (1, 2, 3, 4))
+    x, y, d, l1, l2, l3, l4 = (
+        ring["x"],
+        ring["y"],
+        2 * ring["b"],
+        *(ring[f"l{i}"] for i in (1, 2, 3, 4)),
+    )
     s1, c1, s2, c2 = ring.sin("theta1"), ring.cos("theta1"), ring.sin("theta2"), ring.cos("theta2")
     left = (-d / 2 + l1 * c1 - x) ** 2 + (l1 * s1 - y) ** 2 - l3**2
     right = (d / 2 + l2 * c2 - x) ** 2 + (l2 * s2 - y) ** 2 - l4**2
@@ -114,7 +122,9 @@ def test_what_cannot_be_had_is_said():
         fb.loop_equations(fb.load("2R"))
     with pytest.raises(fb.FreebodyError, match="5 joints of 'double_four_bar' are driven, 3 rows"):
         fb.loop_equations(fb.load("double_four_bar")).input_output()
-    with pytest.raises(fb.FreebodyError, match=r"1 joints of 'five_bar' are driven.* 0 equations hold"):
+    with pytest.raises(
+        fb.FreebodyError, match=r"1 joints of 'five_bar' are driven.* 0 equations hold"
+    ):
         fb.loop_equations(fb.load("five_bar").replace(actuated=["theta1"])).input_output()
     with pytest.raises(fb.FreebodyError, match="coordinates that are numbers"):
         fb.loop_equations(fb.load("stewart"))
@@ -130,12 +140,16 @@ def test_first_kind_is_forward_dynamics(name):
     for seed in range(3):
         q, qd = closed_state(model, seed)
         tau = with_drives(model, np.random.default_rng(seed))
-        M, rest, Phi_q, c = (loops.evaluate(x, q, qd) for x in (system.M, system.rest, loops.Phi_q, loops.c))
+        M, rest, Phi_q, c = (
+            loops.evaluate(x, q, qd) for x in (system.M, system.rest, loops.Phi_q, loops.c)
+        )
         m = len(c)
         block = np.block([[M, Phi_q.T], [Phi_q, np.zeros((m, m))]])
         solved = np.linalg.solve(block, [*(tau - rest), *c])
         qdd = fb.forward_dynamics(model, q, qd, tau)
-        np.testing.assert_allclose(solved[: model.nv], qdd, rtol=1e-10, atol=1e-10 * np.abs(qdd).max())
+        np.testing.assert_allclose(
+            solved[: model.nv], qdd, rtol=1e-10, atol=1e-10 * np.abs(qdd).max()
+        )
         # λ is what `reactions` calls so, and each loop's force the one that is shown
         scale = loops.evaluate(loops.scale, q)
         multipliers = fb.reactions(model, q, qd, tau=tau).multipliers
@@ -174,7 +188,8 @@ def test_reduction_takes_the_multipliers_out(name):
 
 
 def eksergian(model, theta, rate, tau, angles):
-    """One-degree mechanism in its crank angle: J ü + ½ J' u̇² + V' = τ, from positions alone, by differences.
+    """One-degree mechanism in its crank angle: J ü + ½ J' u̇² + V' = τ, from positions alone, by
+    differences.
 
     angles(θ): positions and turns of every mass (x, y, φ) with its mass and inertia.
     """
@@ -183,7 +198,9 @@ def eksergian(model, theta, rate, tau, angles):
     def energy_terms(t):
         ahead, behind = angles(p, t + h), angles(p, t - h)
         J = V = 0.0
-        for (m, I, *pose), (_, _, *up), (_, _, *down) in zip(angles(p, t), ahead, behind, strict=True):
+        for (m, I, *pose), (_, _, *up), (_, _, *down) in zip(
+            angles(p, t), ahead, behind, strict=True
+        ):
             up2 = angles(p, t + 2 * h)[len(seen)][2:]
             down2 = angles(p, t - 2 * h)[len(seen)][2:]
             slope = (8 * (np.array(up) - down) - (np.array(up2) - down2)) / (12 * h)
@@ -206,7 +223,11 @@ def slider_crank_masses(p, t):
     pin = p["l1"] * np.array([np.cos(t), np.sin(t)])
     crank, rod = pin * p["lc1"] / p["l1"], pin + p["lc2"] * np.array([np.cos(phi), np.sin(phi)])
     x = pin[0] + p["l2"] * np.cos(phi)
-    return [(p["m1"], p["I1"], *crank, t), (p["m2"], p["I2"], *rod, phi), (p["m3"], 0.0, x, 0.0, 0.0)]
+    return [
+        (p["m1"], p["I1"], *crank, t),
+        (p["m2"], p["I2"], *rod, phi),
+        (p["m3"], 0.0, x, 0.0, 0.0),
+    ]
 
 
 def four_bar_masses(p, t):
@@ -301,7 +322,10 @@ def test_statics_equals_numbers(name):
     driven = [k for k in range(model.nv) if k not in system.passive]
     torque = [system.torque(k) for k in driven]
     np.testing.assert_allclose(
-        [x.evaluate(values) for x in torque if x is not None], expected[driven], rtol=1e-9, atol=1e-9
+        [x.evaluate(values) for x in torque if x is not None],
+        expected[driven],
+        rtol=1e-9,
+        atol=1e-9,
     )
     assert system.multipliers is not None
     found = fb.reactions(
@@ -336,7 +360,9 @@ def test_more_drives_than_freedoms_leave_a_system():
     derivation = fb.derive(fb.load("double_four_bar"), "statics", load=False)
     assert isinstance(derivation.system, LoopStatics)
     assert not derivation.system.determined
-    assert fb.derive(fb.load("five_bar").replace(actuated=["theta1", "theta2", "B"]), "statics").text()
+    assert fb.derive(
+        fb.load("five_bar").replace(actuated=["theta1", "theta2", "B"]), "statics"
+    ).text()
     with pytest.raises(fb.FreebodyError, match="closed chain in space"):
         fb.derive(fb.load("bricard"), "statics")
 

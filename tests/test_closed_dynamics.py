@@ -1,4 +1,5 @@
-"""Closed chains that move: forth and back, virtual work, energy, the tip by the drives, singular positions."""
+"""Closed chains that move: forth and back, virtual work, energy, the tip by the drives, singular
+positions."""
 
 from __future__ import annotations
 
@@ -110,7 +111,9 @@ def test_too_few_drives(name):
     model, q, qd = closed(name)
     few = model.actuated[:-1]
     wanted = fb.loop_acceleration(model, q, qd, np.ones(model.nv))
-    with pytest.raises(SingularError, match=r"cannot force this motion: it moves though they stand still"):
+    with pytest.raises(
+        SingularError, match=r"cannot force this motion: it moves though they stand still"
+    ):
         fb.inverse_dynamics(model, q, qd, wanted, actuated=few)
     with pytest.raises(SingularError, match=r"static_torque: the driven joints"):
         fb.static_torque(model.replace(actuated=few), q)
@@ -140,7 +143,8 @@ def test_static_torque_by_virtual_work(name):
 # ---------------------------------------------------------------- motion
 @pytest.mark.parametrize("name", ALL)
 def test_energy_and_power(name):
-    """Free: energy stays. Driven: it grows by the work of the drives. The loops stay closed, to rounding."""
+    """Free: energy stays. Driven: it grows by the work of the drives. The loops stay closed, to
+    rounding."""
     model, q, qd = closed(name)
     t = np.linspace(0.0, 0.5, 501)
     torque = 2.0 * np.random.default_rng(9).normal(size=model.nv) * driven(model)
@@ -156,7 +160,9 @@ def test_energy_and_power(name):
         close(energy[::5] - energy[0], work, 1e-6 if tau else 1e-8, size)
         k = 250  # the accelerations that are reported are those of the equations
         state = found.q.values[k], found.qd.values[k]
-        close(found.qdd.values[k], fb.forward_dynamics(model, *state, found.tau.values[k]), 1e-8, 1.0)
+        close(
+            found.qdd.values[k], fb.forward_dynamics(model, *state, found.tau.values[k]), 1e-8, 1.0
+        )
 
 
 def _pieces(x: np.ndarray, h: float) -> np.ndarray:
@@ -165,7 +171,9 @@ def _pieces(x: np.ndarray, h: float) -> np.ndarray:
 
 
 # ---------------------------------------------------------------- the tip by the drives
-@pytest.mark.parametrize("name", ["five_bar", "five_bar_rods", "3RRR", "stewart", "four_bar", "slider_crank"])
+@pytest.mark.parametrize(
+    "name", ["five_bar", "five_bar_rods", "3RRR", "stewart", "four_bar", "slider_crank"]
+)
 def test_the_tip_moves_with_the_drives(name):
     model, q, _ = closed(name)
     rows = {"four_bar": ["vx"], "slider_crank": ["vx"]}.get(name)
@@ -176,7 +184,10 @@ def test_the_tip_moves_with_the_drives(name):
     for k in range(n):
         rates = fb.loop_velocity(model, q, {name: float(i == k) for i, name in enumerate(names)})
         tip = fb.velocity(model, q, rates)
-        kept = [{"vx": 0, "vy": 1, "vz": 2, "wx": 3, "wy": 4, "wz": 5, "w": 2}[row] for row in found.rows]
+        kept = [
+            {"vx": 0, "vy": 1, "vz": 2, "wx": 3, "wy": 4, "wz": 5, "w": 2}[row]
+            for row in found.rows
+        ]
         close(found.J[:, k], tip[kept], 1e-10, 1.0)
         close(found.J_a @ tip[kept] + found.J_b[:, k], np.zeros(n), 1e-12, 1.0)
         # by differences along the closed motion
@@ -236,7 +247,8 @@ def test_five_bar_modes():
 
 
 def test_five_bar_first_type():
-    """A crank in line with its distal link: the tip stands at the edge of its workspace, the drives may move."""
+    """A crank in line with its distal link: the tip stands at the edge of its workspace, the drives
+    may move."""
     model = fb.load("five_bar")
     p = model.parameters
     for reach in (p["l1"] + p["l3"], p["l3"] - p["l1"]):
@@ -246,7 +258,9 @@ def test_five_bar_first_type():
         assert found.kind == "first"
         assert found.first < 1e-7 < found.second
         # the lost motion is along the links
-        motion = fb.velocity(model, q, fb.loop_velocity(model, q, {"theta1": 1.0, "theta2": 0.4}))[:2]
+        motion = fb.velocity(model, q, fb.loop_velocity(model, q, {"theta1": 1.0, "theta2": 0.4}))[
+            :2
+        ]
         close(motion @ [np.cos(1.1), np.sin(1.1)], 0.0, 1e-7, 1.0)
         assert fb.mobility(model, q).instantaneous == 2
 
@@ -259,7 +273,9 @@ def test_five_bar_second_type():
     half = (p["l3"] + p["l4"]) / 2
     x = half - p["b"]
     angle = np.arccos(x / p["l1"])
-    q = named(model, {"theta1": np.pi - angle, "B": angle - np.pi, "theta2": angle, "D": np.pi - angle})
+    q = named(
+        model, {"theta1": np.pi - angle, "B": angle - np.pi, "theta2": angle, "D": np.pi - angle}
+    )
     found = fb.input_output(model, q)
     assert found.kind == "second"
     assert found.second < 1e-7 < found.first

@@ -1,4 +1,5 @@
-"""Loop equations: what each kind holds, and their derivatives against differences of the equations themselves."""
+"""Loop equations: what each kind holds, and their derivatives against differences of the equations
+themselves."""
 
 from __future__ import annotations
 
@@ -51,7 +52,8 @@ def test_derivatives_of_mixed_loops(seed, dim):
 
 
 def check_derivatives(model: Model, seed: int) -> None:
-    """Φ̇ = Φ_q q̇ and Φ̈ = Φ_q q̈ - c along motions through states that are not closed; and the third derivative."""
+    """Φ̇ = Φ_q q̇ and Φ̈ = Φ_q q̈ - c along motions through states that are not closed; and the
+    third derivative."""
     q, qd, qdd = state(model, seed, 4)
     qs, qds = path(model, q, qd, qdd, H)
     phi = numbers(model, "constraint", qs)
@@ -77,7 +79,13 @@ def test_the_kernels_say_what_the_formulas_say(seed, dim):
         ("constraint_bias", (q, qd)),
     ):
         expected = numbers(model, name, *arrays)
-        close(fb.kernel(model, name)(*arrays), expected, 1e-12, 1.0 + float(np.abs(expected).max()), name)
+        close(
+            fb.kernel(model, name)(*arrays),
+            expected,
+            1e-12,
+            1.0 + float(np.abs(expected).max()),
+            name,
+        )
 
 
 @pytest.mark.parametrize(("seed", "dim"), SEEDS)
@@ -132,7 +140,8 @@ def test_what_a_loop_holds(kind, dim):
 
 
 def hung(kind: str, dim: int) -> tuple[Model, np.ndarray]:
-    """A free body whose frame B is held against frame A of the ground by a loop, and a closed position of it."""
+    """A free body whose frame B is held against frame A of the ground by a loop, and a closed
+    position of it."""
     from freebody.model.assembly import assemble
     from freebody.model.gravity import gravity_of
     from freebody.model.parts import Description, Joint, Link, Mount
@@ -153,13 +162,16 @@ def hung(kind: str, dim: int) -> tuple[Model, np.ndarray]:
         )
     )
     axis = tuple(rng.normal(size=dim)) if dim in LOOP_KINDS[kind].axis_in else ()
-    model = model.with_loop("hold", kind, ("A", "B"), axis=axis, distance=0.7 if kind == "distance" else None)
+    model = model.with_loop(
+        "hold", kind, ("A", "B"), axis=axis, distance=0.7 if kind == "distance" else None
+    )
     return model, fb.assemble(model, fb.random_state(model, 3)[0])
 
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_a_joint_and_its_loop(dim):
-    """A body on a pin, and the same body free with a loop of that kind: the multipliers are the pin's wrench."""
+    """A body on a pin, and the same body free with a loop of that kind: the multipliers are the
+    pin's wrench."""
     for kind in ("revolute", "prismatic", "fixed") + (("spherical",) if dim == 3 else ()):
         model, q = hung(kind, dim)
         qd = fb.loop_velocity(model, q, np.random.default_rng(1).normal(size=model.nv))

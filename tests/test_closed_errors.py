@@ -31,7 +31,8 @@ def q(four_bar: Model) -> np.ndarray:
 def test_a_loop_that_cannot_be_assembled(four_bar):
     # ground 1, crank 0.3, rocker 0.7: a coupler of 5 ends 3 m too far
     refused(
-        "assemble: loop 'closing_pin' of 'four_bar' stays open by 3 m, at the nearest position found; its links may be "
+        "assemble: loop 'closing_pin' of 'four_bar' stays open by 3 m, at the nearest position "
+        "found; its links may be "
         "too short or too long to meet. Start from another guess, or check lengths and frames.",
         lambda: fb.assemble(four_bar.bind(l2=5.0), [1.0, -1.0, 1.2]),
         LoopError,
@@ -57,7 +58,8 @@ def test_a_loop_that_is_open(four_bar, q):
         ("simulate", lambda: fb.simulate(four_bar, open_, STILL, [0.0, 1.0])),
     ):
         refused(
-            f"{name}: loop 'closing_pin' of 'four_bar' is open by 0.18 m; close it with fb.assemble(model, q).",
+            f"{name}: loop 'closing_pin' of 'four_bar' is open by 0.18 m; close it with "
+            f"fb.assemble(model, q).",
             call,
             LoopError,
         )
@@ -67,13 +69,15 @@ def test_a_loop_that_is_open(four_bar, q):
 
 def test_a_loop_that_opens(four_bar, q):
     refused(
-        "forward_dynamics: loop 'closing_pin' of 'four_bar' would open at 0.7 m/s; make the rates consistent with "
+        "forward_dynamics: loop 'closing_pin' of 'four_bar' would open at 0.7 m/s; make the rates "
+        "consistent with "
         "fb.loop_velocity(model, q, qd).",
         lambda: fb.forward_dynamics(four_bar, q, [0.0, 0.0, 1.0], STILL),
         LoopError,
     )
     refused(
-        "inverse_dynamics: loop 'closing_pin' of 'four_bar' would open under these accelerations; make them consistent "
+        "inverse_dynamics: loop 'closing_pin' of 'four_bar' would open under these accelerations; "
+        "make them consistent "
         "with fb.loop_acceleration(model, q, qd, qdd).",
         lambda: fb.inverse_dynamics(four_bar, q, STILL, [0.0, 0.0, 1.0]),
         LoopError,
@@ -83,16 +87,20 @@ def test_a_loop_that_opens(four_bar, q):
 def test_a_loop_closed_the_wrong_way_round(four_bar, q):
     model = four_bar.to_space()
     # the coupler's end turned over: its pin points the other way
-    turned = model.with_frame("over", rotation=np.diag([1.0, -1.0, -1.0]), frame="P").without("loops")
+    turned = model.with_frame("over", rotation=np.diag([1.0, -1.0, -1.0]), frame="P").without(
+        "loops"
+    )
     turned = turned.with_loop("pin", "revolute", ("rocker_end", "over"), axis=(0.0, 0.0, 1.0))
     refused(
-        "mobility: loop 'pin' of 'four_bar' is closed the wrong way round: its frames face opposite ways; start "
+        "mobility: loop 'pin' of 'four_bar' is closed the wrong way round: its frames face "
+        "opposite ways; start "
         "fb.assemble from another guess, or turn one frame.",
         lambda: fb.mobility(turned, q),
         LoopError,
     )
     refused(
-        "assemble: loop 'pin' of 'four_bar' closes only the wrong way round: its frames face opposite ways. Start from "
+        "assemble: loop 'pin' of 'four_bar' closes only the wrong way round: its frames face "
+        "opposite ways. Start from "
         "another guess, or turn one frame.",
         lambda: fb.assemble(turned, q),
         LoopError,
@@ -100,8 +108,11 @@ def test_a_loop_closed_the_wrong_way_round(four_bar, q):
 
 
 def test_a_fixed_loop_a_third_of_a_turn_wrong():
-    """Three perpendicular axes are so again after a third of a turn about their diagonal; it is no closed loop."""
-    ball = fb.dh([{}, {"alpha": np.pi / 2}, {"alpha": -np.pi / 2}, {"a": 0.5}], convention="standard")
+    """Three perpendicular axes are so again after a third of a turn about their diagonal; it is no
+    closed loop."""
+    ball = fb.dh(
+        [{}, {"alpha": np.pi / 2}, {"alpha": -np.pi / 2}, {"a": 0.5}], convention="standard"
+    )
     model = ball.with_loop("hold", "fixed", (ball.frame_names[0], ball.frame_names[-1]))
     rng = np.random.default_rng(0)
     for _ in range(10):
@@ -114,13 +125,17 @@ def test_a_fixed_loop_a_third_of_a_turn_wrong():
 
 
 def test_names_shapes_and_numbers(four_bar, q):
-    with pytest.raises(UnknownNameError, match=r"no coordinate 'crankpin' .* Did you mean 'crank_pin'"):
+    with pytest.raises(
+        UnknownNameError, match=r"no coordinate 'crankpin' .* Did you mean 'crank_pin'"
+    ):
         fb.assemble(four_bar, q, free=["crankpin"])
     with pytest.raises(UnknownNameError, match="no coordinate 'x' in inverse_dynamics"):
         fb.inverse_dynamics(four_bar, q, STILL, STILL, actuated=["x"])
     with pytest.raises(UnknownNameError, match="no coordinate 'x' in loop_velocity"):
         fb.loop_velocity(four_bar, q, {"x": 1.0})
-    with pytest.raises(ShapeError, match=r"forward_dynamics: tau has shape \(2,\), expected \(..., 3\)"):
+    with pytest.raises(
+        ShapeError, match=r"forward_dynamics: tau has shape \(2,\), expected \(..., 3\)"
+    ):
         fb.forward_dynamics(four_bar, q, STILL, [0.0, 0.0])
     with pytest.raises(ShapeError, match=r"assemble: q has shape \(2,\)"):
         fb.assemble(four_bar, [0.0, 1.0])
@@ -143,7 +158,8 @@ def test_names_shapes_and_numbers(four_bar, q):
         lambda: fb.reactions(four_bar, q, STILL),
     )
     with pytest.raises(
-        fb.FreebodyError, match=r"no reaction 'pin' in this mechanism\. Reactions: crank_pin, coupler_pin"
+        fb.FreebodyError,
+        match=r"no reaction 'pin' in this mechanism\. Reactions: crank_pin, coupler_pin",
     ):
         fb.reactions(four_bar, q, STILL, tau=STILL)["pin"]
     tree = four_bar.opened
@@ -152,7 +168,9 @@ def test_names_shapes_and_numbers(four_bar, q):
         lambda: fb.reactions(tree, q, STILL, tau=STILL, actuated=["crank_pin"]),
     )
     for bad in (0.0, -1.0, np.nan):
-        with pytest.raises(fb.FreebodyError, match=r"simulate: tolerance is .*, expected more than 0"):
+        with pytest.raises(
+            fb.FreebodyError, match=r"simulate: tolerance is .*, expected more than 0"
+        ):
             fb.simulate(four_bar, q, STILL, [0.0, 1.0], tolerance=bad)
     for name, call in (
         ("assemble", lambda: fb.assemble(tree, q)),
@@ -178,15 +196,17 @@ def test_reactions_of_accelerations_that_would_open_a_loop(four_bar, q):
         lambda: fb.reactions(four_bar, q, STILL, qdd=[1.0, 0.0, 0.0]),
         lambda: fb.joint_wrenches(four_bar, q, STILL, [1.0, 0.0, 0.0]),
     ):
-        with pytest.raises(LoopError, match=r"would open under these accelerations; make them consistent"):
+        with pytest.raises(
+            LoopError, match=r"would open under these accelerations; make them consistent"
+        ):
             call()
 
 
 @pytest.mark.parametrize("speed", [0.0, 30.0])
 @pytest.mark.parametrize("size", [1.0, 1e4])
 def test_fast_and_large_accelerations_that_would_open_a_loop(four_bar, q, speed, size):
-    """What an equation misses is compared with its own terms, so that a miss of a thousandth is seen at any size,
-    rounding at none."""
+    """What an equation misses is compared with its own terms, so that a miss of a thousandth is
+    seen at any size, rounding at none."""
     qd = fb.loop_velocity(four_bar, q, {"crank_pin": speed})
     right = fb.loop_acceleration(four_bar, q, qd, {"crank_pin": size})
     wrong = right + [0.0, 1e-3 * float(np.abs(right).max()), 0.0]
@@ -211,7 +231,8 @@ def test_a_tree_moves_in_all_its_coordinates():
 def test_what_singularity_loci_refuse():
     five_bar = fb.load("five_bar")
     refused(
-        "singularity_loci: 3 rows are chosen and 'five_bar' has 2 degrees of freedom; these must be equal.",
+        "singularity_loci: 3 rows are chosen and 'five_bar' has 2 degrees of freedom; these must "
+        "be equal.",
         lambda: fb.singularity_loci(five_bar, "first", rows=["vx", "vy", "w"]),
     )
     with pytest.raises(NotFiniteError, match=r"singularity_loci: hold\['theta1'\] is nan"):
@@ -220,9 +241,12 @@ def test_what_singularity_loci_refuse():
 
 def test_a_mechanism_that_cannot_move_has_no_study():
     arm = fb.planar("RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1])
-    rigid = arm.with_frame("pin", [1.0, 0.0], frame="base").with_loop("hold", "point", ("pin", "tip"))
+    rigid = arm.with_frame("pin", [1.0, 0.0], frame="base").with_loop(
+        "hold", "point", ("pin", "tip")
+    )
     refused(
-        "default_motion: the loops of 'RR' let nothing move; fb.mobility(model, q) counts its freedom.",
+        "default_motion: the loops of 'RR' let nothing move; fb.mobility(model, q) counts its "
+        "freedom.",
         lambda: fb.study(rigid),
     )
 
@@ -235,14 +259,19 @@ def test_the_axis_and_the_distance_of_a_loop_are_numbers():
         with pytest.raises(fb.FreebodyError, match=r"loop 'a': axis .* must be 2 finite numbers"):
             arm.with_loop("a", "prismatic", ("pin", "tip"), axis=axis)
     rod = arm.with_loop("rod", "distance", ["pin", "tip"], distance="d")
-    assert hash(rod.loops) == hash(arm.with_loop("rod", "distance", ("pin", "tip"), distance="d").loops)
+    assert hash(rod.loops) == hash(
+        arm.with_loop("rod", "distance", ("pin", "tip"), distance="d").loops
+    )
     for d in (0.0, -1.0):
-        with pytest.raises(fb.FreebodyError, match=r"loop 'rod': distance is .* m, expected more than 0"):
+        with pytest.raises(
+            fb.FreebodyError, match=r"loop 'rod': distance is .* m, expected more than 0"
+        ):
             rod.bind(d=d)
 
 
 def test_metres_are_not_wrapped_as_angles_are():
-    """With a longest link of 1 m lengths and angles have the same scale; a slide of 2π m is still no whole turn."""
+    """With a longest link of 1 m lengths and angles have the same scale; a slide of 2π m is still
+    no whole turn."""
     crank = fb.load("slider_crank").bind(l1=1.0, l2=0.99)
     guess = {"crank_pin": 0.3, "rod_pin": -1.0, "guide": -4.0}
     modes = fb.assembly_modes(crank, guess, free=["rod_pin", "guide"])
@@ -251,18 +280,24 @@ def test_metres_are_not_wrapped_as_angles_are():
 
 def test_rates_that_say_too_little_or_too_much(four_bar, q):
     text = (
-        "leave 'four_bar' free to move; give one for every independent coordinate: fb.mobility(model, q).independent "
+        "leave 'four_bar' free to move; give one for every independent coordinate: "
+        "fb.mobility(model, q).independent "
         "names a choice."
     )
-    refused(f"loop_velocity: the values given for nothing {text}", lambda: fb.loop_velocity(four_bar, q, {}))
     refused(
-        "loop_velocity: loop 'closing_pin' of 'four_bar' does not allow the values given: they contradict its "
+        f"loop_velocity: the values given for nothing {text}",
+        lambda: fb.loop_velocity(four_bar, q, {}),
+    )
+    refused(
+        "loop_velocity: loop 'closing_pin' of 'four_bar' does not allow the values given: they "
+        "contradict its "
         "equations; give fewer of them.",
         lambda: fb.loop_velocity(four_bar, q, {"crank_pin": 1.0, "rocker_pin": 1.0}),
         LoopError,
     )
     refused(
-        "assembly_modes: 'four_bar' still moves with the other coordinates held, so it has infinitely many positions; "
+        "assembly_modes: 'four_bar' still moves with the other coordinates held, so it has "
+        "infinitely many positions; "
         "free fewer coordinates.",
         lambda: fb.assembly_modes(four_bar, q, starts=20),
     )
@@ -270,8 +305,10 @@ def test_rates_that_say_too_little_or_too_much(four_bar, q):
 
 def test_drives_that_do_not_force_the_motion(four_bar, q):
     refused(
-        "inverse_dynamics: the driven joints of 'four_bar' (none) cannot force this motion: it moves though they stand "
-        "still (too few drives, or a singular position of the second type). Drive another joint: actuated=[...].",
+        "inverse_dynamics: the driven joints of 'four_bar' (none) cannot force this motion: it "
+        "moves though they stand "
+        "still (too few drives, or a singular position of the second type). Drive another joint: "
+        "actuated=[...].",
         lambda: fb.inverse_dynamics(four_bar, q, STILL, STILL, actuated=[]),
         SingularError,
     )
@@ -317,7 +354,9 @@ def test_batches_are_their_samples(name):
     qdd = fb.forward_dynamics(model, q, qd, tau)
     needed = fb.inverse_dynamics(model, q, qd, qdd)
     found = fb.reactions(model, q, qd, tau=tau)
-    wide = fb.forward_dynamics(model, q.reshape(2, 3, -1), qd.reshape(2, 3, -1), tau.reshape(2, 3, -1))
+    wide = fb.forward_dynamics(
+        model, q.reshape(2, 3, -1), qd.reshape(2, 3, -1), tau.reshape(2, 3, -1)
+    )
     close(wide.reshape(6, -1), qdd, 1e-15)
     assert found.balance < 1e-9
     held = fb.static_torque(model, q)
@@ -366,7 +405,8 @@ def test_dictionaries_do_as_vectors(four_bar, q):
 
 
 def test_wrenches_on_frames(four_bar, q):
-    """A moment on the crank is a torque of its pin; forces do work along their frames' Jacobians."""
+    """A moment on the crank is a torque of its pin; forces do work along their frames'
+    Jacobians."""
     qd = fb.loop_velocity(four_bar, q, {"crank_pin": 1.3})
     close(
         fb.forward_dynamics(four_bar, q, qd, STILL, {"crank": [0.0, 0.0, 2.0]}),

@@ -44,7 +44,9 @@ def test_a_kernel_is_the_function(name: str):
 def test_dependent_equations_are_left_out_of_the_kernel():
     model = fb.load("double_four_bar")
     q, still = fb.assemble(model), np.zeros(model.nv)
-    in_space = fb.kernel(model.to_space(), "forward_dynamics")(q, still, still)  # 10 equations of rank 4
+    in_space = fb.kernel(model.to_space(), "forward_dynamics")(
+        q, still, still
+    )  # 10 equations of rank 4
     np.testing.assert_allclose(in_space, fb.forward_dynamics(model, q, still, still), rtol=1e-12)
 
 
@@ -60,7 +62,8 @@ def test_wrenches_on_frames():
 @pytest.mark.parametrize("every", [False, True], ids=["own drives", "all driven"])
 @pytest.mark.parametrize("name", CLOSED)
 def test_torques_of_the_drives_do_what_the_tree_needs(name: str, every: bool):
-    """The same power in every motion that the loops allow, and no smaller torques do that: by singular values."""
+    """The same power in every motion that the loops allow, and no smaller torques do that: by
+    singular values."""
     model = fb.load(name)
     model = all_driven(model) if every else model
     motion = fb.default_motion(model, samples=9)
@@ -81,7 +84,10 @@ def test_torques_of_the_drives_do_what_the_tree_needs(name: str, every: bool):
             rates[driven] * found[k, driven], least, atol=1e-11 * np.abs(needed[k]).max()
         )
     np.testing.assert_allclose(
-        fb.inverse_dynamics(model, *state, loads), found, rtol=0, atol=1e-13 * (1.0 + np.abs(found).max())
+        fb.inverse_dynamics(model, *state, loads),
+        found,
+        rtol=0,
+        atol=1e-13 * (1.0 + np.abs(found).max()),
     )
     held = fb.kernel(model, "static_torque")(motion.q)
     np.testing.assert_allclose(
@@ -90,7 +96,8 @@ def test_torques_of_the_drives_do_what_the_tree_needs(name: str, every: bool):
 
 
 def test_a_lane_where_the_choice_fails_is_nan_and_the_function_takes_care():
-    """Both distal links of a five-bar in line: cranks do not hold the tip there, though an elbow's drive would."""
+    """Both distal links of a five-bar in line: cranks do not hold the tip there, though an elbow's
+    drive would."""
     model = fb.load("five_bar")
     p = model.parameters
     angle = np.arccos(((p["l3"] + p["l4"]) / 2 - p["b"]) / p["l1"])
@@ -129,7 +136,8 @@ def test_one_singular_sample_leaves_the_others(name: str):
 
 @pytest.mark.parametrize("name", ["five_bar", "bricard", "double_four_bar", "flat", "stewart"])
 def test_multipliers_are_the_smallest_that_do_what_the_drives_do_not(name: str):
-    """By singular values; where equations depend on one another too. `flat`: ten equations of rank four, in space."""
+    """By singular values; where equations depend on one another too. `flat`: ten equations of rank
+    four, in space."""
     model = fb.load("double_four_bar").to_space() if name == "flat" else fb.load(name)
     motion = fb.default_motion(model, samples=9)
     found = fb.reactions(model, motion.q, motion.qd, qdd=motion.qdd)
@@ -139,7 +147,9 @@ def test_multipliers_are_the_smallest_that_do_what_the_drives_do_not(name: str):
     for k in range(9):
         J = rows[:, None] * numbers(model, "constraint_jacobian", motion.q[k]) * rates
         least = rows * (np.linalg.pinv(J.T, rcond=1e-9) @ (rates * (found.tau[k] - needed[k])))
-        np.testing.assert_allclose(found.multipliers[k], least, rtol=0, atol=1e-10 * np.abs(least).max())
+        np.testing.assert_allclose(
+            found.multipliers[k], least, rtol=0, atol=1e-10 * np.abs(least).max()
+        )
         _, s, Vt = np.linalg.svd(J.T)
         loose = Vt[int((s > 1e-9 * s[0]).sum()) :]
         # a component is determined if no multipliers without power change it
@@ -159,7 +169,8 @@ def test_what_leaves_loops_out_is_refused(name: str):
 
 
 def test_a_changed_number_compiles_nothing_anew(monkeypatch: pytest.MonkeyPatch):
-    """Another length and mass of the same structure: every function of closed chains has its kernels already."""
+    """Another length and mass of the same structure: every function of closed chains has its
+    kernels already."""
 
     def work(model: Model) -> None:
         q = fb.assemble(model, motion.q)

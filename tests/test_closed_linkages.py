@@ -1,4 +1,5 @@
-"""Random planar linkages: each call answers, and the answer passes checks of its own, or it is refused in words."""
+"""Random planar linkages: each call answers, and the answer passes checks of its own, or it is
+refused in words."""
 
 from __future__ import annotations
 
@@ -46,7 +47,9 @@ def linkage(seed: int) -> tuple[Model, np.ndarray]:
         links.append(Link(f"link{k + 1}", None if rng.random() < 0.15 else inertia))
         parent = "ground" if k == 0 or rng.random() < 0.35 else f"link{rng.integers(1, k + 1)}"
         kind = str(rng.choice(["revolute", "prismatic"], p=[0.75, 0.25]))
-        axis = (1.0,) if kind == "revolute" else ((1.0, 0.0) if special else tuple(rng.normal(size=2)))
+        axis = (
+            (1.0,) if kind == "revolute" else ((1.0, 0.0) if special else tuple(rng.normal(size=2)))
+        )
         drive = Drive()
         if rng.random() < 0.15:
             drive = Drive(
@@ -67,7 +70,9 @@ def linkage(seed: int) -> tuple[Model, np.ndarray]:
     gravity = gravity_of((0.0, 0.0) if rng.random() < 0.1 else (0.3, -9.81), 2)
     model = assemble(Description(f"linkage{seed}", 2, tuple(links), tuple(joints), gravity))
     guess = (
-        np.where(rng.random(n) < 0.5, 0.0, rng.uniform(-1, 1, size=n)) if special else rng.uniform(-1, 1, n)
+        np.where(rng.random(n) < 0.5, 0.0, rng.uniform(-1, 1, size=n))
+        if special
+        else rng.uniform(-1, 1, n)
     )
     closed = rng.random() < 0.67
     bodies = ["ground", *(f"link{k + 1}" for k in range(n))]
@@ -201,7 +206,8 @@ def acceleration_is_right(model, q, qd, qdd, tau, load, found) -> None:
 
 
 def torque_is_right(model, q, qd, qdd, tau, load) -> None:
-    """In every motion that the loops allow, the power of the torques is what the tree needs: D'Alembert."""
+    """In every motion that the loops allow, the power of the torques is what the tree needs:
+    D'Alembert."""
     needed = numbers(model.opened, "inverse_dynamics", q, qd, qdd, wrenches=load)
     J = numbers(model, "constraint_jacobian", q)
     _, s, Vt = np.linalg.svd(J)
@@ -210,7 +216,9 @@ def torque_is_right(model, q, qd, qdd, tau, load) -> None:
     assert np.abs(N.T @ (tau - needed)).max(initial=0.0) < 1e-7 * size
 
 
-FOUND_WANTING = (828,)  # a rod that only its extreme fits, and a link of no inertia: once an answer of 1e16
+FOUND_WANTING = (
+    828,
+)  # a rod that only its extreme fits, and a link of no inertia: once an answer of 1e16
 
 
 @pytest.mark.parametrize("start", range(0, 40, 10))

@@ -1,4 +1,5 @@
-"""Curves of singular positions: on them geometry says what it must, and drawings hold them as data."""
+"""Curves of singular positions: on them geometry says what it must, and drawings hold them as
+data."""
 
 from __future__ import annotations
 
@@ -51,12 +52,16 @@ def test_a_slider_crank_has_dead_centres():
     guide = sorted({round(float(columns(model, locus.q)["guide"][0]), 9) for locus in loci})
     np.testing.assert_allclose(guide, [-(l1 + l2), l1 - l2, l2 - l1, l1 + l2], atol=1e-9)
     assert all(len(locus.q) == 1 for locus in loci)
-    assert fb.singularity_loci(model, "second", rows=["vx"]) == ()  # the rod is longer than the crank
+    assert (
+        fb.singularity_loci(model, "second", rows=["vx"]) == ()
+    )  # the rod is longer than the crank
 
 
 def test_three_degrees_of_freedom_need_one_held():
     model = fb.load("3RRR")
-    with pytest.raises(fb.FreebodyError, match=r"has 3 degrees of freedom; hold 1 coordinate with hold="):
+    with pytest.raises(
+        fb.FreebodyError, match=r"has 3 degrees of freedom; hold 1 coordinate with hold="
+    ):
         fb.singularity_loci(model, "second")
     locus = fb.singularity_loci(model, "second", hold={"pose.theta": 0.2})[0]
     np.testing.assert_allclose(columns(model, locus.q)["pose.theta"], 0.2, atol=1e-9)
@@ -65,7 +70,9 @@ def test_three_degrees_of_freedom_need_one_held():
 def test_refused(five_bar: fb.Model):
     with pytest.raises(fb.FreebodyError, match="no kind 'third' in singularity_loci"):
         fb.singularity_loci(five_bar, "third")  # type: ignore[arg-type]
-    with pytest.raises(fb.FreebodyError, match="has 2 degrees of freedom and 1 driven joints; name as many"):
+    with pytest.raises(
+        fb.FreebodyError, match="has 2 degrees of freedom and 1 driven joints; name as many"
+    ):
         fb.singularity_loci(five_bar.replace(actuated=["theta1"]), "first")
     with pytest.raises(fb.FreebodyError, match="has no loops"):
         fb.singularity_loci(fb.load("2R"), "first")

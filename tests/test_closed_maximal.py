@@ -1,4 +1,5 @@
-"""Closed chains of many kinds against their parts' own equations of motion, constraints by singular values."""
+"""Closed chains of many kinds against their parts' own equations of motion, constraints by singular
+values."""
 
 from __future__ import annotations
 
@@ -29,7 +30,11 @@ def mechanism(name: str, dim: int, rows: Sequence[tuple], driven: Sequence[str])
             if part != GROUND and part not in parts:
                 parts[part] = random_inertia(rng, dim)
         T = homogeneous(np.eye(dim), at)
-        axis = tuple(more[0]) if more and kind != "distance" else ((1.0,) if kind == "revolute" else ())
+        axis = (
+            tuple(more[0])
+            if more and kind != "distance"
+            else ((1.0,) if kind == "revolute" else ())
+        )
         length = float(more[0]) if kind == "distance" else None
         T_a = homogeneous(np.eye(dim), more[1]) if kind == "distance" else T
         pins.append(Pin(f"{a}_{b}", kind, a, T_a, b, T, axis, length))
@@ -122,7 +127,8 @@ def spherical_four_bar() -> Mechanism:
 
 
 def sarrus() -> Mechanism:
-    """Two pairs of links with crossed axes: a table that goes up and down; one equation is redundant."""
+    """Two pairs of links with crossed axes: a table that goes up and down; one equation is
+    redundant."""
     return mechanism("sarrus", 3, [
         ("revolute", GROUND, "a", (1, 0, 0), Y), ("revolute", "a", "b", (1.4, 0, 0.5), Y),
         ("revolute", "b", "table", (1, 0, 1), Y), ("revolute", GROUND, "c", (0, 1, 0), X),
@@ -137,7 +143,10 @@ def delta() -> Mechanism:
         side = np.array([-out[1], out[0], 0.0])
         rows.append(("revolute", GROUND, f"arm{k}", 0.2 * out, side))
         for name, sign in ("left", 0.05), ("right", -0.05):
-            elbow, foot = 0.5 * out + [0, 0, -0.1] + sign * side, 0.1 * out + [0, 0, -0.7] + sign * side
+            elbow, foot = (
+                0.5 * out + [0, 0, -0.1] + sign * side,
+                0.1 * out + [0, 0, -0.7] + sign * side,
+            )
             rows += [
                 ("spherical", f"arm{k}", f"{name}{k}", elbow), ("spherical", f"{name}{k}", "platform", foot),
             ]  # fmt: skip
@@ -169,7 +178,8 @@ MECHANISMS: dict[str, Callable[[], Mechanism]] = {
 
 
 def spanning(told: Mechanism, last_first: bool) -> Model:
-    """The model whose tree is made of the first pins that connect all parts, or of the last ones."""
+    """The model whose tree is made of the first pins that connect all parts, or of the last
+    ones."""
     group, chosen = {name: name for name in (GROUND, *told.parts)}, []
     for pin in told.pins[::-1] if last_first else told.pins:
         old, new = group[pin.a], group[pin.b]
@@ -217,7 +227,9 @@ def test_parts_move_by_their_own_equations(name: str, last_first: bool):
         tau, wrenches = drives(told, model, state, torques)
         wrenches[f"{part}@"] = wrenches.get(f"{part}@", 0.0) + load
         found = fb.forward_dynamics(model, q[k], qd[k], tau, wrenches)
-        bodies = [numbers(model, "acceleration", q[k], qd[k], found, frame=f"{x}@") for x in told.parts]
+        bodies = [
+            numbers(model, "acceleration", q[k], qd[k], found, frame=f"{x}@") for x in told.parts
+        ]
         close(np.array(bodies), expected, 1e-9, 1.0 + np.abs(expected).max())
         samples.append((tau, wrenches, found))
     tau, qdd = np.array([x[0] for x in samples]), np.array([x[2] for x in samples])
@@ -225,9 +237,12 @@ def test_parts_move_by_their_own_equations(name: str, last_first: bool):
     np.testing.assert_array_equal(fb.forward_dynamics(model, q, qd, tau, loads), qdd)
 
 
-@pytest.mark.parametrize("name", ["watt", "scissor_lift", "parallelogram", "sarrus", "spherical_four_bar"])
+@pytest.mark.parametrize(
+    "name", ["watt", "scissor_lift", "parallelogram", "sarrus", "spherical_four_bar"]
+)
 def test_forces_say_what_motions_do(name: str):
-    """Of drives that force every motion: torques of a motion cause it, and those that hold let nothing begin."""
+    """Of drives that force every motion: torques of a motion cause it, and those that hold let
+    nothing begin."""
     model = all_driven(spanning(MECHANISMS[name](), True))
     q, qd = states(model)
     qdd = fb.loop_acceleration(model, q, qd, np.ones(model.nv))
@@ -242,7 +257,8 @@ def test_forces_say_what_motions_do(name: str):
 
 
 def test_a_family_of_a_rounded_machine():
-    """Three cranks, the last pivot a little off: every sample takes the careful way, of each member its own."""
+    """Three cranks, the last pivot a little off: every sample takes the careful way, of each member
+    its own."""
     exact = all_driven(spanning(parallelogram(), False))
     place = "ground_crank2.placement.x"
     model = exact.bind({place: fb.parameters(exact)[place].value + 2e-4})

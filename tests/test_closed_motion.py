@@ -27,7 +27,9 @@ def swing() -> tuple[fb.Model, np.ndarray, np.ndarray, np.ndarray]:
 
 def test_the_drives_positions_suffice(tmp_path, swing):
     model, t, first, second = swing
-    motion = fb.read_motion(model, written(tmp_path / "pick.csv", "t,theta1,theta2", t, first, second))
+    motion = fb.read_motion(
+        model, written(tmp_path / "pick.csv", "t,theta1,theta2", t, first, second)
+    )
     at = dict(zip(model.position_names, motion.q.T, strict=True))
     np.testing.assert_allclose(at["theta1"], first, atol=1e-11)
     np.testing.assert_allclose(at["theta2"], second, atol=1e-11)
@@ -47,7 +49,10 @@ def test_any_determining_positions_will_do(tmp_path):
 @pytest.mark.parametrize(
     ("header", "text"),
     [
-        ("t,theta1,theta2.v", "column 'theta2.v': the rates of a closed chain are found from its positions"),
+        (
+            "t,theta1,theta2.v",
+            "column 'theta2.v': the rates of a closed chain are found from its positions",
+        ),
         ("t,theta1,elbow", "no column 'elbow' in a motion of 'five_bar'"),
         (
             "t,theta1.v,theta2.v",
@@ -72,7 +77,8 @@ def test_where_the_loops_end_is_said(tmp_path, swing):
         second[0] * (1.0 - apart),
     )
     with pytest.raises(
-        FileError, match=r"the loops of 'five_bar' let the driven joints go no further at sample \d+"
+        FileError,
+        match=r"the loops of 'five_bar' let the driven joints go no further at sample \d+",
     ):
         fb.read_motion(model, path)
 
@@ -81,7 +87,8 @@ def test_a_column_that_contradicts_the_loops_is_named(tmp_path, swing):
     model, t, first, second = swing
     path = written(tmp_path / "m.csv", "t,theta1,theta2,B", t, first, second, np.zeros_like(t))
     with pytest.raises(
-        FileError, match=r"'B' is 0 at t = \S+ s, where the loops of 'five_bar' and theta1, theta2 put it"
+        FileError,
+        match=r"'B' is 0 at t = \S+ s, where the loops of 'five_bar' and theta1, theta2 put it",
     ):
         fb.read_motion(model, path)
 
@@ -89,7 +96,9 @@ def test_a_column_that_contradicts_the_loops_is_named(tmp_path, swing):
 def four_bar(path: Path, lengths: tuple[float, ...], home: float) -> fb.Model:
     """Crank, coupler, rocker and ground; the crank is driven."""
     text = 'dim = 2\n[[link]]\nname = "ground"\n'
-    for name, length, mass in zip(("crank", "coupler", "rocker"), lengths, (1.0, 2.0, 1.5), strict=False):
+    for name, length, mass in zip(
+        ("crank", "coupler", "rocker"), lengths, (1.0, 2.0, 1.5), strict=False
+    ):
         text += f'[[link]]\nname = "{name}"\nmass = {mass}\ncom = [{length / 2}, 0]\n'
         text += f"shape = {{ bar = {{ length = {length} }} }}\n"
     at = {"A": ("ground", "crank", 0.0), "B": ("crank", "coupler", lengths[0])}
@@ -105,11 +114,14 @@ def four_bar(path: Path, lengths: tuple[float, ...], home: float) -> fb.Model:
 
 @pytest.mark.parametrize(
     ("lengths", "home"),
-    [((0.2, 0.5, 0.4, 0.6), 1.0471975511965976), ((0.2439014, 0.27174341, 0.67937908, 0.6363227), 2.40201)],
+    [
+        ((0.2, 0.5, 0.4, 0.6), 1.0471975511965976),
+        ((0.2439014, 0.27174341, 0.67937908, 0.6363227), 2.40201),
+    ],
 )
 def test_whatever_four_bar_is_studied(tmp_path: Path, lengths: tuple[float, ...], home: float):
-    """Between the samples the curve of a motion leaves the loop open by its own error (crank and coupler in line); and
-    one slow joint alone is not at rest."""
+    """Between the samples the curve of a motion leaves the loop open by its own error (crank and
+    coupler in line); and one slow joint alone is not at rest."""
     model = four_bar(tmp_path / "four.toml", lengths, home)
     found = fb.study(model)
     assert found.checked, [check for check in found.checks if not check.passed]

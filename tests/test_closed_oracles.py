@@ -1,4 +1,5 @@
-"""Closed chains beside Pinocchio, MuJoCo and Drake, and beside equations of motion in reduced coordinates."""
+"""Closed chains beside Pinocchio, MuJoCo and Drake, and beside equations of motion in reduced
+coordinates."""
 
 from __future__ import annotations
 
@@ -18,7 +19,9 @@ if sys.platform == "linux":
     import mujoco
     import pinocchio as pin
 else:
-    pin = pytest.importorskip("pinocchio", reason="there is no wheel of Pinocchio for this platform")
+    pin = pytest.importorskip(
+        "pinocchio", reason="there is no wheel of Pinocchio for this platform"
+    )
     mujoco = pytest.importorskip("mujoco")
 
 G = 9.81
@@ -26,7 +29,8 @@ G = 9.81
 
 # ---------------------------------------------------------------- reduced coordinates, by hand
 def reduced(lengths, theta, rate, torque):
-    """θ̈ of a planar one-freedom mechanism: E = ½ m(θ) θ̇² + V(θ), by complex steps of its closed-form kinematics.
+    """θ̈ of a planar one-freedom mechanism: E = ½ m(θ) θ̇² + V(θ), by complex steps of its
+    closed-form kinematics.
 
     lengths(θ): list of (mass, inertia, x, y, angle) with entries that may be complex.
     """
@@ -47,7 +51,9 @@ def reduced(lengths, theta, rate, torque):
     )
     second = second / step
     parts = lengths(theta)
-    m = sum(p[0] * (f[0] ** 2 + f[1] ** 2) + p[1] * f[2] ** 2 for p, f in zip(parts, first, strict=True))
+    m = sum(
+        p[0] * (f[0] ** 2 + f[1] ** 2) + p[1] * f[2] ** 2 for p, f in zip(parts, first, strict=True)
+    )
     slope = sum(
         p[0] * (f[0] * s[0] + f[1] * s[1]) + p[1] * f[2] * s[2]
         for p, f, s in zip(parts, first, second, strict=True)
@@ -105,7 +111,9 @@ def _angle(x, y):
     if not (np.iscomplexobj(x) or np.iscomplexobj(y)):
         return np.arctan2(y, x)
     a = np.arctan2(np.real(y), np.real(x))
-    slope = (np.real(x) * np.imag(y) - np.real(y) * np.imag(x)) / (np.real(x) ** 2 + np.real(y) ** 2)
+    slope = (np.real(x) * np.imag(y) - np.real(y) * np.imag(x)) / (
+        np.real(x) ** 2 + np.real(y) ** 2
+    )
     return a + 1j * slope
 
 
@@ -123,7 +131,8 @@ def check_one_freedom(model, q, parts, theta):
 
 @pytest.mark.parametrize("angle", [0.0, 0.7, 2.0, -2.5])
 def test_a_pendulum_on_a_rod(angle):
-    """A particle free in the plane, held at a distance: θ̈ = -(g / l) sin θ, tension m (l θ̇² + g cos θ)."""
+    """A particle free in the plane, held at a distance: θ̈ = -(g / l) sin θ, tension m (l θ̇² + g
+    cos θ)."""
     model = particle()
     l, m, w = 0.8, 1.3, 1.7
     s, c = np.sin(angle), np.cos(angle)
@@ -191,7 +200,8 @@ def depth_first(model: Model, k: int = -1) -> list[int]:
 
 
 def pinocchio_twin(model: Model):
-    """(Pinocchio's model, index of each of our velocities in theirs, frames by name) built body by body."""
+    """(Pinocchio's model, index of each of our velocities in theirs, frames by name) built body by
+    body."""
     twin = pin.Model()
     twin.gravity.linear = np.array(model.gravity)
     ids, frames = {-1: 0}, {}
@@ -199,7 +209,9 @@ def pinocchio_twin(model: Model):
     for k in depth_first(model):  # its composite bodies need that
         body = model.tree.bodies[k]
         place = pin.SE3(np.array(body.R, dtype=float), np.array(body.p, dtype=float))
-        kind = next(b.kind.name for b, i in zip(model.bodies, model.tree.body_of, strict=True) if i == k)
+        kind = next(
+            b.kind.name for b, i in zip(model.bodies, model.tree.body_of, strict=True) if i == k
+        )
         axis = np.array(body.axis, dtype=float)
         joint = {
             "revolute": lambda a=axis: pin.JointModelRevoluteUnaligned(a),
@@ -230,7 +242,8 @@ def pinocchio_twin(model: Model):
 
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_beside_pinocchio(name):
-    """Its constrained dynamics on the loops as contacts: of a ball 3D, of a pin 6D less the turn that a pin allows."""
+    """Its constrained dynamics on the loops as contacts: of a ball 3D, of a pin 6D less the turn
+    that a pin allows."""
     model, q, qd, tau = closed_state(name)
     twin, at_q, at_v, frames = pinocchio_twin(model)
     q_p, v_p, tau_p = np.zeros(twin.nq), np.zeros(twin.nv), np.zeros(twin.nv)
@@ -239,7 +252,9 @@ def test_beside_pinocchio(name):
     for loop in model.loops:
         (i, A), (j, B) = (frames[f] for f in loop.frames)
         points = [np.zeros(3)]
-        if loop.kind == "revolute":  # a pin: balls at two points of its axis; one equation more than needed
+        if (
+            loop.kind == "revolute"
+        ):  # a pin: balls at two points of its axis; one equation more than needed
             points.append(np.array(loop.axis))
         for point in points:
             shifted = pin.SE3(np.eye(3), point)
@@ -263,8 +278,9 @@ def test_beside_pinocchio(name):
 
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_beside_mujoco(name):
-    """With its equalities as hard as it lets them be, at rest, for its constraints leave out what depends on rates; and
-    exactly, its mass matrix and bias with our accelerations and our loops' forces."""
+    """With its equalities as hard as it lets them be, at rest, for its constraints leave out what
+    depends on rates; and exactly, its mass matrix and bias with our accelerations and our loops'
+    forces."""
     model, q, qd, tau = closed_state(name)
     twin = mujoco.MjModel.from_xml_string(mujoco_text(model))
     twin.opt.gravity[:] = model.gravity
@@ -309,8 +325,9 @@ def _sizes(model: Model) -> dict[str, int]:
 
 
 def mujoco_text(model: Model) -> str:
-    """A MuJoCo file of the mechanism. A massless cross between two pins is told as two pins of one body; what turns in
-    the plane only gets inertia about the plane's axes, which its motion does not feel."""
+    """A MuJoCo file of the mechanism. A massless cross between two pins is told as two pins of one
+    body; what turns in the plane only gets inertia about the plane's axes, which its motion does
+    not feel."""
     tree = model.tree
     index = {k: i for i, k in enumerate(tree.body_of)}
 
@@ -331,7 +348,9 @@ def mujoco_text(model: Model) -> str:
         if not tensor[:2].any():
             tensor[2, 2] = max(tensor[2, 2], 1e-9)
             tensor = tensor + np.diag([0.6, 0.6, 0.0]) * tensor[2, 2]
-        tensor += 1e-10 * np.eye(3) * (np.linalg.eigvalsh(tensor)[0] <= 0.0)  # rods have none along them
+        tensor += (
+            1e-10 * np.eye(3) * (np.linalg.eigvalsh(tensor)[0] <= 0.0)
+        )  # rods have none along them
         six = tensor[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
         return f'<inertial pos="{row(mass.c)}" mass="{float(mass.m)!r}" fullinertia="{row(six)}"/>'
 
@@ -380,7 +399,8 @@ def mujoco_text(model: Model) -> str:
 
 
 def bennett(a: float = 0.7, alpha: float = 0.6, beta: float = 1.1) -> fb.Model:
-    """Bennett's loop of four turning joints: sides a, b, a, b, b / sin beta = a / sin alpha, the last side the base."""
+    """Bennett's loop of four turning joints: sides a, b, a, b, b / sin beta = a / sin alpha, the
+    last side the base."""
     b = a * math.sin(beta) / math.sin(alpha)
     sides = [(a, alpha), (b, beta), (a, alpha)]
     rods = [{"a": x, "alpha": t, "m": 1.0 + k, "com": [-x / 2, 0, 0], "I": [0.001, 0, 0, 0.05, 0, 0.05]}
@@ -393,7 +413,8 @@ def bennett(a: float = 0.7, alpha: float = 0.6, beta: float = 1.1) -> fb.Model:
 
 @pytest.mark.parametrize("theta", [0.4, 1.3, 2.5, -1.9])
 def test_bennetts_loop_moves_as_its_closed_form_says(theta: float) -> None:
-    """tan(θ1/2) tan(θ2/2) = const and θ3 = -θ1 (G. T. Bennett, A new mechanism, Engineering 76, 1903)."""
+    """tan(θ1/2) tan(θ2/2) = const and θ3 = -θ1 (G. T. Bennett, A new mechanism, Engineering 76,
+    1903)."""
     alpha, beta = 0.6, 1.1
     model = bennett(alpha=alpha, beta=beta)
     ratio = math.sin((beta + alpha) / 2) / math.sin((beta - alpha) / 2)
@@ -413,4 +434,6 @@ def test_bennetts_loop_moves_as_its_closed_form_says(theta: float) -> None:
     M, bias = fb.mass_matrix(tree, q), fb.bias(tree, q, qd)
     second = -G @ (M @ (G_rate * rate) + bias) / (G @ M @ G)
     qdd = fb.forward_dynamics(model, q, qd, np.zeros(3))
-    np.testing.assert_allclose(qdd, G * second + G_rate * rate, rtol=0, atol=1e-12 * max(1.0, abs(qdd).max()))
+    np.testing.assert_allclose(
+        qdd, G * second + G_rate * rate, rtol=0, atol=1e-12 * max(1.0, abs(qdd).max())
+    )

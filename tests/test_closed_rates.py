@@ -1,4 +1,5 @@
-"""Consistent rates and accelerations against projections by singular values; single calls, batches, careful samples."""
+"""Consistent rates and accelerations against projections by singular values; single calls, batches,
+careful samples."""
 
 from __future__ import annotations
 
@@ -10,7 +11,15 @@ from freebody.errors import FreebodyError, LoopError
 from freebody.loops.scaled import rate_scale
 from support.helpers import close
 
-MECHANISMS = ["four_bar", "slider_crank", "five_bar_rods", "double_four_bar", "3RRR", "bricard", "stewart"]
+MECHANISMS = [
+    "four_bar",
+    "slider_crank",
+    "five_bar_rods",
+    "double_four_bar",
+    "3RRR",
+    "bricard",
+    "stewart",
+]
 
 
 def _states(name: str, samples: int = 9):
@@ -63,7 +72,9 @@ def test_single_calls_and_batches_are_one(name: str):
     assert rates.shape == second.shape == (3, 9, model.nv)
     for k in (0, 5):
         np.testing.assert_array_equal(fb.loop_velocity(model, q[k], given[1, 0]), rates[1, k])
-        np.testing.assert_array_equal(fb.loop_acceleration(model, q[k], qd[k], given[1, 0]), second[1, k])
+        np.testing.assert_array_equal(
+            fb.loop_acceleration(model, q[k], qd[k], given[1, 0]), second[1, k]
+        )
 
 
 def test_one_careful_sample_among_many():
@@ -90,7 +101,9 @@ def test_a_joint_that_no_loop_feels_must_be_told():
     """A pendulum on the coupler: its column of Φ_q is zero, whatever the position."""
     numbers = {"l": [0.3, 0.8, 0.6, 0.2], "lc": [0.1] * 4, "m": [1.0] * 4, "I": [0.1] * 4}
     chain = fb.planar("RRRR", **numbers).with_frame("mount", (0.9, 0.0), frame="base")
-    model = chain.with_frame("pin", (0.6, 0.0), frame="link3").with_loop("closing", "point", ("mount", "pin"))
+    model = chain.with_frame("pin", (0.6, 0.0), frame="link3").with_loop(
+        "closing", "point", ("mount", "pin")
+    )
     q = fb.assemble(model, [1.0, -1.0, -0.8, 0.3])
     crank, pendulum = model.velocity_names[0], model.velocity_names[3]
     with pytest.raises(FreebodyError, match=f"given for {crank} leave .* free to move"):

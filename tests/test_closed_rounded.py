@@ -1,4 +1,5 @@
-"""Machines as files describe them: redundant, with numbers rounded. They move as the machine that is meant."""
+"""Machines as files describe them: redundant, with numbers rounded. They move as the machine that
+is meant."""
 
 from __future__ import annotations
 
@@ -16,7 +17,12 @@ from freebody.model.model import Model
 from support.helpers import close
 
 DIGITS = (9, 6, 4)
-TURN = {"exact": f"{np.pi / 2!r}", "1.570796327": "1.570796327", "1.5708": "1.5708", "1.571": "1.571"}
+TURN = {
+    "exact": f"{np.pi / 2!r}",
+    "1.570796327": "1.570796327",
+    "1.5708": "1.5708",
+    "1.571": "1.571",
+}
 
 
 # ---------------------------------------------------------------- three cranks
@@ -27,7 +33,8 @@ SLOPE = 0.4
 
 @lru_cache(maxsize=8)
 def three_cranks(digits: int | None) -> Model:
-    """Three parallel cranks of one length on one rod, on sloping ground: one motion, one equation too many."""
+    """Three parallel cranks of one length on one rod, on sloping ground: one motion, one equation
+    too many."""
 
     def r(x: float) -> float:
         return float(x) if digits is None else round(float(x), digits)
@@ -74,7 +81,9 @@ def exact_cranks(angle: float, rate: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("digits", DIGITS)
-@pytest.mark.parametrize("angle", [1.1, 0.9, 2.2, np.pi / 2 + SLOPE, -1.3, -np.pi / 2 + SLOPE, -2.0])
+@pytest.mark.parametrize(
+    "angle", [1.1, 0.9, 2.2, np.pi / 2 + SLOPE, -1.3, -np.pi / 2 + SLOPE, -2.0]
+)
 def test_three_rounded_cranks_move_as_one(digits, angle):
     """Also upright and hanging, where two equations that would do elsewhere do not."""
     meant, model = three_cranks(None), three_cranks(digits)
@@ -115,7 +124,8 @@ def test_three_rounded_cranks_fall(digits):
 
 @pytest.mark.parametrize(("digits", "within"), [(9, 1e-6), (4, 2e-3)])
 def test_three_rounded_cranks_pass_their_change_point(digits, within):
-    """Where all cranks lie along the ground the machine is singular; rounding must not throw it onto another way."""
+    """Where all cranks lie along the ground the machine is singular; rounding must not throw it
+    onto another way."""
     t = np.linspace(0.0, 0.15, 4)
     q, qd = exact_cranks(SLOPE + 0.1, -1.0)
     meant = fb.simulate(three_cranks(None), q, qd, t)
@@ -151,7 +161,8 @@ def test_bricards_loop_with_rounded_lengths_and_twists(digits):
 
 # ---------------------------------------------------------------- a four-bar linkage in space
 def four_bar_text(turn: str, **top) -> str:
-    """A planar four-bar linkage in a vertical plane of space, its axes turned by right angles as files print them."""
+    """A planar four-bar linkage in a vertical plane of space, its axes turned by right angles as
+    files print them."""
     rpy = f"[{turn}, 0.0, 0.0]"
     bars = {"crank": 0.3, "coupler": 0.9, "rocker": 0.7}
     text = ['name = "four_bar"', "dim = 3", *(f"{key} = {value}" for key, value in top.items())]
@@ -168,7 +179,8 @@ def four_bar_text(turn: str, **top) -> str:
     ):
         text.append(
             f'[[joint]]\nname = "{name}"\nkind = "revolute"\nparent = "{parent}"\nchild = "{child}"\n'
-            f"origin = [{at}, 0, 0]{place}\naxis = {axis}" + ("\npassive = true" if name != "j1" else "")
+            f"origin = [{at}, 0, 0]{place}\naxis = {axis}"
+            + ("\npassive = true" if name != "j1" else "")
         )
     text += [
         f'[[frame]]\nname = "pin"\nparent = "ground"\norigin = [1.0, 0, 0]\nrpy = {rpy}',
@@ -198,7 +210,9 @@ def test_a_four_bar_with_rounded_right_angles_moves_as_the_one_that_is_meant(tur
     rounded_by = abs(float(TURN[turn]) - np.pi / 2)
     assert rounded_by / 3 < found.misfit[1] < 3 * rounded_by
     assert found.misfit[0] < 3 * rounded_by
-    assert f"leave them open by up to {found.misfit[0]:.2g} m and {found.misfit[1]:.2g} rad" in str(found)
+    assert f"leave them open by up to {found.misfit[0]:.2g} m and {found.misfit[1]:.2g} rad" in str(
+        found
+    )
     assert fb.mobility(meant, q).misfit == (0.0, 0.0)
     rates = [fb.loop_velocity(m, p, {"j1": 2.0}) for m, p in ((meant, q), (model, at))]
     close(rates[1], rates[0], 1e-3)
@@ -241,12 +255,18 @@ def test_the_tolerance_is_said_in_toml_in_load_and_in_python_and_saved(tmp_path)
     assert "loop_tolerance" not in _saved(plain, tmp_path)
     assert plain.replace(loop_tolerance=(1e-3, 1e-3)).loop_tolerance == (1e-3, 1e-3)
     tree = plain.opened
-    again = tree.with_loop("x", "revolute", ("pin", "end"), axis=(0, 0, 1), loop_tolerance=(1e-5, 1e-5))
+    again = tree.with_loop(
+        "x", "revolute", ("pin", "end"), axis=(0, 0, 1), loop_tolerance=(1e-5, 1e-5)
+    )
     assert again.loop_tolerance == (1e-5, 1e-5)
     for bad in ((1e-3,), (-1.0, 0.0), (np.nan, 0.0), "fine", 3.0):
-        with pytest.raises(fb.FreebodyError, match=r"loop_tolerance is .*, expected \(metres, radians\)"):
+        with pytest.raises(
+            fb.FreebodyError, match=r"loop_tolerance is .*, expected \(metres, radians\)"
+        ):
             plain.replace(loop_tolerance=bad)
-    with pytest.raises(fb.FreebodyError, match=r"machine\.toml:3: .*loop_tolerance is \(-1\.0, 0\.0\)"):
+    with pytest.raises(
+        fb.FreebodyError, match=r"machine\.toml:3: .*loop_tolerance is \(-1\.0, 0\.0\)"
+    ):
         loaded(four_bar_text("0", loop_tolerance="[-1, 0]"))
 
 
@@ -256,13 +276,15 @@ def _saved(model: Model, folder: Path) -> str:
 
 
 def test_numbers_taken_at_their_word_do_not_move():
-    """What is no rounding by the tolerance that is stated is refused, or stuck, with a reason that is true."""
+    """What is no rounding by the tolerance that is stated is refused, or stuck, with a reason that
+    is true."""
     for tolerance in ((0.0, 0.0), (1e-6, 1e-6)):
         model = loaded(four_bar_text(TURN["1.571"]), loop_tolerance=tolerance)
         assert fb.mobility(model, fb.assemble(model)).generic == 0
         model = loaded(four_bar_text(TURN["1.5708"]), loop_tolerance=tolerance)
         with pytest.raises(
-            LoopError, match=r"stays open by .* m, at the nearest .* loop_tolerance=\(metres, radians\)"
+            LoopError,
+            match=r"stays open by .* m, at the nearest .* loop_tolerance=\(metres, radians\)",
         ):
             fb.assemble(model)
 
@@ -288,7 +310,9 @@ def test_a_small_mechanism_is_not_taken_for_rounding():
     arm = fb.planar(
         "RRR", l=list(small.values()), lc=[0.0, 0.5, 0.0], m=[0.1, 1.0, 0.1], I=[0.001, 0.1, 0.001]
     )
-    model = arm.with_frame("pin", [1.0, 0.0], frame="base").with_loop("closing", "point", ("pin", "tip"))
+    model = arm.with_frame("pin", [1.0, 0.0], frame="base").with_loop(
+        "closing", "point", ("pin", "tip")
+    )
     twice = model.with_loop("again", "point", ("pin", "tip"))
     q = fb.assemble(twice, [1.0, -1.0, 1.0])
     found = fb.mobility(twice, q)

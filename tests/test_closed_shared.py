@@ -1,4 +1,5 @@
-"""What closed chains of one geometry share, families of them, and what no quick path lets through."""
+"""What closed chains of one geometry share, families of them, and what no quick path lets
+through."""
 
 from __future__ import annotations
 
@@ -164,7 +165,10 @@ def test_a_loop_closed_the_wrong_way_round_is_refused_quickly_too():
     back = chain.with_frame("back", rotation=[[-1, 0], [0, -1]])
     way = fb.assemble(back.with_loop("weld", "fixed", ("mount", "back")), q)
     assert np.abs(fb.kernel(model, "constraint")(way)).max() < 1e-9
-    for call in (lambda: fb.forward_dynamics(model, way, still, still), lambda: fb.static_torque(model, way)):
+    for call in (
+        lambda: fb.forward_dynamics(model, way, still, still),
+        lambda: fb.static_torque(model, way),
+    ):
         with pytest.raises(LoopError, match="the wrong way round"):
             call()
 
@@ -174,7 +178,11 @@ def test_a_torque_at_a_passive_joint_is_refused_quickly_too():
     tau = np.zeros(model.nv)
     fb.forward_dynamics(model, q[0], qd[0], tau)
     tau[model.passive[0]] = 0.1
-    for batch in (q[0], qd[0], tau), (q, qd, np.broadcast_to(tau, qd.shape)), ([*q[0]], [*qd[0]], [*tau]):
+    for batch in (
+        (q[0], qd[0], tau),
+        (q, qd, np.broadcast_to(tau, qd.shape)),
+        ([*q[0]], [*qd[0]], [*tau]),
+    ):
         with pytest.raises(PassiveJointError):
             fb.forward_dynamics(model, *batch)
 

@@ -1,4 +1,5 @@
-"""Step kernels of closed chains: orders, loops that stay closed, printed numbers, lanes that cannot go on."""
+"""Step kernels of closed chains: orders, loops that stay closed, printed numbers, lanes that cannot
+go on."""
 
 from __future__ import annotations
 
@@ -31,7 +32,13 @@ def test_order(name: str):
 
 @pytest.mark.parametrize(
     "name",
-    ["four_bar", "five_bar", "bricard", "slider_crank", pytest.param("stewart", marks=pytest.mark.long)],
+    [
+        "four_bar",
+        "five_bar",
+        "bricard",
+        "slider_crank",
+        pytest.param("stewart", marks=pytest.mark.long),
+    ],
 )
 def test_ten_thousand_steps(name: str):
     """Swinging freely for 10 s: loops stay closed, and of order 4 the energy stays too."""
@@ -53,7 +60,8 @@ def test_ten_thousand_steps(name: str):
 
 
 def test_double_four_bar_to_its_tenth_second():
-    """IFToMM library: ten times through the stretched position, where the loops lose rank by two."""
+    """IFToMM library: ten times through the stretched position, where the loops lose rank by
+    two."""
     model = fb.load("double_four_bar")
     state, still = cranks(np.pi / 2, -1.0), np.zeros(5)
     for start, (end, tip) in zip((0.0, 4.0), TIP.items(), strict=True):
@@ -72,7 +80,8 @@ def test_dependent_equations_are_left_out(method: str):
 
 
 def test_a_lane_that_cannot_go_on_is_nan_alone():
-    """Stretched, or nearly so, other equations would have to count; and a loop that is wide open does not close."""
+    """Stretched, or nearly so, other equations would have to count; and a loop that is wide open
+    does not close."""
     model = fb.load("double_four_bar")
     states = [cranks(theta, 0.5) for theta in (1.0, 1e-3, 0.0, 1e-7, 1.0)]
     q, qd = (np.stack(x) for x in zip(*states, strict=True))
@@ -97,7 +106,8 @@ def test_a_slightly_open_loop_is_closed_at_rest():
 
 
 def test_stiff_feedback_of_the_drives():
-    """A five-bar held by its two drives, however stiff; what sags is what static torques ask for."""
+    """A five-bar held by its two drives, however stiff; what sags is what static torques ask
+    for."""
     model = fb.load("five_bar")
     q = fb.assemble(model)
     driven = np.isin(model.velocity_names, model.driven_names)

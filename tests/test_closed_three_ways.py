@@ -1,5 +1,6 @@
-"""One mechanism told three ways, as a tree and loops cut here, or there, or as free bodies and constraints only, moves
-and presses the same. And its twin in space, and equations too many, change nothing."""
+"""One mechanism told three ways, as a tree and loops cut here, or there, or as free bodies and
+constraints only, moves and presses the same. And its twin in space, and equations too many, change
+nothing."""
 
 from __future__ import annotations
 
@@ -28,7 +29,8 @@ BUNDLED = ("four_bar", "slider_crank", "five_bar", "double_four_bar", "3RRR")
 
 
 def spanning_trees(mechanism: Mechanism) -> list[list[str]]:
-    """Two choices of pins that connect all parts to the ground: the first ones found, and the last ones."""
+    """Two choices of pins that connect all parts to the ground: the first ones found, and the last
+    ones."""
 
     def tree(pins: list) -> list[str]:
         group = {name: name for name in (GROUND, *mechanism.parts)}
@@ -55,15 +57,19 @@ def random_closed(model: Model, seed: int) -> tuple[np.ndarray, np.ndarray]:
     return q, fb.loop_velocity(model, q, qd)
 
 
-def compare(mechanism: Mechanism, seed: int, tolerance: float = 1e-9, model: Model | None = None) -> None:
-    """Accelerations, energies, reactions of the mechanism by all of its models, in a state of the model, or any."""
+def compare(
+    mechanism: Mechanism, seed: int, tolerance: float = 1e-9, model: Model | None = None
+) -> None:
+    """Accelerations, energies, reactions of the mechanism by all of its models, in a state of the
+    model, or any."""
     rng = np.random.default_rng(seed)
     trees = spanning_trees(mechanism)
     first = model or built(mechanism, trees[0])
     state = moving(mechanism, first, *random_closed(first, seed), at="" if model else "@")
     torques = {name: float(rng.normal(scale=3.0)) for name in mechanism.driven}
     load = {
-        f"{part}@": 2 * rng.normal(size=6 if mechanism.dim == 3 else 3) for part in list(mechanism.parts)[:2]
+        f"{part}@": 2 * rng.normal(size=6 if mechanism.dim == 3 else 3)
+        for part in list(mechanism.parts)[:2]
     }
     results = []
     for tree in (*trees, None):
@@ -83,7 +89,9 @@ def compare(mechanism: Mechanism, seed: int, tolerance: float = 1e-9, model: Mod
         for joint in model.joint_names:
             if joint.startswith("free_"):
                 close(found[joint], 0 * found[joint], 1e-9, float(np.abs(found.wrenches).max()))
-        bodies = [numbers(model, "acceleration", q, qd, qdd, frame=f"{part}@") for part in mechanism.parts]
+        bodies = [
+            numbers(model, "acceleration", q, qd, qdd, frame=f"{part}@") for part in mechanism.parts
+        ]
         pressed = pin_reactions(mechanism, model, state, found, torques)
         results.append(
             (
@@ -93,7 +101,9 @@ def compare(mechanism: Mechanism, seed: int, tolerance: float = 1e-9, model: Mod
             )
         )
     for other in results[1:]:
-        for a, b, what in zip(other, results[0], ("accelerations", "reactions", "energies"), strict=True):
+        for a, b, what in zip(
+            other, results[0], ("accelerations", "reactions", "energies"), strict=True
+        ):
             close(a, b, tolerance, what=f"{mechanism.name}: {what}")
 
 
@@ -122,7 +132,8 @@ def test_more_rings_in_space(seed):
 
 @pytest.mark.parametrize("name", ["four_bar", "slider_crank", "five_bar"])
 def test_twins_in_space(name):
-    """Pins that hold all six directions: the plane's other equations are redundant, and change nothing."""
+    """Pins that hold all six directions: the plane's other equations are redundant, and change
+    nothing."""
     plane = fb.load(name)
     space = plane.to_space()
     q, qd = random_closed(plane, 3)
@@ -157,7 +168,9 @@ def test_twins_in_space(name):
     )
 
 
-@pytest.mark.parametrize("name", ["four_bar", "slider_crank", "five_bar", "double_four_bar", "stewart"])
+@pytest.mark.parametrize(
+    "name", ["four_bar", "slider_crank", "five_bar", "double_four_bar", "stewart"]
+)
 def test_a_loop_twice_changes_nothing(name):
     model = all_driven(fb.load(name))
     q, qd = random_closed(model, 5) if name != "stewart" else stewart_state(model)
@@ -169,7 +182,8 @@ def test_a_loop_twice_changes_nothing(name):
     both = fb.reactions(twice, q, qd, tau=tau)
     close(both.qdd, once.qdd, 1e-12)
     close(fb.forward_dynamics(twice, q, qd, tau), fb.forward_dynamics(model, q, qd, tau), 1e-12)
-    # the two share what one carried, in equal parts, and neither is determined; all others are what they were
+    # the two share what one carried, in equal parts, and neither is determined; all others are what
+    # they were
     joints = len(model.joint_names)
     close(both.wrenches[:joints], once.wrenches[:joints], 1e-9)
     close(both[loop.name], once[loop.name] / 2, 1e-9, float(np.abs(once.wrenches).max()))
@@ -203,7 +217,9 @@ def test_a_third_crank_is_redundant_and_carries_nothing_that_is_determined():
         Pin("A1", "revolute", "crank1", at(1.0), "coupler", at(0.0), (1.0,)),
         Pin("A2", "revolute", "crank2", at(1.0), "coupler", at(1.0), (1.0,)),
     ]
-    two = Mechanism(2, {"crank1": bar, "crank2": bar, "coupler": bar}, tuple(pins), (0.0, -9.81), ("O1",))
+    two = Mechanism(
+        2, {"crank1": bar, "crank2": bar, "coupler": bar}, tuple(pins), (0.0, -9.81), ("O1",)
+    )
     more = (
         Pin("O3", "revolute", GROUND, at(0.4), "crank3", at(0.0), (1.0,)),
         Pin("A3", "revolute", "crank3", at(1.0), "coupler", at(0.4), (1.0,)),

@@ -1,4 +1,5 @@
-"""Public results for closed chains: the double four-bar, Bricard's loop, and a Stewart platform by Newton and Euler."""
+"""Public results for closed chains: the double four-bar, Bricard's loop, and a Stewart platform by
+Newton and Euler."""
 
 from __future__ import annotations
 
@@ -29,7 +30,8 @@ def test_double_four_bar_at_rest():
 
 
 def test_double_four_bar_to_its_tenth_second():
-    """From upright, the tip at 1 m/s: through the stretched position ten times, where the loops lose rank by two."""
+    """From upright, the tip at 1 m/s: through the stretched position ten times, where the loops
+    lose rank by two."""
     model = fb.load("double_four_bar")
     q, qd = cranks(np.pi / 2, -1.0)
     fb.simulate(model, q, qd, [0.0, 0.1])  # what is compiled once
@@ -53,7 +55,8 @@ def test_double_four_bar_to_its_tenth_second():
 
 @pytest.mark.parametrize("theta", [0.0, np.pi, 1e-9, 1e-7, 1e-5, -1e-4, 1e-3])
 def test_double_four_bar_stretched(theta):
-    """In and beside the stretched position, where the loops have lost rank, moving: on the branch it is on."""
+    """In and beside the stretched position, where the loops have lost rank, moving: on the branch
+    it is on."""
     model = fb.load("double_four_bar")
     assert fb.mobility(model, cranks(0.0)[0]).instantaneous == 3
     assert fb.mobility(model, cranks(0.0)[0]).generic == 1
@@ -66,7 +69,9 @@ def test_double_four_bar_stretched(theta):
 @pytest.mark.parametrize("theta", [0.0, np.pi])
 def test_double_four_bar_from_its_stretched_position(theta):
     model = fb.load("double_four_bar")
-    motion = fb.simulate(model, *cranks(theta, 3.0), np.linspace(0.0, 4.0, 11))  # and through it again
+    motion = fb.simulate(
+        model, *cranks(theta, 3.0), np.linspace(0.0, 4.0, 11)
+    )  # and through it again
     energy = (motion.kinetic_energy + motion.potential_energy).values
     assert np.abs(energy - energy[0]).max() < 1e-7
     q = motion.q.values
@@ -81,12 +86,15 @@ def test_stretched_and_at_rest_no_way_is_told():
     with pytest.raises(SingularError, match="singular position, where loop 'L1' no longer tells"):
         fb.forward_dynamics(model, q, qd, qd)
     # a little beside it falls
-    close(fb.forward_dynamics(model, *cranks(1e-4), qd)[[0, 2, 4]], np.full(3, -3.5 * G / 3.0), 1e-7)
+    close(
+        fb.forward_dynamics(model, *cranks(1e-4), qd)[[0, 2, 4]], np.full(3, -3.5 * G / 3.0), 1e-7
+    )
 
 
 def test_where_the_double_four_bar_is_redundant():
-    """In the plane five coordinates and four equations leave its one motion, so none is redundant. In space pins hold
-    all that the plane holds by itself: three equations a loop follow from others."""
+    """In the plane five coordinates and four equations leave its one motion, so none is redundant.
+    In space pins hold all that the plane holds by itself: three equations a loop follow from
+    others."""
     plane = fb.load("double_four_bar")
     q, _ = cranks(1.0)
     found = fb.mobility(plane, q)
@@ -141,8 +149,9 @@ def energy_is_kept(model, q, qd):
 
 
 def test_bricard_determines_the_moment_about_every_joints_own_axis_in_that_joints_axes():
-    """No motor acts, so the moment about each joint's own axis is zero whatever the redundant equation carries: in the
-    child's axes that is one component, determined; in the world's axes it is a mixture, mostly not."""
+    """No motor acts, so the moment about each joint's own axis is zero whatever the redundant
+    equation carries: in the child's axes that is one component, determined; in the world's axes it
+    is a mixture, mostly not."""
     model = fb.load("bricard")
     q = fb.assemble(model, fb.random_state(model, 3)[0])
     qd = fb.loop_velocity(model, q, np.ones(5))
@@ -152,7 +161,9 @@ def test_bricard_determines_the_moment_about_every_joints_own_axis_in_that_joint
     assert [body.joint.axis for body in model.bodies] == [(0.0, 0.0, 1.0)] * 5
     assert model.loops[0].axis == (0.0, 0.0, 1.0)
     assert child.determined[:, 5].all()
-    assert not child.determined[:, :5].all(axis=-1).any()  # one self-stress runs through every joint
+    assert (
+        not child.determined[:, :5].all(axis=-1).any()
+    )  # one self-stress runs through every joint
     size = float(np.abs(child.wrenches).max())
     close(child.wrenches[:, 5], np.zeros(6), 1e-10, size)
     assert not world.determined.all(axis=-1).any()
@@ -164,7 +175,8 @@ def test_bricard_determines_the_moment_about_every_joints_own_axis_in_that_joint
 # ---------------------------------------------------------------- Stewart platform
 @dataclass(frozen=True)
 class Leg:
-    """A leg d = l e from its base to the platform, by two crossed pins: about x by a, then about y by b."""
+    """A leg d = l e from its base to the platform, by two crossed pins: about x by a, then about y
+    by b."""
 
     s: np.ndarray
     d: np.ndarray
@@ -184,7 +196,9 @@ class Leg:
 
     @property
     def pins(self) -> tuple[np.ndarray, np.ndarray]:
-        return np.array([1.0, 0, 0]), np.array([0.0, np.cos(self.angles[0, 0]), np.sin(self.angles[0, 0])])
+        return np.array([1.0, 0, 0]), np.array(
+            [0.0, np.cos(self.angles[0, 0]), np.sin(self.angles[0, 0])]
+        )
 
     @property
     def spin(self) -> tuple[np.ndarray, np.ndarray]:
@@ -214,7 +228,9 @@ def leg(base, corner, R, p, v, w, a, alpha) -> Leg:
     b = np.arcsin(e[0])
     bd = ed[0] / np.cos(b)
     bdd = (edd[0] + np.sin(b) * bd**2) / np.cos(b)
-    return Leg(s, d, e, (l, ld, ldd), np.array([[np.arctan2(-e[1], e[2]), b], [ad, bd], [add, bdd]]))
+    return Leg(
+        s, d, e, (l, ld, ldd), np.array([[np.arctan2(-e[1], e[2]), b], [ad, bd], [add, bdd]])
+    )
 
 
 PLATFORM = (20.0, np.array([0, 0, 0.02]), np.diag([0.9, 0.9, 1.7]))
@@ -246,7 +262,8 @@ def leg_forces(legs, R, w, a, alpha, load) -> np.ndarray:
         a_p = a_p + 2 * ld * np.cross(spin, each.e) + ldd * each.e
         _, n_c = body_load(CYLINDER, Q, r_c, spin, dspin, a_c)
         f_p, n_p = body_load(PISTON, Q, r_p, spin, dspin, a_p)
-        # about the base: the cross passes on a moment across both pins only, the ball on the platform a force
+        # about the base: the cross passes on a moment across both pins only, the ball on the
+        # platform a force
         across = np.cross(*each.pins)
         total = n_c + n_p
         total = total - across * (each.e @ total) / (each.e @ across)
@@ -269,13 +286,21 @@ def test_stewart_by_newton_and_euler(seed):
     load = rng.normal(scale=50.0, size=6)
     legs = []
     for k in range(6):
-        base = np.array(model.tree.bodies[model.tree.body_of[model.joint_names.index(f"swing{k + 1}")]].p)
-        _, _, corner = model.tree.frames[next(f for f in model.loops[k].frames if not f.startswith("piston"))]
+        base = np.array(
+            model.tree.bodies[model.tree.body_of[model.joint_names.index(f"swing{k + 1}")]].p
+        )
+        _, _, corner = model.tree.frames[
+            next(f for f in model.loops[k].frames if not f.startswith("piston"))
+        ]
         legs.append(leg(base.astype(float), np.array(corner, dtype=float), R, p, v, w, a, alpha))
     assert abs(np.linalg.det(R) - 1) < 1e-12
     q = np.concatenate([p, fb.quat_wxyz(R), *([*x.angles[0], x.lengths[0]] for x in legs)])
     qd = np.concatenate([R.T @ v, R.T @ w, *([*x.angles[1], x.lengths[1]] for x in legs)])
-    second = [R.T @ (a - np.cross(w, v)), R.T @ alpha, *([*x.angles[2], x.lengths[2]] for x in legs)]
+    second = [
+        R.T @ (a - np.cross(w, v)),
+        R.T @ alpha,
+        *([*x.angles[2], x.lengths[2]] for x in legs),
+    ]
     qdd = np.concatenate(second)
     drives = [model.velocity_names.index(f"leg{k + 1}") for k in range(6)]
     expected = leg_forces(legs, R, w, a, alpha, load)

@@ -1,6 +1,8 @@
-"""The cache of machine code on disk: shared between processes, and no entry believed that others could have written.
+"""The cache of machine code on disk: shared between processes, and no entry believed that others
+could have written.
 
-Whether LLVM worked is not to be seen from outside: its entrance is watched, and rights, owners and sizes are feigned.
+Whether LLVM worked is not to be seen from outside: its entrance is watched, and rights, owners and
+sizes are feigned.
 """
 
 from __future__ import annotations
@@ -21,7 +23,9 @@ from support.programs import (
     swap_kernel,
 )
 
-ON_POSIX = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="owners and modes of files are POSIX")
+ON_POSIX = pytest.mark.skipif(
+    not hasattr(os, "geteuid"), reason="owners and modes of files are POSIX"
+)
 
 
 @pytest.fixture
@@ -221,7 +225,10 @@ print(k(np.random.default_rng(0).normal(size=(11, 2)) * [1e7, 1.0]).tobytes().he
 def test_processes_share_objects(store):
     def start(*arguments):
         return subprocess.Popen(
-            [sys.executable, "-c", CHILD, *arguments], stdout=subprocess.PIPE, env=environment(), text=True
+            [sys.executable, "-c", CHILD, *arguments],
+            stdout=subprocess.PIPE,
+            env=environment(),
+            text=True,
         )
 
     both_at_once = [start(), start()]

@@ -1,7 +1,8 @@
-"""Whatever turns text or data into code: every place, with the reason why nothing from outside reaches it.
+"""Whatever turns text or data into code: every place, with the reason why nothing from outside
+reaches it.
 
-Names in robot files are data. This test walks the syntax tree of every module; a new place fails it until someone has
-written down here why it is safe.
+Names in robot files are data. This test walks the syntax tree of every module; a new place fails it
+until someone has written down here why it is safe.
 """
 
 from __future__ import annotations
@@ -83,14 +84,18 @@ KNOWN = {
     ("notes/page.py", "Markup"): "formulas and drawings of the notes' own items",
     ("report/page_tables.py", "Markup"): "cells that were escaped there",
     ("notes/exercises.py", "Markup"): "solutions are put together from the notes' own items",
-    ("derivations/functions.py", "lambdify"): "arguments are dummies; the formula was read by our own parser",
+    (
+        "derivations/functions.py",
+        "lambdify",
+    ): "arguments are dummies; the formula was read by our own parser",
     ("derivations/relation.py", "sympify"): "strict: refuses text",
 }
 """(file, what) -> why nothing from outside reaches it."""
 
 
 def names_used(tree: ast.AST) -> set[str]:
-    """Names that are called, imported, read as attributes or passed by keyword; methods of `re` are none of them."""
+    """Names that are called, imported, read as attributes or passed by keyword; methods of `re` are
+    none of them."""
     found = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute):
@@ -123,15 +128,22 @@ def test_whatever_executes_or_compiles_text_is_known_with_its_reason():
 
 def test_the_walk_sees_what_it_looks_for():
     tree = ast.parse(
-        "import subprocess\nfrom pickle import loads as l\nf = eval\nt = jinja2.Template(x)\nnp.load(f, allow_pickle=1)"
+        "import subprocess\nfrom pickle import loads as l\nf = eval\nt = "
+        "jinja2.Template(x)\nnp.load(f, allow_pickle=1)"
     )
-    assert {"subprocess", "pickle", "eval", "Template", "allow_pickle"} <= names_used(tree) & EXECUTES
+    assert {"subprocess", "pickle", "eval", "Template", "allow_pickle"} <= names_used(
+        tree
+    ) & EXECUTES
 
 
 def test_a_class_made_at_run_time_has_a_constant_name():
     for path in sorted(SOURCE.rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "type":
+            if (
+                isinstance(node, ast.Call)
+                and isinstance(node.func, ast.Name)
+                and node.func.id == "type"
+            ):
                 assert len(node.args) == 1 or isinstance(node.args[0], ast.Constant), path
 
 
@@ -143,21 +155,30 @@ def test_templates_are_files_and_escape():
 
 
 def test_calls_that_the_notes_execute_are_made_with_the_package():
-    """The items are put together when their modules are imported; their calls name nothing but freebody and NumPy."""
+    """The items are put together when their modules are imported; their calls name nothing but
+    freebody and NumPy."""
     calls = [call for chapter in steps._CALLS.values() for call in chapter]
     for item in registry.items():
-        calls += [x for name in ("model", "values") if isinstance(x := getattr(item.test, name, None), str)]
+        calls += [
+            x
+            for name in ("model", "values")
+            if isinstance(x := getattr(item.test, name, None), str)
+        ]
     assert len(calls) > 60
     for call in calls:
         tree = ast.parse(call, mode="eval")
-        assert {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)} <= {"fb", "np", "rows"}, (
-            call
-        )
+        assert {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)} <= {
+            "fb",
+            "np",
+            "rows",
+        }, call
 
 
-# ---------------------------------------------------------------- a program holds no name from outside
+# ---------------------------------------------------------------- a program holds no name from
+# outside
 @pytest.mark.parametrize(
-    "name", ["tool tip", "a\nb", '"""', "θ", "", "lambda", "__class__", "1st", "x\x00", "a.b", "a+b"]
+    "name",
+    ["tool tip", "a\nb", '"""', "θ", "", "lambda", "__class__", "1st", "x\x00", "a.b", "a+b"],
 )
 def test_a_name_from_outside_is_refused_in_a_program(name):
     inner = Argument("q", (1,))
@@ -175,7 +196,9 @@ def test_a_name_from_outside_is_refused_in_a_program(name):
         Unit(made, name)
 
 
-@pytest.mark.parametrize("remark", ["*/ int x;", '"""', "a\nb", "\\", "θ", "%{", "${x}", "#{x}", "`"])
+@pytest.mark.parametrize(
+    "remark", ["*/ int x;", '"""', "a\nb", "\\", "θ", "%{", "${x}", "#{x}", "`"]
+)
 def test_a_remark_that_could_end_a_comment_is_refused(remark):
     made = trace("f", lambda x: ([x[0]],), [Argument("q", (1,))], [Argument("y", (1,))])
     with pytest.raises(ProgramError, match="no comment may hold"):
@@ -201,11 +224,18 @@ NAMES = [
 def test_words_made_from_names_are_identifiers_and_unique():
     words = identifiers(NAMES, {"self", "left_joint1"})
     assert list(words) == NAMES
-    assert all(is_identifier(word) and word.isascii() and word.isidentifier() for word in words.values())
+    assert all(
+        is_identifier(word) and word.isascii() and word.isidentifier() for word in words.values()
+    )
     assert len(set(words.values())) == len(NAMES)
     assert not {"self", "left_joint1"} & set(words.values())
     assert all(not keyword.iskeyword(word) and len(word) < 300 for word in words.values())
-    assert (words["tool0"], words["θ₁"], words["q"], words["lambda"]) == ("tool0", "theta1", "q", "lambda_")
+    assert (words["tool0"], words["θ₁"], words["q"], words["lambda"]) == (
+        "tool0",
+        "theta1",
+        "q",
+        "lambda_",
+    )
     assert words["θ1"] == "theta1_2"
     # what Python makes of an identifier before it compares
     assert len({unicodedata.normalize("NFKC", word) for word in words.values()}) == len(NAMES)
@@ -217,12 +247,23 @@ def test_ten_thousand_equal_words_take_no_time():
 
 def test_comments_hold_words_only():
     for name in NAMES:
-        assert set(in_words(f"{name} */ {name}")) <= set(string.ascii_letters + string.digits + "_ ")
+        assert set(in_words(f"{name} */ {name}")) <= set(
+            string.ascii_letters + string.digits + "_ "
+        )
 
 
 def test_parameters_of_emitted_equations_are_words():
     model = fb.planar("RR", l=["θ", "l2"], lc=["q", "lambda_"], m=["关", "m2"], I=["cos_1", "q_"])
-    values = {"θ": 0.4, "q": 0.2, "关": 1.5, "cos_1": 0.1, "l2": 0.3, "lambda_": 0.1, "m2": 0.7, "q_": 0.05}
+    values = {
+        "θ": 0.4,
+        "q": 0.2,
+        "关": 1.5,
+        "cos_1": 0.1,
+        "l2": 0.3,
+        "lambda_": 0.1,
+        "m2": 0.7,
+        "q_": 0.05,
+    }
     bound = model.bind(**values)
     scope: dict = {}
     text = fb.equations(bound).python()

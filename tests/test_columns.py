@@ -1,6 +1,8 @@
-"""Matrices by columns equal the ones that are compiled whole; second derivatives equal differences of first ones.
+"""Matrices by columns equal the ones that are compiled whole; second derivatives equal differences
+of first ones.
 
-Columns are made from 65 coordinates on; to hold them against a whole matrix, small robots are given to them directly.
+Columns are made from 65 coordinates on; to hold them against a whole matrix, small robots are given
+to them directly.
 """
 
 from __future__ import annotations
@@ -85,10 +87,14 @@ def test_matrices_of_long_chains(n, monkeypatch):
     np.testing.assert_allclose(M, M.T, atol=1e-12 * np.abs(M).max())
     np.testing.assert_allclose(M @ qdd + bias, tau, atol=1e-9 * size)
     C = fb.coriolis_matrix(model, q, qd)
-    np.testing.assert_allclose(C @ qd + fb.gravity_torque(model, q), bias, atol=1e-9 * np.abs(bias).max())
+    np.testing.assert_allclose(
+        C @ qd + fb.gravity_torque(model, q), bias, atol=1e-9 * np.abs(bias).max()
+    )
     by_q, by_qd, _ = fb.inverse_dynamics_derivatives(model, q, qd, qdd)
     ahead, behind = (fb.inverse_dynamics(model, q, qd + s * qdd, qdd) for s in (1, -1))
-    np.testing.assert_allclose(by_qd @ qdd, (ahead - behind) / 2, atol=1e-9 * np.abs(ahead - behind).max())
+    np.testing.assert_allclose(
+        by_qd @ qdd, (ahead - behind) / 2, atol=1e-9 * np.abs(ahead - behind).max()
+    )
     h = 1e-4
     ahead, behind = (fb.inverse_dynamics(model, q + s * h * qdd / n, qd, qdd) for s in (1, -1))
     np.testing.assert_allclose(
@@ -112,9 +118,15 @@ def test_several_quantities_of_a_long_chain(monkeypatch):
     assert isinstance(kernel, KernelList)
     assert "ColumnKernel(mass_matrix" in repr(kernel)
     found = kernel(q[0, 0], qd)
-    expected = fb.bias(model, q[0, 0], qd), fb.mass_matrix(model, q[0, 0]), fb.gravity_torque(model, q[0, 0])
+    expected = (
+        fb.bias(model, q[0, 0], qd),
+        fb.mass_matrix(model, q[0, 0]),
+        fb.gravity_torque(model, q[0, 0]),
+    )
     for ours, alone in zip(found, expected, strict=True):
-        np.testing.assert_allclose(ours, np.broadcast_to(alone, ours.shape), atol=1e-12 * np.abs(alone).max())
+        np.testing.assert_allclose(
+            ours, np.broadcast_to(alone, ours.shape), atol=1e-12 * np.abs(alone).max()
+        )
     assert [x.shape[:2] for x in found] == [(2, 3)] * 3
     out = tuple(map(np.empty_like, found))
     assert all(a is b for a, b in zip(kernel(q[0, 0], qd, out=out), out, strict=True))
@@ -127,17 +139,23 @@ def test_several_quantities_of_a_long_chain(monkeypatch):
 def test_second_derivatives_are_differences_of_first_ones(model_name):
     model = MODELS[model_name]()
     q, qd, qdd = fb.random_state(model, seed=6)
-    by_q_q, by_qd_q, by_qd_qd, M_q = reference(model, "inverse_dynamics_second_derivatives", q, qd, qdd)
+    by_q_q, by_qd_q, by_qd_qd, M_q = reference(
+        model, "inverse_dynamics_second_derivatives", q, qd, qdd
+    )
 
     def first(part):
         return lambda x: fb.inverse_dynamics_derivatives(model, x, qd, qdd)[part]
 
     scale = np.abs(by_q_q).max()
     for tensor, part in ((by_q_q, 0), (by_qd_q, 1), (M_q, 2)):
-        np.testing.assert_allclose(tensor, difference_along(model, first(part), q), atol=1e-8 * scale)
+        np.testing.assert_allclose(
+            tensor, difference_along(model, first(part), q), atol=1e-8 * scale
+        )
     step = np.eye(model.nv)
     ahead, behind = (
-        np.stack([fb.inverse_dynamics_derivatives(model, q, qd + s * e, qdd)[1] for e in step], axis=-1)
+        np.stack(
+            [fb.inverse_dynamics_derivatives(model, q, qd + s * e, qdd)[1] for e in step], axis=-1
+        )
         for s in (1, -1)
     )
     np.testing.assert_allclose(by_qd_qd, (ahead - behind) / 2, atol=1e-10 * scale)

@@ -1,4 +1,5 @@
-"""A user's own functions, compiled: their values, shapes and derivatives, and what they may not do."""
+"""A user's own functions, compiled: their values, shapes and derivatives, and what they may not
+do."""
 
 import inspect
 import itertools
@@ -37,7 +38,9 @@ def test_a_controller_is_what_it_says(target):
     kernel = fb.compile(law, LAW, {"tau": 3}, target=target)
     given = states(101)
     columns = [x.T for x in given]
-    np.testing.assert_allclose(kernel(*given), np.stack(law(*columns), axis=-1), rtol=1e-13, atol=1e-13)
+    np.testing.assert_allclose(
+        kernel(*given), np.stack(law(*columns), axis=-1), rtol=1e-13, atol=1e-13
+    )
     assert np.abs(kernel(*given)).max() == 20.0
     assert (np.abs(kernel(*given)).max(axis=0) == [20.0, 20.0, 10.0]).all()
 
@@ -67,12 +70,18 @@ def test_in_32_bits():
     given = states(50)
     single = fb.compile(law, LAW, {"tau": 3}, dtype="float32")(*given)
     assert single.dtype == np.float32
-    np.testing.assert_allclose(single, fb.compile(law, LAW, {"tau": 3})(*given), rtol=1e-5, atol=1e-4)
+    np.testing.assert_allclose(
+        single, fb.compile(law, LAW, {"tau": 3})(*given), rtol=1e-5, atol=1e-4
+    )
 
 
 def smooth(x, y, s):
     """Everything with a derivative everywhere, over complex numbers too."""
-    r = [fm.sin(x[0] * y[0][1]) + fm.exp(-x[1]), fm.log(3.0 + x[0] ** 2) * s, fm.sqrt(2.0 + x[1]) / (s + 4.0)]
+    r = [
+        fm.sin(x[0] * y[0][1]) + fm.exp(-x[1]),
+        fm.log(3.0 + x[0] ** 2) * s,
+        fm.sqrt(2.0 + x[1]) / (s + 4.0),
+    ]
     return {"r": r, "c": fm.tanh(y[1][0] * s) * fm.cos(x[1]) - x[0] ** -2}
 
 
@@ -100,7 +109,10 @@ def test_derivatives_against_complex_step():
             columns = [found[of_s].reshape(*core, 1), found[of_x], found[of_y].reshape(*core, 4)]
             np.testing.assert_allclose(found[name], expected.real, rtol=1e-13)
             np.testing.assert_allclose(
-                np.concatenate(columns, axis=-1)[..., k], expected.imag / step, rtol=1e-12, atol=1e-13
+                np.concatenate(columns, axis=-1)[..., k],
+                expected.imag / step,
+                rtol=1e-12,
+                atol=1e-13,
             )
 
 
@@ -133,17 +145,22 @@ def test_composed_functions_of_every_kind_of_scalar():
     }  # fmt: skip
     given = {"tan": "a", "atan": "a", "clip": "abc", "logical_not": "a"}
     assert set(expected) == {
-        n for n, f in vars(fm).items() if n in fm.__all__ and getattr(f, "__module__", "") == fm.__name__
+        n
+        for n, f in vars(fm).items()
+        if n in fm.__all__ and getattr(f, "__module__", "") == fm.__name__
     }
     for name, value in expected.items():
         operands = {"a": a, "b": -0.5 if name == "clip" else b, "c": 0.25}
         chosen = [operands[x] for x in given.get(name, "ab")]
         function = getattr(fm, name)
         kernel = fb.compile(
-            lambda a, b, f=function, chosen=chosen: f(*(a, b, 0.25)[: len(chosen)]), {"a": (), "b": ()}
+            lambda a, b, f=function, chosen=chosen: f(*(a, b, 0.25)[: len(chosen)]),
+            {"a": (), "b": ()},
         )
         np.testing.assert_allclose(function(*chosen), value.astype(float), rtol=1e-15, err_msg=name)
-        np.testing.assert_allclose(kernel(a, operands["b"]), value.astype(float), rtol=1e-15, err_msg=name)
+        np.testing.assert_allclose(
+            kernel(a, operands["b"]), value.astype(float), rtol=1e-15, err_msg=name
+        )
 
 
 def test_an_infinite_bound_is_none():
@@ -255,7 +272,11 @@ def test_scalars_of_another_trace_are_refused():
             r"returned 2 values, expected a tuple of a\(2\), b\(2\) and c\(2\)",
         ),
         (lambda x: 1.0, {"a": 2, "b": 2}, r"returned float, expected a tuple of a\(2\) and b\(2\)"),
-        (lambda x: {"a": x}, {"a": 2, "b": 2}, r"returned a dict of a, expected one of a\(2\) and b\(2\)"),
+        (
+            lambda x: {"a": x},
+            {"a": 2, "b": 2},
+            r"returned a dict of a, expected one of a\(2\) and b\(2\)",
+        ),
         (lambda x: {}, {"a": 2}, r"returned a dict of nothing, expected one of a\(2\)"),
     ],
 )
@@ -287,7 +308,11 @@ def test_results_that_do_not_fit(returned, outputs, message):
         ((lambda x: x, {"x": True}), FreebodyError, "core shape of input x is True"),
         ((lambda x: x, {"x": "6"}), FreebodyError, "core shape of input x is '6'"),
         ((lambda x: x, {"x": (2, None)}), FreebodyError, r"core shape of input x is \(2, None\)"),
-        ((lambda **k: 1.0, {"x[0]": 2}), FreebodyError, r"input name 'x\[0\]' is no word of letters a-z"),
+        (
+            (lambda **k: 1.0, {"x[0]": 2}),
+            FreebodyError,
+            r"input name 'x\[0\]' is no word of letters a-z",
+        ),
         ((lambda x: x, {"x": 2}, {"a\n": 2}), FreebodyError, "output name"),
         ((lambda x: {"a-b": x}, {"x": 2}), FreebodyError, "output name 'a-b' is no word"),
         (
@@ -310,7 +335,9 @@ def test_arguments_are_checked(arguments, error, message):
 def test_differentiation_by_what_is_there():
     with pytest.raises(UnknownNameError, match="no input 'z' in by="):
         fb.compile(lambda x: x, {"x": 2}, by="z")
-    with pytest.raises(ProgramError, match="da_dx is both an output of compiled and a derivative; rename it"):
+    with pytest.raises(
+        ProgramError, match="da_dx is both an output of compiled and a derivative; rename it"
+    ):
         fb.compile(lambda x: {"a": x, "da_dx": x}, {"x": 2}, by="x")
     assert len(fb.compile(lambda x: x, {"x": 2}, by=("x", "x")).program.outputs) == 2
 
@@ -397,10 +424,13 @@ def test_formulas_say_what_is_wrong():
     arm = fb.load("2R")
     function = fb.formula(arm, "inverse_dynamics")
     with pytest.raises(
-        FreebodyError, match=r"inverse_dynamics: 2 arguments given, expected 3: q\(2\), qd\(2\), qdd\(2\)"
+        FreebodyError,
+        match=r"inverse_dynamics: 2 arguments given, expected 3: q\(2\), qd\(2\), qdd\(2\)",
     ):
         function([0, 0], [0, 0])
-    with pytest.raises(FreebodyError, match=r"inverse_dynamics: qd has shape \(3,\), expected \(2,\)"):
+    with pytest.raises(
+        FreebodyError, match=r"inverse_dynamics: qd has shape \(3,\), expected \(2,\)"
+    ):
         function([0, 0], [0, 0, 0], [0, 0])
     with pytest.raises(FreebodyError, match=r"inverse_dynamics: q has shape \(\), expected \(2,\)"):
         function(0.0, [0, 0], [0, 0])
@@ -412,7 +442,9 @@ def test_formulas_say_what_is_wrong():
         FreebodyError, match=r"formula: .2R. is a family of robots, .*take a member, model\[0\]"
     ):
         fb.formula(arm.bind({"m1": [1.0, 2.0]}), "bias")
-    with pytest.raises(KindError, match=r"formula: the first argument is str 'ur5e', expected a Model"):
+    with pytest.raises(
+        KindError, match=r"formula: the first argument is str 'ur5e', expected a Model"
+    ):
         fb.formula("ur5e", "bias")
 
 
@@ -433,7 +465,11 @@ def test_own_functions_go_out_as_text_and_to_jax(tmp_path):
         for found, exact in zip(results, expected, strict=True):
             np.testing.assert_allclose(found, exact, rtol=1e-13, atol=1e-13)
     np.testing.assert_allclose(by_jax, expected[2], rtol=1e-12, atol=1e-13)
-    with pytest.raises(FreebodyError, match=r"fb.to_jax: a kernel has its quantities already; give no names"):
+    with pytest.raises(
+        FreebodyError, match=r"fb.to_jax: a kernel has its quantities already; give no names"
+    ):
         fb.to_jax(kernel, "bias")
-    with pytest.raises(FreebodyError, match=r"to_jax: give the quantities, such as 'inverse_dynamics'"):
+    with pytest.raises(
+        FreebodyError, match=r"to_jax: give the quantities, such as 'inverse_dynamics'"
+    ):
         fb.to_jax(fb.load("2R"))

@@ -1,6 +1,8 @@
-"""PTX: assembled by NVIDIA's own assembler, and its entries run on this processor, thread by thread.
+"""PTX: assembled by NVIDIA's own assembler, and its entries run on this processor, thread by
+thread.
 
-No test here needs a GPU. Those that do are in test_cuda_device.py, which is run here on an emulated driver.
+No test here needs a GPU. Those that do are in test_cuda_device.py, which is run here on an emulated
+driver.
 """
 
 from __future__ import annotations
@@ -38,7 +40,8 @@ TALOS = ROBOTS / "talos_data/robots/talos_reduced.urdf"
 TOLERANCE = {"float64": 1e-13, "float32": 1e-5}
 DTYPES = tuple(TOLERANCE)
 LONGEST = 40_000
-"""Nodes of programs for which no compiler needs a quarter of an hour: three derivatives of a Talos are longer."""
+"""Nodes of programs for which no compiler needs a quarter of an hour: three derivatives of a Talos
+are longer."""
 TOO_FINE = ("loop_velocity", "loop_acceleration")
 """What checks itself to 1e-8, which float32 does not reach on any target."""
 STARTED = ("inverse_dynamics", "forward_dynamics")
@@ -74,7 +77,9 @@ def require_compiler() -> None:
 
 def agrees(found: np.ndarray, exact: np.ndarray, allowed: float) -> None:
     assert np.isfinite(exact).all()
-    assert np.abs(found - exact).max(initial=0.0) <= allowed * (np.abs(exact).max(initial=0.0) or 1.0)
+    assert np.abs(found - exact).max(initial=0.0) <= allowed * (
+        np.abs(exact).max(initial=0.0) or 1.0
+    )
 
 
 def gives_what_is_true(model: fb.Model, name: str, dtype: str) -> None:
@@ -122,7 +127,9 @@ def test_every_formula_of_every_robot(name, dtype):
 def test_rates_that_float_cannot_check_are_nan_on_every_target(quantity, target):
     made = traced(robot("stewart"), quantity)
     known = vectors(made, "float32", robot("stewart"))
-    given = [x.reshape(-1, *a.shape).astype("f4") for x, a in zip(known.inputs, made.inputs, strict=True)]
+    given = [
+        x.reshape(-1, *a.shape).astype("f4") for x, a in zip(known.inputs, made.inputs, strict=True)
+    ]
     run = compile_program(made, target="cpu", dtype="float32")
     (found,) = gpu.run(made, given, "float32") if target == "cuda" else (run(*given),)
     assert np.isnan(found).all()
@@ -158,7 +165,8 @@ def test_operations_have_the_bits_that_the_cpu_gives(name, dtype):
 
 # ---------------------------------------------------------------- where it reads and writes
 def little() -> Program:
-    """Different things of all inputs; an input that is a result, a constant, the same result twice."""
+    """Different things of all inputs; an input that is a result, a constant, the same result
+    twice."""
     inputs = [Argument("q", (2,)), Argument("A", (2, 2)), Argument("h", ())]
     outputs = [Argument("y", (3,)), Argument("B", (2, 2)), Argument("s", ())]
     return trace(
@@ -192,7 +200,9 @@ def test_every_sample_is_read_and_written_in_its_place_and_nothing_else(layout, 
 
     def room(size: int, fill: float | None) -> np.ndarray:
         """(count, size), in memory of which other numbers are around and between."""
-        shape = {"rows": (count, size), "columns": (size, count), "apart": (2 * count, 3 * size)}[layout]
+        shape = {"rows": (count, size), "columns": (size, count), "apart": (2 * count, 3 * size)}[
+            layout
+        ]
         whole = (
             rng.normal(size=(shape[0] + 2, shape[1]))
             if fill is None
@@ -217,7 +227,9 @@ def test_every_sample_is_read_and_written_in_its_place_and_nothing_else(layout, 
 def many(inputs: int, outputs: int) -> Program:
     """Entry k of the output is k times an input, which come in turn."""
     arrays = [Argument("x", (inputs,))], [Argument("y", (outputs,))]
-    return prepared(trace("many", lambda x: ([x[k % inputs] * float(k) for k in range(outputs)],), *arrays))
+    return prepared(
+        trace("many", lambda x: ([x[k % inputs] * float(k) for k in range(outputs)],), *arrays)
+    )
 
 
 @pytest.mark.parametrize("layout", ["rows", "columns"])
@@ -269,17 +281,23 @@ def test_a_sample_with_an_input_that_is_not_finite_is_nan_and_no_other(bad):
 def test_dynamics_spill_nothing(name, dtype, tmp_path):
     model = fb.load(name)
     for quantity in STARTED:
-        ((registers, *spilled),) = gpu.assembled(fb.source(model, quantity, "cuda", dtype=dtype), tmp_path)
+        ((registers, *spilled),) = gpu.assembled(
+            fb.source(model, quantity, "cuda", dtype=dtype), tmp_path
+        )
         assert registers <= 255
         assert spilled == [0, 0]
 
 
-@pytest.mark.parametrize("quantity", ["inverse_dynamics_derivatives", "forward_dynamics_derivatives"])
+@pytest.mark.parametrize(
+    "quantity", ["inverse_dynamics_derivatives", "forward_dynamics_derivatives"]
+)
 def test_derivatives_are_divided_until_they_do_not_spill(quantity, tmp_path):
     text = fb.source(fb.load("ur5e"), quantity, "cuda", name="f")
     entries = gpu.assembled(text, tmp_path)
     assert [spilled for _, *spilled in entries] == [[0, 0]] * len(entries)
-    assert re.findall(r"\.entry (\w+)\(", text) == [f"f_part{k}" for k in range(1, len(entries) + 1)]
+    assert re.findall(r"\.entry (\w+)\(", text) == [
+        f"f_part{k}" for k in range(1, len(entries) + 1)
+    ]
     assert len(entries) > 1
 
 
@@ -316,7 +334,9 @@ def test_ptxas_takes_every_formula(name, dtype, tmp_path):
     model = robot(name)
     for quantity in formulas(model):
         if len(traced(model, quantity)) < LONGEST:
-            assert gpu.assembled(fb.source(model, quantity, "cuda", dtype=dtype), tmp_path), quantity
+            assert gpu.assembled(fb.source(model, quantity, "cuda", dtype=dtype), tmp_path), (
+                quantity
+            )
 
 
 # ---------------------------------------------------------------- the target
@@ -326,14 +346,19 @@ def test_where_there_is_no_gpu_the_target_says_what_is_missing():
         pytest.skip("there is a GPU")
     with pytest.raises(KernelError, match=f"^target 'cuda' does not run here: {re.escape(reason)}"):
         fb.kernel(
-            fb.load("2R").bind(l1=1, l2=1, lc1=0.5, lc2=0.5, m1=1, m2=1, I1=1, I2=1), "bias", target="cuda"
+            fb.load("2R").bind(l1=1, l2=1, lc1=0.5, lc2=0.5, m1=1, m2=1, I1=1, I2=1),
+            "bias",
+            target="cuda",
         )
 
 
 def test_kernels_run_on_an_emulated_driver():
-    """All that is said of kernels on a GPU, and of kernels of all targets: their code runs, below NVIDIA's binding."""
+    """All that is said of kernels on a GPU, and of kernels of all targets: their code runs, below
+    NVIDIA's binding."""
     for package in ("cuda.bindings", "cuda.core"):
-        pytest.importorskip(package, reason=f"{package} is not installed: pip install 'freebody[cuda]'")
+        pytest.importorskip(
+            package, reason=f"{package} is not installed: pip install 'freebody[cuda]'"
+        )
     require_compiler()
     here = Path(__file__).parent
     files = [here / name for name in ("test_cuda_device.py", "test_kernels.py")]
@@ -382,7 +407,8 @@ def test_the_text_is_the_same_each_time_and_says_how_it_is_called(tmp_path):
 
 @pytest.mark.parametrize("name", ["sin", "atan2", "exp", "log", "acos"])
 def test_no_assembler_contracts_what_has_to_be_rounded(name):
-    """Without .rn it may make a multiply-add of two instructions, and a difference that is exact is exact no more."""
+    """Without .rn it may make a multiply-add of two instructions, and a difference that is exact is
+    exact no more."""
     arity = OPERATIONS[name].arity
     made = fb.compile(lambda **x: FUNCTIONS[name](*x.values()), dict.fromkeys("ab"[:arity], ()))
     text = fb.source(made, language="cuda")
@@ -400,12 +426,17 @@ def test_a_package_passes_its_own_test_on_an_emulated_driver_and_can_fail(
     monkeypatch.setattr(cuda, "emit", lambda *x: texts.append(emit(*x)) or texts[-1])
     model = fb.load("ur5e")
     fb.export(model, quantity, tmp_path, "cuda", dtype=dtype)
-    for text, passes in ((texts[0], True), (texts[0].replace("fsub contract", "fadd contract", 1), False)):
+    for text, passes in (
+        (texts[0], True),
+        (texts[0].replace("fsub contract", "fadd contract", 1), False),
+    ):
         gpu.driver(tmp_path, text)
         environment = os.environ | {"LD_LIBRARY_PATH": str(tmp_path)}
         command = [sys.executable, f"{quantity}_test.py"]
         done = subprocess.run(
             command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
         )
-        assert done.stdout.splitlines()[-1] == ("passed" if passes else "FAILED"), done.stdout + done.stderr
+        assert done.stdout.splitlines()[-1] == ("passed" if passes else "FAILED"), (
+            done.stdout + done.stderr
+        )
         assert (done.returncode == 0) == passes

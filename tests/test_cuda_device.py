@@ -1,6 +1,8 @@
-"""Kernels on a GPU: skipped where there is none, but for the run on an emulated driver that test_cuda.py starts.
+"""Kernels on a GPU: skipped where there is none, but for the run on an emulated driver that
+test_cuda.py starts.
 
-On a machine with a GPU: `pytest -n0 tests/test_cuda_device.py tests/test_kernels.py tests/test_operations.py`.
+On a machine with a GPU: `pytest -n0 tests/test_cuda_device.py tests/test_kernels.py
+tests/test_operations.py`.
 """
 
 from __future__ import annotations
@@ -38,7 +40,9 @@ class Owned:
         self.values, self.whole = values, whole
         with driver.current(0):
             self.memory = driver.Memory(whole.nbytes, 0, driver.DEFAULT_STREAM)
-            driver.call("cuMemcpyHtoDAsync", self.memory.address, whole.ctypes.data, whole.nbytes, 1)
+            driver.call(
+                "cuMemcpyHtoDAsync", self.memory.address, whole.ctypes.data, whole.nbytes, 1
+            )
             driver.call("cuStreamSynchronize", 1)
         self.shape, self.dtype = values.shape, values.dtype
         self.__cuda_array_interface__ = {
@@ -54,7 +58,11 @@ class Owned:
         """What is there now, as `values` has it; what lies between is in `whole`."""
         with driver.current(0):
             driver.call(
-                "cuMemcpyDtoHAsync", self.whole.ctypes.data, self.memory.address, self.whole.nbytes, 1
+                "cuMemcpyDtoHAsync",
+                self.whole.ctypes.data,
+                self.memory.address,
+                self.whole.nbytes,
+                1,
             )
             driver.call("cuStreamSynchronize", 1)
         return self.values
@@ -202,7 +210,11 @@ def test_a_stream_takes_the_work_and_may_be_of_any_library(kernels):
     given = [*map(Owned, arrays)]
     with driver.current(0):
         made = 7 if EMULATED else int(driver.call("cuStreamCreate", 1))
-    for stream in (made, type("Stream", (), {"cuda_stream": made})(), type("Stream", (), {"ptr": made})()):
+    for stream in (
+        made,
+        type("Stream", (), {"cuda_stream": made})(),
+        type("Stream", (), {"ptr": made})(),
+    ):
         result = here(*given, stream=stream)
         assert result.__cuda_array_interface__["stream"] == made
         close(result, there(*arrays))
@@ -246,7 +258,9 @@ def test_a_function_of_ones_own():
     def law(q, gain):
         return fb.math.tanh(gain * q[0]) + fb.math.atan2(q[1], fb.math.exp(q[0]))
 
-    here, there = (fb.compile(law, {"q": 2, "gain": ()}, target=target) for target in ("cuda", "cpu"))
+    here, there = (
+        fb.compile(law, {"q": 2, "gain": ()}, target=target) for target in ("cuda", "cpu")
+    )
     arrays = np.random.default_rng(0).normal(size=(40, 2)), np.linspace(0.0, 1.0, 40)
     close(here(*arrays), there(*arrays))
     many = [Argument(f"x{k}", ()) for k in range(20)]

@@ -1,4 +1,5 @@
-"""What the steps of a derivation say fits the arm: slides where there are some, moments given once and used."""
+"""What the steps of a derivation say fits the arm: slides where there are some, moments given once
+and used."""
 
 import re
 
@@ -21,11 +22,14 @@ def test_slides_are_spoken_of_where_there_are_some(word: str, method: str):
 
 @pytest.mark.parametrize("word", ["RR", "RP", "PR", "PP", "RPP", "PPR"])
 def test_every_moment_that_is_eliminated_is_given_and_used(word: str):
-    """A slide at the base passes its moment to the ground, where no one asks for it; others pass it inward."""
+    """A slide at the base passes its moment to the ground, where no one asks for it; others pass it
+    inward."""
     text = fb.derive(fb.planar(word), "newton-euler").text()
     steps = {
         int(match[1]): match[2]
-        for match in re.finditer(r"Eliminate the reactions at joint (\d)(.*?)(?=\n\d+\. )", text, re.DOTALL)
+        for match in re.finditer(
+            r"Eliminate the reactions at joint (\d)(.*?)(?=\n\d+\. )", text, re.DOTALL
+        )
     }
     assert sorted(steps) == list(range(1, len(word) + 1))
     digits = "₀₁₂₃"

@@ -1,4 +1,5 @@
-"""Derivatives of inverse and forward dynamics against differences of our own functions along the tangent space."""
+"""Derivatives of inverse and forward dynamics against differences of our own functions along the
+tangent space."""
 
 from __future__ import annotations
 
@@ -20,7 +21,9 @@ def test_inverse_dynamics_derivatives_aredifference_alongs(name):
     by_q, by_qd, M = fb.inverse_dynamics_derivatives(model, q, qd, qdd)
     scale = np.abs(by_q).max()
     np.testing.assert_allclose(
-        by_q, difference_along(model, lambda x: fb.inverse_dynamics(model, x, qd, qdd), q), atol=1e-9 * scale
+        by_q,
+        difference_along(model, lambda x: fb.inverse_dynamics(model, x, qd, qdd), q),
+        atol=1e-9 * scale,
     )
     unit = np.eye(model.nv)[:, None]
     ahead, behind = (fb.inverse_dynamics(model, q, qd + s * unit, qdd) for s in (1, -1))
@@ -36,13 +39,17 @@ def test_forward_dynamics_derivatives_aredifference_alongs(name):
     by_q, by_qd, inverse = fb.forward_dynamics_derivatives(model, q, qd, tau)
     scale = np.abs(by_q).max()
     np.testing.assert_allclose(
-        by_q, difference_along(model, lambda x: fb.forward_dynamics(model, x, qd, tau), q), atol=1e-8 * scale
+        by_q,
+        difference_along(model, lambda x: fb.forward_dynamics(model, x, qd, tau), q),
+        atol=1e-8 * scale,
     )
     unit = np.eye(model.nv)[:, None]
     ahead, behind = (fb.forward_dynamics(model, q, qd + s * unit, tau) for s in (1, -1))
     np.testing.assert_allclose(by_qd, np.moveaxis((ahead - behind) / 2, 0, -1), atol=1e-9 * scale)
     np.testing.assert_allclose(
-        inverse @ fb.mass_matrix(model, q), np.broadcast_to(np.eye(model.nv), inverse.shape), atol=1e-9
+        inverse @ fb.mass_matrix(model, q),
+        np.broadcast_to(np.eye(model.nv), inverse.shape),
+        atol=1e-9,
     )
 
 
@@ -60,7 +67,8 @@ def test_kernels_equal_the_reference(name, formula):
 
 
 def _complex_steps(model, function, q, *rates):
-    """Derivatives of function(tree, q, *rates) along the tangent of q and along the first rates, to rounding."""
+    """Derivatives of function(tree, q, *rates) along the tangent of q and along the first rates, to
+    rounding."""
     tree, h = model.tree, 1e-30
     exact = [tuple(map(complex, x)) for x in (q, *rates)]
     by_q, by_rates = [], []
@@ -75,7 +83,8 @@ def _complex_steps(model, function, q, *rates):
 
 @pytest.mark.parametrize("name", MODELS)
 def test_derivatives_are_complex_steps_of_the_recursions(name):
-    """No difference is taken, so all digits count: the recursion on complex numbers, a step of 1e-30."""
+    """No difference is taken, so all digits count: the recursion on complex numbers, a step of
+    1e-30."""
     model = MODELS[name]().without("friction")
     q, qd, qdd = fb.random_state(model, seed=8)
     for formula, function in (

@@ -1,4 +1,5 @@
-"""Derivations by different methods end in the same polynomials, these are the closed form and the kernels' values."""
+"""Derivations by different methods end in the same polynomials, these are the closed form and the
+kernels' values."""
 
 from __future__ import annotations
 
@@ -40,7 +41,9 @@ def ends_alike(model: Model) -> None:
     q, qd, qdd = fb.random_state(bound, seed=5, batch=4)
     tau = values_of(fb.derive(bound, "newton-euler", route="pivot"), q, qd, qdd)
     expected = fb.inverse_dynamics(bound, q, qd, qdd)
-    np.testing.assert_allclose(tau, expected, rtol=1e-12, atol=1e-12 * max(1.0, np.abs(expected).max()))
+    np.testing.assert_allclose(
+        tau, expected, rtol=1e-12, atol=1e-12 * max(1.0, np.abs(expected).max())
+    )
 
 
 @pytest.mark.parametrize("word", WORDS)
@@ -61,7 +64,14 @@ def test_bundled_robots_are_derived(names):
 
 
 def test_friction_springs_and_rotors_are_derived_too():
-    names = {"viscous": "b1", "coulomb": "k1", "rotor": "J1", "gear": "n1", "stiffness": "s1", "rest": "r1"}
+    names = {
+        "viscous": "b1",
+        "coulomb": "k1",
+        "rotor": "J1",
+        "gear": "n1",
+        "stiffness": "s1",
+        "rest": "r1",
+    }
     drive = fb.Drive(**{field: fb.Parameter(name) for field, name in names.items()})
     model = fb.planar("RP", drives=[drive, None])
     for method, options in WAYS:
@@ -78,7 +88,9 @@ def test_statics_is_what_holds_the_arm():
     model = fb.planar("RPR", l=[1, 0.2, 0.7], lc=[0.5, 0.1, 0.3], m=[1, 2, 3], I=[0.1, 0.2, 0.3])
     q, _, _ = fb.random_state(model, seed=1, batch=5)
     tau = values_of(fb.derive(model, "statics"), q, fx=3.0, fy=-2.0)
-    np.testing.assert_allclose(tau, fb.static_torque(model, q, [3.0, -2.0, 0.0]), rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(
+        tau, fb.static_torque(model, q, [3.0, -2.0, 0.0]), rtol=1e-12, atol=1e-12
+    )
 
 
 def test_statics_of_the_notes_arm_is_minus_the_jacobian_transposed_times_the_load():
@@ -89,7 +101,9 @@ def test_statics_of_the_notes_arm_is_minus_the_jacobian_transposed_times_the_loa
     assert "τ₁ = (l₁ sin θ₁ + l₂ sin(θ₁+θ₂)) f_x − (l₁ cos θ₁ + l₂ cos(θ₁+θ₂)) f_y" in text
     assert "τ₂ = l₂ sin(θ₁+θ₂) f_x − l₂ cos(θ₁+θ₂) f_y" in text
     known = {"l1": 3.5, "l2": 3.0, "fx": -4.5, "fy": -3.0, "theta1": np.pi / 6, "theta2": np.pi / 6}
-    np.testing.assert_allclose([t.evaluate(known) for t in derivation.tau], [-5.9731, -7.1913], atol=1e-4)
+    np.testing.assert_allclose(
+        [t.evaluate(known) for t in derivation.tau], [-5.9731, -7.1913], atol=1e-4
+    )
 
 
 @pytest.mark.parametrize("word", ["R", "RR", "PR", "RP"])
@@ -123,7 +137,12 @@ def test_without_gravity_there_is_no_g(method, options):
         derivation = fb.derive(model, method, **options)
         shown = [line for step in derivation.steps for line in step.equations]
         names = {node.name for line in shown for node in nodes(line) if isinstance(node, Symbol)}
-        names |= {x.name for meaning in derivation.glossary for x in meaning.symbols if isinstance(x, Symbol)}
+        names |= {
+            x.name
+            for meaning in derivation.glossary
+            for x in meaning.symbols
+            if isinstance(x, Symbol)
+        }
         assert "g" not in names
         assert not re.search(r"\bgravity G|weight|-g\b", derivation.text())
 
@@ -143,7 +162,9 @@ def test_newton_and_euler_of_the_2r_arm_are_the_notes():
         "τ₂ = I₂ ω̇₂ + sc₂ × m₂ (v̇c₂ − g)",  # (3.14)
         "τ₁ = τ₂ + I₁ ω̇₁ + sc₁ × m₁ (v̇c₁ − g) + s₁ × m₂ (v̇c₂ − g)",  # (3.15)
         "ω₂ = θ̇₁ + θ̇₂",  # (3.17)
-        "vc₂ = [−l₁ θ̇₁ sin θ₁ − lc₂ (θ̇₁ + θ̇₂) sin(θ₁+θ₂), l₁ θ̇₁ cos θ₁ + lc₂ (θ̇₁ + θ̇₂) cos(θ₁+θ₂)]ᵀ",  # (3.19)
+        # (3.19)
+        "vc₂ = [−l₁ θ̇₁ sin θ₁ − lc₂ (θ̇₁ + θ̇₂) sin(θ₁+θ₂), l₁ θ̇₁ cos θ₁ + lc₂ (θ̇₁ + θ̇₂) "
+        "cos(θ₁+θ₂)]ᵀ",
     ):
         assert line in lines
 
@@ -206,7 +227,9 @@ def test_only_arms_of_the_notes_cite_their_free_bodies():
 @pytest.mark.parametrize("model", [fb.planar("RPR"), spatial_arm(3, 2)], ids=["plane", "space"])
 def test_the_table_explains_every_parameter_and_coordinate(model, method):
     derivation = fb.derive(model, method)
-    explained = {x.name for meaning in derivation.glossary for x in meaning.symbols if isinstance(x, Symbol)}
+    explained = {
+        x.name for meaning in derivation.glossary for x in meaning.symbols if isinstance(x, Symbol)
+    }
     ring = set(derivation.equations.symbols.ring.names)
     shown: list[Equation] = [line for step in derivation.steps for line in step.equations]
     used = {node.name for line in shown for node in nodes(line) if isinstance(node, Symbol)}
@@ -246,7 +269,9 @@ def test_latex_compiles_and_fits(method, tmp_path: Path):
     for name, model in (("plane", fb.planar("RPR")), ("space", spatial_arm(2, 3))):
         (tmp_path / f"{name}.tex").write_text(fb.derive(model, method).latex())
         command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", f"{name}.tex"]
-        run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, errors="replace")
+        run = subprocess.run(
+            command, cwd=tmp_path, capture_output=True, text=True, errors="replace"
+        )
         assert run.returncode == 0, run.stdout[-2000:]
         assert "Overfull \\hbox" not in run.stdout
 
@@ -257,7 +282,9 @@ def test_two_methods_are_compared_term_by_term():
     comparison = compare(fb.derive(model, "lagrange"), fb.derive(model, "newton-euler"))
     assert comparison
     assert "tau1: 18 terms, identical" in str(comparison) or "identical" in str(comparison)
-    with pytest.raises(fb.FreebodyError, match="one derivation has a load on the tip, the other has none"):
+    with pytest.raises(
+        fb.FreebodyError, match="one derivation has a load on the tip, the other has none"
+    ):
         compare(fb.derive(model, "lagrange"), fb.derive(model, "newton-euler", load=True))
 
 
@@ -269,9 +296,13 @@ def test_what_is_not_derived_is_refused():
         fb.derive(fb.planar("RR"), "hamilton")
     with pytest.raises(fb.FreebodyError, match=r"derive 'lagrange': 'four_bar' is a closed chain"):
         fb.derive(fb.load("four_bar"), "lagrange")
-    with pytest.raises(fb.FreebodyError, match=r"no route 'left' in newton-euler. Routes: centre, pivot"):
+    with pytest.raises(
+        fb.FreebodyError, match=r"no route 'left' in newton-euler. Routes: centre, pivot"
+    ):
         fb.derive(fb.planar("RR"), "newton-euler", route="left")
-    with pytest.raises(fb.FreebodyError, match=r"no gravity 'up' in recursive. Gravities: base, explicit"):
+    with pytest.raises(
+        fb.FreebodyError, match=r"no gravity 'up' in recursive. Gravities: base, explicit"
+    ):
         fb.derive(fb.planar("RR"), "recursive", gravity="up")
 
 
@@ -281,7 +312,9 @@ def test_kinematics_of_the_2r_arm_is_the_notes():
     for line in (
         "r_P = s₁ + s₂ = [l₁ cos θ₁ + l₂ cos(θ₁+θ₂), l₁ sin θ₁ + l₂ sin(θ₁+θ₂)]ᵀ",  # (2.10)-(2.13)
         "ṙ_P = J q̇",  # (2.18)
-        "J = [−l₁ sin θ₁ − l₂ sin(θ₁+θ₂), −l₂ sin(θ₁+θ₂); l₁ cos θ₁ + l₂ cos(θ₁+θ₂), l₂ cos(θ₁+θ₂)]",  # (2.19)
+        # (2.19)
+        "J = [−l₁ sin θ₁ − l₂ sin(θ₁+θ₂), −l₂ sin(θ₁+θ₂); l₁ cos θ₁ + l₂ cos(θ₁+θ₂), l₂ "
+        "cos(θ₁+θ₂)]",
         "det J = l₁ l₂ sin θ₂",  # (2.22)
         "θ₂ = 0",
         "θ₂ = π",  # (2.23)
@@ -295,7 +328,9 @@ def test_kinematics_of_the_2r_arm_is_the_notes():
         assert line in lines
 
 
-@pytest.mark.parametrize("model", [fb.planar("RP"), fb.planar("RRR"), fb.planar("PR"), spatial_arm(5, 3)])
+@pytest.mark.parametrize(
+    "model", [fb.planar("RP"), fb.planar("RRR"), fb.planar("PR"), spatial_arm(5, 3)]
+)
 def test_kinematics_has_the_kernels_values(model):
     derivation = fb.derive(model, "kinematics")
     bound = with_values(model)
@@ -309,7 +344,9 @@ def test_kinematics_has_the_kernels_values(model):
     }
     n, dim = model.nv, model.dim
     J = evaluate(values["J"], known)
-    np.testing.assert_allclose(J, fb.jacobian(bound, q)[..., : J.shape[-2], :], rtol=1e-11, atol=1e-12)
+    np.testing.assert_allclose(
+        J, fb.jacobian(bound, q)[..., : J.shape[-2], :], rtol=1e-11, atol=1e-12
+    )
     J_d = evaluate(values["J_d"], known)
     np.testing.assert_allclose(
         J_d, fb.jacobian_dot(bound, q, qd)[..., : J.shape[-2], :], rtol=1e-11, atol=1e-12

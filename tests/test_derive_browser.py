@@ -1,4 +1,5 @@
-"""Derivations and equations in a real browser: formulas are drawn, and no line is wider than the page."""
+"""Derivations and equations in a real browser: formulas are drawn, and no line is wider than the
+page."""
 
 from __future__ import annotations
 
@@ -19,7 +20,11 @@ pytestmark = [
     ),
 ]
 
-MODELS = [*map(fb.planar, ("R", "RR", "RP", "RRR")), spatial_arm(5, 3), fb.planar("RR").replace(gravity=0)]
+MODELS = [
+    *map(fb.planar, ("R", "RR", "RP", "RRR")),
+    spatial_arm(5, 3),
+    fb.planar("RR").replace(gravity=0),
+]
 SIZES = """return [...document.querySelectorAll('.equations')].map(e => {
   const room = e.getBoundingClientRect(), table = e.querySelector('mtable').getBoundingClientRect();
   return {room: room.width, width: table.width, height: table.height, rows: e.querySelectorAll('mtr').length}})"""
@@ -51,16 +56,16 @@ def test_derivations_are_drawn_and_fit(driver, tmp_path: Path, method):
 
 def test_mathml_stacks_dots_above_letters_and_indices_below(driver, tmp_path: Path):
     page = tmp_path / "equations.html"
-    page.write_text(f"<!doctype html><meta charset='utf-8'>{fb.equations(fb.planar('RR')).mathml()}")
+    page.write_text(
+        f"<!doctype html><meta charset='utf-8'>{fb.equations(fb.planar('RR')).mathml()}"
+    )
     driver.get(page.as_uri())
     letters, dots = driver.execute_script(DOTS)
     assert len(letters) == len(dots) >= 8
     for letter, dot in zip(letters, dots, strict=True):
         assert letter["height"] > 0
         assert dot["top"] <= letter["top"] + 2
-    index = (
-        "const m = document.querySelector('msub'); return [...m.children].map(e => e.getBoundingClientRect())"
-    )
+    index = "const m = document.querySelector('msub'); return [...m.children].map(e => e.getBoundingClientRect())"
     base, low = driver.execute_script(index)
     assert low["bottom"] > base["bottom"]
     assert low["left"] >= base["right"] - 2

@@ -1,4 +1,5 @@
-"""Drawings with symbols: true to the model, third law, closed five-bar, legible; beside the steps of derivations."""
+"""Drawings with symbols: true to the model, third law, closed five-bar, legible; beside the steps
+of derivations."""
 
 import math
 import re
@@ -79,7 +80,11 @@ def assert_legible(drawing, width, tallest):
         text = label.wanted.text
         assert min(left, top, width - right, height - bottom) >= 0, text
         assert not any(_overlap(label.box, other.box) > 12 for other in labels[k + 1 :]), text
-        lines = [p for p in page.crowd.points if left + 1 < p[0] < right - 1 and top + 2 < p[1] < bottom - 2]
+        lines = [
+            p
+            for p in page.crowd.points
+            if left + 1 < p[0] < right - 1 and top + 2 < p[1] < bottom - 2
+        ]
         assert not lines, f"{text} stands on a line"
 
 
@@ -108,11 +113,15 @@ def test_robots_in_space_draw(name):
 
 
 def test_unknown_figures_and_elements_are_named():
-    with pytest.raises(UnknownNameError, match=r"no figure '3.9' in the notes. Did you mean '3.[12]'"):
+    with pytest.raises(
+        UnknownNameError, match=r"no figure '3.9' in the notes. Did you mean '3.[12]'"
+    ):
         fb.notes_figure("3.9")
     figure = fb.notes_figure("fig-1.2")
     assert figure.named("s_{1}") is figure.named("s_1")
-    with pytest.raises(UnknownNameError, match=r"no element 's_9' in 'A planar arm with two links'"):
+    with pytest.raises(
+        UnknownNameError, match=r"no element 's_9' in 'A planar arm with two links'"
+    ):
         figure.named("s_9")
 
 
@@ -126,7 +135,9 @@ def test_arm_stands_where_forward_kinematics_puts_it(arm):
     assert isinstance(length, Dimension)
     np.testing.assert_allclose((length.start, length.end), (elbow, tip), atol=1e-12)
     np.testing.assert_allclose(span(arrow(figure, "r", 1)), tip, atol=1e-12)
-    np.testing.assert_allclose(span(arrow(figure, "s_1", 1)) + span(arrow(figure, "s_2", 1)), tip, atol=1e-12)
+    np.testing.assert_allclose(
+        span(arrow(figure, "s_1", 1)) + span(arrow(figure, "s_2", 1)), tip, atol=1e-12
+    )
     one, two = figure.named("θ_1"), figure.named("θ_2")
     assert isinstance(one, Arc)
     assert isinstance(two, Arc)
@@ -149,7 +160,8 @@ def test_symbols_without_values_are_drawn():
 def test_arm_with_only_one_moment_of_inertia_named_is_drawn(method):
     """Typical values of Izz beside Ixx = Iyy = 0 are of no rigid body; nothing of that is drawn."""
     rows = [
-        {"a": a, "m": 1.0, "com": [0, 0, 0], "I": [0, 0, 0, 0, 0, f"Izz{k}"]} for k, a in ((1, 0.3), (2, 0.2))
+        {"a": a, "m": 1.0, "com": [0, 0, 0], "I": [0, 0, 0, 0, 0, f"Izz{k}"]}
+        for k, a in ((1, 0.3), (2, 0.2))
     ]
     scara = fb.dh(
         [*rows, {"joint": "P", "m": 1.0, "com": [0, 0, 0], "I": [0, 0, 0, 0, 0, "Izz3"]}],
@@ -169,7 +181,9 @@ EVERYTHING = {
     "one DH row, nothing given": lambda: fb.dh([{}], convention="standard"),
     "DH with symbols": lambda: fb.dh([{"a": "a1"}, {"a": "a2", "d": "d2"}], convention="standard"),
     "some numbers": lambda: fb.dh([{"a": 0.3, "m": "m1"}, {"a": "a2"}], convention="modified"),
-    "prismatic first": lambda: fb.dh([{"joint": "P", "a": "a1"}, {"a": "a2"}], convention="standard"),
+    "prismatic first": lambda: fb.dh(
+        [{"joint": "P", "a": "a1"}, {"a": "a2"}], convention="standard"
+    ),
     "no lengths, no masses": lambda: fb.planar("RR", l=[0, 0], m=[0, 0]),
     "a massless link": lambda: fb.planar("RR", m=[0, None]),
     "slides only": lambda: fb.planar("PP"),
@@ -190,7 +204,9 @@ def test_whatever_robot_is_drawn(kind):
     model = EVERYTHING[kind]()
     for drawing in fb.kinematic_diagram(model).drawings:
         letters = [
-            e.text for e in drawing.elements if isinstance(e, Label) and re.fullmatch("[A-Z]′*", e.text)
+            e.text
+            for e in drawing.elements
+            if isinstance(e, Label) and re.fullmatch("[A-Z]′*", e.text)
         ]
         assert len(letters) == len(set(letters)), "a letter is one place's"
     if len(model.bodies) < 10:
@@ -209,7 +225,9 @@ def test_velocities_and_accelerations_are_the_models(arm):
         v = fb.velocity(arm, Q, qd, link, [lc, 0.0])[:2]
         a = fb.acceleration(arm, Q, qd, qdd, link, [lc, 0.0])[:2]
         np.testing.assert_allclose(arrow(figure, f"v_{{c{k}}}").value, v, atol=1e-12)
-        np.testing.assert_allclose(arrow(figure, f"v̇_c{k}".replace("c", "{c") + "}").value, a, atol=1e-12)
+        np.testing.assert_allclose(
+            arrow(figure, f"v̇_c{k}".replace("c", "{c") + "}").value, a, atol=1e-12
+        )
         shown = arrow(figure, f"v_{{c{k}}}")
         np.testing.assert_allclose(shown.start, place(figure, f"C_{k}"), atol=1e-12)
         assert parallel(span(shown), v)
@@ -229,7 +247,9 @@ def test_clear_pose_is_within_the_limits():
 
 
 def test_bad_requests_are_explained(arm):
-    with pytest.raises(UnknownNameError, match="no view 'frames' in kinematic_diagram of a model in 2D"):
+    with pytest.raises(
+        UnknownNameError, match="no view 'frames' in kinematic_diagram of a model in 2D"
+    ):
         fb.kinematic_diagram(arm, show="frames")
     with pytest.raises(FreebodyError, match="show is empty; name one of geometry"):
         fb.kinematic_diagram(arm, show=[])
@@ -350,11 +370,15 @@ def test_five_bar_closes(figures):
     guess = {"theta1": 2.0, "theta2": 1.0, "B": -1.5, "D": 1.5}
     q = fb.assemble(model, guess, free=["B", "D"])
     np.testing.assert_allclose(fb.forward_kinematics(model, q, "P")[:2, 2], at["P"], atol=1e-9)
-    np.testing.assert_allclose(fb.forward_kinematics(model, q, "distal2")[:2, 2], at["D"], atol=1e-9)
+    np.testing.assert_allclose(
+        fb.forward_kinematics(model, q, "distal2")[:2, 2], at["D"], atol=1e-9
+    )
     np.testing.assert_allclose(arrow(figure, "CP", 1).end, at["P"])
     other = closed((1, 1, 1.5, 1.5), 1.6, (2.0, 1.0), -1)["P"]
     assert other[1] < at["P"][1]
-    assert np.linalg.norm(other - closed((1, 1, 1.5, 1.5), 1.6, (2.0, 1.0))["B"]) == pytest.approx(1.5)
+    assert np.linalg.norm(other - closed((1, 1, 1.5, 1.5), 1.6, (2.0, 1.0))["B"]) == pytest.approx(
+        1.5
+    )
     with pytest.raises(
         FreebodyError, match=r"B and D are .* m apart; bars of 0.3 m and 0.3 m meet only from"
     ):
@@ -366,14 +390,18 @@ def test_closed_chains_are_drawn_closed(name):
     model = fb.load(name)
     figure = fb.kinematic_diagram(model, show=["geometry", "velocities"])
     for loop in model.loops:
-        pins = [e.at for e in figure.drawings[0].elements if e.name == loop.name and isinstance(e, Mark)]
+        pins = [
+            e.at for e in figure.drawings[0].elements if e.name == loop.name and isinstance(e, Mark)
+        ]
         np.testing.assert_allclose(*pins, atol=1e-9)
     ET.fromstring(figure.svg)
 
 
 def test_pendulum_moves_across_itself(figures):
     figure = figures["3.1"]
-    assert span(arrow(figure, "r_c", 0)) @ span(arrow(figure, "v_c", 0)) == pytest.approx(0.0, abs=1e-12)
+    assert span(arrow(figure, "r_c", 0)) @ span(arrow(figure, "v_c", 0)) == pytest.approx(
+        0.0, abs=1e-12
+    )
     assert arrow(figure, "m g", 1).value == pytest.approx((0.0, -2 * 9.81))
     total = np.add(arrow(figure, "f_{0,1}", 1).value, arrow(figure, "m g", 1).value)
     c = figure.named("C", 1).at
@@ -406,7 +434,9 @@ def test_free_body_in_space_obeys_euler(figures):
     figure = figures["6.1"]
     axes = np.array([np.array(arrow(figure, f"{x}_i").value) for x in "xyz"])
     np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
-    np.testing.assert_allclose(np.array(arrow(figure, "f").value), 5 * np.array(arrow(figure, "v̇_c").value))
+    np.testing.assert_allclose(
+        np.array(arrow(figure, "f").value), 5 * np.array(arrow(figure, "v̇_c").value)
+    )
     arm = np.subtract(arrow(figure, "f").start, figure.named("C").at)
     np.testing.assert_allclose(
         arrow(figure, "n_i").value, np.cross(arm, arrow(figure, "f").value), atol=1e-12
@@ -437,7 +467,9 @@ def test_link_in_space_balances(figures):
     figure = figures["6.4"]
     names = ("f_{i−1,i}", "−f_{i,i+1}", "m_i g")
     forces = [np.array(arrow(figure, name).value) for name in names]
-    np.testing.assert_allclose(sum(forces), 4.0 * np.array(arrow(figure, "v̇_{ci}").value), atol=1e-9)
+    np.testing.assert_allclose(
+        sum(forces), 4.0 * np.array(arrow(figure, "v̇_{ci}").value), atol=1e-9
+    )
     np.testing.assert_allclose(arrow(figure, "s_i").end, arrow(figure, "−n_{i,i+1}").start)
 
 
@@ -468,7 +500,10 @@ def test_names_are_those_of_the_equations():
         method: illustrations(fb.derive(fb.planar("RP"), method))["free-body 2"]
         for method in ("newton-euler", "recursive")
     }
-    assert moments["newton-euler"].named("n_{1,2}").value == moments["recursive"].named("n_{1,2}").value
+    assert (
+        moments["newton-euler"].named("n_{1,2}").value
+        == moments["recursive"].named("n_{1,2}").value
+    )
     carried = illustrations(fb.derive(fb.planar("RR"), route="pivot"))["carried 1"]
     np.testing.assert_allclose(carried.named("r_{1,c2}").end, carried.named("C_2").at)
     assert "f_{1,2}" not in {e.name for e in carried.elements}, "inner reactions cancel"
@@ -488,7 +523,10 @@ def test_markdown_refers_to_drawings_beside_it(tmp_path, capsys):
 # ---------------------------------------------------------------- the command
 def test_fbd_writes_a_drawing_and_lists_the_loads(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert run(["fbd", "2R", "--q", "0.6 0.9", "--qd", "1, -0.5", "--qdd", "2 3", "--body", "link2"]) == 0
+    assert (
+        run(["fbd", "2R", "--q", "0.6 0.9", "--qd", "1, -0.5", "--qdd", "2 3", "--body", "link2"])
+        == 0
+    )
     said = capsys.readouterr().out.splitlines()
     assert said[1].split() == ["link2", "link1", "f1,2", "−11.87", "32.81", "τ2", "6.465"]
     assert said[-1] == "written: 2R-fbd.svg"
@@ -504,7 +542,8 @@ def test_fbd_writes_a_drawing_and_lists_the_loads(tmp_path, capsys, monkeypatch)
     [
         (
             ["--q", "0.5 x"],
-            "--q '0.5 x': 'x' is not a number that can be used; write for example --q \"0.5, 30 deg\".",
+            "--q '0.5 x': 'x' is not a number that can be used; write for example --q \"0.5, 30 "
+            'deg".',
         ),
         (["--q", "0.5"], "free_body_diagram: q has shape (1,)"),
         (["--body", "link3"], "no body 'link3' in '2R'."),

@@ -1,4 +1,5 @@
-"""Programs of derivatives against complex steps of the program itself, and the ways to them against each other."""
+"""Programs of derivatives against complex steps of the program itself, and the ways to them against
+each other."""
 
 from __future__ import annotations
 
@@ -17,8 +18,8 @@ STEP = 1e-30
 
 
 def by_complex_steps(program, by, arrays):
-    """The derivatives of each output by each of some inputs, for one sample, of functions that NumPy has for complex
-    numbers."""
+    """The derivatives of each output by each of some inputs, for one sample, of functions that
+    NumPy has for complex numbers."""
     found = []
     for k in by:
         columns = []
@@ -101,7 +102,8 @@ def five_links():
 
 
 def test_which_products_are_in_the_program():
-    """Those of a transpose up to two thirds of it, others up to half; none that make it too long."""
+    """Those of a transpose up to two thirds of it, others up to half; none that make it too
+    long."""
     of_five, _ = quantity(five_links(), "inverse_dynamics")
     entries, own = 5 * 15, length(of_five.jacobian((0, 1, 2)).function.program)
     assert own < 2 * 5 * entries < 2 * own < 2 * 15 * entries
@@ -133,7 +135,8 @@ def columns(program, by, arrays):
         shape = program.inputs[k].shape
         size = program.inputs[k].size
         rates = [
-            np.eye(size).reshape(size, *shape) if j == k else np.zeros(program.inputs[j].shape) for j in by
+            np.eye(size).reshape(size, *shape) if j == k else np.zeros(program.inputs[j].shape)
+            for j in by
         ]
         results = along(*arrays, *rates)
         results = results if isinstance(results, tuple) else (results,)
@@ -143,7 +146,9 @@ def columns(program, by, arrays):
 
 def agree(found, expected):
     for result, wanted in zip(found, expected, strict=True):
-        np.testing.assert_allclose(result, wanted, rtol=1e-10, atol=1e-11 * (np.abs(wanted).max() + 1e-300))
+        np.testing.assert_allclose(
+            result, wanted, rtol=1e-10, atol=1e-11 * (np.abs(wanted).max() + 1e-300)
+        )
 
 
 def test_derivatives_by_numbers_of_the_model_and_of_derivatives():
@@ -179,5 +184,8 @@ def test_what_would_be_too_long_comes_in_columns():
 def test_inputs_may_have_any_names():
     kernel = fb.compile(lambda along0, slope0_0: along0 * slope0_0, {"along0": (), "slope0_0": ()})
     function = Differentiable(kernel.program)
-    assert [float(x) for x in run(function.jacobian((0, 1)).function.program, [2.0, 3.0])] == [3.0, 2.0]
+    assert [float(x) for x in run(function.jacobian((0, 1)).function.program, [2.0, 3.0])] == [
+        3.0,
+        2.0,
+    ]
     assert [float(x) for x in run(directional(kernel.program, (0,)), [2.0, 3.0, 5.0])] == [15.0]

@@ -1,4 +1,5 @@
-"""What results show of themselves: a line in a shell, a small table in a notebook, names as harmless text."""
+"""What results show of themselves: a line in a shell, a small table in a notebook, names as
+harmless text."""
 
 from __future__ import annotations
 
@@ -23,7 +24,9 @@ def results(model):
         "study": study,
         "verdict": study.verdict,
         "solutions": fb.inverse_kinematics(model, fb.forward_kinematics(model, q), seed=1),
-        "solutions of a batch": fb.inverse_kinematics(model, fb.forward_kinematics(model, [q, q]), seed=1),
+        "solutions of a batch": fb.inverse_kinematics(
+            model, fb.forward_kinematics(model, [q, q]), seed=1
+        ),
         "parameters": fb.parameters(model),
         "base parameters": fb.base_parameters(model),
         "singularities": fb.singularities(model),

@@ -1,4 +1,5 @@
-"""The examples of the Markdown files and of the commands' help run as tests, so that none stays wrong."""
+"""The examples of the Markdown files and of the commands' help run as tests, so that none stays
+wrong."""
 
 import doctest
 import re
@@ -16,7 +17,11 @@ from freebody.model.closures import LOOP_KINDS
 from freebody.model.joints import KINDS
 
 ROOT = Path(__file__).parents[1]
-PAGES = sorted(ROOT.glob("*.md")) + sorted(ROOT.glob("docs/**/*.md")) + sorted(ROOT.glob("benchmarks/*.md"))
+PAGES = (
+    sorted(ROOT.glob("*.md"))
+    + sorted(ROOT.glob("docs/**/*.md"))
+    + sorted(ROOT.glob("benchmarks/*.md"))
+)
 BLOCK = re.compile(r"^(<!-- no-run: .+ -->\n)?```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 FLAGS = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS | doctest.REPORT_NDIFF
 LOCAL_LINK = re.compile(r"\]\((?!https?:|#|mailto:)([^)#\s]+)")
@@ -93,7 +98,9 @@ def test_help_has_an_example_that_runs(command: str, tmp_path: Path):
 
 def test_every_public_name_is_in_the_list_of_functions():
     listed = re.findall(
-        r"^\| `fb\.(\w+)` \|", (ROOT / "docs/functions.md").read_text(encoding="utf-8"), re.MULTILINE
+        r"^\| `fb\.(\w+)` \|",
+        (ROOT / "docs/functions.md").read_text(encoding="utf-8"),
+        re.MULTILINE,
     )
     assert sorted(listed) == sorted(set(fb.__all__) - {"__version__"})
 
@@ -114,7 +121,8 @@ def test_every_kind_of_joint_and_loop_is_named_where_people_look(kinds, text):
 
 
 def test_files_that_the_architecture_sends_to_are_there():
-    """In the table of what to change, each path below the package; a bare name is beside the one before it."""
+    """In the table of what to change, each path below the package; a bare name is beside the one
+    before it."""
     text = (ROOT / "docs/architecture.md").read_text(encoding="utf-8").partition("| to change |")[2]
     folder, found = Path(), 0
     for path in re.findall(r"`([\w/]+(?:/|\.py))`", text):

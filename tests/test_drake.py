@@ -29,7 +29,8 @@ FILES = (
 
 
 def pair(name: str):
-    """Our model and Drake's plant, welded to the world, without damping; both read the same file."""
+    """Our model and Drake's plant, welded to the world, without damping; both read the same
+    file."""
     path = ROBOTS / name
     model = fb.load(str(path), snap_angles=0, physical="ignore").without("friction")
     bare = re.sub(r"<(visual|collision)\b.*?</\1>", "", path.read_text(), flags=re.DOTALL)

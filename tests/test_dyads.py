@@ -87,7 +87,9 @@ def test_three_legs_have_eight_working_modes():
     found = fb.inverse_kinematics(model, target)
     assert len(found) == 8
     assert len(set(found.branches)) == 8
-    np.testing.assert_allclose(fb.forward_kinematics(model, found.q), np.tile(target, (8, 1, 1)), atol=1e-12)
+    np.testing.assert_allclose(
+        fb.forward_kinematics(model, found.q), np.tile(target, (8, 1, 1)), atol=1e-12
+    )
     np.testing.assert_allclose(every_residual(model, found.q), 0, atol=1e-12)
 
 
@@ -106,7 +108,8 @@ def test_out_of_reach_says_how_far_and_why():
     model = fb.load("five_bar_rods")
     found = fb.inverse_kinematics(model, [1.4, 0.3])
     assert len(found) == 0
-    # P reaches 1 m from A, and no farther: the nearest point is on the circle about A where C allows it
+    # P reaches 1 m from A, and no farther: the nearest point is on the circle about A where C
+    # allows it
     away = np.hypot(1.65, 0.3) - 1.0
     assert found.distance == pytest.approx(away, rel=1e-6)
     (note,) = found.notes
@@ -136,7 +139,9 @@ def test_without_closed_form_by_search():
     assert distinct([q]) <= distinct(fb.inverse_kinematics(four_bar, there).q)
     loose = fb.inverse_kinematics(fb.load("five_bar"), [0.05, 0.6], task=["vy"])
     assert "still moves with its tip held" in loose.notes[0]
-    np.testing.assert_allclose(fb.forward_kinematics(fb.load("five_bar"), loose.q)[:, 1, 2], 0.6, atol=1e-9)
+    np.testing.assert_allclose(
+        fb.forward_kinematics(fb.load("five_bar"), loose.q)[:, 1, 2], 0.6, atol=1e-9
+    )
 
 
 def test_stewart_platform_is_held_at_a_pose():
@@ -152,7 +157,8 @@ def test_stewart_platform_is_held_at_a_pose():
 
 
 def test_rhombs_have_three_modes():
-    """Of the four combinations two coincide: crank 2 folded back puts its pin as far from the third as links reach."""
+    """Of the four combinations two coincide: crank 2 folded back puts its pin as far from the third
+    as links reach."""
     model = fb.load("double_four_bar")
     found = fb.assembly_modes(model, [1.0, -1.0, 1.0, -1.0, 1.0], free=["A1", "O2", "A2", "O3"])
     assert len(found) == 3

@@ -1,4 +1,5 @@
-"""Closed forms: every view has the kernels' values, the notes' 2R reads as the notes print it (corrected)."""
+"""Closed forms: every view has the kernels' values, the notes' 2R reads as the notes print it
+(corrected)."""
 
 from __future__ import annotations
 
@@ -68,7 +69,11 @@ def spatial(seed: int, joints: int, named: bool) -> Model:
             row |= {"a": f"a{i}", "d": f"d0{i}", "m": f"m{i}", "com": [f"c{i}{x}" for x in "xyz"]}
             row["I"] = [name.format(f"I{i}") for name in INERTIA]
         else:
-            row |= {"a": float(rng.normal()), "d": float(rng.normal()), "m": float(rng.uniform(0.5, 2))}
+            row |= {
+                "a": float(rng.normal()),
+                "d": float(rng.normal()),
+                "m": float(rng.uniform(0.5, 2)),
+            }
             row |= {"com": rng.normal(size=3).tolist(), "I": [1.0, 0.1, 0.05, 1.2, -0.1, 0.9]}
             row |= {"friction": (0.4, 0.2), "rotor": 0.001, "gear": 30.0}
         rows.append(row)
@@ -179,11 +184,11 @@ def test_c_source(name: str, tmp_path: Path) -> None:
     model = MODELS[name]
     eqs = fb.equations(model)
     n = model.nv
-    call = (
-        "const double *q, const double *qd, const double *qdd, double *M, double *c, double *G, double *tau"
-    )
+    call = "const double *q, const double *qd, const double *qdd, double *M, double *c, double *G, double *tau"
     first = "&defaults, " if eqs.parameters else ""
-    wrapper = f"void run({call}) {{ dynamics({first}q, qd, qdd, (double (*)[{n}])M, c, G, tau); }}\n"
+    wrapper = (
+        f"void run({call}) {{ dynamics({first}q, qd, qdd, (double (*)[{n}])M, c, G, tau); }}\n"
+    )
     (tmp_path / "arm.c").write_text(eqs.c_source() + wrapper)
     library = tmp_path / "arm.so"
     command = [
@@ -258,11 +263,19 @@ def test_2r_reads_as_the_notes() -> None:
         ),
         (
             "PR",
-            ["τ₂ = H₂₁ d̈₁ + H₂₂ θ̈₂ + G₂", "H₁₁ = m₁ + m₂", "H₁₂ = H₂₁ = −m₂ lc₂ sin θ₂", "h = m₂ lc₂ cos θ₂"],
+            [
+                "τ₂ = H₂₁ d̈₁ + H₂₂ θ̈₂ + G₂",
+                "H₁₁ = m₁ + m₂",
+                "H₁₂ = H₂₁ = −m₂ lc₂ sin θ₂",
+                "h = m₂ lc₂ cos θ₂",
+            ],
         ),
         (
             "RRR",
-            ["h₃ = m₃ l₂ lc₃ sin θ₃", "τ₃ = H₃₁ θ̈₁ + H₃₂ θ̈₂ + H₃₃ θ̈₃ + h₂ θ̇₁² + h₃ θ̇₂² + 2 h₃ θ̇₁ θ̇₂ + G₃"],
+            [
+                "h₃ = m₃ l₂ lc₃ sin θ₃",
+                "τ₃ = H₃₁ θ̈₁ + H₃₂ θ̈₂ + H₃₃ θ̈₃ + h₂ θ̇₁² + h₃ θ̇₂² + 2 h₃ θ̇₁ θ̇₂ + G₃",
+            ],
         ),
         ("PP", ["τ₁ = H₁₁ d̈₁", "τ₂ = H₂₂ d̈₂ + G₂", "H₂₂ = m₂", "G₂ = m₂ g"]),
     ],
@@ -305,7 +318,9 @@ def test_numbers() -> None:
 
 def test_parallel_axes_are_gathered() -> None:
     eqs = fb.equations(fb.load("puma560", physical="ignore"), numbers=True)
-    line = next(line for line in eqs.text("named", width=10**6).splitlines() if line.startswith("H₁₆"))
+    line = next(
+        line for line in eqs.text("named", width=10**6).splitlines() if line.startswith("H₁₆")
+    )
     assert line == "H₁₆ = H₆₁ = 4·10⁻⁵ cos(θ₂+θ₃) cos θ₅ − 4·10⁻⁵ sin(θ₂+θ₃) cos θ₄ sin θ₅"
 
 
@@ -313,11 +328,15 @@ def test_squares_and_products_in_space() -> None:
     rows = [{"alpha": math.pi / 2, "m": "m1", "I": ["I1xx", 0, 0, "I1yy", 0, "I1zz"]}]
     rows += [{"a": "a2", "m": "m2", "com": ["c2x", 0, 0], "I": ["I2xx", 0, 0, "I2yy", 0, "I2zz"]}]
     eqs = fb.equations(fb.dh(rows, convention="standard"))
-    assert str(eqs.form(eqs.M[0][0])) == "I₁yy + m₂ (a₂ + c₂x)² cos² θ₂ + I₂xx sin² θ₂ + I₂yy cos² θ₂"
+    assert (
+        str(eqs.form(eqs.M[0][0])) == "I₁yy + m₂ (a₂ + c₂x)² cos² θ₂ + I₂xx sin² θ₂ + I₂yy cos² θ₂"
+    )
 
 
 def test_an_arm_in_space_reads_well() -> None:
-    rows: list[dict[str, Any]] = [{"alpha": math.pi / 2, "m": "m1", "I": ["I1xx", 0, 0, "I1yy", 0, "I1zz"]}]
+    rows: list[dict[str, Any]] = [
+        {"alpha": math.pi / 2, "m": "m1", "I": ["I1xx", 0, 0, "I1yy", 0, "I1zz"]}
+    ]
     for i in (2, 3):
         row = {"a": f"a{i}", "m": f"m{i}", "com": [f"c{i}x", 0, 0]}
         rows.append({**row, "I": [f"I{i}xx", 0, 0, f"I{i}yy", 0, f"I{i}zz"]})
@@ -354,7 +373,8 @@ def test_views_and_names_are_checked() -> None:
         eqs.text(names="other")
 
 
-# ---------------------------------------------------------------- what has no closed form, and joints that follow
+# ---------------------------------------------------------------- what has no closed form, and
+# joints that follow
 def following(ratio: float, kind: str = "revolute") -> Model:
     """Two links, the second joint follows the first."""
     bar = Inertia(Parameter("m1"), (0.5, 0.0), (Parameter("I1"),))
@@ -380,7 +400,9 @@ def following(ratio: float, kind: str = "revolute") -> Model:
     return with_values(assemble(Description("gears", 2, links, joints, (9.81, (0.0, -1.0)))))
 
 
-@pytest.mark.parametrize(("ratio", "kind"), [(2.0, "revolute"), (-1.0, "revolute"), (0.5, "prismatic")])
+@pytest.mark.parametrize(
+    ("ratio", "kind"), [(2.0, "revolute"), (-1.0, "revolute"), (0.5, "prismatic")]
+)
 def test_following_joints(ratio: float, kind: str) -> None:
     model = following(ratio, kind)
     eqs = fb.equations(model)
@@ -396,13 +418,16 @@ def test_following_joints(ratio: float, kind: str) -> None:
 
 def test_following_by_a_fraction_is_refused() -> None:
     with pytest.raises(
-        FreebodyError, match=r"joint 'second' of 'gears' turns 0.5 times as far as 'first'.*mimic=.free."
+        FreebodyError,
+        match=r"joint 'second' of 'gears' turns 0.5 times as far as 'first'.*mimic=.free.",
     ):
         fb.equations(following(0.5))
 
 
 def test_joints_without_closed_form_are_refused() -> None:
-    with pytest.raises(FreebodyError, match="is free: closed forms need coordinates that are numbers"):
+    with pytest.raises(
+        FreebodyError, match="is free: closed forms need coordinates that are numbers"
+    ):
         fb.equations(fb.load("quadrotor"))
 
 
@@ -420,7 +445,9 @@ def test_latex_compiles_and_fits(tmp_path: Path) -> None:
     body = []
     for name in ("RR", "RPR", "RRR with drives", "named 2", "numbers 2"):
         eqs = fb.equations(MODELS[name])
-        body += [eqs.latex(view, environment="align*") for view in ("named", "expanded", "intermediates")]
+        body += [
+            eqs.latex(view, environment="align*") for view in ("named", "expanded", "intermediates")
+        ]
         body += [f"$${eqs.latex()}$$"]
     long = fb.equations(fb.load("puma560", physical="ignore"))
     body += [f"$${long.latex()}$$", long.latex("intermediates", environment="align*")]
@@ -435,9 +462,7 @@ def test_latex_compiles_and_fits(tmp_path: Path) -> None:
 
 
 def test_sympy_is_imported_only_when_asked_for() -> None:
-    code = (
-        "import sys, freebody as fb; fb.equations(fb.planar('RR')).text(); assert 'sympy' not in sys.modules"
-    )
+    code = "import sys, freebody as fb; fb.equations(fb.planar('RR')).text(); assert 'sympy' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
@@ -449,7 +474,8 @@ def test_coordinates_by_name() -> None:
 
 
 def test_an_arm_of_many_joints_is_told_to_be_too_long_at_once() -> None:
-    """The mass matrix of 14 joints has 721629 terms, which took 42 s and 3.5 GB to count with the rest."""
+    """The mass matrix of 14 joints has 721629 terms, which took 42 s and 3.5 GB to count with the
+    rest."""
     start = time.process_time()
     eqs = fb.equations(fb.planar("R" * 14))
     for shown in (str(eqs), eqs.latex(), eqs._repr_latex_(), eqs.mathml()):
@@ -458,7 +484,8 @@ def test_an_arm_of_many_joints_is_told_to_be_too_long_at_once() -> None:
 
 
 def test_what_is_counted_from_the_tip_is_the_mass_matrix() -> None:
-    """Long is what has more terms, not more joints: slides stay short, and the bound is that of M itself."""
+    """Long is what has more terms, not more joints: slides stay short, and the bound is that of M
+    itself."""
     assert not fb.equations(fb.planar("P" * 14)).is_vast
     for joints in range(2, 9):
         eqs = fb.equations(fb.planar("R" * joints))
@@ -468,9 +495,12 @@ def test_what_is_counted_from_the_tip_is_the_mass_matrix() -> None:
 @pytest.mark.parametrize("word", ["R", "RR", "RP", "PRR"])
 @pytest.mark.parametrize("seed", range(3))
 def test_one_parameter_may_be_a_mass_and_a_length_and_a_moment_of_inertia(word: str, seed: int):
-    """As where a file's author calls everything a: what is left of a power of a mass stands in the rest."""
+    """As where a file's author calls everything a: what is left of a power of a mass stands in the
+    rest."""
     rng = np.random.default_rng(seed)
-    drawn = {key: list(rng.choice(["a", "b"][: 1 + seed], len(word))) for key in ("l", "lc", "m", "I")}
+    drawn = {
+        key: list(rng.choice(["a", "b"][: 1 + seed], len(word))) for key in ("l", "lc", "m", "I")
+    }
     arm = fb.planar(word, **{key: [str(x) for x in names] for key, names in drawn.items()})
     values = {name: float(rng.uniform(0.5, 2.0)) for name in arm.parameters if name != "g"}
     q, qd, qdd = rng.uniform(-1.0, 1.0, (3, len(word)))
@@ -481,5 +511,7 @@ def test_one_parameter_may_be_a_mass_and_a_length_and_a_moment_of_inertia(word: 
 
 
 def test_a_parameter_that_is_called_like_a_sine_is_refused_by_name():
-    with pytest.raises(fb.FreebodyError, match="the name 'sin_theta1' stands for two quantities; rename"):
+    with pytest.raises(
+        fb.FreebodyError, match="the name 'sin_theta1' stands for two quantities; rename"
+    ):
         str(fb.equations(fb.planar("RR", m=["sin_theta1", "m2"])))

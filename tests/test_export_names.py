@@ -1,4 +1,5 @@
-"""Names of the recursion in exported text: a value that is called w3_y is what is said of it, found another way."""
+"""Names of the recursion in exported text: a value that is called w3_y is what is said of it, found
+another way."""
 
 from __future__ import annotations
 
@@ -17,14 +18,22 @@ LINE = re.compile(r"    const double (\w+) = (.*);")
 def values(model: fb.Model, quantity: str, *state: np.ndarray) -> dict[str, float]:
     """What the text's own words hold, evaluated line by line."""
     text = fb.source(model, quantity, "c")
-    names = dict(zip(("q", "qd", "qdd" if quantity == "inverse_dynamics" else "tau"), state, strict=False))
-    known: dict[str, float] = {"sin": math.sin, "cos": math.cos, **{k: x.tolist() for k, x in names.items()}}
+    names = dict(
+        zip(("q", "qd", "qdd" if quantity == "inverse_dynamics" else "tau"), state, strict=False)
+    )
+    known: dict[str, float] = {
+        "sin": math.sin,
+        "cos": math.cos,
+        **{k: x.tolist() for k, x in names.items()},
+    }
     for word, expression in LINE.findall(text):
         known[word] = eval(expression, {"__builtins__": {}}, known)  # text that freebody just wrote
     return {word: x for word, x in known.items() if isinstance(x, float)}
 
 
-def expected(model: fb.Model, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> dict[str, np.ndarray]:
+def expected(
+    model: fb.Model, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray
+) -> dict[str, np.ndarray]:
     """Of each joint's body its motion, by Jacobians of its frame; the mass matrix and the bias."""
     gravity = np.asarray(model.gravity, dtype=float)
     found: dict[str, np.ndarray] = {"M": fb.mass_matrix(model, q), "c": fb.bias(model, q, qd)}
@@ -51,7 +60,11 @@ def looked_up(found: dict[str, np.ndarray], word: str) -> float | None:
     letter, _, axes = plain.partition("_")
     if letter not in found:
         return None
-    index = tuple(int(x) for x in axes.split("_")) if letter in "Mc" else tuple("xyz".index(x) for x in axes)
+    index = (
+        tuple(int(x) for x in axes.split("_"))
+        if letter in "Mc"
+        else tuple("xyz".index(x) for x in axes)
+    )
     return float(found[letter][index]) * (-1.0 if word.startswith("minus_") else 1.0)
 
 
@@ -72,7 +85,9 @@ def test_what_is_called_by_a_name_of_the_recursion_is_that(robot, quantity, leas
     given = {"inverse_dynamics": (q, qd, qdd), "forward_dynamics": (q, qd, qdd)}.get(quantity, (q,))
     # forward dynamics names the motion at zero accelerations
     zero = np.zeros_like(qd)
-    motion = {"inverse_dynamics": (qd, qdd), "forward_dynamics": (qd, zero)}.get(quantity, (zero, zero))
+    motion = {"inverse_dynamics": (qd, qdd), "forward_dynamics": (qd, zero)}.get(
+        quantity, (zero, zero)
+    )
     wanted = expected(model, q, *motion)
     looked_at = 0
     for word, value in values(model, quantity, *given).items():

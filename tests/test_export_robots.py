@@ -1,6 +1,8 @@
-"""C of large robots: gcc and clang compile it without a warning, and it gives what the kernel gives, double and float.
+"""C of large robots: gcc and clang compile it without a warning, and it gives what the kernel
+gives, double and float.
 
-Long, two minutes: `.venv/bin/pytest -m long -n0 -s tests/test_export_robots.py` prints the differences.
+Long, two minutes: `.venv/bin/pytest -m long -n0 -s tests/test_export_robots.py` prints the
+differences.
 """
 
 from __future__ import annotations
@@ -61,7 +63,9 @@ def test_c_compiles_without_a_warning_and_agrees_with_the_kernel(
     subprocess.run([*build, "f.c", "f_test.c", "-lm", "-o", "f_test"], cwd=tmp_path, check=True)
     told = subprocess.run(["./f_test"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert told.returncode == 0, told.stdout
-    subprocess.run([*build, "-shared", "-fPIC", "f.c", "-lm", "-o", "f.so"], cwd=tmp_path, check=True)
+    subprocess.run(
+        [*build, "-shared", "-fPIC", "f.c", "-lm", "-o", "f.so"], cwd=tmp_path, check=True
+    )
     library = ctypes.CDLL(str(tmp_path / "f.so"))
     kernel = fb.kernel(model, names)
     given = vectors(kernel.program, dtype, model).inputs

@@ -1,7 +1,8 @@
-"""Text in other languages: compiled or run by the language's own tool, it gives what the kernel gives.
+"""Text in other languages: compiled or run by the language's own tool, it gives what the kernel
+gives.
 
-Which languages there are, and their tables of words and operations, `targets.text` says; a program of every operation,
-and one laid out as no robot asks for, are traced here.
+Which languages there are, and their tables of words and operations, `targets.text` says; a program
+of every operation, and one laid out as no robot asks for, are traced here.
 """
 
 from __future__ import annotations
@@ -86,7 +87,9 @@ def passes(folder: Path, language: str, word: str) -> None:
 
 def package(program: Program, folder: Path, language: str, dtype: str = "float64") -> None:
     """As fb.export does it, of any program."""
-    files = LANGUAGES[language].package(Unit(program, program.name, dtype=dtype), vectors(program, dtype))
+    files = LANGUAGES[language].package(
+        Unit(program, program.name, dtype=dtype), vectors(program, dtype)
+    )
     for name, text in files.items():
         (folder / name).write_text(text, encoding="ascii")
 
@@ -104,7 +107,9 @@ def pointer(array: np.ndarray) -> ctypes._Pointer:
 
 ROBOTS = {
     "arm": lambda: fb.load("ur5e"),
-    "plane": lambda: fb.planar("RPR", l=[0.4, 0.3, 0.2], lc=[0.2, 0.1, 0.1], m=[2, 1, 1], I=[0.1, 0.1, 0.1]),
+    "plane": lambda: fb.planar(
+        "RPR", l=[0.4, 0.3, 0.2], lc=[0.2, 0.1, 0.1], m=[2, 1, 1], I=[0.1, 0.1, 0.1]
+    ),
     "stewart": lambda: fb.load("stewart"),
 }
 
@@ -112,7 +117,9 @@ ROBOTS = {
 # ---------------------------------------------------------------- each language runs
 @pytest.mark.parametrize("language", [x for x in LANGUAGES if x not in ("casadi", "jax", "cuda")])
 def test_a_package_passes_its_own_test_and_its_test_can_fail(language, tmp_path):
-    fb.export(ROBOTS["plane"](), ("inverse_dynamics", "mass_matrix", "kinetic_energy"), tmp_path, language)
+    fb.export(
+        ROBOTS["plane"](), ("inverse_dynamics", "mass_matrix", "kinetic_energy"), tmp_path, language
+    )
     word = "inverse_dynamics_mass_matrix_kinetic_energy"
     require(language)
     passes(tmp_path, language, word)
@@ -132,7 +139,8 @@ def test_no_input_has_the_name_of_a_function_that_the_text_calls(language, tmp_p
     module = module_of(language)
     names = sorted(called(module.FUNCTIONS, getattr(module, "_HELPERS", {})) - {"if"})[:24]
     law = fb.compile(
-        lambda **x: {"y": fb.math.minimum(sum(map(fb.math.tanh, x.values())), 1.0)}, dict.fromkeys(names, ())
+        lambda **x: {"y": fb.math.minimum(sum(map(fb.math.tanh, x.values())), 1.0)},
+        dict.fromkeys(names, ()),
     )
     fb.export(law, out=tmp_path, language=language, name="law")
     require(language)
@@ -173,7 +181,10 @@ def everything() -> Program:
     ]
     inputs = [Argument("q", (2,)), Argument("k", ()), Argument("A", (2, 2)), Argument("none", (0,))]
     return trace(
-        "everything", lambda q, k, A, _: body(q, k, A), inputs, [*outputs, Argument("nothing", (0,))]
+        "everything",
+        lambda q, k, A, _: body(q, k, A),
+        inputs,
+        [*outputs, Argument("nothing", (0,))],
     )
 
 
@@ -224,18 +235,27 @@ def test_a_language_that_marks_its_variables_marks_each():
 def test_c_gives_what_the_kernel_gives(robot, dtype, tmp_path):
     require("c")
     model = ROBOTS[robot]()
-    names = ["forward_dynamics", "mass_matrix", "constraint_jacobian" if model.loops else "inverse_dynamics"]
+    names = [
+        "forward_dynamics",
+        "mass_matrix",
+        "constraint_jacobian" if model.loops else "inverse_dynamics",
+    ]
     fb.export(model, names, tmp_path, dtype=dtype, name="f")
     passes(tmp_path, "c", "f")
     if dtype == "float32":
         return
-    kernel = fb.kernel(model, names, target="numpy" if model.loops else None)  # LLVM takes seconds for that
+    kernel = fb.kernel(
+        model, names, target="numpy" if model.loops else None
+    )  # LLVM takes seconds for that
     given = vectors(kernel.program, dtype, model).inputs
     expected = kernel(*given)
     library = compiled(tmp_path, "f")
     for i in range(len(given[0])):
         outs = [np.zeros(argument.shape) for argument in kernel.program.outputs]
-        assert library.f(*(pointer(np.ascontiguousarray(x[i])) for x in given), *map(pointer, outs)) == 0
+        assert (
+            library.f(*(pointer(np.ascontiguousarray(x[i])) for x in given), *map(pointer, outs))
+            == 0
+        )
         for found, wanted in zip(outs, expected, strict=True):
             np.testing.assert_allclose(found, wanted[i], rtol=0, atol=1e-12 * np.abs(wanted).max())
 
@@ -275,7 +295,9 @@ def test_an_input_that_is_a_result_is_read_before_anything_is_written(language, 
     else:
         text = 'import { turned } from "./turned.mjs"; const x = [1, 2, 3, 4]; turned(x, x); console.log(String(x));'
         (tmp_path / "try.mjs").write_text(text)
-        done = subprocess.run(["node", "try.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True)
+        done = subprocess.run(
+            ["node", "try.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True
+        )
         assert done.stdout.strip() == "2,2,5,1"
 
 
@@ -289,7 +311,9 @@ def test_every_quantity(language, closed, tmp_path):
     assert closed or model.nq > model.nv
     loops = ("constraint", "constrained_dynamics", "closed_wrenches")
     other = "open" if closed else "closed"
-    names = [x for x in FORMULAS if FORMULAS[x].chains != other and (closed or not x.startswith(loops))]
+    names = [
+        x for x in FORMULAS if FORMULAS[x].chains != other and (closed or not x.startswith(loops))
+    ]
     long = ("second_derivatives", "parameter_derivatives")  # each longer than all others together
     fb.export(model, [x for x in names if not x.endswith(long)], tmp_path, language, name="f")
     passes(tmp_path, language, "f")
@@ -363,12 +387,15 @@ def test_numbers_of_the_robot_are_arguments_where_asked(tmp_path):
     assert library.inverse_dynamics(*map(pointer, state), pointer(p), pointer(tau)) == 0
     expected = fb.inverse_dynamics(model.bind(changed), *state)
     np.testing.assert_allclose(tau, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
-    symbolic = fb.source(fb.load("RRP"), "inverse_dynamics", "c", inputs=["*"])  # symbols need no value
+    symbolic = fb.source(
+        fb.load("RRP"), "inverse_dynamics", "c", inputs=["*"]
+    )  # symbols need no value
     assert re.search(r"p \[\d+\] l1 \(m\)", symbolic)
 
 
 def test_the_vectors_of_a_kernel_with_inputs_are_near_the_robots_own_numbers(tmp_path):
-    """A robot with a negative mass, which random numbers would give, tests nothing that will ever be called."""
+    """A robot with a negative mass, which random numbers would give, tests nothing that will ever
+    be called."""
     require("c")
     model = fb.load("ur5e").with_payload(2.0, com=[0, 0, 0.1])
     kernel = fb.kernel(model, "forward_dynamics", inputs=["payload.*", "*.mass"], target="numpy")
@@ -379,7 +406,9 @@ def test_the_vectors_of_a_kernel_with_inputs_are_near_the_robots_own_numbers(tmp
     passes(tmp_path, "c", "forward_dynamics")
     tables = (tmp_path / "forward_dynamics_test.c").read_text()
     rows = re.search(r"given3\[5\]\[\d+\] = \{(.*?)\n\};", tables, re.DOTALL)[1]
-    p = np.array([[float(x) for x in row.strip(" {},").split(", ")] for row in rows.strip().splitlines()])
+    p = np.array(
+        [[float(x) for x in row.strip(" {},").split(", ")] for row in rows.strip().splitlines()]
+    )
     assert p.shape == (5, len(kernel.parameters))
     off = np.abs(p - kernel.values)
     assert (off <= 0.1 * np.maximum(np.abs(kernel.values), 0.1) + 1e-15).all()
@@ -408,14 +437,18 @@ def test_clang_has_no_warning_either(tmp_path):
 
 def test_javascript_that_is_not_given_finite_numbers_gives_nan(tmp_path):
     require("javascript")
-    fb.export(ROBOTS["plane"](), ("inverse_dynamics", "mass_matrix"), tmp_path, "javascript", name="f")
+    fb.export(
+        ROBOTS["plane"](), ("inverse_dynamics", "mass_matrix"), tmp_path, "javascript", name="f"
+    )
     program = (
         'import { f } from "./f.mjs"; const M = new Float64Array(9), t = new Float64Array(3);'
         "const [a, b] = f([0, 0, 0], [0, NaN, 0], [0, 0, 0], t, M);"
         "console.log(a === t && b === M && [...a, ...b].every(Number.isNaN));"
     )
     (tmp_path / "try.mjs").write_text(program)
-    done = subprocess.run(["node", "try.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        ["node", "try.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
     assert done.stdout.strip() == "true"
 
 
@@ -434,7 +467,9 @@ def test_arguments_that_are_called_like_the_languages_own_words(language, tmp_pa
     def mixed(*args):
         return [[sign(sin(a[0])) + a[1] * args[0][0] for a in args] for _ in WORDS]
 
-    outputs = [Argument(word, (len(WORDS),)) for word in WORDS]  # an output may be called like an input
+    outputs = [
+        Argument(word, (len(WORDS),)) for word in WORDS
+    ]  # an output may be called like an input
     program = trace("switch", mixed, inputs, outputs)
     package(program, tmp_path, language)
     require(language)
@@ -445,7 +480,8 @@ def test_arguments_that_are_called_like_the_languages_own_words(language, tmp_pa
 @pytest.mark.long
 @pytest.mark.parametrize("language", LANGUAGES)
 @pytest.mark.parametrize(
-    "name", ["bad", "found0", "d1", "printf", "main", "sys", "numpy", "names", "exit", "index", "off"]
+    "name",
+    ["bad", "found0", "d1", "printf", "main", "sys", "numpy", "names", "exit", "index", "off"],
 )
 def test_functions_that_are_called_like_what_stands_in_a_self_test(language, name, tmp_path):
     require(language)
@@ -456,13 +492,16 @@ def test_functions_that_are_called_like_what_stands_in_a_self_test(language, nam
 
 def test_an_option_that_there_is_not_is_refused_by_its_name():
     with pytest.raises(
-        fb.FreebodyError, match=r"^no option 'frames' in fb\.source\. Did you mean 'frame'\? Options: frame"
+        fb.FreebodyError,
+        match=r"^no option 'frames' in fb\.source\. Did you mean 'frame'\? Options: frame",
     ):
         fb.source(fb.load("2R"), "jacobian", frames="tip")
 
 
 def test_every_language_is_named_where_people_look():
-    command = next(c for c in typer.main.get_group(app).commands["export"].params if c.name == "language")
+    command = next(
+        c for c in typer.main.get_group(app).commands["export"].params if c.name == "language"
+    )
     for text in (PAGE, fb.source.__doc__, command.help):
         assert {x for x in LANGUAGES if re.search(rf"\b{x}\b", text)} == set(LANGUAGES)
 
@@ -525,7 +564,11 @@ def test_text_is_the_same_in_every_process(tmp_path):
 def test_the_head_says_what_is_needed_to_call_it():
     model = fb.load("ur5e")
     head = fb.source(
-        model, ("inverse_dynamics", "jacobian"), "c", wrench_frames=["wrist_3_link"], frame="forearm_link"
+        model,
+        ("inverse_dynamics", "jacobian"),
+        "c",
+        wrench_frames=["wrist_3_link"],
+        frame="forearm_link",
     )
     head = head.partition("*/")[0]
     for line in (
@@ -536,7 +579,10 @@ def test_the_head_says_what_is_needed_to_call_it():
         assert line in head, line
     count = int(re.search(r"(\d+) operations", head)[1])
     kernel = fb.kernel(
-        model, ("inverse_dynamics", "jacobian"), wrench_frames=["wrist_3_link"], frame="forearm_link"
+        model,
+        ("inverse_dynamics", "jacobian"),
+        wrench_frames=["wrist_3_link"],
+        frame="forearm_link",
     )
     assert count == pytest.approx(sum(kernel.program.operations.values()), rel=0.05)
 
@@ -544,9 +590,9 @@ def test_the_head_says_what_is_needed_to_call_it():
 def test_sections_follow_the_recursion():
     text = fb.source(fb.load("ur5e"), "inverse_dynamics", "c")
     titles = re.findall(r"/\* (outward|inward), (?:up )?to joint (\d) (\w+) \*/", text)
-    assert titles == [("outward", str(k), fb.load("ur5e").joint_names[k - 1]) for k in range(1, 6)] + [
-        ("inward", str(k), fb.load("ur5e").joint_names[k - 1]) for k in range(6, 0, -1)
-    ]
+    assert titles == [
+        ("outward", str(k), fb.load("ur5e").joint_names[k - 1]) for k in range(1, 6)
+    ] + [("inward", str(k), fb.load("ur5e").joint_names[k - 1]) for k in range(6, 0, -1)]
 
 
 def test_source_of_a_kernel_of_ones_own():
@@ -560,19 +606,25 @@ def test_source_of_a_kernel_of_ones_own():
 # ---------------------------------------------------------------- refusals, and the command
 def test_what_cannot_be_written_is_refused():
     model = ROBOTS["plane"]()
-    with pytest.raises(fb.FreebodyError, match=r"no language 'fortran' in fb.source. Languages: c, cpp"):
+    with pytest.raises(
+        fb.FreebodyError, match=r"no language 'fortran' in fb.source. Languages: c, cpp"
+    ):
         fb.source(model, "bias", "fortran")
-    with pytest.raises(fb.FreebodyError, match=r"language 'matlab' has no dtype 'float32'; it has float64"):
+    with pytest.raises(
+        fb.FreebodyError, match=r"language 'matlab' has no dtype 'float32'; it has float64"
+    ):
         fb.source(model, "bias", "matlab", dtype="float32")
     says = {
         r"no quantity 'bia' in fb\.source": lambda: fb.source(model, "bia", "c"),
         r"fb\.export: names is int 3": lambda: fb.export(model, 3, "x"),
-        r"fb\.source: the quantity 'bias' is asked for twice": lambda: fb.source(model, ["bias", "bias"]),
+        r"fb\.source: the quantity 'bias' is asked for twice": lambda: fb.source(
+            model, ["bias", "bias"]
+        ),
         r"fb\.source: frame='tip' has no meaning": lambda: fb.source(model, "bias", frame="tip"),
         r"fb\.source: inputs= is int 3": lambda: fb.source(model, "bias", inputs=3),
         r"fb\.export: out is None, expected the name": lambda: fb.export(model, "bias", None),
-        r"fb\.source: inverse_dynamics_derivatives: 'five_bar' is a closed chain": lambda: fb.source(
-            fb.load("five_bar"), "inverse_dynamics_derivatives"
+        r"fb\.source: inverse_dynamics_derivatives: 'five_bar' is a closed chain": lambda: (
+            fb.source(fb.load("five_bar"), "inverse_dynamics_derivatives")
         ),
     }
     for message, call in says.items():
@@ -580,7 +632,9 @@ def test_what_cannot_be_written_is_refused():
             call()
     family = model.bind(m1=[1.0, 2.0])
     for of_many in (family, fb.kernel(family, "bias", target="numpy")):
-        with pytest.raises(fb.FreebodyError, match=r"fb\.source: 'RPR' is a family of robots.*model\[0\]"):
+        with pytest.raises(
+            fb.FreebodyError, match=r"fb\.source: 'RPR' is a family of robots.*model\[0\]"
+        ):
             fb.source(of_many, None if of_many is not family else "bias", "c")
     with pytest.raises(fb.FreebodyError, match="give the quantities"):
         fb.source(model, language="c")
@@ -603,7 +657,16 @@ def test_what_has_no_value_anywhere_is_refused_before_a_file_is_written(tmp_path
 
 def test_the_command(tmp_path, capsys):
     out = tmp_path / "out"
-    arguments = ["export", "ur5e", "inverse_dynamics", "mass_matrix", "--out", str(out), "--name", "arm"]
+    arguments = [
+        "export",
+        "ur5e",
+        "inverse_dynamics",
+        "mass_matrix",
+        "--out",
+        str(out),
+        "--name",
+        "arm",
+    ]
     assert run([*arguments, "--wrench", "wrist_3_link"]) == 0
     assert {"arm.c", "arm.h", "arm_test.c", "README.txt", "names.json", "manifest.json"} == {
         path.name for path in out.iterdir()
@@ -623,7 +686,15 @@ def test_the_command(tmp_path, capsys):
     ]
     assert run(slopes) == 0
     assert "dtau_dp[2]" in (tmp_path / "slopes/inverse_dynamics.h").read_text()
-    one_row = ["export", "ur5e", "operational_space_inertia", "--row", "vz", "--out", str(tmp_path / "row")]
+    one_row = [
+        "export",
+        "ur5e",
+        "operational_space_inertia",
+        "--row",
+        "vz",
+        "--out",
+        str(tmp_path / "row"),
+    ]
     assert run(one_row) == 0
     assert "Lambda[1]" in (tmp_path / "row/operational_space_inertia.h").read_text()
     (out / "arm.c").write_text("mine")
@@ -645,10 +716,14 @@ def block(page: str, language: str) -> str:
 def test_the_controller_of_the_docs_reaches_its_goal(tmp_path, monkeypatch):
     require("c")
     monkeypatch.chdir(tmp_path)
-    for command in re.findall(r"^\$ freebody (.*)$", block("controller.md", "console"), re.MULTILINE):
+    for command in re.findall(
+        r"^\$ freebody (.*)$", block("controller.md", "console"), re.MULTILINE
+    ):
         assert run(shlex.split(command)) == 0
     Path("loop.c").write_text(block("controller.md", "c"))
-    strict = block("controller.md", "sh").replace("-O2", "-O0 -Wall -Wextra -Wconversion -pedantic -Werror")
+    strict = block("controller.md", "sh").replace(
+        "-O2", "-O0 -Wall -Wextra -Wconversion -pedantic -Werror"
+    )
     done = subprocess.run(strict, shell=True, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
 
@@ -667,10 +742,12 @@ def test_the_page_of_the_docs_moves_under_its_own_policy(tmp_path, monkeypatch):
         seen = chromium.execute_async_script(
             "const done = arguments[0], links = document.getElementById('links');"
             "const at = () => links.getAttribute('points'), before = at();"
-            "const look = () => at() === before ? setTimeout(look, 20) : done([before, at()]); look();"
+            "const look = () => at() === before ? setTimeout(look, 20) : done([before, at()]); "
+            "look();"
         )
         energies = chromium.execute_script(
-            "const energy = () => Number(document.getElementById('energy').textContent), first = energy();"
+            "const energy = () => Number(document.getElementById('energy').textContent), first = "
+            "energy();"
             "for (let k = 0; k < 60; k++) draw(); const kept = energy();"
             "const friction = document.getElementById('slider2'); friction.value = 0.5;"
             "friction.dispatchEvent(new Event('input')); for (let k = 0; k < 60; k++) draw();"

@@ -118,7 +118,16 @@ def test_products_of_constants_that_overflow_stay(graph, xyz):
 @pytest.mark.parametrize("number", [2, 2.0, np.float64(2.0), np.float32(2.0), np.int64(2), True])
 def test_numbers_of_any_kind_on_either_side(xyz, number):
     x = xyz[0]
-    results = (number * x, x * number, number + x, x + number, number - x, x - number, number / x, x / number)
+    results = (
+        number * x,
+        x * number,
+        number + x,
+        x + number,
+        number - x,
+        x - number,
+        number / x,
+        x / number,
+    )
     assert all(type(e) is Expr for e in results)
     assert number * x == float(number) * x
 

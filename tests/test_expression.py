@@ -100,7 +100,11 @@ def test_vectors_are_bold_and_entries_numbered() -> None:
         (mul(power(sin("theta1"), 2), "a"), "sin²(θ₁) a", r"\sin^2 \theta_1\,a"),
         (div(add("a", "b"), "c"), "(a + b)/c", r"\frac{a + b}{c}"),
         (div(neg("a"), mul("b", "c")), "−a/(b c)", r"-\frac{a}{b c}"),
-        (neg(cross(vec("sc1"), vec("f01"))), "−sc₁ × f₀₁", r"-\mathbf{s}_{c1} \times \mathbf{f}_{0,1}"),
+        (
+            neg(cross(vec("sc1"), vec("f01"))),
+            "−sc₁ × f₀₁",
+            r"-\mathbf{s}_{c1} \times \mathbf{f}_{0,1}",
+        ),
         (
             cross(vec("w"), cross(vec("w"), vec("r"))),
             "w × (w × r)",
@@ -118,7 +122,11 @@ def test_vectors_are_bold_and_entries_numbered() -> None:
             r"\frac{\mathrm{d}}{\mathrm{d}t}\left(\frac{\partial L}{\partial \dot{\theta}_1}\right)",
         ),
         (ex.vector("a", add("b", "c")), "[a, b + c]ᵀ", r"\begin{bmatrix} a \\ b + c \end{bmatrix}"),
-        (ex.matrix([["a", 0], [0, "b"]]), "[a, 0; 0, b]", r"\begin{bmatrix} a & 0 \\ 0 & b \end{bmatrix}"),
+        (
+            ex.matrix([["a", 0], [0, "b"]]),
+            "[a, 0; 0, b]",
+            r"\begin{bmatrix} a & 0 \\ 0 & b \end{bmatrix}",
+        ),
         (mul(ex.transposed("J"), vec("f")), "Jᵀ f", r"J^{\mathsf{T}} \mathbf{f}"),
         (eq("H12", "H21", "a"), "H₁₂ = H₂₁ = a", "H_{12} = H_{21} = a"),
         (ex.Words("with"), "with", r"\text{with}"),
@@ -153,9 +161,13 @@ def test_evaluate() -> None:
     np.testing.assert_allclose(value, [15.0, 34.5])
     assert evaluate(mul(sin("theta1"), ex.sgn("theta1_d")), at) == -np.sin(0.5)
     assert evaluate(cross(ex.vector(1, 2), ex.vector(3, 5)), at) == -1
-    np.testing.assert_allclose(evaluate(cross(ex.vector(1, 0, 0), ex.vector(0, "b", 0)), at), [0, 0, 3])
+    np.testing.assert_allclose(
+        evaluate(cross(ex.vector(1, 0, 0), ex.vector(0, "b", 0)), at), [0, 0, 3]
+    )
     assert evaluate(dot(ex.vector(1, 2), ex.vector(3, "b")), at) == 9
-    np.testing.assert_allclose(evaluate(ex.transposed(ex.matrix([[1, 2], [3, "b"]])), at), [[1, 3], [2, 3]])
+    np.testing.assert_allclose(
+        evaluate(ex.transposed(ex.matrix([[1, 2], [3, "b"]])), at), [[1, 3], [2, 3]]
+    )
     with pytest.raises(UnknownNameError, match="no value 'c'"):
         evaluate(sym("c"), at)
     with pytest.raises(FreebodyError, match="for print only"):
@@ -165,7 +177,9 @@ def test_evaluate() -> None:
 def test_sympy() -> None:
     sympy = pytest.importorskip("sympy")
     a, b = sympy.symbols("a b", real=True)
-    assert to_sympy(add(mul(Fraction(1, 2), power("a", 2)), neg(sin("b")))) == a**2 / 2 - sympy.sin(b)
+    assert to_sympy(add(mul(Fraction(1, 2), power("a", 2)), neg(sin("b")))) == a**2 / 2 - sympy.sin(
+        b
+    )
     assert to_sympy(ex.matrix([["a", 1]])) == sympy.Matrix([[a, 1]])
     assert to_sympy(ex.sgn("a")) == sympy.sign(a)
     with pytest.raises(FreebodyError, match="no counterpart"):
@@ -173,7 +187,10 @@ def test_sympy() -> None:
 
 
 def test_lines() -> None:
-    long = eq("x", add(mul("m", add(*(f"a{i}" for i in range(1, 8)))), *(neg(f"b{i}") for i in range(1, 8))))
+    long = eq(
+        "x",
+        add(mul("m", add(*(f"a{i}" for i in range(1, 8)))), *(neg(f"b{i}") for i in range(1, 8))),
+    )
     string = breakable(long)
     whole = " ".join(broken(string, 10**6))
     assert whole == str(long)

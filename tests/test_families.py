@@ -1,4 +1,5 @@
-"""Names of a model's numbers, families of robots, numbers as inputs of kernels, and derivatives by them."""
+"""Names of a model's numbers, families of robots, numbers as inputs of kernels, and derivatives by
+them."""
 
 from __future__ import annotations
 
@@ -43,7 +44,11 @@ def test_every_number_can_be_changed_and_is_then_read_back(seed):
     model = generate.model(seed)
     before = values_of(model)
     for record in list(fb.parameters(model))[seed::11]:
-        if record.limit or record.name.endswith(".scale") or record.name.startswith("payload.inertia"):
+        if (
+            record.limit
+            or record.name.endswith(".scale")
+            or record.name.startswith("payload.inertia")
+        ):
             continue  # a load's inertia alone is no rigid body's
         if record.name.startswith("gravity.direction"):
             continue  # its length is 1
@@ -51,7 +56,10 @@ def test_every_number_can_be_changed_and_is_then_read_back(seed):
         after = values_of(model.bind({record.name: value}))
         assert after[record.name] == pytest.approx(value, rel=1e-12)
         for name in set(before) & set(after) - {record.name}:
-            assert after[name] == pytest.approx(before[name], rel=1e-9, abs=1e-12), (record.name, name)
+            assert after[name] == pytest.approx(before[name], rel=1e-9, abs=1e-12), (
+                record.name,
+                name,
+            )
 
 
 def test_inertia_is_told_in_the_axes_of_the_link():
@@ -88,10 +96,14 @@ def test_an_entry_of_a_dh_table_moves_all_that_hangs_on_it():
 
 
 def test_what_is_fixed_to_a_frame_moves_with_it():
-    model = fb.load("2R").with_frame("flange", (0.1, 0.0)).replace(tip="flange").with_payload(mass=1.0)
+    model = (
+        fb.load("2R").with_frame("flange", (0.1, 0.0)).replace(tip="flange").with_payload(mass=1.0)
+    )
     moved = model.bind({"flange.placement.x": 0.3})
     q = np.array([0.3, 0.4])
-    again = fb.load("2R").with_frame("flange", (0.3, 0.0)).replace(tip="flange").with_payload(mass=1.0)
+    again = (
+        fb.load("2R").with_frame("flange", (0.3, 0.0)).replace(tip="flange").with_payload(mass=1.0)
+    )
     assert moved == again
     assert np.array_equal(fb.gravity_torque(moved, q), fb.gravity_torque(again, q))
 
@@ -116,7 +128,9 @@ def test_names_with_dots_are_given_in_parts_and_shared_ones_say_what_they_belong
     load = fb.load("2R").with_payload(mass=1.0, name="a.b")
     assert fb.parameters(load.bind({("a.b", "mass"): 3.0}))["a.b", "mass"].value == 3.0
     twice = fb.load("2R").with_payload(mass=1.0).with_payload(mass=2.0)
-    names = [n for n in fb.parameters(twice).names if n.endswith("payload.mass") or "payload.mass (" in n]
+    names = [
+        n for n in fb.parameters(twice).names if n.endswith("payload.mass") or "payload.mass (" in n
+    ]
     assert [fb.parameters(twice)[n].value for n in names] == [1.0, 2.0]
     with pytest.raises(fb.FreebodyError, match=r"several things have a number 'payload.mass'"):
         twice.bind({"payload.mass": 1.0})
@@ -159,7 +173,12 @@ def random_family(model: fb.Model, shape: tuple[int, ...] = (2,), seed: int = 0)
     rng = np.random.default_rng(seed)
     changed: dict[str, Any] = {}
     for r in fb.parameters(model):
-        if not r.value or r.limit or r.structural or (".inertia." in r.name and "rotor" not in r.name):
+        if (
+            not r.value
+            or r.limit
+            or r.structural
+            or (".inertia." in r.name and "rotor" not in r.name)
+        ):
             continue
         if r.name.startswith("gravity.direction"):
             continue
@@ -177,7 +196,13 @@ ONE_ROBOT = {
         "mobility",
         "input_output",
     ),
-    *("inverse_kinematics", "inverse_velocity", "inverse_acceleration", "simulate", "free_body_diagram"),
+    *(
+        "inverse_kinematics",
+        "inverse_velocity",
+        "inverse_acceleration",
+        "simulate",
+        "free_body_diagram",
+    ),
     *("kinematic_diagram",),
 }
 OF_STRUCTURE = {"neutral", "random_state", "parameters", "integrate", "difference"}
@@ -201,7 +226,12 @@ def with_drives(model: fb.Model) -> fb.Model:
     return model.with_drive(joint, coulomb=0.1, **numbers)
 
 
-OF_INVERSE = {"reactions", "mass_matrix_inverse", "operational_space_inertia", "operational_space_bias"}
+OF_INVERSE = {
+    "reactions",
+    "mass_matrix_inverse",
+    "operational_space_inertia",
+    "operational_space_bias",
+}
 
 
 def _results(found: Any) -> tuple[Any, ...]:
@@ -214,7 +244,8 @@ def _results(found: Any) -> tuple[Any, ...]:
 @pytest.mark.parametrize("family_of", [random_family, with_limits, with_drives])
 @pytest.mark.parametrize(("seed", "dim"), [(1, 2), (24, 3)])
 def test_a_family_gives_what_its_members_give(seed, dim, family_of):
-    """Of every function the shape and, to 1e-13, the numbers, also of those that read no number that differs."""
+    """Of every function the shape and, to 1e-13, the numbers, also of those that read no number
+    that differs."""
     model = generate.model(seed, dim)
     family = family_of(model)
     assert family.family == (2,)
@@ -237,14 +268,18 @@ def test_a_family_gives_what_its_members_give(seed, dim, family_of):
         for i in range(2):
             one = call(model=family[i])
             for a, b in zip(_results(whole), _results(one), strict=True):
-                for x, y in zip(*(z.values() if isinstance(z, dict) else (z,) for z in (a, b)), strict=True):
+                for x, y in zip(
+                    *(z.values() if isinstance(z, dict) else (z,) for z in (a, b)), strict=True
+                ):
                     assert x.shape == (3, 2, *y.shape[2:]), name
                     assert_near(x[:, i], y[:, 0], cond[i] if inverse else 1.0, least=1.0)
 
 
 def test_kernels_get_the_numbers_of_a_member_side_by_side():
     """In columns a batch takes twice the time."""
-    family = fb.load("ur5e").bind({"forearm_link.mass": np.linspace(2.0, 3.0, 4), "wrist_3_joint.d": 0.1})
+    family = fb.load("ur5e").bind(
+        {"forearm_link.mass": np.linspace(2.0, 3.0, 4), "wrist_3_joint.d": 0.1}
+    )
     for name in ("inverse_dynamics", "mass_matrix", "gravity_torque"):
         (numbers,) = fetch(family, (name,), Option()).numbers
         assert numbers.shape[0] == 4
@@ -296,7 +331,9 @@ def test_the_ways_to_a_family():
     field = model.replace(gravity=np.array([[0, 0, -9.81], [0, 0, -1.6]]))
     assert np.allclose(field.gravity, [[0, 0, -9.81], [0, 0, -1.6]])
     for i in range(2):
-        assert np.allclose(fb.gravity_torque(field, q)[i], fb.gravity_torque(field[i], q), atol=1e-12)
+        assert np.allclose(
+            fb.gravity_torque(field, q)[i], fb.gravity_torque(field[i], q), atol=1e-12
+        )
 
 
 def test_lists_of_vectors_are_what_their_arrays_are():
@@ -311,7 +348,14 @@ def test_lists_of_vectors_are_what_their_arrays_are():
     )
     assert model.with_payload(mass=np.array(2.0)) == model.with_payload(mass=2.0)
     assert model.replace(gravity=np.array(1.6)) == model.replace(gravity=1.6)
-    for com in (0.1, np.array(0.1), [], [0, 0], [[0, 0], [0, 0], [0.1, 0.2]], [[0, 0], [0, 0, 0.1]]):
+    for com in (
+        0.1,
+        np.array(0.1),
+        [],
+        [0, 0],
+        [[0, 0], [0, 0], [0.1, 0.2]],
+        [[0, 0], [0, 0, 0.1]],
+    ):
         with pytest.raises(fb.FreebodyError, match="with_payload: com"):
             model.with_payload(mass=2.0, com=com)
     for gravity in (1j, np.array(None), {1.0}, [[0, 0], [0, 0, 1.0]]):
@@ -327,11 +371,16 @@ def test_kernels_of_members_that_differ_in_limits_alone_are_compiled():
         kernel = fb.kernel(family, "gravity_torque", dtype=dtype)
         assert kernel.kernel.target == fb.kernel(model, "gravity_torque").target
         assert kernel.values.shape == (2, 1)
-        assert np.allclose(kernel(q), np.broadcast_to(fb.gravity_torque(model, q), (2, 6)), atol=apart)
+        assert np.allclose(
+            kernel(q), np.broadcast_to(fb.gravity_torque(model, q), (2, 6)), atol=apart
+        )
 
 
 def test_members_on_other_slopes_have_gravity_in_other_directions():
-    model, vectors = fb.load("ur5e"), np.array([[0.0, 0, -9.81], [0, 3.0, -9.0], [1.6, 0, 0], [0, 0, 0]])
+    model, vectors = (
+        fb.load("ur5e"),
+        np.array([[0.0, 0, -9.81], [0, 3.0, -9.0], [1.6, 0, 0], [0, 0, 0]]),
+    )
     family = model.replace(gravity=vectors)
     assert np.allclose(family.gravity, vectors, rtol=1e-15)
     q, qd, qdd = fb.random_state(model, 0, (5, 1))
@@ -342,9 +391,13 @@ def test_members_on_other_slopes_have_gravity_in_other_directions():
         assert_near(again(q, qd, qdd)[:, i], one)
     tilted = model.bind({"gravity.direction.x": 0.6, "gravity.direction.z": [-0.8, -0.8]})
     assert np.allclose(tilted.gravity, 9.81 * np.array([[0.6, 0, -0.8]] * 2), rtol=1e-15)
-    assert not [name for name in fb.kernel(model, "bias", inputs="g*").parameters if "direction" in name]
+    assert not [
+        name for name in fb.kernel(model, "bias", inputs="g*").parameters if "direction" in name
+    ]
     for values in ({"x": 0.6}, {"x": 0.6, "z": [-0.8, -0.7]}):
-        with pytest.raises(fb.FreebodyError, match=r"gravity.direction has length 1?\.?.*; it must be 1"):
+        with pytest.raises(
+            fb.FreebodyError, match=r"gravity.direction has length 1?\.?.*; it must be 1"
+        ):
             model.bind({f"gravity.direction.{x}": value for x, value in values.items()})
 
 
@@ -378,7 +431,9 @@ def test_members_are_checked_one_by_one():
     with pytest.raises(fb.FreebodyError, match=r"nan \(member 2\)"):
         model.bind({"forearm_link.mass": [1.0, 1.0, np.nan]})
     light = fb.load("2R").bind(m2=[1.0, 0.0], I2=[0.1, 0.0])
-    with pytest.raises(fb.FreebodyError, match=r"\(member 1\) is singular: joint 'joint2' moves no inertia"):
+    with pytest.raises(
+        fb.FreebodyError, match=r"\(member 1\) is singular: joint 'joint2' moves no inertia"
+    ):
         fb.forward_dynamics(light, [0.1, 0.2], [0, 0], [0, 0])
     with pytest.raises(fb.FreebodyError, match=r"no mass \(member 0\)"):
         fb.center_of_mass(fb.planar("R", l=[1], lc=[1], m=[1], I=[0]).bind(m1=[0.0, 1.0]), [0.1])
@@ -387,7 +442,9 @@ def test_members_are_checked_one_by_one():
 @pytest.mark.parametrize("name", sorted(ONE_ROBOT - {"inverse_velocity", "inverse_acceleration"}))
 def test_what_is_about_one_robot_refuses_a_family(name):
     family = fb.load("2R").bind(m2=[1.0, 2.0])
-    with pytest.raises(FamilyError, match=rf"{name}: '2R' is a family of robots, shape \(2,\).*model\[0\]"):
+    with pytest.raises(
+        FamilyError, match=rf"{name}: '2R' is a family of robots, shape \(2,\).*model\[0\]"
+    ):
         public_calls()[name](family, state(fb.load("2R"), 0))
 
 
@@ -403,7 +460,9 @@ def test_all_else_refuses_a_family(tmp_path):
         lambda: fb.check(family, "x = 1"),
         lambda: fb.inverse_velocity(family, [0.1, 0.2], [0, 0, 0]),
         lambda: fb.source(family, "inverse_dynamics", "c"),
-        lambda: fb.reactions(fb.load("four_bar").bind(l1=[0.2, 0.25]), *np.zeros((2, 3)), tau=np.zeros(3)),
+        lambda: fb.reactions(
+            fb.load("four_bar").bind(l1=[0.2, 0.25]), *np.zeros((2, 3)), tau=np.zeros(3)
+        ),
         lambda: fb.forward_dynamics(fb.load("four_bar").bind(l1=[0.2, 0.25]), *np.zeros((3, 3))),
     ):
         with pytest.raises(FamilyError, match="take a member"):
@@ -417,13 +476,17 @@ def test_numbers_as_inputs_are_the_model_with_other_numbers():
         model, "inverse_dynamics", inputs=["*.mass", "*.com.*", "*.inertia.*", "*.a", "*.d", "g"]
     )
     q, qd, qdd = fb.random_state(model, 0, (5,))
-    assert np.allclose(kernel(q, qd, qdd), fb.inverse_dynamics(model, q, qd, qdd), rtol=1e-13, atol=1e-12)
+    assert np.allclose(
+        kernel(q, qd, qdd), fb.inverse_dynamics(model, q, qd, qdd), rtol=1e-13, atol=1e-12
+    )
     p = kernel.values * np.linspace(1.0, 1.1, 5)[:, None]
     assert p.shape == (5, len(kernel.parameters))
     found = kernel(q, qd, qdd, p)
     for i in (0, 4):
         bound = model.bind(dict(zip(kernel.parameters, p[i], strict=True)))
-        assert np.allclose(found[i], fb.inverse_dynamics(bound, q[i], qd[i], qdd[i]), rtol=1e-12, atol=1e-12)
+        assert np.allclose(
+            found[i], fb.inverse_dynamics(bound, q[i], qd[i], qdd[i]), rtol=1e-12, atol=1e-12
+        )
     some = kernel(q, qd, qdd, p={"forearm_link.mass": 3.0})
     bound = model.bind({"forearm_link.mass": 3.0})
     assert np.allclose(some, fb.inverse_dynamics(bound, q, qd, qdd), rtol=1e-13, atol=1e-12)
@@ -448,7 +511,10 @@ def test_all_ways_to_call_with_numbers_are_one(names):
         assert again(*states, p, out=out) is out
         assert again(*states, p=p, out=out) is out
         assert np.array_equal(out, expected)
-    each = {kernel.parameters[0]: np.array([[1.0], [2.0]]), kernel.parameters[-1]: np.array([0.1, 0.2, 0.3])}
+    each = {
+        kernel.parameters[0]: np.array([[1.0], [2.0]]),
+        kernel.parameters[-1]: np.array([0.1, 0.2, 0.3]),
+    }
     numbers = kernel.numbers(each)
     assert numbers.shape == ((2, 3, len(p)) if len(p) > 1 else (3, 1))
     assert np.array_equal(numbers[..., -1], np.broadcast_to([0.1, 0.2, 0.3], numbers.shape[:-1]))
@@ -464,7 +530,10 @@ def test_plain_arrays_with_numbers_go_to_the_compiled_function_itself():
 
 
 def test_without_p_the_compiled_function_takes_the_models_own_numbers(monkeypatch):
-    kernel, q = fb.kernel(fb.load("2R"), "gravity_torque", inputs=["m1", "m2"]), np.array([0.3, -0.4])
+    kernel, q = (
+        fb.kernel(fb.load("2R"), "gravity_torque", inputs=["m1", "m2"]),
+        np.array([0.3, -0.4]),
+    )
     if kernel.kernel.target != "cpu" or not fastcall.available():
         pytest.skip("no C function here")
     expected = kernel(q, kernel.values)
@@ -477,7 +546,10 @@ def test_without_p_the_compiled_function_takes_the_models_own_numbers(monkeypatc
 
 @pytest.mark.parametrize("number", [2.5, np.float64(2.5), 2, np.float32(2.5)])
 def test_numbers_of_any_kind_by_name(number):
-    kernel, q = fb.kernel(fb.load("2R"), "gravity_torque", inputs=["m1", "m2"]), np.array([0.3, -0.4])
+    kernel, q = (
+        fb.kernel(fb.load("2R"), "gravity_torque", inputs=["m1", "m2"]),
+        np.array([0.3, -0.4]),
+    )
     p = np.array(kernel.values)
     p[1] = number
     for name in ("m2", ("m2",), "link2.mass"):
@@ -493,7 +565,11 @@ def test_any_number_is_an_input_of_any_formula(seed):
     names = [r.name for r in fb.parameters(model) if not r.limit]
     rng = np.random.default_rng(seed)
     known = fb.parameters(model)
-    small = {n: known[n].value + 1e-3 * rng.uniform() for n in names if ".inertia." not in n or "rotor" in n}
+    small = {
+        n: known[n].value + 1e-3 * rng.uniform()
+        for n in names
+        if ".inertia." not in n or "rotor" in n
+    }
     small = {n: x for n, x in small.items() if not n.startswith(("payload.", "gravity.direction."))}
     bound = model.bind(small)
     quantities = ["inverse_dynamics", "kinetic_energy", "forward_kinematics"]
@@ -550,9 +626,12 @@ def test_wrong_inputs_are_refused():
     "name", ["inverse_dynamics", "forward_dynamics", "forward_kinematics", "potential_energy"]
 )
 def test_derivatives_by_any_number_and_any_input(name):
-    """Against differences of fourth order: exact to 1e-10 of the largest entry where rounding allows."""
+    """Against differences of fourth order: exact to 1e-10 of the largest entry where rounding
+    allows."""
     model = fb.load("2R").bind(m1=1.0)
-    inputs = [r.name for r in fb.parameters(model) if not (r.limit or r.structural or "payload" in r.name)]
+    inputs = [
+        r.name for r in fb.parameters(model) if not (r.limit or r.structural or "payload" in r.name)
+    ]
     kernel = fb.kernel(model, name, inputs=inputs, by="p")
     q, qd, tau = fb.random_state(model, 3)
     arrays = (q, qd, tau)[: len(kernel.program.inputs) - 1]
@@ -563,9 +642,9 @@ def test_derivatives_by_any_number_and_any_input(name):
         step[k] = 1e-3
         moved = [kernel(*arrays, p + i * step)[0] for i in (-2, -1, 1, 2)]
         difference = (moved[0] - 8 * moved[1] + 8 * moved[2] - moved[3]) / 12e-3
-        assert np.allclose(slope[..., k], difference, rtol=1e-8, atol=1e-8 * (1 + abs(value).max())), inputs[
-            k
-        ]
+        assert np.allclose(
+            slope[..., k], difference, rtol=1e-8, atol=1e-8 * (1 + abs(value).max())
+        ), inputs[k]
 
 
 def test_derivatives_agree_with_those_that_are_there():
@@ -601,7 +680,8 @@ def test_values_by_name_that_are_no_numbers_or_of_no_common_shape_are_refused():
 
 def test_a_name_that_is_like_no_symbol_is_answered_with_all_names():
     with pytest.raises(
-        fb.FreebodyError, match=r"no parameter 'nothing' in 'ur5e'\. Parameters: g, gravity\.direction\.x"
+        fb.FreebodyError,
+        match=r"no parameter 'nothing' in 'ur5e'\. Parameters: g, gravity\.direction\.x",
     ):
         fb.load("ur5e").bind(nothing=1)
 
@@ -633,7 +713,9 @@ def test_what_picks_no_member_is_refused():
     """As an array without numbers is where a family is made."""
     family = fb.load("ur5e").bind({"forearm_link.mass": [1.0, 2.0]})
     for index in (slice(0, 0), np.array([False, False]), [], 2, (0, 0), "a", 1.0, np.array([True])):
-        with pytest.raises(fb.FreebodyError, match=r"picks no member of a family of shape \(2,\)") as caught:
+        with pytest.raises(
+            fb.FreebodyError, match=r"picks no member of a family of shape \(2,\)"
+        ) as caught:
             family[index]
         assert isinstance(caught.value, IndexError)
 
@@ -666,5 +748,7 @@ def test_steps_of_a_family_are_those_of_its_members(name):
 
 @pytest.mark.parametrize("option", ["inputs", "by"])
 def test_names_that_are_no_names_are_refused(option):
-    with pytest.raises(fb.FreebodyError, match=rf"fb.kernel: {option}= is int 3, expected a name or a list"):
+    with pytest.raises(
+        fb.FreebodyError, match=rf"fb.kernel: {option}= is int 3, expected a name or a list"
+    ):
         fb.kernel(fb.load("2R"), "inverse_dynamics", **{option: 3})

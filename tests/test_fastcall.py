@@ -1,4 +1,5 @@
-"""The interpreter's own way into a kernel: plain single samples take it, everything else comes out the same.
+"""The interpreter's own way into a kernel: plain single samples take it, everything else comes out
+the same.
 
 Which way a call took cannot be seen in its result, so the general way is replaced by what tells.
 """
@@ -24,7 +25,8 @@ from freebody.targets.llvm import fastcall
 
 @pytest.fixture(scope="module", params=["on", "off"])
 def kernel(request):
-    """A kernel with the fast call, and one without: whatever is asked of it, they answer the same."""
+    """A kernel with the fast call, and one without: whatever is asked of it, they answer the
+    same."""
     program = trace(
         "both",
         lambda q, A: ([q[0] * A[0][1], sin(q[1])], [[x * q[0] for x in row] for row in A]),
@@ -39,7 +41,9 @@ def kernel(request):
 
 
 def test_the_environment_switches_it_off(monkeypatch):
-    program = trace("switched", lambda q: ([q[0] + 1.0],), [Argument("q", (1,))], [Argument("y", (1,))])
+    program = trace(
+        "switched", lambda q: ([q[0] + 1.0],), [Argument("q", (1,))], [Argument("y", (1,))]
+    )
     monkeypatch.setattr(settings, "FASTCALL", False)
     without = compile_program(program, target="cpu")
     assert without.__call__.__func__ is Kernel.__call__
@@ -65,7 +69,17 @@ def test_the_suite_passes_without_it(file):
     """Files that call kernels in every way."""
     here = Path(__file__).parent
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-x", "-n0", "-p", "no:cacheprovider", str(here / file)],
+        [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-q",
+            "-x",
+            "-n0",
+            "-p",
+            "no:cacheprovider",
+            str(here / file),
+        ],
         env={**os.environ, "FREEBODY_FASTCALL": "off"},
         cwd=here.parent,
         capture_output=True,
@@ -128,8 +142,11 @@ def test_out_is_written_and_returned(kernel):
 
 
 def test_out_of_plain_arrays_never_leaves_the_interpreters_own_way(monkeypatch):
-    """A loop that runs a thousand times a second writes to its own arrays; the general way takes four times as long."""
-    program = trace("squared", lambda q: ([q[0] * q[0]],), [Argument("q", (1,))], [Argument("y", (1,))])
+    """A loop that runs a thousand times a second writes to its own arrays; the general way takes
+    four times as long."""
+    program = trace(
+        "squared", lambda q: ([q[0] * q[0]],), [Argument("q", (1,))], [Argument("y", (1,))]
+    )
     if not fastcall.available():
         pytest.skip("this interpreter's objects are not laid out as the fast call expects")
     general = []
@@ -235,7 +252,9 @@ def test_errors_are_those_of_the_kernel(kernel):
         kernel(np.zeros(3), A)
     with pytest.raises(ShapeError, match=r"both: A has shape \(3, 2\), expected \(..., 2, 3\)"):
         kernel(Q, A.T.copy())
-    with pytest.raises(KernelError, match=r"both: 1 arguments given, expected 2: q\(2\), A\(2, 3\)"):
+    with pytest.raises(
+        KernelError, match=r"both: 1 arguments given, expected 2: q\(2\), A\(2, 3\)"
+    ):
         kernel(Q)
     with pytest.raises(KernelError, match="holds complex128 values"):
         kernel(Q.astype(complex), A)
@@ -266,14 +285,21 @@ def of(function, inputs, outputs, dtype="float64"):
     """A kernel with the quick way."""
     if not fastcall.available():
         pytest.skip("this interpreter's objects are not laid out as the fast call expects")
-    arguments = [[Argument(name, shape) for name, shape in some.items()] for some in (inputs, outputs)]
+    arguments = [
+        [Argument(name, shape) for name, shape in some.items()] for some in (inputs, outputs)
+    ]
     return compile_program(trace("quick", function, *arguments), target="cpu", dtype=dtype)
 
 
 @pytest.mark.parametrize("dtype", ["float64", "float32"])
 def test_one_number_comes_out_as_numpys_own(monkeypatch, dtype):
     """An energy: without a function of its own it took ten times as long as Pinocchio's."""
-    kernel = of(lambda q: (q[0] * q[1], [q[0]], sin(q[0])), {"q": (2,)}, {"T": (), "y": (1,), "V": ()}, dtype)
+    kernel = of(
+        lambda q: (q[0] * q[1], [q[0]], sin(q[0])),
+        {"q": (2,)},
+        {"T": (), "y": (1,), "V": ()},
+        dtype,
+    )
     q = np.array([0.5, 3.0], dtype=dtype)
     expected = kernel.ufunc(q)
     monkeypatch.setattr(Kernel, "__call__", lambda *given, **named: pytest.fail("the general way"))
@@ -354,11 +380,14 @@ def test_a_kernel_is_still_a_kernel(kernel):
 
 
 @pytest.mark.skipif(
-    not sys.platform.startswith("linux"), reason="freed memory is overwritten by glibc's MALLOC_PERTURB_"
+    not sys.platform.startswith("linux"),
+    reason="freed memory is overwritten by glibc's MALLOC_PERTURB_",
 )
 def test_a_process_with_kernels_ends_in_peace():
     """What kernels point to must outlive them to the very end of the interpreter."""
     text = "import freebody as fb; k = fb.kernel(fb.load('2R'), 'mass_matrix'); k([0.1, 0.2])"
     env = {**os.environ, "PYTHONMALLOC": "malloc", "MALLOC_PERTURB_": "165"}
-    done = subprocess.run([sys.executable, "-c", text], env=env, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", text], env=env, capture_output=True, text=True, check=False
+    )
     assert (done.returncode, done.stderr) == (0, "")

@@ -1,4 +1,5 @@
-"""Drawings as data: where things stand, which way forces point, what they add up to, and that the SVG is sound."""
+"""Drawings as data: where things stand, which way forces point, what they add up to, and that the
+SVG is sound."""
 
 import math
 import re
@@ -126,10 +127,15 @@ def test_arrows_point_along_the_forces_and_to_one_scale(arm, diagram):
 
 
 def test_third_law_is_seen(diagram):
-    on_first, on_second = diagram.drawings[0].named("−f_{1,2}"), diagram.drawings[1].named("f_{1,2}")
+    on_first, on_second = (
+        diagram.drawings[0].named("−f_{1,2}"),
+        diagram.drawings[1].named("f_{1,2}"),
+    )
     assert on_first.start == pytest.approx(on_second.start)
     np.testing.assert_allclose(
-        np.subtract(on_first.end, on_first.start), -np.subtract(on_second.end, on_second.start), atol=1e-12
+        np.subtract(on_first.end, on_first.start),
+        -np.subtract(on_second.end, on_second.start),
+        atol=1e-12,
     )
     turn, counter = diagram.drawings[1].named("τ_2"), diagram.drawings[0].named("−τ_2")
     assert isinstance(turn, Turn)
@@ -142,7 +148,9 @@ def test_third_law_holds_for_moments_in_space(arm):
     first, second = fb.free_body_diagram(arm.to_space(), Q2, qd=QD2, qdd=QDD2).drawings
     on_first, on_second = first.named("−n_{1,2}"), second.named("n_{1,2}")
     np.testing.assert_allclose(
-        np.subtract(on_first.end, on_first.start), -np.subtract(on_second.end, on_second.start), atol=1e-12
+        np.subtract(on_first.end, on_first.start),
+        -np.subtract(on_second.end, on_second.start),
+        atol=1e-12,
     )
 
 
@@ -157,7 +165,9 @@ def test_friction_makes_the_moment_something_else_than_the_torque():
     drawing = fb.free_body_diagram(arm, [0.3], qd=[1.0]).drawing
     moment = drawing.named("n_{0,1}")
     assert isinstance(moment, Turn)
-    assert moment.value == pytest.approx(float(fb.inverse_dynamics(arm, [0.3], [1.0], [0.0])[0]) - 0.5)
+    assert moment.value == pytest.approx(
+        float(fb.inverse_dynamics(arm, [0.3], [1.0], [0.0])[0]) - 0.5
+    )
 
 
 def test_external_wrench_stands_at_its_frame(arm):
@@ -192,7 +202,8 @@ def test_plane_and_its_twin_in_space_show_the_same_forces(arm, diagram):
 
 @pytest.mark.parametrize("q", ["90 deg,0", "90 deg,180 deg", "-90 deg,0"])
 def test_rounding_is_no_load(q, tmp_path, capsys, monkeypatch):
-    """An arm that stands upright: the moments of 1e-16 N m at its joints are rounding, drawn and listed nowhere."""
+    """An arm that stands upright: the moments of 1e-16 N m at its joints are rounding, drawn and
+    listed nowhere."""
     monkeypatch.chdir(tmp_path)
     assert run(["fbd", "2R", "--q", q]) == 0
     assert "10⁻" not in capsys.readouterr().out
@@ -227,7 +238,9 @@ def test_figure_shows_and_saves_itself(diagram, tmp_path):
     assert rooted(path.read_text(encoding="utf-8")).tag.endswith("svg")
     with pytest.raises(FreebodyError, match=r"'fbd.png' is not an .svg file"):
         diagram.save(tmp_path / "fbd.png")
-    with pytest.raises(FreebodyError, match=r"it has 2 drawings; take one of .drawings, or name a body"):
+    with pytest.raises(
+        FreebodyError, match=r"it has 2 drawings; take one of .drawings, or name a body"
+    ):
         diagram.drawing
 
 
@@ -293,7 +306,9 @@ def test_ticks_are_round():
 
 def test_plot_marks_peak_and_limit():
     t = np.linspace(0, 1, 200)
-    svg = plot(Plot("joint_1", t, {"total": 30 * np.sin(6 * t)}, "N m", limits=(-35, 35), now=0.5)).text()
+    svg = plot(
+        Plot("joint_1", t, {"total": 30 * np.sin(6 * t)}, "N m", limits=(-35, 35), now=0.5)
+    ).text()
     root = rooted(svg)
     assert len(root.findall(".//{*}path[@class='limit']")) == 2
     assert len(root.findall(".//{*}circle")) == 1

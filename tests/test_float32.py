@@ -1,7 +1,7 @@
 """Kernels of 32-bit numbers: what those of 64 bits promise, to as many digits as there are.
 
-Most of it is one program with a uniform input, which `fb.compile` does not make; a CPU without fused multiply-add has
-to be feigned.
+Most of it is one program with a uniform input, which `fb.compile` does not make; a CPU without
+fused multiply-add has to be feigned.
 """
 
 import pickle
@@ -38,7 +38,12 @@ def mixed(x, A, s, p):
     )
 
 
-INPUTS = (Argument("x", (3,)), Argument("A", (2, 5)), Argument("s", ()), Argument("p", (3,), uniform=True))
+INPUTS = (
+    Argument("x", (3,)),
+    Argument("A", (2, 5)),
+    Argument("s", ()),
+    Argument("p", (3,), uniform=True),
+)
 OUTPUTS = (Argument("y", (5,)), Argument("B", (2, 5)), Argument("t", ()))
 PROGRAM = trace("mixed", mixed, INPUTS, OUTPUTS)
 EXACT = compile_program(PROGRAM, target="numpy")
@@ -67,7 +72,9 @@ def same_bits(left, right):
 
 def assert_near(results, given):
     """Within some roundings of what comes out in 64 bits."""
-    for result, exact in zip(results, EXACT(*(np.asarray(x, dtype=np.float64) for x in given)), strict=True):
+    for result, exact in zip(
+        results, EXACT(*(np.asarray(x, dtype=np.float64) for x in given)), strict=True
+    ):
         assert result.dtype == np.float32
         assert result.shape == exact.shape
         np.testing.assert_allclose(result, exact, rtol=20 * ULP, atol=20 * ULP)
@@ -86,10 +93,17 @@ def test_strides_splits_and_broadcasting_change_nothing(width):
     kernel, given = compiled(width), arrays(50)
     whole = kernel(*given)
     x, A, s, p = given
-    other = [np.asfortranarray(x), np.repeat(A, 2, axis=0)[::2], s[::-1].copy()[::-1], np.repeat(p, 3)[::3]]
+    other = [
+        np.asfortranarray(x),
+        np.repeat(A, 2, axis=0)[::2],
+        s[::-1].copy()[::-1],
+        np.repeat(p, 3)[::3],
+    ]
     assert same_bits(kernel(*other), whole)
     for cut in (1, 7, 16, 49):
-        parts = [kernel(x[part], A[part], s[part], p) for part in (slice(None, cut), slice(cut, None))]
+        parts = [
+            kernel(x[part], A[part], s[part], p) for part in (slice(None, cut), slice(cut, None))
+        ]
         assert same_bits(tuple(np.concatenate(both) for both in zip(*parts, strict=True)), whole)
     alike = np.array([x[4]] * 50), A, np.array([s[0]] * 50), p
     assert same_bits(kernel(x[4], A, s[0], p), kernel(*alike))
@@ -206,7 +220,9 @@ def test_numpy_computes_in_the_same_type():
 
 
 def test_options_are_checked():
-    with pytest.raises(KernelError, match=r"target 'cpu' has no dtype 'float16'. It has: float64, float32\."):
+    with pytest.raises(
+        KernelError, match=r"target 'cpu' has no dtype 'float16'. It has: float64, float32\."
+    ):
         compile_program(PROGRAM, target="cpu", dtype="float16")
     with pytest.raises(KernelError, match=r"no width 16 of float64\. Widths: 2, 4, 8 "):
         compile_program(PROGRAM, target="cpu", width=16)
@@ -214,7 +230,9 @@ def test_options_are_checked():
     def large(x):
         return [x[0] * 1e39]
 
-    with pytest.raises(KernelError, match=r"large: the constant 1e\+39 is beyond the range of float32"):
+    with pytest.raises(
+        KernelError, match=r"large: the constant 1e\+39 is beyond the range of float32"
+    ):
         fb.compile(large, {"x": 1}, {"y": 1}, dtype="float32")
     assert fb.compile(large, {"x": 1}, {"y": 1})(np.ones(1))[0] == 1e39
 
@@ -233,9 +251,9 @@ def both(width):
 
 def ulps(found, exact):
     """Distance in units of the last place that the exact value has as a 32-bit number."""
-    return np.abs(found.astype(np.float64) - exact) / np.spacing(np.abs(exact).astype(np.float32)).astype(
-        np.float64
-    )
+    return np.abs(found.astype(np.float64) - exact) / np.spacing(
+        np.abs(exact).astype(np.float32)
+    ).astype(np.float64)
 
 
 def angles(step):
@@ -267,12 +285,20 @@ def test_sine_and_cosine_of_one_in_a_hundred():
 
 def test_sine_and_cosine_without_fused_multiply_add(monkeypatch):
     monkeypatch.setattr(
-        machine.Host, "machine", lambda self, width, real: Machine(width or 4, False, self.x86, real)
+        machine.Host,
+        "machine",
+        lambda self, width, real: Machine(width or 4, False, self.x86, real),
     )
     kernel = fb.compile(
-        lambda x: (sin(x), cos(x)), {"x": ()}, {"sine": (), "cosine": ()}, target="cpu", dtype="float32"
+        lambda x: (sin(x), cos(x)),
+        {"x": ()},
+        {"sine": (), "cosine": ()},
+        target="cpu",
+        dtype="float32",
     )
-    assert "@llvm.fma.v4f32(" not in kernel.source.replace("declare <4 x float> @llvm.fma.v4f32(", "")
+    assert "@llvm.fma.v4f32(" not in kernel.source.replace(
+        "declare <4 x float> @llvm.fma.v4f32(", ""
+    )
     x = angles(99_991)
     for found, value in zip(kernel(x), both(16)[1](x.astype(np.float64)), strict=True):
         assert ulps(found, value).max() <= 2
@@ -282,7 +308,9 @@ def test_signs_of_zero_and_what_is_not_finite():
     s, c = both(16)[0](np.array([0.0, -0.0, -1e-45], np.float32))
     assert np.signbit(s).tolist() == [False, True, True]
     assert c.tolist() == [1.0, 1.0, 1.0]
-    found = fb.compile(lambda x: sin(x * x), {"x": ()}, dtype="float32")(np.array([1e30, 1.0], np.float32))
+    found = fb.compile(lambda x: sin(x * x), {"x": ()}, dtype="float32")(
+        np.array([1e30, 1.0], np.float32)
+    )
     assert np.isnan(found).tolist() == [True, False]
 
 
@@ -297,7 +325,13 @@ def test_other_functions_are_rounded_once():
     x = np.linspace(1e-6, 1.0, 3001).astype(np.float32)
     found = kernel(x)
     wide = x.astype(np.float64)
-    exact = [np.exp(wide), np.log(wide), np.tanh(wide), np.arccos(wide), np.arctan2(wide, np.float32(0.3))]
+    exact = [
+        np.exp(wide),
+        np.log(wide),
+        np.tanh(wide),
+        np.arccos(wide),
+        np.arctan2(wide, np.float32(0.3)),
+    ]
     for result, value in zip(found, exact, strict=True):
         assert ulps(result, value)[value != 0].max() <= 0.51
 
@@ -320,5 +354,7 @@ def test_a_robot(name):
 
 def test_matrices_of_large_robots_have_no_short_kernel():
     model = fb.planar("R" * 70)
-    with pytest.raises(FreebodyError, match="mass_matrix of 70 coordinates is made column by column"):
+    with pytest.raises(
+        FreebodyError, match="mass_matrix of 70 coordinates is made column by column"
+    ):
         fb.kernel(model, "mass_matrix", dtype="float32")

@@ -1,6 +1,8 @@
-"""A process that forks, or is stopped by Ctrl-C, in the middle of the work of another thread or of a long call.
+"""A process that forks, or is stopped by Ctrl-C, in the middle of the work of another thread or of
+a long call.
 
-Where a fork or an interrupt hits is not to be seen from outside: locks and loops are watched where they are.
+Where a fork or an interrupt hits is not to be seen from outside: locks and loops are watched where
+they are.
 """
 
 from __future__ import annotations
@@ -142,7 +144,9 @@ assert [y for _, y in made] == [by for by, _ in made] and len(made) == 4, made
 """
 
 
-@pytest.mark.parametrize("place", ["kernel.verify", "llvm.parse_assembly", "threading.Thread.start"])
+@pytest.mark.parametrize(
+    "place", ["kernel.verify", "llvm.parse_assembly", "threading.Thread.start"]
+)
 def test_a_handler_of_a_signal_may_ask_for_a_kernel_while_one_is_compiled(place):
     done = run(HANDLER_THAT_COMPILES.format(place=place), FREEBODY_CACHE="off")
     assert done.returncode == 0, done.stderr
@@ -162,13 +166,17 @@ def test_nothing_in_freebody_holds_a_lock_that_a_fork_would_leave_taken():
 
 
 def double() -> Kernel:
-    program = trace("double", lambda q: ([2.0 * q[0]],), [Argument("q", (1,))], [Argument("r", (1,))])
+    program = trace(
+        "double", lambda q: ([2.0 * q[0]],), [Argument("q", (1,))], [Argument("r", (1,))]
+    )
     return Kernel(program, "cpu", 2, compile_program(program).ufunc)
 
 
 @pytest.mark.parametrize("threads", [1, 4])
 @pytest.mark.parametrize("shape", [(4_000,), (4, 1000), (2,) * 12, (1, 4000, 1)])
-def test_an_interrupt_stops_a_long_call_after_the_part_that_is_being_computed(monkeypatch, threads, shape):
+def test_an_interrupt_stops_a_long_call_after_the_part_that_is_being_computed(
+    monkeypatch, threads, shape
+):
     """Ctrl-C in the third of many parts: of those that nobody has begun, none is computed."""
     long, calls = double(), []
     before = signal.signal(
@@ -196,7 +204,8 @@ def test_an_interrupt_stops_a_long_call_after_the_part_that_is_being_computed(mo
 
 
 def test_a_part_takes_milliseconds():
-    """Of the dearest quantities, and of those that do little but move numbers; counted in operations and entries."""
+    """Of the dearest quantities, and of those that do little but move numbers; counted in
+    operations and entries."""
     arm = fb.load("ur5e")
     for name in ("potential_energy", "forward_kinematics", "inverse_dynamics_second_derivatives"):
         long = fb.kernel(arm, name, target="cpu")
@@ -215,7 +224,12 @@ def test_parts_give_the_bits_of_the_whole(monkeypatch, threads, shape):
     monkeypatch.setattr(parts, "_small", 8)
     q, qd, qdd = fb.random_state(arm, 1, shape)
     one = qd[(0,) * len(shape)]
-    for given in ((q, qd, qdd), (q, one, qdd), (q[:1], qd, qdd[..., :1, :]), (q.astype(np.float32), qd, qdd)):
+    for given in (
+        (q, qd, qdd),
+        (q, one, qdd),
+        (q[:1], qd, qdd[..., :1, :]),
+        (q.astype(np.float32), qd, qdd),
+    ):
         expected = whole.ufunc(*given)
         outs = tuple(np.full_like(x, np.nan) for x in expected)
         for found in (parts(*given, threads=threads), parts(*given, threads=threads, out=outs)):

@@ -33,22 +33,31 @@ def csv(tmp_path, text: str, **options) -> Model:
 # ---------------------------------------------------------------- names and suffixes
 def test_a_name_is_a_bundled_model(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "2R").write_text("not a robot")  # a file without suffix or folder does not hide the name
+    (tmp_path / "2R").write_text(
+        "not a robot"
+    )  # a file without suffix or folder does not hide the name
     assert fb.load("2R").name == "2R"
     (tmp_path / "2R.toml").write_text('name = "mine"\n[planar]\nword = "R"\n')
-    assert (fb.load("2R").name, fb.load("2R.toml").name, fb.load("./2R.toml").name) == ("2R", "mine", "mine")
+    assert (fb.load("2R").name, fb.load("2R.toml").name, fb.load("./2R.toml").name) == (
+        "2R",
+        "mine",
+        "mine",
+    )
 
 
 def test_unknown_names(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert message("ur5") == (
-        "load: no model 'ur5' in the bundled models. Did you mean 'ur5e'? Models: 2R, 3R, 3RRR, bricard, "
-        "double_four_bar, five_bar, five_bar_rods, four_bar, gyro, iiwa14, panda, pendulum, puma560, quadrotor, RP, "
+        "load: no model 'ur5' in the bundled models. Did you mean 'ur5e'? Models: 2R, 3R, 3RRR, "
+        "bricard, "
+        "double_four_bar, five_bar, five_bar_rods, four_bar, gyro, iiwa14, panda, pendulum, "
+        "puma560, quadrotor, RP, "
         "scara, slider_crank, stewart, ur5e. A file needs its suffix: .urdf, .toml, .csv."
     )
     (tmp_path / "robot").write_text("x")
     assert message("robot") == (
-        "load: 'robot' is no bundled model. The file of that name needs a suffix that tells its format: .urdf, "
+        "load: 'robot' is no bundled model. The file of that name needs a suffix that tells its "
+        "format: .urdf, "
         ".toml, .csv."
     )
     assert message("2R", tip="hand") == "no frame 'hand' in '2R'. Frames: base, link1, link2, tip."
@@ -56,22 +65,30 @@ def test_unknown_names(tmp_path, monkeypatch):
 
 def test_files_that_are_not_read(tmp_path):
     assert message(tmp_path / "arm.xacro", tmp_path) == (
-        "arm.xacro: xacro is not read directly; expand it first, with ROS by `xacro arm.xacro > arm.urdf`, without by "
+        "arm.xacro: xacro is not read directly; expand it first, with ROS by `xacro arm.xacro > "
+        "arm.urdf`, without by "
         "`pip install xacrodoc`, then `xacrodoc arm.xacro -o arm.urdf`, and load that."
     )
     assert message("arm.urdf.xacro") == (
-        "arm.urdf.xacro: xacro is not read directly; expand it first, with ROS by `xacro arm.urdf.xacro > arm.urdf`, "
-        "without by `pip install xacrodoc`, then `xacrodoc arm.urdf.xacro -o arm.urdf`, and load that."
+        "arm.urdf.xacro: xacro is not read directly; expand it first, with ROS by `xacro "
+        "arm.urdf.xacro > arm.urdf`, "
+        "without by `pip install xacrodoc`, then `xacrodoc arm.urdf.xacro -o arm.urdf`, and load "
+        "that."
     )
     assert message("scene.xml") == (
-        "scene.xml: MJCF and other XML are not read; export the robot as URDF, or describe it in freebody's TOML."
+        "scene.xml: MJCF and other XML are not read; export the robot as URDF, or describe it in "
+        "freebody's TOML."
     )
     assert message("world.sdf") == (
         "world.sdf: SDF is not read; convert it to URDF, or describe the robot in freebody's TOML."
     )
-    assert message("arm.step") == "arm.step: freebody does not know .step; it reads .urdf, .toml, .csv."
     assert (
-        message("./arm") == "arm: freebody does not know files without suffix; it reads .urdf, .toml, .csv."
+        message("arm.step")
+        == "arm.step: freebody does not know .step; it reads .urdf, .toml, .csv."
+    )
+    assert (
+        message("./arm")
+        == "arm: freebody does not know files without suffix; it reads .urdf, .toml, .csv."
     )
     assert message(tmp_path, tmp_path.parent).endswith(": this is a folder; name a file in it.")
 
@@ -95,10 +112,15 @@ def test_files_that_are_none(tmp_path, suffix: str):
     path.mkdir()
     assert message(path, tmp_path) == f"{name}: this is a folder; name a file in it."
     (path / "robot.urdf").touch()
-    assert message(path, tmp_path) == f"{name}: this is a folder; name a file in it, such as robot.urdf."
+    assert (
+        message(path, tmp_path)
+        == f"{name}: this is a folder; name a file in it, such as robot.urdf."
+    )
 
 
-@pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="the superuser may read everything")
+@pytest.mark.skipif(
+    os.name == "nt" or os.geteuid() == 0, reason="the superuser may read everything"
+)
 def test_a_file_that_may_not_be_read(tmp_path):
     path = tmp_path / "arm.toml"
     path.write_text("x")
@@ -113,9 +135,13 @@ def test_text_that_is_not_utf8(tmp_path):
 
 
 def test_options():
-    assert message("2R", snap_angles=2) == "load: snap_angles is 2, expected radians between 0 and 0.1."
     assert (
-        message("2R", base="fix") == "no option 'fix' in base=. Did you mean 'fixed'? Options: fixed, free."
+        message("2R", snap_angles=2)
+        == "load: snap_angles is 2, expected radians between 0 and 0.1."
+    )
+    assert (
+        message("2R", base="fix")
+        == "no option 'fix' in base=. Did you mean 'fixed'? Options: fixed, free."
     )
     assert message("panda", mimic="off") == "no option 'off' in mimic=. Options: follow, free."
 
@@ -209,7 +235,8 @@ def test_dh_convention_is_never_guessed(tmp_path):
         ("standard", "craig", "1: no convention 'craig' in the file. Conventions: standard, modified."),
         ("alpha", "alfa", "2: no column 'alfa' in a DH table. Did you mean 'alpha'? Columns: joint, name, theta, d, "
          "a, alpha, m, "
-         "cx, cy, cz, Ixx, Ixy, Ixz, Iyy, Iyz, Izz, rotor, gear, viscous, coulomb, lower, upper, velocity, effort."),
+         "cx, cy, cz, Ixx, Ixy, Ixz, Iyy, Iyz, Izz, rotor, gear, viscous, coulomb, lower, upper, "
+         "velocity, effort."),
         ("joint,a,", "a,a,", "2: column 'a' appears twice; keep one."),
         ("R,1", "R", "3: dh row 1: it has 3 cells, the header 4."),
         ("P,0.5", "Q,0.5", "4: dh row 2: joint is 'Q', expected 'R' or 'P'."),

@@ -1,4 +1,5 @@
-"""TOML: everything a model has, lines in errors, and a writer whose files load as the same model."""
+"""TOML: everything a model has, lines in errors, and a writer whose files load as the same
+model."""
 
 import dataclasses
 import math
@@ -138,7 +139,9 @@ def test_planar_word_is_the_builder():
     model = read(
         '[planar]\nword = "RP"\nl = [0.5, "reach"]\nangles = [0, "90 deg"]\n[parameters]\nreach = 0.2\ng = 1.62\n'
     )
-    twin = fb.planar("RP", l=[0.5, Parameter("reach", 0.2)], angles=[0, math.pi / 2], g=1.62, name="arm")
+    twin = fb.planar(
+        "RP", l=[0.5, Parameter("reach", 0.2)], angles=[0, math.pi / 2], g=1.62, name="arm"
+    )
     same_model(model, twin)
 
 
@@ -151,7 +154,10 @@ def test_planar_limits_and_drives():
         Limits(upper=math.pi / 2, velocity=math.pi / 2),
         fb.Drive(viscous=1.0),
     )
-    assert (second.limits, second.drive) == (Limits(upper=2.0), fb.Drive(rotor=Parameter("J"), gear=3.0))
+    assert (second.limits, second.drive) == (
+        Limits(upper=2.0),
+        fb.Drive(rotor=Parameter("J"), gear=3.0),
+    )
 
 
 def test_dh_table_is_the_builder():
@@ -220,8 +226,13 @@ def test_loops():
     assert read(text % "prismatic" + 'axis = "-y"\n').loops[0].axis == (0.0, -1.0, 0.0)
     model = read(text % "distance" + 'distance = "d"\n')
     assert (model.loops[0].distance, model.actuated) == (Parameter("d"), ())
-    assert message(text % "distance") == "arm.toml:12: loop 'bar': give the distance (m) between its frames."
-    assert message(text % "belt").startswith("arm.toml:14: no kind 'belt' in loop 'bar'. Kinds: revolute,")
+    assert (
+        message(text % "distance")
+        == "arm.toml:12: loop 'bar': give the distance (m) between its frames."
+    )
+    assert message(text % "belt").startswith(
+        "arm.toml:14: no kind 'belt' in loop 'bar'. Kinds: revolute,"
+    )
 
 
 # ---------------------------------------------------------------- what is refused
@@ -251,7 +262,8 @@ def test_loops():
          "not symmetric."),
         (LINKS + "mass = 1\ninertia = [1, 0, 0, 1, 0, 3]\n" + JOINT + "axis = 'z'\n", "arm.toml:3: link 'arm': "
          "principal moments "
-         "1, 1, 3 kg m² break the triangle inequality (1 + 1 < 3). Correct it, or accept it with physical='warn'."),
+         "1, 1, 3 kg m² break the triangle inequality (1 + 1 < 3). Correct it, or accept it with "
+         "physical='warn'."),
         (LINKS + "mass = 1\nshape = { barr = { length = 1 } }\n", "arm.toml:6: no key 'barr' in link 'arm'. Did you "
          "mean 'bar'? "
          "Keys: point, disc, ring, bar, box, cylinder, sphere."),
@@ -396,13 +408,17 @@ def test_tools_and_payloads_survive_writing():
     model = fb.load("panda").with_tool(
         "pen", [0, 0, 0.1], np.diag([1.0, -1.0, -1.0]), inertia=fb.Inertia.point(0.1)
     )
-    round_trip(model.with_payload(2.0, frame="panda_leftfinger").with_payload(1.0, frame="panda_link0"))
+    round_trip(
+        model.with_payload(2.0, frame="panda_leftfinger").with_payload(1.0, frame="panda_link0")
+    )
     planar = fb.planar("RR", m=[1, None]).with_tool("grip", [0.1, 0], [[0, -1], [1, 0]])
     round_trip(planar.with_payload(fb.Inertia.disc(1, 0.1, dim=2)))
 
 
 def test_a_load_is_no_link_even_with_the_name_of_one(tmp_path):
-    model = fb.load("2R").with_payload(2.0, frame="link1", name="base")  # the base has no inertia of its own
+    model = fb.load("2R").with_payload(
+        2.0, frame="link1", name="base"
+    )  # the base has no inertia of its own
     fb.save(model, tmp_path / "loaded.toml")
     again = fb.load(tmp_path / "loaded.toml")
     assert np.array_equal(fb.mass_matrix(again, [0.1, 0.2]), fb.mass_matrix(model, [0.1, 0.2]))
@@ -410,7 +426,15 @@ def test_a_load_is_no_link_even_with_the_name_of_one(tmp_path):
 
 def test_symbols_survive_writing():
     rows = [
-        {"theta": "t0", "d": "d1", "a": 0.1, "alpha": 0.3, "m": "m1", "rotor": "J", "friction": ("v", 0.1)}
+        {
+            "theta": "t0",
+            "d": "d1",
+            "a": 0.1,
+            "alpha": 0.3,
+            "m": "m1",
+            "rotor": "J",
+            "friction": ("v", 0.1),
+        }
     ] * 2
     round_trip(fb.dh(rows, convention="modified", gravity="g0"))
 
@@ -456,5 +480,7 @@ def test_a_joint_kind_of_tomorrow_says_itself_whether_it_has_an_axis(tmp_path, m
         velocity = fb.velocity(arm, [0.3, 0.2], [1.0, 2.0], frame="arm")
         np.testing.assert_allclose(velocity, [0.0, 1.2, 1.6, 0.0, 0.6, 0.8], atol=1e-15)
     assert "a cylindrical joint has no friction; remove it" in message(
-        LINKS + JOINT.replace("revolute", "cylindrical") + "axis = [0, 0, 1]\nfriction = { viscous = 1.0 }\n"
+        LINKS
+        + JOINT.replace("revolute", "cylindrical")
+        + "axis = [0, 0, 1]\nfriction = { viscous = 1.0 }\n"
     )

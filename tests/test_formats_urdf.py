@@ -1,4 +1,5 @@
-"""URDF: what is read, what is said of the rest, what is refused; and every example robot beside Pinocchio."""
+"""URDF: what is read, what is said of the rest, what is refused; and every example robot beside
+Pinocchio."""
 
 import math
 from pathlib import Path
@@ -12,7 +13,8 @@ from support.real_files import FILES, REFUSED, ROBOTS
 
 
 def read(tmp_path: Path, body: str, *, robot: str = '<robot name="arm">', **options) -> Model:
-    """The model of a URDF with this inside; `base` and `hand` are there, joined by `body` or not at all."""
+    """The model of a URDF with this inside; `base` and `hand` are there, joined by `body` or not at
+    all."""
     path = tmp_path / "arm.urdf"
     path.write_text(f'{robot}\n<link name="base"/>\n<link name="hand"/>\n{body}\n</robot>\n')
     return fb.load(path, **options)
@@ -55,7 +57,9 @@ def test_real_file_as_pinocchio_reads_it(name: str, base: str):
         theirs.nq - sum(j.nq - j.nv for j in theirs.joints if j.nv == 1),
         theirs.nv,
     )
-    number = {"root_joint" if joint == "base" else joint: i for i, joint in enumerate(model.joint_names)}
+    number = {
+        "root_joint" if joint == "base" else joint: i for i, joint in enumerate(model.joint_names)
+    }
     assert set(number) == set(theirs.names) - {"universe"}
     for i in range(1, theirs.njoints):
         same_body(
@@ -79,7 +83,9 @@ def same_body(model: Model, index: int, placement, inertia) -> None:
     assert mass == pytest.approx(inertia.mass, rel=1e-12, abs=1e-15)
     if mass > 0:
         np.testing.assert_allclose(com, inertia.lever, atol=1e-12)
-    np.testing.assert_allclose(tensor, inertia.inertia, atol=1e-12 * max(1e-3, abs(inertia.inertia).max()))
+    np.testing.assert_allclose(
+        tensor, inertia.inertia, atol=1e-12 * max(1e-3, abs(inertia.inertia).max())
+    )
 
 
 @pytest.mark.parametrize("name", FILES)
@@ -107,10 +113,14 @@ def test_inertia_in_turned_axes(tmp_path):
     link = """<link name="arm"><inertial><origin xyz="0 0 1" rpy="0 0 1.5707963267948966"/><mass value="2"/>
       <inertia ixx="3" ixy="0" ixz="0" iyy="2" iyz="0" izz="4"/></inertial></link>
       <joint name="a" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/></joint>"""
-    model = read(tmp_path, link + joint(kind="fixed", ends='<parent link="arm"/><child link="hand"/>'))
+    model = read(
+        tmp_path, link + joint(kind="fixed", ends='<parent link="arm"/><child link="hand"/>')
+    )
     (mass,) = model.tree.bodies[0].masses
     assert (mass.m, mass.c) == (2.0, (0.0, 0.0, 1.0))
-    np.testing.assert_allclose(np.array(mass.inertia, dtype=float), np.diag([2.0, 3.0, 4.0]), atol=1e-15)
+    np.testing.assert_allclose(
+        np.array(mass.inertia, dtype=float), np.diag([2.0, 3.0, 4.0]), atol=1e-15
+    )
 
 
 def test_defaults_of_a_joint(tmp_path):
@@ -125,9 +135,7 @@ def test_defaults_of_a_joint(tmp_path):
 
 
 def test_friction_and_limits(tmp_path):
-    inside = (
-        """<limit lower="-1" upper="2" velocity="3" effort="4"/><dynamics damping="0.5" friction="0.25"/>"""
-    )
+    inside = """<limit lower="-1" upper="2" velocity="3" effort="4"/><dynamics damping="0.5" friction="0.25"/>"""
     (body,) = read(tmp_path, joint(inside)).bodies
     assert body.joint.limits == fb.Limits(-1.0, 2.0, 3.0, 4.0)
     assert body.joint.drive == fb.Drive(viscous=0.5, coulomb=0.25)
@@ -167,11 +175,14 @@ def test_right_angles_snap_and_say_so(tmp_path):
 def test_axis_is_normalised_and_said(tmp_path):
     model = read(tmp_path, joint('<axis xyz="3 0 4"/>', "continuous"))
     assert model.bodies[0].joint.axis == (0.6, 0.0, 0.8)
-    assert said(model, "axis") == ["5: joint 'elbow': the axis has length 5; it is made a unit vector."]
+    assert said(model, "axis") == [
+        "5: joint 'elbow': the axis has length 5; it is made a unit vector."
+    ]
 
 
 def test_an_axis_beside_a_coordinate_axis_is_taken_as_it_is(tmp_path):
-    """Rodrigues' formula for the axis (1, e, 0), to first order in e; Pinocchio makes it (1, 0, 0)."""
+    """Rodrigues' formula for the axis (1, e, 0), to first order in e; Pinocchio makes it (1, 0,
+    0)."""
     e, angle = 1e-12, 0.7
     model = read(tmp_path, joint(f'<axis xyz="1 {e} 0"/>', "continuous"))
     R = fb.forward_kinematics(model, [angle], "hand")[:3, :3]
@@ -205,7 +216,9 @@ def test_mimic_follows_or_not(tmp_path):
     finger = '<link name="finger"/>' + joint(
         '<axis xyz="0 0 1"/>', "continuous", ends='<parent link="base"/><child link="finger"/>'
     )
-    follow = finger + joint('<mimic joint="elbow" multiplier="-2" offset="0.5"/>', "continuous", "wrist")
+    follow = finger + joint(
+        '<mimic joint="elbow" multiplier="-2" offset="0.5"/>', "continuous", "wrist"
+    )
     assert read(tmp_path, follow).coordinates[1].ratio == -2.0
     assert read(tmp_path, follow).coordinates[1].offset == 0.5
     assert read(tmp_path, follow, mimic="free").nv == 2
@@ -219,10 +232,15 @@ def test_free_base(tmp_path):
 def test_comments_namespaces_and_byte_order_mark(tmp_path):
     path = tmp_path / "arm.urdf"
     inside = '<link name="a"/><xacro:if value="1"/>'
-    text = f'<?xml version="1.0"?><!-- x --><robot name="arm" xmlns:xacro="http://x">{inside}</robot>'
+    text = (
+        f'<?xml version="1.0"?><!-- x --><robot name="arm" xmlns:xacro="http://x">{inside}</robot>'
+    )
     path.write_bytes(b"\xef\xbb\xbf" + text.encode())
     model = fb.load(path)
-    assert (model.name, said(model, "ignored")) == ("arm", ["1: <xacro:if> in <robot> is ignored (once)."])
+    assert (model.name, said(model, "ignored")) == (
+        "arm",
+        ["1: <xacro:if> in <robot> is ignored (once)."],
+    )
 
 
 def test_everything_else_is_counted(tmp_path):
@@ -232,10 +250,13 @@ def test_everything_else_is_counted(tmp_path):
     model = read(tmp_path, joint(limit) + rest, robot="<robot>")
     assert model.name == "arm"
     assert said(model, "name") == ["1: <robot> has no name; the file's is used, 'arm'."]
-    assert said(model, "skipped") == ["shapes play no part in the dynamics: 1 <material> are not read."]
+    assert said(model, "skipped") == [
+        "shapes play no part in the dynamics: 1 <material> are not read."
+    ]
     assert said(model, "ignored") == [
         "5: <gazebo> in <robot> is ignored (2 times, first here).",
-        "5: <transmission> in <robot> is ignored (once); 1 of them give a mechanicalReduction other than 1 "
+        "5: <transmission> in <robot> is ignored (once); 1 of them give a mechanicalReduction "
+        "other than 1 "
         "(first 't': 100), but URDF has no rotor inertia that it would multiply.",
         "5: <safety_controller> in a revolute joint is ignored (once).",
         "5: attribute jerk of <limit> of a revolute joint is ignored (once).",
@@ -315,7 +336,8 @@ MASSLESS = (
          "number."),
         (joint('<origin xyz="${a} 0 0"/>'), "arm.urdf:5: joint 'elbow': xyz of <origin> is '${a}', expected a "
          "finite number; "
-             "it is a xacro expression: expand it first, with ROS by `xacro FILE > out.urdf`, without by `pip install "
+             "it is a xacro expression: expand it first, with ROS by `xacro FILE > out.urdf`, "
+             "without by `pip install "
              "xacrodoc`, then `xacrodoc FILE -o out.urdf`."),
         (joint('<axis xyz="1 0 0"/><axis xyz="0 1 0"/>'), "arm.urdf:5: joint 'elbow': there are 2 <axis>; keep one."),
         (joint('<limit lower="1" upper="-1"/>'), "arm.urdf:4: joint 'elbow': lower limit 1 is above upper -1; swap "
@@ -352,7 +374,8 @@ def test_refused(tmp_path, body: str, text: str):
         ("<robot name='a'/>", "arm.urdf:1: there are no links; a robot needs at least one."),
         ("<robot xmlns:xacro='x'><xacro:arm/></robot>", "arm.urdf:1: there are no links; a robot needs at least "
          "one; it looks "
-             "like xacro: expand it first, with ROS by `xacro FILE > out.urdf`, without by `pip install xacrodoc`, "
+             "like xacro: expand it first, with ROS by `xacro FILE > out.urdf`, without by `pip "
+             "install xacrodoc`, "
              "then `xacrodoc FILE -o out.urdf`."),
     ],
 )  # fmt: skip

@@ -1,6 +1,7 @@
 """Machine code goes when nothing can call it any more, and not before.
 
-How many kernels are kept is said by the compiler, and is emptied there; its library is held against memory by itself.
+How many kernels are kept is said by the compiler, and is emptied there; its library is held against
+memory by itself.
 """
 
 from __future__ import annotations
@@ -29,7 +30,8 @@ ON_LINUX = pytest.mark.skipif(not MAPS.exists(), reason="memory is looked at as 
 
 @pytest.fixture(autouse=True)
 def stored(tmp_path_factory, monkeypatch):
-    """A folder of compiled code: what was freed is loaded again, which is quicker than compiling."""
+    """A folder of compiled code: what was freed is loaded again, which is quicker than
+    compiling."""
     monkeypatch.setenv("FREEBODY_CACHE", str(tmp_path_factory.getbasetemp() / "stored"))
 
 
@@ -67,7 +69,8 @@ def resident() -> int:
 
 
 def use_and_drop(first: int, count: int, problems: list[str]) -> None:
-    """Compile, call in all ways, and drop; the last references end in whatever thread comes last."""
+    """Compile, call in all ways, and drop; the last references end in whatever thread comes
+    last."""
     for number in range(first, first + count):
         one = kernel(number)
         helpers = [threading.Thread(target=lambda one=one: one(X)) for _ in range(number % 8 == 0)]
@@ -116,7 +119,13 @@ def test_ten_thousand_kernels_come_and_go():
 
 @ON_LINUX
 @pytest.mark.parametrize(
-    "way", [lambda k: k.ufunc, lambda k: k.__call__, lambda k: k.quick(len), lambda k: k.quick_checked(len)]
+    "way",
+    [
+        lambda k: k.ufunc,
+        lambda k: k.__call__,
+        lambda k: k.quick(len),
+        lambda k: k.quick_checked(len),
+    ],
 )
 def test_whoever_can_call_the_code_keeps_it(way):
     forget()
@@ -267,10 +276,13 @@ assert held[5](x)[0] == 5.25
 
 @ON_LINUX
 def test_a_texts_numbers_do_not_stay_in_llvm():
-    """LLVM keeps all numbers that it ever read in a context: 120 programs of 800 numbers each took 31 MB."""
+    """LLVM keeps all numbers that it ever read in a context: 120 programs of 800 numbers each took
+    31 MB."""
 
     def compile_numbers(first: int) -> None:
-        numbers = ", ".join(f"double {DOUBLE.constant(first + k / 10_001.0)}" for k in range(10_000))
+        numbers = ", ".join(
+            f"double {DOUBLE.constant(first + k / 10_001.0)}" for k in range(10_000)
+        )
         object_code(f"@numbers = constant [10000 x double] [{numbers}]")
 
     for k in range(3):

@@ -1,4 +1,5 @@
-"""Every parser under wrong input: a few cases of each always, a minute with -m long. See tests/support/fuzz.py."""
+"""Every parser under wrong input: a few cases of each always, a minute with -m long. See
+tests/support/fuzz.py."""
 
 import time
 from pathlib import Path
@@ -57,7 +58,12 @@ def _talks(path: Path, data: bytes) -> None:
 
 @pytest.mark.parametrize(
     ("read", "problem"),
-    [(_hangs, "more than"), (_writes, "touched"), (_raises, "ValueError in"), (_talks, "an error of 6000")],
+    [
+        (_hangs, "more than"),
+        (_writes, "touched"),
+        (_raises, "ValueError in"),
+        (_talks, "an error of 6000"),
+    ],
 )
 def test_what_is_wrong_is_seen(tmp_path, monkeypatch, read, problem: str):
     monkeypatch.setattr(fuzz, "SECONDS", 0.1)

@@ -35,8 +35,12 @@ def weighted(program, by, of, arrays, weights):
             core = len(program.outputs[output].shape)
             axes = program.inputs[place].shape
             flat = (-1, *(program.outputs[output].shape or (1,)), *axes)
-            w = np.reshape(weight, (-1, *(program.outputs[output].shape or (1,)), *(1,) * len(axes)))
-            total = total + (np.reshape(table, flat) * w).sum(axis=tuple(range(1, 1 + max(core, 1))))
+            w = np.reshape(
+                weight, (-1, *(program.outputs[output].shape or (1,)), *(1,) * len(axes))
+            )
+            total = total + (np.reshape(table, flat) * w).sum(
+                axis=tuple(range(1, 1 + max(core, 1)))
+            )
         found.append(total)
     return found
 
@@ -82,13 +86,16 @@ def test_the_gradient_of_a_gradient():
 def test_every_function(name):
     arity = OPERATIONS[name].arity
     inputs = [Argument(x, ()) for x in "xyz"[:arity]]
-    program = trace("f", lambda *x: (elementary.FUNCTIONS[name](*x) * x[0],), inputs, [Argument("r", ())])
+    program = trace(
+        "f", lambda *x: (elementary.FUNCTIONS[name](*x) * x[0],), inputs, [Argument("r", ())]
+    )
     given = list(np.random.default_rng(3).uniform(0.1, 0.9, (arity, 5)))
     agree(program, tuple(range(arity)), (0,), given=given)
 
 
 def test_it_is_no_longer_than_a_few_times_the_program_whatever_it_has_inputs():
-    """A law of reverse mode (Baur and Strassen): at most five operations for one, whatever the number of inputs."""
+    """A law of reverse mode (Baur and Strassen): at most five operations for one, whatever the
+    number of inputs."""
     for robot in ("ur5e", "panda"):
         program = fb.kernel(fb.load(robot), "inverse_dynamics").program
         made = gradient(program, (0, 1, 2), (0,))
@@ -139,13 +146,16 @@ def test_a_value_that_is_chosen_here_and_always_there():
 def test_a_value_that_is_chosen_by_two():
     def two(x):
         root = sqrt(x)
-        return where(elementary.less(x, 1.0), root, 0.0) + where(elementary.less(2.0, x), 2.0 * root, 0.0)
+        return where(elementary.less(x, 1.0), root, 0.0) + where(
+            elementary.less(2.0, x), 2.0 * root, 0.0
+        )
 
     assert slopes(two, "x", [[0.25, 1.5, 4.0]]) == [[1.0, 0.0, 0.5]]
 
 
 def test_the_gradient_by_weights_that_are_zero():
-    """Its derivative by the weight is what the weight is a factor of; to skip zeros would lose it."""
+    """Its derivative by the weight is what the weight is a factor of; to skip zeros would lose
+    it."""
     program = trace(
         "f",
         lambda x: (where(elementary.less(0.0, x), sqrt(x), sin(x)),),

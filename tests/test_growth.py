@@ -1,4 +1,5 @@
-"""How work grows, counted: operations with the joints, kernels with the numbers, memory with the batch. No clock."""
+"""How work grows, counted: operations with the joints, kernels with the numbers, memory with the
+batch. No clock."""
 
 from __future__ import annotations
 
@@ -11,7 +12,8 @@ import freebody as fb
 
 
 def chain(n: int) -> fb.Model:
-    """Revolute joints whose axes turn by an odd angle from one to the next, so that nothing folds away."""
+    """Revolute joints whose axes turn by an odd angle from one to the next, so that nothing folds
+    away."""
     rows = [
         {
             "a": 0.3,
@@ -42,7 +44,8 @@ def test_each_joint_costs_the_same(quantity: str):
 
 @pytest.mark.parametrize("quantity", SQUARE)
 def test_each_joint_costs_as_much_more_than_the_one_before(quantity: str):
-    """What a further joint costs grows by the same amount: the square of their number, and no more."""
+    """What a further joint costs grows by the same amount: the square of their number, and no
+    more."""
     more = np.diff([operations(n, quantity) for n in (6, 9, 12, 15)], 2)
     assert 0 < more.min() <= more.max() <= 1.2 * more.min(), more
 
@@ -73,4 +76,6 @@ def test_a_call_into_given_arrays_takes_no_memory_that_grows_with_the_batch(thre
         tracemalloc.stop()
         return taken
 
-    assert peak(100_000) < peak(1_000) + 20_000  # bytes; a hundredth of what one more array would take
+    assert (
+        peak(100_000) < peak(1_000) + 20_000
+    )  # bytes; a hundredth of what one more array would take

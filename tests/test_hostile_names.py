@@ -1,4 +1,5 @@
-"""Hostile names through every way out: they never run, never break a file's format, and come back as they were."""
+"""Hostile names through every way out: they never run, never break a file's format, and come back
+as they were."""
 
 from __future__ import annotations
 
@@ -57,14 +58,17 @@ def text_of(name: str, planar: bool = True) -> str:
         return json.dumps(name + ending, ensure_ascii=False).replace("\x7f", "\\u007f")
 
     links = "".join(
-        f"[[link]]\nname = {q(f' link{k}')}\nmass = 1.5\ncom = [0.2, 0]\ninertia = 0.05\n" for k in (1, 2)
+        f"[[link]]\nname = {q(f' link{k}')}\nmass = 1.5\ncom = [0.2, 0]\ninertia = 0.05\n"
+        for k in (1, 2)
     )
     limits = "limits = { lower = -2, upper = 2, velocity = 4, effort = 80 }\n"
     return (
         f"name = {q('')}\nsource = {q(' source')}\ndim = 2\ntip = {q(' tip')}\n"
         f"[[link]]\nname = {q(' base')}\n{links}"
-        f"[[joint]]\nname = {q(' joint1')}\nkind = 'revolute'\nparent = {q(' base')}\nchild = {q(' link1')}\n{limits}"
-        f"[[joint]]\nname = {q(' joint2')}\nkind = 'revolute'\nparent = {q(' link1')}\nchild = {q(' link2')}\n"
+        f"[[joint]]\nname = {q(' joint1')}\nkind = 'revolute'\nparent = {q(' base')}\nchild = "
+        f"{q(' link1')}\n{limits}"
+        f"[[joint]]\nname = {q(' joint2')}\nkind = 'revolute'\nparent = {q(' link1')}\nchild = "
+        f"{q(' link2')}\n"
         f"origin = [0.4, 0]\n{limits}"
         f"[[frame]]\nname = {q(' tip')}\nparent = {q(' link2')}\norigin = [0.4, 0]\n"
     )
@@ -110,17 +114,24 @@ def test_programs_and_kernels_do_not_know_names(model, tame):
             made.append(fb.kernel(m, quantity, wrench_frames=[m.tip], target="numpy").program)
         assert made[0].digest == made[1].digest
         for target in ("cpu", "numpy"):
-            one, two = (fb.kernel(m, quantity, wrench_frames=[m.tip], target=target) for m in (model, tame))
+            one, two = (
+                fb.kernel(m, quantity, wrench_frames=[m.tip], target=target) for m in (model, tame)
+            )
             assert one is two, "a renamed robot is not compiled again"
 
 
 @pytest.mark.parametrize("target", ["cpu", "numpy"])
 def test_a_wrench_at_a_tip_of_any_name(model, tame, target):
-    kernels = [fb.kernel(m, "inverse_dynamics", wrench_frames=[m.tip], target=target) for m in (model, tame)]
+    kernels = [
+        fb.kernel(m, "inverse_dynamics", wrench_frames=[m.tip], target=target)
+        for m in (model, tame)
+    ]
     assert np.array_equal(*(k(*STATE, LOAD) for k in kernels))
     taus = [fb.inverse_dynamics(m, *STATE, {m.tip: LOAD}) for m in (model, tame)]
     assert np.array_equal(*taus)
-    assert np.array_equal(*(fb.joint_wrenches(m, *STATE, wrenches={m.tip: LOAD}) for m in (model, tame)))
+    assert np.array_equal(
+        *(fb.joint_wrenches(m, *STATE, wrenches={m.tip: LOAD}) for m in (model, tame))
+    )
     J = fb.jacobian(tame, STATE[0])
     np.testing.assert_allclose(taus[0], fb.inverse_dynamics(tame, *STATE) - J.T @ LOAD)
 
@@ -131,7 +142,9 @@ REMARKS = re.compile(
 
 
 @pytest.mark.parametrize("language", ["c", "matlab", "numpy"])
-def test_source_text_with_numbers_as_inputs_is_that_of_a_robot_with_plain_names(model, tame, language):
+def test_source_text_with_numbers_as_inputs_is_that_of_a_robot_with_plain_names(
+    model, tame, language
+):
     """Their names hold those of bodies and joints."""
     texts = [fb.source(m, "inverse_dynamics", language, inputs=["*"]) for m in (model, tame)]
     texts += [
@@ -147,7 +160,9 @@ def test_source_text_with_numbers_as_inputs_is_that_of_a_robot_with_plain_names(
 def test_source_text_is_that_of_a_robot_with_plain_names(model, tame, language):
     texts = [fb.source(m, QUANTITIES[:2], language, wrench_frames=[m.tip]) for m in (model, tame)]
     assert texts[0].isascii()
-    remarks = re.compile("^//.*$", re.MULTILINE) if language == "cuda" else REMARKS  # % begins its registers
+    remarks = (
+        re.compile("^//.*$", re.MULTILINE) if language == "cuda" else REMARKS
+    )  # % begins its registers
     code = [remarks.sub("", text) for text in texts]
     assert code[0] == code[1], "a name changes a remark, nothing else"
     assert "sin" in texts[0]
@@ -161,7 +176,9 @@ def test_source_text_is_that_of_a_robot_with_plain_names(model, tame, language):
 @pytest.mark.parametrize("language", ["numpy", "cuda"])
 def test_a_package_holds_the_names_and_nothing_runs_them(model, hostile, language, tmp_path):
     before = set(tmp_path.rglob("*"))
-    paths = fb.export(model, "inverse_dynamics", tmp_path / "out", language, wrench_frames=[model.tip])
+    paths = fb.export(
+        model, "inverse_dynamics", tmp_path / "out", language, wrench_frames=[model.tip]
+    )
     assert set(tmp_path.rglob("*")) - before == {tmp_path / "out", *paths}
     names = json.loads((tmp_path / "out" / "names.json").read_text(encoding="utf-8"))
     assert list(names["robot"].values()) == [hostile]
@@ -187,7 +204,9 @@ def test_equations_as_source(model, tame):
     exec(text, scope)
     M, *_ = scope["dynamics"](*(x.tolist() for x in STATE))
     np.testing.assert_allclose(M, fb.mass_matrix(tame, STATE[0]))
-    assert text.splitlines()[1:] == fb.equations(tame).python().splitlines()[1:], "names in the title alone"
+    assert text.splitlines()[1:] == fb.equations(tame).python().splitlines()[1:], (
+        "names in the title alone"
+    )
     c = equations.c_source()
     assert c.splitlines()[1:] == fb.equations(tame).c_source().splitlines()[1:]
     assert c.splitlines()[0].count("*/") == c.splitlines()[0].count("/*") == 1
@@ -249,7 +268,9 @@ def test_drawings_are_well_formed(model, tame):
         root = ElementTree.fromstring(text)
         tags = {element.tag.rpartition("}")[2] for element in root.iter()}
         plain = draw(tame).svg
-        allowed = {element.tag.rpartition("}")[2] for element in ElementTree.fromstring(plain).iter()}
+        allowed = {
+            element.tag.rpartition("}")[2] for element in ElementTree.fromstring(plain).iter()
+        }
         assert tags <= allowed | {"tspan"}, "a name adds no element"
         inert(text)
 
@@ -258,9 +279,13 @@ def test_derivation_pages(model, tame):
     pages = [fb.derive(m, "lagrange").html() for m in (model, tame)]
     inert(pages[0])
     assert [
-        x for x in skeleton(pages[0]) if x in ("script", "iframe", "link", "object", "embed", "style", "svg")
+        x
+        for x in skeleton(pages[0])
+        if x in ("script", "iframe", "link", "object", "embed", "style", "svg")
     ] == [
-        x for x in skeleton(pages[1]) if x in ("script", "iframe", "link", "object", "embed", "style", "svg")
+        x
+        for x in skeleton(pages[1])
+        if x in ("script", "iframe", "link", "object", "embed", "style", "svg")
     ]
 
 
@@ -272,7 +297,18 @@ def test_latex_and_markdown_of_a_derivation_have_no_command_from_a_name(model):
 
 
 # ---------------------------------------------------------------- a study, with all its files
-STUDIED = ["docstring", "nul", "control", "formula", "script", "cdata", "slash", "theta", "chinese", "long"]
+STUDIED = [
+    "docstring",
+    "nul",
+    "control",
+    "formula",
+    "script",
+    "cdata",
+    "slash",
+    "theta",
+    "chinese",
+    "long",
+]
 
 
 @pytest.mark.parametrize("which", STUDIED)
@@ -290,7 +326,9 @@ def test_a_study_with_all_its_files(which, tmp_path):
     for path in out.glob("*.csv"):
         for row in csv.reader(io.StringIO(path.read_text(encoding="utf-8"))):
             for cell in row:
-                assert not cell.startswith(("=", "@", "\t", "\r")), "a spreadsheet would run this cell"
+                assert not cell.startswith(("=", "@", "\t", "\r")), (
+                    "a spreadsheet would run this cell"
+                )
                 if cell.startswith(("+", "-")):
                     float(cell)
 

@@ -15,7 +15,9 @@ DRIVE = {"viscous": 0.3, "coulomb": 0.2, "rotor": 1e-4, "gear": 50.0, "stiffness
 def robot(kind: str) -> fb.Model:
     if kind == "loaded":
         return (
-            fb.load("panda").with_payload(mass=1.5, com=(0.01, 0.02, 0.1)).with_drive("panda_joint3", **DRIVE)
+            fb.load("panda")
+            .with_payload(mass=1.5, com=(0.01, 0.02, 0.1))
+            .with_drive("panda_joint3", **DRIVE)
         )
     if kind == "particles":
         return fb.planar("RR", l=[0.7, 0.3], lc=[0.7, 0.3], m=[1.1, 2.3], I=[0.0, 0.0])
@@ -44,7 +46,11 @@ def test_torques_are_those_of_the_regressor():
     model = robot("loaded")
     rng = np.random.default_rng(0)
     pi = np.array(list(fb.inertial_parameters(model).values())) * rng.uniform(0.999, 1.001, (3, 1))
-    at = [k for k, name in enumerate(fb.inertial_parameters(model)) if name.startswith("panda_joint3.")]
+    at = [
+        k
+        for k, name in enumerate(fb.inertial_parameters(model))
+        if name.startswith("panda_joint3.")
+    ]
     pi[:, at] *= rng.uniform(0.5, 2.0, (3, 5))  # bodies would not stay physical
     family = model.with_inertial_parameters(pi)
     assert family.family == (3,)
@@ -65,7 +71,9 @@ def test_a_bodys_links_and_loads_become_one(tmp_path):
     known = fb.parameters(made)
     assert made.bind({r.name: r.value for r in known}) == made
     heavy = made.bind({f"{made.bodies[3].name}.mass": 9.0})
-    assert heavy.mass == pytest.approx(made.mass - made.bodies[3].inertias[0].inertia.mass + 9.0, rel=1e-14)
+    assert heavy.mass == pytest.approx(
+        made.mass - made.bodies[3].inertias[0].inertia.mass + 9.0, rel=1e-14
+    )
     fb.save(made, tmp_path / "made.toml")
     read = fb.inertial_parameters(fb.load(tmp_path / "made.toml"))
     assert list(read.values()) == pytest.approx(
@@ -79,7 +87,8 @@ def test_what_no_robot_is_is_refused():
     first = next(iter(pi))
     body = first.removesuffix(".m")
     refused(
-        f"with_inertial_parameters: {body!r}: mass -1 kg is negative. Estimate under the constraint that each body "
+        f"with_inertial_parameters: {body!r}: mass -1 kg is negative. Estimate under the "
+        f"constraint that each body "
         "is physical.",
         lambda: model.with_inertial_parameters({**pi, first: -1.0}),
     )

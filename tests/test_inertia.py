@@ -1,4 +1,5 @@
-"""Inertias: shapes against quadrature, combination and parallel axes against particles, and what no body can have."""
+"""Inertias: shapes against quadrature, combination and parallel axes against particles, and what no
+body can have."""
 
 from __future__ import annotations
 
@@ -24,7 +25,9 @@ def tensor_of(masses: np.ndarray, points: np.ndarray, about: np.ndarray) -> np.n
     """Σ m (r² 1 - r rᵀ)."""
     r = points - about
     return np.einsum(
-        "n,nij->ij", masses, (r**2).sum(-1)[:, None, None] * np.eye(3) - r[:, :, None] * r[:, None, :]
+        "n,nij->ij",
+        masses,
+        (r**2).sum(-1)[:, None, None] * np.eye(3) - r[:, :, None] * r[:, None, :],
     )
 
 
@@ -154,14 +157,18 @@ def test_turned_and_moved(seed: int):
     back = inertia.placed(R, p).placed(R.T, -R.T @ p)
     assert back.numbers()[2] == pytest.approx(tensor, abs=1e-13)
     x = rng.normal(size=3)
-    assert R @ inertia.about(x) @ R.T == pytest.approx(inertia.placed(R, p).about(R @ x + p), abs=1e-11)
+    assert R @ inertia.about(x) @ R.T == pytest.approx(
+        inertia.placed(R, p).about(R @ x + p), abs=1e-11
+    )
 
 
 def test_moved_to_and_about_keep_what_they_should():
     bar = Inertia.bar(2.0, 1.0).moved_to((0.5, 0, 0))
     assert bar.com == (0.5, 0.0, 0.0)
     assert bar.about((0, 0, 0))[2, 2] == pytest.approx(2.0 / 3)  # m l²/3 about its end
-    assert Inertia.disc(2.0, 1.0, dim=2).moved_to((1, 0)).about((0, 0))[0, 0] == pytest.approx(1.0 + 2.0)
+    assert Inertia.disc(2.0, 1.0, dim=2).moved_to((1, 0)).about((0, 0))[0, 0] == pytest.approx(
+        1.0 + 2.0
+    )
 
 
 def test_ways_to_write_a_tensor():
@@ -170,7 +177,11 @@ def test_ways_to_write_a_tensor():
     assert six == matrix
     assert six.numbers()[2][0, 2] == 0.2
     named = Inertia.of("m1", ("c1x", 0), "I1")
-    assert (named.mass, named.com[0], named.tensor) == (Parameter("m1"), Parameter("c1x"), (Parameter("I1"),))
+    assert (named.mass, named.com[0], named.tensor) == (
+        Parameter("m1"),
+        Parameter("c1x"),
+        (Parameter("I1"),),
+    )
 
 
 # ---------------------------------------------------------------- what no body can have
@@ -178,9 +189,15 @@ def test_ways_to_write_a_tensor():
 
 def test_refusals():
     ask = "give 3 and 6 (ixx, ixy, ixz, iyy, iyz, izz) in space, 2 and 1 in the plane."
-    refused(f"Inertia: com has 3 and tensor 1 entries; {ask}", lambda: Inertia.of(1, (0, 0, 0), 1.0))
-    refused(f"Inertia: com has 2 and tensor 6 entries; {ask}", lambda: Inertia.of(1, (0, 0), [1] * 6))
-    refused(f"Inertia: com has 3 and tensor 4 entries; {ask}", lambda: Inertia.of(1, (0, 0, 0), [1] * 4))
+    refused(
+        f"Inertia: com has 3 and tensor 1 entries; {ask}", lambda: Inertia.of(1, (0, 0, 0), 1.0)
+    )
+    refused(
+        f"Inertia: com has 2 and tensor 6 entries; {ask}", lambda: Inertia.of(1, (0, 0), [1] * 6)
+    )
+    refused(
+        f"Inertia: com has 3 and tensor 4 entries; {ask}", lambda: Inertia.of(1, (0, 0, 0), [1] * 4)
+    )
     skewed = [[1, 0.1, 0], [0, 1, 0], [0, 0, 1]]
     refused("Inertia: the 3×3 tensor is not symmetric.", lambda: Inertia.of(1, (0, 0, 0), skewed))
     refused("Inertia: mass: nan is not a finite number.", lambda: Inertia.of(math.nan, (0, 0), 1))
@@ -196,7 +213,8 @@ def test_refusals():
         lambda: Inertia.point(1.0).placed(2 * np.eye(3), (0, 0, 0)),
     )
     refused(
-        "Inertia.box: size has 1 entries, expected 3, or 2 in the plane.", lambda: Inertia.box(1.0, (1.0,))
+        "Inertia.box: size has 1 entries, expected 3, or 2 in the plane.",
+        lambda: Inertia.box(1.0, (1.0,)),
     )
     refused(
         "combined: planar and spatial inertias cannot be mixed.",
@@ -213,7 +231,10 @@ def test_refusals():
     [
         (Inertia.of(-1, (0, 0, 0), [1, 0, 0, 1, 0, 1]), "mass -1 kg is negative"),
         (Inertia.of(1, (0, 0), -2), "moment of inertia -2 kg m² is negative"),
-        (Inertia.of(1, (0, 0, 0), [-0.5, 0, 0, 1, 0, 1]), "principal moment -0.5 kg m² is negative"),
+        (
+            Inertia.of(1, (0, 0, 0), [-0.5, 0, 0, 1, 0, 1]),
+            "principal moment -0.5 kg m² is negative",
+        ),
         (
             Inertia.of(1, (0, 0, 0), [0.1, 0, 0, 0.2, 0, 0.5]),
             "principal moments 0.1, 0.2, 0.5 kg m² break the triangle inequality (0.1 + 0.2 < 0.5)",
@@ -237,7 +258,9 @@ def test_faults(inertia: Inertia, fault: str):
         Inertia.bar(1.0, 2.0),  # two principal moments equal, the third nothing
         Inertia.disc(1.0, 2.0),  # a plate: on the edge of the inequality
         Inertia.of(0.0, (1.0, 0, 0), [1, 0, 0, 1, 0, 1]),  # inertia without mass, such as a rotor's
-        Inertia.of(1.0, (0, 0, 0), [1e-12, 0, 0, 1e-12, 0, 2.1e-12]),  # below what a file's digits can tell
+        Inertia.of(
+            1.0, (0, 0, 0), [1e-12, 0, 0, 1e-12, 0, 2.1e-12]
+        ),  # below what a file's digits can tell
         Inertia.of("m", (0, 0, 0), [-1, 0, 0, 1, 0, 1]),  # judged when bound
     ],
 )
@@ -264,8 +287,11 @@ def diagonal(mass: float, *moments: float) -> Inertia:
 
 
 @pytest.mark.parametrize(("mass", "largest", "counts"), [(1.0, 4.0, 4.0), (2.0, 1e-3, 2.0)])
-def test_a_billionth_of_the_largest_is_rounding_and_no_more(mass: float, largest: float, counts: float):
-    """Second moments (largest, largest / 4, -s): rounded files have s of the size of their last digit."""
+def test_a_billionth_of_the_largest_is_rounding_and_no_more(
+    mass: float, largest: float, counts: float
+):
+    """Second moments (largest, largest / 4, -s): rounded files have s of the size of their last
+    digit."""
 
     def flat(s: float) -> Inertia:
         x, y, z = largest, largest / 4, -s

@@ -107,7 +107,9 @@ def test_a_file_that_says_nothing_of_its_size_is_read_to_the_limit_alone(tmp_pat
     if not Path("/proc/self/mem").exists():
         pytest.skip("no /proc")
     assert source.read("/proc/self/status").startswith(b"Name:")
-    assert "too much for a robot description" in refusal(lambda: source.read("/proc/self/status", 20))
+    assert "too much for a robot description" in refusal(
+        lambda: source.read("/proc/self/status", 20)
+    )
 
 
 def test_names_that_no_file_can_have():
@@ -119,10 +121,13 @@ def test_names_that_no_file_can_have():
 
 def test_text_instead_of_a_path():
     assert refusal(lambda: fb.load(" <robot name='a'><link name='b'/></robot>")) == (
-        "load: \" <robot name='a'><link name='b'/></robot>\" is the text of a description, not a path; write it to a "
+        "load: \" <robot name='a'><link name='b'/></robot>\" is the text of a description, not a "
+        "path; write it to a "
         ".urdf file and load that: its lines are what errors refer to."
     )
-    assert "write it to a .toml or .csv file" in refusal(lambda: fb.load('name = "a"\n[planar]\nword = "R"'))
+    assert "write it to a .toml or .csv file" in refusal(
+        lambda: fb.load('name = "a"\n[planar]\nword = "R"')
+    )
     assert "standard input" in refusal(lambda: fb.load("-"))
 
 
@@ -251,7 +256,8 @@ def test_a_motion_with_what_is_no_number(tmp_path, case: str):
     cell, words = MOTIONS[case]
     path = tmp_path / "m.csv"
     path.write_text(
-        f"t,joint1,joint2\n0,{cell},0\n" + "".join(f"{k},0,0\n" for k in range(1, 9)), encoding="utf-8"
+        f"t,joint1,joint2\n0,{cell},0\n" + "".join(f"{k},0,0\n" for k in range(1, 9)),
+        encoding="utf-8",
     )
     assert words in refusal(lambda: read_motion(fb.load("2R"), path))
 
@@ -259,7 +265,9 @@ def test_a_motion_with_what_is_no_number(tmp_path, case: str):
 @pytest.mark.parametrize(
     "values", ["1_0, 0", "１, 0", "nan, 0", "infinity, 0", "1e999, 0", "1e200, 0", LONG + ", 0"]
 )
-def test_positions_on_the_command_line_that_are_no_numbers(tmp_path, monkeypatch, capsys, values: str):
+def test_positions_on_the_command_line_that_are_no_numbers(
+    tmp_path, monkeypatch, capsys, values: str
+):
     monkeypatch.chdir(tmp_path)
     assert run(["fbd", "2R", "--q", values]) == 2
     error = capsys.readouterr().err
@@ -279,12 +287,16 @@ def test_an_answer_with_digits_of_another_script():
 
 
 def test_a_command_of_thousands_of_letters_is_said_shortly():
-    assert "the command \\begegeg" in refusal(lambda: fb.check(fb.load("2R"), "\\b" + "eg" * 9000 + " = 1"))
+    assert "the command \\begegeg" in refusal(
+        lambda: fb.check(fb.load("2R"), "\\b" + "eg" * 9000 + " = 1")
+    )
 
 
 def test_a_name_with_thousands_of_digits_is_no_advice(tmp_path):
     joint = '<joint name="k" type="fixed"><parent link="l7"/><child link="base"/></joint>'
-    text = ARM.format(body=BODY, inner="").replace("</robot>", f'<link name="l{LONG}"/>{joint}</robot>')
+    text = ARM.format(body=BODY, inner="").replace(
+        "</robot>", f'<link name="l{LONG}"/>{joint}</robot>'
+    )
     assert "no parent link 'l7'" in refusal(lambda: load(text, tmp_path / "x.urdf"))
 
 
@@ -305,7 +317,8 @@ def test_an_axis_of_any_size_is_made_a_unit_vector(tmp_path, size: float):
     assert model.bodies[0].joint.axis == pytest.approx((0.5**0.5, 0.5**0.5, 0.0), abs=1e-15)
 
 
-# ---------------------------------------------------------------- patterns that would try every way to divide a text
+# ---------------------------------------------------------------- patterns that would try every way
+# to divide a text
 MANY = 60_000
 
 
@@ -334,5 +347,9 @@ def test_long_blanks_in_remarks_and_answers(tmp_path):
     start = time.process_time()
     assert len(load(text, tmp_path / "x.csv").source) == MANY + 2
     assert time.process_time() - start < 2.0
-    for answer in ("a" + " " * 19_000, "a" + " " * 9000 + "&" + " " * 9000 + "b", "a" + " " * 18_000 + "= 1"):
+    for answer in (
+        "a" + " " * 19_000,
+        "a" + " " * 9000 + "&" + " " * 9000 + "b",
+        "a" + " " * 18_000 + "= 1",
+    ):
         assert refusal(lambda answer=answer: fb.check(fb.load("2R"), answer)).startswith("check: ")

@@ -1,4 +1,5 @@
-"""Inverse kinematics: forward undoes inverse, every branch is there, and what is out of reach is so by that much."""
+"""Inverse kinematics: forward undoes inverse, every branch is there, and what is out of reach is so
+by that much."""
 
 from __future__ import annotations
 
@@ -76,7 +77,10 @@ def test_elbow_up_is_up():
     model = planar("RR", [1.0, 1.0])
     found = fb.inverse_kinematics(model, [1.4, 0.2])
     heights = fb.forward_kinematics(model, found.q, frame="link2")[:, 1, 2]
-    assert dict(zip(found.branches, heights > 0.1, strict=True)) == {"elbow up": True, "elbow down": False}
+    assert dict(zip(found.branches, heights > 0.1, strict=True)) == {
+        "elbow up": True,
+        "elbow down": False,
+    }
 
 
 @pytest.mark.parametrize(
@@ -95,10 +99,12 @@ def test_elbow_up_is_up():
     ],
 )
 def test_planar_words(word, expected):
-    """As many solutions as circles and lines meet, the one that made the target among them, in a batch and singly."""
+    """As many solutions as circles and lines meet, the one that made the target among them, in a
+    batch and singly."""
     rng = np.random.default_rng(len(word))
     lengths = [
-        float(x) if k == "R" else 0.0 for x, k in zip(rng.uniform(0.5, 1.5, len(word)), word, strict=True)
+        float(x) if k == "R" else 0.0
+        for x, k in zip(rng.uniform(0.5, 1.5, len(word)), word, strict=True)
     ]
     model = planar(word, lengths)
     q = rng.uniform(-np.pi, np.pi, size=(40, len(word)))
@@ -134,7 +140,8 @@ def _turn(angle):
 
 
 @pytest.mark.parametrize(
-    ("point", "distance"), [((3.0, 0.0), 1.3), ((0.0, 0.1), 0.2), ((1.2, 1.6), 0.3), ((0.0, 0.0), 0.3)]
+    ("point", "distance"),
+    [((3.0, 0.0), 1.3), ((0.0, 0.1), 0.2), ((1.2, 1.6), 0.3), ((0.0, 0.0), 0.3)],
 )
 def test_out_of_reach(point, distance):
     """The 2R reaches the ring from l1 - l2 to l1 + l2."""
@@ -155,7 +162,9 @@ def test_out_of_reach_of_others():
         [0.3, 0, 3.3],
     )
     three = planar("RRR", [1.0, 0.7, 0.5])
-    far = np.array([[0.0, -1, 0], [1, 0, 3.0], [0, 0, 1]])  # the last link points up: joint 3 at (0, 2.5)
+    far = np.array(
+        [[0.0, -1, 0], [1, 0, 3.0], [0, 0, 1]]
+    )  # the last link points up: joint 3 at (0, 2.5)
     found = fb.inverse_kinematics(three, far)
     assert abs(found.distance - 0.8) < 1e-9
     assert "0.8 m" in found.notes[0]
@@ -164,7 +173,11 @@ def test_out_of_reach_of_others():
     assert abs(fb.inverse_kinematics(cart, [7.0, 1.5]).distance - 0.5) < 1e-9
     puma = _quiet("puma560")
     T = np.eye(4)
-    T[:3, 3] = [2.0, 0.0, 0.67183]  # the wrist's centre is the frame's origin; it keeps d3 off the axis
+    T[:3, 3] = [
+        2.0,
+        0.0,
+        0.67183,
+    ]  # the wrist's centre is the frame's origin; it keeps d3 off the axis
     upper, fore, side = 0.4318, np.hypot(0.4318, 0.0203), 0.15005
     expected = np.hypot(2.0, 0.0) - np.hypot(upper + fore, side)
     assert abs(fb.inverse_kinematics(puma, T).distance - expected) < 1e-9
@@ -239,7 +252,8 @@ def test_six_joint_robots(name):
 
 
 def test_branches_look_like_their_names():
-    """Puma: the elbow of "up" above the line from shoulder to wrist, "right" where joint 2 lifts the wrist."""
+    """Puma: the elbow of "up" above the line from shoulder to wrist, "right" where joint 2 lifts
+    the wrist."""
     model = _quiet("puma560")
     found = checked(model, fb.forward_kinematics(model, [0.3, 0.5, -0.4, 0.3, 0.7, 0.2]))
     for q, name in zip(found.q, found.branches, strict=True):
@@ -257,7 +271,8 @@ def test_branches_look_like_their_names():
 @pytest.mark.parametrize("kind", GENERAL)
 @pytest.mark.parametrize("seed", range(4))
 def test_general_geometry(kind, seed, monkeypatch):
-    """Any axes, base, link frames and tool: in closed form, and a search from many starts finds nothing more."""
+    """Any axes, base, link frames and tool: in closed form, and a search from many starts finds
+    nothing more."""
     axes = GENERAL[kind](np.random.default_rng(seed))
     model = arm(axes, seed)
     q, _, _ = fb.random_state(model, seed)
@@ -332,7 +347,8 @@ def test_orientation_alone():
 @pytest.mark.parametrize("name", ["puma560", "ur5e"])
 @pytest.mark.parametrize("off", [0.0, 1e-14, 1e-11, 1e-8, 1e-5])
 def test_singular_targets(name, off):
-    """Straight arms, straight wrists, right angles everywhere, and next to them: still a valid answer."""
+    """Straight arms, straight wrists, right angles everywhere, and next to them: still a valid
+    answer."""
     model = _quiet(name)
     straight = np.arctan2(-0.4318, 0.0203) if name == "puma560" else 0.0
     for k in range(12):
@@ -371,7 +387,9 @@ def test_limits():
     assert "(outside the limits)" in str(low)
     assert len(checked(model, [0.9, -0.6], limits="drop")) == 1
     assert checked(model, [0.9, -0.6], limits="ignore").within_limits.all()
-    none = checked(planar("RR", [1.0, 0.7], limits=[(2.0, 2.5), (0.0, 3.0)]), [0.9, -0.6], limits="drop")
+    none = checked(
+        planar("RR", [1.0, 0.7], limits=[(2.0, 2.5), (0.0, 3.0)]), [0.9, -0.6], limits="drop"
+    )
     assert len(none) == 0
     assert none.distance == 0.0
     assert none.notes == (
@@ -410,7 +428,8 @@ def test_seven_joints():
 
 
 def test_seven_joints_out_of_reach():
-    """The shoulder at 0.36 m, 0.82 m from there to the wrist, of which the tool stands 0.126 m off."""
+    """The shoulder at 0.36 m, 0.82 m from there to the wrist, of which the tool stands 0.126 m
+    off."""
     model = fb.load("iiwa14")
     T = np.eye(4)
     wrist = np.array([1.5, 0.0, 0.5])
@@ -435,7 +454,9 @@ def test_redundant_and_small_tasks():
     assert "redundant" in found.notes[0]
     panda = fb.load("panda")
     q0 = fb.neutral(panda) + 0.02
-    row = fb.inverse_kinematics(panda, [0.4, 0.1, 0.5], task=("vx", "vz"), q0=np.clip(q0, *_bounds(panda)))
+    row = fb.inverse_kinematics(
+        panda, [0.4, 0.1, 0.5], task=("vx", "vz"), q0=np.clip(q0, *_bounds(panda))
+    )
     T = fb.forward_kinematics(panda, row.q)
     assert np.abs(T[:, [0, 2], 3] - [0.4, 0.5]).max() < 1e-10
     assert (row.q[:, -1] == row.q[0, -1]).all()  # the fingers
@@ -459,7 +480,8 @@ def test_general_six_joints():
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("seed", range(12))
 def test_random_trees(seed, dim):
-    """Free, spherical, planar and following joints, branches: what forward kinematics made is found again."""
+    """Free, spherical, planar and following joints, branches: what forward kinematics made is found
+    again."""
     model = generate.model(seed, dim)
     q, _, _ = fb.random_state(model, seed)
     target = fb.forward_kinematics(model, q)
@@ -508,19 +530,23 @@ def test_refusals():
     model = planar("RR", [1.0, 0.7])
     ik = fb.inverse_kinematics
     refused(
-        "inverse_kinematics: target has shape (4,), expected a point (..., 2) or a pose (..., 3, 3).",
+        "inverse_kinematics: target has shape (4,), expected a point (..., 2) or a pose (..., 3, "
+        "3).",
         lambda: ik(model, [1, 2, 3, 4]),
     )
     refused(
-        "inverse_kinematics: the target is a point, but the task counts vx, vy, w; give a pose (..., 3, 3).",
+        "inverse_kinematics: the target is a point, but the task counts vx, vy, w; give a pose "
+        "(..., 3, 3).",
         lambda: ik(model, [1, 2], task="pose"),
     )
     refused(
-        "no task 'pos' in inverse_kinematics. Did you mean 'pose'? Tasks: position, orientation, pose, vx, vy, w.",
+        "no task 'pos' in inverse_kinematics. Did you mean 'pose'? Tasks: position, orientation, "
+        "pose, vx, vy, w.",
         lambda: ik(model, [1, 2], task="pos"),
     )
     refused(
-        "inverse_kinematics: target is no pose: its rotation must satisfy R Rᵀ = 1 within 1e-6 and det R = 1, "
+        "inverse_kinematics: target is no pose: its rotation must satisfy R Rᵀ = 1 within 1e-6 and "
+        "det R = 1, "
         "its last row be (0, 0, 1).",
         lambda: ik(model, np.ones((3, 3))),
     )
@@ -545,4 +571,7 @@ def test_prints_as_a_table():
     assert text.startswith(
         "(2,) targets, 0 to 2 solutions each; closed form: RR across parallel axes (2.14, 2.15)"
     )
-    assert "Target 1: Out of reach: the target is 7.3 m from what frame 'tip' of 'RR' can reach." in text
+    assert (
+        "Target 1: Out of reach: the target is 7.3 m from what frame 'tip' of 'RR' can reach."
+        in text
+    )

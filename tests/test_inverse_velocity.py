@@ -31,7 +31,8 @@ def test_the_notes_equations(two):
 
 
 @pytest.mark.parametrize(
-    ("name", "task"), [("3R", None), ("scara", ("vx", "vy", "vz", "wz")), ("puma560", None), ("ur5e", "pose")]
+    ("name", "task"),
+    [("3R", None), ("scara", ("vx", "vy", "vz", "wz")), ("puma560", None), ("ur5e", "pose")],
 )
 def test_undoes_velocity_and_acceleration(name, task):
     """Square Jacobians, by the whole velocity or by its rows."""
@@ -70,17 +71,22 @@ def test_batches_broadcast(two):
 
 # ---------------------------------------------------------------- singular
 def test_names_the_lost_direction(two):
-    """Straight along x: no motion along x. Along the diagonal: none along it, and the sample is named."""
+    """Straight along x: no motion along x. Along the diagonal: none along it, and the sample is
+    named."""
     refused(
-        "inverse_velocity: the Jacobian is singular: frame 'tip' of 'RR' has lost a direction, every motion that the "
-        "joints can give it has vx = 0. Leave out a row (task=), or give damping=0.05 for the nearest that is "
+        "inverse_velocity: the Jacobian is singular: frame 'tip' of 'RR' has lost a direction, "
+        "every motion that the "
+        "joints can give it has vx = 0. Leave out a row (task=), or give damping=0.05 for the "
+        "nearest that is "
         "possible.",
         lambda: fb.inverse_velocity(two, [0, 0], [1, 0]),
         SingularError,
     )
     refused(
-        "inverse_acceleration: the Jacobian is singular at sample 1: frame 'tip' of 'RR' has lost a direction, every "
-        "motion that the joints can give it has vx + vy = 0. Leave out a row (task=), or give damping=0.05 for the "
+        "inverse_acceleration: the Jacobian is singular at sample 1: frame 'tip' of 'RR' has lost "
+        "a direction, every "
+        "motion that the joints can give it has vx + vy = 0. Leave out a row (task=), or give "
+        "damping=0.05 for the "
         "nearest that is possible.",
         lambda: fb.inverse_acceleration(two, [[0, 1], [np.pi / 4, np.pi]], [0.1, 0.2], [1, 0]),
         SingularError,
@@ -91,7 +97,8 @@ def test_names_the_lost_direction(two):
 
 
 def test_wrist_singularity_is_named():
-    """Puma with a straight wrist: what is said of its motions is true of all that its joints can give."""
+    """Puma with a straight wrist: what is said of its motions is true of all that its joints can
+    give."""
     model = fb.load("puma560", physical="ignore")
     q = np.array([0.0, 0.3, 0.4, 0.0, 0.0, 0.0])
     with pytest.raises(SingularError, match=r"has vy - 0\.178 wx - 0\.15 wz = 0\."):
@@ -135,13 +142,15 @@ def test_damping_is_continuous(two):
 def test_refusals(two):
     iv = fb.inverse_velocity
     refused(
-        "inverse_velocity: 2 joint coordinates of 'RR' cannot give frame 'tip' any motion in 3 rows (vx, vy, w); "
+        "inverse_velocity: 2 joint coordinates of 'RR' cannot give frame 'tip' any motion in 3 "
+        "rows (vx, vy, w); "
         'count as many rows at most, such as task="position".',
         lambda: iv(two, [0.1, 0.2], [1, 0, 0]),
         SingularError,
     )
     refused(
-        "inverse_velocity: V has shape (4,), expected (..., 3): 2 entries for the position, 3 for the pose; "
+        "inverse_velocity: V has shape (4,), expected (..., 3): 2 entries for the position, 3 for "
+        "the pose; "
         "else name the rows with task=.",
         lambda: iv(two, [0.1, 0.2], [1, 0, 0, 0]),
     )

@@ -1,4 +1,5 @@
-"""Kernels inside JAX: values, maps, derivatives of every order, and the interface to XLA that they rest on."""
+"""Kernels inside JAX: values, maps, derivatives of every order, and the interface to XLA that they
+rest on."""
 
 from __future__ import annotations
 
@@ -74,7 +75,9 @@ def test_numbers_for_results():
     function = fb.to_jax(model, ["kinetic_energy", "potential_energy"])
     agree(function(q, qd), fb.kernel(model, ["kinetic_energy", "potential_energy"])(q, qd))
     slope = jax.vmap(jax.grad(lambda *x: function(*x)[0], 1))(q, qd)
-    np.testing.assert_allclose(slope, np.einsum("nij,nj->ni", fb.mass_matrix(model, q), qd), rtol=1e-12)
+    np.testing.assert_allclose(
+        slope, np.einsum("nij,nj->ni", fb.mass_matrix(model, q), qd), rtol=1e-12
+    )
 
 
 SHAPES = {
@@ -94,7 +97,9 @@ def test_batches_broadcast(shapes):
     model = fb.load("2R")
     arrays = [x[0] for x in (state(model, *shape, 1) for shape in shapes)]
     arrays = [x.reshape(*shape, 2) for x, shape in zip(arrays, shapes, strict=True)]
-    agree(fb.to_jax(model, "inverse_dynamics")(*arrays), fb.kernel(model, "inverse_dynamics")(*arrays))
+    agree(
+        fb.to_jax(model, "inverse_dynamics")(*arrays), fb.kernel(model, "inverse_dynamics")(*arrays)
+    )
 
 
 def test_maps_within_maps_copy_nothing_that_is_shared():
@@ -106,7 +111,9 @@ def test_maps_within_maps_copy_nothing_that_is_shared():
     text = str(jax.make_jaxpr(nested)(q, qd, qdd[0]))
     assert "ffi_call" in text
     assert "f64[70,70,6] = broadcast_in_dim" not in text
-    agree(jax.vmap(function, -1)(*(np.moveaxis(x, 0, -1) for x in (q, qd, qdd))), function(q, qd, qdd))
+    agree(
+        jax.vmap(function, -1)(*(np.moveaxis(x, 0, -1) for x in (q, qd, qdd))), function(q, qd, qdd)
+    )
 
 
 def test_batches_become_two_axes():
@@ -121,7 +128,10 @@ def test_batches_become_two_axes():
         for array, new, many in zip(arrays, placed, varies, strict=True):
             assert new.shape[0] in (1, size[0])
             assert new.shape[1] == (size[1] if many else 1)
-            agree(np.broadcast_to(new, (*size, 2)).reshape(*batch, 2), np.broadcast_to(array, (*batch, 2)))
+            agree(
+                np.broadcast_to(new, (*size, 2)).reshape(*batch, 2),
+                np.broadcast_to(array, (*batch, 2)),
+            )
 
 
 def test_without_x64_the_kernel_of_float32_computes():
@@ -130,7 +140,10 @@ def test_without_x64_the_kernel_of_float32_computes():
     with jax.enable_x64(False):
         found = fb.to_jax(model, "inverse_dynamics")(*arrays)
     assert found.dtype == np.float32
-    agree(found, fb.kernel(model, "inverse_dynamics", dtype="float32")(*(np.float32(x) for x in arrays)))
+    agree(
+        found,
+        fb.kernel(model, "inverse_dynamics", dtype="float32")(*(np.float32(x) for x in arrays)),
+    )
     of_floats = fb.to_jax(fb.kernel(model, "inverse_dynamics", dtype="float32"))
     assert of_floats(*arrays).dtype == np.float32
 
@@ -139,10 +152,14 @@ def test_types_promote_as_in_jax():
     model = fb.load("2R")
     function = fb.to_jax(model, "rk4_step")
     q = jnp.array([0.1, 0.2], dtype=jnp.float32)
-    assert function(q, q, q, 0.01)[0].dtype == np.float32  # a number of Python's has no type of its own
+    assert (
+        function(q, q, q, 0.01)[0].dtype == np.float32
+    )  # a number of Python's has no type of its own
     assert function(q, q, np.zeros(2), 0.01)[0].dtype == np.float64
     assert function([1, 0], [0, 0], [0, 0], 1)[0].dtype == np.float64
-    agree(function([1, 0], [0, 0], [0, 0], 1), fb.kernel(model, "rk4_step")([1, 0], [0, 0], [0, 0], 1))
+    agree(
+        function([1, 0], [0, 0], [0, 0], 1), fb.kernel(model, "rk4_step")([1, 0], [0, 0], [0, 0], 1)
+    )
 
 
 DERIVED = {
@@ -156,7 +173,8 @@ DERIVED = {
 
 @pytest.mark.parametrize(("robot", "name"), DERIVED.values(), ids=DERIVED)
 def test_derivatives_forward_and_reverse(robot, name):
-    """Against central differences of the kernel; by all nq entries of q, also off unit quaternions."""
+    """Against central differences of the kernel; by all nq entries of q, also off unit
+    quaternions."""
     model = fb.load(robot)
     kernel, function = fb.kernel(model, name), fb.to_jax(model, name)
     arrays = state(model, 3, count=len(kernel.program.inputs))
@@ -182,7 +200,8 @@ def differences(kernel, arrays, k, step=1e-5):
 
 
 def test_derivatives_are_those_of_the_text():
-    """Of JAX's own differentiation of the same arithmetic written out, to 1e-10; by positions with quaternions."""
+    """Of JAX's own differentiation of the same arithmetic written out, to 1e-10; by positions with
+    quaternions."""
     model = fb.load("quadrotor")
     scope: dict = {}
     exec(fb.source(model, "inverse_dynamics", "jax"), scope)
@@ -222,7 +241,9 @@ def test_one_direction_and_one_gradient_have_kernels_of_their_own():
     np.testing.assert_allclose(along, expected, rtol=1e-11, atol=1e-12)
     _, back = jax.vjp(function, *arrays)
     for one, table in zip(back(weight), tables, strict=True):
-        np.testing.assert_allclose(one, np.einsum("nij,ni->nj", table, weight), rtol=1e-11, atol=1e-12)
+        np.testing.assert_allclose(
+            one, np.einsum("nij,ni->nj", table, weight), rtol=1e-11, atol=1e-12
+        )
     # the transpose of the transpose is the way along
     forward = jax.linear_transpose(back, weight)
     np.testing.assert_allclose(forward(tuple(rates))[0], along, rtol=1e-11, atol=1e-12)
@@ -242,15 +263,21 @@ def test_every_sample_may_have_directions_of_its_own():
     table = fb.inverse_dynamics_derivatives(model, q, qd, qdd)[0]
 
     def along(q, qd, qdd, directions):
-        return jax.vmap(lambda d: jax.jvp(lambda x: function(x, qd, qdd), (q,), (d,))[1])(directions)
+        return jax.vmap(lambda d: jax.jvp(lambda x: function(x, qd, qdd), (q,), (d,))[1])(
+            directions
+        )
 
     def back(q, qd, qdd, weights):
         return jax.vmap(lambda w: jax.vjp(lambda x: function(x, qd, qdd), q)[1](w)[0])(weights)
 
     found = jax.vmap(along)(q, qd, qdd, directions)
-    np.testing.assert_allclose(found, np.einsum("nij,ndj->ndi", table, directions), rtol=1e-11, atol=1e-12)
+    np.testing.assert_allclose(
+        found, np.einsum("nij,ndj->ndi", table, directions), rtol=1e-11, atol=1e-12
+    )
     found = jax.vmap(back)(q, qd, qdd, weights)
-    np.testing.assert_allclose(found, np.einsum("nij,ndi->ndj", table, weights), rtol=1e-11, atol=1e-12)
+    np.testing.assert_allclose(
+        found, np.einsum("nij,ndi->ndj", table, weights), rtol=1e-11, atol=1e-12
+    )
 
 
 def test_what_is_shared_by_a_batch_has_the_sum_of_its_gradients():
@@ -278,7 +305,8 @@ def test_what_is_shared_by_a_batch_has_the_sum_of_its_gradients():
 
 
 def test_derivatives_of_gradients():
-    """A Hessian times a vector, three ways, one of them over a checkpoint; and the whole Hessian of the energy."""
+    """A Hessian times a vector, three ways, one of them over a checkpoint; and the whole Hessian of
+    the energy."""
     model = fb.load("2R")
     function = fb.to_jax(model, "forward_dynamics")
     q, qd, tau = (x[0] for x in state(model, 1))
@@ -298,7 +326,8 @@ def test_derivatives_of_gradients():
 
 
 def test_derivatives_that_come_in_columns(monkeypatch):
-    """As those of a step of a larger robot, whose whole Jacobian would be too long a program: the same, also twice."""
+    """As those of a step of a larger robot, whose whole Jacobian would be too long a program: the
+    same, also twice."""
     model = fb.load("3R")
     q, qd, tau = (x[0] for x in state(model, 1))
 
@@ -319,7 +348,8 @@ def test_derivatives_that_come_in_columns(monkeypatch):
 
 
 def test_wrenches_and_numbers_of_the_model():
-    """The Jacobian tells what a wrench does; mass is what the regressor multiplies; p is shared, or one for each."""
+    """The Jacobian tells what a wrench does; mass is what the regressor multiplies; p is shared, or
+    one for each."""
     model = fb.load("ur5e")
     q, qd, qdd = state(model, 80)
     loaded = fb.to_jax(model, "static_torque", wrench_frames=["wrist_3_link"])
@@ -341,13 +371,19 @@ def test_wrenches_and_numbers_of_the_model():
     expected = kernel(q, qd, qdd, each[:3, None])
     np.testing.assert_allclose(robots(q, qd, qdd, each[:3]), expected, rtol=1e-12, atol=1e-12)
     slope = jax.jacrev(function, 3)(q[0], qd[0], qdd[0], p)
-    expected = fb.kernel(model, "inverse_dynamics", inputs=["*.mass"], by="p")(q[0], qd[0], qdd[0])[1]
+    expected = fb.kernel(model, "inverse_dynamics", inputs=["*.mass"], by="p")(q[0], qd[0], qdd[0])[
+        1
+    ]
     np.testing.assert_allclose(slope, expected, rtol=1e-11, atol=1e-11)
-    agree(fb.to_jax(model, "inverse_dynamics", inputs=["*.mass"])(q, qd, qdd, p), function(q, qd, qdd, p))
+    agree(
+        fb.to_jax(model, "inverse_dynamics", inputs=["*.mass"])(q, qd, qdd, p),
+        function(q, qd, qdd, p),
+    )
 
 
 def test_the_gradient_through_a_simulation():
-    """By the first position, through a hundred steps of a scan: forward and reverse agree, and with differences."""
+    """By the first position, through a hundred steps of a scan: forward and reverse agree, and with
+    differences."""
     model = fb.load("2R")
     accelerate = fb.to_jax(model, "forward_dynamics")
     h, tau = 0.005, jnp.array([0.3, -0.1])
@@ -373,9 +409,12 @@ def test_the_gradient_through_a_simulation():
     np.testing.assert_allclose(reverse, moved, rtol=1e-6)
 
 
-@pytest.mark.parametrize(("kind", "right"), [("implicit_step", True), ("semi_implicit_step", False)])
+@pytest.mark.parametrize(
+    ("kind", "right"), [("implicit_step", True), ("semi_implicit_step", False)]
+)
 def test_gradients_from_rest_with_coulomb_friction(kind, right):
-    """Right through the step whose friction is smooth, and not through one that has sign(q̇), as the docs warn."""
+    """Right through the step whose friction is smooth, and not through one that has sign(q̇), as
+    the docs warn."""
     model = fb.planar("RR", l=[0.5, 0.4], lc=[0.25, 0.2], m=[2.0, 1.0], I=[0.05, 0.02])
     step = fb.to_jax(model, kind, inputs=["joint*.friction.coulomb"])
 
@@ -397,7 +436,9 @@ def test_gradients_from_rest_with_coulomb_friction(kind, right):
 def test_whole_numbers_and_what_is_not_differentiated():
     model = fb.load("2R")
     function = fb.to_jax(model, "inverse_dynamics")
-    slope = jax.jacfwd(lambda q: function(q, np.array([0, 1]), jnp.array([1, 0])))(np.array([0.1, 0.2]))
+    slope = jax.jacfwd(lambda q: function(q, np.array([0, 1]), jnp.array([1, 0])))(
+        np.array([0.1, 0.2])
+    )
     expected = fb.inverse_dynamics_derivatives(model, [0.1, 0.2], [0.0, 1.0], [1.0, 0.0])[0]
     np.testing.assert_allclose(slope, expected, rtol=1e-12)
     value, along = jax.jvp(function, (jnp.ones(2),) * 3, (jnp.zeros(2),) * 3)
@@ -442,9 +483,12 @@ def test_threads():
 
 
 def test_long_batches_are_shared_among_threads_without_a_trace(monkeypatch):
-    """Of every size and shape, also by several callers at a time: each sample is the kernel's own."""
+    """Of every size and shape, also by several callers at a time: each sample is the kernel's
+    own."""
     monkeypatch.setattr("freebody.targets.kernel._WORTH", 200.0)
-    kernel = fb.compile(lambda x, y: [x * 1.2345678, x / (y[0] * y[0] + y[1])], {"x": (), "y": 2}, {"z": 2})
+    kernel = fb.compile(
+        lambda x, y: [x * 1.2345678, x / (y[0] * y[0] + y[1])], {"x": (), "y": 2}, {"z": 2}
+    )
     assert kernel.samples_of_a_thread < 20
     function = jax.jit(fb.to_jax(kernel))
     rng = np.random.default_rng(4)
@@ -476,11 +520,14 @@ def test_long_batches_are_shared_among_threads_without_a_trace(monkeypatch):
 
 
 def test_symbols_without_values_are_refused():
-    with pytest.raises(fb.FreebodyError, match=r"numbers need a value for I1, I2, l1, l2, lc1, lc2, m1, m2"):
+    with pytest.raises(
+        fb.FreebodyError, match=r"numbers need a value for I1, I2, l1, l2, lc1, lc2, m1, m2"
+    ):
         fb.to_jax(fb.planar("RR"), "inverse_dynamics")
     family = fb.load("2R").bind(m1=[1.0, 2.0])
     with pytest.raises(
-        fb.FreebodyError, match=r"fb.to_jax without inputs=: '2R' is a family of robots, shape \(2,\)"
+        fb.FreebodyError,
+        match=r"fb.to_jax without inputs=: '2R' is a family of robots, shape \(2,\)",
     ):
         fb.to_jax(family, "inverse_dynamics")
     found = fb.to_jax(family, "inverse_dynamics", inputs=["m1"])
@@ -492,7 +539,8 @@ def test_symbols_without_values_are_refused():
 
 @pytest.mark.long
 def test_a_humanoid():
-    """Values bit by bit; directions and gradients are each other's transpose, and those of the formula."""
+    """Values bit by bit; directions and gradients are each other's transpose, and those of the
+    formula."""
     path = ROBOTS / "talos_data/robots/talos_reduced.urdf"
     if not path.exists():
         pytest.skip("example-robot-data is not installed")

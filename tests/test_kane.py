@@ -33,7 +33,9 @@ def test_partial_velocities_are_velocities_at_unit_rates(model: fb.Model):
     printed, dim = equations_of(fb.derive(bound, "kane")), bound.dim
     checked = 0
     for i, (body, at) in enumerate(zip(bound.bodies, skeleton(bound, q).bodies, strict=True), 1):
-        R = np.eye(2) if dim == 2 else at.rotation  # in space the components are along the body's axes
+        R = (
+            np.eye(2) if dim == 2 else at.rotation
+        )  # in space the components are along the body's axes
         centre = at.rotation.T @ (at.com - at.origin)
         for r, unit in enumerate(np.eye(bound.nv), 1):
             moved = fb.velocity(bound, q, unit, body.name, centre)
@@ -74,9 +76,12 @@ def test_kane_of_the_pendulum():
 
 
 def test_what_joints_take_stands_in_the_generalized_forces():
-    """Friction and a spring are active forces, a motor's rotor is inertia; a passive joint has no motor."""
+    """Friction and a spring are active forces, a motor's rotor is inertia; a passive joint has no
+    motor."""
     J, b, k = map(fb.Parameter, ("J1", "b1", "s1"))
-    arm = fb.planar("R", g=0, drives=[fb.Drive(viscous=b, rotor=J, gear=1.0, stiffness=k, rest=0.0)])
+    arm = fb.planar(
+        "R", g=0, drives=[fb.Drive(viscous=b, rotor=J, gear=1.0, stiffness=k, rest=0.0)]
+    )
     lines = {name: str(line) for name, line in equations_of(fb.derive(arm, "kane")).items()}
     assert "b₁ θ̇₁" in lines["F1"]
     assert "θ₁ s₁" in lines["F1"]

@@ -61,13 +61,19 @@ def test_single_samples_and_more_axes(target, width):
 
 LAYOUTS = {
     "rows": lambda a: a,
-    "columns": lambda a: np.ascontiguousarray(np.moveaxis(a, 0, -1)).transpose(-1, *range(a.ndim - 1)),
+    "columns": lambda a: np.ascontiguousarray(np.moveaxis(a, 0, -1)).transpose(
+        -1, *range(a.ndim - 1)
+    ),
     "reversed": lambda a: a[::-1].copy()[::-1],
     "every other": lambda a: np.repeat(a, 2, axis=0)[::2],
-    "padded rows": lambda a: np.concatenate([a, a], axis=-1)[..., : a.shape[-1]] if a.ndim > 1 else a,
+    "padded rows": lambda a: (
+        np.concatenate([a, a], axis=-1)[..., : a.shape[-1]] if a.ndim > 1 else a
+    ),
     "strided core": lambda a: np.repeat(a, 3, axis=-1)[..., ::3] if a.ndim > 1 else a,
     "reversed core": lambda a: a[..., ::-1].copy()[..., ::-1] if a.ndim > 1 else a,
-    "fortran core": lambda a: np.swapaxes(np.swapaxes(a, -1, -2).copy(), -1, -2) if a.ndim > 2 else a,
+    "fortran core": lambda a: (
+        np.swapaxes(np.swapaxes(a, -1, -2).copy(), -1, -2) if a.ndim > 2 else a
+    ),
     "misaligned": lambda a: (
         np.frombuffer(b"?" + a.tobytes(), dtype=np.uint8)[1:].view(np.float64).reshape(a.shape)
     ),
@@ -101,7 +107,13 @@ def test_any_strides(target, width, layout):
 def test_broadcast_inputs(target, width):
     compiled = random_kernel(4, target=target, width=width)
     x, A, s = samples(37, 1)
-    for arrays in [(x[0], A, s), (x, A[0], s), (x, A, s[0]), (x[:, None], A[:5], s[:5]), (x[0], A[0], s)]:
+    for arrays in [
+        (x[0], A, s),
+        (x, A[0], s),
+        (x, A, s[0]),
+        (x[:, None], A[:5], s[:5]),
+        (x[0], A[0], s),
+    ]:
         assert_close(compiled(*arrays), direct(4, arrays))
 
 
@@ -122,7 +134,9 @@ def test_nothing_outside_an_array_is_written(width):
 @pytest.mark.parametrize("width", [2, 4, 8])
 @pytest.mark.parametrize("size", [1, 3, 5, 6, 7, 8, 9, 13])
 def test_nothing_outside_an_array_is_read(width, size):
-    compiled = fb.compile(lambda q: [2.0 * x for x in q], {"q": size}, {"r": size}, target="cpu", width=width)
+    compiled = fb.compile(
+        lambda q: [2.0 * x for x in q], {"q": size}, {"r": size}, target="cpu", width=width
+    )
     page = mmap.PAGESIZE
     memory = mmap.mmap(-1, 3 * page)
     bytes_ = np.frombuffer(memory, dtype=np.uint8)
@@ -135,7 +149,9 @@ def test_nothing_outside_an_array_is_read(width, size):
         for part in (inside[: batch * size], inside[inside.size - batch * size :]):
             q = part.reshape(batch, size)
             q[...] = np.arange(batch * size).reshape(batch, size)
-            np.testing.assert_array_equal(compiled(q), 2.0 * np.arange(batch * size).reshape(batch, size))
+            np.testing.assert_array_equal(
+                compiled(q), 2.0 * np.arange(batch * size).reshape(batch, size)
+            )
             compiled(q, out=q)
     for guard in (start, start + 2 * page):
         libc.mprotect(ctypes.c_void_p(guard), ctypes.c_size_t(page), 3)
@@ -190,7 +206,8 @@ WAYS_IN = {
 @pytest.mark.parametrize("width", [2, 4, 8])
 @pytest.mark.parametrize("count", [1, 2, 3, 7, 11, 130])
 def test_each_of_many_inputs_is_looked_at_by_itself(count, width, way):
-    """Also where numbers overflow together, or cancel: each sample but the last two has one that is not finite."""
+    """Also where numbers overflow together, or cancel: each sample but the last two has one that is
+    not finite."""
     compiled = fb.compile(lambda q: [q[0] + 1.0], {"q": count}, {"r": 1}, width=width)
     q = np.ones((count + 2, count))
     q[-2] = 1e200
@@ -207,11 +224,23 @@ def test_wrong_arguments_are_named(target, width):
     x, A, s = samples(4)
     cases = [
         ((x[:, :2], A, s), ShapeError, r"random0: x has shape \(4, 2\), expected \(\.\.\., 3\)\."),
-        ((x, A[..., 0], s), ShapeError, r"random0: A has shape \(4, 2\), expected \(\.\.\., 2, 5\)\."),
+        (
+            (x, A[..., 0], s),
+            ShapeError,
+            r"random0: A has shape \(4, 2\), expected \(\.\.\., 2, 5\)\.",
+        ),
         ((1.0, A, s), ShapeError, r"random0: x has shape \(\), expected \(\.\.\., 3\)\."),
-        ((x, A), fb.FreebodyError, r"random0: 2 arguments given, expected 3: x\(3\), A\(2, 5\), s\(\)\."),
+        (
+            (x, A),
+            fb.FreebodyError,
+            r"random0: 2 arguments given, expected 3: x\(3\), A\(2, 5\), s\(\)\.",
+        ),
         ((), fb.FreebodyError, r"random0: 0 arguments given, expected 3"),
-        ((x + 0j, A, s), fb.FreebodyError, r"random0: x holds complex128 values, expected real numbers\."),
+        (
+            (x + 0j, A, s),
+            fb.FreebodyError,
+            r"random0: x holds complex128 values, expected real numbers\.",
+        ),
         (
             (x.astype(object), A, s),
             fb.FreebodyError,
@@ -255,13 +284,18 @@ def test_options_are_checked(monkeypatch):
     ):
         swap_kernel(target="fortran")
     with pytest.raises(
-        fb.FreebodyError, match=r"no width 3 of float64\. Widths: 2, 4, 8 \(argument or FREEBODY_WIDTH\)"
+        fb.FreebodyError,
+        match=r"no width 3 of float64\. Widths: 2, 4, 8 \(argument or FREEBODY_WIDTH\)",
     ):
         swap_kernel(width=3)
-    with pytest.raises(fb.FreebodyError, match=r"width=4: target 'numpy' has no vectors; leave it out\."):
+    with pytest.raises(
+        fb.FreebodyError, match=r"width=4: target 'numpy' has no vectors; leave it out\."
+    ):
         swap_kernel(target="numpy", width=4)
     for threads in (0, -1, 1.5):
-        with pytest.raises(fb.FreebodyError, match=f"threads={threads}, expected a whole number from 1 up"):
+        with pytest.raises(
+            fb.FreebodyError, match=f"threads={threads}, expected a whole number from 1 up"
+        ):
             swap_kernel()(np.ones(3), threads=threads)
     monkeypatch.setattr(settings, "TARGET", "numpy")
     assert swap_kernel().target == "numpy"
@@ -294,7 +328,9 @@ def test_a_kernel_is_a_gufunc_that_can_be_read():
 
 @pytest.mark.parametrize("target", ["cpu", "numpy"])
 def test_empty_arguments(target):
-    halves = fb.compile(lambda q, x: ((), x[0] * 2.0), {"q": 0, "x": 1}, {"r": 0, "y": ()}, target=target)
+    halves = fb.compile(
+        lambda q, x: ((), x[0] * 2.0), {"q": 0, "x": 1}, {"r": 0, "y": ()}, target=target
+    )
     r, y = halves(np.empty((3, 1, 0)), np.ones((4, 1)))
     assert r.shape == (3, 4, 0)
     np.testing.assert_array_equal(y, np.full((3, 4), 2.0))
@@ -321,7 +357,9 @@ def test_a_sample_that_is_not_finite_is_nan_and_no_other(target, width):
     def function(x, y):
         return [sin(x[0]), 0.0 * x[1], 3.0, x[2] - x[2]], x[0] * x[2]
 
-    compiled = fb.compile(function, {"x": 3, "y": ()}, {"r": 4, "t": ()}, target=target, width=width)
+    compiled = fb.compile(
+        function, {"x": 3, "y": ()}, {"r": 4, "t": ()}, target=target, width=width
+    )
     rng = np.random.default_rng(0)
     x, y = rng.normal(size=(50, 3)), rng.normal(size=50)
     expected = compiled(x, y)

@@ -19,7 +19,15 @@ import freebody as fb
 from freebody.labels import is_labelled
 from support.public_calls import arguments, bits, functions_of_states, state
 
-TAKES_NUMBERS = ("Vector", "ArrayLike", "Wrenches", "Torque", "Sequence[float]", "Sequence[Given]", "Array")
+TAKES_NUMBERS = (
+    "Vector",
+    "ArrayLike",
+    "Wrenches",
+    "Torque",
+    "Sequence[float]",
+    "Sequence[Given]",
+    "Array",
+)
 """What stands in the annotation of an argument that takes several numbers."""
 
 BY_NAME = {
@@ -32,14 +40,18 @@ BY_NAME = {
 BY_POSITION = {
     "rotation": {"angles": [0.1, 0.2, 0.3]},
     "quat_wxyz": {"R": np.eye(3)},
-    "sampled_trajectory": {"t": [0.0, 1.0, 2.0, 3.0, 4.0, 5.0], "points": np.arange(12.0).reshape(6, 2)},
+    "sampled_trajectory": {
+        "t": [0.0, 1.0, 2.0, 3.0, 4.0, 5.0],
+        "points": np.arange(12.0).reshape(6, 2),
+    },
     "planar": {name: [1.0, 1.0] for name in ("l", "lc", "m", "I", "angles")} | {"g": [0.0, -9.81]},
     "inertia_from": {"com": [0.1, 0.2], "about": [0.3, 0.1]},
     "simulate": {"t": [0.0, 0.01, 0.02], "breakpoints": [0.01, 0.02]},
     "inverse_kinematics": {"target": [0.3, 0.2]},
     "dh": {"gravity": [0.0, 0.0, -9.81]},
 }
-"""Functions and their arguments in which a place, not a name, tells what a number is; with values for them."""
+"""Functions and their arguments in which a place, not a name, tells what a number is; with values
+for them."""
 
 OTHERS = {
     "planar": {"word": "RR"},
@@ -84,7 +96,13 @@ def mapping(x: np.ndarray, names: list[str]) -> Any:
     return dict(zip(names, x.tolist(), strict=True))
 
 
-CONTAINERS: tuple[Callable[[np.ndarray, list[str]], Any], ...] = (series, frame, data_array, dataset, mapping)
+CONTAINERS: tuple[Callable[[np.ndarray, list[str]], Any], ...] = (
+    series,
+    frame,
+    data_array,
+    dataset,
+    mapping,
+)
 BATCHED = (frame, dataset)  # these hold a batch of one
 
 
@@ -107,7 +125,9 @@ def test_every_argument_that_takes_numbers_is_tried():
     """A new one is put into one of the tables above."""
     for function, argument in public_arguments():
         known = argument in BY_NAME or argument in BY_POSITION.get(function, {})
-        assert known, f"are the entries of {argument} of fb.{function} known by name or by position?"
+        assert known, (
+            f"are the entries of {argument} of fb.{function} known by name or by position?"
+        )
 
 
 def call(function: str, arm: fb.Model, changed: dict[str, Any]) -> Any:
@@ -144,7 +164,11 @@ def test_names_in_another_order_are_put_in_order_and_wrong_ones_refused(function
                 continue  # of the other kind of model
             _try(function, arm, argument, plain, names, expected)
             tried += 1
-    assert tried or function == "assembly_modes" or not any(f == function for f, _ in public_arguments())
+    assert (
+        tried
+        or function == "assembly_modes"
+        or not any(f == function for f, _ in public_arguments())
+    )
 
 
 def _try(
@@ -152,9 +176,15 @@ def _try(
 ) -> None:
     where = f"{function}, {argument}"
     for container in CONTAINERS:
-        by_frame = argument == "wrenches" and container in (dataset, mapping)  # these name frames there
+        by_frame = argument == "wrenches" and container in (
+            dataset,
+            mapping,
+        )  # these name frames there
         wrong = ["nobody", *names[1:]]
-        some = container is mapping and argument in ("rates", "accelerations")  # the others are found
+        some = container is mapping and argument in (
+            "rates",
+            "accelerations",
+        )  # the others are found
         for labels in (wrong, names[1:])[: 1 if some else 2]:
             with pytest.raises(fb.FreebodyError):
                 call(function, arm, {argument: container(plain[: len(labels)], labels)})
@@ -164,11 +194,14 @@ def _try(
             call(function, arm, {argument: container(np.append(plain, 0.0), [*names, "nobody"])})
         if container in (series, frame, data_array):
             with pytest.raises(fb.FreebodyError):
-                call(function, arm, {argument: container(np.append(plain, 0.0), [*names, names[0]])})
+                call(
+                    function, arm, {argument: container(np.append(plain, 0.0), [*names, names[0]])}
+                )
         turned = container(plain[::-1], names[::-1])
         if container not in BATCHED:
             found = call(function, arm, {argument: turned})
-            if some:  # what is named is kept, of a whole vector the nearest is found: another way to the same
+            # what is named is kept, of a whole vector the nearest is found: another way to the same
+            if some:
                 np.testing.assert_array_equal(found, expected)
             else:
                 assert bits(found) == bits(expected), (where, container.__name__)
@@ -214,7 +247,11 @@ def test_a_batch_by_names_in_any_order_of_columns_and_axes():
     table = pd.DataFrame(q, columns=names)[turned]
     across = xr.DataArray(qd.T[::-1], dims=("velocity", "time"), coords={"velocity": turned})
     variables = xr.Dataset({name: ("time", qdd[:, names.index(name)]) for name in turned})
-    for last in (variables, dict(variables), {name: pd.Series(qdd[:, names.index(name)]) for name in turned}):
+    for last in (
+        variables,
+        dict(variables),
+        {name: pd.Series(qdd[:, names.index(name)]) for name in turned},
+    ):
         np.testing.assert_array_equal(fb.inverse_dynamics(arm, table, across, last), expected)
     np.testing.assert_array_equal(fb.inverse_dynamics(arm, table, across.T, qdd), expected)
     rows = [pd.Series(row, index=names)[turned] for row in q]
@@ -258,8 +295,12 @@ def test_what_is_said_of_labels_that_do_not_fit():
     with pytest.raises(fb.FreebodyError, match=f"mass_matrix: q has '{first}' twice"):
         fb.mass_matrix(arm, pd.Series([0.1, 0.2, 0.3], index=[first, second, first]))
     with pytest.raises(fb.FreebodyError, match=r"rows of .* are labelled otherwise"):
-        fb.mass_matrix(arm, {first: pd.Series([1.0, 2.0], index=["a", "b"]), second: pd.Series([1.0, 2.0])})
-    with pytest.raises(fb.FreebodyError, match=r"rotation: angles is a Series with labels.*read by position"):
+        fb.mass_matrix(
+            arm, {first: pd.Series([1.0, 2.0], index=["a", "b"]), second: pd.Series([1.0, 2.0])}
+        )
+    with pytest.raises(
+        fb.FreebodyError, match=r"rotation: angles is a Series with labels.*read by position"
+    ):
         fb.rotation("XY", pd.Series([0.1, 0.2], index=["y", "x"]))
 
 
@@ -267,7 +308,9 @@ def test_names_of_a_tuple_count():
     arm = model("2R")
     first, second = arm.joint_names
     Turned = namedtuple("Turned", [second, first])
-    np.testing.assert_array_equal(fb.mass_matrix(arm, Turned(0.2, 0.1)), fb.mass_matrix(arm, [0.1, 0.2]))
+    np.testing.assert_array_equal(
+        fb.mass_matrix(arm, Turned(0.2, 0.1)), fb.mass_matrix(arm, [0.1, 0.2])
+    )
 
 
 def test_a_torque_by_names_drives_the_joints_that_are_named():
@@ -278,7 +321,9 @@ def test_a_torque_by_names_drives_the_joints_that_are_named():
         {second: 2.0, first: 1.0},
         pd.Series([2.0, 1.0], index=[second, first]),
         pd.DataFrame([[2.0, 1.0]] * 3, columns=[second, first], index=t),
-        xr.DataArray([[2.0] * 3, [1.0] * 3], dims=("velocity", "time"), coords={"velocity": [second, first]}),
+        xr.DataArray(
+            [[2.0] * 3, [1.0] * 3], dims=("velocity", "time"), coords={"velocity": [second, first]}
+        ),
         lambda now, q, qd: {second: 2.0, first: 1.0},
     ):
         found = fb.simulate(arm, np.zeros(2), np.zeros(2), t, torque=torque)

@@ -1,4 +1,5 @@
-"""Laws that hold for every mechanism, on random trees: by formulas on plain arrays, and some by compiled kernels."""
+"""Laws that hold for every mechanism, on random trees: by formulas on plain arrays, and some by
+compiled kernels."""
 
 from __future__ import annotations
 
@@ -57,7 +58,8 @@ def test_the_trees_hold_every_joint_kind_often():
         carriers = {body.parent for body in model.bodies}
         assert 1 <= len(model.bodies) - (generate.base(seed) == "free") <= 12
         counts["fixed siblings"] += any(
-            n > 1 for n in Counter(j.parent for j in description.joints if j.kind == "fixed").values()
+            n > 1
+            for n in Counter(j.parent for j in description.joints if j.kind == "fixed").values()
         )
         counts["massless between"] += sum(
             not b.inertias and i in carriers for i, b in enumerate(model.bodies)
@@ -66,7 +68,9 @@ def test_the_trees_hold_every_joint_kind_often():
             body.parent > i for i, body in enumerate(model.bodies)
         )
         for drive in (joint.drive for joint in description.joints):
-            counts.update(k for k in ("viscous", "coulomb", "rotor", "stiffness") if getattr(drive, k))
+            counts.update(
+                k for k in ("viscous", "coulomb", "rotor", "stiffness") if getattr(drive, k)
+            )
         counts["base mass"] += bool(model.base_inertias)
         counts["branching"] += any(n > 1 for n in Counter(b.parent for b in model.bodies).values())
     kinds = ("revolute", "continuous", "prismatic", "planar", "spherical", "free", "fixed", "mimic")
@@ -87,7 +91,9 @@ def condition(M: np.ndarray) -> float:
 
 
 def external(model: Model, q: np.ndarray, loads: dict[str, np.ndarray]) -> list[External]:
-    given = (external_on_frame(model.tree, scalars(q), name, scalars(w)) for name, w in loads.items())
+    given = (
+        external_on_frame(model.tree, scalars(q), name, scalars(w)) for name, w in loads.items()
+    )
     return [load for load in given if load is not None]
 
 
@@ -101,15 +107,25 @@ def test_forward_dynamics_undoes_inverse_dynamics(seed: int, dim: int):
     M = numbers(model, "mass_matrix", q)
     allowed = max(1e-10, 1e3 * EPS * condition(M))
     close(
-        numbers(model, "forward_dynamics", q, qd, tau, wrenches=loads), qdd, allowed, what="forward(inverse)"
+        numbers(model, "forward_dynamics", q, qd, tau, wrenches=loads),
+        qdd,
+        allowed,
+        what="forward(inverse)",
     )
     given = (model.tree, scalars(q), scalars(qd), scalars(tau), external(model, q, loads))
-    close(np.stack(np.broadcast_arrays(*forward_dynamics(*given)), -1), qdd, allowed, what="composite bodies")
+    close(
+        np.stack(np.broadcast_arrays(*forward_dynamics(*given)), -1),
+        qdd,
+        allowed,
+        what="composite bodies",
+    )
     if model.tree.follows:
         with pytest.raises(AssertionError, match="moves several joints"):
             aba(*given)
     else:
-        close(np.stack(np.broadcast_arrays(*aba(*given)), -1), qdd, allowed, what="articulated bodies")
+        close(
+            np.stack(np.broadcast_arrays(*aba(*given)), -1), qdd, allowed, what="articulated bodies"
+        )
     close(numbers(model, "inverse_dynamics", q, qd, qdd, wrenches=loads), tau, 0.0)
 
 
@@ -163,11 +179,19 @@ def test_coriolis_matrix_is_that_of_christoffel(seed: int, dim: int):
     q, qd, _ = state(model, seed)
     units = np.eye(model.nv)[:, None, :] + np.zeros_like(qd)
     along, _ = path(model, np.broadcast_to(q, (model.nv, *q.shape)), units, 0 * units, H)
-    dM = np.moveaxis(rate(numbers(model, "mass_matrix", along), H), 0, -1)  # ∂M_ij/∂q_k at (..., i, j, k)
+    dM = np.moveaxis(
+        rate(numbers(model, "mass_matrix", along), H), 0, -1
+    )  # ∂M_ij/∂q_k at (..., i, j, k)
     gamma = 0.5 * (dM + np.swapaxes(dM, -1, -2) - np.moveaxis(dM, -1, -3))
     C = numbers(model, "coriolis_matrix", q, qd)
     scale = float(abs(numbers(model, "mass_matrix", q)).max())
-    close(C, np.einsum("...ijk,...k->...ij", gamma, qd), 1e-9, float(abs(dM).max()) + scale, "Christoffel")
+    close(
+        C,
+        np.einsum("...ijk,...k->...ij", gamma, qd),
+        1e-9,
+        float(abs(dM).max()) + scale,
+        "Christoffel",
+    )
 
 
 # ---------------------------------------------------------------- energy
@@ -190,7 +214,9 @@ def test_power_is_the_rate_of_energy(seed: int, dim: int):
     for name, w in loads.items():
         power += (w * numbers(model, "velocity", q, qd, frame=name)).sum(-1)
     along, rates = path(model, q, qd, qdd, H)
-    energy = numbers(model, "kinetic_energy", along, rates) + numbers(model, "potential_energy", along)
+    energy = numbers(model, "kinetic_energy", along, rates) + numbers(
+        model, "potential_energy", along
+    )
     scale = float(abs(energy).max() + abs(tau * qd).sum(-1).max())
     close(power, rate(energy, H), 1e-9, scale, "power")
     still = (numbers(model, "static_torque", q) * qd).sum(-1)
@@ -273,7 +299,13 @@ def test_velocities_jacobians_and_accelerations_are_derivatives(seed: int, dim: 
             turned = turn_to(reference, model, T, V)
             close((J @ qd[..., None])[..., 0], turned, 1e-12, scale, f"J q̇ in {reference} axes")
             if reference == "world":
-                close((J @ qdd[..., None] + Jd @ qd[..., None])[..., 0], A, 1e-12, scale**2, "J q̈ + J̇ q̇")
+                close(
+                    (J @ qdd[..., None] + Jd @ qd[..., None])[..., 0],
+                    A,
+                    1e-12,
+                    scale**2,
+                    "J q̈ + J̇ q̇",
+                )
 
 
 def turn_to(reference: str, model: Model, T: np.ndarray, V: np.ndarray) -> np.ndarray:
@@ -287,10 +319,12 @@ def turn_to(reference: str, model: Model, T: np.ndarray, V: np.ndarray) -> np.nd
 # ---------------------------------------------------------------- reactions
 @every_tree
 def test_reactions_balance_every_body(seed: int, dim: int):
-    """Newton and Euler for each body about the world's origin, its motion from second differences of poses.
+    """Newton and Euler for each body about the world's origin, its motion from second differences
+    of poses.
 
-    With a = s + R x, the moment of inertial forces is the integral of a × ä; its part about the com is the skew part of
-    R Σ R̈ᵀ with Σ the matrix of second moments, so neither angular velocities nor any recursion enter.
+    With a = s + R x, the moment of inertial forces is the integral of a × ä; its part about the com
+    is the skew part of R Σ R̈ᵀ with Σ the matrix of second moments, so neither angular velocities
+    nor any recursion enter.
     """
     description, model = generate.tree(seed, dim), generate.model(seed, dim)
     q, qd, qdd = state(model, seed)
@@ -302,7 +336,9 @@ def test_reactions_balance_every_body(seed: int, dim: int):
     origin = [standing[body.name][..., :3, 3] for body in model.bodies]
     force, moment = in_space(W, dim)
     given = [
-        (link.name, link.inertia, link.placement) for link in description.links if link.inertia is not None
+        (link.name, link.inertia, link.placement)
+        for link in description.links
+        if link.inertia is not None
     ]
     mounts = {mount.name: mount for mount in description.mounts}
     given += [(load.frame, load.inertia, generate.Placement()) for load in description.payloads]
@@ -330,7 +366,9 @@ def test_reactions_balance_every_body(seed: int, dim: int):
     for k, body in enumerate(model.bodies):
         if body.parent >= 0:
             acting_f[..., body.parent, :] -= force[..., k, :]
-            acting_n[..., body.parent, :] -= moment[..., k, :] + np.cross(origin[k], force[..., k, :])
+            acting_n[..., body.parent, :] -= moment[..., k, :] + np.cross(
+                origin[k], force[..., k, :]
+            )
     for name, w in loads.items():
         f, n = in_space(w, dim)
         i = model.frame(name).body
@@ -360,7 +398,8 @@ def moments(inertia: Inertia) -> tuple[float, np.ndarray, np.ndarray]:
 
 @every_tree
 def test_torques_are_reactions_along_the_joints_and_what_drives_add(seed: int, dim: int):
-    """S·w + rotor q̈ + friction + spring = tau, S from the description; world and child axes tell the same."""
+    """S·w + rotor q̈ + friction + spring = tau, S from the description; world and child axes tell
+    the same."""
     model = generate.model(seed, dim)
     q, qd, qdd = state(model, seed)
     loads = random_wrenches(model, seed, 3)
@@ -376,7 +415,9 @@ def test_torques_are_reactions_along_the_joints_and_what_drives_add(seed: int, d
         R = standing[body.name][..., :3, :3]
         E = np.swapaxes(R, -1, -2)
         f_child, n_child = (E @ f[..., None])[..., 0], (E @ n[..., None])[..., 0]
-        close(child[..., i, :], six(model, f_child, n_child), 1e-12, float(abs(W).max()), "child axes")
+        close(
+            child[..., i, :], six(model, f_child, n_child), 1e-12, float(abs(W).max()), "child axes"
+        )
         before = placed(joint.placement, dim)
         if joint.parent:
             before = standing[joint.parent] @ before
@@ -392,7 +433,11 @@ def test_torques_are_reactions_along_the_joints_and_what_drives_add(seed: int, d
         else:
             axis = np.array(joint.axis) / np.linalg.norm(joint.axis)
             if dim == 2:
-                axis = np.array([0.0, 0.0, axis[0]]) if joint.kind != "prismatic" else np.append(axis, 0.0)
+                axis = (
+                    np.array([0.0, 0.0, axis[0]])
+                    if joint.kind != "prismatic"
+                    else np.append(axis, 0.0)
+                )
             along = f if joint.kind == "prismatic" else n
             k, drive = at.v[0], joint.drive
             position, r, rr = (
@@ -402,7 +447,9 @@ def test_torques_are_reactions_along_the_joints_and_what_drives_add(seed: int, d
             )
             torque = ((B @ axis) * along).sum(-1)
             torque += (
-                drive.viscous * r + drive.coulomb * np.sign(r) + drive.stiffness * (position - drive.rest)
+                drive.viscous * r
+                + drive.coulomb * np.sign(r)
+                + drive.stiffness * (position - drive.rest)
             )
             torque += drive.rotor * drive.gear**2 * rr
             found[..., k] += at.ratio * torque
@@ -461,7 +508,13 @@ def test_momentum(seed: int, dim: int):
     about = np.random.default_rng(seed).normal(size=dim)
     p, L = in_space(h, dim)
     elsewhere = six(model, p, L - np.cross(np.append(about, [0.0] * (3 - dim)), p))
-    close(numbers(model, "momentum", q, qd, about, point=True), elsewhere, 1e-12, scale, "about a point")
+    close(
+        numbers(model, "momentum", q, qd, about, point=True),
+        elsewhere,
+        1e-12,
+        scale,
+        "about a point",
+    )
     # d/dt of it: what the base's joints, gravity and loads do
     W = numbers(model, "joint_wrenches", q, qd, qdd, wrenches=loads)
     standing = poses(model, q)
@@ -483,7 +536,13 @@ def test_momentum(seed: int, dim: int):
             F += f
             N += n + np.cross(standing[name][..., :3, 3], f)
     hd = rate(numbers(model, "momentum", along, rates), H)
-    close(six(model, F, N), hd, 1e-9, scale + float(abs(hd).max() + abs(moment).max()), "rate of momentum")
+    close(
+        six(model, F, N),
+        hd,
+        1e-9,
+        scale + float(abs(hd).max() + abs(moment).max()),
+        "rate of momentum",
+    )
 
 
 # ---------------------------------------------------------------- the same robot told otherwise
@@ -507,7 +566,9 @@ QUANTITIES = (
 )
 
 
-def same(a: Model, b: Model, seed: int, but: tuple[str, ...] = (), tolerance: float = 1e-11) -> None:
+def same(
+    a: Model, b: Model, seed: int, but: tuple[str, ...] = (), tolerance: float = 1e-11
+) -> None:
     """All quantities agree at random states; the tip is the frame that counts."""
     assert (a.nq, a.nv) == (b.nq, b.nv)
     given = state(a, seed)
@@ -527,7 +588,9 @@ def test_renaming_changes_nothing(seed: int, dim: int):
 @every_fourth
 def test_order_of_links_changes_nothing(seed: int, dim: int):
     model = generate.model(seed, dim)
-    other = assemble(generate.reordered_links(generate.tree(seed, dim), seed), base=generate.base(seed))
+    other = assemble(
+        generate.reordered_links(generate.tree(seed, dim), seed), base=generate.base(seed)
+    )
     assert model.joint_names == other.joint_names
     same(model, other, seed)
 
@@ -540,7 +603,9 @@ def test_order_of_joints_is_the_files_and_only_permutes(seed: int, dim: int):
     model, other = (assemble(d, base=generate.base(seed)) for d in (description, shuffled))
     for d, m in ((description, model), (shuffled, other)):
         in_file = [joint.name for joint in d.joints if joint.kind != "fixed"]
-        assert list(m.joint_names) == (["base", *in_file] if generate.base(seed) == "free" else in_file)
+        assert list(m.joint_names) == (
+            ["base", *in_file] if generate.base(seed) == "free" else in_file
+        )
     q, qd, qdd = state(model, seed)
     to_q = [model.position_names.index(name) for name in other.position_names]
     to_v = [model.velocity_names.index(name) for name in other.velocity_names]
@@ -570,14 +635,18 @@ def test_moved_frames_change_only_their_poses(seed: int):
     model = generate.model(seed)
     description, moves = generate.moved_frames(generate.tree(seed), seed)
     other = assemble(description, base=generate.base(seed))
-    same(model, other, seed, but=("joint_wrenches",))  # whose points of reference move along the axes
+    same(
+        model, other, seed, but=("joint_wrenches",)
+    )  # whose points of reference move along the axes
     q, _, _ = state(model, seed)
     old, new = poses(model, q), poses(other, q)
     for name, move in moves.items():
         close(new[name], old[name] @ move, 1e-12, 1.0, f"pose of {name}")
 
 
-@pytest.mark.parametrize(("seed", "dim"), [(seed, dim) for seed in range(4, 60, 5) for dim in (2, 3)])
+@pytest.mark.parametrize(
+    ("seed", "dim"), [(seed, dim) for seed in range(4, 60, 5) for dim in (2, 3)]
+)
 def test_dynamics_do_not_depend_on_where_a_free_robot_stands(seed: int, dim: int):
     """Not even a thousand kilometres away: no inertia is taken about the world's origin."""
     model = generate.model(seed, dim)
@@ -590,13 +659,16 @@ def test_dynamics_do_not_depend_on_where_a_free_robot_stands(seed: int, dim: int
         if name in ("potential_energy", "momentum", "center_of_mass", "forward_kinematics"):
             continue
         expected = numbers(model, name, *(here, qd, qdd)[:n])
-        allowed = 1e-8 if name.startswith("jacobian") else 1e-9  # lever arms are differences of positions
+        allowed = (
+            1e-8 if name.startswith("jacobian") else 1e-9
+        )  # lever arms are differences of positions
         close(numbers(model, name, *(there, qd, qdd)[:n]), expected, allowed, 1.0, name)
 
 
 # ---------------------------------------------------------------- mimics
 def follow(description: Description, free: Model, followed: Model) -> tuple[np.ndarray, np.ndarray]:
-    """(G, q0) with q = G y + q0 from the joints as described, a mimic of a mimic taken step by step."""
+    """(G, q0) with q = G y + q0 from the joints as described, a mimic of a mimic taken step by
+    step."""
     joints = {joint.name: joint for joint in description.joints}
     G = np.zeros((free.nv, followed.nv))
     q0 = np.zeros(free.nv)
@@ -614,7 +686,9 @@ def follow(description: Description, free: Model, followed: Model) -> tuple[np.n
 MIMICS = [c for c in CASES if any(joint.mimic for joint in generate.tree(*c).joints)]
 
 
-def spread(free: Model, followed: Model, G: np.ndarray, q0: np.ndarray, y: np.ndarray) -> np.ndarray:
+def spread(
+    free: Model, followed: Model, G: np.ndarray, q0: np.ndarray, y: np.ndarray
+) -> np.ndarray:
     """q = G y + q0 where some coordinates are quaternions, which no joint mimics."""
     q = np.empty((*y.shape[:-1], free.nq))
     at = {name: k for k, name in enumerate(followed.position_names)}
@@ -631,7 +705,10 @@ def spread(free: Model, followed: Model, G: np.ndarray, q0: np.ndarray, y: np.nd
 @pytest.mark.parametrize(("seed", "dim"), MIMICS, ids=[f"{dim}D-{seed}" for seed, dim in MIMICS])
 def test_mimics_followed_are_free_joints_driven_together(seed: int, dim: int):
     description = generate.tree(seed, dim)
-    followed, free = generate.model(seed, dim), assemble(description, base=generate.base(seed), mimic="free")
+    followed, free = (
+        generate.model(seed, dim),
+        assemble(description, base=generate.base(seed), mimic="free"),
+    )
     n = sum(joint.mimic is not None for joint in description.joints)
     assert (free.nv, free.joint_names) == (followed.nv + n, followed.joint_names)
     G, q0 = follow(description, free, followed)
@@ -647,7 +724,13 @@ def test_mimics_followed_are_free_joints_driven_together(seed: int, dim: int):
     close(numbers(followed, "joint_wrenches", y, yd, ydd), W, 1e-12, 1.0, "wrenches")
     for name in ("kinetic_energy", "momentum"):
         close(numbers(followed, name, y, yd), numbers(free, name, q, qd), 1e-12, 1.0, name)
-    close(numbers(followed, "potential_energy", y), numbers(free, "potential_energy", q), 1e-12, 1.0, "V")
+    close(
+        numbers(followed, "potential_energy", y),
+        numbers(free, "potential_energy", q),
+        1e-12,
+        1.0,
+        "V",
+    )
 
 
 # ---------------------------------------------------------------- the plane in space
@@ -673,7 +756,9 @@ def test_planar_trees_are_their_twins_in_space(seed: int):
         a = numbers(flat, name, *given[:n], wrenches=loads if loaded else None)
         b = numbers(twin, name, *given[:n], wrenches=loads3 if loaded else None)
         if name == "forward_kinematics":
-            assert np.array_equal(b[..., 2, :], np.broadcast_to([0.0, 0.0, 1.0, 0.0], b[..., 2, :].shape))
+            assert np.array_equal(
+                b[..., 2, :], np.broadcast_to([0.0, 0.0, 1.0, 0.0], b[..., 2, :].shape)
+            )
             b = np.delete(np.delete(b, 2, -1), 2, -2)
         elif name in ("velocity", "acceleration", "momentum", "joint_wrenches"):
             close(
@@ -691,7 +776,11 @@ def test_planar_trees_are_their_twins_in_space(seed: int):
         close(a, b, 1e-10 if name == "forward_dynamics" else 1e-12, 1.0, name)
     child = numbers(flat, "joint_wrenches", *given, reference="child")
     close(
-        child, numbers(twin, "joint_wrenches", *given, reference="child")[..., keep], 1e-12, 1.0, "child axes"
+        child,
+        numbers(twin, "joint_wrenches", *given, reference="child")[..., keep],
+        1e-12,
+        1.0,
+        "child axes",
     )
     for name in ("jacobian", "jacobian_dot"):
         a = numbers(flat, name, *given[: 1 + (name != "jacobian")], reference="body")
@@ -710,7 +799,9 @@ def test_payloads(seed: int, dim: int):
     load = generate.random_inertia(rng, dim)
     link = Link("cargo", load)
     joint = Joint("cargo_weld", "fixed", frame, "cargo")
-    described = replace(description, links=(*description.links, link), joints=(*description.joints, joint))
+    described = replace(
+        description, links=(*description.links, link), joints=(*description.joints, joint)
+    )
     other = assemble(described, base=generate.base(seed))
     loaded = model.with_payload(load, frame=frame)
     same(other, loaded, seed)
@@ -731,7 +822,9 @@ def test_features_are_taken_off_one_by_one(seed: int, dim: int):
             drive.viscous * at.ratio * qd[..., k] + drive.coulomb * np.sign(at.ratio * qd[..., k])
         )
         rotors[..., k] += at.ratio**2 * drive.rotor * drive.gear**2 * qdd[..., k]
-        springs[..., k] += at.ratio * drive.stiffness * (at.ratio * q[..., at.q[0]] + at.offset - drive.rest)
+        springs[..., k] += (
+            at.ratio * drive.stiffness * (at.ratio * q[..., at.q[0]] + at.offset - drive.rest)
+        )
     for features, removed in (
         (("friction",), friction),
         (("rotors",), rotors),
@@ -747,7 +840,11 @@ def test_features_are_taken_off_one_by_one(seed: int, dim: int):
         )
     bare = model.without("friction", "rotors", "springs")
     close(
-        numbers(bare, "gravity_torque", q), numbers(model, "gravity_torque", q), 1e-12, 1.0, "gravity alone"
+        numbers(bare, "gravity_torque", q),
+        numbers(model, "gravity_torque", q),
+        1e-12,
+        1.0,
+        "gravity alone",
     )
     close(
         numbers(bare, "joint_wrenches", q, qd, qdd),
@@ -767,7 +864,9 @@ def test_tool_is_a_new_tip():
     q, qd, qdd = state(model, 1)
     T = np.eye(4)
     T[:3, :3], T[:3, 3] = R, p
-    close(numbers(tooled, "forward_kinematics", q), numbers(model, "forward_kinematics", q) @ T, 1e-14)
+    close(
+        numbers(tooled, "forward_kinematics", q), numbers(model, "forward_kinematics", q) @ T, 1e-14
+    )
     carried = model.with_payload(load.placed(R, p), frame="tool")
     close(
         numbers(tooled, "inverse_dynamics", q, qd, qdd),
@@ -842,7 +941,13 @@ def kernels_agree(model: Model, seed: int, tolerance: float) -> None:
     except SingularError as refused:
         raise AssertionError("a regular M was refused") from refused
     close(fb.mass_matrix(model, q), M, tolerance, what="M")
-    close(fb.coriolis_matrix(model, q, qd), numbers(model, "coriolis_matrix", q, qd), tolerance, 1.0, "C")
+    close(
+        fb.coriolis_matrix(model, q, qd),
+        numbers(model, "coriolis_matrix", q, qd),
+        tolerance,
+        1.0,
+        "C",
+    )
     close(fb.bias(model, q, qd), numbers(model, "bias", q, qd), tolerance, what="bias")
     close(fb.gravity_torque(model, q), numbers(model, "gravity_torque", q), tolerance, 1.0, "g")
     close(
@@ -855,7 +960,12 @@ def kernels_agree(model: Model, seed: int, tolerance: float) -> None:
     for reference in ("world", "child"):
         W = numbers(model, "joint_wrenches", q, qd, qdd, wrenches=loads, reference=reference)
         close(fb.joint_wrenches(model, q, qd, qdd, loads, reference), W, tolerance, what="wrenches")
-    close(fb.kinetic_energy(model, q, qd), numbers(model, "kinetic_energy", q, qd), tolerance, what="T")
+    close(
+        fb.kinetic_energy(model, q, qd),
+        numbers(model, "kinetic_energy", q, qd),
+        tolerance,
+        what="T",
+    )
     close(fb.potential_energy(model, q), numbers(model, "potential_energy", q), tolerance, 1.0, "V")
     close(fb.momentum(model, q, qd), numbers(model, "momentum", q, qd), tolerance, 1.0, "momentum")
     point = np.arange(1.0, 1 + model.dim)

@@ -1,4 +1,5 @@
-"""How the text for LLVM is laid out changes no bit of a result, and its length keeps pace with the program.
+"""How the text for LLVM is laid out changes no bit of a result, and its length keeps pace with the
+program.
 
 No option chooses the layout, so these tests patch the emitter.
 """
@@ -62,7 +63,8 @@ def test_long_programs_run_their_pieces_in_groups(monkeypatch):
 
 
 def test_the_text_grows_with_the_program_and_its_functions_do_not():
-    """LLVM takes more than twice as long for a function twice as long: so time stays in proportion to the program."""
+    """LLVM takes more than twice as long for a function twice as long: so time stays in proportion
+    to the program."""
 
     def lengths(length):
         compiled = random_kernel(11, length, target="cpu")

@@ -1,4 +1,5 @@
-"""Long chains: reading them takes time in proportion to their links, in whatever order and manner they are written."""
+"""Long chains: reading them takes time in proportion to their links, in whatever order and manner
+they are written."""
 
 import time
 import warnings
@@ -12,9 +13,7 @@ from freebody.cli.app import run
 from freebody.formats.loading import read
 from freebody.model.assembly import assemble
 
-BODY = (
-    '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>'
-)
+BODY = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>'
 
 
 def urdf(n: int, kind: str = "revolute", reverse: bool = False, mimic: bool = False) -> str:
@@ -31,7 +30,8 @@ def urdf(n: int, kind: str = "revolute", reverse: bool = False, mimic: bool = Fa
 
 
 def toml(n: int) -> str:
-    """A chain of n joints, with a frame on each frame before, a loop, a payload and a home for each link."""
+    """A chain of n joints, with a frame on each frame before, a loop, a payload and a home for each
+    link."""
     parts = ['[[link]]\nname = "l0"']
     for k in range(1, n + 1):
         parts.append(
@@ -103,7 +103,8 @@ def test_show_of_a_long_chain(tmp_path, capsys):
     assert len(text) < 1_000_000  # no line for each level in each line
 
 
-# ---------------------------------------------------------------- what the short ways must not change
+# ---------------------------------------------------------------- what the short ways must not
+# change
 def test_links_fixed_in_a_long_row_are_placed_as_one_by_one(tmp_path):
     """100 fixed links, each turned and shifted: the last one's pose is the product of all."""
     path = tmp_path / "row.urdf"
@@ -113,7 +114,9 @@ def test_links_fixed_in_a_long_row_are_placed_as_one_by_one(tmp_path):
     pose_R, pose_p = [[1.0, 0, 0], [0, 1, 0], [0, 0, 1]], [0.0, 0, 0]
     for _ in range(100):
         pose_p = [pose_p[i] + sum(pose_R[i][k] * p[k] for k in range(3)) for i in range(3)]
-        pose_R = [[sum(pose_R[i][k] * R[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
+        pose_R = [
+            [sum(pose_R[i][k] * R[k][j] for k in range(3)) for j in range(3)] for i in range(3)
+        ]
     T = fb.forward_kinematics(model, [], "l100")
     assert abs(T[:3, :3] - pose_R).max() < 1e-13
     assert abs(T[:3, 3] - pose_p).max() < 1e-13

@@ -1,4 +1,5 @@
-"""Masses of a file that are missing, placeholders or implausible are found, and estimated where that is asked for."""
+"""Masses of a file that are missing, placeholders or implausible are found, and estimated where
+that is asked for."""
 
 from __future__ import annotations
 
@@ -50,7 +51,8 @@ def arm(inertials: list[str], shape: str | None = BOX) -> str:
         parent = f"link{k - 1}" if k else "base"
         text += (
             f"<joint name='j{k}' type='revolute'><origin xyz='{x} 0 0'/><parent link='{parent}'/>"
-            f"<child link='link{k}'/><axis xyz='0 1 0'/><limit lower='-2' upper='2' velocity='3' effort='200'/></joint>"
+            f"<child link='link{k}'/><axis xyz='0 1 0'/><limit lower='-2' upper='2' velocity='3' "
+            f"effort='200'/></joint>"
         )
         x = LENGTHS[k]
     Path("arm.urdf").write_text(text + "</robot>")
@@ -76,7 +78,9 @@ def test_sound_masses_are_not_doubted():
 def test_a_robot_without_masses_does_not_pass(capsys: pytest.CaptureFixture[str]):
     assert run(["study", arm(["", "", ""])]) == 1
     told = capsys.readouterr()
-    start = "the torques cannot be trusted: 3 of 3 moving bodies have no mass: link0, link1 and link2"
+    start = (
+        "the torques cannot be trusted: 3 of 3 moving bodies have no mass: link0, link1 and link2"
+    )
     assert " ".join(told.out.split()).startswith(f"Not judged: {start}")
     assert told.err.count("have no mass") == 1
     assert "--estimate-inertia" in told.err
@@ -104,7 +108,9 @@ def test_what_carries_others_without_shape_or_mass_is_no_finding():
     assert said(arm([good(0), good(1), ""], shape=None))[0].startswith(
         "1 of 3 moving bodies has no mass: link2"
     )
-    assert said(arm([good(0), "", good(2)]))[0].startswith("1 of 3 moving bodies has no mass: link1")
+    assert said(arm([good(0), "", good(2)]))[0].startswith(
+        "1 of 3 moving bodies has no mass: link1"
+    )
 
 
 def test_placeholders_are_found():
@@ -120,7 +126,8 @@ def test_placeholders_are_found():
 def test_legs_may_be_alike():
     legs = "".join(
         f"<link name='leg{k}'>{inertial(2, 0.01, 0.01, 0.01)}{BOX.format(l=0.3, x=0.15)}</link>"
-        f"<joint name='hip{k}' type='continuous'><parent link='base'/><child link='leg{k}'/></joint>"
+        f"<joint name='hip{k}' type='continuous'><parent link='base'/><child "
+        f"link='leg{k}'/></joint>"
         for k in range(4)
     )
     Path("dog.urdf").write_text(f"<robot name='dog'><link name='base'/>{legs}</robot>")
@@ -130,14 +137,26 @@ def test_legs_may_be_alike():
 @pytest.mark.parametrize(
     ("wrong", "text"),
     [
-        (inertial(1.3, 1.1, 1.2, 1.3), "inertia far too large for the body: link1 (radius of gyration 1 m,"),
-        (inertial(1.3, 1e-9, 1e-9, 1e-9), "inertia far too small for the body: link1 (radius of gyration "),
+        (
+            inertial(1.3, 1.1, 1.2, 1.3),
+            "inertia far too large for the body: link1 (radius of gyration 1 m,",
+        ),
+        (
+            inertial(1.3, 1e-9, 1e-9, 1e-9),
+            "inertia far too small for the body: link1 (radius of gyration ",
+        ),
         (
             inertial(1.3, 0.003, 0.01, 0.01, at="120 0 0"),
             "centre of mass far outside the body: link1 (1.2e+02 m",
         ),
-        (inertial(90.0, 0.15, 0.71, 0.72), "mass that does not fit the shape: link1 (90 kg in 3 litres)"),
-        (inertial(0.011, 3e-5, 9e-5, 9e-5), "mass that does not fit the shape: link1 (0.011 kg in 3 litres)"),
+        (
+            inertial(90.0, 0.15, 0.71, 0.72),
+            "mass that does not fit the shape: link1 (90 kg in 3 litres)",
+        ),
+        (
+            inertial(0.011, 3e-5, 9e-5, 9e-5),
+            "mass that does not fit the shape: link1 (0.011 kg in 3 litres)",
+        ),
     ],
 )
 def test_implausible_inertias_are_found(wrong: str, text: str):
@@ -145,7 +164,8 @@ def test_implausible_inertias_are_found(wrong: str, text: str):
 
 
 def test_what_never_turns_a_bearing_is_not_held_against_the_first_link():
-    """Of a link on the ground only the inertia about its joint is felt; identified models leave the rest open."""
+    """Of a link on the ground only the inertia about its joint is felt; identified models leave the
+    rest open."""
     assert said(arm([inertial(3, 1.3, 0.02, 1.3), good(1), good(2)])) == []
 
 
@@ -176,24 +196,35 @@ def test_estimates_are_those_of_the_shapes_at_one_density():
 
 def test_cylinders_spheres_and_turned_shapes():
     shape = (
-        "<visual><origin xyz='0 0 {x}' rpy='0 1.5707963267948966 0'/><geometry><cylinder radius='0.05' length='{l}'/>"
-        "</geometry></visual><visual><origin xyz='0.2 0 0'/><geometry><sphere radius='0.1'/></geometry></visual>"
+        "<visual><origin xyz='0 0 {x}' rpy='0 1.5707963267948966 0'/><geometry><cylinder "
+        "radius='0.05' length='{l}'/>"
+        "</geometry></visual><visual><origin xyz='0.2 0 0'/><geometry><sphere "
+        "radius='0.1'/></geometry></visual>"
     )
     model = fb.load(arm(["", "", ""], shape), estimate_inertia=7.0)
     tube, ball = (np.pi * 0.05**2 * LENGTHS[0], 4 / 3 * np.pi * 0.1**3)
     whole = sum(np.pi * 0.05**2 * length + ball for length in LENGTHS)
     mass, com, tensor = model.bodies[0].inertias[0].inertia.numbers()
     assert mass == pytest.approx(7.0 * (tube + ball) / whole)
-    np.testing.assert_allclose(com, np.array([0.2 * ball, 0, 0.2 * tube]) / (tube + ball), atol=1e-15)
+    np.testing.assert_allclose(
+        com, np.array([0.2 * ball, 0, 0.2 * tube]) / (tube + ball), atol=1e-15
+    )
     turned = np.diag(np.diag(Inertia.cylinder(tube, 0.05, LENGTHS[0]).numbers()[2])[[2, 1, 0]])
-    parts = ((tube, [0, 0, 0.2], turned), (ball, [0.2, 0, 0], Inertia.sphere(ball, 0.1).numbers()[2]))
+    parts = (
+        (tube, [0, 0, 0.2], turned),
+        (ball, [0.2, 0, 0], Inertia.sphere(ball, 0.1).numbers()[2]),
+    )
     expected = sum(
-        I + m * (d @ d * np.eye(3) - np.outer(d, d)) for m, c, I in parts for d in [np.array(c) - com]
+        I + m * (d @ d * np.eye(3) - np.outer(d, d))
+        for m, c, I in parts
+        for d in [np.array(c) - com]
     )
     np.testing.assert_allclose(tensor, 7.0 / whole * expected, atol=1e-14)
 
 
-def test_asking_for_an_estimate_is_consent_and_it_is_marked_everywhere(capsys: pytest.CaptureFixture[str]):
+def test_asking_for_an_estimate_is_consent_and_it_is_marked_everywhere(
+    capsys: pytest.CaptureFixture[str],
+):
     file = arm(["", "", ""])
     assert run(["study", file, "--estimate-inertia", "9", "--out", "o"]) == 0
     told = capsys.readouterr()
@@ -208,7 +239,10 @@ def test_asking_for_an_estimate_is_consent_and_it_is_marked_everywhere(capsys: p
     out = capsys.readouterr().out
     assert "9 kg, estimated; gravity" in out
     assert "mass, estimated" in out
-    assert "filled evenly with 1000 kg/m³ so that all weigh 9 kg; links without shapes have none: base" in out
+    assert (
+        "filled evenly with 1000 kg/m³ so that all weigh 9 kg; links without shapes have none: base"
+        in out
+    )
 
 
 def test_what_is_doubtful_or_estimated_is_so_in_the_saved_file_too():
@@ -227,7 +261,9 @@ def test_what_is_doubtful_or_estimated_is_so_in_the_saved_file_too():
 def test_estimates_that_cannot_be_made_are_refused(capsys: pytest.CaptureFixture[str]):
     with pytest.raises(FileError, match="no link has a shape that fills a volume"):
         fb.load(arm(["", "", ""], shape=None), estimate_inertia=9.0)
-    with pytest.raises(FreebodyError, match=r"needs the shapes of a URDF, and 'ur5e' comes from none"):
+    with pytest.raises(
+        FreebodyError, match=r"needs the shapes of a URDF, and 'ur5e' comes from none"
+    ):
         fb.load("ur5e", estimate_inertia=9.0)
     for mass in (0.0, -1.0, float("nan")):
         with pytest.raises(FreebodyError, match="expected the robot's whole mass, kg above 0"):
@@ -255,7 +291,9 @@ def test_a_link_that_has_no_shape_is_still_missing():
 
 def stl(path: Path, size: tuple[float, float, float]) -> None:
     """A box about the origin as a binary STL file."""
-    corner = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]) * size
+    corner = (
+        np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]) * size
+    )
     faces = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
     triangles = [t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))]
     data = b"\0" * 80 + struct.pack("<I", len(triangles))
@@ -283,7 +321,8 @@ def test_meshes_weigh_what_they_enclose():
     stl(Path("robot/meshes/link.stl"), (200.0, 100.0, 100.0))
     mesh = (
         "<visual><origin xyz='{x} 0 0'/><geometry>"
-        "<mesh filename='package://robot/meshes/link.stl' scale='0.001 0.001 0.001'/></geometry></visual>"
+        "<mesh filename='package://robot/meshes/link.stl' scale='0.001 0.001 "
+        "0.001'/></geometry></visual>"
     )
     model = fb.load(arm(["", "", ""], mesh), estimate_inertia=6.0)
     mass, com, tensor = model.bodies[0].inertias[0].inertia.numbers()

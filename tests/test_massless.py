@@ -1,4 +1,5 @@
-"""Which joints move no inertia: the quick verdict agrees with what a look at the mass matrix finds."""
+"""Which joints move no inertia: the quick verdict agrees with what a look at the mass matrix
+finds."""
 
 from __future__ import annotations
 
@@ -19,13 +20,16 @@ def in_full(model: fb.Model, monkeypatch: pytest.MonkeyPatch) -> tuple[str, ...]
 
 
 def arm(rng: np.random.Generator) -> fb.Model:
-    """An arm of bars, points and bodies without mass, of very different sizes, with rotors here and there."""
+    """An arm of bars, points and bodies without mass, of very different sizes, with rotors here and
+    there."""
     rows = []
     solid = rng.random() < 0.5
     for _ in range(4):
         size, a = 10.0 ** rng.uniform(-7, 1), rng.choice([0.0, 0.3])
         factor = size * (0.1 if solid else rng.choice([0.0, 1e-4, 0.1]))
-        tensor = factor * np.array([1.0, 0.0, 0.0, 1.0, 0.0, 1.0 if solid else rng.choice([0.0, 1.0])])
+        tensor = factor * np.array(
+            [1.0, 0.0, 0.0, 1.0, 0.0, 1.0 if solid else rng.choice([0.0, 1.0])]
+        )
         rows.append(
             {
                 "a": a,
@@ -64,7 +68,10 @@ def test_random_trees_have_the_same_verdict(seed: int, monkeypatch):
 def test_a_negative_mass_is_looked_at_in_full():
     """Each body alone resists its joint; but the second takes away what the first has."""
     spin = (0.0, 0.0, 0.0, 0.0, 0.0, 0.1)
-    rows = [{"a": 0.5, "m": 0.0, "I": spin}, {"a": 0.5, "m": -0.4, "com": (-0.5, 0.0, 0.0), "I": spin}]
+    rows = [
+        {"a": 0.5, "m": 0.0, "I": spin},
+        {"a": 0.5, "m": -0.4, "com": (-0.5, 0.0, 0.0), "I": spin},
+    ]
     model = fb.dh(rows, convention="standard", physical="ignore")
     assert massless.massless(model) == ("joint1",)
 

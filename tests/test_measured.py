@@ -68,8 +68,13 @@ def test_smooth_sampled_or_coarse_curves_have_no_noise():
     for name in ("2R", "ur5e", "scara"):
         assert not noise(t, fb.default_motion(fb.load(name)).q).any()
     ramps = np.cumsum(np.where(t < 1, 2.0, np.where((t > 2) & (t < 3), -2.0, 0.0))) / 80.0
-    assert not noise(t, np.cumsum(ramps)[:, None] / 80.0).any() or noise(t, ramps[:, None]).max() < 1e-12
-    assert not noise(np.arange(40) * 0.5, np.random.default_rng(1).normal(size=(40, 2))).any()  # waypoints
+    assert (
+        not noise(t, np.cumsum(ramps)[:, None] / 80.0).any()
+        or noise(t, ramps[:, None]).max() < 1e-12
+    )
+    assert not noise(
+        np.arange(40) * 0.5, np.random.default_rng(1).normal(size=(40, 2))
+    ).any()  # waypoints
     assert not noise(t[:20], t[:20, None]).any()
     assert not noise(t, 0.7 * t[:, None]).any()  # nothing but rounding
 
@@ -116,7 +121,9 @@ def test_a_study_gives_the_torque_with_and_without(tmp_path: Path):
     assert "smoothed at" in said
     clean, (told,) = filtered(ARM, motion, True)
     assert "as it was measured" in told
-    spoilt, peak = (np.abs(fb.inverse_dynamics(ARM, m.q, m.qd, m.qdd)).max(axis=0) for m in (motion, clean))
+    spoilt, peak = (
+        np.abs(fb.inverse_dynamics(ARM, m.q, m.qd, m.qdd)).max(axis=0) for m in (motion, clean)
+    )
     assert (spoilt > 1.2 * true).all()
     np.testing.assert_allclose(peak, true, rtol=0.05)
     for value in (f"{peak[0]:.3g} N m, {peak[0] / 1.5:.0f} % of its limit", f"{spoilt[0]:.3g} N m"):
@@ -142,7 +149,11 @@ def test_exact_rates_are_left_as_they_are(tmp_path: Path):
     t = np.linspace(0, 4, 401)
     rows = np.hstack([t[:, None], *truth(t)[:2]])
     np.savetxt(
-        tmp_path / "m.csv", rows, delimiter=",", header="t,joint1,joint2,joint1.v,joint2.v", comments=""
+        tmp_path / "m.csv",
+        rows,
+        delimiter=",",
+        header="t,joint1,joint2,joint1.v,joint2.v",
+        comments="",
     )
     motion = read_motion(ARM, tmp_path / "m.csv")
     np.testing.assert_array_equal(motion.q, truth(t)[0])
@@ -170,7 +181,9 @@ def test_the_positions_of_a_closed_chains_drives_are_smoothed(tmp_path: Path):
     crank = start + 0.3 * np.sin(2 * np.pi * 0.5 * t)
     noisy = crank + 1e-4 * rng.normal(size=301)
     name = model.driven_names[0]
-    np.savetxt(tmp_path / "m.csv", np.stack([t, noisy], -1), delimiter=",", header=f"t,{name}", comments="")
+    np.savetxt(
+        tmp_path / "m.csv", np.stack([t, noisy], -1), delimiter=",", header=f"t,{name}", comments=""
+    )
     clean = fb.smoothed(model, read_motion(model, tmp_path / "m.csv"))
     assert np.abs(clean.qdd[20:-20, 0] + 0.3 * np.pi**2 * np.sin(np.pi * t[20:-20])).max() < 0.15
     np.testing.assert_allclose(fb.assemble(model, clean.q[150]), clean.q[150], atol=1e-10)
@@ -179,28 +192,43 @@ def test_the_positions_of_a_closed_chains_drives_are_smoothed(tmp_path: Path):
 # ---------------------------------------------------------------- rest
 def test_a_joint_at_rest_feels_no_coulomb_friction(tmp_path: Path):
     model = fb.planar(
-        "RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1], g=0, drives=[fb.Drive(coulomb=7.0)] * 2
+        "RR",
+        l=[1, 1],
+        lc=[0.5, 0.5],
+        m=[1, 1],
+        I=[0.1, 0.1],
+        g=0,
+        drives=[fb.Drive(coulomb=7.0)] * 2,
     )
     t = np.linspace(0, 2, 41)
     rows = np.stack([t, np.sin(t), np.full(41, 0.1) + 1e-15 * np.sin(9 * t)], axis=-1)
-    np.savetxt(tmp_path / "m.csv", rows, delimiter=",", header="t,joint1,joint2", comments="", fmt="%.17g")
+    np.savetxt(
+        tmp_path / "m.csv", rows, delimiter=",", header="t,joint1,joint2", comments="", fmt="%.17g"
+    )
     motion = read_motion(model, tmp_path / "m.csv")
     assert not motion.qd[:, 1].any()
     state = motion.q, motion.qd, motion.qdd
-    friction = fb.inverse_dynamics(model, *state) - fb.inverse_dynamics(model.without("friction"), *state)
-    np.testing.assert_allclose(friction, np.stack([7.0 * np.sign(np.cos(t)), 0 * t], axis=-1), atol=1e-12)
+    friction = fb.inverse_dynamics(model, *state) - fb.inverse_dynamics(
+        model.without("friction"), *state
+    )
+    np.testing.assert_allclose(
+        friction, np.stack([7.0 * np.sign(np.cos(t)), 0 * t], axis=-1), atol=1e-12
+    )
     # the functions themselves keep the sign
     assert fb.bias(model, [0, 0], [0, 1e-14])[1] == pytest.approx(7.0)
 
 
-# ---------------------------------------------------------------- logs of robots that stand, vibrate, follow ramps
+# ---------------------------------------------------------------- logs of robots that stand,
+# vibrate, follow ramps
 def steps(seconds: float = 4.0) -> np.ndarray:
     return np.arange(0.0, seconds, 0.01)
 
 
 def as_motion(tmp_path: Path, t: np.ndarray, q: np.ndarray, fmt: str = "%.17g") -> Motion:
     file = tmp_path / "log.csv"
-    np.savetxt(file, np.column_stack([t, q]), delimiter=",", header="t,joint1,joint2", comments="", fmt=fmt)
+    np.savetxt(
+        file, np.column_stack([t, q]), delimiter=",", header="t,joint1,joint2", comments="", fmt=fmt
+    )
     return read_motion(ARM, file)
 
 
@@ -224,8 +252,12 @@ def test_noise_of_a_robot_that_stands_still_is_said(tmp_path: Path):
     hold = fb.static_torque(ARM, pose)
     clean = fb.smoothed(ARM, motion)
     tau = fb.inverse_dynamics(ARM, clean.q, clean.qd, clean.qdd)
-    np.testing.assert_allclose(tau[20:-20], np.tile(hold, (len(t) - 40, 1)), atol=0.02 * np.abs(hold).max())
-    whisper = as_motion(tmp_path, t, pose + 1e-9 * np.random.default_rng(1).normal(size=(len(t), 2)))
+    np.testing.assert_allclose(
+        tau[20:-20], np.tile(hold, (len(t) - 40, 1)), atol=0.02 * np.abs(hold).max()
+    )
+    whisper = as_motion(
+        tmp_path, t, pose + 1e-9 * np.random.default_rng(1).normal(size=(len(t), 2))
+    )
     assert recognised(ARM, whisper) is None  # 5e-5 rad/s² move nothing
 
 

@@ -1,4 +1,5 @@
-"""A method of derivation is one record: what it says of itself holds, and nothing else asks for it by name."""
+"""A method of derivation is one record: what it says of itself holds, and nothing else asks for it
+by name."""
 
 from __future__ import annotations
 
@@ -22,7 +23,10 @@ NAMES = {name for method in METHODS.values() for name in (method.name, *method.a
 
 
 OTHERWISE = [
-    ("cli/derive.py", "Example: freebody derive 2R --method lagrange"),  # the help's example, which is run
+    (
+        "cli/derive.py",
+        "Example: freebody derive 2R --method lagrange",
+    ),  # the help's example, which is run
     ("derivations/kinematics.py", "kinematics"),  # the function that an error is of
     ("report/html.py", "kinematics"),  # a chapter of the report
 ]
@@ -44,8 +48,12 @@ def literals(path: Path) -> list[ast.Constant]:
 
 def test_no_file_but_its_own_knows_a_method_by_name():
     """The course is left out: it calls fb.derive as a reader does, and names chapters."""
-    homes = {name: home(method) for method in METHODS.values() for name in (method.name, *method.aliases)}
-    quoted = {name: re.compile(rf"^{name}$|['\"]{name}['\"]|--method[ =]{name}\b") for name in NAMES}
+    homes = {
+        name: home(method) for method in METHODS.values() for name in (method.name, *method.aliases)
+    }
+    quoted = {
+        name: re.compile(rf"^{name}$|['\"]{name}['\"]|--method[ =]{name}\b") for name in NAMES
+    }
     found = [
         (path.relative_to(SOURCE).as_posix(), node.value)
         for path in SOURCE.rglob("*.py")
@@ -54,7 +62,9 @@ def test_no_file_but_its_own_knows_a_method_by_name():
         for name, pattern in quoted.items()
         if pattern.search(str(node.value)) and path != homes[name]
     ]
-    assert sorted(found) == sorted(OTHERWISE), "another file asks for a method by its name: ask the record"
+    assert sorted(found) == sorted(OTHERWISE), (
+        "another file asks for a method by its name: ask the record"
+    )
 
 
 def test_every_method_has_a_file_and_a_name_of_its_own():
@@ -76,7 +86,9 @@ def test_lists_of_the_methods_read_the_record(method: Method, capsys: pytest.Cap
     document = fb.derive.__doc__ or ""
     assert f"{method.name!r}: {method.words}" in document
     page = (DOCS / "functions.md").read_text(encoding="utf-8")
-    words = "; ".join([method.words, *(f"`{option.name}`: {option.words}" for option in method.options)])
+    words = "; ".join(
+        [method.words, *(f"`{option.name}`: {option.words}" for option in method.options)]
+    )
     closed = {(): "", (2,): ", closed in the plane", (2, 3): ", closed"}[method.closed]
     assert f"| `{method.name}` | {words} | open{closed} | {method.source} |" in page
     for option in method.options:
@@ -104,7 +116,8 @@ def test_a_method_serves_what_it_says(method: Method, model: fb.Model):
 
 
 @pytest.mark.parametrize(
-    ("alias", "method"), [(alias, method) for method in METHODS.values() for alias in method.aliases]
+    ("alias", "method"),
+    [(alias, method) for method in METHODS.values() for alias in method.aliases],
 )
 def test_an_alias_is_the_method(alias: str, method: Method):
     derivation = fb.derive(fb.planar("R"), alias)
@@ -122,7 +135,9 @@ def test_options_are_those_of_the_record(capsys: pytest.CaptureFixture[str]):
             assert texts[0] == default
             assert len(set(texts)) == len(option.choices), "each choice makes a difference"
             for chosen, text in zip(option.choices, texts, strict=True):
-                assert run(["derive", "R", "--method", method.name, f"--{option.name}", chosen]) == 0
+                assert (
+                    run(["derive", "R", "--method", method.name, f"--{option.name}", chosen]) == 0
+                )
                 assert text.strip() in capsys.readouterr().out
             assert run(["derive", "R", "--method", method.name, f"--{option.name}", "neither"]) == 2
             assert f"no {option.name} 'neither' in {method.name}" in capsys.readouterr().err

@@ -16,7 +16,17 @@ from freebody.errors import FileError, ModelError
 from freebody.model.assembly import assemble
 from freebody.model.inertia import Inertia
 from freebody.model.parameters import Parameter
-from freebody.model.parts import Description, Drive, Joint, Limits, Link, Loop, Mimic, Mount, Payload
+from freebody.model.parts import (
+    Description,
+    Drive,
+    Joint,
+    Limits,
+    Link,
+    Loop,
+    Mimic,
+    Mount,
+    Payload,
+)
 from freebody.model.placement import Placement, shift
 from support import generate
 from support.helpers import close, numbers, refused
@@ -27,7 +37,9 @@ BALL = Inertia.sphere(1.0, 0.1).moved_to((0.3, 0.0, 0.0))
 
 
 def hinge(name: str, parent: str, child: str, **changes: Any) -> Joint:
-    return Joint(**{"name": name, "kind": "revolute", "parent": parent, "child": child, "axis": Z, **changes})
+    return Joint(
+        **{"name": name, "kind": "revolute", "parent": parent, "child": child, "axis": Z, **changes}
+    )
 
 
 def described(
@@ -54,13 +66,18 @@ def says(text: str, description: Description, **options: Any) -> None:
 
 
 def changed(i: int, **changes: Any) -> Description:
-    return described(*(replace(joint, **changes) if k == i else joint for k, joint in enumerate(TWO)))
+    return described(
+        *(replace(joint, **changes) if k == i else joint for k, joint in enumerate(TWO))
+    )
 
 
 # ---------------------------------------------------------------- refusals
 def test_trees_that_cannot_be():
     says("there are no links; a robot needs at least one.", described(links=()))
-    says("two links are called 'arm'; rename one.", described(*TWO, links=("base", "arm", "arm", "hand")))
+    says(
+        "two links are called 'arm'; rename one.",
+        described(*TWO, links=("base", "arm", "arm", "hand")),
+    )
     says("two joints are called 'shoulder'; rename one.", changed(1, name="shoulder"))
     says("a joint has no name; give it one.", changed(1, name=""))
     says("a link has no name; give it one.", described(*TWO, links=("base", "arm", "hand", "")))
@@ -69,13 +86,18 @@ def test_trees_that_cannot_be():
         changed(1, parent="amr"),
     )
     says(_unknown_link("child", "hnad"), changed(1, child="hnad"))
-    says("joint 'elbow': link 'arm' cannot be its own parent; name another parent.", changed(1, child="arm"))
+    says(
+        "joint 'elbow': link 'arm' cannot be its own parent; name another parent.",
+        changed(1, child="arm"),
+    )
     says(
         "link 'hand' hangs on two joints, 'elbow' and 'third'; a tree allows one: "
         "write the other as a loop between two frames, or remove it.",
         described(*TWO, hinge("third", "base", "hand")),
     )
-    cycle = described(hinge("a", "one", "two"), hinge("b", "two", "one"), links=("base", "one", "two"))
+    cycle = described(
+        hinge("a", "one", "two"), hinge("b", "two", "one"), links=("base", "one", "two")
+    )
     says(
         "the links form a cycle, one -> two -> one (child -> parent); a tree has none: "
         "write one joint as a loop between two frames, or remove it.",
@@ -122,11 +144,20 @@ def test_joints_that_cannot_be():
         changed(1, kind="revolut"),
     )
     for axis in ((0.0, 0.0, 0.0), (1.0, 0.0), (), (math.nan, 0.0, 1.0)):
-        says(f"joint 'elbow': axis {axis} must be 3 finite numbers, not all zero.", changed(1, axis=axis))
-    says("joint 'elbow': lower limit 2 is above upper 1; swap them.", changed(1, limits=Limits(2, 1)))
-    says("joint 'elbow': a limit is not a number; correct it.", changed(1, limits=Limits(velocity=math.nan)))
+        says(
+            f"joint 'elbow': axis {axis} must be 3 finite numbers, not all zero.",
+            changed(1, axis=axis),
+        )
     says(
-        "joint 'elbow': friction, rotors and springs belong to one-axis joints, not a free one; remove them.",
+        "joint 'elbow': lower limit 2 is above upper 1; swap them.", changed(1, limits=Limits(2, 1))
+    )
+    says(
+        "joint 'elbow': a limit is not a number; correct it.",
+        changed(1, limits=Limits(velocity=math.nan)),
+    )
+    says(
+        "joint 'elbow': friction, rotors and springs belong to one-axis joints, not a free one; "
+        "remove them.",
         changed(1, kind="free", drive=Drive(viscous=1.0)),
     )
     flat = Description(
@@ -142,19 +173,28 @@ def test_joints_that_cannot_be():
 
 
 def test_mimics_that_cannot_be():
-    says("joint 'elbow': its mimics go round in a circle; remove one.", changed(1, mimic=Mimic("elbow")))
-    both = described(replace(TWO[0], mimic=Mimic("elbow")), replace(TWO[1], mimic=Mimic("shoulder")))
+    says(
+        "joint 'elbow': its mimics go round in a circle; remove one.",
+        changed(1, mimic=Mimic("elbow")),
+    )
+    both = described(
+        replace(TWO[0], mimic=Mimic("elbow")), replace(TWO[1], mimic=Mimic("shoulder"))
+    )
     says("joint 'shoulder': its mimics go round in a circle; remove one.", both)
     unknown = changed(1, mimic=Mimic("sholder"))
     says(
-        "no joint 'sholder' in the mimic of 'elbow'. Did you mean 'shoulder'? Joints: shoulder, elbow. "
+        "no joint 'sholder' in the mimic of 'elbow'. Did you mean 'shoulder'? Joints: shoulder, "
+        "elbow. "
         "Correct it, or load with mimic='free'.",
         unknown,
     )
     assert assemble(unknown, mimic="free").nv == 2
-    ball = described(replace(TWO[0], kind="spherical", axis=()), replace(TWO[1], mimic=Mimic("shoulder")))
+    ball = described(
+        replace(TWO[0], kind="spherical", axis=()), replace(TWO[1], mimic=Mimic("shoulder"))
+    )
     with pytest.raises(
-        ModelError, match=r"^'robot': joint 'elbow': only one-axis joints can mimic or be mimicked\."
+        ModelError,
+        match=r"^'robot': joint 'elbow': only one-axis joints can mimic or be mimicked\.",
     ):
         assemble(ball)
 
@@ -164,7 +204,10 @@ def test_frames_and_loops_that_cannot_be():
         "no link 'arms' in frame 'tool'. Did you mean 'arm'? Links: base, arm, hand.",
         described(*TWO, mounts=(Mount("tool", "arms"),)),
     )
-    says("frame 'arm': the name is taken; rename it.", described(*TWO, mounts=(Mount("arm", "hand"),)))
+    says(
+        "frame 'arm': the name is taken; rename it.",
+        described(*TWO, mounts=(Mount("arm", "hand"),)),
+    )
     says(
         "frame 'tool': the name is taken; rename it.",
         described(*TWO, mounts=(Mount("tool", "hand"), Mount("tool", "arm"))),
@@ -176,9 +219,12 @@ def test_loops_that_cannot_be():
         return described(*TWO, loops=(Loop("knee", kind, frames, **more),))
 
     z = (0.0, 0.0, 2.0)
-    assert assemble(knee(axis=z)).loops == (Loop("knee", "revolute", ("arm", "base"), (0.0, 0.0, 1.0)),)
+    assert assemble(knee(axis=z)).loops == (
+        Loop("knee", "revolute", ("arm", "base"), (0.0, 0.0, 1.0)),
+    )
     says(
-        "no loop kind 'hinge' in loop 'knee'. Loop kinds: revolute, prismatic, spherical, point, fixed, distance.",
+        "no loop kind 'hinge' in loop 'knee'. Loop kinds: revolute, prismatic, spherical, point, "
+        "fixed, distance.",
         knee("hinge"),
     )
     says("loop 'knee': point is no loop of dimension 3; write spherical.", knee("point"))
@@ -187,11 +233,15 @@ def test_loops_that_cannot_be():
         knee(frames=("arms", "base"), axis=z),
     )
     says("loop 'knee': axis () must be 3 finite numbers, not all zero.", knee())
-    says("loop 'knee': a spherical loop has no axis in dimension 3; remove it.", knee("spherical", axis=z))
+    says(
+        "loop 'knee': a spherical loop has no axis in dimension 3; remove it.",
+        knee("spherical", axis=z),
+    )
     says("loop 'knee': a fixed loop has no distance; remove it.", knee("fixed", distance=1.0))
     says("loop 'knee': give the distance (m) between its frames.", knee("distance"))
     says(
-        "loop 'knee': distance is 0 m, expected more than 0; for 0 hold the origins together instead.",
+        "loop 'knee': distance is 0 m, expected more than 0; for 0 hold the origins together "
+        "instead.",
         knee("distance", distance=0.0),
     )
     says(
@@ -211,7 +261,9 @@ def test_options_are_known_ones():
     ):
         near = " Did you mean 'fixed'?" if value == "fixed" and option == "base" else ""
         text = f"no option {value!r} in {option}=.{near} Options: {listed}."
-        refused(text, lambda option=option, value=value: assemble(described(*TWO), **{option: value}))
+        refused(
+            text, lambda option=option, value=value: assemble(described(*TWO), **{option: value})
+        )
     with pytest.raises(
         fb.FreebodyError,
         match=r"^no frame 'hnad' in 'robot'\. Did you mean 'hand'\? Frames: base, arm, hand\.$",
@@ -241,7 +293,11 @@ def test_inertias_no_body_has_are_refused_warned_of_or_used_as_given():
 
 
 def test_warning_of_one_link_does_not_stop_the_binding_of_another():
-    links = ("base", Link("arm", Inertia.of("m1", (0, 0, 0), [1.0, 0, 0, 1, 0, 1])), Link("hand", BAD))
+    links = (
+        "base",
+        Link("arm", Inertia.of("m1", (0, 0, 0), [1.0, 0, 0, 1, 0, 1])),
+        Link("hand", BAD),
+    )
     model = assemble(described(*TWO, links=links), physical="ignore")
     assert model.bind(m1=2.0).mass == 1 + 2 + 1
     with pytest.raises(
@@ -251,7 +307,8 @@ def test_warning_of_one_link_does_not_stop_the_binding_of_another():
 
 
 def test_a_negative_mass_in_a_lump_keeps_its_moment():
-    """Masses 1 and -1 fixed together leave a first moment without a mass, which no single Inertia holds."""
+    """Masses 1 and -1 fixed together leave a first moment without a mass, which no single Inertia
+    holds."""
     links = (
         "base",
         Link("arm", Inertia.point(1.0, (0.5, 0, 0))),
@@ -362,7 +419,9 @@ def test_free_planar_base_moves_in_x_y_and_theta():
 
 
 def test_limits():
-    ball = described(replace(TWO[0], kind="spherical", axis=()), replace(TWO[1], limits=Limits(-1, 2, 3, 4)))
+    ball = described(
+        replace(TWO[0], kind="spherical", axis=()), replace(TWO[1], limits=Limits(-1, 2, 3, 4))
+    )
     limits = assemble(ball).limits
     assert limits.lower.tolist() == [-math.inf] * 3 + [-1]
     assert limits.upper.tolist() == [math.inf] * 3 + [2]
@@ -376,7 +435,9 @@ def test_replace():
     other = model.replace(name="other", tip="arm", gravity=[1.0, 2.0, -2.0])
     assert (other.name, other.tip, model.name, model.tip) == ("other", "arm", "robot", "hand")
     assert other.gravity == pytest.approx([1, 2, -2])
-    assert other.replace(gravity=6.0).gravity == pytest.approx([2, 4, -4])  # a size keeps the direction
+    assert other.replace(gravity=6.0).gravity == pytest.approx(
+        [2, 4, -4]
+    )  # a size keeps the direction
     assert other.replace(gravity=0).gravity.tolist() == [0, 0, 0]
     assert other.replace(gravity=[0, 0, 0]).gravity.tolist() == [0, 0, 0]
     assert model.replace(gravity=[0, -9.81, 0]).gravity.tolist() == [0, -9.81, 0]
@@ -387,19 +448,24 @@ def test_replace():
         ModelError, match=r"^gravity: a vector of 3 entries in world axes is needed, not 2\.$"
     ):
         model.replace(gravity=[0, 1])
-    with pytest.raises(fb.FreebodyError, match=r"^no frame 'amr' in 'robot'\. Did you mean 'arm'\?"):
+    with pytest.raises(
+        fb.FreebodyError, match=r"^no frame 'amr' in 'robot'\. Did you mean 'arm'\?"
+    ):
         model.replace(tip="amr")
 
 
 def test_without():
     drive = Drive(1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
     model = assemble(changed(0, drive=drive))
-    assert model.without("friction").bodies[0].joint.drive == replace(drive, viscous=0.0, coulomb=0.0)
+    assert model.without("friction").bodies[0].joint.drive == replace(
+        drive, viscous=0.0, coulomb=0.0
+    )
     assert model.without("rotors").bodies[0].joint.drive == replace(drive, rotor=0.0)
     assert model.without("springs").bodies[0].joint.drive == replace(drive, stiffness=0.0)
     assert model.bodies[0].joint.drive == drive
     with pytest.raises(
-        fb.FreebodyError, match=r"^no feature 'rotor' in Model\.without\. Did you mean 'rotors'\? Features: "
+        fb.FreebodyError,
+        match=r"^no feature 'rotor' in Model\.without\. Did you mean 'rotors'\? Features: ",
     ):
         model.without("rotor")
 
@@ -413,18 +479,30 @@ def test_bind():
     negative = "'R': link 'link1': mass -1 kg is negative. Bind a physical value."
     refused(negative, lambda: model.bind(m1=-1, lc1=1, I1=1))
     half = model.bind(l1=2.0)
-    assert (half.parameters["l1"], model.parameters["l1"], half.missing) == (2.0, None, ("I1", "lc1", "m1"))
+    assert (half.parameters["l1"], model.parameters["l1"], half.missing) == (
+        2.0,
+        None,
+        ("I1", "lc1", "m1"),
+    )
 
 
 def test_drives_limits_and_mimics_hold_numbers():
     assert Drive(viscous="b1").viscous == Parameter("b1")
-    assert type(Drive(rotor=1).rotor) is type(Limits(0, 1).upper) is type(Mimic("a", 2).ratio) is float
+    assert (
+        type(Drive(rotor=1).rotor) is type(Limits(0, 1).upper) is type(Mimic("a", 2).ratio) is float
+    )
     for text, call in (
         ("Drive: viscous: nan is not a finite number.", lambda: Drive(viscous=math.nan)),
         ("Limits: lower: 'low' is not a number.", lambda: Limits("low")),
         ("Mimic: offset: inf is not a finite number.", lambda: Mimic("a", offset=math.inf)),
-        ("'robot': joint 'elbow': velocity limit -1 is negative; give its size.", _limited(velocity=-1)),
-        ("'robot': joint 'elbow': effort limit -2 is negative; give its size.", _limited(effort=-2)),
+        (
+            "'robot': joint 'elbow': velocity limit -1 is negative; give its size.",
+            _limited(velocity=-1),
+        ),
+        (
+            "'robot': joint 'elbow': effort limit -2 is negative; give its size.",
+            _limited(effort=-2),
+        ),
         (
             "'robot': joint 'elbow': no position lies between its limits; make one finite.",
             _limited(lower=math.inf),
@@ -450,7 +528,10 @@ def test_payload_refusals():
     model = assemble(described(*TWO))
     for text, call in (
         ("with_payload: give an Inertia, or mass= (and com=).", lambda: model.with_payload()),
-        ("with_payload: give an Inertia, or mass= (and com=).", lambda: model.with_payload("heavy")),
+        (
+            "with_payload: give an Inertia, or mass= (and com=).",
+            lambda: model.with_payload("heavy"),
+        ),
         (
             "with_payload: inertia and mass= exclude each other; give one of them.",
             lambda: model.with_payload(Inertia.nothing(), mass=1.0),

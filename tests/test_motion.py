@@ -22,7 +22,9 @@ from support.helpers import OPEN_CHAINS
 pytestmark = pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
 
 
-def limited(lower: float, upper: float, velocity: float = np.inf, effort: float = np.inf) -> fb.Model:
+def limited(
+    lower: float, upper: float, velocity: float = np.inf, effort: float = np.inf
+) -> fb.Model:
     limits = fb.Limits(lower, upper, velocity, effort)
     return fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.1], limits=[limits])
 
@@ -117,13 +119,16 @@ def test_a_file_with_rates_is_taken_as_it_is(tmp_path: Path):
     np.testing.assert_allclose(motion.qd[:, 1], 2 * t, atol=1e-9)
     assert motion.notices == ()
     assert motion.source == (
-        "read from m.csv, 9 rows; rates of 'joint1' as given; differentiated by a spline through the positions"
+        "read from m.csv, 9 rows; rates of 'joint1' as given; differentiated by a spline through "
+        "the positions"
     )
 
 
 def test_rates_that_contradict_the_positions_are_mentioned(tmp_path: Path):
     rows = "\n".join(f"{k},{k},{k},5" for k in range(6))
-    motion = read_motion(fb.load("2R"), csv(tmp_path / "m.csv", f"t,joint1,joint2,joint2.v\n{rows}\n"))
+    motion = read_motion(
+        fb.load("2R"), csv(tmp_path / "m.csv", f"t,joint1,joint2,joint2.v\n{rows}\n")
+    )
     assert motion.notices == (
         "The rates given for 'joint2' differ from the slope of the positions by more than 5 %.",
     )
@@ -135,8 +140,10 @@ BAD = {
     "when,joint1,joint2\n"
     + ROWS: ":1: the header has no column 't' (time in s); it has 'when', 'joint1' and 'joint2'.",
     "t,joint1\n0,0\n1,1\n2,2\n3,3\n": ":1: there is no column for 'joint2'; a motion gives every position of '2R'.",
-    "t,joint1,joint2,jont2\n" + ROWS: ":1: no column 'jont2' in a motion of '2R'. Did you mean 'joint2'? "
-    "Columns: t, joint1, joint2, joint1.v, joint1.a, joint2.v, joint2.a; a column that is no part of the motion "
+    "t,joint1,joint2,jont2\n"
+    + ROWS: ":1: no column 'jont2' in a motion of '2R'. Did you mean 'joint2'? "
+    "Columns: t, joint1, joint2, joint1.v, joint1.a, joint2.v, joint2.a; a column that is no part "
+    "of the motion "
     "must be removed.",
     "t,joint1,joint1\n" + ROWS: ":1: column 'joint1' stands twice in the header; remove one.",
     "t,joint1,joint2\n0,0,0\n1,x,1\n": ":1: 2 rows of numbers; a motion needs at least 4.",
@@ -175,9 +182,14 @@ def test_quaternions_of_a_file_must_be_of_unit_length_and_have_no_rates(tmp_path
     names = ",".join(model.position_names)
     row = "0,0,1,1,0,0,0"
     rows = [f"{k},{row}" for k in range(5)]
-    assert read_motion(model, csv(tmp_path / "m.csv", "\n".join([f"t,{names}", *rows]))).qd.max() < 1e-12
+    assert (
+        read_motion(model, csv(tmp_path / "m.csv", "\n".join([f"t,{names}", *rows]))).qd.max()
+        < 1e-12
+    )
     rows[2] = "2,0,0,1,0.5,0,0,0"
-    with pytest.raises(FileError, match=r"m\.csv:4: the quaternion .*quat_w.* has length 0\.5, expected 1\."):
+    with pytest.raises(
+        FileError, match=r"m\.csv:4: the quaternion .*quat_w.* has length 0\.5, expected 1\."
+    ):
         read_motion(model, csv(tmp_path / "m.csv", "\n".join([f"t,{names}", *rows])))
     with pytest.raises(
         FileError, match=r"rates of a joint with a quaternion are differentiated; remove the column"
@@ -189,15 +201,20 @@ def test_a_dataset_is_a_motion_too():
     model = fb.load("2R")
     t = np.linspace(0, 1, 8)
     data = xr.Dataset(
-        {"joint1": ("time", t**2), "joint2": ("time", t), "joint2.v": ("time", 1 + 0 * t)}, {"time": t}
+        {"joint1": ("time", t**2), "joint2": ("time", t), "joint2.v": ("time", 1 + 0 * t)},
+        {"time": t},
     )
     motion = motion_from_dataset(model, data)
     np.testing.assert_allclose(motion.qd, np.stack([2 * t, 1 + 0 * t], axis=-1), atol=1e-10)
-    with pytest.raises(FreebodyError, match=r"^motion: the dataset: there is no column for 'joint2'"):
+    with pytest.raises(
+        FreebodyError, match=r"^motion: the dataset: there is no column for 'joint2'"
+    ):
         motion_from_dataset(model, data.drop_vars(["joint2", "joint2.v"]))
     with pytest.raises(FreebodyError, match=r"needs a one-dimensional coordinate 'time'"):
         motion_from_dataset(model, xr.Dataset({"joint1": 1.0}))
-    with pytest.raises(FreebodyError, match=r"'joint1' holds a value that is not finite\. \(sample 7\)"):
+    with pytest.raises(
+        FreebodyError, match=r"'joint1' holds a value that is not finite\. \(sample 7\)"
+    ):
         motion_from_dataset(model, data.assign(joint1=data.joint1.where(data.time < 1)))
 
 
@@ -205,7 +222,11 @@ def test_arrays_are_checked():
     model = fb.load("2R")
     with pytest.raises(FreebodyError, match=r"motion: t must increase; t\[2\] = 1 follows 1\."):
         motion_of(model, [0, 1, 1, 2], np.zeros((4, 2)))
-    with pytest.raises(FreebodyError, match=r"motion: q has 3 rows, t has 4; they must be as many\."):
+    with pytest.raises(
+        FreebodyError, match=r"motion: q has 3 rows, t has 4; they must be as many\."
+    ):
         motion_of(model, [0, 1, 2, 3], np.zeros((3, 2)))
-    with pytest.raises(FreebodyError, match=r"default_motion: duration is -1, expected seconds above 0\."):
+    with pytest.raises(
+        FreebodyError, match=r"default_motion: duration is -1, expected seconds above 0\."
+    ):
         fb.default_motion(model, duration=-1)

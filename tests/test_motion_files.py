@@ -1,4 +1,5 @@
-"""Motion files as other programs write them: units, separators, decimal commas; and doubtful magnitudes."""
+"""Motion files as other programs write them: units, separators, decimal commas; and doubtful
+magnitudes."""
 
 from __future__ import annotations
 
@@ -13,7 +14,9 @@ import freebody as fb
 from freebody.errors import FileError, FreebodyError
 from freebody.motion.table import motion_from_dataset, read_motion
 
-ARM = fb.planar("RP", l=[0.5, 0], lc=[0.2, 0.1], m=[2, 1], I=[0.1, 0.1], limits=[(-3.2, 3.2), (0.0, 0.9)])
+ARM = fb.planar(
+    "RP", l=[0.5, 0], lc=[0.2, 0.1], m=[2, 1], I=[0.1, 0.1], limits=[(-3.2, 3.2), (0.0, 0.9)]
+)
 T = np.linspace(0.0, 1.0, 6)
 Q = np.stack([1.0 - T, 0.2 + 0.5 * T**2], axis=-1)
 
@@ -22,7 +25,8 @@ def written(
     path: Path, header: str, columns: list[np.ndarray], separator: str = ",", comma: str = "."
 ) -> Path:
     rows = [
-        separator.join(f"{x:.12g}".replace(".", comma) for x in row) for row in zip(*columns, strict=True)
+        separator.join(f"{x:.12g}".replace(".", comma) for x in row)
+        for row in zip(*columns, strict=True)
     ]
     path.write_text("\n".join([header, *rows, ""]), encoding="utf-8")
     return path
@@ -40,7 +44,9 @@ def written(
         ("t,joint1,joint2,", (1, 1, 1)),
     ],
 )
-def test_units_and_names_of_time_in_a_header(tmp_path: Path, header: str, factors: tuple[float, ...]):
+def test_units_and_names_of_time_in_a_header(
+    tmp_path: Path, header: str, factors: tuple[float, ...]
+):
     columns = [factors[0] * T, factors[1] * Q[:, 0], factors[2] * Q[:, 1]]
     motion = read_motion(ARM, written(tmp_path / "m.csv", header, columns))
     np.testing.assert_allclose(motion.t, T, rtol=1e-11)
@@ -69,7 +75,10 @@ def test_comments_in_a_table(tmp_path: Path):
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ("t,joint1 (m),joint2\n", ":1: column 'joint1 (m)': 'm' is no unit of an angle; units: rad, deg, °."),
+        (
+            "t,joint1 (m),joint2\n",
+            ":1: column 'joint1 (m)': 'm' is no unit of an angle; units: rad, deg, °.",
+        ),
         (
             "t,joint1,joint2 [deg]\n",
             ":1: column 'joint2 [deg]': 'deg' is no unit of a length; units: m, cm, mm.",
@@ -87,11 +96,13 @@ def test_comments_in_a_table(tmp_path: Path):
         ("t,joint1,time,joint2\n", ":1: columns 't' and 'time' are the same; remove one."),
         (
             "t,joint1,joint2\n0,0,0,0,0,1\n",
-            ":2: 6 values, the header names 3 columns; with decimal commas, separate the columns by semicolons.",
+            ":2: 6 values, the header names 3 columns; with decimal commas, separate the columns "
+            "by semicolons.",
         ),
         (
             "t,joint1,joint2\ns,deg,m\n",
-            ":2: column 't': 's' is not a number; a unit stands behind the name in the header, as in 'joint1 (deg)'.",
+            ":2: column 't': 's' is not a number; a unit stands behind the name in the header, as "
+            "in 'joint1 (deg)'.",
         ),
     ],
 )
@@ -104,9 +115,12 @@ def test_what_is_not_read_says_what_to_write(tmp_path: Path, text: str, problem:
 
 
 def test_degrees_read_as_radians_are_said(tmp_path: Path):
-    motion = read_motion(ARM, written(tmp_path / "m.csv", "t,joint1,joint2", [T, 120 * Q[:, 0], Q[:, 1]]))
+    motion = read_motion(
+        ARM, written(tmp_path / "m.csv", "t,joint1,joint2", [T, 120 * Q[:, 0], Q[:, 1]])
+    )
     assert motion.notices == (
-        "joint1 goes to 120 rad, 19.1 turns, where its range ends at 3.2 rad. If these are degrees, write "
+        "joint1 goes to 120 rad, 19.1 turns, where its range ends at 3.2 rad. If these are "
+        "degrees, write "
         "'joint1 (deg)' in the header.",
     )
     told = written(tmp_path / "n.csv", "t,joint1 (rad),joint2", [T, 120 * Q[:, 0], Q[:, 1]])
@@ -114,7 +128,8 @@ def test_degrees_read_as_radians_are_said(tmp_path: Path):
     free = fb.planar("RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1])
     both = read_motion(free, written(tmp_path / "o.csv", "t,joint1,joint2", [T, 90 * T, -45 * T]))
     assert both.notices == (
-        "joint1 goes to 90 rad, 14.3 turns (joint2 likewise). If these are degrees, write 'joint1 (deg)' in the "
+        "joint1 goes to 90 rad, 14.3 turns (joint2 likewise). If these are degrees, write 'joint1 "
+        "(deg)' in the "
         "header.",
     )
 
@@ -122,11 +137,14 @@ def test_degrees_read_as_radians_are_said(tmp_path: Path):
 def test_millimetres_and_milliseconds_are_said(tmp_path: Path):
     file = written(tmp_path / "m.csv", "t,joint1,joint2", [T, Q[:, 0], 1e3 * Q[:, 1]])
     assert read_motion(ARM, file).notices == (
-        "joint2 goes to 700 m, where its range ends at 0.9 m. If these are millimetres, write 'joint2 (mm)' in the "
+        "joint2 goes to 700 m, where its range ends at 0.9 m. If these are millimetres, write "
+        "'joint2 (mm)' in the "
         "header.",
     )
     t = 10.0 * np.arange(200)
-    slow = written(tmp_path / "n.csv", "t,joint1,joint2", [t, np.sin(0.02 * np.arange(200)), 0.1 + 0 * t])
+    slow = written(
+        tmp_path / "n.csv", "t,joint1,joint2", [t, np.sin(0.02 * np.arange(200)), 0.1 + 0 * t]
+    )
     assert read_motion(ARM, slow).notices == (
         "The samples are 10 s apart. If t is in milliseconds, write 't (ms)' in the header.",
     )
@@ -147,7 +165,9 @@ def test_the_units_of_a_dataset_count():
 def test_what_is_advised_for_arrays_works():
     model, t = fb.load("2R"), np.linspace(0, 1, 21)
     q = np.stack([np.sin(t), np.cos(t)], axis=-1)
-    with pytest.raises(FreebodyError, match="expected a Motion, a CSV file or an xarray Dataset") as refused:
+    with pytest.raises(
+        FreebodyError, match="expected a Motion, a CSV file or an xarray Dataset"
+    ) as refused:
         fb.study(model, (t, q))  # type: ignore[arg-type]
     advice = str(refused.value).split("(T, nq): ")[1].rstrip(".")
     data = eval(advice, {"xarray": xr, "model": model, "q": q, "t": t})
@@ -155,7 +175,8 @@ def test_what_is_advised_for_arrays_works():
 
 
 def test_a_header_of_ten_thousands_of_columns_is_refused_in_time_that_grows_with_it(tmp_path: Path):
-    """Each name was looked for in the list of those before it: twice the columns took four times as long."""
+    """Each name was looked for in the list of those before it: twice the columns took four times as
+    long."""
     taken = []
     for count in (20_000, 80_000):
         path = tmp_path / f"{count}.csv"

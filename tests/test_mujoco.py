@@ -49,7 +49,8 @@ class Theirs:
         assert (len(self.q), len(self.v)) == (self.model.nq, self.model.nv) == (ours.nq, ours.nv)
 
     def rates(self, q: np.ndarray) -> np.ndarray:
-        """G with their rates = G q̇: the velocity of a free body is in world axes there, its ω in the body's as here."""
+        """G with their rates = G q̇: the velocity of a free body is in world axes there, its ω in
+        the body's as here."""
         G = np.eye(self.model.nv)[self.v].T
         standing = poses(self.ours, q)
         for body, at in zip(self.ours.bodies, self.ours.coordinates, strict=True):
@@ -65,9 +66,9 @@ class Theirs:
         for body, at in zip(self.ours.bodies, self.ours.coordinates, strict=True):
             if body.joint.kind == "free":
                 k = list(at.v)
-                turning[[self.v[i] for i in k[:3]]] = poses(self.ours, q)[body.name][:3, :3] @ np.cross(
-                    qd[k[3:]], qd[k[:3]]
-                )
+                turning[[self.v[i] for i in k[:3]]] = poses(self.ours, q)[body.name][
+                    :3, :3
+                ] @ np.cross(qd[k[3:]], qd[k[:3]])
         data.qpos[self.q] = q
         data.qvel[:] = G @ qd
         data.qacc[:] = G @ qdd + turning
@@ -112,7 +113,11 @@ def mjcf(description: Description) -> str:
 
 
 def attach(
-    parent: Element, link: Link, joint: Joint | None, description: Description, links: dict[str, Link]
+    parent: Element,
+    link: Link,
+    joint: Joint | None,
+    description: Description,
+    links: dict[str, Link],
 ) -> None:
     body = SubElement(parent, "body", name=link.name)
     pose(body, generate.matrix(joint.placement if joint else Placement()))
@@ -140,7 +145,13 @@ def attach(
         T = generate.matrix(link.placement)
         turned = T[:3, :3] @ tensor @ T[:3, :3].T
         full = turned[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
-        SubElement(body, "inertial", pos=text(T[:3, :3] @ c + T[:3, 3]), mass=text(m), fullinertia=text(full))
+        SubElement(
+            body,
+            "inertial",
+            pos=text(T[:3, :3] @ c + T[:3, 3]),
+            mass=text(m),
+            fullinertia=text(full),
+        )
     for other in description.joints:
         if other.parent == link.name:
             attach(body, links[other.child], other, description, links)
@@ -160,7 +171,10 @@ SEEDS = [seed for seed in range(120) if comparable(seed)]
 def test_the_trees_hold_every_kind_but_free():
     kinds = [joint.kind for seed in SEEDS for joint in generate.tree(seed).joints]
     assert (
-        min(kinds.count(kind) for kind in ("revolute", "continuous", "prismatic", "planar", "spherical"))
+        min(
+            kinds.count(kind)
+            for kind in ("revolute", "continuous", "prismatic", "planar", "spherical")
+        )
         >= 10
     )
 
@@ -171,7 +185,9 @@ def test_random_trees(seed: int):
     bare = description.payloads == ()
     model = assemble(description, mimic="free").without("friction")
     if not bare:  # a payload is a link fixed to its frame
-        model = assemble(generate.replace(description, payloads=()), mimic="free").without("friction")
+        model = assemble(generate.replace(description, payloads=()), mimic="free").without(
+            "friction"
+        )
     theirs = Theirs(mjcf(description), model)
     for state in zip(*fb.random_state(model, seed, 2), strict=True):
         theirs.check(*state)
@@ -196,12 +212,20 @@ def test_random_trees_on_a_free_base(seed: int):
 
 
 # ---------------------------------------------------------------- robots from their files
-@pytest.mark.skipif(not FILES and sys.platform != "linux", reason="there is no wheel of example-robot-data")
-@pytest.mark.parametrize("name", ["ur_description/urdf/ur5_robot.urdf", "panda_description/urdf/panda.urdf"])
+@pytest.mark.skipif(
+    not FILES and sys.platform != "linux", reason="there is no wheel of example-robot-data"
+)
+@pytest.mark.parametrize(
+    "name", ["ur_description/urdf/ur5_robot.urdf", "panda_description/urdf/panda.urdf"]
+)
 def test_robots(name: str):
     """MuJoCo reads the same file, its shapes taken out."""
-    model = fb.load(str(ROBOTS / name), mimic="free", snap_angles=0, physical="ignore").without("friction")
-    bare = re.sub(r"<(visual|collision)\b.*?</\1>", "", (ROBOTS / name).read_text(), flags=re.DOTALL)
+    model = fb.load(str(ROBOTS / name), mimic="free", snap_angles=0, physical="ignore").without(
+        "friction"
+    )
+    bare = re.sub(
+        r"<(visual|collision)\b.*?</\1>", "", (ROBOTS / name).read_text(), flags=re.DOTALL
+    )
     bare = re.sub(r"<mimic[^>]*/>", "", bare)
     compiler = '<mujoco><compiler inertiafromgeom="false" fusestatic="true" balanceinertia="false"/></mujoco>'
     theirs = Theirs(bare.replace("</robot>", f"{compiler}</robot>"), model)

@@ -1,4 +1,5 @@
-"""Names as files have them, foreign, long or hostile, in formulas, sentences and drawings: legible and well-formed."""
+"""Names as files have them, foreign, long or hostile, in formulas, sentences and drawings: legible
+and well-formed."""
 
 from __future__ import annotations
 
@@ -65,8 +66,12 @@ def four_bar(name: str) -> fb.Model:
 # ---------------------------------------------------------------- the functions
 @pytest.mark.parametrize("name", NAMES)
 def test_escaped_names_are_letters_to_tex(name: str):
-    """What is left after the known commands has no character that TeX reads as anything but itself."""
-    for made in (literal.tex(name), tex_prose(f"link {literal.literal(name)} of x_1").split(" of $x")[0]):
+    """What is left after the known commands has no character that TeX reads as anything but
+    itself."""
+    for made in (
+        literal.tex(name),
+        tex_prose(f"link {literal.literal(name)} of x_1").split(" of $x")[0],
+    ):
         rest = re.sub(r"\\text[a-z]+\{\}|\\[&%$#_{}]|\$\\[a-z]+\$", "", made)
         assert not re.search(r"[\\&%$#_{}~^<>|\"]", rest), made
     formula = literal.tex_math(name)
@@ -81,7 +86,9 @@ def test_names_in_sentences_are_no_symbols(name: str):
     page = ET.fromstring(f"<p>{web_prose(sentence)}</p>")
     assert "".join(page.itertext()) == f"point {shown} of s1"
     assert [e.tag for e in page] == ["b", "sub"]
-    unescaped = re.sub(r"\\(.)", r"\1", markdown_prose(sentence).removesuffix(r" of $\mathbf{s}_{1}$"))
+    unescaped = re.sub(
+        r"\\(.)", r"\1", markdown_prose(sentence).removesuffix(r" of $\mathbf{s}_{1}$")
+    )
     assert unescaped == f"point {shown}"
 
 
@@ -122,7 +129,9 @@ def balanced(document: str) -> bool:
     return depth == 0
 
 
-@pytest.mark.parametrize("name", ["θ1", "left_upper_arm_length_of_the_first_robot", "a__b", "é", "l_", "_"])
+@pytest.mark.parametrize(
+    "name", ["θ1", "left_upper_arm_length_of_the_first_robot", "a__b", "é", "l_", "_"]
+)
 def test_names_of_parameters_are_legible_formulas(name: str):
     """What a parameter may be called, in LaTeX, MathML and a drawing."""
     formula = sym(name).latex()

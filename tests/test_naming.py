@@ -1,4 +1,5 @@
-"""One thing, one name: drawings call and show what the equations beside them say, by name, by value and by sign."""
+"""One thing, one name: drawings call and show what the equations beside them say, by name, by value
+and by sign."""
 
 from __future__ import annotations
 
@@ -45,14 +46,19 @@ def link(name: str, mass: str, com: str | float = 0.0, inertia: str | float = 0.
     return Link(name, Inertia.of(mass, (com, 0.0), inertia))
 
 
-def assembled(name: str, links: list[Link], joints: list[Joint], mounts: list[Mount], tip: str) -> fb.Model:
+def assembled(
+    name: str, links: list[Link], joints: list[Joint], mounts: list[Mount], tip: str
+) -> fb.Model:
     gravity = (Parameter("g"), (0.0, -1.0))
     root = Link("ground")
-    return assemble(Description(name, 2, (root, *links), tuple(joints), gravity, tuple(mounts), tip=tip))
+    return assemble(
+        Description(name, 2, (root, *links), tuple(joints), gravity, tuple(mounts), tip=tip)
+    )
 
 
 def tree() -> fb.Model:
-    """A body with the tip and two children; one slides, on a spring, the other has friction and no motor."""
+    """A body with the tip and two children; one slides, on a spring, the other has friction and no
+    motor."""
     joints = [
         turning("pin", "ground", "trunk"),
         Joint("slide", "prismatic", "trunk", "left", shift(Parameter("a"), 0.0), (1.0, 0.0),
@@ -60,8 +66,14 @@ def tree() -> fb.Model:
         turning("turn", "trunk", "right", shift(Parameter("b"), 0.0), drive=Drive(viscous="beta"),
               passive=True),
     ]  # fmt: skip
-    links = [link("trunk", "M", "c", "Jt"), link("left", "ml", "cl", "Jl"), link("right", "mr", "cr", "Jr")]
-    return assembled("tree", links, joints, [Mount("tool", "trunk", shift(Parameter("e"), 0.2))], "tool")
+    links = [
+        link("trunk", "M", "c", "Jt"),
+        link("left", "ml", "cl", "Jl"),
+        link("right", "mr", "cr", "Jr"),
+    ]
+    return assembled(
+        "tree", links, joints, [Mount("tool", "trunk", shift(Parameter("e"), 0.2))], "tool"
+    )
 
 
 def cart_and_pole() -> fb.Model:
@@ -70,17 +82,24 @@ def cart_and_pole() -> fb.Model:
         turning("pin", "cart", "pole", passive=True),
     ]
     links = [link("cart", "mc"), link("pole", "mp", "lp", "Ip")]
-    return assembled("cart-pole", links, joints, [Mount("end", "pole", shift(Parameter("l"), 0.0))], "end")
+    return assembled(
+        "cart-pole", links, joints, [Mount("end", "pole", shift(Parameter("l"), 0.0))], "end"
+    )
 
 
 def collar() -> fb.Model:
-    """A crank whose end slides on a rocker: a loop whose two ends do not coincide, and which transmits a moment."""
+    """A crank whose end slides on a rocker: a loop whose two ends do not coincide, and which
+    transmits a moment."""
     joints = [
         turning("crank_pin", "ground", "crank"),
         turning("block_pin", "crank", "block", shift(0.3, 0.0), passive=True),
         turning("rocker_pin", "ground", "rocker", shift(-0.8, 0.0), passive=True),
     ]
-    links = [link("crank", "m1", 0.1, "I1"), link("block", "m2", 0.05, "I2"), link("rocker", "m3", 0.4, "I3")]
+    links = [
+        link("crank", "m1", 0.1, "I1"),
+        link("block", "m2", 0.05, "I2"),
+        link("rocker", "m3", 0.4, "I3"),
+    ]
     model = assembled("collar", links, joints, [Mount("end", "rocker", shift(1.2, 0.0))], "end")
     return model.with_loop("collar", "prismatic", ("rocker", "block"), axis=(1.0, 0.0))
 
@@ -131,7 +150,9 @@ def spoken(derivation: Derivation) -> set[str]:
     """Labels of the symbols in all equations, and of forces in sentences."""
     lines = [line for step in derivation.steps for line in step.equations]
     lines += [x for row in derivation.glossary for x in row.symbols]
-    named = {canonical(label(x)) for line in lines for x in ex.nodes(line) if isinstance(x, ex.Symbol)}
+    named = {
+        canonical(label(x)) for line in lines for x in ex.nodes(line) if isinstance(x, ex.Symbol)
+    }
     words = " ".join(step.reason for step in derivation.steps)
     return named | {f"{letter}_{{{low}}}" for letter, low in re.findall(r"([fn])_(\d+,\d+)", words)}
 
@@ -160,8 +181,8 @@ def test_names_in_drawings_are_those_of_the_equations(name: str, method: str):
 
 # ---------------------------------------------------------------- by value
 def values_of(derivation: Derivation) -> dict[str, object]:
-    """In the state of the drawings, the values of all that the equations define, by name in code: read as a reader
-    would, line by line, each right side from what is known."""
+    """In the state of the drawings, the values of all that the equations define, by name in code:
+    read as a reader would, line by line, each right side from what is known."""
     seen = illustrate._shown(derivation)
     s = derivation.equations.symbols
     values: dict[str, object] = dict(seen.model.parameters)
@@ -179,12 +200,15 @@ def values_of(derivation: Derivation) -> dict[str, object]:
         if isinstance(name, ex.Symbol) and name.name not in values:
             value = value_of(line, values, seen.model.gravity)
             if value is not None:
-                values[name.name] = np.zeros(seen.model.dim) if name.bold and np.ndim(value) == 0 else value
+                values[name.name] = (
+                    np.zeros(seen.model.dim) if name.bold and np.ndim(value) == 0 else value
+                )
     return values
 
 
 def value_of(line: ex.Equation, values: dict[str, object], gravity: np.ndarray) -> object | None:
-    """Of the last side that can be evaluated; g is the field where it is bold, and its magnitude elsewhere."""
+    """Of the last side that can be evaluated; g is the field where it is bold, and its magnitude
+    elsewhere."""
     for side in reversed(line.sides[1:]):
         inside = set(ex.nodes(side))
         if INVERSE not in inside:
@@ -204,7 +228,9 @@ def test_arrows_have_the_values_and_signs_of_the_equations(name: str, method: st
     values = values_of(derivation)
     symbols = [x for step in derivation.steps for line in step.equations for x in ex.nodes(line)]
     known = {
-        canonical(label(x)): values[x.name] for x in symbols if isinstance(x, ex.Symbol) and x.name in values
+        canonical(label(x)): values[x.name]
+        for x in symbols
+        if isinstance(x, ex.Symbol) and x.name in values
     }
     compared = set()
     for figure, drawing in drawn(name, method).items():
@@ -224,9 +250,13 @@ def test_arrows_have_the_values_and_signs_of_the_equations(name: str, method: st
             )
             if isinstance(e, Arrow):
                 way = np.subtract(e.end, e.start)
-                along = float(expected) * way / np.linalg.norm(way) if expected.ndim == 0 else expected
+                along = (
+                    float(expected) * way / np.linalg.norm(way) if expected.ndim == 0 else expected
+                )
                 if expected.ndim:
-                    assert way @ along > 0.999999 * np.linalg.norm(way) * np.linalg.norm(along), e.name
+                    assert way @ along > 0.999999 * np.linalg.norm(way) * np.linalg.norm(along), (
+                        e.name
+                    )
             compared.add(shown)
     if "free-body 1" in drawn(name, method) and "f_{0,1}" in known:
         assert {x for x in compared if x.startswith("f_")}, "forces were compared"
@@ -234,7 +264,8 @@ def test_arrows_have_the_values_and_signs_of_the_equations(name: str, method: st
 
 @pytest.mark.parametrize("name", ["four_bar", "five_bar_rods", "slider_crank", "collar"])
 def test_rows_of_reactions_are_the_values_of_the_names(name: str):
-    """f_{i,k} of a loop: what the equations say, what `reactions` returns under the loop's name, and what is drawn."""
+    """f_{i,k} of a loop: what the equations say, what `reactions` returns under the loop's name,
+    and what is drawn."""
     values, seen = values_of(derived(name, "statics")), illustrate._shown(derived(name, "statics"))
     naming = Naming(seen.model)
     found = fb.reactions(seen.model, seen.q, seen.qd, qdd=seen.qdd, wrenches=seen.wrenches)
@@ -243,7 +274,9 @@ def test_rows_of_reactions_are_the_values_of_the_names(name: str):
         np.testing.assert_allclose(values[force.name], found[loop.name][:2], atol=1e-6)
         if isinstance(moment, ex.Symbol):
             np.testing.assert_allclose(values[moment.name], found[loop.name][2], atol=1e-6)
-        loads = [x for body in body_loads(seen.model, seen.q, wrenches=seen.wrenches) for x in body.loads]
+        loads = [
+            x for body in body_loads(seen.model, seen.q, wrenches=seen.wrenches) for x in body.loads
+        ]
         shown = {x.name: x.force for x in loads}
         for sign, value in (("", 1.0), ("−", -1.0)):
             if sign + label(force) in shown:
@@ -266,10 +299,13 @@ def test_forces_in_space_have_the_values_of_the_equations(method: str):
         np.testing.assert_allclose(arrow.value, own, atol=1e-6)
 
 
-@pytest.mark.parametrize("name", ["2R", "RP", "tree", "cart-pole", "four_bar", "slider_crank", "collar"])
+@pytest.mark.parametrize(
+    "name", ["2R", "RP", "tree", "cart-pole", "four_bar", "slider_crank", "collar"]
+)
 @pytest.mark.parametrize("method", ["newton-euler", "statics"])
 def test_free_bodies_balance_as_they_are_printed(name: str, method: str):
-    """Newton's and Euler's equation of each body, with the values that the page gives all that stands in them."""
+    """Newton's and Euler's equation of each body, with the values that the page gives all that
+    stands in them."""
     if method == "newton-euler" and name in ("four_bar", "slider_crank", "collar"):
         pytest.skip("closed chains have statics only")
     derivation, model = derived(name, method), illustrate._shown(derived(name, method)).model
@@ -277,15 +313,20 @@ def test_free_bodies_balance_as_they_are_printed(name: str, method: str):
     for step in derivation.steps:
         if step.operation.startswith("Free body"):
             for left, right in (line.sides for line in step.equations[:2]):
-                np.testing.assert_allclose(evaluate(left, values), evaluate(right, values), atol=1e-6)
+                np.testing.assert_allclose(
+                    evaluate(left, values), evaluate(right, values), atol=1e-6
+                )
 
 
 @pytest.mark.parametrize(
     ("name", "method"), [case for case in CASES if case[1] in ("newton-euler", "statics")]
 )
 def test_the_second_body_in_a_forces_name_is_the_one_it_acts_on(name: str, method: str):
-    """f_{i,k} stands on body k, its opposite on body i; and a weight is the mass of that name, times g."""
-    masses = {label(Naming(model_of(name)).mass(n)): n for n in range(1, len(model_of(name).bodies) + 1)}
+    """f_{i,k} stands on body k, its opposite on body i; and a weight is the mass of that name,
+    times g."""
+    masses = {
+        label(Naming(model_of(name)).mass(n)): n for n in range(1, len(model_of(name).bodies) + 1)
+    }
     known = illustrate._shown(derived(name, method)).model.parameters
     for figure, drawing in drawn(name, method).items():
         for e in drawing.elements if figure.startswith("free-body") else ():
@@ -310,7 +351,9 @@ def test_no_motor_is_derived_or_drawn_in_a_passive_joint(name: str, method: str)
     assert torque not in spoken(derivation)
     for drawing in drawn(name, method).values():
         assert torque not in said(drawing)
-    zeros = [line for step in derivation.steps for line in step.equations if line.sides[0] == ex.ZERO]
+    zeros = [
+        line for step in derivation.steps for line in step.equations if line.sides[0] == ex.ZERO
+    ]
     assert zeros, "0 = … in its place"
     assert "passive" in derivation.given
 
@@ -322,7 +365,11 @@ def test_free_bodies_and_equations_show_no_motor_in_a_passive_joint(name: str):
     loads = [x for body in body_loads(seen.model, seen.q, seen.qd, seen.qdd) for x in body.loads]
     assert torque not in {x.moment_name.removeprefix("−") for x in loads}
     lines = str(fb.equations(model)).splitlines()
-    assert [line.split(" = ")[0] for line in lines[:2]] == ["τ₁", "0"] if name == "cart-pole" else ["0", "τ₂"]
+    assert (
+        [line.split(" = ")[0] for line in lines[:2]] == ["τ₁", "0"]
+        if name == "cart-pole"
+        else ["0", "τ₂"]
+    )
     for view in ("expanded", "intermediates", "base"):
         text = fb.equations(model).text(view)
         assert "0 = " in text
@@ -330,8 +377,11 @@ def test_free_bodies_and_equations_show_no_motor_in_a_passive_joint(name: str):
 
 
 def test_a_moment_that_a_pin_cannot_give_is_not_hidden():
-    """A pole held out level: what its pin would have to give stands in the free body, not as its motor's."""
-    figure = fb.free_body_diagram(cart_and_pole().bind(mc=1, mp=1, lp=0.5, Ip=0.1, l=1, g=9.81), [0.0, 0.0])
+    """A pole held out level: what its pin would have to give stands in the free body, not as its
+    motor's."""
+    figure = fb.free_body_diagram(
+        cart_and_pole().bind(mc=1, mp=1, lp=0.5, Ip=0.1, l=1, g=9.81), [0.0, 0.0]
+    )
     pole = figure.bodies[1]
     assert pole.loads[0].moment_name == "n_{1,2}"
     assert pole.loads[0].moment[0] == pytest.approx(9.81 * 0.5)
@@ -345,7 +395,10 @@ def test_weights_are_drawn_where_the_equations_have_them():
     ):
         drawing = drawn("2R", method)["free-body 2"]
         assert ("m_2 g" in {e.name for e in drawing.elements}) is drawn_there
-        assert any("gravity is in the accelerations" in note for note in drawing.notes) is not drawn_there
+        assert (
+            any("gravity is in the accelerations" in note for note in drawing.notes)
+            is not drawn_there
+        )
 
 
 def test_kinematics_draws_the_motion_of_the_tip():

@@ -1,4 +1,5 @@
-"""The lecture notes item by item: none missing, verdicts as audited, and no check that cannot fail."""
+"""The lecture notes item by item: none missing, verdicts as audited, and no check that cannot
+fail."""
 
 import re
 from functools import cache
@@ -54,7 +55,10 @@ def test_the_corrected_form_flips_the_verdict(name: str):
     assert found.corrected is not None
     assert found.corrected.holds
     x = found.item
-    assert run(Item(x.id, x.section, x.title, x.kind, x.statement, x.corrected, x.test)).verdict == "holds"
+    assert (
+        run(Item(x.id, x.section, x.title, x.kind, x.statement, x.corrected, x.test)).verdict
+        == "holds"
+    )
     assert x.why
 
 
@@ -94,7 +98,9 @@ def fails(x: Item, form: str) -> bool:
         outcome = x.test.run(form)
     except (FreebodyError, ValueError, KeyError, IndexError, np.linalg.LinAlgError):
         return False
-    return not outcome.holds and not any(words in line for line in outcome.lines for words in UNREADABLE)
+    return not outcome.holds and not any(
+        words in line for line in outcome.lines for words in UNREADABLE
+    )
 
 
 def test_what_is_of_words_only_is_marked_and_little():
@@ -166,7 +172,16 @@ def test_calls_shown_are_calls_that_run():
 
 
 @pytest.mark.parametrize(
-    "form", ["a = [1, ]b", "a = __import__('os')", "a = b.c", "a = b[0]", "a = x^1.5", "a = f(x)", "a" * 5000]
+    "form",
+    [
+        "a = [1, ]b",
+        "a = __import__('os')",
+        "a = b.c",
+        "a = b[0]",
+        "a = x^1.5",
+        "a = f(x)",
+        "a" * 5000,
+    ],
 )
 def test_formulas_are_read_and_never_run(form: str):
     from freebody.derivations.formula import parse

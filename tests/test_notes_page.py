@@ -1,4 +1,5 @@
-"""`freebody notes`: the table, one item, the errata, the page; and the solutions of the exercises."""
+"""`freebody notes`: the table, one item, the errata, the page; and the solutions of the
+exercises."""
 
 from __future__ import annotations
 

@@ -10,7 +10,13 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import MissingValueError, NotFiniteError, ShapeError, SingularError, UnknownNameError
+from freebody.errors import (
+    MissingValueError,
+    NotFiniteError,
+    ShapeError,
+    SingularError,
+    UnknownNameError,
+)
 from freebody.model.model import Model
 from freebody.trees import massless
 from support import generate
@@ -64,7 +70,9 @@ FUNCTIONS: list[tuple[Callable, tuple[str, ...]]] = [
 ]
 ARGUMENTS = [(f, names, k) for f, names in FUNCTIONS for k in range(len(names))]
 each_argument = pytest.mark.parametrize(
-    ("function", "names", "k"), ARGUMENTS, ids=[f"{f.__name__}-{names[k]}" for f, names, k in ARGUMENTS]
+    ("function", "names", "k"),
+    ARGUMENTS,
+    ids=[f"{f.__name__}-{names[k]}" for f, names, k in ARGUMENTS],
 )
 
 
@@ -76,9 +84,7 @@ def with_one(names: tuple[str, ...], k: int, value: Any) -> list[Any]:
 @pytest.mark.parametrize("shape", [(3,), (1,), (), (2, 3), (0,)], ids=str)
 def test_wrong_shape(function: Callable, names: tuple[str, ...], k: int, shape: tuple[int, ...]):
     size = "nq" if names[k].startswith("q") and names[k] not in ("qd", "qdd") else "nv"
-    text = (
-        f"{function.__name__}: {names[k]} has shape {shape}, expected (..., 2): model 'arm' has {size} = 2."
-    )
+    text = f"{function.__name__}: {names[k]} has shape {shape}, expected (..., 2): model 'arm' has {size} = 2."
     says(text, lambda: function(ARM, *with_one(names, k, np.zeros(shape))), ShapeError)
 
 
@@ -119,8 +125,12 @@ def test_not_finite(function: Callable, names: tuple[str, ...], k: int):
     ],
     ids=["complex", "object", "None", "text", "ragged"],
 )
-def test_not_real_numbers(function: Callable, names: tuple[str, ...], k: int, value: Any, what: str):
-    says(f"{function.__name__}: {names[k]} {what}", lambda: function(ARM, *with_one(names, k, value)))
+def test_not_real_numbers(
+    function: Callable, names: tuple[str, ...], k: int, value: Any, what: str
+):
+    says(
+        f"{function.__name__}: {names[k]} {what}", lambda: function(ARM, *with_one(names, k, value))
+    )
 
 
 @pytest.mark.parametrize("kind", [int, bool, np.float32, list, tuple])
@@ -163,7 +173,8 @@ def test_dict_of_names():
         lambda: fb.inverse_dynamics(ARM, {"joint1": 0}, Z, Z),
     )
     says(
-        "no entry 'jiont2' in inverse_dynamics: qd. Did you mean 'joint2'? Entries: joint1, joint2.",
+        "no entry 'jiont2' in inverse_dynamics: qd. Did you mean 'joint2'? Entries: joint1, "
+        "joint2.",
         lambda: fb.inverse_dynamics(ARM, Z, {"joint1": 0, "jiont2": 0}, Z),
         UnknownNameError,
     )
@@ -186,7 +197,9 @@ def test_dict_of_quaternion_entries():
     assert model.position_names[:7] == tuple(
         f"base.{x}" for x in ("x", "y", "z", "quat_w", "quat_x", "quat_y", "quat_z")
     )
-    assert model.velocity_names[:6] == tuple(f"base.{x}" for x in ("vx", "vy", "vz", "wx", "wy", "wz"))
+    assert model.velocity_names[:6] == tuple(
+        f"base.{x}" for x in ("vx", "vy", "vz", "wx", "wy", "wz")
+    )
     q = fb.random_state(model, 1)[0]
     given = dict(zip(model.position_names, q, strict=True))
     assert fb.mass_matrix(model, given) == pytest.approx(fb.mass_matrix(model, q))
@@ -200,12 +213,14 @@ def test_dict_of_quaternion_entries():
 # ---------------------------------------------------------------- wrenches and points
 def test_wrenches():
     says(
-        "inverse_dynamics: wrenches['tip'] has shape (6,), expected (..., 3): force, then moment, world axes.",
+        "inverse_dynamics: wrenches['tip'] has shape (6,), expected (..., 3): force, then moment, "
+        "world axes.",
         lambda: fb.inverse_dynamics(ARM, Z, Z, Z, np.zeros(6)),
         ShapeError,
     )
     says(
-        "inverse_dynamics: wrenches['link1'] has shape (), expected (..., 3): force, then moment, world axes.",
+        "inverse_dynamics: wrenches['link1'] has shape (), expected (..., 3): force, then moment, "
+        "world axes.",
         lambda: fb.inverse_dynamics(ARM, Z, Z, Z, {"link1": 1.0}),
         ShapeError,
     )
@@ -215,7 +230,8 @@ def test_wrenches():
         UnknownNameError,
     )
     says(
-        "joint_wrenches: wrenches['tip'] is nan at sample 1 for 'fy'; every entry must be a finite number.",
+        "joint_wrenches: wrenches['tip'] is nan at sample 1 for 'fy'; every entry must be a finite "
+        "number.",
         lambda: fb.joint_wrenches(ARM, Z, Z, Z, {"tip": [[0, 0, 0], [0, NAN, 0]]}),
         NotFiniteError,
     )
@@ -341,15 +357,17 @@ def test_symbols_without_values():
     model = fb.planar("RR", l=[1, None], name="letters")
     bind = "Give them with model.bind(I1=..., I2=..., l2=...)."
     listed = "numbers need a value for I1, I2, l2, lc1, lc2, m1, m2."
-    says(f"the numbers of 'letters': {listed} {bind}", lambda: fb.mass_matrix(model, Z), MissingValueError)
+    says(
+        f"the numbers of 'letters': {listed} {bind}",
+        lambda: fb.mass_matrix(model, Z),
+        MissingValueError,
+    )
     says(
         f"the numbers of 'letters': {listed} {bind}",
         lambda: fb.forward_dynamics(model, Z, Z, Z),
         MissingValueError,
     )
-    masses = (
-        "the mass of 'letters': numbers need a value for m1, m2. Give them with model.bind(m1=..., m2=...)."
-    )
+    masses = "the mass of 'letters': numbers need a value for m1, m2. Give them with model.bind(m1=..., m2=...)."
     says(masses, lambda: fb.center_of_mass(model, Z), MissingValueError)
     assert model.bind(m1=1, m2=2).mass == 3.0
     bound = model.bind(l2=1, lc1=0.5, lc2=0.5, m1=1, m2=1, I1=0.1, I2=0.1)
@@ -375,7 +393,9 @@ def test_quaternions_off_unit_length():
     )
     near = q.copy()
     near[3:7] *= 1 + 5e-7
-    assert fb.mass_matrix(model, near) == pytest.approx(fb.mass_matrix(model, q), rel=1e-12, abs=1e-12)
+    assert fb.mass_matrix(model, near) == pytest.approx(
+        fb.mass_matrix(model, q), rel=1e-12, abs=1e-12
+    )
     says(
         "mass_matrix: q is nan for 'base.x'; every entry must be a finite number.",
         lambda: fb.mass_matrix(model, np.full(10, NAN)),
@@ -421,7 +441,8 @@ def test_tip_wrench():
     )
     four = fb.planar("RRRR", l=[1] * 4, lc=[0.5] * 4, m=[1] * 4, I=[0.1] * 4)
     says(
-        "tip_wrench: 'RRRR' has 4 joints but the wrench 3 components; torques determine it only when these are equal.",
+        "tip_wrench: 'RRRR' has 4 joints but the wrench 3 components; torques determine it only "
+        "when these are equal.",
         lambda: fb.tip_wrench(four, np.ones(4), np.zeros(4)),
         SingularError,
     )
@@ -458,7 +479,8 @@ def test_a_new_payload_is_seen_to_move_inertia_without_the_mass_matrix(monkeypat
     ids=["RRR", "RPR", "ur5e", "quadrotor"],
 )
 def test_what_bodies_weigh_alone_finds_no_robot_sound_that_is_not(model, usual, monkeypatch):
-    """From a usual link to none the verdict is that of the mass matrix, whatever was seen without it."""
+    """From a usual link to none the verdict is that of the mass matrix, whatever was seen without
+    it."""
     assert massless._all_sound(model)
     for link in usual:
         for size in (*10.0 ** -np.arange(0.0, 25.0, 2.0), 0.0):
@@ -472,16 +494,23 @@ def test_what_bodies_weigh_alone_finds_no_robot_sound_that_is_not(model, usual, 
 
 
 def test_joints_that_move_no_inertia():
-    nothing = fb.planar("RRR", l=[1, 1, 0], lc=[0.5, 0.5, 0], m=[1, 1, 0], I=[0.1, 0.1, 0], name="bare")
+    nothing = fb.planar(
+        "RRR", l=[1, 1, 0], lc=[0.5, 0.5, 0], m=[1, 1, 0], I=[0.1, 0.1, 0], name="bare"
+    )
     remedy = "Give what it carries a mass and inertia, or the joint a rotor inertia, or fix it."
     text = (
-        "forward_dynamics: the mass matrix of 'bare' is singular: joint 'joint3' moves no inertia. " + remedy
+        "forward_dynamics: the mass matrix of 'bare' is singular: joint 'joint3' moves no inertia. "
+        + remedy
     )
-    says(text, lambda: fb.forward_dynamics(nothing, np.zeros(3), np.zeros(3), np.zeros(3)), SingularError)
+    says(
+        text,
+        lambda: fb.forward_dynamics(nothing, np.zeros(3), np.zeros(3), np.zeros(3)),
+        SingularError,
+    )
     all_of_it = fb.planar("RR", l=[1, 1], lc=[1, 1], m=[0, 0], I=[0, 0], name="ghost")
     text = (
-        "forward_dynamics: the mass matrix of 'ghost' is singular: joints 'joint1' and 'joint2' move no inertia. "
-        + remedy.replace("it carries", "each carries")
+        "forward_dynamics: the mass matrix of 'ghost' is singular: joints 'joint1' and 'joint2' "
+        "move no inertia. " + remedy.replace("it carries", "each carries")
     )
     says(text, lambda: fb.forward_dynamics(all_of_it, Z, Z, Z), SingularError)
     rotor = fb.planar(
@@ -493,15 +522,19 @@ def test_joints_that_move_no_inertia():
         drives=[fb.Drive(rotor=2.0), fb.Drive(rotor=1.0, gear=3)],
     )
     assert fb.forward_dynamics(rotor, Z, Z, [1.0, 9.0]) == pytest.approx([0.5, 1.0])
-    twice = fb.planar("RR", l=[0, 1], lc=[0, 1], m=[0, 1], I=[0, 1], name="twice")  # one axis, two joints
+    twice = fb.planar(
+        "RR", l=[0, 1], lc=[0, 1], m=[0, 1], I=[0, 1], name="twice"
+    )  # one axis, two joints
     text = (
-        "forward_dynamics: the mass matrix of 'twice' is singular: joint 'joint1' moves no inertia. " + remedy
+        "forward_dynamics: the mass matrix of 'twice' is singular: joint 'joint1' moves no "
+        "inertia. " + remedy
     )
     says(text, lambda: fb.forward_dynamics(twice, Z, Z, Z), SingularError)
 
 
 def test_a_mass_matrix_singular_at_one_configuration():
-    """Two links without mass and a particle at the tip: singular where the arm is stretched, and regular elsewhere."""
+    """Two links without mass and a particle at the tip: singular where the arm is stretched, and
+    regular elsewhere."""
     model = fb.planar("RR", l=[1, 1], lc=[1, 1], m=[0, 1], I=[0, 0], g=0, name="particle")
     q = np.array([0.3, 1.0])
     qdd = fb.forward_dynamics(model, q, Z, [1.0, 2.0])
@@ -553,7 +586,8 @@ def test_inputs_that_overflow_are_named():
 
 
 def test_the_second_call_checks_what_the_first_did():
-    """A known kernel is tried at once, with wrenches and quaternions too, and gives the same and refuses the same."""
+    """A known kernel is tried at once, with wrenches and quaternions too, and gives the same and
+    refuses the same."""
     fixed = fb.planar("RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1]).to_space()
     for arm in (fixed, fb.load("ur5e", base="free")):
         q, qd, qdd = fb.random_state(arm, 1)
@@ -569,5 +603,7 @@ def test_the_second_call_checks_what_the_first_did():
             fb.inverse_dynamics(arm, q, qd, qdd, {frame: w * np.nan})
         if arm.nq > arm.nv:
             for bad in (1.01 * q, np.stack([q, 1.01 * q])):
-                with pytest.raises(fb.FreebodyError, match=r"the quaternion of joint .* has length 1\.01"):
+                with pytest.raises(
+                    fb.FreebodyError, match=r"the quaternion of joint .* has length 1\.01"
+                ):
                     fb.inverse_dynamics(arm, bad, qd, qdd)

@@ -38,7 +38,9 @@ def test_energy_regressor_times_parameters_is_energy(case):
     )
     np.testing.assert_allclose(kinetic, fb.kinetic_energy(model, q, qd), rtol=1e-11)
     missing = fb.potential_energy(model, q) - potential
-    np.testing.assert_allclose(missing, np.broadcast_to(missing[:1], missing.shape), rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(
+        missing, np.broadcast_to(missing[:1], missing.shape), rtol=1e-9, atol=1e-9
+    )
 
 
 def test_centroidal_momentum(case):
@@ -48,7 +50,9 @@ def test_centroidal_momentum(case):
     mass = moving.mass - sum(part.inertia.numbers()[0] for part in moving.base_inertias)
     free = fb.Model(**{**vars_of(moving), "base_inertias": ()})
     centre = fb.center_of_mass(free, q)
-    np.testing.assert_allclose(momentum, fb.momentum(model, q, qd, about=centre), rtol=1e-9, atol=1e-10)
+    np.testing.assert_allclose(
+        momentum, fb.momentum(model, q, qd, about=centre), rtol=1e-9, atol=1e-10
+    )
     still = np.zeros_like(qd)
     h = 1e-5
     velocity = (
@@ -115,11 +119,15 @@ def test_source_computes_what_the_kernel_does(case):
     exec(fb.source(model, names), scope)
     results = scope["_".join(names)](q, qd, qdd)
     for result, expected in zip(results, fb.kernel(model, names)(q, qd, qdd), strict=True):
-        np.testing.assert_allclose(result, expected, rtol=1e-11, atol=1e-11 * np.abs(expected).max())
+        np.testing.assert_allclose(
+            result, expected, rtol=1e-11, atol=1e-11 * np.abs(expected).max()
+        )
 
 
 def test_unknown_languages_are_refused():
-    with pytest.raises(fb.FreebodyError, match=r"no language 'fortran' in fb.source. Languages: c, cpp"):
+    with pytest.raises(
+        fb.FreebodyError, match=r"no language 'fortran' in fb.source. Languages: c, cpp"
+    ):
         fb.source(MODELS["planar"](), "mass_matrix", "fortran")
 
 
@@ -138,7 +146,9 @@ def test_springs_leave_gravity_alone_to_the_last_bit():
         "RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1], drives=[Drive(stiffness=1e9)] * 2
     )
     q = np.random.default_rng(1).normal(size=(50, 2))
-    assert np.array_equal(fb.gravity_torque(stiff, q), fb.gravity_torque(stiff.without("springs"), q))
+    assert np.array_equal(
+        fb.gravity_torque(stiff, q), fb.gravity_torque(stiff.without("springs"), q)
+    )
 
 
 def test_numpy_kernels_do_not_cut_numbers_off():

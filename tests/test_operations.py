@@ -1,7 +1,8 @@
-"""The operations of programs: every one in every target, by its own laws, at the edges of the number range.
+"""The operations of programs: every one in every target, by its own laws, at the edges of the
+number range.
 
-Which operations there are, and what each promises, the tables of the compiler say: so these tests read them, and trace
-each operation by itself.
+Which operations there are, and what each promises, the tables of the compiler say: so these tests
+read them, and trace each operation by itself.
 """
 
 import itertools
@@ -26,7 +27,20 @@ from support.programs import every_target
 
 NAMED = sorted(elementary.FUNCTIONS)
 CHOICES = ("absolute", "less", "less_equal", "equal", "where", "minimum", "maximum", "sign")
-EDGES = (0.0, -0.0, 1.0, -1.0, 2.5, -2.5, 5e-324, -5e-324, 1e-308, 1.7e308, -1.7e308, np.nextafter(1.0, 2.0))
+EDGES = (
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    2.5,
+    -2.5,
+    5e-324,
+    -5e-324,
+    1e-308,
+    1.7e308,
+    -1.7e308,
+    np.nextafter(1.0, 2.0),
+)
 
 
 @pytest.fixture(autouse=True)
@@ -37,13 +51,17 @@ def memory_only(monkeypatch):
 def compiled(function, arity, target="cpu", width=None):
     inputs = [Argument(name, ()) for name in "xyz"[:arity]]
     return compile_program(
-        trace("f", lambda *x: (function(*x),), inputs, [Argument("r", ())]), target=target, width=width
+        trace("f", lambda *x: (function(*x),), inputs, [Argument("r", ())]),
+        target=target,
+        width=width,
     )
 
 
 def edges(arity):
     """Every combination of the edges, as columns."""
-    return [np.array(column) for column in zip(*itertools.product(EDGES, repeat=arity), strict=True)]
+    return [
+        np.array(column) for column in zip(*itertools.product(EDGES, repeat=arity), strict=True)
+    ]
 
 
 @pytest.mark.parametrize("name", sorted(OPERATIONS))
@@ -61,7 +79,9 @@ def test_every_target_computes_what_the_operation_is(name, target, width):
     operation = OPERATIONS[name]
     rng = np.random.default_rng(5)
     signs = 1.0 if name in ("sqrt", "log") else -1.0  # whose domain begins at 0; arcs' ends at 1
-    columns = rng.uniform(0.05, 0.95, (operation.arity, 64)) * rng.choice([1.0, signs], (operation.arity, 64))
+    columns = rng.uniform(0.05, 0.95, (operation.arity, 64)) * rng.choice(
+        [1.0, signs], (operation.arity, 64)
+    )
     expected = [operation.number(*values) for values in columns.T.tolist()]
 
     def traced(*operands):
@@ -77,20 +97,30 @@ def test_every_target_computes_what_the_operation_is(name, target, width):
 def test_choices_are_exact_everywhere(name, target, width):
     function, operation = elementary.FUNCTIONS[name], OPERATIONS[name]
     columns = edges(operation.arity)
-    expected = [operation.number(*values) for values in zip(*(c.tolist() for c in columns), strict=True)]
-    np.testing.assert_array_equal(compiled(function, operation.arity, target, width)(*columns), expected)
+    expected = [
+        operation.number(*values) for values in zip(*(c.tolist() for c in columns), strict=True)
+    ]
+    np.testing.assert_array_equal(
+        compiled(function, operation.arity, target, width)(*columns), expected
+    )
     np.testing.assert_array_equal(function(*columns), expected)
-    assert [function(*values) for values in zip(*(c.tolist() for c in columns), strict=True)] == expected
+    assert [
+        function(*values) for values in zip(*(c.tolist() for c in columns), strict=True)
+    ] == expected
 
 
 @pytest.mark.parametrize("name", CHOICES)
 def test_choices_are_exact_in_32_bits(name):
     function, operation = elementary.FUNCTIONS[name], OPERATIONS[name]
     edges = np.array([0.0, -0.0, 1.0, -1.0, 2.5, 1e-45, -1e-45, 3e38, -3e38], dtype=np.float32)
-    columns = [np.array(c) for c in zip(*itertools.product(edges, repeat=operation.arity), strict=True)]
+    columns = [
+        np.array(c) for c in zip(*itertools.product(edges, repeat=operation.arity), strict=True)
+    ]
     inputs = [Argument(x, ()) for x in "xyz"[: operation.arity]]
     program = trace("f", lambda *x: (function(*x),), inputs, [Argument("r", ())])
-    expected = [operation.number(*values) for values in zip(*(c.tolist() for c in columns), strict=True)]
+    expected = [
+        operation.number(*values) for values in zip(*(c.tolist() for c in columns), strict=True)
+    ]
     np.testing.assert_array_equal(compile_program(program, dtype="float32")(*columns), expected)
 
 
@@ -116,7 +146,10 @@ def test_nan_that_arises_inside_is_not_hidden_by_minimum_and_maximum(target, wid
                     function(elementary.sqrt(x), 1.0) + 0.0 * function(1.0, elementary.sqrt(x))
                     for function in (elementary.minimum, elementary.maximum)
                 )
-                + (elementary.less(elementary.sqrt(x), 1.0), elementary.where(elementary.sqrt(x), 2.0, 3.0))
+                + (
+                    elementary.less(elementary.sqrt(x), 1.0),
+                    elementary.where(elementary.sqrt(x), 2.0, 3.0),
+                )
             ),
             [Argument("x", ())],
             [Argument(name, ()) for name in "abcd"],
@@ -129,12 +162,15 @@ def test_nan_that_arises_inside_is_not_hidden_by_minimum_and_maximum(target, wid
 
 @pytest.mark.parametrize("width", [2, 4, 8])
 def test_a_choice_by_a_comparison_takes_its_truth_values(width):
-    """In one instruction; as exact where the comparison is a result too, or comes from elsewhere."""
+    """In one instruction; as exact where the comparison is a result too, or comes from
+    elsewhere."""
     e = elementary
     x, y = np.random.default_rng(0).normal(size=(2, 50))
     y[::5] = x[::5]
     for compare in (e.less, e.less_equal, e.equal):
-        kernel = compiled(lambda a, b, compare=compare: e.where(compare(a, b), a - b, 7.0), 2, width=width)
+        kernel = compiled(
+            lambda a, b, compare=compare: e.where(compare(a, b), a - b, 7.0), 2, width=width
+        )
         assert "fcmp une" not in kernel.source
         np.testing.assert_array_equal(kernel(x, y), np.where(compare(x, y), x - y, 7.0))
     several = trace(
@@ -142,7 +178,9 @@ def test_a_choice_by_a_comparison_takes_its_truth_values(width):
         lambda a, b: (
             e.less(a, b),
             e.where(e.less(a, b), e.where(a, b, 1.0), 3.0),
-            e.where(e.less(a, b), e.sin(e.less(a, b) * a), 3.0),  # compared before the sine, chosen behind it
+            e.where(
+                e.less(a, b), e.sin(e.less(a, b) * a), 3.0
+            ),  # compared before the sine, chosen behind it
         ),
         [Argument("a", ()), Argument("b", ())],
         [Argument("r", ()), Argument("s", ()), Argument("t", ())],
@@ -161,7 +199,9 @@ def test_constants_are_folded_as_the_float_function_says(name):
         assert graph.constant_of[made.index] == operation.number(*values)
 
 
-@pytest.mark.parametrize("name", [x for x in NAMED if OPERATIONS[x].symmetry or OPERATIONS[x].commutes])
+@pytest.mark.parametrize(
+    "name", [x for x in NAMED if OPERATIONS[x].symmetry or OPERATIONS[x].commutes]
+)
 def test_symmetries_make_one_node(name):
     graph, operation, function = Graph(), OPERATIONS[name], elementary.FUNCTIONS[name]
     x, y, z = (graph.input(k) for k in "xyz")
@@ -179,7 +219,9 @@ def test_symmetries_make_one_node(name):
             assert operation.number(a, b) == operation.number(b, a)
         if operation.symmetry and all(map(_in_domain, values)):
             mirrored = operation.number(-a, *values[1:])
-            assert mirrored == operation.number(*values) * (1 if operation.symmetry == "even" else -1)
+            assert mirrored == operation.number(*values) * (
+                1 if operation.symmetry == "even" else -1
+            )
 
 
 def _in_domain(x):
@@ -209,11 +251,14 @@ def test_derivatives_by_differences(name):
         for k in range(operation.arity):
             given = [Dual(v, {0: 1.0}) if i == k else v for i, v in enumerate(values)]
             above, below = (
-                function(*(v + s if i == k else v for i, v in enumerate(values))) for s in (step, -step)
+                function(*(v + s if i == k else v for i, v in enumerate(values)))
+                for s in (step, -step)
             )
             found = function(*given)
             assert found.value == function(*values)
-            assert found.slopes.get(0, 0.0) == pytest.approx((above - below) / (2 * step), rel=1e-8, abs=1e-8)
+            assert found.slopes.get(0, 0.0) == pytest.approx(
+                (above - below) / (2 * step), rel=1e-8, abs=1e-8
+            )
 
 
 def operation_or_nan(operation, values):
@@ -236,7 +281,12 @@ def test_a_choice_has_the_derivative_of_what_is_chosen():
     assert e.maximum(x, 2.0 * x).slopes == {0: 2.0}
     assert abs(-2.0 * x).slopes == {0: 2.0}
     assert slopes(abs(x - 3.0), 1) == [0.0]
-    assert (e.less(x, 4.0), e.less_equal(x, 3.0), e.equal(x, 4.0), e.sign(x)) == (1.0, 1.0, 0.0, 1.0)
+    assert (e.less(x, 4.0), e.less_equal(x, 3.0), e.equal(x, 4.0), e.sign(x)) == (
+        1.0,
+        1.0,
+        0.0,
+        1.0,
+    )
 
 
 def test_traced_and_differentiated_scalars_mix():
@@ -280,4 +330,6 @@ def test_python_text(name):
     space = {}
     exec(LANGUAGES["numpy"].emit(Unit(program, program.name)), space)
     columns = np.random.default_rng(1).uniform(0.1, 0.9, (operation.arity, 20))
-    np.testing.assert_array_equal(space["f"](*columns), compile_program(program, target="numpy")(*columns))
+    np.testing.assert_array_equal(
+        space["f"](*columns), compile_program(program, target="numpy")(*columns)
+    )

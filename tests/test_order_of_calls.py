@@ -1,4 +1,5 @@
-"""Results depend on the arguments alone: not on what was called before, nor on how a batch is cut."""
+"""Results depend on the arguments alone: not on what was called before, nor on how a batch is
+cut."""
 
 from __future__ import annotations
 
@@ -30,7 +31,8 @@ def last_entry(model: fb.Model, vector: np.ndarray, value: float) -> np.ndarray:
 
 
 def states(model: fb.Model) -> dict[str, dict[str, Any]]:
-    """Ordinary ones, and those that overflow in some entries of a result, hold NaN or have another shape."""
+    """Ordinary ones, and those that overflow in some entries of a result, hold NaN or have another
+    shape."""
     usual = state(model, 1)
     given = {
         "usual": usual,
@@ -95,7 +97,12 @@ def test_a_batch_has_the_bits_of_its_samples(name):
         except fb.FreebodyError:
             continue  # of loops, or needs another model
         for k in range(5):
-            one = call(model, {key: x if key in ("t", "seed") else x[k] for key, x in batch.items()})
+            one = call(
+                model, {key: x if key in ("t", "seed") else x[k] for key, x in batch.items()}
+            )
             pair = [x.wrenches if what == "reactions" else x for x in (whole, one)]
             for a, b in zip(*(x if isinstance(x, tuple) else (x,) for x in pair), strict=True):
-                assert np.ascontiguousarray(a[k]).tobytes() == np.ascontiguousarray(b).tobytes(), (what, k)
+                assert np.ascontiguousarray(a[k]).tobytes() == np.ascontiguousarray(b).tobytes(), (
+                    what,
+                    k,
+                )

@@ -55,13 +55,18 @@ def error(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
 
 # ---------------------------------------------------------------- one writer
 def test_only_one_module_writes_files():
-    """But for the cache of compiled code, which keeps its entries by the same rule under stricter ones of its own."""
+    """But for the cache of compiled code, which keeps its entries by the same rule under stricter
+    ones of its own."""
     writers = {}
     for path in SOURCES:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Call) and _writes(node):
-                writers.setdefault(path.relative_to(SOURCES[0].parent).as_posix(), []).append(node.lineno)
-    assert set(writers) == {"outputs/files.py", "outputs/folder.py", "targets/llvm/cache.py"}, writers
+                writers.setdefault(path.relative_to(SOURCES[0].parent).as_posix(), []).append(
+                    node.lineno
+                )
+    assert set(writers) == {"outputs/files.py", "outputs/folder.py", "targets/llvm/cache.py"}, (
+        writers
+    )
 
 
 def _writes(call: ast.Call) -> bool:
@@ -73,7 +78,9 @@ def _writes(call: ast.Call) -> bool:
     if name in ("to_netcdf", "savez", "netcdf_file"):
         return any(not isinstance(a, ast.Constant) for a in call.args)
     if name == "open":
-        return any(isinstance(a, ast.Constant) and re.search("[wax+]", str(a.value)) for a in call.args)
+        return any(
+            isinstance(a, ast.Constant) and re.search("[wax+]", str(a.value)) for a in call.args
+        )
     return False
 
 
@@ -84,11 +91,17 @@ def test_a_file_is_replaced_whole_and_keeps_its_rights(tmp_path: Path):
     linked = tmp_path / "link"
     linked.symlink_to(target)
     write(linked, b"2")
-    assert (target.read_bytes(), target.stat().st_mode & 0o777, linked.is_symlink()) == (b"2", 0o640, True)
+    assert (target.read_bytes(), target.stat().st_mode & 0o777, linked.is_symlink()) == (
+        b"2",
+        0o640,
+        True,
+    )
     assert [p.name for p in target.parent.iterdir()] == ["a.txt"]
 
 
-def test_a_file_is_on_the_disk_before_it_has_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_file_is_on_the_disk_before_it_has_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     done = []
 
     class Recorded(Operations):
@@ -128,7 +141,11 @@ def test_what_cannot_be_written_leaves_what_was_there(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, code: int
 ):
     target = write(tmp_path / "a.svg", "old")
-    said = {errno.ENOSPC: "the disk is full", errno.EACCES: "no permission", errno.EROFS: "only be read"}
+    said = {
+        errno.ENOSPC: "the disk is full",
+        errno.EACCES: "no permission",
+        errno.EROFS: "only be read",
+    }
 
     def failing(descriptor, content):
         raise OSError(code, os.strerror(code))
@@ -148,13 +165,21 @@ def test_a_folder_a_device_and_a_pipe_in_the_place_of_a_file(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, command: list[str]
 ):
     (tmp_path / "a.svg").mkdir()
-    assert error(capsys, *command, "a.svg") == "a.svg: cannot be written: there is a folder of that name."
+    assert (
+        error(capsys, *command, "a.svg")
+        == "a.svg: cannot be written: there is a folder of that name."
+    )
     (tmp_path / "full.svg").symlink_to("/dev/full")
     assert error(capsys, *command, "full.svg") == "full.svg: cannot be written: the disk is full."
     os.mkfifo("pipe.svg")
-    assert error(capsys, *command, "pipe.svg") == "pipe.svg: cannot be written: nobody reads from this pipe."
+    assert (
+        error(capsys, *command, "pipe.svg")
+        == "pipe.svg: cannot be written: nobody reads from this pipe."
+    )
     Path("file").write_text("")
-    assert error(capsys, *command, "file/b.svg").endswith("a part of the path is a file, not a folder.")
+    assert error(capsys, *command, "file/b.svg").endswith(
+        "a part of the path is a file, not a folder."
+    )
     assert error(capsys, "study", "2R", "--out", "/dev/full").endswith("name a folder with --out.")
 
 
@@ -168,7 +193,9 @@ def test_a_folder_a_device_and_a_pipe_in_the_place_of_a_file(
         ("{} | true; exit ${{PIPESTATUS[0]}}", 141, ""),
     ],
 )
-def test_a_stdout_that_is_closed_full_or_unread_is_no_fault_of_freebody(shell: str, code: int, said: str):
+def test_a_stdout_that_is_closed_full_or_unread_is_no_fault_of_freebody(
+    shell: str, code: int, said: str
+):
     command = ["bash", "-c", shell.format(f"'{sys.executable}' -m freebody models")]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (code, said)
@@ -216,8 +243,14 @@ def test_no_cell_of_a_table_is_a_formula(arm: fb.Study, tmp_path: Path):
         if path.suffix == ".csv":
             with path.open(encoding="utf-8", newline="") as file:
                 cells = [cell for row in csv.reader(file) for cell in row]
-            assert not [c for c in cells if re.match(r"[=+@\t\r]", c) or (c[:1] == "-" and not _is_number(c))]
-    assert csv_text([["-1;=2", -1.5, np.float64("nan"), np.bool_(True)]]) == '"\'-1;=2",-1.5,,yes\r\n'
+            assert not [
+                c
+                for c in cells
+                if re.match(r"[=+@\t\r]", c) or (c[:1] == "-" and not _is_number(c))
+            ]
+    assert (
+        csv_text([["-1;=2", -1.5, np.float64("nan"), np.bool_(True)]]) == '"\'-1;=2",-1.5,,yes\r\n'
+    )
 
 
 def _is_number(cell: str) -> bool:
@@ -227,14 +260,18 @@ def _is_number(cell: str) -> bool:
         return False
 
 
-@pytest.mark.parametrize("name", [*JOINTS, *LINKS, "", "'", "''=x", "'=x", "\t=", "＝1", "a=b", "-x.v"])
+@pytest.mark.parametrize(
+    "name", [*JOINTS, *LINKS, "", "'", "''=x", "'=x", "\t=", "＝1", "a=b", "-x.v"]
+)
 def test_a_harmless_cell_is_read_as_it_was_meant(name: str):
     assert as_meant(harmless(name)) == name
     assert not re.match(r"[=+\-@\t\r＝＋－＠]", harmless(name))
 
 
 def checksums(folder: Path) -> dict[str, str]:
-    return {p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in folder.iterdir() if p.is_file()}
+    return {
+        p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in folder.iterdir() if p.is_file()
+    }
 
 
 def test_the_manifest_lists_the_run(tmp_path: Path):
@@ -261,7 +298,9 @@ def test_one_failed_output_costs_no_other(
     assert run(["study", "2R", "--out", "out"]) == 2
     said = capsys.readouterr()
     assert said.err.count("\n") == 1
-    other = "what has this name here is not freebody's, or was changed; move it, or name another folder"
+    other = (
+        "what has this name here is not freebody's, or was changed; move it, or name another folder"
+    )
     assert (
         said.err
         == f"error: out: not written: study.nc: {other}; motion.csv: {other}. The other 6 are there.\n"
@@ -313,7 +352,8 @@ def test_runs_that_write_into_one_folder_at_once_come_one_after_the_other(tmp_pa
     code = (
         "import sys; from freebody.outputs.folder import write_folder\n"
         "make = lambda k: lambda: (sys.argv[1] * 400_000 + str(k))\n"
-        "for _ in range(8): write_folder(sys.argv[2], {f'{k}.csv': make(k) for k in range(6)}, {'run': sys.argv[1]})"
+        "for _ in range(8): write_folder(sys.argv[2], {f'{k}.csv': make(k) for k in range(6)}, "
+        "{'run': sys.argv[1]})"
     )
     runs = [
         subprocess.Popen(
@@ -325,15 +365,21 @@ def test_runs_that_write_into_one_folder_at_once_come_one_after_the_other(tmp_pa
     manifest = json.loads((tmp_path / MANIFEST).read_text())
     assert manifest["complete"]
     assert {
-        name: hashlib.sha256((tmp_path / name).read_bytes()).hexdigest() for name in manifest["files"]
+        name: hashlib.sha256((tmp_path / name).read_bytes()).hexdigest()
+        for name in manifest["files"]
     } == manifest["files"]
     assert sorted(os.listdir(tmp_path)) == sorted([*manifest["files"], MANIFEST])
 
 
 @posix
-def test_a_folder_that_another_run_holds_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_folder_that_another_run_holds_too_long_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.setattr(folder, "PATIENCE", 0.0)
-    with folder._alone(tmp_path), pytest.raises(FileError, match="another run is writing into this folder"):
+    with (
+        folder._alone(tmp_path),
+        pytest.raises(FileError, match="another run is writing into this folder"),
+    ):
         write_folder(tmp_path, {"a.csv": lambda: "1"}, {})
     assert os.listdir(tmp_path) == []
 
@@ -366,7 +412,8 @@ class Stopped(BaseException):
 
 
 class Operations:
-    """The system's file operations, of which the one of number `last` is never done (or its end not seen)."""
+    """The system's file operations, of which the one of number `last` is never done (or its end not
+    seen)."""
 
     NAMES = ("open", "write", "fsync", "close", "replace", "unlink", "makedirs")
 
@@ -404,9 +451,9 @@ def verdicts(folder: Path, old: dict[str, bytes], new: dict[str, bytes]) -> set[
     listed, said = json.loads(text), set()
     found = checksums(folder)
     for name, content in old.items():
-        which = {hashlib.sha256(c).hexdigest(): w for c, w in ((content, "old"), (new[name], "new"))}[
-            found[name]
-        ]
+        which = {
+            hashlib.sha256(c).hexdigest(): w for c, w in ((content, "old"), (new[name], "new"))
+        }[found[name]]
         is_of_the_run = listed["files"].get(name) == found[name]
         of_the_old = listed["about"]["run"] == "old"
         assert is_of_the_run == (which == ("old" if of_the_old else "new"))
@@ -454,7 +501,11 @@ def test_a_study_stopped_at_any_file_operation_leaves_whole_files_and_says_which
     assert stopped > 40
     assert seen == {frozenset({"old"}), frozenset({"new"}), frozenset({"old", "new"})}
     save("new", new)
-    assert {p.name for p in tmp_path.iterdir()} == {*new, MANIFEST, "mine.txt"}  # nothing half written stays
+    assert {p.name for p in tmp_path.iterdir()} == {
+        *new,
+        MANIFEST,
+        "mine.txt",
+    }  # nothing half written stays
 
 
 KILLED = """
@@ -472,7 +523,9 @@ for k in range(1000):
 def test_a_study_killed_at_random_moments_leaves_whole_files_and_says_which(tmp_path: Path):
     rng, mixed = random.Random(0), 0
     for _ in range(20):
-        with subprocess.Popen([sys.executable, "-c", KILLED], stdout=subprocess.PIPE, cwd=tmp_path) as child:
+        with subprocess.Popen(
+            [sys.executable, "-c", KILLED], stdout=subprocess.PIPE, cwd=tmp_path
+        ) as child:
             assert child.stdout is not None
             child.stdout.readline()
             time.sleep(rng.uniform(0, 0.8))
@@ -511,7 +564,8 @@ class Tags(HTMLParser):
 
 
 POLICY = (
-    "default-src 'none'; script-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; font-src data:; "
+    "default-src 'none'; script-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; "
+    "font-src data:; "
     "base-uri 'none'; form-action 'none'"
 )
 
@@ -541,6 +595,18 @@ def test_drawings_are_well_formed_whatever_the_names(arm: fb.Study, tmp_path: Pa
     q = np.zeros(arm.model.nq)
     for figure in (fb.free_body_diagram(arm.model, q), fb.kinematic_diagram(arm.model)):
         tree = ElementTree.parse(figure.save(tmp_path / "a.svg"))
-        drawn = {"svg", "style", "g", "path", "circle", "text", "tspan", "title", "rect", "line", "polygon"}
+        drawn = {
+            "svg",
+            "style",
+            "g",
+            "path",
+            "circle",
+            "text",
+            "tspan",
+            "title",
+            "rect",
+            "line",
+            "polygon",
+        }
         assert {e.tag.rpartition("}")[2] for e in tree.iter()} <= drawn
     assert legal("a\0\x0b\x1b\u202e\ud800\ufffeθ\n") == "a" + "\ufffd" * 6 + "θ\n"

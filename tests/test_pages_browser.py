@@ -1,4 +1,5 @@
-"""The policy of pages in a real browser: no page of ours offends it; nothing that is put into one runs or fetches."""
+"""The policy of pages in a real browser: no page of ours offends it; nothing that is put into one
+runs or fetches."""
 
 from __future__ import annotations
 
@@ -64,7 +65,9 @@ def test_no_page_offends_its_policy(arm: fb.Study, chromium, tmp_path):
         assert chromium.get_log("browser") == [], name
         assert chromium.execute_script("return document.scripts.length") == 0
         title = chromium.title
-        assert title.startswith("Dynamics of" if name == "notes" else "<script>alert(2)</script>: "), title
+        assert title.startswith(
+            "Dynamics of" if name == "notes" else "<script>alert(2)</script>: "
+        ), title
 
 
 def test_nothing_that_is_put_into_a_page_runs_or_fetches(arm: fb.Study, chromium, tmp_path, server):
@@ -83,7 +86,15 @@ def test_nothing_that_is_put_into_a_page_runs_or_fetches(arm: fb.Study, chromium
     assert tried(page)[0] == "held"
     assert asked == []
     log = "\n".join(entry["message"] for entry in chromium.get_log("browser"))
-    for rule in ("script-src", "img-src", "style-src", "default-src", "base-uri", "form-action", "font-src"):
+    for rule in (
+        "script-src",
+        "img-src",
+        "style-src",
+        "default-src",
+        "base-uri",
+        "form-action",
+        "font-src",
+    ):
         assert rule in log, rule
     path.write_text(page, encoding="utf-8")
     chromium.get(path.as_uri())

@@ -1,7 +1,9 @@
-"""Derivatives by a robot's own numbers, against the complex step: f(p + ih) has the derivative as its imaginary part.
+"""Derivatives by a robot's own numbers, against the complex step: f(p + ih) has the derivative as
+its imaginary part.
 
-The step is taken in plain complex arithmetic over the model's tree: neither scalars with slopes nor compiled code nor
-regrouped numbers take part, and no difference is formed that would round (W. Squire, G. Trapp, SIAM Review 40, 1998).
+The step is taken in plain complex arithmetic over the model's tree: neither scalars with slopes nor
+compiled code nor regrouped numbers take part, and no difference is formed that would round (W.
+Squire, G. Trapp, SIAM Review 40, 1998).
 """
 
 from __future__ import annotations
@@ -22,11 +24,17 @@ TERMS = {"viscous": 0.3, "coulomb": 0.2, "rotor": 1e-4, "gear": 50.0, "stiffness
 
 
 def ur5e() -> fb.Model:
-    return fb.load("ur5e").with_drive("elbow_joint", **TERMS).with_payload(mass=1.5, com=(0.01, 0.02, 0.1))
+    return (
+        fb.load("ur5e")
+        .with_drive("elbow_joint", **TERMS)
+        .with_payload(mass=1.5, com=(0.01, 0.02, 0.1))
+    )
 
 
 def planar() -> fb.Model:
-    arm = fb.planar("RRP", l=[0.5, 0.4, 0.2], lc=[0.2, 0.3, 0.1], m=[3.0, 2.0, 1.0], I=[0.1, 0.05, 0.02])
+    arm = fb.planar(
+        "RRP", l=[0.5, 0.4, 0.2], lc=[0.2, 0.3, 0.1], m=[3.0, 2.0, 1.0], I=[0.1, 0.05, 0.02]
+    )
     return arm.with_drive(arm.joint_names[1], **TERMS)
 
 
@@ -36,7 +44,9 @@ def free_base() -> fb.Model:
     return model.with_drive(joint, **TERMS)
 
 
-def complex_steps(model: fb.Model, name: str, names: list[str], arrays: dict[str, np.ndarray]) -> np.ndarray:
+def complex_steps(
+    model: fb.Model, name: str, names: list[str], arrays: dict[str, np.ndarray]
+) -> np.ndarray:
     """∂f/∂p (*output, k), all k in one evaluation over arrays of complex numbers."""
     given = inputs_of("fb.kernel", model, names)
     p = given.values[:, None] + 1j * STEP * np.eye(len(given.names))
@@ -47,7 +57,9 @@ def complex_steps(model: fb.Model, name: str, names: list[str], arrays: dict[str
     entries = [value]
     for _ in shape:
         entries = [x for row in entries for x in row]
-    return np.stack([np.broadcast_to(np.imag(x) / STEP, len(p)) for x in entries]).reshape(*shape, len(p))
+    return np.stack([np.broadcast_to(np.imag(x) / STEP, len(p)) for x in entries]).reshape(
+        *shape, len(p)
+    )
 
 
 @pytest.mark.parametrize("name", QUANTITIES)
@@ -55,7 +67,8 @@ def complex_steps(model: fb.Model, name: str, names: list[str], arrays: dict[str
 def test_derivatives_by_any_number_are_those_of_the_complex_step(robot, name):
     model = robot()
     known = [r for r in fb.parameters(model) if not r.limit]
-    # some, and of each kind (mass, com.x, placement.yaw, a, viscous, …) the last, zeros and right angles too
+    # some, and of each kind (mass, com.x, placement.yaw, a, viscous, …) the last, zeros and right
+    # angles too
     kinds = {r.parts[1:] or r.name: r.name for r in known}
     names = list(dict.fromkeys([*(r.name for r in known[::9]), *kinds.values()]))
     kernel = fb.kernel(model, name, inputs=names, by="p")

@@ -31,7 +31,11 @@ def test_the_passive_entry_of_a_cart_pole_is_the_torque_that_is_missing():
     force = 2.3 * 0.7 - m * l * (s * 1.5 + c * 4.0)
     missing = m * l**2 * 1.5 - m * l * s * 0.7 + m * g * l * c
     np.testing.assert_allclose(fb.inverse_dynamics(model, q, qd, qdd), [force, missing], rtol=1e-13)
-    assert (model.passive, model.passive_names, model.driven_names) == ((1,), ("joint2",), ("joint1",))
+    assert (model.passive, model.passive_names, model.driven_names) == (
+        (1,),
+        ("joint2",),
+        ("joint1",),
+    )
 
 
 def test_a_motion_of_the_drives_alone_misses_nothing_at_the_passive_joint():
@@ -61,7 +65,9 @@ def test_a_motion_of_the_drives_alone_misses_nothing_at_the_passive_joint():
 def test_a_torque_at_a_passive_joint_is_refused_by_name(call):
     model = cart_pole()
     call(model, [1.0, 0.0])
-    with pytest.raises(PassiveJointError, match=r"the torque of 'joint2' is 0\.5.*passive.*actuated="):
+    with pytest.raises(
+        PassiveJointError, match=r"the torque of 'joint2' is 0\.5.*passive.*actuated="
+    ):
         call(model, [1.0, 0.5])
     call(model.replace(actuated=["joint1", "joint2"]), [1.0, 0.5])
 
@@ -94,13 +100,17 @@ def test_passive_joints_of_a_file_come_back_when_saved(tmp_path: Path, text: str
 
 
 def test_what_cannot_be_passive_is_refused(tmp_path: Path):
-    with pytest.raises(ModelError, match=r"no joint 'pin' in planar: passive\. .*Joints: joint1, joint2"):
+    with pytest.raises(
+        ModelError, match=r"no joint 'pin' in planar: passive\. .*Joints: joint1, joint2"
+    ):
         fb.planar("PR", passive=["pin"])
     with pytest.raises(ModelError, match="dh row 1: passive is 'yes', expected True or False"):
         fb.dh([{"passive": "yes"}], convention="standard")
     links = "".join(f'[[link]]\nname = "{name}"\nmass = 1\n' for name in "abc")
     joint = '[[joint]]\nname = "%s"\nkind = "revolute"\naxis = "z"\nparent = "%s"\nchild = "%s"\n'
-    follows = links + joint % ("u", "a", "b") + joint % ("v", "b", "c") + 'mimic = { joint = "u" }\n'
+    follows = (
+        links + joint % ("u", "a", "b") + joint % ("v", "b", "c") + 'mimic = { joint = "u" }\n'
+    )
     file = tmp_path / "a.toml"
     file.write_text(follows + "passive = true\n")
     with pytest.raises(FileError, match="joint 'v': passive: the joint follows another"):
@@ -118,7 +128,14 @@ def test_a_motion_of_the_drives_alone_stays_feasible_in_a_file_of_six_digits(tmp
     q = found["q"].values
     for bend, undriven in ((0.0, False), (0.05, True)):
         rows = np.column_stack([t, q[:, 0], q[:, 1] + bend * np.sin(3 * t)])
-        np.savetxt(tmp_path / "m.csv", rows, delimiter=",", header="t,joint1,joint2", comments="", fmt="%.6f")
+        np.savetxt(
+            tmp_path / "m.csv",
+            rows,
+            delimiter=",",
+            header="t,joint1,joint2",
+            comments="",
+            fmt="%.6f",
+        )
         motion = fb.read_motion(model, tmp_path / "m.csv")
         data = series(model, "tip", motion)
         text = verdict(model, motion, data, summary(model, motion, data)).text
@@ -180,10 +197,14 @@ def test_drives_alone_do_work_and_a_swing_keeps_its_pace():
     t = np.linspace(0, 2, 201)
     free = fb.simulate(model, [0, -1.4], [0, 0], t, lambda now, q, qd: [3 * np.sin(5 * now), 0.0])
     found = fb.study(
-        model, fb.Motion(t, *(free[x].values for x in ("q", "qd", "qdd")), "simulated", layout(model))
+        model,
+        fb.Motion(t, *(free[x].values for x in ("q", "qd", "qdd")), "simulated", layout(model)),
     )
     assert found.verdict.outcome == "feasible"
-    assert "It cannot be run at another pace: joint2 has no motor and would not follow." in found.verdict.text
+    assert (
+        "It cannot be run at another pace: joint2 has no motor and would not follow."
+        in found.verdict.text
+    )
     assert "times as fast" not in found.verdict.text
     assert np.isnan(found.verdict.factor)
     default = fb.study(model)
@@ -202,7 +223,9 @@ def test_drives_alone_do_work_and_a_swing_keeps_its_pace():
 
 
 def test_a_page_numbers_drives_as_its_drawings_number_joints_and_claims_no_source(tmp_path: Path):
-    (tmp_path / "crane.toml").write_text(crane("").replace('name = "lift"', 'name = "lift"\npassive = true'))
+    (tmp_path / "crane.toml").write_text(
+        crane("").replace('name = "lift"', 'name = "lift"\npassive = true')
+    )
     study = fb.study(fb.load(tmp_path / "crane.toml"))
     for table in (drives(study), work(study)):
         assert [[cell.text for cell in row[:2]] for row in table.rows] == [["2", "pin"]]

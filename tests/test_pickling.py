@@ -32,7 +32,9 @@ def test_a_model_that_was_used():
 def test_bundled_models(name: str):
     model = fb.load(name, physical="ignore")
     assert repr(again(model)) == repr(model)
-    assert [body.kind is KINDS[body.joint.kind] for body in again(model).bodies] == [True] * len(model.bodies)
+    assert [body.kind is KINDS[body.joint.kind] for body in again(model).bodies] == [True] * len(
+        model.bodies
+    )
 
 
 @pytest.mark.parametrize("target", ["cpu", "numpy"])
@@ -40,7 +42,11 @@ def test_a_kernel(target: str):
     kernel = fb.kernel(fb.load("2R"), ["mass_matrix", "bias"], target=target)
     q = np.array([[0.1, 0.2], [0.3, 0.4]])
     other = again(kernel)
-    assert (other.target, other.width, other.signature) == (kernel.target, kernel.width, kernel.signature)
+    assert (other.target, other.width, other.signature) == (
+        kernel.target,
+        kernel.width,
+        kernel.signature,
+    )
     for x, y in zip(other(q, q), kernel(q, q), strict=True):
         assert np.array_equal(x, y)
 

@@ -1,8 +1,9 @@
 """Every URDF file of example-robot-data beside Pinocchio, on a fixed and on a free base.
 
-By the formulas on plain arrays; a dozen robots by compiled kernels too, and all of them in the long run. Joints are
-paired by name: Pinocchio sorts children, and keeps a continuous joint as (cos, sin) and quaternions as xyzw. What it
-leaves out of a file (friction) is read here with the standard library's parser.
+By the formulas on plain arrays; a dozen robots by compiled kernels too, and all of them in the long
+run. Joints are paired by name: Pinocchio sorts children, and keeps a continuous joint as (cos, sin)
+and quaternions as xyzw. What it leaves out of a file (friction) is read here with the standard
+library's parser.
 """
 
 from __future__ import annotations
@@ -49,7 +50,9 @@ def test_files_that_are_refused():
             refused[name] = str(error)
     assert refused.keys() == REFUSED.keys()
     for name, reason in REFUSED.items():
-        assert re.search(rf"{re.escape(name)}:\d+: {re.escape(reason)}", refused[name].replace("\\", "/"))
+        assert re.search(
+            rf"{re.escape(name)}:\d+: {re.escape(reason)}", refused[name].replace("\\", "/")
+        )
     # what Pinocchio itself cannot read, and what it reads only because it drops the mimics
     with pytest.raises(ValueError, match="does not contain a valid URDF"):
         pin.buildModelFromUrdf(str(ROBOTS / "ur_description/urdf/ur3.urdf"))
@@ -64,12 +67,16 @@ def test_dynamics(name: str, base: str):
     q, qd, qdd = state(model, name)
     bare = dry(model)
     relative(
-        numbers(bare, "inverse_dynamics", q, qd, qdd), theirs.of(pin.rnea, q, qd, qdd), "inverse dynamics"
+        numbers(bare, "inverse_dynamics", q, qd, qdd),
+        theirs.of(pin.rnea, q, qd, qdd),
+        "inverse dynamics",
     )
     M = numbers(model, "mass_matrix", q)
     relative(M, np.array([symmetric(m) for m in theirs.of(pin.crba, q)]), "mass matrix")
     relative(numbers(bare, "bias", q, qd), theirs.of(pin.nonLinearEffects, q, qd), "bias")
-    relative(numbers(model, "gravity_torque", q), theirs.of(pin.computeGeneralizedGravity, q), "gravity")
+    relative(
+        numbers(model, "gravity_torque", q), theirs.of(pin.computeGeneralizedGravity, q), "gravity"
+    )
     energies = (pin.computeKineticEnergy, lambda m, d, q, v: pin.computePotentialEnergy(m, d, q))
     for quantity, compute in zip(("kinetic_energy", "potential_energy"), energies, strict=True):
         expected = [
@@ -145,17 +152,25 @@ def frames(name: str, base: str, most: int) -> None:
             at = (theirs.model, theirs.data, i)
             J.append(pin.getFrameJacobian(*at, pin.LOCAL_WORLD_ALIGNED)[:, theirs.v])
             Jb.append(pin.getFrameJacobian(*at, pin.LOCAL)[:, theirs.v])
-            pin.forwardKinematics(theirs.model, theirs.data, x, theirs.rates(qd[k]), theirs.rates(qdd[k]))
+            pin.forwardKinematics(
+                theirs.model, theirs.data, x, theirs.rates(qd[k]), theirs.rates(qdd[k])
+            )
             pin.updateFramePlacements(theirs.model, theirs.data)
             v.append(pin.getFrameVelocity(*at, pin.LOCAL_WORLD_ALIGNED).vector)
             a.append(pin.getFrameClassicalAcceleration(*at, pin.LOCAL_WORLD_ALIGNED).vector)
         here = {"frame": str(frame)}
         relative(numbers(model, "jacobian", q, **here), np.array(J), f"J of {frame}")
         relative(
-            numbers(model, "jacobian", q, reference="body", **here), np.array(Jb), f"J of {frame}, body axes"
+            numbers(model, "jacobian", q, reference="body", **here),
+            np.array(Jb),
+            f"J of {frame}, body axes",
         )
         relative(numbers(model, "velocity", q, qd, **here), np.array(v), f"velocity of {frame}")
-        relative(numbers(model, "acceleration", q, qd, qdd, **here), np.array(a), f"acceleration of {frame}")
+        relative(
+            numbers(model, "acceleration", q, qd, qdd, **here),
+            np.array(a),
+            f"acceleration of {frame}",
+        )
 
 
 @pytest.mark.parametrize("name", LOADED)
@@ -181,7 +196,11 @@ def test_coriolis_matrix_on_a_fixed_base(name: str):
     model, theirs = pair(name, "fixed")
     if model.nv:
         q, qd, _ = state(model, name)
-        relative(numbers(model, "coriolis_matrix", q, qd), theirs.of(pin.computeCoriolisMatrix, q, qd), "C")
+        relative(
+            numbers(model, "coriolis_matrix", q, qd),
+            theirs.of(pin.computeCoriolisMatrix, q, qd),
+            "C",
+        )
 
 
 # ---------------------------------------------------------------- forward dynamics
@@ -203,7 +222,9 @@ def test_forward_dynamics(name: str, base: str):
         with pytest.raises(fb.FreebodyError) as refusal:
             fb.forward_dynamics(model, q, qd, tau)
         text = str(refusal.value)
-        assert text.startswith(f"forward_dynamics: the mass matrix of {model.name!r} is singular: joint")
+        assert text.startswith(
+            f"forward_dynamics: the mass matrix of {model.name!r} is singular: joint"
+        )
         assert f" {listed(map(repr, idle))} move{'' if len(idle) > 1 else 's'} no inertia." in text
         return
     qdd = numbers(dry(model), "forward_dynamics", q, qd, tau)
@@ -227,10 +248,13 @@ def test_default_snapping_moves_things_by_the_angles_changed(name: str):
     changed = 0.0
     if told:
         (text,) = told
-        count, largest = re.search(r": (\d+) angles? .* largest change ([0-9.e+-]+) rad", text).groups()
+        count, largest = re.search(
+            r": (\d+) angles? .* largest change ([0-9.e+-]+) rad", text
+        ).groups()
         assert 0 < float(largest) <= 3.05e-9
         changed = int(count) * float(largest)
-    # each changed angle turns what is behind it, and a torque by at most that angle times the moments there
+    # each changed angle turns what is behind it, and a torque by at most that angle times the
+    # moments there
     W = numbers(exact, "joint_wrenches", q, qd, qdd)
     reach = 1.0 + max(float(np.abs(T[..., :3, 3]).max()) for T in poses(exact, q).values())
     moments = float(np.abs(W).max()) * reach
@@ -261,7 +285,8 @@ FOLLOWING = [name for name in LOADED if name not in REFUSED and mimics(name)]
 @pytest.mark.parametrize("base", BASES)
 @pytest.mark.parametrize("name", FOLLOWING)
 def test_mimics_followed(name: str, base: str):
-    """q = G y + q0, tau_y = Gᵀ tau(G y + q0, G ẏ, G ÿ), with Pinocchio's tau of the joints set free."""
+    """q = G y + q0, tau_y = Gᵀ tau(G y + q0, G ẏ, G ÿ), with Pinocchio's tau of the joints set
+    free."""
     free, theirs = pair(name, base)
     model = fb.load(str(ROBOTS / name), base=base, snap_angles=0, physical="ignore")
     follows = mimics(name)
@@ -297,7 +322,11 @@ def test_some_files_have_mimics():
 # ---------------------------------------------------------------- compiled kernels
 @pytest.mark.parametrize("name", DOZEN)
 def test_kernels(name: str):
-    kernels(name, "fixed", ("mass_matrix", "bias", "inverse_dynamics", "forward_dynamics", "gravity_torque"))
+    kernels(
+        name,
+        "fixed",
+        ("mass_matrix", "bias", "inverse_dynamics", "forward_dynamics", "gravity_torque"),
+    )
 
 
 @pytest.mark.long
@@ -306,7 +335,14 @@ def test_all_kernels(name: str, base: str):
     kernels(
         name,
         base,
-        ("mass_matrix", "bias", "inverse_dynamics", "forward_dynamics", "gravity_torque", "coriolis_matrix"),
+        (
+            "mass_matrix",
+            "bias",
+            "inverse_dynamics",
+            "forward_dynamics",
+            "gravity_torque",
+            "coriolis_matrix",
+        ),
     )
 
 
@@ -324,14 +360,27 @@ def kernels(name: str, base: str, quantities: tuple[str, ...]) -> None:
         elif quantity == "bias":
             relative(fb.bias(bare, q, qd), theirs.of(pin.nonLinearEffects, q, qd), quantity)
         elif quantity == "inverse_dynamics":
-            relative(fb.inverse_dynamics(bare, q, qd, qdd), theirs.of(pin.rnea, q, qd, qdd), quantity)
+            relative(
+                fb.inverse_dynamics(bare, q, qd, qdd), theirs.of(pin.rnea, q, qd, qdd), quantity
+            )
         elif quantity == "gravity_torque":
-            relative(fb.gravity_torque(bare, q), theirs.of(pin.computeGeneralizedGravity, q), quantity)
+            relative(
+                fb.gravity_torque(bare, q), theirs.of(pin.computeGeneralizedGravity, q), quantity
+            )
         elif quantity == "coriolis_matrix" and base == "fixed":
-            relative(fb.coriolis_matrix(bare, q, qd), theirs.of(pin.computeCoriolisMatrix, q, qd), quantity)
+            relative(
+                fb.coriolis_matrix(bare, q, qd),
+                theirs.of(pin.computeCoriolisMatrix, q, qd),
+                quantity,
+            )
         elif quantity == "forward_dynamics" and name not in SINGULAR:
             allowed = max(1e-10, 1e3 * EPS * max(np.linalg.cond(m) for m in M))
-            relative(fb.forward_dynamics(bare, q, qd, qdd), theirs.of(pin.aba, q, qd, qdd), quantity, allowed)
+            relative(
+                fb.forward_dynamics(bare, q, qd, qdd),
+                theirs.of(pin.aba, q, qd, qdd),
+                quantity,
+                allowed,
+            )
     leaf = model.leaves[0]
     i = theirs.model.getFrameId(leaf, pin.FrameType.BODY)
     T, J = [], []
@@ -339,6 +388,8 @@ def kernels(name: str, base: str, quantities: tuple[str, ...]) -> None:
         pin.computeJointJacobians(theirs.model, theirs.data, theirs.q(x))
         pin.updateFramePlacements(theirs.model, theirs.data)
         T.append(theirs.data.oMf[i].homogeneous.copy())
-        J.append(pin.getFrameJacobian(theirs.model, theirs.data, i, pin.LOCAL_WORLD_ALIGNED)[:, theirs.v])
+        J.append(
+            pin.getFrameJacobian(theirs.model, theirs.data, i, pin.LOCAL_WORLD_ALIGNED)[:, theirs.v]
+        )
     relative(fb.forward_kinematics(bare, q, leaf), np.array(T), "placement")
     relative(fb.jacobian(bare, q, leaf), np.array(J), "Jacobian")

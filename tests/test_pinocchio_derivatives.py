@@ -1,6 +1,8 @@
-"""Derivatives of inverse and forward dynamics beside Pinocchio: a dozen robots, in the long run every file.
+"""Derivatives of inverse and forward dynamics beside Pinocchio: a dozen robots, in the long run
+every file.
 
-Both take them on the tangent space, of free joints in body axes, and by angle and not by (cos, sin).
+Both take them on the tangent space, of free joints in body axes, and by angle and not by (cos,
+sin).
 """
 
 from __future__ import annotations

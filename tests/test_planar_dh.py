@@ -34,7 +34,13 @@ def chain(word: str, q: np.ndarray, angles: list[float] | None = None) -> list[n
     """Poses of the link frames and of the tip, from the geometry as the conventions tell it."""
     T, poses = np.eye(3), []
     for i, letter in enumerate(word):
-        constant = angles[i] if angles else math.pi / 2 if letter == "P" and i and word[i - 1] == "P" else 0.0
+        constant = (
+            angles[i]
+            if angles
+            else math.pi / 2
+            if letter == "P" and i and word[i - 1] == "P"
+            else 0.0
+        )
         T = T @ planar_pose(L[i - 1] if i else 0.0, 0, constant)
         T = T @ (planar_pose(0, 0, q[i]) if letter == "R" else planar_pose(q[i], 0, 0))
         poses.append(T)
@@ -63,7 +69,9 @@ def test_geometry_of_a_word(word: str, angles: list[float] | None):
     T2 = 0.0
     for m, lc, inertia, A, B in zip(MASS, LC, I_G, ahead[:-1], behind[:-1], strict=False):
         v = ((A - B) @ [lc, 0, 1])[:2] / (2 * h)
-        turned = math.atan2((B[:2, :2].T @ A[:2, :2])[1, 0], (B[:2, :2].T @ A[:2, :2])[0, 0]) / (2 * h)
+        turned = math.atan2((B[:2, :2].T @ A[:2, :2])[1, 0], (B[:2, :2].T @ A[:2, :2])[0, 0]) / (
+            2 * h
+        )
         T2 += m * v @ v + inertia * turned**2
     assert fb.kinetic_energy(model, q, qd) == pytest.approx(T2 / 2, rel=1e-7)
 
@@ -76,7 +84,9 @@ def test_words_that_have_a_name():
     assert fb.mass_matrix(cartesian, q) == pytest.approx(np.diag([3.0, 1.0]))
     assert fb.gravity_torque(cartesian, q) == pytest.approx([0, 9.81])
     cart = fb.planar("PR", l=[0, 1], lc=[0, 1], m=[2, 1], I=[0, 0])
-    assert fb.mass_matrix(cart, q) == pytest.approx(np.array([[3, -math.sin(0.9)], [-math.sin(0.9), 1]]))
+    assert fb.mass_matrix(cart, q) == pytest.approx(
+        np.array([[3, -math.sin(0.9)], [-math.sin(0.9), 1]])
+    )
     assert fb.gravity_torque(cart, q) == pytest.approx([0, 9.81 * math.cos(0.9)])
     extends = fb.planar("RP", l=[0, 0], lc=[0.5, 0], m=[1, 2], I=[0.1, 0])
     assert fb.mass_matrix(extends, q) == pytest.approx(np.diag([0.1 + 0.25 + 2 * 0.81, 2.0]))
@@ -97,7 +107,11 @@ def test_two_revolute_links_in_closed_form():
     H22 = m2 * lc2**2 + I2
     close(fb.mass_matrix(model, q), [[H11, H12], [H12, H22]], 1e-14)
     h = m2 * l1 * lc2 * s2
-    close(fb.coriolis_matrix(model, q, qd), [[-h * qd[1], -h * (qd[0] + qd[1])], [h * qd[0], 0]], 1e-14)
+    close(
+        fb.coriolis_matrix(model, q, qd),
+        [[-h * qd[1], -h * (qd[0] + qd[1])], [h * qd[0], 0]],
+        1e-14,
+    )
     G = 9.81 * np.array([m1 * lc1 * c1 + m2 * (lc2 * c12 + l1 * c1), m2 * lc2 * c12])
     close(fb.gravity_torque(model, q), G, 1e-14)
     J = [[-l1 * s1 - l2 * s12, -l2 * s12], [l1 * c1 + l2 * c12, l2 * c12], [1, 1]]
@@ -135,7 +149,10 @@ def test_options_of_a_word():
         1
     ] == pytest.approx(2.0)
     bare = arm("RR", g=[1.0, 0.0])
-    assert (fb.mass_matrix(model, z) - fb.mass_matrix(bare, z)).tolist() == [[0, 0], [0, pytest.approx(10.0)]]
+    assert (fb.mass_matrix(model, z) - fb.mass_matrix(bare, z)).tolist() == [
+        [0, 0],
+        [0, pytest.approx(10.0)],
+    ]
 
 
 def test_refusals_of_words():
@@ -144,14 +161,18 @@ def test_refusals_of_words():
         refused(f"planar: the word {word!r} {letters}", lambda word=word: fb.planar(word))
     refused("planar: l must have 2 entries, one a joint; got [1].", lambda: fb.planar("RR", l=[1]))
     refused("planar: m must have 2 entries, one a joint; got 3.", lambda: fb.planar("RR", m=3))
-    refused("planar: I must have 2 entries, one a joint; got 'ab'.", lambda: fb.planar("RR", I="ab"))
     refused(
-        "planar: angles must have 2 entries, one a joint; got [0.1].", lambda: fb.planar("RR", angles=[0.1])
+        "planar: I must have 2 entries, one a joint; got 'ab'.", lambda: fb.planar("RR", I="ab")
+    )
+    refused(
+        "planar: angles must have 2 entries, one a joint; got [0.1].",
+        lambda: fb.planar("RR", angles=[0.1]),
     )
     refused("planar: angles[0]: 'a' is not a number.", lambda: fb.planar("RR", angles=["a", 0]))
     refused("planar: l[1]: nan is not a finite number.", lambda: fb.planar("RR", l=[1, math.nan]))
     refused(
-        "gravity: a vector of 2 entries in world axes is needed, not 3.", lambda: fb.planar("R", g=[0, 0, -1])
+        "gravity: a vector of 2 entries in world axes is needed, not 3.",
+        lambda: fb.planar("R", g=[0, 0, -1]),
     )
     refused(
         "'RR': joint 'joint1': lower limit 1 is above upper -1; swap them.",
@@ -245,10 +266,18 @@ def test_dh_frames_and_energies(convention: str, seed: int):
     q, qd, _ = fb.random_state(model, seed)
     frames = dh_frames(rows, q, convention)
     for i, T in enumerate(frames):
-        close(numbers(model, "forward_kinematics", q, frame=f"frame{i + 1}"), T, 1e-13, 1.0, f"frame {i + 1}")
+        close(
+            numbers(model, "forward_kinematics", q, frame=f"frame{i + 1}"),
+            T,
+            1e-13,
+            1.0,
+            f"frame {i + 1}",
+        )
     assert model.tip == f"frame{len(rows)}"
     # the centre of mass and the tensor are in DH frame i
-    V = sum(row["m"] * 9.81 * (T @ [*row["com"], 1])[2] for row, T in zip(rows, frames, strict=True))
+    V = sum(
+        row["m"] * 9.81 * (T @ [*row["com"], 1])[2] for row, T in zip(rows, frames, strict=True)
+    )
     assert numbers(model, "potential_energy", q) == pytest.approx(V)
     h = 1e-6
     ahead, behind = (dh_frames(rows, q + s * h * qd, convention) for s in (1, -1))
@@ -266,7 +295,8 @@ def test_dh_frames_and_energies(convention: str, seed: int):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_one_arm_in_both_conventions(seed: int):
-    """Modified row i holds a and alpha of standard row i - 1; its frame i is the standard one before Tx Rx."""
+    """Modified row i holds a and alpha of standard row i - 1; its frame i is the standard one
+    before Tx Rx."""
     n = 5
     rows = table(seed, n)
     shifted = []
@@ -280,7 +310,9 @@ def test_one_arm_in_both_conventions(seed: int):
     for name in ("inverse_dynamics", "joint_wrenches"):
         found = numbers(modified, name, q, qd, qdd)
         expected = numbers(standard, name, q, qd, qdd)
-        if name == "joint_wrenches":  # modified frames sit at d_i along the joint's axis: forces are the same
+        if (
+            name == "joint_wrenches"
+        ):  # modified frames sit at d_i along the joint's axis: forces are the same
             found, expected = found[..., :3], expected[..., :3]
         close(found, expected, 1e-12, 1.0, name)
     close(numbers(modified, "mass_matrix", q), numbers(standard, "mass_matrix", q), 1e-12, 1.0, "M")
@@ -305,24 +337,36 @@ def test_right_angles_are_exact():
 
 
 def test_letters_in_a_table():
-    row = {"d": "d1", "a": "a1", "m": "m1", "com": ("c1x", 0, 0), "I": ("I1xx", 0, 0, "I1yy", 0, "I1zz")}
+    row = {
+        "d": "d1",
+        "a": "a1",
+        "m": "m1",
+        "com": ("c1x", 0, 0),
+        "I": ("I1xx", 0, 0, "I1yy", 0, "I1zz"),
+    }
     model = fb.dh([row], convention="standard", gravity="g")
     assert set(model.missing) == {"d1", "a1", "m1", "c1x", "I1xx", "I1yy", "I1zz", "g"}
     bound = model.bind(d1=0.1, a1=0.2, m1=2, c1x=-0.1, I1xx=0.1, I1yy=0.1, I1zz=0.1, g=9.81)
     assert fb.mass_matrix(bound, [0.3])[0, 0] == pytest.approx(0.1 + 2 * 0.01)
-    angle = fb.dh([{"alpha": "alpha1", "a": 1.0}, {"m": 1.0, "com": (1.0, 0.0, 0.0)}], convention="standard")
-    assert fb.forward_kinematics(angle.bind(alpha1=math.pi / 2), [0.0, math.pi / 2])[:3, 3] == pytest.approx(
-        [1, 0, 0]
+    angle = fb.dh(
+        [{"alpha": "alpha1", "a": 1.0}, {"m": 1.0, "com": (1.0, 0.0, 0.0)}], convention="standard"
     )
+    assert fb.forward_kinematics(angle.bind(alpha1=math.pi / 2), [0.0, math.pi / 2])[
+        :3, 3
+    ] == pytest.approx([1, 0, 0])
 
 
 def test_refusals_of_tables():
     def dh(*rows, convention="standard", **options):
         return lambda: fb.dh(list(rows), convention=convention, **options)
 
-    refused("no convention 'craig' in dh. Conventions: standard, modified.", dh({}, convention="craig"))
+    refused(
+        "no convention 'craig' in dh. Conventions: standard, modified.", dh({}, convention="craig")
+    )
     refused("dh: the table has no rows; give one a joint.", dh())
-    keys = "Keys: joint, name, theta, d, a, alpha, m, com, I, rotor, gear, friction, limits, passive."
+    keys = (
+        "Keys: joint, name, theta, d, a, alpha, m, com, I, rotor, gear, friction, limits, passive."
+    )
     refused(f"no key 'alfa' in dh row 2. Did you mean 'alpha'? {keys}", dh({}, {"alfa": 1}))
     refused("dh row 1: joint is 'Q', expected 'R' or 'P'.", dh({"joint": "Q"}))
     refused("dh row 1: com or I without a mass; add m.", dh({"com": (0, 0, 0)}))
@@ -338,11 +382,16 @@ def test_refusals_of_tables():
         "dh row 1: Inertia: the 3×3 tensor is not symmetric.",
         dh({"m": 1, "I": [[1, 1, 0], [0, 1, 0], [0, 0, 1]]}),
     )
-    refused("gravity: a vector of 3 entries in world axes is needed, not 2.", dh({}, gravity=[0, 1]))
-    refused("'dh': two links are called 'arm'; rename one.", dh({"name": "arm"}, {"name": "arm"}))
-    refused("'dh': joint 'joint1': lower limit 2 is above upper 1; swap them.", dh({"limits": (2, 1)}))
     refused(
-        "'dh': link 'link1': principal moments 0.1, 0.1, 0.5 kg m² break the triangle inequality (0.1 + 0.1 < 0.5). "
+        "gravity: a vector of 3 entries in world axes is needed, not 2.", dh({}, gravity=[0, 1])
+    )
+    refused("'dh': two links are called 'arm'; rename one.", dh({"name": "arm"}, {"name": "arm"}))
+    refused(
+        "'dh': joint 'joint1': lower limit 2 is above upper 1; swap them.", dh({"limits": (2, 1)})
+    )
+    refused(
+        "'dh': link 'link1': principal moments 0.1, 0.1, 0.5 kg m² break the triangle inequality "
+        "(0.1 + 0.1 < 0.5). "
         "Correct it, or accept it with physical='warn'.",
         dh({"m": 1, "I": [0.1, 0, 0, 0.1, 0, 0.5]}),
     )

@@ -1,4 +1,5 @@
-"""Quantities by name, relations between them, functions given as formulas, mass by integration, rotations by angles."""
+"""Quantities by name, relations between them, functions given as formulas, mass by integration,
+rotations by angles."""
 
 import numpy as np
 import pytest
@@ -35,7 +36,9 @@ def test_quantities_are_those_of_the_numeric_functions(word: str):
     w = fb.joint_wrenches(model, q, qd, qdd)
     for k in range(n):
         np.testing.assert_allclose(numbers(f"f{k}{k + 1}"), w[k, :2], atol=1e-12)
-        np.testing.assert_allclose(symbols.evaluate(free[f"M{k + 1}"], q, qd, qdd), w[k, 2], atol=1e-12)
+        np.testing.assert_allclose(
+            symbols.evaluate(free[f"M{k + 1}"], q, qd, qdd), w[k, 2], atol=1e-12
+        )
     np.testing.assert_allclose(
         symbols.evaluate(free["T"], q, qd), fb.kinetic_energy(model, q, qd), atol=1e-12
     )
@@ -87,7 +90,11 @@ def test_a_relation_is_true_or_says_by_how_much_not(arm):
 
 @pytest.mark.parametrize(
     ("formula", "words"),
-    [("s1 = l1", "never equal"), ("s1 + l1 = 0", "cannot be added"), ("s1*s2 = 0", "have no product")],
+    [
+        ("s1 = l1", "never equal"),
+        ("s1 + l1 = 0", "cannot be added"),
+        ("s1*s2 = 0", "have no product"),
+    ],
 )
 def test_shapes_that_do_not_fit(arm, formula, words):
     found = fb.relation(arm, formula)
@@ -113,7 +120,13 @@ def test_time_and_partial_derivatives(arm):
 @given(st.lists(st.floats(-10, 10), min_size=6, max_size=6))
 def test_vector_algebra_is_that_of_numpy(x):
     a, b = x[:3], x[3:]
-    at = {"a": a, "b": b, "c": np.cross(a, b), "d": float(np.dot(a, b)), "n": float(np.linalg.norm(a))}
+    at = {
+        "a": a,
+        "b": b,
+        "c": np.cross(a, b),
+        "d": float(np.dot(a, b)),
+        "n": float(np.linalg.norm(a)),
+    }
     assert fb.relation(at, "cross(a, b) = c")
     assert fb.relation(at, "dot(a, b) = d")
     assert fb.relation(at, "cross(b, a) = -c")
@@ -181,9 +194,13 @@ def test_vector_function_jacobian():
 def test_shapes_by_integration_are_those_of_the_library():
     m, r, h = 2.0, 0.3, 0.5
     solid = fb.integrated_inertia(
-        lambda s, a, z: (s * np.cos(a), s * np.sin(a), z), [(0, r), (0, 2 * np.pi), (-h / 2, h / 2)], m
+        lambda s, a, z: (s * np.cos(a), s * np.sin(a), z),
+        [(0, r), (0, 2 * np.pi), (-h / 2, h / 2)],
+        m,
     )
-    np.testing.assert_allclose(solid.numbers()[2], fb.Inertia.cylinder(m, r, h).numbers()[2], atol=1e-12)
+    np.testing.assert_allclose(
+        solid.numbers()[2], fb.Inertia.cylinder(m, r, h).numbers()[2], atol=1e-12
+    )
     ball = fb.integrated_inertia(
         lambda s, a, b: (s * np.cos(a) * np.cos(b), s * np.sin(a) * np.cos(b), s * np.sin(b)),
         [(0, r), (0, 2 * np.pi), (-np.pi / 2, np.pi / 2)],

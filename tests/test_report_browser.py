@@ -1,4 +1,5 @@
-"""The report of real robots in a real browser: no error, no request, no blank picture, no sideways scrolling."""
+"""The report of real robots in a real browser: no error, no request, no blank picture, no sideways
+scrolling."""
 
 import json
 
@@ -38,7 +39,9 @@ def chromium(tmp_path_factory):
 def requests(driver) -> list[str]:
     """Addresses that the page asked for."""
     events = (json.loads(entry["message"])["message"] for entry in driver.get_log("performance"))
-    return [e["params"]["request"]["url"] for e in events if e["method"] == "Network.requestWillBeSent"]
+    return [
+        e["params"]["request"]["url"] for e in events if e["method"] == "Network.requestWillBeSent"
+    ]
 
 
 def resize(driver, width: int) -> None:
@@ -82,6 +85,9 @@ def test_report_of_a_real_robot(name, chromium, tmp_path):
         blank = [
             p
             for p in pictures
-            if min(p["width"], p["height"]) < 60 or p["shown"] < 200 or p["drawn"] < 4 or p["texts"] < 3
+            if min(p["width"], p["height"]) < 60
+            or p["shown"] < 200
+            or p["drawn"] < 4
+            or p["texts"] < 3
         ]
         assert blank == []

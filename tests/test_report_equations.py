@@ -1,4 +1,5 @@
-"""Equations in the report: there for small arms, by base parameters where that is what is short, else absent."""
+"""Equations in the report: there for small arms, by base parameters where that is what is short,
+else absent."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""The report as text: it fetches nothing, its numbers are the data file's, a failed check stands out."""
+"""The report as text: it fetches nothing, its numbers are the data file's, a failed check stands
+out."""
 
 import dataclasses
 import re
@@ -22,7 +23,9 @@ class Cells(HTMLParser):
     def handle_starttag(self, tag, attrs):
         given = dict(attrs)
         self.tags.append(tag)
-        self.addresses += [given[k] for k in ("href", "src", "srcset", "action", "data") if k in given]
+        self.addresses += [
+            given[k] for k in ("href", "src", "srcset", "action", "data") if k in given
+        ]
         self.ids += [given["id"]] if "id" in given else []
         if "data-var" in given:
             self.cells.append({"var": given["data-var"], "at": given["data-at"], "value": given["data-value"],

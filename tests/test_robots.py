@@ -1,4 +1,5 @@
-"""The bundled models: they load at once, cite their source, and give the numbers that their source gives."""
+"""The bundled models: they load at once, cite their source, and give the numbers that their source
+gives."""
 
 import subprocess
 import sys
@@ -31,7 +32,8 @@ def test_loads_physical_unless_its_source_is_not(name: str):
             model = fb.load(name)
         assert [str(w.message).split("'")[1] for w in warned] == NOT_PHYSICAL[name]
         assert str(warned[0].message) == (
-            "puma560.toml:9: warning: link 'link1': principal moments 0, 0, 0.35 kg m² break the triangle "
+            "puma560.toml:9: warning: link 'link1': principal moments 0, 0, 0.35 kg m² break the "
+            "triangle "
             "inequality (0 + 0 < 0.35)."
         )
     else:
@@ -96,18 +98,25 @@ def test_panda_is_the_file_it_was_taken_from():
 
 
 def test_puma_against_its_toolbox():
-    """Gravity torque, mass matrix with rotors and velocity terms printed in the tests of Corke's toolbox."""
+    """Gravity torque, mass matrix with rotors and velocity terms printed in the tests of Corke's
+    toolbox."""
     model = fb.load("puma560", physical="ignore")
     q = np.array([0, np.pi / 4, np.pi, 0, np.pi / 4, 0])
     zero, ones = np.zeros(6), np.ones(6)
     tolerance = {"rtol": 0, "atol": 0.5001e-4}
-    np.testing.assert_allclose(fb.gravity_torque(model, q), [0, 31.6399, 6.0351, 0, 0.0283, 0], **tolerance)
+    np.testing.assert_allclose(
+        fb.gravity_torque(model, q), [0, 31.6399, 6.0351, 0, 0.0283, 0], **tolerance
+    )
     M = fb.mass_matrix(model, q)
     np.testing.assert_allclose(M[0], [3.6594, -0.4044, 0.1006, -0.0025, 0, 0], **tolerance)
-    np.testing.assert_allclose(np.diag(M), [3.6594, 4.4137, 0.9378, 0.1925, 0.1713, 0.1941], **tolerance)
+    np.testing.assert_allclose(
+        np.diag(M), [3.6594, 4.4137, 0.9378, 0.1925, 0.1713, 0.1941], **tolerance
+    )
     smooth = model.without("friction")
     velocity = fb.inverse_dynamics(smooth, q, ones, zero)
-    np.testing.assert_allclose(velocity, [-1.3911, 33.4228, 5.2831, 0.0012, 0.0306, 0.0001], **tolerance)
+    np.testing.assert_allclose(
+        velocity, [-1.3911, 33.4228, 5.2831, 0.0012, 0.0306, 0.0001], **tolerance
+    )
     lost = fb.inverse_dynamics(model, q, ones, zero) - velocity
     assert lost[0] == pytest.approx(1.48e-3 * 62.6111**2 + (0.395 + 0.435) / 2 * 62.6111, rel=1e-5)
 
@@ -132,9 +141,12 @@ def test_scara_reaches_down():
 
 
 def test_gyro_needs_the_gyroscopic_torque():
-    """Example 1 of section 6.1, spun steadily: 150 N m about y, borne by the ring's bearings and not by a motor."""
+    """Example 1 of section 6.1, spun steadily: 150 N m about y, borne by the ring's bearings and
+    not by a motor."""
     model = fb.load("gyro")
-    np.testing.assert_allclose(fb.inverse_dynamics(model, [0, 0], [3, 5], [0, 0]), [0, 0], atol=1e-12)
+    np.testing.assert_allclose(
+        fb.inverse_dynamics(model, [0, 0], [3, 5], [0, 0]), [0, 0], atol=1e-12
+    )
     wrench = fb.joint_wrenches(model, [0, 0], [3, 5], [0, 0])[1]
     np.testing.assert_allclose(wrench, [0, 0, 9.81, 0, 150, 0], atol=1e-9)
 
@@ -150,7 +162,9 @@ def test_quadrotor_of_the_notes():
     R = T[:3, :3]
     np.testing.assert_allclose(R[2], [0.01983, 0.09784, 0.9950], atol=5e-5)
     w = R.T @ [0.5, 0, 0.1]
-    thrusts = {f"rotor{i + 1}": np.r_[R @ [0, 0, f], 0, 0, 0] for i, f in enumerate((3.2, 1.4, 2.5, 3.6))}
+    thrusts = {
+        f"rotor{i + 1}": np.r_[R @ [0, 0, f], 0, 0, 0] for i, f in enumerate((3.2, 1.4, 2.5, 3.6))
+    }
     qdd = fb.forward_dynamics(model, q, np.r_[0, 0, 0, w], np.zeros(6), thrusts)
     np.testing.assert_allclose(R @ qdd[:3], [0.15107, -0.15107, -7.67069], atol=5e-6)
     np.testing.assert_allclose(R @ qdd[3:], [-0.064561, -0.155539, -0.006455], atol=5e-7)

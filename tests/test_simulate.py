@@ -1,4 +1,5 @@
-"""Simulation: printed numbers of others, conserved energy, friction stiff and mild, and what is refused."""
+"""Simulation: printed numbers of others, conserved energy, friction stiff and mild, and what is
+refused."""
 
 from __future__ import annotations
 
@@ -6,7 +7,13 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import FreebodyError, NotFiniteError, ShapeError, SingularError, UnknownNameError
+from freebody.errors import (
+    FreebodyError,
+    NotFiniteError,
+    ShapeError,
+    SingularError,
+    UnknownNameError,
+)
 from freebody.model.assembly import assemble
 from freebody.model.gravity import gravity_of
 from freebody.model.parts import Description, Joint, Link
@@ -17,7 +24,11 @@ def pendulum(**friction: float) -> fb.Model:
 
 
 def body(
-    kind: str, mass: float, com: tuple[float, float, float], moments: tuple[float, float, float], g: float
+    kind: str,
+    mass: float,
+    com: tuple[float, float, float],
+    moments: tuple[float, float, float],
+    g: float,
 ):
     xx, yy, zz = moments
     link = Link("body", fb.Inertia(mass, com, (xx, 0.0, 0.0, yy, 0.0, zz)))
@@ -30,7 +41,9 @@ def test_pendulum_of_the_iftomm_library():
     found = fb.simulate(pendulum(), [np.pi], [0.0], [0, 1, 10], tolerance=1e-12)
     q = found["q"].values[:, 0]
     printed = [[0.98629175113, -0.16501085313], [-0.27508746258, -0.96141920510]]
-    np.testing.assert_allclose(np.stack([np.cos(q), np.sin(q)], axis=-1)[1:], printed, rtol=0, atol=5e-11)
+    np.testing.assert_allclose(
+        np.stack([np.cos(q), np.sin(q)], axis=-1)[1:], printed, rtol=0, atol=5e-11
+    )
 
 
 def test_heavy_top():
@@ -39,7 +52,9 @@ def test_heavy_top():
     q = found["q"].values[-1]
     printed = np.array([-0.708279152975, 0.438781088126, 0.545728396145, 0.089399752823])
     np.testing.assert_allclose(q * np.sign(q @ printed), printed, rtol=0, atol=1e-11)
-    np.testing.assert_allclose(found["qd"].values[-1], [-2.691590912, 150, 4.917260990], rtol=0, atol=5e-10)
+    np.testing.assert_allclose(
+        found["qd"].values[-1], [-2.691590912, 150, 4.917260990], rtol=0, atol=5e-10
+    )
 
 
 @pytest.mark.parametrize(("kind", "still"), [("free", [0.0, 0.0, 0.0]), ("spherical", [])])
@@ -90,7 +105,11 @@ def test_torques_of_a_motion_lead_along_it():
     motion = fb.default_motion(model)
     t = motion.t[:81]
     found = fb.simulate(
-        model, motion.q[0], motion.qd[0], t, lambda t, q, qd: fb.inverse_dynamics(model, *motion.at(t))
+        model,
+        motion.q[0],
+        motion.qd[0],
+        t,
+        lambda t, q, qd: fb.inverse_dynamics(model, *motion.at(t)),
     )
     np.testing.assert_allclose(found["q"], motion.q[:81], atol=1e-7)
     np.testing.assert_allclose(found["qdd"], motion.qdd[:81], atol=1e-5)
@@ -129,7 +148,9 @@ def test_followers_feel_their_friction():
     from freebody.model.parts import Mimic
     from freebody.motion.friction import smooth_friction
 
-    links = tuple(Link(f"l{k}", fb.Inertia(1.0, (0.1, 0, 0), (0.1, 0, 0, 0.1, 0, 0.1))) for k in range(3))
+    links = tuple(
+        Link(f"l{k}", fb.Inertia(1.0, (0.1, 0, 0), (0.1, 0, 0, 0.1, 0, 0.1))) for k in range(3)
+    )
     joints = (
         Joint("a", "revolute", "l0", "l1", axis=(0, 0, 1), drive=fb.Drive(coulomb=1.0)),
         Joint(
@@ -156,16 +177,21 @@ def test_followers_feel_their_friction():
 def test_what_is_refused():
     model = fb.load("2R")
     with pytest.raises(
-        ShapeError, match=r"^simulate: q has shape \(3,\), expected \(\.\.\., 2\): model '2R' has nq = 2\."
+        ShapeError,
+        match=r"^simulate: q has shape \(3,\), expected \(\.\.\., 2\): model '2R' has nq = 2\.",
     ):
         fb.simulate(model, [0, 0, 0], [0, 0], [0, 1])
-    with pytest.raises(ShapeError, match=r"simulate: qd has shape \(4, 2\), expected \(2,\): one state"):
+    with pytest.raises(
+        ShapeError, match=r"simulate: qd has shape \(4, 2\), expected \(2,\): one state"
+    ):
         fb.simulate(model, [0, 0], np.zeros((4, 2)), [0, 1])
     with pytest.raises(NotFiniteError, match=r"simulate: q is nan"):
         fb.simulate(model, [0, np.nan], [0, 0], [0, 1])
     with pytest.raises(FreebodyError, match=r"simulate: the times t must increase\."):
         fb.simulate(model, [0, 0], [0, 0], [0, 1, 1])
-    with pytest.raises(UnknownNameError, match=r"no method 'Euler' in simulate\. Methods: auto, DOP853"):
+    with pytest.raises(
+        UnknownNameError, match=r"no method 'Euler' in simulate\. Methods: auto, DOP853"
+    ):
         fb.simulate(model, [0, 0], [0, 0], [0, 1], method="Euler")
     with pytest.raises(
         FreebodyError, match=r"torque has shape \(5, 2\), expected \(2,\), \(2, 2\) or a function\."
@@ -174,7 +200,9 @@ def test_what_is_refused():
     with pytest.raises(ShapeError, match=r"what torque\(t, q, qd\) returns has shape \(3,\)"):
         fb.simulate(model, [0, 0], [0, 0], [0, 1], torque=lambda t, q, qd: np.zeros(3))
     with pytest.raises(SingularError, match=r"joint 'joint2' moves no inertia"):
-        fb.simulate(fb.planar("RR", l=[1, 1], lc=[1, 0], m=[1, 0], I=[0, 0]), [0, 0], [0, 0], [0, 1])
+        fb.simulate(
+            fb.planar("RR", l=[1, 1], lc=[1, 0], m=[1, 0], I=[0, 0]), [0, 0], [0, 0], [0, 1]
+        )
 
 
 def test_a_run_that_cannot_go_on_says_when():
@@ -182,6 +210,7 @@ def test_a_run_that_cannot_go_on_says_when():
         return [np.nan] if t > 0.5 else [0.0]
 
     with pytest.raises(
-        FreebodyError, match=r"simulate: DOP853 stopped after t = .* s \(.*\)\. The motion may run away"
+        FreebodyError,
+        match=r"simulate: DOP853 stopped after t = .* s \(.*\)\. The motion may run away",
     ):
         fb.simulate(pendulum(), [0], [0], np.linspace(0, 1, 11), torque=torque)

@@ -1,4 +1,5 @@
-"""What a simulation is given as torque acts as given: tables row by row, jumps where said, controllers held."""
+"""What a simulation is given as torque acts as given: tables row by row, jumps where said,
+controllers held."""
 
 from __future__ import annotations
 
@@ -15,7 +16,8 @@ ROD = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.75], g=0)  # 1 kg m² about it
 
 
 def on_table(model: fb.Model, q: np.ndarray, t: np.ndarray, table: np.ndarray) -> np.ndarray:
-    """Oracle: (q, q̇) at the end, from forward dynamics, knot by knot as tightly as floats allow."""
+    """Oracle: (q, q̇) at the end, from forward dynamics, knot by knot as tightly as floats
+    allow."""
     y, n = np.concatenate([q, np.zeros(model.nv)]), model.nq
     for a, b, first, last in zip(t[:-1], t[1:], table[:-1], table[1:], strict=True):
 
@@ -28,7 +30,8 @@ def on_table(model: fb.Model, q: np.ndarray, t: np.ndarray, table: np.ndarray) -
 
 
 def test_one_sample_of_a_torque_table_is_not_stepped_over():
-    """50 N m at one of 201 times over 2 s: straight lines to its neighbours hold 0.5 N m s, on 1 kg m²."""
+    """50 N m at one of 201 times over 2 s: straight lines to its neighbours hold 0.5 N m s, on 1 kg
+    m²."""
     t = np.linspace(0, 2, 201)
     for row in (0, 1, 37, 100, 199):
         table = np.zeros((201, 1))
@@ -65,7 +68,8 @@ def test_a_random_table_lands_within_ten_times_the_tolerance(seed: int):
 
 
 def test_jumps_of_a_function_at_its_breakpoints():
-    """A pulse of 1 ms in 10 s, by either convention of what the value at a jump is, is seen only where it is said."""
+    """A pulse of 1 ms in 10 s, by either convention of what the value at a jump is, is seen only
+    where it is said."""
     for pulse in (lambda t: 4.001 <= t < 4.002, lambda t: 4.001 < t <= 4.002):
         torque = lambda t, q, qd, pulse=pulse: [500.0 * pulse(t)]  # noqa: E731
         assert (
@@ -114,8 +118,16 @@ def test_a_function_may_return_the_same_array_again():
 @pytest.mark.parametrize(
     ("torque", "options", "problem"),
     [
-        (None, {"sample_time": 0.1}, r"simulate: sample_time= is about a torque that is a function"),
-        ([0.0], {"breakpoints": [0.5]}, r"simulate: breakpoints= is about a torque that is a function"),
+        (
+            None,
+            {"sample_time": 0.1},
+            r"simulate: sample_time= is about a torque that is a function",
+        ),
+        (
+            [0.0],
+            {"breakpoints": [0.5]},
+            r"simulate: breakpoints= is about a torque that is a function",
+        ),
         ("f", {"sample_time": 0.0}, r"simulate: sample_time is 0, expected seconds above 0\."),
         (
             "f",
@@ -141,7 +153,9 @@ def test_a_table_whose_rows_carry_other_times_is_refused():
 
     def kinds(times: np.ndarray) -> dict[str, object]:
         frame = pd.DataFrame(table, columns=["joint1"], index=times)
-        array = xr.DataArray(table, {"time": times, "coordinate": ["joint1"]}, ("time", "coordinate"))
+        array = xr.DataArray(
+            table, {"time": times, "coordinate": ["joint1"]}, ("time", "coordinate")
+        )
         return {
             "frame": frame,
             "index of durations": frame.set_index(pd.to_timedelta(times, "s")),
@@ -158,6 +172,8 @@ def test_a_table_whose_rows_carry_other_times_is_refused():
             FreebodyError, match=r"rows of torque are labelled 0 to 2, which are not the times t"
         ):
             assert fb.simulate(ROD, [0], [0], t, given) is name
-    rows = pd.DataFrame(table, columns=["joint1"], index=range(40, 51))  # cut out of a longer one: no times
+    rows = pd.DataFrame(
+        table, columns=["joint1"], index=range(40, 51)
+    )  # cut out of a longer one: no times
     np.testing.assert_array_equal(fb.simulate(ROD, [0], [0], t, rows)["qd"], plain["qd"])
     np.testing.assert_array_equal(fb.simulate(ROD, [0], [0], t, plain["tau"])["qd"], plain["qd"])

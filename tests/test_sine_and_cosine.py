@@ -64,7 +64,9 @@ def ulps(value, exact):
 
 def both(width):
     """A kernel of sine and cosine."""
-    return fb.compile(lambda x: (sin(x), cos(x)), {"x": ()}, {"s": (), "c": ()}, target="cpu", width=width)
+    return fb.compile(
+        lambda x: (sin(x), cos(x)), {"x": ()}, {"s": (), "c": ()}, target="cpu", width=width
+    )
 
 
 @pytest.mark.parametrize("width", [2, 4, 8])
@@ -130,7 +132,9 @@ def test_overflow_before_a_sine_is_nan(width):
 
 
 def test_without_fused_multiply_add(monkeypatch):
-    monkeypatch.setattr(machine.Host, "machine", lambda self, width, real: Machine(4, False, self.x86, real))
+    monkeypatch.setattr(
+        machine.Host, "machine", lambda self, width, real: Machine(4, False, self.x86, real)
+    )
     compiled = fb.compile(
         lambda x: (sin(x), cos(x)), {"x": ()}, {"sine": (), "cosine": ()}, target="cpu", width=4
     )

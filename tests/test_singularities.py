@@ -79,7 +79,8 @@ def test_determinant_of_the_whole_jacobian(name):
 
 def test_determinant_needs_a_square():
     refused(
-        "determinant: 3 rows of the Jacobian of frame 'tip' and 2 joint coordinates make no square; choose 2 rows.",
+        "determinant: 3 rows of the Jacobian of frame 'tip' and 2 joint coordinates make no "
+        "square; choose 2 rows.",
         lambda: kinematics(fb.planar("RR")).determinant(),
     )
 
@@ -126,7 +127,8 @@ def _proportional(x, y):
 
 
 def test_factors_of_random_products(ring):
-    """Multiplied out, put into normal form, taken apart again: the product is the same, and never in fewer factors."""
+    """Multiplied out, put into normal form, taken apart again: the product is the same, and never
+    in fewer factors."""
     rng = np.random.default_rng(0)
     names = [ring[x] for x in "abc"]
     for _ in range(30):
@@ -224,7 +226,13 @@ def test_symbolic_lengths_in_space():
         {"theta": 0, "d": "d6", "a": 0, "alpha": 0},
     ]
     found = fb.singularities(fb.dh(rows, convention="standard"))
-    assert [str(f) for f, _ in found.factors] == ["a₂", "d₄", "cos θ₃", "sin θ₅", "a₂ cos θ₂ + d₄ sin(θ₂+θ₃)"]
+    assert [str(f) for f, _ in found.factors] == [
+        "a₂",
+        "d₄",
+        "cos θ₃",
+        "sin θ₅",
+        "a₂ cos θ₂ + d₄ sin(θ₂+θ₃)",
+    ]
     assert found.closed.number in (Fraction(1), Fraction(-1))
 
 
@@ -235,7 +243,8 @@ def test_everywhere_and_other_rows():
     two = fb.singularities(fb.planar("RR"), task=("vx", "w"))
     assert str(two.determinant) == "−l₁ sin θ₁"
     refused(
-        "singularities: 2 joint coordinates of 'RR' cannot move frame 'tip' along 3 rows (vx, vy, w) at any pose; "
+        "singularities: 2 joint coordinates of 'RR' cannot move frame 'tip' along 3 rows (vx, vy, "
+        "w) at any pose; "
         "count 2 at most with task=.",
         lambda: fb.singularities(fb.planar("RR"), task="pose"),
     )
@@ -243,7 +252,8 @@ def test_everywhere_and_other_rows():
 
 @pytest.mark.parametrize("name", ["iiwa14", "2R", "ur5e"])
 def test_search(name):
-    """Where there is no determinant a search finds singular poses; where there is one it finds zeros of it."""
+    """Where there is no determinant a search finds singular poses; where there is one it finds
+    zeros of it."""
     model = fb.load(name)
     found = fb.singularities(model)
     poses = found.search()
@@ -253,8 +263,8 @@ def test_search(name):
         assert found.determinant is None
         assert found.conditions == ()
         assert (
-            "7 joints and 6 rows: J is not square, so there is no determinant; search() finds singular poses."
-            in found.notes
+            "7 joints and 6 rows: J is not square, so there is no determinant; search() finds "
+            "singular poses." in found.notes
         )
     else:
         assert np.abs(found.closed.kinematics.evaluate(found.closed.polynomial, poses)).max() < 1e-8
@@ -278,4 +288,6 @@ def test_measure_does_not_depend_on_units():
     q = [0.3, 0.8]
     small = valued(fb.planar("RR", l=[0.001, 0.0007]))
     large = valued(fb.planar("RR", l=[1.0, 0.7]))
-    assert np.isclose(fb.singularities(small).measure(q), fb.singularities(large).measure(q), rtol=1e-12)
+    assert np.isclose(
+        fb.singularities(small).measure(q), fb.singularities(large).measure(q), rtol=1e-12
+    )

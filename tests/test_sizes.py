@@ -30,7 +30,9 @@ NEEDS_JOINTS = (
     "tip_wrench",
 )
 FUNCTIONS = {
-    **dict.fromkeys(("forward_kinematics", "jacobian", "jacobian_derivatives", "center_of_mass"), 1),
+    **dict.fromkeys(
+        ("forward_kinematics", "jacobian", "jacobian_derivatives", "center_of_mass"), 1
+    ),
     **dict.fromkeys(("velocity", "jacobian_dot", "coriolis_matrix", "bias", "momentum"), 2),
     **dict.fromkeys(("acceleration", "inverse_dynamics", "forward_dynamics", "joint_wrenches"), 3),
     **dict.fromkeys(("inverse_dynamics_derivatives", "inverse_dynamics_second_derivatives"), 3),
@@ -51,7 +53,9 @@ def block(tmp_path) -> Model:
     return fb.load(path)
 
 
-def shapes(model: Model, function: str, batch: tuple[int, ...], frame: str) -> list[tuple[int, ...]]:
+def shapes(
+    model: Model, function: str, batch: tuple[int, ...], frame: str
+) -> list[tuple[int, ...]]:
     """Core shapes of the results, which must have the batch in front."""
     state = fb.random_state(model, 1, batch)[: FUNCTIONS[function]]
     options = {"frame": frame} if function in KINEMATIC else {}
@@ -64,7 +68,9 @@ def shapes(model: Model, function: str, batch: tuple[int, ...], frame: str) -> l
 
 @pytest.mark.parametrize("function", [name for name in FUNCTIONS if name not in NEEDS_JOINTS])
 def test_a_robot_without_joints(block: Model, function: str):
-    cores = {str(shapes(block, function, batch, "block")) for batch in ((), (3,), (0,), (2, 0), (2, 3))}
+    cores = {
+        str(shapes(block, function, batch, "block")) for batch in ((), (3,), (0,), (2, 0), (2, 3))
+    }
     assert len(cores) == 1
 
 
@@ -83,7 +89,9 @@ def test_a_robot_without_joints_knows_its_place(block: Model):
 def test_one_joint_and_no_samples(word: str, function: str):
     model = fb.planar(word, l=[1], lc=[0.5], m=[1], I=[0.1])
     for arm in (model, model.to_space()):
-        cores = {str(shapes(arm, function, batch, "tip")) for batch in ((), (1,), (0,), (2, 0), (3,))}
+        cores = {
+            str(shapes(arm, function, batch, "tip")) for batch in ((), (1,), (0,), (2, 0), (3,))
+        }
         assert len(cores) == 1
 
 
@@ -92,7 +100,10 @@ def test_one_row_at_least_and_each_once():
     for rows, given in (((), "()"), (("vx", "vx"), "('vx', 'vx')"), ("vx", "'vx'")):
         with pytest.raises(fb.FreebodyError) as refusal:
             fb.operational_space_inertia(model, [0.1, 0.2], rows=rows)
-        assert str(refusal.value) == f"rows is {given}, expected one or several of vx, vy, w, each once."
+        assert (
+            str(refusal.value)
+            == f"rows is {given}, expected one or several of vx, vy, w, each once."
+        )
 
 
 def test_singular_samples_are_named():

@@ -183,7 +183,8 @@ def test_random_orientations_are_uniform():
 
 @pytest.mark.parametrize("name", ["ur5e", "RP"])
 def test_positions_that_add_are_moved_alike_whatever_kind_of_vector_comes(name):
-    """Plain arrays take a short way; lists, dicts and batches of other shapes the long one, to the same bits."""
+    """Plain arrays take a short way; lists, dicts and batches of other shapes the long one, to the
+    same bits."""
     model = fb.load(name)
     q, v, _ = fb.random_state(model, 1, 3)
     expected = q + v
@@ -201,7 +202,12 @@ def test_positions_that_add_are_moved_alike_whatever_kind_of_vector_comes(name):
 
 def test_positions_of_a_model_without_numbers_move_as_those_of_one_with_them():
     inertia = Inertia.of("m", (0, 0, 0), np.eye(3))
-    links = (Link("world"), Link("body", inertia), Link("arm", Inertia.sphere(1.0, 0.1)), Link("foot"))
+    links = (
+        Link("world"),
+        Link("body", inertia),
+        Link("arm", Inertia.sphere(1.0, 0.1)),
+        Link("foot"),
+    )
     joints = (
         Joint("base", "free", "world", "body"),
         Joint("hinge", "revolute", "body", "arm", axis=(0.0, 0.0, 1.0)),

@@ -1,4 +1,5 @@
-"""Step kernels of trees: orders of the methods, what is exact about them, stiff drives, printed numbers of others."""
+"""Step kernels of trees: orders of the methods, what is exact about them, stiff drives, printed
+numbers of others."""
 
 from __future__ import annotations
 
@@ -37,13 +38,16 @@ TREES = {
 
 @cache
 def motion(seed: int, dim: int) -> tuple[State, np.ndarray, np.ndarray, State]:
-    """(start, torque, load, state after 0.1 s by DOP853) of a motion in which no joint stops, where sign(q̇) jumps."""
+    """(start, torque, load, state after 0.1 s by DOP853) of a motion in which no joint stops, where
+    sign(q̇) jumps."""
     model = generate.model(seed, dim)
     q, qd, qdd = fb.random_state(model, seed)
     load = np.random.default_rng(seed).normal(size=6 if dim == 3 else 3)
     qd += np.copysign(0.5, qd)
     tau = fb.inverse_dynamics(model, q, qd, qdd, {"tool": load})
-    true = fb.simulate(model, q, qd, [0, 0.1], tau, {"tool": load}, tolerance=1e-13, friction_width=1e-5)
+    true = fb.simulate(
+        model, q, qd, [0, 0.1], tau, {"tool": load}, tolerance=1e-13, friction_width=1e-5
+    )
     return (q, qd), tau, load, (true["q"].values[-1], true["qd"].values[-1])
 
 
@@ -52,7 +56,9 @@ def motion(seed: int, dim: int) -> tuple[State, np.ndarray, np.ndarray, State]:
 def test_order(seed: int, dim: int, method: str):
     model = generate.model(seed, dim)
     start, tau, load, end = motion(seed, dim)
-    rough, fine = (apart(model, walk(model, method, start, tau, 0.1, n, load), end) for n in (16, 32))
+    rough, fine = (
+        apart(model, walk(model, method, start, tau, 0.1, n, load), end) for n in (16, 32)
+    )
     assert np.log2(rough / fine) == pytest.approx(METHODS[method], abs=0.15)
 
 
@@ -64,12 +70,15 @@ def test_semi_implicit_euler_by_hand(seed: int, dim: int):
     q1, qd1 = fb.kernel(model, "semi_implicit_step")(q, qd, tau, h)
     rates = qd + h[:, None] * fb.forward_dynamics(model, q, qd, tau)
     np.testing.assert_allclose(qd1, rates, rtol=0, atol=1e-13 * np.abs(rates).max())
-    np.testing.assert_allclose(q1, fb.integrate(model, q, h[:, None] * rates), rtol=1e-13, atol=1e-14)
+    np.testing.assert_allclose(
+        q1, fb.integrate(model, q, h[:, None] * rates), rtol=1e-13, atol=1e-14
+    )
 
 
 @pytest.mark.parametrize("seed", range(30))
 def test_a_short_step_is_the_acceleration(seed: int):
-    """Of every kind of joint, coordinates that move several among them; by the formulas on plain numbers."""
+    """Of every kind of joint, coordinates that move several among them; by the formulas on plain
+    numbers."""
     model = generate.model(seed)
     q, qd, tau = fb.random_state(model, seed, (2,))
     qd, h = qd + np.copysign(0.5, qd), 1e-7  # all slide
@@ -83,15 +92,19 @@ def test_a_short_step_is_the_acceleration(seed: int):
 
 @pytest.mark.parametrize("seed", [4, 20])
 def test_rates_of_the_coordinates_of_a_step(seed: int):
-    """dexp⁻¹(x) v is how the way from q to q ⊕ x changes when the robot moves on with v; three terms of it."""
+    """dexp⁻¹(x) v is how the way from q to q ⊕ x changes when the robot moves on with v; three
+    terms of it."""
     model = generate.model(seed)
     q, v, x = fb.random_state(model, seed)
     x, tiny = 0.3 * x / np.abs(x).max(), 1e-5
     ahead, back = (
-        fb.difference(model, q, fb.integrate(model, fb.integrate(model, q, x), t * v)) for t in (tiny, -tiny)
+        fb.difference(model, q, fb.integrate(model, fb.integrate(model, q, x), t * v))
+        for t in (tiny, -tiny)
     )
     found = coordinate_rates(model.tree, tuple(x), tuple(v))
-    np.testing.assert_allclose(found, (ahead - back) / (2 * tiny), rtol=0, atol=1e-4 * np.abs(v).max())
+    np.testing.assert_allclose(
+        found, (ahead - back) / (2 * tiny), rtol=0, atol=1e-4 * np.abs(v).max()
+    )
 
 
 @pytest.mark.parametrize("method", [*METHODS, "implicit_feedback_step"])
@@ -132,21 +145,26 @@ def test_other_samples_are_left_alone_by_nan():
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("seed", range(20))
 def test_other_bodies_under_which_it_moves_alike(seed: int, dim: int):
-    """A step's program is shorter by regrouped inertial numbers; M and the bias are those of the robot's own."""
+    """A step's program is shorter by regrouped inertial numbers; M and the bias are those of the
+    robot's own."""
     model = generate.model(seed, dim)
     q, qd, _ = fb.random_state(model, seed)
     own, light = model.tree, lightened(model.tree)
     for found, expected in ((crba(light, q), crba(own, q)), (bias(light, q, qd), bias(own, q, qd))):
         scale = np.abs(np.array(expected, dtype=float)).max()
         np.testing.assert_allclose(
-            np.array(found, dtype=float), np.array(expected, dtype=float), rtol=0, atol=1e-13 * scale
+            np.array(found, dtype=float),
+            np.array(expected, dtype=float),
+            rtol=0,
+            atol=1e-13 * scale,
         )
     if not own.follows:
         np.testing.assert_allclose(aba(light, q, qd, qd), aba(own, q, qd, qd), rtol=1e-8, atol=1e-8)
 
 
 def test_a_step_takes_fewer_operations_than_the_acceleration_of_the_links_as_they_are():
-    """By an eighth and more for arms whose joints stand at right angles; so does the acceleration's own kernel."""
+    """By an eighth and more for arms whose joints stand at right angles; so does the acceleration's
+    own kernel."""
     model = fb.load("ur5e").without("friction")
     acceleration = FORMULAS["forward_dynamics"].evaluate
     plain = trace(
@@ -162,7 +180,8 @@ def test_a_step_takes_fewer_operations_than_the_acceleration_of_the_links_as_the
 
 # ---------------------------------------------------------------- what stays
 def test_backward_in_time():
-    """Of order 4 there and back: what is left falls with the fifth power of the step (the error's symmetric part)."""
+    """Of order 4 there and back: what is left falls with the fifth power of the step (the error's
+    symmetric part)."""
     model = generate.model(5).without("friction")
     q, qd, tau = fb.random_state(model, 5)
     left = []
@@ -179,7 +198,8 @@ def test_energy_of_a_chain():
     for steps in (1000, 2000):
         q, qd = walk(model, "rk4_step", state, np.zeros(3), 1.0, steps)
         before, after = (
-            fb.kinetic_energy(model, *s) + fb.potential_energy(model, s[0]) for s in (state, (q, qd))
+            fb.kinetic_energy(model, *s) + fb.potential_energy(model, s[0])
+            for s in (state, (q, qd))
         )
         lost.append(abs(after - before))
     assert lost[1] < 1e-9 * fb.kinetic_energy(model, q, qd)
@@ -218,21 +238,27 @@ def test_a_free_axisymmetric_body(kind: str, still: list[float]):
     model = one_body(kind, 1.0, (0, 0, 0), (0.04, 0.04, 0.02), 0.0)
     start = np.array([*still, 1.0, 0, 0, 0]), np.array([*still, 2.0, 4, 6])
     q, qd = walk(model, "rk4_step", start, np.zeros(model.nv), 1.0, 4000)
-    np.testing.assert_allclose(qd[-3:], [-1.4155049609614219, -4.242210002521516, 6], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        qd[-3:], [-1.4155049609614219, -4.242210002521516, 6], rtol=0, atol=1e-12
+    )
     assert np.linalg.norm(q[-4:]) == pytest.approx(1.0, abs=1e-15)
 
 
 def test_pendulum_of_the_iftomm_library():
     model = fb.planar("R", l=[1.0], lc=[1.0], m=[1.0], I=[0.0])
     q, _ = walk(model, "rk4_step", (np.array([np.pi]), np.zeros(1)), np.zeros(1), 10.0, 10_000)
-    np.testing.assert_allclose([*np.cos(q), *np.sin(q)], [-0.27508746258, -0.96141920510], rtol=0, atol=5e-11)
+    np.testing.assert_allclose(
+        [*np.cos(q), *np.sin(q)], [-0.27508746258, -0.96141920510], rtol=0, atol=5e-11
+    )
 
 
 # ---------------------------------------------------------------- stiff drives
 def slide(**drive: float) -> Model:
     """A mass of 2 kg on a level rail."""
     links = (Link("world"), Link("cart", fb.Inertia.point(2.0, (0.0, 0.0, 0.0))))
-    joint = Joint("rail", "prismatic", "world", "cart", axis=(1.0, 0.0, 0.0), drive=fb.Drive(**drive))
+    joint = Joint(
+        "rail", "prismatic", "world", "cart", axis=(1.0, 0.0, 0.0), drive=fb.Drive(**drive)
+    )
     return assemble(Description("cart", 3, links, (joint,), gravity_of(9.81, 3)))
 
 
@@ -240,12 +266,16 @@ def slide(**drive: float) -> Model:
 def test_viscous_friction_is_the_rational_function(damping: float):
     """q̇₁/q̇ is 2/(1 - z/2)² - 1/(1 - z) at z = -h d/m: of order 2, and 0 for stiff friction."""
     h, v = 0.1, 1.3
-    q1, qd1 = fb.kernel(slide(viscous=damping), "implicit_step")(np.zeros(1), np.array([v]), np.zeros(1), h)
+    q1, qd1 = fb.kernel(slide(viscous=damping), "implicit_step")(
+        np.zeros(1), np.array([v]), np.zeros(1), h
+    )
     z = -h * damping / 2.0
     first = v / (1 - z / 2)
     second = first / (1 - z / 2)
     np.testing.assert_allclose(qd1, 2 * second - v / (1 - z), rtol=1e-13, atol=1e-15)
-    np.testing.assert_allclose(q1, 2 * (h / 2) * (first + second) - h * v / (1 - z), rtol=1e-13, atol=1e-16)
+    np.testing.assert_allclose(
+        q1, 2 * (h / 2) * (first + second) - h * v / (1 - z), rtol=1e-13, atol=1e-16
+    )
 
 
 @pytest.mark.parametrize("stiffness", [1e3, 1e6, 1e10])
@@ -262,7 +292,8 @@ def test_springs_are_never_unstable(stiffness: float):
 
 
 def test_coulomb_friction_stops_and_holds():
-    """From 1 m/s against c/m = 5 m/s² it stops after 0.2 s and 0.1 m, and then creeps at what the push asks for."""
+    """From 1 m/s against c/m = 5 m/s² it stops after 0.2 s and 0.1 m, and then creeps at what the
+    push asks for."""
     model, h = slide(coulomb=10.0), 0.004
     step = fb.kernel(model, "implicit_step")
     q, qd = np.zeros(1), np.ones(1)
@@ -295,7 +326,8 @@ def test_stiff_feedback_reaches_its_reference(kp: float):
 
 
 def test_feedback_is_of_order_2_about_a_moving_reference():
-    """Of free, spherical and plain joints, against the torque of the feedback put into many small explicit steps."""
+    """Of free, spherical and plain joints, against the torque of the feedback put into many small
+    explicit steps."""
     model = generate.model(5).without("friction")
     q, qd, tau = fb.random_state(model, 5)
     n = model.nv

@@ -1,7 +1,8 @@
-"""Public functions run the code of a model's structure: the same values as code of fixed numbers, compiled once.
+"""Public functions run the code of a model's structure: the same values as code of fixed numbers,
+compiled once.
 
-What is compiled is noted at the entrance of the compiler; two quantities that no public function returns are fetched as
-these functions do.
+What is compiled is noted at the entrance of the compiler; two quantities that no public function
+returns are fetched as these functions do.
 """
 
 from __future__ import annotations
@@ -49,7 +50,9 @@ def compiled(monkeypatch) -> list[str]:
 
 def state_of(model: fb.Model, name: str, seed: int = 3) -> tuple[np.ndarray, ...]:
     q, qd, qdd = fb.random_state(model, seed, 5)
-    count = {"mass_matrix": 1, "potential_energy": 1, "kinetic_energy": 2, "momentum": 2}.get(name, 3)
+    count = {"mass_matrix": 1, "potential_energy": 1, "kinetic_energy": 2, "momentum": 2}.get(
+        name, 3
+    )
     return (q, qd, qdd)[:count]
 
 
@@ -67,7 +70,9 @@ def test_the_structures_kernel_is_the_one_of_fixed_numbers(seed: int, dim: int):
     close(fb.inverse_dynamics(model, q, qd, qdd, {"tool": load}), fixed, "with a wrench")
     reactions = np.zeros((5, len(model.bodies), 6 if dim == 3 else 3))
     found = fetch(model, ("balance",), Option())(q, qd, qdd, reactions)
-    for x, expected in zip(found[:2], fb.kernel(model, "balance")(q, qd, qdd, reactions)[:2], strict=True):
+    for x, expected in zip(
+        found[:2], fb.kernel(model, "balance")(q, qd, qdd, reactions)[:2], strict=True
+    ):
         close(x, expected, "what must act on free bodies")
     for frame in ("tool", "ground"):
         close(fb.jacobian(model, q, frame), fb.kernel(model, "jacobian", frame=frame)(q), frame)
@@ -97,13 +102,22 @@ def test_other_numbers_and_names_share_a_structure():
     assert ur5e.replace(gravity=1.6, name="elsewhere").structure is ur5e.structure
     assert fb.dh([{"a": 0.3, "m": 1.0}], convention="standard").structure is not ur5e.structure
     sideways = ur5e.replace(gravity=(0.0, 9.81, 0.0))
-    assert sideways.structure is not ur5e.structure, "the zeros of gravity's direction are structure"
+    assert sideways.structure is not ur5e.structure, (
+        "the zeros of gravity's direction are structure"
+    )
 
 
 def test_a_zero_of_a_placement_is_structure_and_a_zero_mass_is_not():
     def arm(d: float, mass: float) -> fb.Model:
         rows = [
-            {"a": 0.3, "d": d, "alpha": 0.2, "m": mass, "com": (0.1, 0, 0), "I": (0.01,) * 3 + (0,) * 3}
+            {
+                "a": 0.3,
+                "d": d,
+                "alpha": 0.2,
+                "m": mass,
+                "com": (0.1, 0, 0),
+                "I": (0.01,) * 3 + (0,) * 3,
+            }
         ] * 2
         return fb.dh(rows, convention="standard", physical="ignore")
 
@@ -118,7 +132,13 @@ def test_many_models_of_one_structure_are_compiled_once(compiled: list[str]):
         zero = k % 10 == 0
         masses = rng.uniform(0.5, 2.0, size=3) * (0.0 if zero else 1.0)
         rows = [
-            {"a": x, "m": m, "com": (-x / 2, 0.0, 0.0), "I": (0.0, 0.01, 0.01, 0.0, 0.0, 0.0), "rotor": 1e-3}
+            {
+                "a": x,
+                "m": m,
+                "com": (-x / 2, 0.0, 0.0),
+                "I": (0.0, 0.01, 0.01, 0.0, 0.0, 0.0),
+                "rotor": 1e-3,
+            }
             | ({} if zero else {"friction": (0.1, 0.2)})
             for x, m in zip(rng.uniform(0.2, 0.5, size=3), masses, strict=True)
         ]
@@ -150,14 +170,18 @@ def test_what_was_called_before_changes_no_bit():
     "change",
     [
         lambda m: m.bind({"forearm_link.mass": 2.5}),
-        lambda m: m.bind({"forearm_link.com.x": 0.1, "wrist_1_link.scale": 1.5, "elbow_joint.a": -0.5}),
+        lambda m: m.bind(
+            {"forearm_link.com.x": 0.1, "wrist_1_link.scale": 1.5, "elbow_joint.a": -0.5}
+        ),
         lambda m: m.bind({"elbow_joint.alpha": 0.1}),
         lambda m: m.bind({"elbow_joint.a": 0.0}),
         lambda m: m.bind({"gravity": 1.62}),
         lambda m: m.bind({"gravity": [1.62, 9.81]}),
         lambda m: m.bind({"forearm_link.mass": [2.5, 3.0]}),
         lambda m: m.with_payload(mass=2.0, com=(0.01, 0.02, 0.1)),
-        lambda m: m.with_payload(Inertia.box(2.0, (0.1, 0.2, 0.3)), frame="frame3").bind(gravity=1.0),
+        lambda m: m.with_payload(Inertia.box(2.0, (0.1, 0.2, 0.3)), frame="frame3").bind(
+            gravity=1.0
+        ),
         lambda m: m.with_drive("elbow_joint", viscous=2.0),
         lambda m: m.with_drive("elbow_joint", rest=2.0),
     ],
@@ -210,7 +234,9 @@ def test_a_structure_goes_when_its_models_and_newer_ones_are_gone():
 
 
 def _chain(k: int) -> fb.Model:
-    return fb.dh([{"a": 0.3, "joint": "RP"[int(x)], "m": 1.0} for x in f"{k:05b}"], convention="standard")
+    return fb.dh(
+        [{"a": 0.3, "joint": "RP"[int(x)], "m": 1.0} for x in f"{k:05b}"], convention="standard"
+    )
 
 
 @pytest.mark.parametrize("seed", range(300))

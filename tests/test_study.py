@@ -1,4 +1,5 @@
-"""The study: everything agrees on every bundled robot, planted faults are found, and files hold what was computed."""
+"""The study: everything agrees on every bundled robot, planted faults are found, and files hold
+what was computed."""
 
 from __future__ import annotations
 
@@ -49,7 +50,9 @@ def test_all_checks_pass_on_every_bundled_model(name: str):
         }
         assert study.replay is None
         assert (
-            data["tau"].sel(coordinate=list(set(study.model.velocity_names) - set(study.model.driven_names)))
+            data["tau"].sel(
+                coordinate=list(set(study.model.velocity_names) - set(study.model.driven_names))
+            )
             == 0
         ).all()
         return
@@ -85,10 +88,14 @@ def test_a_planted_fault_is_found(arm: fb.Study):
 
     assert failing() == set()
     values = {
-        name: arm.data[name].values.copy() for name in ("tau", "reaction_force", "reaction_moment", "qdd")
+        name: arm.data[name].values.copy()
+        for name in ("tau", "reaction_force", "reaction_moment", "qdd")
     }
     values["reaction_force"][100, 2, 0] += 1e-6
-    assert failing(reaction_force=values["reaction_force"]) == {"forces on each body", "moments on each body"}
+    assert failing(reaction_force=values["reaction_force"]) == {
+        "forces on each body",
+        "moments on each body",
+    }
     values["reaction_moment"][100, 2, 0] += 1e-6
     assert failing(reaction_moment=values["reaction_moment"]) == {"moments on each body"}
     values["tau"][100, 2] += 1e-5
@@ -104,7 +111,8 @@ def test_the_replay_finds_a_wrong_torque():
     motion = fb.default_motion(model)
     whole, allowed = replays.system(model), replays.ranges(model)
     heavier = replace(
-        whole, inverse=fb.kernel(model.bind(m2=model.parameters["m2"] * (1 + 1e-4)), "inverse_dynamics")
+        whole,
+        inverse=fb.kernel(model.bind(m2=model.parameters["m2"] * (1 + 1e-4)), "inverse_dynamics"),
     )
     edges = np.array([0.0, 1.0, 2.0, 3.0])
     assert replays._land(whole, motion, edges[:-1], edges[1:], allowed, "DOP853").max() < 1e-9
@@ -177,7 +185,8 @@ def test_a_singular_pose_on_the_way_is_found():
     assert study.singularity.time == pytest.approx(0.5, abs=1e-9)
     assert study.singularity.rows == "position"
     assert study.singularity.text == (
-        "At t = 0.5 s the tip cannot move in some direction: the arm is singular or all but singular."
+        "At t = 0.5 s the tip cannot move in some direction: the arm is singular or all but "
+        "singular."
     )
 
 
@@ -210,13 +219,20 @@ def test_a_motion_beyond_the_limits_is_studied_and_said():
 
 def test_which_tip_is_studied():
     panda = fb.load("panda")
-    assert chosen_tip(panda, None) == ("panda_hand_tcp", "The tip is 'panda_hand_tcp', the model's own tip.")
+    assert chosen_tip(panda, None) == (
+        "panda_hand_tcp",
+        "The tip is 'panda_hand_tcp', the model's own tip.",
+    )
     assert chosen_tip(replace(panda, tip=None), None)[0] == "panda_leftfinger"
     assert chosen_tip(replace(panda, tip=None), None)[1] == (
-        "The tip is 'panda_leftfinger', the first in the file of the 2 ends behind 8 movable joints "
+        "The tip is 'panda_leftfinger', the first in the file of the 2 ends behind 8 movable "
+        "joints "
         "(panda_leftfinger, panda_rightfinger); another is chosen with --tip or tip=."
     )
-    assert chosen_tip(panda, "panda_link4") == ("panda_link4", "The tip is 'panda_link4', as asked.")
+    assert chosen_tip(panda, "panda_link4") == (
+        "panda_link4",
+        "The tip is 'panda_link4', as asked.",
+    )
     with pytest.raises(
         UnknownNameError, match=r"no frame 'panda_link9' in 'panda'\. Did you mean 'panda_link"
     ):
@@ -234,7 +250,9 @@ def test_a_joint_without_inertia_stops_only_the_replay():
 
 
 def test_what_cannot_be_studied_says_why():
-    with pytest.raises(MissingValueError, match=r"the study of 'RR': numbers need a value for I1, I2, "):
+    with pytest.raises(
+        MissingValueError, match=r"the study of 'RR': numbers need a value for I1, I2, "
+    ):
         fb.study(fb.planar("RR"))
     with pytest.raises(
         FreebodyError, match=r"study: the motion has 2 positions and 2 rates, '3R' has nq = 3"
@@ -274,7 +292,9 @@ def test_files_hold_what_was_computed(arm: fb.Study, tmp_path: Path):
     table = np.genfromtxt(written[2], delimiter=",", names=True, deletechars="")
     np.testing.assert_array_equal(table["elbow_joint_tau_(N_m)"], arm.data["tau"].values[:, 2])
     summary = written[4].read_text().splitlines()
-    assert summary[0].startswith("coordinate,unit,effort_unit,peak_torque (N m|N),peak_torque_time (s)")
+    assert summary[0].startswith(
+        "coordinate,unit,effort_unit,peak_torque (N m|N),peak_torque_time (s)"
+    )
     assert summary[1].startswith("shoulder_pan_joint,rad,N m,")
     with pytest.raises(
         FreebodyError, match=r"study\.nc: there is a file of that name; name a folder with --out\."

@@ -1,4 +1,5 @@
-"""What test files share is in tests/support: none is imported by another, so that each can be read and run alone."""
+"""What test files share is in tests/support: none is imported by another, so that each can be read
+and run alone."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""What mutants showed to be untested: small laws, each seen to fail with the change that had survived."""
+"""What mutants showed to be untested: small laws, each seen to fail with the change that had
+survived."""
 
 from __future__ import annotations
 
@@ -34,10 +35,14 @@ def test_there_is_no_example_that_tells_an_answer_from_itself():
 def test_a_square_has_no_sign_of_its_factor(power: int):
     equations = fb.equations(fb.planar("RR"))
     ring = equations.symbols.ring
-    factor = ring.sin("theta1") * ring.cos("theta1") - ring["l1"] * ring["lc1"] - ring["l1"] * ring["l2"]
+    factor = (
+        ring.sin("theta1") * ring.cos("theta1") - ring["l1"] * ring["lc1"] - ring["l1"] * ring["l2"]
+    )
     values = {"theta1": 0.4, "l1": 0.7, "l2": 0.5, "lc1": 0.3}
     number = math.sin(0.4) * math.cos(0.4) - 0.7 * 0.3 - 0.7 * 0.5
     x = ring["l1"]
     for _ in range(power):
         x = x * factor
-    assert evaluate(product(x, equations.layout), values) == pytest.approx(0.7 * number**power, rel=1e-12)
+    assert evaluate(product(x, equations.layout), values) == pytest.approx(
+        0.7 * number**power, rel=1e-12
+    )

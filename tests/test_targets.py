@@ -1,4 +1,5 @@
-"""What a target is: a record that a table names. A made-up one is put into the table, and asked as the others are."""
+"""What a target is: a record that a table names. A made-up one is put into the table, and asked as
+the others are."""
 
 from __future__ import annotations
 
@@ -30,7 +31,8 @@ def memory_only(monkeypatch):
 
 
 def test_a_target_is_a_module_and_a_line(monkeypatch):
-    """It is found, told its program, width and number type, asked for its text, and found again by a pickle."""
+    """It is found, told its program, width and number type, asked for its text, and found again by
+    a pickle."""
     asked = []
 
     def build(program, width, dtype):

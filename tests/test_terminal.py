@@ -26,7 +26,9 @@ COMMANDS = [
 
 @pytest.mark.parametrize("encoding", ["cp1252", "ascii"])
 @pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
-def test_every_command_prints_in_every_encoding(tmp_path, monkeypatch, encoding: str, command: list[str]):
+def test_every_command_prints_in_every_encoding(
+    tmp_path, monkeypatch, encoding: str, command: list[str]
+):
     monkeypatch.chdir(tmp_path)
     codes, texts = [], []
     for chosen in (encoding, "utf-8"):

@@ -1,6 +1,7 @@
 """Batches in parts on several threads, several callers, forked children.
 
-How a batch is cut is not to be seen in a result: `run_split` is called by itself, and told of a machine of four CPUs.
+How a batch is cut is not to be seen in a result: `run_split` is called by itself, and told of a
+machine of four CPUs.
 """
 
 from __future__ import annotations

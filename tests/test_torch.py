@@ -1,4 +1,5 @@
-"""Kernels as functions of PyTorch tensors: PyTorch's own checks of gradients, its transforms and its graphs."""
+"""Kernels as functions of PyTorch tensors: PyTorch's own checks of gradients, its transforms and
+its graphs."""
 
 from __future__ import annotations
 
@@ -22,12 +23,15 @@ pytestmark = pytest.mark.filterwarnings("default:`torch.jit:DeprecationWarning")
 
 
 def random(*shape, grad=True, seed=0, dtype=None):
-    values = torch.from_numpy(np.random.default_rng(seed).normal(size=shape)).to(dtype or torch.float64)
+    values = torch.from_numpy(np.random.default_rng(seed).normal(size=shape)).to(
+        dtype or torch.float64
+    )
     return values.requires_grad_(grad)
 
 
 def near(model, count, seed=1):
-    """States of a mechanism near its home, open or closed, of positions off the unit length of quaternions."""
+    """States of a mechanism near its home, open or closed, of positions off the unit length of
+    quaternions."""
     rng = np.random.default_rng(seed)
     q = fb.neutral(model) + 0.1 * rng.normal(size=(count, model.nq))
     if model.loops:
@@ -44,7 +48,9 @@ def free_base():
 def test_results_are_the_kernels_to_the_last_bit(dtype):
     model = fb.load("ur5e")
     f, k = fb.to_torch(model, "inverse_dynamics"), fb.kernel(model, "inverse_dynamics", dtype=dtype)
-    q, qd, qdd = (random(3, 5, 6, grad=False, seed=s, dtype=getattr(torch, dtype)) for s in range(3))
+    q, qd, qdd = (
+        random(3, 5, 6, grad=False, seed=s, dtype=getattr(torch, dtype)) for s in range(3)
+    )
     arrays = [x.numpy() for x in (q, qd, qdd)]
     for made in (f(q, qd, qdd), f(q.requires_grad_(), qd, qdd).detach()):
         assert made.dtype == getattr(torch, dtype)
@@ -122,7 +128,8 @@ def test_gradcheck(case):
 
 
 @pytest.mark.parametrize(
-    "case", ["inverse dynamics", "a free base, by quaternions", "a closed chain", "numbers of the robot"]
+    "case",
+    ["inverse dynamics", "a free base, by quaternions", "a closed chain", "numbers of the robot"],
 )
 def test_gradgradcheck(case):
     model, names, options = quantities()[case]
@@ -155,7 +162,11 @@ def test_vmap_over_any_axis_nested_and_beside_batches():
     from torch.func import vmap
 
     f = fb.to_torch(fb.load("2R"), "inverse_dynamics")
-    q, qd, qdd = random(3, 4, 2, grad=False), random(4, 2, grad=False, seed=1), random(2, grad=False, seed=2)
+    q, qd, qdd = (
+        random(3, 4, 2, grad=False),
+        random(4, 2, grad=False, seed=1),
+        random(2, grad=False, seed=2),
+    )
     plain = f(q, qd, qdd)
     for made in (
         vmap(f, (1, 0, None), 1)(q, qd, qdd),
@@ -165,7 +176,9 @@ def test_vmap_over_any_axis_nested_and_beside_batches():
     ):
         np.testing.assert_array_equal(made.numpy(), plain.numpy())
     step = fb.to_torch(fb.load("2R"), "rk4_step")
-    two = vmap(step, (0, None, None, 0))(q, qd, qdd, torch.tensor([0.1, 0.2, 0.3], dtype=torch.float64))
+    two = vmap(step, (0, None, None, 0))(
+        q, qd, qdd, torch.tensor([0.1, 0.2, 0.3], dtype=torch.float64)
+    )
     one = step(q, qd, qdd, torch.tensor([[0.1], [0.2], [0.3]], dtype=torch.float64))
     np.testing.assert_array_equal(torch.stack(two).numpy(), torch.stack(one).numpy())
 
@@ -188,7 +201,8 @@ def test_only_what_is_asked_for_is_differentiated():
 
 
 def test_forward_mode_sees_what_has_no_gradient():
-    """A direction alone does not make a tensor require a gradient; its memory holds no direction."""
+    """A direction alone does not make a tensor require a gradient; its memory holds no
+    direction."""
     import torch.autograd.forward_ad as forward
 
     f = fb.to_torch(fb.load("2R"), "potential_energy")
@@ -210,7 +224,9 @@ def test_numbers_of_the_robot_are_differentiated_by_name():
     grown = fb.inverse_dynamics(model.bind({"link2.mass": 2.0}), q.numpy(), [0, 0], [0, 0])
     np.testing.assert_allclose(tau[1].detach().numpy(), grown, rtol=1e-12)
     lighter = fb.inverse_dynamics(model.bind({"link2.mass": 1.0}), q.numpy(), [0, 0], [0, 0])
-    np.testing.assert_allclose(mass.grad.numpy(), [(grown - lighter).sum()] * 3, rtol=1e-9)  # linear in it
+    np.testing.assert_allclose(
+        mass.grad.numpy(), [(grown - lighter).sum()] * 3, rtol=1e-9
+    )  # linear in it
     plain = fb.inverse_dynamics(model, q.numpy(), [0, 0], [0, 0])
     np.testing.assert_allclose(f(q, 0.0 * q, 0.0 * q).numpy(), plain, rtol=1e-12)
     given = f(q, 0.0 * q, 0.0 * q, p=torch.from_numpy(f.values.copy()))
@@ -222,7 +238,9 @@ def test_numbers_of_the_robot_are_differentiated_by_name():
         fb.to_torch(model, "bias")(q, q, p=mass)
     symbolic = fb.planar("RR")
     unknown = fb.to_torch(
-        symbolic, "inverse_dynamics", inputs=[x.name for x in fb.parameters(symbolic) if not x.limit]
+        symbolic,
+        "inverse_dynamics",
+        inputs=[x.name for x in fb.parameters(symbolic) if not x.limit],
     )
     with pytest.raises(MissingValueError):
         unknown(q, q, q)
@@ -284,7 +302,9 @@ def test_the_longer_ways_give_the_same(monkeypatch):
     monkeypatch.setattr(in_torch, "_watched", lambda: True)
     monkeypatch.setattr(in_torch, "_graphed", lambda: True)
     np.testing.assert_array_equal(f(*given).detach().numpy(), expected.detach().numpy())
-    for found, slope in zip(torch.autograd.grad(f(*given).square().sum(), given), slopes, strict=True):
+    for found, slope in zip(
+        torch.autograd.grad(f(*given).square().sum(), given), slopes, strict=True
+    ):
         np.testing.assert_array_equal(found.numpy(), slope.numpy())
 
 
@@ -302,13 +322,18 @@ def test_in_a_traced_graph():
 def test_the_operator_passes_pytorchs_own_tests():
     f = fb.to_torch(fb.load("2R"), "inverse_dynamics")
     given = [random(3, 2, seed=s) for s in range(3)]
-    done = torch.library.opcheck(torch.ops.freebody.evaluate.default, (f._of[torch.float64].key, given))
+    done = torch.library.opcheck(
+        torch.ops.freebody.evaluate.default, (f._of[torch.float64].key, given)
+    )
     assert set(done.values()) == {"SUCCESS"}
 
 
 @pytest.mark.parametrize("where", range(3))
 def test_of_tensors_without_numbers_come_shapes(where):
-    f, given = fb.to_torch(fb.load("2R"), "inverse_dynamics"), [random(5, 2, grad=False) for _ in range(3)]
+    f, given = (
+        fb.to_torch(fb.load("2R"), "inverse_dynamics"),
+        [random(5, 2, grad=False) for _ in range(3)],
+    )
     given[where] = given[where].to("meta")
     made = f(*given)
     assert made.is_meta
@@ -318,7 +343,9 @@ def test_of_tensors_without_numbers_come_shapes(where):
 def test_names_of_strangers_are_in_no_graph(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     model = hostile()
-    f = fb.to_torch(model, "inverse_dynamics", inputs=["*.mass"], wrench_frames=[model.frames[1].name])
+    f = fb.to_torch(
+        model, "inverse_dynamics", inputs=["*.mass"], wrench_frames=[model.frames[1].name]
+    )
 
     class Arm(torch.nn.Module):
         def forward(self, *state):
@@ -408,7 +435,9 @@ def test_refusals():
         with pytest.raises(error, match=words):
             f(*given)
     with pytest.raises(KernelError, match="kernels run on the CPU"):
-        f._tensor(type("Far", (torch.Tensor,), {"is_cpu": False, "device": "cuda:0"})(q), torch.float64)
+        f._tensor(
+            type("Far", (torch.Tensor,), {"is_cpu": False, "device": "cuda:0"})(q), torch.float64
+        )
     with pytest.raises(KernelError, match="'float64' or 'float32'"):
         fb.to_torch(model, "bias", dtype="float16")
     with pytest.raises(FreebodyError, match="has its quantities already"):

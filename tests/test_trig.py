@@ -1,4 +1,5 @@
-"""Exact trigonometric polynomials: the laws of a ring, of sines and cosines, and of derivatives, on seeded elements."""
+"""Exact trigonometric polynomials: the laws of a ring, of sines and cosines, and of derivatives, on
+seeded elements."""
 
 from __future__ import annotations
 
@@ -23,7 +24,9 @@ def element(seed: int, terms: int = 5) -> Trig:
     rng = np.random.default_rng(seed)
     total = Trig(RING, RING.constant(0), 0)
     atoms = (
-        [RING.sin(x) for x in "xyz"] + [RING.cos(x) for x in "xyz"] + [RING[n] for n in ("d", "m", "l", "x")]
+        [RING.sin(x) for x in "xyz"]
+        + [RING.cos(x) for x in "xyz"]
+        + [RING[n] for n in ("d", "m", "l", "x")]
     )
     for _ in range(terms):
         term = RING["m"] * Fraction(int(rng.integers(-9, 10)), int(rng.integers(1, 7)))
@@ -52,7 +55,9 @@ def test_ring_laws(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(20))
 def test_normal_form_has_no_squared_sine(seed: int) -> None:
     a = element(seed) * element(seed + 1) * element(seed + 2)
-    assert all(e < 2 for powers, _ in a.terms() for name, e in powers.items() if name.startswith("sin_"))
+    assert all(
+        e < 2 for powers, _ in a.terms() for name, e in powers.items() if name.startswith("sin_")
+    )
     assert RING.polynomial(a.terms()) == a
 
 
@@ -189,13 +194,18 @@ def test_rotations_stay_orthogonal_exactly(seed: int) -> None:
 @pytest.mark.parametrize("quarter", range(-4, 5))
 def test_right_angles_are_exact(quarter: int) -> None:
     s, c = rational_sin_cos(quarter * math.pi / 2)
-    assert (s, c) == (round(math.sin(quarter * math.pi / 2)), round(math.cos(quarter * math.pi / 2)))
+    assert (s, c) == (
+        round(math.sin(quarter * math.pi / 2)),
+        round(math.cos(quarter * math.pi / 2)),
+    )
 
 
 def test_a_closed_form_too_large_for_memory_is_refused_and_does_not_end_the_process() -> None:
     """FLINT aborts where memory ends: fourteen letters were enough."""
     with pytest.raises(FreebodyError, match="too large to be worked out"):
         fb.derive(fb.planar("R" * 14), "newton-euler")
-    many = RING.polynomial([({"m": i, "l": j}, Fraction(1)) for i in range(130) for j in range(130)])
+    many = RING.polynomial(
+        [({"m": i, "l": j}, Fraction(1)) for i in range(130) for j in range(130)]
+    )
     with pytest.raises(FreebodyError, match="too large to be worked out"):
         many * many

@@ -1,4 +1,5 @@
-"""What type checkers and editors see of the public names: as much as the interpreter, and mistakes."""
+"""What type checkers and editors see of the public names: as much as the interpreter, and
+mistakes."""
 
 from __future__ import annotations
 
@@ -25,7 +26,9 @@ PYTHON = os.environ.get("TYPES_OF", sys.executable)
 def test_the_stub_has_the_names_of_the_table():
     stub = ROOT / "src/freebody/__init__.pyi"
     expected = runpy.run_path(str(ROOT / "tools/stub.py"))["stub"]()
-    assert stub.read_text(encoding="utf-8") == expected, f"python tools/stub.py > {stub.relative_to(ROOT)}"
+    assert stub.read_text(encoding="utf-8") == expected, (
+        f"python tools/stub.py > {stub.relative_to(ROOT)}"
+    )
     assert (stub.parent / "py.typed").exists()
 
 
@@ -44,7 +47,12 @@ def checked(*files: Path) -> dict[str, list[tuple[int, str]]]:
     """Of each file the lines that pyright complains of, and what it says."""
     if shutil.which("pyright", path=str(Path(sys.executable).parent)) is None:
         pytest.skip("pyright is not installed")
-    command = [str(Path(sys.executable).with_name("pyright")), "--outputjson", "--pythonpath", PYTHON]
+    command = [
+        str(Path(sys.executable).with_name("pyright")),
+        "--outputjson",
+        "--pythonpath",
+        PYTHON,
+    ]
     done = subprocess.run(
         [*command, *map(str, files)],
         capture_output=True,
@@ -75,8 +83,14 @@ def test_a_strict_checker_sees_every_public_signature_and_finds_mistakes(tmp_pat
     assert found["right.py"] == []
     assert found["every.py"] == []
     lines = (tmp_path / "wrong.py").read_text(encoding="utf-8").splitlines()
-    expected = {k: line.partition("# error: ")[2] for k, line in enumerate(lines) if "# error: " in line}
+    expected = {
+        k: line.partition("# error: ")[2] for k, line in enumerate(lines) if "# error: " in line
+    }
     said = {k: " ".join(text for at, text in found["wrong.py"] if at == k) for k in expected}
-    missed = {lines[k]: said[k] for k, words in expected.items() if words not in re.sub(r"\s+", " ", said[k])}
+    missed = {
+        lines[k]: said[k]
+        for k, words in expected.items()
+        if words not in re.sub(r"\s+", " ", said[k])
+    }
     assert not missed
     assert {at for at, _ in found["wrong.py"]} == set(expected)

@@ -1,6 +1,7 @@
 """Uniform inputs: one value for the whole batch, read and worked up once a call.
 
-`fb.compile` has none, and in kernels with inputs= p alone is one; so programs of every mixture are traced here.
+`fb.compile` has none, and in kernels with inputs= p alone is one; so programs of every mixture are
+traced here.
 """
 
 import dataclasses
@@ -28,13 +29,17 @@ def memory_only(monkeypatch):
 
 
 def mixed(p, x, A, s, y):
-    """Of each kind: uniform throughout, of a sample throughout, and where they meet; sines of both."""
+    """Of each kind: uniform throughout, of a sample throughout, and where they meet; sines of
+    both."""
     turn, scale = sin(p[2]), cos(p[2]) / (1.0 + p[1] * p[1])
     a = p[0] * p[1] + turn
     row = sin(x[1] + sin(a)) * scale
     return (
         [a * x[0] + row, x[0] / p[3], a, p[4], 2.0, sin(x[0]), y[0][1]],
-        [[x[1] * A[0][0], A[1][1] * a - scale], [sqrt(s * s + 1.0) / y[0][0], sign(s) - y[1][0] / A[0][1]]],
+        [
+            [x[1] * A[0][0], A[1][1] * a - scale],
+            [sqrt(s * s + 1.0) / y[0][0], sign(s) - y[1][0] / A[0][1]],
+        ],
         s * sin(s),
     )
 
@@ -58,10 +63,13 @@ PLAIN = compile_program(PROGRAM, target="numpy")
 
 
 def arrays(batch, moving=(), seed=0):
-    """Values of the inputs: those of a sample and the `moving` uniform ones have the batch's axes."""
+    """Values of the inputs: those of a sample and the `moving` uniform ones have the batch's
+    axes."""
     rng = np.random.default_rng(seed)
     return [
-        rng.uniform(0.5, 2.0, size=(() if x.uniform and x.name not in moving else tuple(batch)) + x.shape)
+        rng.uniform(
+            0.5, 2.0, size=(() if x.uniform and x.name not in moving else tuple(batch)) + x.shape
+        )
         for x in INPUTS
     ]
 
@@ -90,7 +98,8 @@ def test_any_strides(width):
 @every_width
 @pytest.mark.parametrize("moving", [("p",), ("A", "s"), ("p", "A", "s")])
 def test_a_value_for_every_sample(width, moving):
-    """By a kernel in which nothing is uniform; the loop itself is right too, one sample after the other."""
+    """By a kernel in which nothing is uniform; the loop itself is right too, one sample after the
+    other."""
     kernel, given = compiled(width), arrays((11,), moving)
     expected = PLAIN(*given)
     assert_close(kernel(*given), expected, 1e-13)
@@ -116,7 +125,9 @@ def test_the_number_of_axes_alone_decides():
     p, rest = given[0], given[1:]
     assert same_bits(kernel(p[None], *rest), kernel.per_sample(p[None], *rest))
     batch = kernel(*given)
-    single = kernel(p, *(x[2] if not i.uniform else x for x, i in zip(rest, INPUTS[1:], strict=True)))
+    single = kernel(
+        p, *(x[2] if not i.uniform else x for x, i in zip(rest, INPUTS[1:], strict=True))
+    )
     assert same_bits(single, [x[2] for x in batch])
 
 
@@ -162,7 +173,9 @@ def test_all_results_uniform(width):
     expected = [2.0 * np.sin(0.5), 0.5, 3.0]
     assert np.allclose(kernel(p, np.ones((13, 1))), np.tile(expected, (13, 1)), rtol=1e-15)
     assert np.isnan(kernel(p, np.array([np.nan]))).all()
-    alone = trace("alone", lambda p: ([p[0] * sin(p[1]), p[1], 3.0],), program.inputs[:1], program.outputs)
+    alone = trace(
+        "alone", lambda p: ([p[0] * sin(p[1]), p[1], 3.0],), program.inputs[:1], program.outputs
+    )
     kernel = compile_program(alone, target="cpu", width=width)
     assert np.allclose(kernel(p), expected, rtol=1e-15)
     assert np.allclose(kernel(np.tile(p, (5, 1))), np.tile(expected, (5, 1)), rtol=1e-15)
@@ -233,11 +246,18 @@ def test_a_uniform_denominator_is_divided_by_once():
 
 
 def test_uniform_factors_are_multiplied_once():
-    """Also where the inner product has another reader, and through several factors and a quotient."""
+    """Also where the inner product has another reader, and through several factors and a
+    quotient."""
 
     def function(u, x):
         inner = u[0] * x[0]
-        return [inner, u[1] * inner, u[2] * (u[1] * inner) / u[3], 0.1 * (u[2] * (x[0] * x[1])), u[0] * u[1]]
+        return [
+            inner,
+            u[1] * inner,
+            u[2] * (u[1] * inner) / u[3],
+            0.1 * (u[2] * (x[0] * x[1])),
+            u[0] * u[1],
+        ]
 
     program = trace(
         "factors",
@@ -251,7 +271,9 @@ def test_uniform_factors_are_multiplied_once():
     u, x = rng.uniform(0.5, 2.0, 4), rng.normal(size=(7, 2))
     expected = np.stack(np.broadcast_arrays(*function(u, x.T)), axis=-1)
     np.testing.assert_allclose(compile_program(program)(u, x), expected, rtol=1e-15)
-    plain = dataclasses.replace(program, inputs=tuple(Argument(i.name, i.shape) for i in program.inputs))
+    plain = dataclasses.replace(
+        program, inputs=tuple(Argument(i.name, i.shape) for i in program.inputs)
+    )
     assert passes.gather_factors(plain) is plain
 
 
@@ -260,11 +282,14 @@ def test_uniform_factors_are_multiplied_once():
 def test_uniform_inputs_change_nothing_but_roundings(seed, flags):
     program = random_program(seed, 80)
     inputs = tuple(
-        dataclasses.replace(i, uniform=uniform) for i, uniform in zip(program.inputs, flags, strict=True)
+        dataclasses.replace(i, uniform=uniform)
+        for i, uniform in zip(program.inputs, flags, strict=True)
     )
     arrays = [x[0] if uniform else x for x, uniform in zip(samples(21, seed), flags, strict=True)]
     for target, width in (("numpy", None), ("cpu", 8)):
-        compiled = compile_program(dataclasses.replace(program, inputs=inputs), target=target, width=width)
+        compiled = compile_program(
+            dataclasses.replace(program, inputs=inputs), target=target, width=width
+        )
         batch = arrays if False in flags else [x[None] for x in arrays]
         assert_close(compiled(*batch), direct(seed, batch, 80))
         assert_close(compiled(*arrays), direct(seed, arrays, 80))

@@ -1,4 +1,5 @@
-"""Models, equations and results compare by value: structure and numbers exactly, not names of files or notices."""
+"""Models, equations and results compare by value: structure and numbers exactly, not names of files
+or notices."""
 
 from __future__ import annotations
 
@@ -27,7 +28,9 @@ def closed() -> tuple[fb.Model, np.ndarray]:
 
 def driving(torque: float) -> np.ndarray:
     chain = fb.load("four_bar")
-    return np.array([torque if name in chain.driven_names else 0.0 for name in chain.velocity_names])
+    return np.array(
+        [torque if name in chain.driven_names else 0.0 for name in chain.velocity_names]
+    )
 
 
 def of_closed(function: Callable[..., Any], **named: Any) -> Any:
@@ -47,9 +50,13 @@ MADE: dict[str, Callable[[float], Any]] = {
     "limits": lambda g: fb.planar("R", limits=[(-g, g)]).limits,
     "Motion": lambda g: fb.default_motion(fb.load("2R"), duration=g),
     "Solutions": lambda g: fb.inverse_kinematics(fb.load("2R"), [0.1 * g, 0.2]),
-    "BaseParameters": lambda g: fb.base_parameters(fb.load("2R").replace(gravity=9.0 if g == 1.0 else 0.0)),
+    "BaseParameters": lambda g: fb.base_parameters(
+        fb.load("2R").replace(gravity=9.0 if g == 1.0 else 0.0)
+    ),
     "Reactions": lambda g: of_closed(fb.reactions, qd=np.zeros(3), tau=driving(g)),
-    "InputOutput": lambda g: fb.input_output(fb.load("five_bar"), fb.assemble(fb.load("five_bar")) * g),
+    "InputOutput": lambda g: fb.input_output(
+        fb.load("five_bar"), fb.assemble(fb.load("five_bar")) * g
+    ),
 }
 WITHOUT_OTHERS = ("InputOutput",)  # another position does not close
 
@@ -109,7 +116,11 @@ def test_names_of_files_and_notices_do_not_count_and_names_of_joints_do(tmp_path
     assert fb.load("2R").replace(name="arm") == fb.load("2R")
     assert dataclasses.replace(fb.load("2R"), notices=()) == fb.load("2R")
     text = source.read_text(encoding="utf-8")
-    assert fb.planar("RR", passive=["joint1"]) != fb.planar("RR", passive=["joint2"]) != fb.planar("RR")
+    assert (
+        fb.planar("RR", passive=["joint1"])
+        != fb.planar("RR", passive=["joint2"])
+        != fb.planar("RR")
+    )
     assert text
 
 
@@ -119,7 +130,9 @@ def test_the_last_bit_counts_and_the_sign_of_zero_does_not():
         "RR", l=[np.nextafter(1.0, 2), 1.0], lc=[0.5] * 2, m=[1.0] * 2, I=[0.1] * 2, g=0.0
     )
     assert arm == fb.planar("RR", l=[1, 1], lc=[0.5] * 2, m=[1] * 2, I=[0.1] * 2, g=-0.0)
-    found = fb.Motion(np.arange(3.0), *(np.zeros((3, 1)),) * 3, "", fb.default_motion(fb.planar("R")).layout)
+    found = fb.Motion(
+        np.arange(3.0), *(np.zeros((3, 1)),) * 3, "", fb.default_motion(fb.planar("R")).layout
+    )
     other = fb.Motion(np.arange(3.0), *(-np.zeros((3, 1)),) * 3, "", found.layout)
     assert found == other
     assert hash(found) == hash(other)
@@ -140,8 +153,16 @@ def test_every_public_result_with_arrays_follows_the_one_rule():
     from freebody.trees import base_parameters
 
     classes = [x for name in fb.__all__ if inspect.isclass(x := getattr(fb, name))]
-    classes += [loci.Locus, mobility.Mobility, parallel.InputOutput, reactions.Reactions, solutions.Solutions]
+    classes += [
+        loci.Locus,
+        mobility.Mobility,
+        parallel.InputOutput,
+        reactions.Reactions,
+        solutions.Solutions,
+    ]
     classes += [base_parameters.BaseParameters]
     for kind in classes:
-        if dataclasses.is_dataclass(kind) and any("Array" in str(f.type) for f in dataclasses.fields(kind)):
+        if dataclasses.is_dataclass(kind) and any(
+            "Array" in str(f.type) for f in dataclasses.fields(kind)
+        ):
             assert issubclass(kind, ByValue), kind

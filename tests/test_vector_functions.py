@@ -1,6 +1,8 @@
-"""Exponential, logarithm, hyperbolic tangent and inverse trigonometric functions in vector code, against mpmath.
+"""Exponential, logarithm, hyperbolic tangent and inverse trigonometric functions in vector code,
+against mpmath.
 
-A CPU without fused multiply-add has to be feigned, so the host is patched; each function is traced by itself.
+A CPU without fused multiply-add has to be feigned, so the host is patched; each function is traced
+by itself.
 """
 
 import dataclasses
@@ -72,7 +74,8 @@ def near(rng, centre, n):
 
 
 def samples(name, rng, n):
-    """Arguments of the function, the places among them where its code changes its way, and the ends of its domain."""
+    """Arguments of the function, the places among them where its code changes its way, and the ends
+    of its domain."""
     if name == "exp":
         ends = [
             709.782712893384,
@@ -83,15 +86,33 @@ def samples(name, rng, n):
         ]
         return (
             np.concatenate(
-                [rng.uniform(-746, 710, n), rng.uniform(-1, 1, n), near(rng, 0, n), anywhere(rng, n), ends]
+                [
+                    rng.uniform(-746, 710, n),
+                    rng.uniform(-1, 1, n),
+                    near(rng, 0, n),
+                    anywhere(rng, n),
+                    ends,
+                ]
             ),
         )
     if name == "log":
         subnormal = rng.integers(1, 2**52, n) * 5e-324
-        ends = [5e-324, 2.2250738585072014e-308, math.sqrt(0.5), math.sqrt(2.0), 1.7976931348623157e308]
+        ends = [
+            5e-324,
+            2.2250738585072014e-308,
+            math.sqrt(0.5),
+            math.sqrt(2.0),
+            1.7976931348623157e308,
+        ]
         return (
             np.concatenate(
-                [abs(anywhere(rng, n)), rng.uniform(0.5, 2, n), abs(near(rng, 1, n)), subnormal, ends]
+                [
+                    abs(anywhere(rng, n)),
+                    rng.uniform(0.5, 2, n),
+                    abs(near(rng, 1, n)),
+                    subnormal,
+                    ends,
+                ]
             ),
         )
     if name == "tanh":
@@ -107,23 +128,38 @@ def samples(name, rng, n):
             ),
         )
     if name == "atan2":
-        y, x = (np.concatenate([rng.normal(size=n), anywhere(rng, n), near(rng, 0, n)]) for _ in range(2))
+        y, x = (
+            np.concatenate([rng.normal(size=n), anywhere(rng, n), near(rng, 0, n)])
+            for _ in range(2)
+        )
         borders = rng.choice([0.4375, 0.6875, 1.0, 16 / 11, 16 / 7], 3 * n) * near(rng, 1, 3 * n)
-        huge, ratio = rng.uniform(2.0**1022, 2.0**1023, n), rng.uniform(0.3, 3.0, n)  # their sums overflow
+        huge, ratio = (
+            rng.uniform(2.0**1022, 2.0**1023, n),
+            rng.uniform(0.3, 3.0, n),
+        )  # their sums overflow
         return np.concatenate([y, 0.25 * x * borders, huge * 0.5 * ratio]), np.concatenate(
             [x, 0.25 * x, huge]
         )
-    inside = np.concatenate([rng.uniform(-1, 1, n), near(rng, 0, n), near(rng, 0.5, n), -near(rng, 0.5, n)])
+    inside = np.concatenate(
+        [rng.uniform(-1, 1, n), near(rng, 0, n), near(rng, 0.5, n), -near(rng, 0.5, n)]
+    )
     ends = 1.0 - 10.0 ** rng.uniform(-16, -1, n)
     return (
         np.concatenate(
-            [inside[abs(inside) <= 1], ends, -ends, anywhere(rng, n) * 2.0**-1024, [1.0, -1.0, 0.5, -0.5]]
+            [
+                inside[abs(inside) <= 1],
+                ends,
+                -ends,
+                anywhere(rng, n) * 2.0**-1024,
+                [1.0, -1.0, 0.5, -0.5],
+            ]
         ),
     )
 
 
 def errors(name, kernel, columns):
-    """Error of each sample in units of the last place of the exact value, the largest double for what is beyond it."""
+    """Error of each sample in units of the last place of the exact value, the largest double for
+    what is beyond it."""
     found = kernel(*columns)
     assert found.dtype == np.float64
     with mpmath.workprec(140):
@@ -145,7 +181,8 @@ def test_within_the_stated_error(name, width):
 
 
 def test_angles_of_every_octant_have_all_digits():
-    """What pi/2, pi/4 and atan 1/2 lack as doubles is added: without it the error of these passes 1."""
+    """What pi/2, pi/4 and atan 1/2 lack as doubles is added: without it the error of these passes
+    1."""
     y, x = np.random.default_rng(7).normal(size=(2, 3000))
     beyond = abs(np.arctan2(y, x)) > 0.42
     worst, row = max(errors("atan2", compiled("atan2", 2), (y[beyond], x[beyond])))
@@ -176,7 +213,8 @@ def test_within_the_stated_error_everywhere(name):
 @pytest.mark.parametrize("width", [2, 4, 8])
 @pytest.mark.parametrize("name", LARGEST)
 def test_special_values_are_those_of_c(name, width):
-    """Zeros with their signs, infinities and NaN, made inside: an input that is not finite is another matter."""
+    """Zeros with their signs, infinities and NaN, made inside: an input that is not finite is
+    another matter."""
     arity = 2 if name == "atan2" else 1
     kernel = compiled(
         name,
@@ -193,9 +231,13 @@ def test_special_values_are_those_of_c(name, width):
     rows = list(itertools.product(SPECIAL, repeat=arity))
     columns = [
         np.array(c)
-        for c in zip(*([p for x in row for p in quotients.get(x, (x, 1.0))] for row in rows), strict=True)
+        for c in zip(
+            *([p for x in row for p in quotients.get(x, (x, 1.0))] for row in rows), strict=True
+        )
     ]
-    wanted = {"atan2": np.arctan2, "asin": np.arcsin, "acos": np.arccos}.get(name) or getattr(np, name)
+    wanted = {"atan2": np.arctan2, "asin": np.arcsin, "acos": np.arccos}.get(name) or getattr(
+        np, name
+    )
     with np.errstate(all="ignore"):
         expected = wanted(*np.array(rows).T)
     found = kernel(*columns)
@@ -225,7 +267,8 @@ def test_functions_stand_in_long_programs(name):
         trace("s", lambda x: (FUNCTIONS["sin"](x),), [Argument("x", ())], [Argument("r", ())])
     )
     np.testing.assert_array_equal(
-        compile_program(program)(flat).T, compiled(name, arity)(*(sines(columns[:, k]) for k in range(arity)))
+        compile_program(program)(flat).T,
+        compiled(name, arity)(*(sines(columns[:, k]) for k in range(arity))),
     )
 
 
@@ -247,12 +290,15 @@ def test_of_uniform_inputs_once_a_call(name):
 
 @pytest.mark.parametrize("name", LARGEST)
 def test_float32_is_the_double_rounded(name):
-    """Within half a unit in the last place and a little: computed in doubles, rounded at the end."""
+    """Within half a unit in the last place and a little: computed in doubles, rounded at the
+    end."""
     arity = 2 if name == "atan2" else 1
     rng = np.random.default_rng(6)
     columns = [rng.uniform(0.01, 0.99, 4000).astype(np.float32) for _ in range(arity)]
     inputs = [Argument(x, ()) for x in "xy"[:arity]]
-    program = trace(f"single_{name}", lambda *x: (FUNCTIONS[name](*x),), inputs, [Argument("r", ())])
+    program = trace(
+        f"single_{name}", lambda *x: (FUNCTIONS[name](*x),), inputs, [Argument("r", ())]
+    )
     found = compile_program(program, dtype="float32")(*columns)
     assert found.dtype == np.float32
     exact = compiled(name, arity)(*(c.astype(float) for c in columns))

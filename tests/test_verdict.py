@@ -1,4 +1,5 @@
-"""The verdict of a study: never kinder than the truth. Limits, pace, work, and what bearings carry."""
+"""The verdict of a study: never kinder than the truth. Limits, pace, work, and what bearings
+carry."""
 
 from __future__ import annotations
 
@@ -47,11 +48,18 @@ def full(coulomb: float = 0.4, effort: float = np.inf, velocity: float = np.inf)
     drive = fb.Drive(viscous=0.7, coulomb=coulomb, rotor=2e-3, gear=10.0, stiffness=1.5, rest=0.1)
     limits = fb.Limits(-2.0, 2.0, velocity, effort)
     return fb.planar(
-        "RR", l=[1, 1], lc=[0.5, 0.4], m=[2, 1], I=[0.1, 0.05], drives=[drive, drive], limits=[limits, limits]
+        "RR",
+        l=[1, 1],
+        lc=[0.5, 0.4],
+        m=[2, 1],
+        I=[0.1, 0.05],
+        drives=[drive, drive],
+        limits=[limits, limits],
     )
 
 
-# ------------------------------------------------------------ the three outcomes, and what the command exits with
+# ------------------------------------------------------------ the three outcomes, and what the
+# command exits with
 def test_a_feasible_motion_exits_0_and_says_so_first(capsys: pytest.CaptureFixture[str]):
     assert run(["study", arm()]) == 0
     said = capsys.readouterr()
@@ -62,17 +70,22 @@ def test_a_feasible_motion_exits_0_and_says_so_first(capsys: pytest.CaptureFixtu
 
 def test_a_motion_beyond_a_limit_exits_1_and_says_which(capsys: pytest.CaptureFixture[str]):
     file = arm(velocity=1.0)
-    Path("fast.csv").write_text("t,lift\n" + "\n".join(f"{k / 20},{0.5 * (k / 20) ** 2}" for k in range(25)))
+    Path("fast.csv").write_text(
+        "t,lift\n" + "\n".join(f"{k / 20},{0.5 * (k / 20) ** 2}" for k in range(25))
+    )
     assert run(["study", file, "--motion", "fast.csv"]) == 1
     out = " ".join(capsys.readouterr().out.split())
     assert out.startswith(
         "Not feasible: the speed of lift is 1.2 rad/s at t = 1.2 s, 120 % of its 1 rad/s. "
-        "It would keep the limits of speed and torque at 0.833 times its speed (in 1.2 times the time)."
+        "It would keep the limits of speed and torque at 0.833 times its speed (in 1.2 times the "
+        "time)."
     )
     assert "passed" not in out
 
 
-def test_limits_of_zero_are_not_given_and_nothing_is_called_feasible(capsys: pytest.CaptureFixture[str]):
+def test_limits_of_zero_are_not_given_and_nothing_is_called_feasible(
+    capsys: pytest.CaptureFixture[str],
+):
     assert run(["study", arm(velocity=0, effort=0)]) == 0
     out = capsys.readouterr().out
     assert out.startswith("Not judged: not given are an effort limit and a speed limit of lift.")
@@ -89,7 +102,9 @@ def test_gravity_beyond_the_limit_is_not_helped_by_slowing(capsys: pytest.Captur
 
 
 def test_a_motion_on_its_limit_is_within_it():
-    model = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.1], limits=[fb.Limits(0, 1, velocity=1.0, effort=50)])
+    model = fb.planar(
+        "R", l=[1], lc=[0.5], m=[1], I=[0.1], limits=[fb.Limits(0, 1, velocity=1.0, effort=50)]
+    )
     t = np.linspace(0, 1, 41)
     study = fb.study(model, motion_of(model, t, t[:, None]))
     assert study.verdict.outcome == "feasible"
@@ -122,9 +137,12 @@ def test_a_passive_joint_that_needs_a_torque_is_not_feasible():
 
 
 # ------------------------------------------------------------ pace
-@pytest.mark.parametrize(("effort", "velocity"), [(60.0, 4.0), (60.0, 99.0), (30.0, 99.0), (60.0, 0.2)])
+@pytest.mark.parametrize(
+    ("effort", "velocity"), [(60.0, 4.0), (60.0, 99.0), (30.0, 99.0), (60.0, 0.2)]
+)
 def test_at_the_stated_pace_the_first_limit_is_just_reached(effort, velocity):
-    """The factor, against the torque of the same path run at that pace by inverse dynamics, friction included."""
+    """The factor, against the torque of the same path run at that pace by inverse dynamics,
+    friction included."""
     model = full(effort=effort, velocity=velocity)
     motion = swing(model, seconds=0.9)
     study = fb.study(model, motion)
@@ -158,7 +176,9 @@ def test_the_default_motion_is_slowed_until_it_keeps_the_limits():
     model = fb.planar(
         "R", l=[0.1], lc=[0.05], m=[1], I=[5.0], limits=[fb.Limits(-1, 1, velocity=9, effort=3)]
     )
-    tau = fb.inverse_dynamics(model, *(getattr(fb.default_motion(model), x) for x in ("q", "qd", "qdd")))
+    tau = fb.inverse_dynamics(
+        model, *(getattr(fb.default_motion(model), x) for x in ("q", "qd", "qdd"))
+    )
     assert np.abs(tau).max() > 3
     study = fb.study(model)
     assert study.passed
@@ -181,13 +201,17 @@ def test_a_pace_is_not_promised_where_limits_are_not_given():
 def test_work_of_a_lift_and_of_a_cycle():
     model = fb.planar("R", l=[1], lc=[0.5], m=[2], I=[0.1])
     t = np.linspace(0, 4, 801)
-    up = -np.pi / 2 + np.pi / 2 * np.sin(np.pi * t / 8) ** 2  # from hanging to level, rate 0 at both ends
+    up = (
+        -np.pi / 2 + np.pi / 2 * np.sin(np.pi * t / 8) ** 2
+    )  # from hanging to level, rate 0 at both ends
     lift = fb.study(model, motion_of(model, t, up[:, None])).summary
     assert float(lift["net_work"][0]) == pytest.approx(2 * 9.81 * 0.5, rel=1e-5)
     cycle = -np.pi / 2 + np.pi / 2 * np.sin(np.pi * t / 4) ** 2
     both = fb.study(model, motion_of(model, t, cycle[:, None])).summary
     assert float(both["net_work"][0]) == pytest.approx(0.0, abs=1e-4)
-    assert float(both["work_done"][0]) == pytest.approx(2 * 9.81 * 0.5, rel=1e-4)  # slow: nothing is flung
+    assert float(both["work_done"][0]) == pytest.approx(
+        2 * 9.81 * 0.5, rel=1e-4
+    )  # slow: nothing is flung
     assert float(both["regenerated_share"][0]) == pytest.approx(1.0, abs=1e-4)
     damped = full()
     kept = fb.study(damped, swing(damped)).summary
@@ -199,14 +223,17 @@ def test_work_of_a_lift_and_of_a_cycle():
 
 
 def test_work_is_parted_where_the_power_changes_its_sign():
-    done, braked = parted(np.array([0.0, 1.0, 2.0]), np.array([[3.0, 0.0], [-1.0, 0.0], [-1.0, 2.0]]))
+    done, braked = parted(
+        np.array([0.0, 1.0, 2.0]), np.array([[3.0, 0.0], [-1.0, 0.0], [-1.0, 2.0]])
+    )
     np.testing.assert_allclose(done, [9 / 8, 1.0])
     np.testing.assert_allclose(braked, [1 / 8 + 1.0, 0.0])
 
 
 # ------------------------------------------------------------ bearings
 def test_a_bearing_is_told_from_its_drive():
-    """Three kilograms at (0.4, 0.3, 0.2) from joints about y, about z, and along z: statics by hand."""
+    """Three kilograms at (0.4, 0.3, 0.2) from joints about y, about z, and along z: statics by
+    hand."""
     weight = 3.0 * 9.81
     expected = {
         ("revolute", "0 1 0"): {"axial_force": 0, "radial_force": weight, "tilting_moment": 0.3 * weight,
@@ -231,7 +258,9 @@ def test_a_bearing_is_told_from_its_drive():
         data = bearing_loads(model, wrench[..., :3], wrench[..., 3:])
         for name in ("axial_force", "radial_force", "tilting_moment", "guide_moment", "drive_load"):
             want = loads.get(name, np.nan)
-            np.testing.assert_allclose(data[name][1][:, 0], want, atol=1e-9, err_msg=f"{kind} {axis} {name}")
+            np.testing.assert_allclose(
+                data[name][1][:, 0], want, atol=1e-9, err_msg=f"{kind} {axis} {name}"
+            )
 
 
 # ------------------------------------------------------------ the page
@@ -281,10 +310,14 @@ def test_failed_self_checks_are_a_finding_even_where_the_motion_is_feasible():
     assert not worse.passed
 
 
-# ------------------------------------------------------------ what a range leaves open, what noise adds
+# ------------------------------------------------------------ what a range leaves open, what noise
+# adds
 @pytest.mark.parametrize(("lower", "outcome"), [(-1.0, "not judged"), (0.2, "feasible")])
-def test_a_follower_that_can_never_keep_its_range_is_not_judged(tmp_path: Path, lower: float, outcome: str):
-    """A gripper whose second finger has the range of a mirrored axis, and follows without a minus: PR2's."""
+def test_a_follower_that_can_never_keep_its_range_is_not_judged(
+    tmp_path: Path, lower: float, outcome: str
+):
+    """A gripper whose second finger has the range of a mirrored axis, and follows without a minus:
+    PR2's."""
     file = tmp_path / "gripper.toml"
     upper = max(0.0, 5 * lower)
     text = """dim = 2
@@ -310,7 +343,9 @@ limits = {{ {limits}, velocity = 2, effort = 5 }}
     file.write_text(text)
     verdict = fb.study(fb.load(file)).verdict
     assert verdict.outcome == outcome
-    assert ("a range that suits right, which follows left" in verdict.text) == (outcome == "not judged")
+    assert ("a range that suits right, which follows left" in verdict.text) == (
+        outcome == "not judged"
+    )
 
 
 def test_the_verdict_on_a_noisy_motion_says_that_noise_counts(tmp_path: Path):

@@ -1,4 +1,5 @@
-"""The interface to XLA that kernels in JAX rest on: its layout, its versions, and what happens where it is another."""
+"""The interface to XLA that kernels in JAX rest on: its layout, its versions, and what happens
+where it is another."""
 
 from __future__ import annotations
 
@@ -75,7 +76,12 @@ def test_a_call_that_is_laid_out_otherwise_is_an_error():
     good = np.zeros((1, 5, 2))
     shape = jax.ShapeDtypeStruct((1, 5, 2), np.float64)
     assert jax.ffi.ffi_call(name, shape)(good, good, good).shape == (1, 5, 2)
-    for wrong in ([good, good], [good, good, good[0]], [good, good, good.astype(np.float32)], [good] * 4):
+    for wrong in (
+        [good, good],
+        [good, good, good[0]],
+        [good, good, good.astype(np.float32)],
+        [good] * 4,
+    ):
         with pytest.raises(Exception, match="freebody: a call that is laid out in another way"):
             jax.ffi.ffi_call(name, shape)(*wrong)
 
@@ -101,7 +107,9 @@ def test_with_another_interface_jax_calls_python(another_interface):
         fb.kernel(model, "inverse_dynamics")(q, np.stack([qd, qdd]), qdd),
     )
     slope = jax.vmap(jax.jacrev(function))(q, qd, qdd)
-    np.testing.assert_allclose(slope, fb.inverse_dynamics_derivatives(model, q, qd, qdd)[0], rtol=1e-12)
+    np.testing.assert_allclose(
+        slope, fb.inverse_dynamics_derivatives(model, q, qd, qdd)[0], rtol=1e-12
+    )
 
 
 def test_a_kernel_of_numpy_is_called_too():
@@ -119,7 +127,9 @@ def test_on_another_platform_python_is_called():
     traced = jax.jit(function).trace(np.zeros(2))
     assert "freebody_" in traced.lower(lowering_platforms=("cpu",)).as_text()
     # without a GPU there is no way to Python from it, which is as far as JAX gets here
-    with pytest.raises(ValueError, match="platform for the specified backend cpu is different from"):
+    with pytest.raises(
+        ValueError, match="platform for the specified backend cpu is different from"
+    ):
         traced.lower(lowering_platforms=("cuda",))
 
 
@@ -174,5 +184,7 @@ def test_what_does_not_fit_is_refused_in_words(given, message):
 
 def test_matrices_of_very_many_coordinates_are_refused():
     many = fb.load("R" * 65)
-    with pytest.raises(fb.FreebodyError, match=r"mass_matrix of 65 coordinates is too long for one program"):
+    with pytest.raises(
+        fb.FreebodyError, match=r"mass_matrix of 65 coordinates is too long for one program"
+    ):
         fb.to_jax(many, "mass_matrix")

@@ -20,14 +20,21 @@ from support.helpers import close, numbers
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
-def revolutes(*bodies: tuple[int, tuple, str, float, tuple, tuple], gravity=(0.0, -9.81, 0.0)) -> Model:
-    """Bodies (parent, offset in it, axis, mass, com, principal moments about it) behind revolute joints."""
+def revolutes(
+    *bodies: tuple[int, tuple, str, float, tuple, tuple], gravity=(0.0, -9.81, 0.0)
+) -> Model:
+    """Bodies (parent, offset in it, axis, mass, com, principal moments about it) behind revolute
+    joints."""
     links, joints = [Link("world")], []
     for i, (parent, offset, axis, mass, com, principal) in enumerate(bodies):
         links.append(Link(f"b{i}", Inertia.of(mass, com, np.diag(principal).astype(float))))
         above = "world" if parent < 0 else f"b{parent}"
-        joints.append(Joint(f"j{i}", "revolute", above, f"b{i}", shift(*map(float, offset)), AXES[axis]))
-    return assemble(Description("rbdl", 3, tuple(links), tuple(joints), gravity_of(gravity, 3)), tip="b0")
+        joints.append(
+            Joint(f"j{i}", "revolute", above, f"b{i}", shift(*map(float, offset)), AXES[axis])
+        )
+    return assemble(
+        Description("rbdl", 3, tuple(links), tuple(joints), gravity_of(gravity, 3)), tip="b0"
+    )
 
 
 def half_digit(found, printed, digits: int) -> None:
@@ -69,11 +76,18 @@ def test_rbdl_tree():
         (0, (-0.5, 0, 0), "y", 1, (0, 1, 0), UNIT),
         (3, (0, -0.5, 0), "x", 1, (0, 0, 1), UNIT),
     )
-    printed = [-1.60319066147860, -0.534396887159533, 4.10340466926070, 0.267198443579767, 5.30579766536965]
+    printed = [
+        -1.60319066147860,
+        -0.534396887159533,
+        4.10340466926070,
+        0.267198443579767,
+        5.30579766536965,
+    ]
     half_digit(drop(model), printed, 14)
 
 
-# ---------------------------------------------------------------- Puma 560: Corke's Robotics Toolbox
+# ---------------------------------------------------------------- Puma 560: Corke's Robotics
+# Toolbox
 def puma(**options) -> Model:
     """roboticstoolbox-python, models/DH/Puma560.py: standard DH; links 1 and 3 are not physical."""
     quarter = math.pi / 2
@@ -115,7 +129,9 @@ def puma(**options) -> Model:
             "rotor": J,
             "gear": G,
         }
-        for (a, alpha, d), m, c, I, J, G in zip(geometry, mass, com, moments, rotor, gear, strict=True)
+        for (a, alpha, d), m, c, I, J, G in zip(
+            geometry, mass, com, moments, rotor, gear, strict=True
+        )
     ]
     return fb.dh(rows, convention="standard", name="puma560", **options)
 
@@ -141,11 +157,16 @@ def test_puma560():
     # printed with six digits each
     tau = fb.inverse_dynamics(model, q, zero, ones)
     for value, digits, text in zip(
-        tau, [5, 4, 5, 6, 6, 6], [3.35311, 36.0025, 7.42596, 0.190043, 0.203441, 0.194133], strict=True
+        tau,
+        [5, 4, 5, 6, 6, 6],
+        [3.35311, 36.0025, 7.42596, 0.190043, 0.203441, 0.194133],
+        strict=True,
     ):
         half_digit(value, text, digits)
     half_digit(
-        fb.inverse_dynamics(model, q, ones, zero), [-1.3911, 33.4228, 5.2831, 0.0012, 0.0306, 0.0001], 4
+        fb.inverse_dynamics(model, q, ones, zero),
+        [-1.3911, 33.4228, 5.2831, 0.0012, 0.0306, 0.0001],
+        4,
     )
 
 
@@ -179,7 +200,9 @@ def test_acrobot():
     half_digit(fb.bias(model, q, qd), np.add(coriolis, [12.2625, 4.905]), 12)
 
 
-@pytest.mark.parametrize(("qd", "tau"), [((1.5, 0.0), (0.0, 28.125)), ((1.5, 1.5), (-84.375, 28.125))])
+@pytest.mark.parametrize(
+    ("qd", "tau"), [((1.5, 0.0), (0.0, 28.125)), ((1.5, 1.5), (-84.375, 28.125))]
+)
 @pytest.mark.parametrize("q1", [0.0, -0.7, 2.0])
 @pytest.mark.parametrize("inertia", [0.0, 1.3])
 def test_double_pendulum_newton(qd: tuple, tau: tuple, q1: float, inertia: float):
@@ -197,7 +220,8 @@ def pivoted(inertia: Inertia, kind: str, gravity: float) -> Model:
 
 
 def spin(model: Model, w0: tuple[float, ...], duration: float) -> tuple[np.ndarray, np.ndarray]:
-    """(quaternion wxyz, ω in the body's axes) after a motion without torques, by a compiled kernel."""
+    """(quaternion wxyz, ω in the body's axes) after a motion without torques, by a compiled
+    kernel."""
     forward = fb.kernel(model, "forward_dynamics")
     nq, nv = model.nq, model.nv
     no_torque = np.zeros(nv)
@@ -219,7 +243,9 @@ def spin(model: Model, w0: tuple[float, ...], duration: float) -> tuple[np.ndarr
 
 def test_heavy_top():
     """Exudyn, heavyTop.py: its converged solution at 0.2 s."""
-    model = pivoted(Inertia.of(15.0, (0, 1, 0), np.diag([0.234375, 0.46875, 0.234375])), "spherical", 9.81)
+    model = pivoted(
+        Inertia.of(15.0, (0, 1, 0), np.diag([0.234375, 0.46875, 0.234375])), "spherical", 9.81
+    )
     quaternion, w = spin(model, (0.0, 150.0, -4.61538), 0.2)
     printed = np.array([-0.708279152975, 0.438781088126, 0.545728396145, 0.089399752823])
     close(quaternion * np.sign(quaternion @ printed), printed, 1e-9)
@@ -228,7 +254,8 @@ def test_heavy_top():
 
 @pytest.mark.parametrize("kind", ["free", "spherical"])
 def test_free_axisymmetric_body(kind: str):
-    """Drake, multibody/benchmarks/free_body: I = 0.04 across, J = 0.02 along z; and in closed form."""
+    """Drake, multibody/benchmarks/free_body: I = 0.04 across, J = 0.02 along z; and in closed
+    form."""
     body = Inertia.of(1.0, (0, 0, 0), np.diag([0.04, 0.04, 0.02]))
     model = pivoted(body, kind, 9.81)
     _, w = spin(model, (2.0, 4.0, 6.0), 1.0)
@@ -239,21 +266,26 @@ def test_free_axisymmetric_body(kind: str):
 
 def test_simulate_gives_the_same():
     """The package's own simulation of the two, quaternions kept at unit length on the way."""
-    top = pivoted(Inertia.of(15.0, (0, 1, 0), np.diag([0.234375, 0.46875, 0.234375])), "spherical", 9.81)
-    end = fb.simulate(top, fb.neutral(top), [0.0, 150.0, -4.61538], [0.0, 0.2], tolerance=1e-12).isel(time=-1)
+    top = pivoted(
+        Inertia.of(15.0, (0, 1, 0), np.diag([0.234375, 0.46875, 0.234375])), "spherical", 9.81
+    )
+    end = fb.simulate(
+        top, fb.neutral(top), [0.0, 150.0, -4.61538], [0.0, 0.2], tolerance=1e-12
+    ).isel(time=-1)
     close(end["qd"].values, [-2.691590912, 150.0, 4.917260990], 1e-9)
     printed = np.array([-0.708279152975, 0.438781088126, 0.545728396145, 0.089399752823])
     q = end["q"].values
     close(q * np.sign(q @ printed), printed, 1e-9)
     free = pivoted(Inertia.of(1.0, (0, 0, 0), np.diag([0.04, 0.04, 0.02])), "free", 0.0)
-    end = fb.simulate(free, fb.neutral(free), [0, 0, 0, 2.0, 4.0, 6.0], [0.0, 1.0], tolerance=1e-12).isel(
-        time=-1
-    )
+    end = fb.simulate(
+        free, fb.neutral(free), [0, 0, 0, 2.0, 4.0, 6.0], [0.0, 1.0], tolerance=1e-12
+    ).isel(time=-1)
     close(end["qd"].values[3:], [-1.4155049609614219, -4.242210002521516, 6], 1e-10)
 
 
 def test_pendulum_of_the_iftomm_library():
-    """Library of computational benchmark problems, A01: a point pendulum released at rest from the horizontal."""
+    """Library of computational benchmark problems, A01: a point pendulum released at rest from the
+    horizontal."""
     model = fb.planar("R", l=[1], lc=[1], m=[1], I=[0], g=9.81)
     motion = fb.simulate(model, [math.pi], [0.0], [0.0, 1.0, 10.0], tolerance=1e-12)
     xy = fb.forward_kinematics(model, motion["q"].values)[:, :2, 2]

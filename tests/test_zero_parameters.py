@@ -1,4 +1,5 @@
-"""A parameter given as 0 is 0: in equations, derivations, generated code and `check`, however it was given."""
+"""A parameter given as 0 is 0: in equations, derivations, generated code and `check`, however it
+was given."""
 
 from pathlib import Path
 
@@ -70,7 +71,8 @@ def test_no_gravity_means_no_gravity_terms():
 
 @pytest.mark.parametrize("method", METHODS)
 def test_derivations_of_bodies_with_nothing_in_them(method: str):
-    """Massless bodies, point masses, joints in one place: every method ends, and names no moment of inertia."""
+    """Massless bodies, point masses, joints in one place: every method ends, and names no moment of
+    inertia."""
     for model in (
         fb.planar("RR", I=[0, 0], **RR),
         fb.planar("RR", l=["l1", "l2"], lc=[0, "lc2"], m=[0, "m2"], I=[0, "I2"]),

@@ -1,4 +1,5 @@
-"""A joint range of no width means that none was given, and what depends on structure is not decided within limits."""
+"""A joint range of no width means that none was given, and what depends on structure is not decided
+within limits."""
 
 from __future__ import annotations
 
@@ -24,11 +25,14 @@ def test_base_parameters_do_not_depend_on_the_ranges(limits):
 
 @pytest.mark.parametrize("limits", NARROW)
 def test_a_range_never_makes_a_joint_massless(limits):
-    """A point mass at the tip of a massless arm: M is singular where the arm is straight, θ₂ = 0, and nowhere else."""
+    """A point mass at the tip of a massless arm: M is singular where the arm is straight, θ₂ = 0,
+    and nowhere else."""
     model = fb.planar("RR", **POINTS, limits=[limits, limits])
     free = fb.planar("RR", **POINTS)
     state = [0.3, 1.0], [0.0, 0.0], [1.0, 2.0]
-    np.testing.assert_array_equal(fb.forward_dynamics(model, *state), fb.forward_dynamics(free, *state))
+    np.testing.assert_array_equal(
+        fb.forward_dynamics(model, *state), fb.forward_dynamics(free, *state)
+    )
 
 
 def test_random_states_take_a_range_of_no_width_as_not_given():

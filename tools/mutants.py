@@ -3,9 +3,10 @@
     python tools/mutants.py --seed 1 --count 60            # the drawn mutants, each with its verdict
     python tools/mutants.py --only src/freebody/spatial.py:120:8
 
-Mutants are drawn by a seeded generator, the same share from every area, from the places that decide something: signs,
-operators, comparisons, conditions, small numbers, indices. Each runs in a copy of the source, against the area's own
-tests in the order given here, until the first that fails. Exit status 1 if one survives.
+Mutants are drawn by a seeded generator, the same share from every area, from the places that decide
+something: signs, operators, comparisons, conditions, small numbers, indices. Each runs in a copy of
+the source, against the area's own tests in the order given here, until the first that fails. Exit
+status 1 if one survives.
 """
 
 from __future__ import annotations
@@ -118,7 +119,9 @@ def mutants(path: Path) -> Iterator[Mutant]:
         )
 
     def changed(node: ast.AST, start: int, stop: int, text: str) -> Mutant:
-        return Mutant(path, node.lineno, node.col_offset, start, stop, text, raw[start:stop].decode())  # type: ignore[attr-defined]
+        return Mutant(
+            path, node.lineno, node.col_offset, start, stop, text, raw[start:stop].decode()
+        )  # type: ignore[attr-defined]
 
     for node in ast.walk(ast.parse(source)):
         if not hasattr(node, "lineno"):
@@ -139,7 +142,11 @@ def mutants(path: Path) -> Iterator[Mutant]:
                 yield changed(node, *between, f" {word} ")
         elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not | ast.USub):
             yield changed(node, start, span(node.operand)[0], "")
-        elif isinstance(node, ast.Constant) and node.value in (0, 1, 2) and not isinstance(node.value, str):
+        elif (
+            isinstance(node, ast.Constant)
+            and node.value in (0, 1, 2)
+            and not isinstance(node.value, str)
+        ):
             if isinstance(node.value, bool):
                 yield changed(node, start, stop, str(not node.value))
             else:
@@ -174,9 +181,15 @@ def survives(area: Area, mutant: Mutant) -> tuple[bool, str]:
         raw = target.read_bytes()
         target.write_bytes(raw[: mutant.start] + mutant.text.encode() + raw[mutant.stop :])
         tests = [
-            str(path) for name in area.tests for path in sorted((work / "tests").glob(f"test_{name}.py"))
+            str(path)
+            for name in area.tests
+            for path in sorted((work / "tests").glob(f"test_{name}.py"))
         ]
-        environment = {**os.environ, "PYTHONPATH": str(work / "src"), "FREEBODY_CACHE": str(work / "cache")}
+        environment = {
+            **os.environ,
+            "PYTHONPATH": str(work / "src"),
+            "FREEBODY_CACHE": str(work / "cache"),
+        }
         command = [
             sys.executable,
             "-m",
@@ -191,7 +204,13 @@ def survives(area: Area, mutant: Mutant) -> tuple[bool, str]:
         ]
         try:
             run = subprocess.run(
-                command, cwd=work, env=environment, capture_output=True, text=True, timeout=LIMIT, check=False
+                command,
+                cwd=work,
+                env=environment,
+                capture_output=True,
+                text=True,
+                timeout=LIMIT,
+                check=False,
             )
         except subprocess.TimeoutExpired:
             return False, "the tests hang"
@@ -206,7 +225,9 @@ def main() -> int:
     )
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=60)
-    parser.add_argument("--area", choices=[area.name for area in AREAS], help="of those drawn, this area's")
+    parser.add_argument(
+        "--area", choices=[area.name for area in AREAS], help="of those drawn, this area's"
+    )
     parser.add_argument("--only", help="FILE:LINE:COLUMN of one mutant")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--list", action="store_true", help="say what would be run")
@@ -225,7 +246,8 @@ def main() -> int:
         ):
             alive += lives
             print(
-                f"{'SURVIVES' if lives else 'killed  '}  {area.name}: {mutant}   {'' if lives else why}",
+                f"{'SURVIVES' if lives else 'killed  '}  {area.name}: {mutant}   "
+                f"{'' if lives else why}",
                 flush=True,
             )
     print(f"{len(chosen) - alive} of {len(chosen)} killed")

@@ -1,4 +1,5 @@
-"""What type checkers and editors read in the place of `freebody/__init__.py`, whose names are imported when first used.
+"""What type checkers and editors read in the place of `freebody/__init__.py`, whose names are
+imported when first used.
 
     python tools/stub.py > src/freebody/__init__.pyi
 
@@ -20,7 +21,11 @@ def stub() -> str:
     for place, names in sorted(fb._PLACES.items()):
         for name in sorted(names):
             line = f"from {place} import {name} as {name}"
-            lines += [line] if len(line) <= 110 else [f"from {place} import (", f"    {name} as {name},", ")"]
+            lines += (
+                [line]
+                if len(line) <= 110
+                else [f"from {place} import (", f"    {name} as {name},", ")"]
+            )
     return "\n".join([*lines, "", "__version__: str", ""])
 
 

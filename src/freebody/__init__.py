@@ -1,4 +1,5 @@
-"""freebody: the dynamics of robotic manipulators, from a robot description to equations, numbers and pictures.
+"""freebody: the dynamics of robotic manipulators, from a robot description to equations, numbers
+and pictures.
 
 This module is a table of contents: each name is imported from its place when it is first used.
 """
@@ -113,8 +114,8 @@ _QUICK = tuple(
         "inverse.rates",
     )
 )
-"""Their functions look themselves whether they are given a model: a call through another would cost too much, or
-warnings would point at it."""
+"""Their functions look themselves whether they are given a model: a call through another would cost
+too much, or warnings would point at it."""
 
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 _MODULES = ("math",)

@@ -69,7 +69,9 @@ from freebody.trees.dynamics import forward_dynamics_derivatives as forward_dyna
 from freebody.trees.dynamics import gravity_torque as gravity_torque
 from freebody.trees.dynamics import inverse_dynamics as inverse_dynamics
 from freebody.trees.dynamics import inverse_dynamics_derivatives as inverse_dynamics_derivatives
-from freebody.trees.dynamics import inverse_dynamics_second_derivatives as inverse_dynamics_second_derivatives
+from freebody.trees.dynamics import (
+    inverse_dynamics_second_derivatives as inverse_dynamics_second_derivatives,
+)
 from freebody.trees.dynamics import joint_wrenches as joint_wrenches
 from freebody.trees.dynamics import kinetic_energy as kinetic_energy
 from freebody.trees.dynamics import mass_matrix as mass_matrix

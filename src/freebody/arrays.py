@@ -1,7 +1,7 @@
 """Array types with named dimensions, and the one check of shape that every public function uses.
 
-Dimensions: `nq` positions, `nv` velocities, `nj` joints, `six` = 6 in space and 3 in the plane, `dim` = 3 or 2.
-Leading dimensions `...` are a batch of any shape.
+Dimensions: `nq` positions, `nv` velocities, `nj` joints, `six` = 6 in space and 3 in the plane,
+`dim` = 3 or 2. Leading dimensions `...` are a batch of any shape.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ Array = NDArray[np.float64]
 
 
 def as_floats(function: str, argument: str, value: ArrayLike) -> Array:
-    """`value` as float64 array without a copy where possible; refuses text, objects, complex numbers and names."""
+    """`value` as float64 array without a copy where possible; refuses text, objects, complex
+    numbers and names."""
     refuse_labelled(f"{function}: {argument}", value)
     try:
         array = np.asarray(value)
@@ -30,20 +31,27 @@ def as_floats(function: str, argument: str, value: ArrayLike) -> Array:
     if array.dtype == np.float64:
         return array
     if array.dtype.kind not in "iufb":
-        raise FreebodyError(f"{function}: {argument} holds {array.dtype} values, expected real numbers.")
+        raise FreebodyError(
+            f"{function}: {argument} holds {array.dtype} values, expected real numbers."
+        )
     return array.astype(np.float64)
 
 
-def check_core(function: str, argument: str, array: Array, core: tuple[int, ...], because: str) -> None:
+def check_core(
+    function: str, argument: str, array: Array, core: tuple[int, ...], because: str
+) -> None:
     """Refuse an array whose last dimensions are not `core`."""
     if array.shape[array.ndim - len(core) :] != core or array.ndim < len(core):
-        raise ShapeError(function, argument, array.shape, f"(..., {', '.join(map(str, core))})", because)
+        raise ShapeError(
+            function, argument, array.shape, f"(..., {', '.join(map(str, core))})", because
+        )
 
 
 def refuse_not_finite(
     function: str, argument: str, array: Array, core: int, labels: Sequence[str] = ()
 ) -> None:
-    """Refuse NaN and infinity, naming the sample (leading index) and, with `labels`, the component."""
+    """Refuse NaN and infinity, naming the sample (leading index) and, with `labels`, the
+    component."""
     bad = np.argwhere(~np.isfinite(array))
     if not len(bad):
         return
@@ -58,4 +66,8 @@ def refuse_not_finite(
 
 def at_sample(index: Sequence[int]) -> str:
     """ " at sample 3", " at sample (3, 1)" or, without a batch, nothing: for messages."""
-    return f" at sample {int(index[0]) if len(index) == 1 else tuple(map(int, index))}" if len(index) else ""
+    return (
+        f" at sample {int(index[0]) if len(index) == 1 else tuple(map(int, index))}"
+        if len(index)
+        else ""
+    )

@@ -1,9 +1,9 @@
 """The elementary functions of an algorithm, over any scalar.
 
-A scalar is anything that adds, subtracts, multiplies and divides, and either is understood by NumPy or has a method
-`elementary(name, operands)`: the value of the function of that name, or NotImplemented, which leaves it to another
-operand. So floats, NumPy arrays (one entry a sample), traced, symbolic and differentiated scalars all run through the
-same text.
+A scalar is anything that adds, subtracts, multiplies and divides, and either is understood by NumPy
+or has a method `elementary(name, operands)`: the value of the function of that name, or
+NotImplemented, which leaves it to another operand. So floats, NumPy arrays (one entry a sample),
+traced, symbolic and differentiated scalars all run through the same text.
 """
 
 from __future__ import annotations
@@ -76,7 +76,9 @@ less: _Two = _dispatch("less", _flag(np.less), "1 where a < b, else 0.")
 less_equal: _Two = _dispatch("less_equal", _flag(np.less_equal), "1 where a <= b, else 0.")
 equal: _Two = _dispatch("equal", _flag(np.equal), "1 where a and b are equal, else 0.")
 where: _Three = _dispatch(
-    "where", _where, "a where the condition is not 0, else b; the derivative is that of the one chosen."
+    "where",
+    _where,
+    "a where the condition is not 0, else b; the derivative is that of the one chosen.",
 )
 minimum: _Two = _dispatch(
     "minimum",

@@ -1,4 +1,5 @@
-"""Exceptions that compose their own message: what was given, what was expected, what to write instead."""
+"""Exceptions that compose their own message: what was given, what was expected, what to write
+instead."""
 
 from __future__ import annotations
 
@@ -11,10 +12,11 @@ from typing import Any
 
 
 def likely(name: str, known: Iterable[str], most: int = 1) -> list[str]:
-    """Known names that a wrong one may be meant for, the likeliest first; none rather than an absurd one.
+    """Known names that a wrong one may be meant for, the likeliest first; none rather than an
+    absurd one.
 
-    They differ in capitals or underscores, in their number (link3), in what is left out behind (ur5), or, from three
-    letters on, in one letter of three.
+    They differ in capitals or underscores, in their number (link3), in what is left out behind
+    (ur5), or, from three letters on, in one letter of three.
     """
     if len(name) > _LONG:
         return []
@@ -28,8 +30,8 @@ def likely(name: str, known: Iterable[str], most: int = 1) -> list[str]:
 
 
 _LONG, _MOST = 80, 2000
-"""Letters of a name or value, and of a file's own text, that a message shows in full; a longer name is compared with
-no other."""
+"""Letters of a name or value, and of a file's own text, that a message shows in full; a longer name
+is compared with no other."""
 _DIGITS = re.compile(r"[0-9]+")
 
 
@@ -51,7 +53,8 @@ def _is_misspelt(a: str, b: str) -> bool:
 
 
 def _distance(a: str, b: str) -> int:
-    """Letters to change, leave out, put in, or swap with their neighbour (Damerau and Levenshtein)."""
+    """Letters to change, leave out, put in, or swap with their neighbour (Damerau and
+    Levenshtein)."""
     before: list[int] = []
     row = list(range(len(b) + 1))
     for i, x in enumerate(a, 1):
@@ -68,8 +71,8 @@ class FreebodyError(Exception):
     """Whatever freebody refuses. The message is one paragraph meant for a person."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # an exception is rebuilt from `args`, here the message, which is not what the classes below are made of; one
-        # that cannot be rebuilt blocks the process pool that it was raised in
+        # an exception is rebuilt from `args`, here the message, which is not what the classes below
+        # are made of; one that cannot be rebuilt blocks the process pool that it was raised in
         return _rebuilt, (type(self), self.args, self.__dict__)
 
 
@@ -92,14 +95,17 @@ class ShapeError(FreebodyError, ValueError):
         self, function: str, argument: str, given: tuple[int, ...], expected: str, because: str = ""
     ):
         super().__init__(
-            f"{function}: {argument} has shape {given}, expected {expected}{': ' + because if because else ''}."
+            f"{function}: {argument} has shape {given}, expected "
+            f"{expected}{': ' + because if because else ''}."
         )
 
 
 class KindError(FreebodyError, TypeError):
     """An argument of the wrong kind, such as a name where a model is needed."""
 
-    def __init__(self, function: str, argument: str, given: object, expected: str, advice: str = ""):
+    def __init__(
+        self, function: str, argument: str, given: object, expected: str, advice: str = ""
+    ):
         what = "None" if given is None else f"{type(given).__name__} {shown(given)}"
         super().__init__(
             f"{function}: {argument} is {what}, expected {expected}.{' ' if advice else ''}{advice}"
@@ -110,7 +116,9 @@ class NotFiniteError(FreebodyError, ValueError):
     """NaN or infinity where a number is needed."""
 
     def __init__(self, function: str, argument: str, value: float, where: str):
-        super().__init__(f"{function}: {argument} is {value} {where}; every entry must be a finite number.")
+        super().__init__(
+            f"{function}: {argument} is {value} {where}; every entry must be a finite number."
+        )
 
 
 class UnknownNameError(FreebodyError, KeyError):
@@ -120,8 +128,14 @@ class UnknownNameError(FreebodyError, KeyError):
         known = list(names)
         near = likely(str(name), known)
         hint = f" Did you mean {near[0]!r}?" if near else ""
-        plural = f"{what[:-1]}ies" if what.endswith("y") and what[-2:-1] not in "aeou" else f"{what}s"
-        listed = f" {plural[0].upper()}{plural[1:]}: {_listing(known)}." if known else f" It has no {plural}."
+        plural = (
+            f"{what[:-1]}ies" if what.endswith("y") and what[-2:-1] not in "aeou" else f"{what}s"
+        )
+        listed = (
+            f" {plural[0].upper()}{plural[1:]}: {_listing(known)}."
+            if known
+            else f" It has no {plural}."
+        )
         super().__init__(f"no {what} {shown(name)} in {owner}.{hint}{listed}")
 
     def __str__(self) -> str:  # KeyError would print the repr
@@ -135,7 +149,8 @@ class MissingValueError(FreebodyError, ValueError):
         missing = sorted(set(names))
         example = ", ".join(f"{name}=..." for name in missing[:3])
         super().__init__(
-            f"{owner}: numbers need a value for {_listing(missing)}. Give them with model.bind({example})."
+            f"{owner}: numbers need a value for {_listing(missing)}. Give them with "
+            f"model.bind({example})."
         )
 
 
@@ -144,7 +159,8 @@ class ModelError(FreebodyError, ValueError):
 
 
 class SingularError(FreebodyError, ArithmeticError):
-    """A system of equations without a unique solution; says which body, joint or direction is to blame."""
+    """A system of equations without a unique solution; says which body, joint or direction is to
+    blame."""
 
 
 class LoopError(FreebodyError, ValueError):
@@ -186,7 +202,8 @@ def _rebuilt(
 
 
 def shown(value: object) -> str:
-    """The repr of a value that may be of any size or depth, its middle left out where it is long."""
+    """The repr of a value that may be of any size or depth, its middle left out where it is
+    long."""
     try:
         return _SHOWN.repr(value)
     except ValueError:  # Python prints no integer of more than 4300 digits
@@ -208,5 +225,7 @@ def listed(names: Iterable[str], most: int | None = None) -> str:
 
 def _listing(names: list[str], most: int = 24) -> str:
     """`a, b, c`, cut after `most` names."""
-    listed = ", ".join(name if len(name) <= _LONG else f"{name[: _LONG - 1]}…" for name in names[:most])
+    listed = ", ".join(
+        name if len(name) <= _LONG else f"{name[: _LONG - 1]}…" for name in names[:most]
+    )
     return f"{listed}, … ({len(names)} in all)" if len(names) > most else listed

@@ -1,7 +1,7 @@
 """Words that may stand in generated code, made from names that may not.
 
-A name from a file is data: nothing that is compiled, executed or parsed as code ever holds one. Where generated text
-needs a word for a named thing, it comes from here.
+A name from a file is data: nothing that is compiled, executed or parsed as code ever holds one.
+Where generated text needs a word for a named thing, it comes from here.
 """
 
 from __future__ import annotations
@@ -20,12 +20,14 @@ _WORD = re.compile(r"(?!__|_[A-Z])[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 
 
 def is_identifier(name: object) -> bool:
-    """Whether a name may stand in generated code as it is: ASCII letters, digits and _, no word of Python's."""
+    """Whether a name may stand in generated code as it is: ASCII letters, digits and _, no word of
+    Python's."""
     return isinstance(name, str) and bool(_WORD.fullmatch(name)) and not keyword.iskeyword(name)
 
 
 def identifiers(names: Iterable[str], reserved: Collection[str] = ()) -> dict[str, str]:
-    """A word for each name, all different and none of them reserved; a name that is such a word stays.
+    """A word for each name, all different and none of them reserved; a name that is such a word
+    stays.
 
     theta1 for θ₁, left_joint1 for left/joint1, lambda_ for lambda; equal words get a number.
     """

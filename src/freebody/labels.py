@@ -1,8 +1,10 @@
-"""Vectors whose entries carry names: dicts, pandas Series and DataFrames, xarray DataArrays and Datasets.
+"""Vectors whose entries carry names: dicts, pandas Series and DataFrames, xarray DataArrays and
+Datasets.
 
-A labelled vector is put into the order of the model's names, never read by position. Nothing here imports pandas or
-xarray: what is labelled tells so by its attributes. Labels that only count (0, 1, 2, …), as pandas gives where nobody
-named anything, are none. Labels of a batch axis stay the caller's; inputs with different times are refused.
+A labelled vector is put into the order of the model's names, never read by position. Nothing here
+imports pandas or xarray: what is labelled tells so by its attributes. Labels that only count (0, 1,
+2, …), as pandas gives where nobody named anything, are none. Labels of a batch axis stay the
+caller's; inputs with different times are refused.
 """
 
 from __future__ import annotations
@@ -15,11 +17,15 @@ import numpy as np
 from freebody.errors import FreebodyError, UnknownNameError
 
 
-def aligned(function: str, argument: str, value: Any, names: Sequence[str], dims: Sequence[str] = ()) -> Any:
-    """`value` without labels, its last axis in the order of `names`; what carries none comes back as it is.
+def aligned(
+    function: str, argument: str, value: Any, names: Sequence[str], dims: Sequence[str] = ()
+) -> Any:
+    """`value` without labels, its last axis in the order of `names`; what carries none comes back
+    as it is.
 
-    dims: names of the dimension of a DataArray that may stand for the vector, the most telling first.
-    Raises UnknownNameError for a label that is no name, FreebodyError for one that is missing or there twice.
+    dims: names of the dimension of a DataArray that may stand for the vector, the most telling
+    first. Raises UnknownNameError for a label that is no name, FreebodyError for one that is
+    missing or there twice.
     """
     where = f"{function}: {argument}"
     if type(value) is np.ndarray or isinstance(value, (str, bytes)):
@@ -43,7 +49,8 @@ def aligned(function: str, argument: str, value: Any, names: Sequence[str], dims
 
 
 def is_labelled(value: Any) -> bool:
-    """Whether names come with the value: by name it is found out, by position it must not be read."""
+    """Whether names come with the value: by name it is found out, by position it must not be
+    read."""
     if isinstance(value, (Mapping, np.ndarray, str, bytes)):
         return isinstance(value, Mapping)
     if _is_frame(value):
@@ -76,7 +83,8 @@ def labels_of(value: Any) -> list[Any]:
 
 
 def row_times(value: Any) -> np.ndarray | None:
-    """The times (s) that label the rows of a table, or any other numbers with a fraction; None where nothing does.
+    """The times (s) that label the rows of a table, or any other numbers with a fraction; None
+    where nothing does.
 
     Whole numbers count rows, unless they are called t or time.
     """
@@ -98,7 +106,8 @@ def row_times(value: Any) -> np.ndarray | None:
 
 
 def refuse_other_times(function: str, given: Mapping[str, Any]) -> None:
-    """Refuse inputs whose rows are labelled with times that are not the same: by position they would be mixed up."""
+    """Refuse inputs whose rows are labelled with times that are not the same: by position they
+    would be mixed up."""
     first: tuple[str, np.ndarray] | None = None
     for name, value in given.items():
         times = None if type(value) is np.ndarray else row_times(value)
@@ -108,7 +117,8 @@ def refuse_other_times(function: str, given: Mapping[str, Any]) -> None:
             first = name, times
         elif not np.array_equal(first[1], times):
             raise FreebodyError(
-                f"{function}: the rows of {name} are labelled with other times than those of {first[0]}; "
+                f"{function}: the rows of {name} are labelled with other times than those of "
+                f"{first[0]}; "
                 "align them first."
             )
 
@@ -130,7 +140,8 @@ def refuse_masked(where: str, value: Any) -> None:
     rows = value if isinstance(value, (list, tuple)) else [value]
     if any(isinstance(row, np.ma.MaskedArray) and np.ma.is_masked(row) for row in rows):
         raise FreebodyError(
-            f"{where} has masked entries, which are missing; give numbers in their place, or leave the samples out."
+            f"{where} has masked entries, which are missing; give numbers in their place, or leave "
+            f"the samples out."
         )
 
 
@@ -170,7 +181,9 @@ def _taken(where: str, array: Any, labels: list[Any], names: Sequence[str]) -> A
             raise FreebodyError(f"{where} has {label!r} twice; give each entry once.")
     missing = [name for name in names if name not in labels]
     if missing:
-        raise FreebodyError(f"{where} lacks {', '.join(missing)}; give every entry, 0 where it rests.")
+        raise FreebodyError(
+            f"{where} lacks {', '.join(missing)}; give every entry, 0 where it rests."
+        )
     return array[..., [labels.index(name) for name in names]]
 
 
@@ -190,12 +203,18 @@ def _from_data_array(where: str, value: Any, names: Sequence[str], dims: Sequenc
         return value.values
     (dim,) = own
     array = value.transpose(..., dim).values
-    return _taken(where, array, value.coords[dim].values.tolist(), names) if dim in value.coords else array
+    return (
+        _taken(where, array, value.coords[dim].values.tolist(), names)
+        if dim in value.coords
+        else array
+    )
 
 
 def _from_mapping(where: str, given: Mapping[str, Any], names: Sequence[str]) -> Any:
     """A vector from {name: value or batch}; every entry must be there."""
-    if hasattr(given, "to_dataarray"):  # a Dataset: its variables may have their dimensions in any order
+    if hasattr(
+        given, "to_dataarray"
+    ):  # a Dataset: its variables may have their dimensions in any order
         _taken(where, np.empty(len(given)), list(given), names)
         return given[list(names)].to_dataarray("_entry").transpose(..., "_entry").values  # type: ignore[index]
     _taken(where, np.empty(len(given)), list(given), names)
@@ -205,13 +224,19 @@ def _from_mapping(where: str, given: Mapping[str, Any], names: Sequence[str]) ->
     columns = [np.asarray(given[name]) for name in names]
     for name, column in zip(names, columns, strict=True):
         if column.dtype.kind not in "iufb":
-            raise FreebodyError(f"{where}[{name!r}] holds {column.dtype} values, expected real numbers.")
+            raise FreebodyError(
+                f"{where}[{name!r}] holds {column.dtype} values, expected real numbers."
+            )
     try:
         return np.stack(np.broadcast_arrays(*columns), axis=-1)
     except ValueError:
         function, argument = where.split(": ", 1)
-        shapes = ", ".join(f"{argument}[{name!r}] {x.shape}" for name, x in zip(names, columns, strict=True))
-        raise FreebodyError(f"{function}: the batch shapes do not broadcast together: {shapes}.") from None
+        shapes = ", ".join(
+            f"{argument}[{name!r}] {x.shape}" for name, x in zip(names, columns, strict=True)
+        )
+        raise FreebodyError(
+            f"{function}: the batch shapes do not broadcast together: {shapes}."
+        ) from None
 
 
 def _refuse_other_rows(where: str, given: Mapping[str, Any]) -> None:
@@ -230,5 +255,6 @@ def _refuse_other_rows(where: str, given: Mapping[str, Any]) -> None:
         other = next(iter(seen), name)
         if seen.setdefault(other, labels) != labels:
             raise FreebodyError(
-                f"{where}: the rows of {name!r} are labelled otherwise than those of {other!r}; align them first."
+                f"{where}: the rows of {name!r} are labelled otherwise than those of {other!r}; "
+                f"align them first."
             )

@@ -10,15 +10,16 @@ T = TypeVar("T")
 
 
 class Keeps:
-    """A frozen dataclass that values are kept in: a pickle carries its fields, not what was found from them since."""
+    """A frozen dataclass that values are kept in: a pickle carries its fields, not what was found
+    from them since."""
 
     def __getstate__(self) -> dict[str, Any]:
         return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}  # type: ignore[arg-type]
 
 
 def kept(instance: object, name: str, find: Callable[..., T], *arguments: Any) -> T:
-    """What `find(*arguments)` says of a frozen instance (of `Keeps`, or one that pickles its fields alone), kept there
-    by name."""
+    """What `find(*arguments)` says of a frozen instance (of `Keeps`, or one that pickles its fields
+    alone), kept there by name."""
     values = instance.__dict__
     if name not in values:
         return values.setdefault(name, find(*arguments))
@@ -26,11 +27,12 @@ def kept(instance: object, name: str, find: Callable[..., T], *arguments: Any) -
 
 
 class cached_property(Generic[T]):
-    """A property computed once an instance, as `functools.cached_property`, which before Python 3.12 holds one lock for
-    all instances while it computes: a process forked meanwhile by another thread would find it taken for ever.
+    """A property computed once an instance, as `functools.cached_property`, which before Python
+    3.12 holds one lock for all instances while it computes: a process forked meanwhile by another
+    thread would find it taken for ever.
 
-    Two threads that ask at the same moment may both compute; both get the value that was kept first. The value is of a
-    frozen instance, so it does not matter which.
+    Two threads that ask at the same moment may both compute; both get the value that was kept
+    first. The value is of a frozen instance, so it does not matter which.
     """
 
     def __init__(self, function: Callable[[Any], T]):

@@ -1,11 +1,12 @@
-"""The locks of a process, in the order in which they are taken, and the imports that a fork waits for.
+"""The locks of a process, in the order in which they are taken, and the imports that a fork waits
+for.
 
-A fork waits for them, since its child would find them taken for ever. They stand together, and are there with the
-package itself, because hooks of a fork run in the order in which they were registered: what is imported later
-registers none.
+A fork waits for them, since its child would find them taken for ever. They stand together, and are
+there with the package itself, because hooks of a fork run in the order in which they were
+registered: what is imported later registers none.
 
-A thread that holds one may take it again: a signal's handler, or a finalizer, runs in the middle of whatever its thread
-does, and may ask for a kernel itself.
+A thread that holds one may take it again: a signal's handler, or a finalizer, runs in the middle of
+whatever its thread does, and may ask for a kernel itself.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ COMPILER = threading.RLock()
 """Of a compiler's library, which one thread uses at a time."""
 
 IMPORTS = threading.RLock()
-"""Of modules of public names; nothing that a module does while it is imported takes the locks above."""
+"""Of modules of public names; nothing that a module does while it is imported takes the locks
+above."""
 
 
 def imported(module: str) -> ModuleType:

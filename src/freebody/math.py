@@ -1,10 +1,11 @@
-"""Functions of scalars for one's own computations: of floats, NumPy arrays, and what `fb.compile` traces.
+"""Functions of scalars for one's own computations: of floats, NumPy arrays, and what `fb.compile`
+traces.
 
-A traced scalar has no value yet, so that Python's `if`, `min`, `math.sin` and NumPy's functions cannot take it. What
-depends on values is written with `where`, `minimum`, `maximum` and `clip`; comparisons are 1.0 or 0.0. In compiled code
-exp, log, asin and acos are within 1 unit in the last place of the exact value, sin, cos, tanh and atan2 within 2 (sin
-and cos of arguments beyond 1e5: 4), with and without fused multiply-add. The sign of a zero that is computed on the way
-is not kept.
+A traced scalar has no value yet, so that Python's `if`, `min`, `math.sin` and NumPy's functions
+cannot take it. What depends on values is written with `where`, `minimum`, `maximum` and `clip`;
+comparisons are 1.0 or 0.0. In compiled code exp, log, asin and acos are within 1 unit in the last
+place of the exact value, sin, cos, tanh and atan2 within 2 (sin and cos of arguments beyond 1e5:
+4), with and without fused multiply-add. The sign of a zero that is computed on the way is not kept.
 """
 
 from __future__ import annotations
@@ -76,7 +77,8 @@ def atan(x: Scalar) -> Scalar:
 
 
 def clip(x: Scalar, lowest: Scalar, highest: Scalar) -> Scalar:
-    """x within bounds, `highest` where lowest > highest; the derivative is that of what is returned.
+    """x within bounds, `highest` where lowest > highest; the derivative is that of what is
+    returned.
 
     A number that is infinite is no bound.
     """

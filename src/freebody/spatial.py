@@ -1,8 +1,9 @@
 """Rigid-body algebra in the plane and in space, under the same names, over any scalar.
 
-Vectors are tuples of scalars, matrices tuples of rows. *Linear* vectors (positions, velocities, forces) have `dim`
-entries; *angular* ones (rates, moments) have 3 in space and 1 in the plane. An algorithm is given `plane` or `space`
-and never asks which: that is how the notes' planar recursion (4.6-4.15) and the spatial one (6.16-6.29) are one text.
+Vectors are tuples of scalars, matrices tuples of rows. *Linear* vectors (positions, velocities,
+forces) have `dim` entries; *angular* ones (rates, moments) have 3 in space and 1 in the plane. An
+algorithm is given `plane` or `space` and never asks which: that is how the notes' planar recursion
+(4.6-4.15) and the spatial one (6.16-6.29) are one text.
 
 Notation: R = R_PB takes components in B to components in P; p is the origin of B in P.
 """
@@ -56,7 +57,8 @@ def dot(a: Vector, b: Vector) -> Scalar:
 
 
 def unit(vector: Iterable[float]) -> tuple[float, ...]:
-    """The unit vector along finite numbers that are not all zero, of any size; along a coordinate axis it is exact."""
+    """The unit vector along finite numbers that are not all zero, of any size; along a coordinate
+    axis it is exact."""
     entries = tuple(float(x) + 0.0 for x in vector)  # no -0
     length = math.hypot(*entries)
     if abs(length - 1.0) < 1e-15:
@@ -160,7 +162,8 @@ class Space:
         )
 
     def rates(self, w: Vector, wd: Vector) -> Matrix:
-        """[ω̇×] + [ω×][ω×]: its product with r is the acceleration of r relative to the origin, as in (4.5), (6.21)."""
+        """[ω̇×] + [ω×][ω×]: its product with r is the acceleration of r relative to the origin, as
+        in (4.5), (6.21)."""
         xx, yy, zz = w[0] * w[0], w[1] * w[1], w[2] * w[2]
         xy, yz, xz = w[0] * w[1], w[1] * w[2], w[0] * w[2]
         return (
@@ -178,7 +181,8 @@ class Space:
         return add(times(inertia, wd), self.cross(w, times(inertia, w)))
 
     def coriolis(self, inertia: Matrix, h: Vector, w: Vector, v: Vector) -> Matrix:
-        """-ω×Σ - h×v× with Σ = ½ tr(I) 1 - I: how a body's angular momentum about the origin changes with turning axes.
+        """-ω×Σ - h×v× with Σ = ½ tr(I) 1 - I: how a body's angular momentum about the origin
+        changes with turning axes.
 
         It is the only full block of the body's Coriolis matrix ½ ((v×*) I - I (v×) + (I v)×̄*).
         """
@@ -200,12 +204,17 @@ class Space:
         return ((dot(a, Ia), xy, xz), (xy, dot(b, Ib), yz), (xz, yz, dot(c, Ic)))
 
     def steiner(self, m: Scalar, h: Vector, p: Vector) -> Matrix:
-        """What an inertia about an origin gains when that origin (mass m, first moment h about it) lies at p (1.19)."""
+        """What an inertia about an origin gains when that origin (mass m, first moment h about it)
+        lies at p (1.19)."""
         # the inertia of first moments a, b is (a·b) 1 - a bᵀ, made symmetric
         (x, y, z), (hx, hy, hz) = p, h
         mx, my, mz = m * x, m * y, m * z
         xx, yy, zz = x * (mx + 2.0 * hx), y * (my + 2.0 * hy), z * (mz + 2.0 * hz)
-        xy, xz, yz = -(mx * y + x * hy + hx * y), -(mx * z + x * hz + hx * z), -(my * z + y * hz + hy * z)
+        xy, xz, yz = (
+            -(mx * y + x * hy + hx * y),
+            -(mx * z + x * hz + hx * z),
+            -(my * z + y * hz + hy * z),
+        )
         return ((yy + zz, xy, xz), (xy, xx + zz, yz), (xz, yz, xx + yy))
 
     def plus_inertia(self, a: Matrix, b: Matrix) -> Matrix:

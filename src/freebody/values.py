@@ -11,10 +11,11 @@ import numpy as np
 
 
 class ByValue:
-    """A frozen dataclass (`eq=False`) whose `==` compares type, structure and numbers exactly, arrays too.
+    """A frozen dataclass (`eq=False`) whose `==` compares type, structure and numbers exactly,
+    arrays too.
 
-    Hashes agree with that, arrays in it cannot be written to, and a pickle carries the fields, not what was found from
-    them since.
+    Hashes agree with that, arrays in it cannot be written to, and a pickle carries the fields, not
+    what was found from them since.
     """
 
     _aside: ClassVar[tuple[str, ...]] = ()
@@ -61,7 +62,8 @@ def _names(kind: type) -> tuple[str, ...]:
 
 
 def key(value: Any) -> Any:
-    """What stands for a value in comparisons: hashable, equal where all numbers in it are; NaN equals NaN."""
+    """What stands for a value in comparisons: hashable, equal where all numbers in it are; NaN
+    equals NaN."""
     if isinstance(value, np.ndarray):
         plain = value + 0.0 if value.dtype.kind == "f" else value  # -0.0 is 0.0
         entries = plain.tobytes() if value.dtype.kind in "fiub" else tuple(value.ravel().tolist())

@@ -1,1 +1,2 @@
-"""What several test files share: mechanisms by chance, wrong input by the thousand, oracles, public calls."""
+"""What several test files share: mechanisms by chance, wrong input by the thousand, oracles, public
+calls."""

@@ -1,4 +1,5 @@
-"""Answers as users write them: right ones in many notations and forms, and wrong ones with the mistake on record."""
+"""Answers as users write them: right ones in many notations and forms, and wrong ones with the
+mistake on record."""
 
 from __future__ import annotations
 
@@ -112,7 +113,8 @@ def changed_everywhere(x: Expression, change: Callable[[Expression], Expression]
 # ---------------------------------------------------------------- mistakes
 @dataclass(frozen=True)
 class Mistake:
-    """A wrong answer, what was done to it and where: `old` and `new` pieces, and the term of a sum they are in."""
+    """A wrong answer, what was done to it and where: `old` and `new` pieces, and the term of a sum
+    they are in."""
 
     kind: str
     answer: Expression
@@ -120,7 +122,8 @@ class Mistake:
     new: Expression
     right: Expression
     without: Expression
-    """The right answer with 0 for the term that was touched: it tells what that term contributes."""
+    """The right answer with 0 for the term that was touched: it tells what that term
+    contributes."""
 
 
 KINDS = ("sign", "factor", "index", "angle", "missing", "extra", "function", "length")
@@ -204,7 +207,8 @@ def _invented(rng: random.Random, word: str, x: Expression) -> Expression:
 
 # ---------------------------------------------------------------- equal forms
 def rewritten(rng: random.Random, x: Expression, steps: int = 6, odd: bool = True) -> Expression:
-    """The same in another form: multiplied out, sums of angles expanded, in another order; `odd`: as nobody writes."""
+    """The same in another form: multiplied out, sums of angles expanded, in another order; `odd`:
+    as nobody writes."""
     for _ in range(steps):
         rows = [
             (path, new)
@@ -240,7 +244,9 @@ def _equal(rng: random.Random, x: Expression) -> Iterator[Expression]:
             k = rng.randrange(1, len(x.argument.terms))
             a, b = ex.add(*x.argument.terms[:k]), ex.add(*x.argument.terms[k:])
             if x.name == "cos":
-                yield ex.Sum((ex.mul(ex.cos(a), ex.cos(b)), ex.Negative(ex.mul(ex.sin(a), ex.sin(b)))))
+                yield ex.Sum(
+                    (ex.mul(ex.cos(a), ex.cos(b)), ex.Negative(ex.mul(ex.sin(a), ex.sin(b))))
+                )
             elif x.name == "sin":
                 yield ex.Sum((ex.mul(ex.sin(a), ex.cos(b)), ex.mul(ex.cos(a), ex.sin(b))))
         case ex.Symbol():
@@ -270,12 +276,16 @@ class Writer:
         self.short = rng.random() < 0.3 and word.count("R") == len(word)
         self.q = rng.random() < 0.25 and self.style in ("code", "plain")
         self.rate = rng.choice(["{}_d", "d{}", "{}'", "{}dot"])
-        self.brackets = rng.choice(["()", "[]"]) if self.style != "latex" else rng.choice(["()", "lr"])
+        self.brackets = (
+            rng.choice(["()", "[]"]) if self.style != "latex" else rng.choice(["()", "lr"])
+        )
 
     def equation(self, name: str, x: Expression) -> str:
         """name = expression."""
         letter, digits = re.sub(r"\d", "", name), re.sub(r"\D", "", name)
-        letter = {"H": self.rng.choice(["H", "M"]), "G": self.rng.choice(["G", "g"])}.get(letter, letter)
+        letter = {"H": self.rng.choice(["H", "M"]), "G": self.rng.choice(["G", "g"])}.get(
+            letter, letter
+        )
         if self.style == "latex":
             letter = "\\tau" if letter == "tau" else letter
             left = f"{letter}_{{{digits}}}" if digits else letter
@@ -292,13 +302,17 @@ class Writer:
                 text = self.write(x.terms[0], 0)
                 for term in x.terms[1:]:
                     minus = isinstance(term, ex.Negative)
-                    text += (" - " if minus else " + ") + self.write(term.operand if minus else term, 1)
+                    text += (" - " if minus else " + ") + self.write(
+                        term.operand if minus else term, 1
+                    )
                 return self.bracket(text) if level else text
             case ex.Negative():
                 text = "-" + self.write(x.operand, 1)
                 return self.bracket(text) if level else text
             case ex.Product():
-                text = self.times.join(self.write(f, 1.5 if k else 1) for k, f in enumerate(x.factors))
+                text = self.times.join(
+                    self.write(f, 1.5 if k else 1) for k, f in enumerate(x.factors)
+                )
                 return self.bracket(text) if level > 1 else text
             case ex.Power():
                 return self._power(x)
@@ -337,7 +351,11 @@ class Writer:
 
     def _power(self, x: ex.Power) -> str:
         exponent = str(x.exponent)
-        if isinstance(x.base, ex.Function) and self.style in ("latex", "unicode") and not self.short:
+        if (
+            isinstance(x.base, ex.Function)
+            and self.style in ("latex", "unicode")
+            and not self.short
+        ):
             text = self._function(x.base.name, x.base.argument)
             name = "\\" + x.base.name if self.style == "latex" else x.base.name
             high = (
@@ -360,7 +378,11 @@ class Writer:
             return f"{name[0]}_{{{digits}}}" if self.style == "latex" else name[0] + digits
         inner = self.write(argument)
         head = "\\" + name if self.style == "latex" else name
-        if len(terms) == 1 and isinstance(argument, ex.Symbol) and self.style in ("latex", "unicode"):
+        if (
+            len(terms) == 1
+            and isinstance(argument, ex.Symbol)
+            and self.style in ("latex", "unicode")
+        ):
             return f"{head} {inner}"
         return head + self.bracket(inner)
 
@@ -405,7 +427,8 @@ SAME = {
 
 
 def named(setting: Setting, verdict: Verdict, m: Mistake) -> bool:
-    """Whether a finding says what was done: the piece and what it should be; or the term, as it is and should be."""
+    """Whether a finding says what was done: the piece and what it should be; or the term, as it is
+    and should be."""
     value = lambda x: polynomial(setting, x)  # noqa: E731
     whole = value(m.answer) - value(m.right)  # what the mistake adds to the answer
     term = value(m.right) - value(m.without)

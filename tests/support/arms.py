@@ -1,4 +1,5 @@
-"""Arms from their joint axes, in frames that nobody would choose: what inverse kinematics must not depend on."""
+"""Arms from their joint axes, in frames that nobody would choose: what inverse kinematics must not
+depend on."""
 
 from __future__ import annotations
 
@@ -16,7 +17,8 @@ Axes = list[tuple[str, np.ndarray, np.ndarray]]
 
 
 def arm(axes: Axes, seed: int) -> Model:
-    """The arm with these axes at zero, on a random base, with random link frames and a random tool."""
+    """The arm with these axes at zero, on a random base, with random link frames and a random
+    tool."""
     rng = np.random.default_rng(seed)
     base = pose(random_rotation(rng), rng.normal(size=3))
     before = np.eye(4)
@@ -41,7 +43,13 @@ def arm(axes: Axes, seed: int) -> Model:
     tool = Mount("tool", links[-1].name, placement(pose(random_rotation(rng), rng.normal(size=3))))
     return assemble(
         Description(
-            f"arm{seed}", 3, tuple(links), tuple(joints), (9.81, (0.0, 0.0, -1.0)), (tool,), tip="tool"
+            f"arm{seed}",
+            3,
+            tuple(links),
+            tuple(joints),
+            (9.81, (0.0, 0.0, -1.0)),
+            (tool,),
+            tip="tool",
         )
     )
 

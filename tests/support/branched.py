@@ -12,14 +12,17 @@ from freebody.model.placement import rotate, shift
 
 
 def branched(base: str) -> fb.Model:
-    """A tree with every joint kind that has a body of its own, friction, a spring, a rotor and a follower."""
+    """A tree with every joint kind that has a body of its own, friction, a spring, a rotor and a
+    follower."""
     rng = np.random.default_rng(7)
 
     def lump() -> Inertia:
         a = rng.normal(size=(3, 3))
         sigma = a @ a.T * 0.05
         return Inertia.of(
-            float(rng.uniform(0.5, 2)), rng.normal(size=3) * 0.2, np.trace(sigma) * np.eye(3) - sigma
+            float(rng.uniform(0.5, 2)),
+            rng.normal(size=3) * 0.2,
+            np.trace(sigma) * np.eye(3) - sigma,
         )
 
     def place():

@@ -1,4 +1,5 @@
-"""Mechanisms told without a tree: parts and pins. Any spanning tree of theirs, or none, makes a model."""
+"""Mechanisms told without a tree: parts and pins. Any spanning tree of theirs, or none, makes a
+model."""
 
 from __future__ import annotations
 
@@ -23,7 +24,8 @@ GROUND = "ground"
 
 @dataclass(frozen=True)
 class Pin:
-    """A joint between parts a and b: its frame's pose in each, of which those of b and a coincide at rest."""
+    """A joint between parts a and b: its frame's pose in each, of which those of b and a coincide
+    at rest."""
 
     name: str
     kind: str
@@ -78,21 +80,29 @@ def mechanism_of(model: Model) -> Mechanism:
         ends: list = []
         for name in loop.frames:
             body, R, p = model.tree.frames[name]
-            ends += [names[model.tree.body_of.index(body)] if body >= 0 else GROUND, homogeneous(R, p)]
+            ends += [
+                names[model.tree.body_of.index(body)] if body >= 0 else GROUND,
+                homogeneous(R, p),
+            ]
         axis = loop.axis or ((1.0,) if loop.kind == "revolute" else ())
         distance = float(lowered.distance) if loop.kind == "distance" else None
         pins.append(Pin(loop.name, loop.kind, *ends, axis, distance))
-    return Mechanism(model.dim, parts, tuple(pins), tuple(model.gravity), model.actuated, model.name)
+    return Mechanism(
+        model.dim, parts, tuple(pins), tuple(model.gravity), model.actuated, model.name
+    )
 
 
 def _inertia(mass, dim: int) -> Inertia:
     if dim == 2:
-        return Inertia(float(mass.m), tuple(map(float, mass.c)), (float(np.ravel(mass.inertia)[0]),))
+        return Inertia(
+            float(mass.m), tuple(map(float, mass.c)), (float(np.ravel(mass.inertia)[0]),)
+        )
     return Inertia.of(float(mass.m), tuple(map(float, mass.c)), np.array(mass.inertia, dtype=float))
 
 
 def built(mechanism: Mechanism, tree: Iterable[str] | None) -> Model:
-    """The model whose joints are the pins named in `tree`, all others loops; None: every part is free.
+    """The model whose joints are the pins named in `tree`, all others loops; None: every part is
+    free.
 
     Frames: "part@" is the part's own, "pin.a" and "pin.b" the pin's two.
     """
@@ -126,11 +136,15 @@ def built(mechanism: Mechanism, tree: Iterable[str] | None) -> Model:
         mounts.append(Mount(f"{part}@", part, _placed(np.linalg.inv(frame_of[part]))))
     for pin in mechanism.pins:
         for side, part, T in (("a", pin.a, pin.T_a), ("b", pin.b, pin.T_b)):
-            mounts.append(Mount(f"{pin.name}.{side}", part, _placed(np.linalg.inv(frame_of[part]) @ T)))
+            mounts.append(
+                Mount(f"{pin.name}.{side}", part, _placed(np.linalg.inv(frame_of[part]) @ T))
+            )
         if pin.name not in chosen:
             axis = () if pin.kind == "revolute" and dim == 2 else pin.axis
             kind = {2: "point"}.get(dim, pin.kind) if pin.kind == "spherical" else pin.kind
-            loops.append(Loop(pin.name, kind, (f"{pin.name}.a", f"{pin.name}.b"), axis, pin.distance))
+            loops.append(
+                Loop(pin.name, kind, (f"{pin.name}.a", f"{pin.name}.b"), axis, pin.distance)
+            )
     links = [Link(GROUND)] + [
         Link(part, inertia, _placed(np.linalg.inv(frame_of[part])))
         for part, inertia in mechanism.parts.items()
@@ -150,7 +164,11 @@ def built(mechanism: Mechanism, tree: Iterable[str] | None) -> Model:
 def _placed(T: np.ndarray) -> Placement:
     dim = len(T) - 1
     by = shift(*(float(x) for x in T[:dim, dim]))
-    return by if np.array_equal(T[:dim, :dim], np.eye(dim)) else by.then(rotate(_orthogonal(T[:dim, :dim])))
+    return (
+        by
+        if np.array_equal(T[:dim, :dim], np.eye(dim))
+        else by.then(rotate(_orthogonal(T[:dim, :dim])))
+    )
 
 
 def _orthogonal(R: np.ndarray) -> np.ndarray:
@@ -165,7 +183,8 @@ def homogeneous(R, p) -> np.ndarray:
     return T
 
 
-# ---------------------------------------------------------------- the same state, torque and reaction in each
+# ---------------------------------------------------------------- the same state, torque and
+# reaction in each
 @dataclass(frozen=True)
 class Moving:
     """Poses, twists (v, ω) of the parts' own frames."""
@@ -174,7 +193,9 @@ class Moving:
     V: dict[str, np.ndarray]
 
 
-def moving(mechanism: Mechanism, model: Model, q: np.ndarray, qd: np.ndarray, at: str = "@") -> Moving:
+def moving(
+    mechanism: Mechanism, model: Model, q: np.ndarray, qd: np.ndarray, at: str = "@"
+) -> Moving:
     """The state of the parts, whose frames have the name of the part and `at`."""
     every = poses(model, q)
     keep = [*range(mechanism.dim), 3]
@@ -245,7 +266,8 @@ def _at(mechanism: Mechanism, state: Moving, pin: Pin, side: str):
 def drives(
     mechanism: Mechanism, model: Model, state: Moving, torques: Mapping[str, float]
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """(tau, wrenches) with which the pins' torques (b against a) act in a model; on cut pins they are wrenches."""
+    """(tau, wrenches) with which the pins' torques (b against a) act in a model; on cut pins they
+    are wrenches."""
     tau, wrenches = np.zeros(model.nv), {}
     for name, value in torques.items():
         pin = mechanism.pin(name)
@@ -298,26 +320,41 @@ FREEDOMS = {"revolute": 1, "prismatic": 1, "spherical": 3}
 
 
 def ring(seed: int) -> Mechanism:
-    """A closed chain in space of revolute, prismatic and spherical pins, assembled at rest, with 1 to 4 freedoms."""
+    """A closed chain in space of revolute, prismatic and spherical pins, assembled at rest, with 1
+    to 4 freedoms."""
     rng = np.random.default_rng([seed, 77])
-    kinds = [str(rng.choice(["revolute", "prismatic"], p=[0.75, 0.25])) for _ in range(4)] + ["spherical"]
+    kinds = [str(rng.choice(["revolute", "prismatic"], p=[0.75, 0.25])) for _ in range(4)] + [
+        "spherical"
+    ]
     while sum(FREEDOMS[kind] for kind in kinds) < 7 + seed % 3:
         kinds.append(str(rng.choice(["revolute", "spherical"], p=[0.8, 0.2])))
     order = rng.permutation(len(kinds))
     kinds = [kinds[k] for k in order]
     names = [f"part{k + 1}" for k in range(len(kinds) - 1)]
-    pose = {name: homogeneous(random_rotation(rng), rng.normal(scale=0.6, size=3)) for name in names}
+    pose = {
+        name: homogeneous(random_rotation(rng), rng.normal(scale=0.6, size=3)) for name in names
+    }
     pose[GROUND] = np.eye(4)
     pins = []
     for k, (kind, a, b) in enumerate(zip(kinds, [GROUND, *names], [*names, GROUND], strict=True)):
         at = homogeneous(random_rotation(rng), rng.normal(scale=0.6, size=3))
         axis = () if kind == "spherical" else tuple(_unit(rng.normal(size=3)))
         pins.append(
-            Pin(f"pin{k + 1}", kind, a, np.linalg.inv(pose[a]) @ at, b, np.linalg.inv(pose[b]) @ at, axis)
+            Pin(
+                f"pin{k + 1}",
+                kind,
+                a,
+                np.linalg.inv(pose[a]) @ at,
+                b,
+                np.linalg.inv(pose[b]) @ at,
+                axis,
+            )
         )
     parts = {name: random_inertia(rng) for name in names}
     driven = tuple(pin.name for pin in pins if FREEDOMS[pin.kind] == 1)[: 1 + seed % 3]
-    return Mechanism(3, parts, tuple(pins), tuple(rng.normal(scale=5.0, size=3)), driven, f"ring{seed}")
+    return Mechanism(
+        3, parts, tuple(pins), tuple(rng.normal(scale=5.0, size=3)), driven, f"ring{seed}"
+    )
 
 
 def _unit(x: np.ndarray) -> np.ndarray:

@@ -1,4 +1,5 @@
-"""The double four-bar: IFToMM library of computational benchmark problems, N-four-bar mechanism (N = 2)."""
+"""The double four-bar: IFToMM library of computational benchmark problems, N-four-bar mechanism (N
+= 2)."""
 
 from __future__ import annotations
 

@@ -1,6 +1,8 @@
-"""A plugin of pytest: NVIDIA's driver is there, and runs kernels on this processor (`-p support.emulated`).
+"""A plugin of pytest: NVIDIA's driver is there, and runs kernels on this processor (`-p
+support.emulated`).
 
-Everything but the driver's library is what runs on a GPU: the target, NVIDIA's binding, the entries' LLVM text.
+Everything but the driver's library is what runs on a GPU: the target, NVIDIA's binding, the
+entries' LLVM text.
 """
 
 from __future__ import annotations
@@ -25,7 +27,11 @@ def _ptx(text: str) -> str:
 
 @cache
 def _emulated(text: str) -> gpu.Emulated:
-    names = [line.split("@")[1].split("(")[0] for line in _texts[text].splitlines() if "ptx_kernel" in line]
+    names = [
+        line.split("@")[1].split("(")[0]
+        for line in _texts[text].splitlines()
+        if "ptx_kernel" in line
+    ]
     return gpu.Emulated(_texts[text], names)
 
 

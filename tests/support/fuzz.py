@@ -1,7 +1,8 @@
-"""Wrong input by the thousand, the same for the same seed: seeds of tests/corpus, cut, spliced, repeated and peppered.
+"""Wrong input by the thousand, the same for the same seed: seeds of tests/corpus, cut, spliced,
+repeated and peppered.
 
-A case is right when its reader takes it, or refuses it with an error of freebody, in little time, and touches no file
-but the one that it was given.
+A case is right when its reader takes it, or refuses it with an error of freebody, in little time,
+and touches no file but the one that it was given.
 """
 
 from __future__ import annotations
@@ -50,7 +51,9 @@ _WORD = re.compile(r"[A-Za-z_\\]\w*")
 def seeds(kind: str) -> list[str]:
     """The texts of a corpus; of kinds that are lines, each line."""
     texts = [path.read_text(encoding="utf-8") for path in sorted((CORPUS / kind).iterdir())]
-    return texts if kind in ("urdf", "toml", "dh", "motion", "check") else "".join(texts).splitlines()
+    return (
+        texts if kind in ("urdf", "toml", "dh", "motion", "check") else "".join(texts).splitlines()
+    )
 
 
 def cases(kind: str, seed: int) -> Iterator[bytes]:
@@ -97,7 +100,9 @@ def _pepper(text: str, draw: random.Random, kind: str, texts: list[str]) -> str:
     return text[:a] + new + text[draw.choice((a, b)) :]
 
 
-def _replace(pattern: re.Pattern[str], choose: Callable[[random.Random, str], str]) -> Callable[..., str]:
+def _replace(
+    pattern: re.Pattern[str], choose: Callable[[random.Random, str], str]
+) -> Callable[..., str]:
     """A change of one piece that the grammar knows for another."""
 
     def change(text: str, draw: random.Random, kind: str, texts: list[str]) -> str:
@@ -245,15 +250,22 @@ def fault(kind: str, data: bytes, path: Path, read: Callable[[Path, bytes], Any]
             return f"more than {SECONDS} s"
         except Exception as error:
             place = traceback.extract_tb(error.__traceback__)[-1]
-            return f"{type(error).__name__} in {Path(place.filename).name}:{place.lineno}: {error}"[:300]
+            return f"{type(error).__name__} in {Path(place.filename).name}:{place.lineno}: {error}"[
+                :300
+            ]
     return f"touched {_watch['touched'][:3]}" if _watch["touched"] else None
 
 
-def run(kind: str, seed: int, goes_on: Callable[[int], bool]) -> tuple[int, list[tuple[str, bytes]]]:
-    """Cases as long as goes_on(number of cases); how many there were, and those that went wrong, with what did."""
+def run(
+    kind: str, seed: int, goes_on: Callable[[int], bool]
+) -> tuple[int, list[tuple[str, bytes]]]:
+    """Cases as long as goes_on(number of cases); how many there were, and those that went wrong,
+    with what did."""
     suffix, read = readers()[kind]
     wrong: list[tuple[str, bytes]] = []
-    memory = "/dev/shm" if Path("/dev/shm").is_dir() else None  # a disk takes longer than the reading
+    memory = (
+        "/dev/shm" if Path("/dev/shm").is_dir() else None
+    )  # a disk takes longer than the reading
     with tempfile.TemporaryDirectory(dir=memory) as folder:
         path = Path(folder) / f"case{suffix}"
         for text in seeds(kind):  # for what is imported and compiled once
@@ -271,7 +283,9 @@ def run(kind: str, seed: int, goes_on: Callable[[int], bool]) -> tuple[int, list
 
 if __name__ == "__main__":  # python tests/support/fuzz.py KIND CASES [SEED]
     most = int(sys.argv[2])
-    number, found = run(sys.argv[1], int(sys.argv[3]) if len(sys.argv) > 3 else 0, lambda n: n < most)
+    number, found = run(
+        sys.argv[1], int(sys.argv[3]) if len(sys.argv) > 3 else 0, lambda n: n < most
+    )
     kinds = {problem.split(":")[0] + problem[-30:]: (problem, data) for problem, data in found}
     for k, (problem, data) in enumerate(kinds.values()):
         Path(f"{sys.argv[1]}-{k}.case").write_bytes(data)

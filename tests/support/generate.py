@@ -1,4 +1,5 @@
-"""Random mechanisms with every kind of joint, reproducible from a seed, as descriptions and as models."""
+"""Random mechanisms with every kind of joint, reproducible from a seed, as descriptions and as
+models."""
 
 from __future__ import annotations
 
@@ -19,12 +20,20 @@ from freebody.model.placement import Placement, rotate, shift, turn
 SPATIAL = ("revolute", "continuous", "prismatic", "planar", "spherical", "free")
 PLANAR = ("revolute", "continuous", "prismatic", "planar")
 ONE_AXIS = ("revolute", "continuous", "prismatic")
-_WEIGHTS = {"revolute": 5, "continuous": 3, "prismatic": 4, "planar": 1.5, "spherical": 2, "free": 1.5}
+_WEIGHTS = {
+    "revolute": 5,
+    "continuous": 3,
+    "prismatic": 4,
+    "planar": 1.5,
+    "spherical": 2,
+    "free": 1.5,
+}
 
 
 @lru_cache(maxsize=64)
 def model(seed: int, dim: int = 3) -> Model:
-    """The random tree of a seed; one in five on a free base. Some of its masses may be zero, its M never singular."""
+    """The random tree of a seed; one in five on a free base. Some of its masses may be zero, its M
+    never singular."""
     return assemble(tree(seed, dim), base=base(seed))
 
 
@@ -46,7 +55,8 @@ def random_rotation(rng: np.random.Generator) -> np.ndarray:
 
 
 def random_inertia(rng: np.random.Generator, dim: int = 3) -> Inertia:
-    """A physical one: the matrix of second moments about the com is a random positive definite one."""
+    """A physical one: the matrix of second moments about the com is a random positive definite
+    one."""
     mass = float(rng.uniform(0.2, 3.0))
     com = tuple(rng.normal(scale=0.15, size=dim))
     if dim == 2:
@@ -58,7 +68,11 @@ def random_inertia(rng: np.random.Generator, dim: int = 3) -> Inertia:
 
 def random_placement(rng: np.random.Generator, dim: int = 3, general: bool = False) -> Placement:
     """Any pose, an exact right-angled one, or none at all; `general` excludes the special ones."""
-    style = "any" if general else rng.choice(["any", "right", "shift", "none"], p=[0.4, 0.35, 0.15, 0.1])
+    style = (
+        "any"
+        if general
+        else rng.choice(["any", "right", "shift", "none"], p=[0.4, 0.35, 0.15, 0.1])
+    )
     if style == "none":
         return Placement()
     by = shift(*(float(x) for x in rng.normal(scale=0.4, size=dim)))
@@ -92,7 +106,11 @@ class _Tree:
         n = 1 + self.seed % 12
         ends = ["base"]
         for i in range(n):
-            parent = ends[-1] if rng.random() < 0.6 or ends[-1] in self.massless else str(rng.choice(ends))
+            parent = (
+                ends[-1]
+                if rng.random() < 0.6 or ends[-1] in self.massless
+                else str(rng.choice(ends))
+            )
             self.movable(i, parent, last=i == n - 1)
             ends.append(f"link{i + 1}")
             self.fixed_links(f"link{i + 1}")
@@ -101,12 +119,18 @@ class _Tree:
             rng.shuffle(joints)
             rng.shuffle(links)
         direction = rng.normal(size=self.dim)
-        gravity = gravity_of(tuple(float(x) for x in 9.81 * direction / np.linalg.norm(direction)), self.dim)
+        gravity = gravity_of(
+            tuple(float(x) for x in 9.81 * direction / np.linalg.norm(direction)), self.dim
+        )
         mounts = (
             Mount("tool", f"link{n}", random_placement(rng, self.dim)),
             Mount("ground", "base", shift(*(0.5,) * self.dim)),
         )
-        payloads = (Payload("parcel", "tool", random_inertia(rng, self.dim)),) if rng.random() < 0.3 else ()
+        payloads = (
+            (Payload("parcel", "tool", random_inertia(rng, self.dim)),)
+            if rng.random() < 0.3
+            else ()
+        )
         return Description(
             f"tree{self.seed}",
             self.dim,
@@ -123,7 +147,8 @@ class _Tree:
         after_massless = parent in self.massless
         kind = self.kind(after_massless)
         one_axis = kind in ONE_AXIS
-        # one joint may carry nothing but the next one; its axis and placements are then general, so that M is regular
+        # one joint may carry nothing but the next one; its axis and placements are then general, so
+        # that M is regular
         massless = one_axis and not last and rng.random() < 0.1 and not after_massless
         general = massless or after_massless
         if massless:
@@ -178,7 +203,9 @@ class _Tree:
 
     def drive(self) -> Drive:
         rng = self.rng
-        viscous, coulomb, rotor, stiffness = (float(x) for x in rng.uniform(size=4) * (rng.random(4) < 0.4))
+        viscous, coulomb, rotor, stiffness = (
+            float(x) for x in rng.uniform(size=4) * (rng.random(4) < 0.4)
+        )
         return Drive(
             viscous,
             coulomb,
@@ -189,7 +216,8 @@ class _Tree:
         )
 
     def fixed_links(self, on: str) -> None:
-        """Up to three links fixed to one another or side by side; on a massless link none with a mass."""
+        """Up to three links fixed to one another or side by side; on a massless link none with a
+        mass."""
         fixed = [on]
         for k in range(int(self.rng.choice([0, 1, 2, 3], p=[0.5, 0.25, 0.15, 0.1]))):
             parent = str(self.rng.choice(fixed))
@@ -244,16 +272,20 @@ def split(description: Description, seed: int) -> Description:
         links.append(replace(link, inertia=_scaled(link.inertia, part)))
         weld = random_placement(rng, dim, general=True)
         piece = f"{link.name}_piece"
-        links.append(Link(piece, _scaled(link.inertia, 1 - part), inverse(weld, dim).then(link.placement)))
+        links.append(
+            Link(piece, _scaled(link.inertia, 1 - part), inverse(weld, dim).then(link.placement))
+        )
         joints.append(Joint(f"{piece}_weld", "fixed", link.name, piece, weld))
     return replace(description, links=tuple(links), joints=(*description.joints, *joints))
 
 
 def moved_frames(description: Description, seed: int) -> tuple[Description, dict[str, np.ndarray]]:
-    """Link frames moved where the meaning of q allows it, with the pose of the new frame in the old for each link.
+    """Link frames moved where the meaning of q allows it, with the pose of the new frame in the old
+    for each link.
 
-    Behind a prismatic joint anywhere, behind a revolute one along and about its axis and turned at will, along z behind
-    a planar one, anywhere on a fixed link. A description in space, with no mimics lost.
+    Behind a prismatic joint anywhere, behind a revolute one along and about its axis and turned at
+    will, along z behind a planar one, anywhere on a fixed link. A description in space, with no
+    mimics lost.
     """
     rng = np.random.default_rng(seed)
     moves: dict[str, Placement] = {link.name: Placement() for link in description.links}
@@ -272,10 +304,16 @@ def moved_frames(description: Description, seed: int) -> tuple[Description, dict
     joints = []
     for joint in description.joints:
         placement = inverse(moves[joint.parent]).then(joint.placement).then(moves[joint.child])
-        axis = tuple(matrix(moves[joint.child])[:3, :3].T @ np.array(joint.axis)) if joint.axis else ()
+        axis = (
+            tuple(matrix(moves[joint.child])[:3, :3].T @ np.array(joint.axis)) if joint.axis else ()
+        )
         joints.append(replace(joint, placement=placement, axis=axis))
-    links = tuple(replace(l, placement=inverse(moves[l.name]).then(l.placement)) for l in description.links)
-    mounts = tuple(replace(m, placement=inverse(moves[m.link]).then(m.placement)) for m in description.mounts)
+    links = tuple(
+        replace(l, placement=inverse(moves[l.name]).then(l.placement)) for l in description.links
+    )
+    mounts = tuple(
+        replace(m, placement=inverse(moves[m.link]).then(m.placement)) for m in description.mounts
+    )
     return (
         replace(description, links=links, joints=tuple(joints), mounts=mounts),
         {name: matrix(move) for name, move in moves.items()},
@@ -287,7 +325,8 @@ def _scaled(inertia: Inertia, part: float) -> Inertia:
 
 
 def matrix(placement: Placement, dim: int = 3) -> np.ndarray:
-    """The pose of a placement without parameters, as a homogeneous matrix: by plain NumPy, one step at a time."""
+    """The pose of a placement without parameters, as a homogeneous matrix: by plain NumPy, one step
+    at a time."""
     T = np.eye(dim + 1)
     for step in placement.steps:
         S = np.eye(dim + 1)

@@ -1,6 +1,8 @@
-"""A GPU that is not there: entries of a GPU's text run on this processor, thread by thread; and ptxas, which assembles.
+"""A GPU that is not there: entries of a GPU's text run on this processor, thread by thread; and
+ptxas, which assembles.
 
-What runs is the LLVM text of the entries themselves. Only the registers that tell a thread where it is are replaced.
+What runs is the LLVM text of the entries themselves. Only the registers that tell a thread where it
+is are replaced.
 """
 
 from __future__ import annotations
@@ -39,12 +41,17 @@ define void @place(i32 %thread, i32 %threads, i32 %block) {
 def on_host(text: str) -> str:
     """The text of a module of entries, for this processor; `@place` says which thread is next.
 
-    `@NAME.packed` is the entry NAME with the addresses of its values in one array, as a driver has them.
+    `@NAME.packed` is the entry NAME with the addresses of its values in one array, as a driver has
+    them.
     """
     for register, name in _WHERE.items():
-        text = text.replace(f"call i32 @llvm.nvvm.read.ptx.sreg.{register}.x()", f"load i32, ptr @{name}")
+        text = text.replace(
+            f"call i32 @llvm.nvvm.read.ptx.sreg.{register}.x()", f"load i32, ptr @{name}"
+        )
     text = re.sub(r"declare i32 @llvm\.nvvm.*\n", "", text)
-    packed = [_packed(*found) for found in re.findall(r"define ptx_kernel void @(\w+)\((.*)\) #3", text)]
+    packed = [
+        _packed(*found) for found in re.findall(r"define ptx_kernel void @(\w+)\((.*)\) #3", text)
+    ]
     text = text.replace("define ptx_kernel void", "define void")
     assert packed
     assert "nvvm" not in text
@@ -55,7 +62,9 @@ def _packed(name: str, parameters: str) -> str:
     kinds = [parameter.split()[0] for parameter in parameters.split(", ")]
     lines = [f"define void @{name}.packed(ptr %values) {{"]
     for k, kind in enumerate(kinds):
-        lines.append(f"  %at{k} = getelementptr ptr, ptr %values, i64 {k}\n  %p{k} = load ptr, ptr %at{k}")
+        lines.append(
+            f"  %at{k} = getelementptr ptr, ptr %values, i64 {k}\n  %p{k} = load ptr, ptr %at{k}"
+        )
         lines.append(f"  %x{k} = load {kind}, ptr %p{k}")
     values = ", ".join(f"{kind} %x{k}" for k, kind in enumerate(kinds))
     return "\n".join([*lines, f"  call void @{name}({values})\n  ret void\n}}\n"])
@@ -82,7 +91,8 @@ class Emulated:
 
 
 def values_of(arrays: list[np.ndarray], cores: list[int], count: int) -> list[int]:
-    """What an entry takes: of arrays (n, *core) or (*core) the address and the steps; then the number of samples."""
+    """What an entry takes: of arrays (n, *core) or (*core) the address and the steps; then the
+    number of samples."""
     made = []
     for array, core in zip(arrays, cores, strict=True):
         steps = [stride // array.itemsize for stride in array.strides]
@@ -90,12 +100,17 @@ def values_of(arrays: list[np.ndarray], cores: list[int], count: int) -> list[in
     return [*made, count]
 
 
-def run(program: Program, arrays: list[np.ndarray], dtype: str = "float64") -> tuple[np.ndarray, ...]:
-    """All outputs for samples (n, *core), as columns, by one emulated thread each and some that are left over."""
+def run(
+    program: Program, arrays: list[np.ndarray], dtype: str = "float64"
+) -> tuple[np.ndarray, ...]:
+    """All outputs for samples (n, *core), as columns, by one emulated thread each and some that are
+    left over."""
     program = prepared(program)
     entries = {f"part{k}": piece for k, piece in enumerate(parts(program, dtype))}
     gpu = Emulated(emit(entries, dtype), list(entries))
-    count = max(len(x) for x, a in zip(arrays, program.inputs, strict=True) if x.ndim > len(a.shape))
+    count = max(
+        len(x) for x, a in zip(arrays, program.inputs, strict=True) if x.ndim > len(a.shape)
+    )
     outs = [np.full((a.size, count), 7.0, dtype) for a in program.outputs]
     flat = [
         x.astype(dtype).reshape(*x.shape[: x.ndim - len(a.shape)], a.size)
@@ -129,24 +144,30 @@ def driver(folder: Path, text: str | None = None) -> Path:
 
 
 def ptxas() -> str:
-    """NVIDIA's assembler: from its wheel, which is in the test extra where there is one, or a CUDA toolkit's."""
+    """NVIDIA's assembler: from its wheel, which is in the test extra where there is one, or a CUDA
+    toolkit's."""
     found = importlib.util.find_spec("nvidia")
     for root in found.submodule_search_locations or () if found else ():
         for path in Path(root).glob("*/bin/ptxas*"):
             return str(path)
     installed = shutil.which("ptxas")
     if installed is None and sys.platform == "linux":
-        pytest.fail("ptxas is missing: pip install nvidia-cuda-nvcc-cu12, which is in freebody[test]")
+        pytest.fail(
+            "ptxas is missing: pip install nvidia-cuda-nvcc-cu12, which is in freebody[test]"
+        )
     if installed is None:
         pytest.skip("ptxas is not installed")
     return installed
 
 
 def assembled(text: str, folder: Path, processor: str = "sm_90") -> list[tuple[int, int, int]]:
-    """Registers, bytes spilled and bytes read back of each entry, in order; fails where ptxas refuses the text."""
+    """Registers, bytes spilled and bytes read back of each entry, in order; fails where ptxas
+    refuses the text."""
     (folder / "module.ptx").write_text(text, encoding="ascii")
     command = [ptxas(), f"-arch={processor}", "-v", "module.ptx", "-o", "module.cubin"]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=600)
+    done = subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, check=False, timeout=600
+    )
     assert done.returncode == 0, done.stderr[:2000]
     entry = r"Function properties for (\w+)\n.*?(\d+) bytes spill stores, (\d+) bytes spill loads\n.*Used (\d+) reg"
     return [(int(r), int(s), int(b)) for _, s, b, r in re.findall(entry, done.stderr)]

@@ -1,4 +1,5 @@
-"""What the tests of laws share: formulas on arrays, paths through a state, differences, comparison."""
+"""What the tests of laws share: formulas on arrays, paths through a state, differences,
+comparison."""
 
 from __future__ import annotations
 
@@ -66,7 +67,8 @@ def scalars(array: np.ndarray) -> tuple[np.ndarray, ...]:
 def path(
     model: Model, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, h: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Positions (9, ..., nq) and rates at times -4h … 4h of a motion with this q, q̇ and q̈ at time 0."""
+    """Positions (9, ..., nq) and rates at times -4h … 4h of a motion with this q, q̇ and q̈ at time
+    0."""
     t = h * STEPS.reshape(-1, *(1,) * np.ndim(q))
     return fb.integrate(model, fb.integrate(model, q, t * qd), t**2 / 2 * qdd), qd + t * qdd
 
@@ -82,14 +84,17 @@ def second_rate(values: np.ndarray, h: float) -> np.ndarray:
 
 
 def close(found: Any, expected: Any, tolerance: float, scale: float = 0.0, what: str = "") -> None:
-    """Largest difference over the largest reference (or `scale`, where that is larger) is at most `tolerance`."""
+    """Largest difference over the largest reference (or `scale`, where that is larger) is at most
+    `tolerance`."""
     found, expected = np.asarray(found), np.asarray(expected)
     assert found.shape == expected.shape, f"{what}: shapes {found.shape} and {expected.shape}"
     assert np.isfinite(found).all(), f"{what}: not finite"
     if found.size:
         size = max(scale, float(np.abs(expected).max()))
         off = float(np.abs(found - expected).max())
-        assert off <= tolerance * size, f"{what}: off by {off:.3g} of {size:.3g}, allowed {tolerance:.3g}"
+        assert off <= tolerance * size, (
+            f"{what}: off by {off:.3g} of {size:.3g}, allowed {tolerance:.3g}"
+        )
 
 
 def state(model: Model, seed: int, batch: int = 3) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

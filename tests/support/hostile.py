@@ -18,14 +18,26 @@ JOINTS = [
     "<script>alert(1)</script>",
     '"]]></script>\u202e',
 ]
-LINKS = ["base", "@SUM(1)", "<img src=x onerror=alert(1)>", "]]>\u000b", "关\u2067节", "-1;=2", "'+3"]
+LINKS = [
+    "base",
+    "@SUM(1)",
+    "<img src=x onerror=alert(1)>",
+    "]]>\u000b",
+    "关\u2067节",
+    "-1;=2",
+    "'+3",
+]
 
 
 def hostile() -> fb.Model:
     """An arm whose names mean something to whatever reads them."""
-    rows = [f"name = {json.dumps('<script>alert(2)</script>')}\nsource = {json.dumps('=1+1 & </style>')}"]
+    rows = [
+        f"name = {json.dumps('<script>alert(2)</script>')}\nsource = "
+        f"{json.dumps('=1+1 & </style>')}"
+    ]
     rows += [
-        f"[[link]]\nname = {json.dumps(name)}\nmass = 1\ncom = [0.1, 0, 0]\ninertia = [0.1, 0, 0, 0.1, 0, 0.1]"
+        f"[[link]]\nname = {json.dumps(name)}\nmass = 1\ncom = [0.1, 0, 0]\ninertia = [0.1, 0, 0, "
+        f"0.1, 0, 0.1]"
         for name in LINKS
     ]
     for name, parent, child in zip(JOINTS, LINKS, LINKS[1:], strict=False):

@@ -1,5 +1,5 @@
-"""Mechanisms in coordinates of every part (Newton, Euler, and constraints by singular values), without freebody's
-kinematics: from poses and twists of the parts to their accelerations."""
+"""Mechanisms in coordinates of every part (Newton, Euler, and constraints by singular values),
+without freebody's kinematics: from poses and twists of the parts to their accelerations."""
 
 from __future__ import annotations
 
@@ -38,13 +38,18 @@ def accelerations(
             right.append(c)
         _drive(mechanism, state, pin, torques.get(pin.name, 0.0), force, place)
     J, c = np.array(rows), np.array(right)
-    root = np.linalg.inv(np.linalg.cholesky(M)).T  # least constraint is least norm where inertias are 1
+    root = np.linalg.inv(
+        np.linalg.cholesky(M)
+    ).T  # least constraint is least norm where inertias are 1
     A, free = J @ root, root.T @ force
-    return (root @ (free + np.linalg.pinv(A, rcond=1e-10) @ (c - A @ free))).reshape(len(parts), six)
+    return (root @ (free + np.linalg.pinv(A, rcond=1e-10) @ (c - A @ free))).reshape(
+        len(parts), six
+    )
 
 
 def _body(mechanism: Mechanism, state: Moving, part: str) -> tuple[np.ndarray, np.ndarray]:
-    """Inertia about the part's origin, world axes, and the force of gravity and of the motion itself."""
+    """Inertia about the part's origin, world axes, and the force of gravity and of the motion
+    itself."""
     dim, inertia = mechanism.dim, mechanism.parts[part]
     assert inertia is not None
     R, w = state.T[part][:dim, :dim], state.V[part][dim:]
@@ -67,7 +72,8 @@ def _body(mechanism: Mechanism, state: Moving, part: str) -> tuple[np.ndarray, n
 
 
 def _point(mechanism: Mechanism, state: Moving, part: str, T: np.ndarray):
-    """(axes, place, velocity, angular velocity, arm, acceleration at zero accelerations of the part) of a frame."""
+    """(axes, place, velocity, angular velocity, arm, acceleration at zero accelerations of the
+    part) of a frame."""
     dim = mechanism.dim
     G, V = state.T[part] @ T, state.V[part]
     arm = G[:dim, dim] - state.T[part][:dim, dim]
@@ -76,7 +82,8 @@ def _point(mechanism: Mechanism, state: Moving, part: str, T: np.ndarray):
 
 
 def equations(mechanism: Mechanism, state: Moving, pin: Pin):
-    """([(part, entries of the row)], right-hand side) of each equation of accelerations of a pin."""
+    """([(part, entries of the row)], right-hand side) of each equation of accelerations of a
+    pin."""
     dim = mechanism.dim
     R, p_a, v_a, w_a, arm_a, bias_a = _point(mechanism, state, pin.a, pin.T_a)
     _, p_b, v_b, w_b, arm_b, bias_b = _point(mechanism, state, pin.b, pin.T_b)
@@ -90,7 +97,10 @@ def equations(mechanism: Mechanism, state: Moving, pin: Pin):
         ]
 
     def of_turns(t):
-        return [(pin.b, np.concatenate([np.zeros(dim), t])), (pin.a, -np.concatenate([np.zeros(dim), t]))]
+        return [
+            (pin.b, np.concatenate([np.zeros(dim), t])),
+            (pin.a, -np.concatenate([np.zeros(dim), t])),
+        ]
 
     r, rd = p_b - p_a, v_b - v_a
     if pin.kind in ("revolute", "spherical", "fixed"):

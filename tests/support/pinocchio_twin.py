@@ -1,6 +1,7 @@
 """URDF files as Pinocchio reads them, joints and rates in our order.
 
-Joints are paired by name: Pinocchio sorts children, and keeps a continuous joint as (cos, sin) and quaternions as xyzw.
+Joints are paired by name: Pinocchio sorts children, and keeps a continuous joint as (cos, sin) and
+quaternions as xyzw.
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ from support.real_files import FILES, REFUSED, ROBOTS
 if sys.platform == "linux":
     import pinocchio as pin  # where there is a wheel it must be here
 else:
-    pin = pytest.importorskip("pinocchio", reason="there is no wheel of Pinocchio for this platform")
+    pin = pytest.importorskip(
+        "pinocchio", reason="there is no wheel of Pinocchio for this platform"
+    )
 
 EPS = np.finfo(float).eps
 BASES = ("fixed", "free")
@@ -53,13 +56,18 @@ class Theirs:
         self.data = self.model.createData()
         self.ours = ours
         assert self.model.nv == ours.nv
-        joints = [self.model.getJointId("root_joint" if j == "base" else j) for j in ours.joint_names]
+        joints = [
+            self.model.getJointId("root_joint" if j == "base" else j) for j in ours.joint_names
+        ]
         assert sorted(joints) == list(range(1, self.model.njoints))
         assert all(
-            body.kind.nv == self.model.joints[j].nv for body, j in zip(ours.bodies, joints, strict=True)
+            body.kind.nv == self.model.joints[j].nv
+            for body, j in zip(ours.bodies, joints, strict=True)
         )
         self.joints = joints
-        self.v = np.array([k for j in joints for k in range(*span(self.model.joints[j]))], dtype=int)
+        self.v = np.array(
+            [k for j in joints for k in range(*span(self.model.joints[j]))], dtype=int
+        )
 
     def q(self, q: np.ndarray) -> np.ndarray:
         """One position in Pinocchio's coordinates."""
@@ -83,7 +91,9 @@ class Theirs:
         """A vector or matrix over joints, of a batch of states, in our order."""
         rows = []
         for state in zip(q, *rates, strict=True):
-            value = compute(self.model, self.data, self.q(state[0]), *(self.rates(x) for x in state[1:]))
+            value = compute(
+                self.model, self.data, self.q(state[0]), *(self.rates(x) for x in state[1:])
+            )
             value = np.array(value)[self.v]
             rows.append(value[:, self.v] if value.ndim == 2 else value)
         return np.array(rows)

@@ -43,7 +43,8 @@ OUTPUTS = {"y": (4,), "B": (3, 3), "t": ()}
 
 
 def random_function(seed, length=60):
-    """A function of x (3), A (2, 5) and s () with outputs y (4), B (3, 3), t (), bounded so that errors stay small."""
+    """A function of x (3), A (2, 5) and s () with outputs y (4), B (3, 3), t (), bounded so that
+    errors stay small."""
 
     def function(x, A, s):
         rng = np.random.default_rng(seed)
@@ -98,7 +99,8 @@ def swap_kernel(**options):
 def samples(batch, seed=0):
     rng = np.random.default_rng(seed)
     return [
-        rng.normal(scale=2.0, size=(*np.atleast_1d(batch).astype(int), *shape)) for shape in INPUTS.values()
+        rng.normal(scale=2.0, size=(*np.atleast_1d(batch).astype(int), *shape))
+        for shape in INPUTS.values()
     ]
 
 
@@ -111,12 +113,16 @@ def direct(seed, arrays, length=60):
 
     def stacked(value, shape):
         flat = (
-            [np.broadcast_to(v, batch) for v in np.asarray(value, dtype=object).ravel()] if shape else [value]
+            [np.broadcast_to(v, batch) for v in np.asarray(value, dtype=object).ravel()]
+            if shape
+            else [value]
         )
         return np.stack(flat, axis=-1).reshape(batch + shape)
 
     y = np.stack([np.broadcast_to(v, batch) for v in y], axis=-1)
-    B = np.stack([np.broadcast_to(v, batch) for row in B for v in row], axis=-1).reshape(*batch, 3, 3)
+    B = np.stack([np.broadcast_to(v, batch) for row in B for v in row], axis=-1).reshape(
+        *batch, 3, 3
+    )
     return y, B, np.broadcast_to(t, batch)
 
 

@@ -1,4 +1,5 @@
-"""How to call each public function that takes a model and vectors; a new one has to be added here."""
+"""How to call each public function that takes a model and vectors; a new one has to be added
+here."""
 
 from __future__ import annotations
 
@@ -61,7 +62,8 @@ def public_calls() -> dict[str, Callable[..., Any]]:
 
 
 def functions_of_states() -> list[str]:
-    """Names of public functions whose first argument is a model and which are not said to take no vector."""
+    """Names of public functions whose first argument is a model and which are not said to take no
+    vector."""
     return [
         name
         for name in fb.__all__
@@ -76,7 +78,9 @@ def arguments(name: str) -> dict[str, str]:
     parameters = inspect.signature(getattr(fb, name)).parameters.values()
     needed = {p.name for p in parameters if p.default is p.empty} - {"model"}
     unknown = needed - set(VECTORS)
-    assert not unknown, f"say in tests/support/public_calls.py which vectors fb.{name} takes: {unknown}"
+    assert not unknown, (
+        f"say in tests/support/public_calls.py which vectors fb.{name} takes: {unknown}"
+    )
     return {p.name: VECTORS[p.name] for p in parameters if p.name in needed} | NAMED.get(name, {})
 
 
@@ -104,7 +108,9 @@ def bits(value: Any) -> Any:
         return np.shape(value), np.asarray(value).tobytes()
     if hasattr(value, "__dataclass_fields__"):
         return tuple(
-            (name, bits(getattr(value, name))) for name in value.__dataclass_fields__ if name != "model"
+            (name, bits(getattr(value, name)))
+            for name in value.__dataclass_fields__
+            if name != "model"
         )
     if isinstance(value, (tuple, list)):
         return tuple(map(bits, value))

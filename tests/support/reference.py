@@ -1,7 +1,8 @@
-"""Formulas run on NumPy arrays as they stand, without a program or a kernel: what kernels are held against.
+"""Formulas run on NumPy arrays as they stand, without a program or a kernel: what kernels are held
+against.
 
-`fb.formula` does so with nested sequences and checked options; this takes a kernel's arrays, a point too, and of closed
-chains all equations, so it goes to the table itself.
+`fb.formula` does so with nested sequences and checked options; this takes a kernel's arrays, a
+point too, and of closed chains all equations, so it goes to the table itself.
 """
 
 from __future__ import annotations
@@ -19,11 +20,15 @@ from freebody.model.model import Model
 def reference(
     model: Model, name: str, *arrays: Array, option: Option | None = None
 ) -> Array | tuple[Array, ...]:
-    """The formula run on NumPy arrays instead of the compiled kernel; arguments and results as for the kernel."""
+    """The formula run on NumPy arrays instead of the compiled kernel; arguments and results as for
+    the kernel."""
     option = option or Option()
     inputs = arguments(model, (name,), option)
     batch = np.broadcast_shapes(
-        *(a.shape[: a.ndim - len(argument.shape)] for a, argument in zip(arrays, inputs, strict=True))
+        *(
+            a.shape[: a.ndim - len(argument.shape)]
+            for a, argument in zip(arrays, inputs, strict=True)
+        )
     )
     given = {
         argument.name: _scalars(np.broadcast_to(a, batch + argument.shape), len(argument.shape))

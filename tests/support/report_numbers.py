@@ -20,7 +20,8 @@ def data_file(study, folder: Path) -> Iterator[xr.Dataset]:
 
 
 def compare(cells: Sequence[Mapping[str, str]], data: xr.Dataset) -> list[str]:
-    """One line for each cell that differs from the data; cells have text, var, at (JSON), value and scale."""
+    """One line for each cell that differs from the data; cells have text, var, at (JSON), value and
+    scale."""
     wrong = []
     for cell in cells:
         at = json.loads(cell["at"])
@@ -28,7 +29,9 @@ def compare(cells: Sequence[Mapping[str, str]], data: xr.Dataset) -> list[str]:
         if "time" in at:
             array = array.isel(time=at.pop("time"))
         value = float(array.sel(at))
-        same = float(cell["value"]) == value or (math.isnan(float(cell["value"])) and math.isnan(value))
+        same = float(cell["value"]) == value or (
+            math.isnan(float(cell["value"])) and math.isnan(value)
+        )
         if not same or not _prints(cell["text"], value * float(cell["scale"])):
             wrong.append(f"{cell['var']} {cell['at']}: printed {cell['text']!r}, data {value!r}")
     return wrong

@@ -13,7 +13,9 @@ METHODS = {"semi_implicit_step": 1, "rk4_step": 4, "implicit_step": 2}
 State = tuple[np.ndarray, np.ndarray]
 
 
-def walk(model: Model, method: str, state: State, tau: np.ndarray, time: float, steps: int, *more) -> State:
+def walk(
+    model: Model, method: str, state: State, tau: np.ndarray, time: float, steps: int, *more
+) -> State:
     """The state after so many steps."""
     step = fb.kernel(model, method, wrench_frames=["tool"] if more else ())
     for _ in range(steps):
@@ -24,5 +26,6 @@ def walk(model: Model, method: str, state: State, tau: np.ndarray, time: float, 
 def apart(model: Model, one: State, other: State) -> float:
     """The largest difference of two states."""
     return max(
-        np.abs(fb.difference(model, one[0], other[0])).max(), np.abs(one[1] - other[1]).max(initial=0.0)
+        np.abs(fb.difference(model, one[0], other[0])).max(),
+        np.abs(one[1] - other[1]).max(initial=0.0),
     )

@@ -18,7 +18,8 @@ WAYS = [
     if method.finds_torques and not method.at_rest and not method.closed
     for chosen in itertools.product(*(option.choices for option in method.options))
 ]
-"""The ways from a motion to the torques: every method of open chains, with every choice of its options."""
+"""The ways from a motion to the torques: every method of open chains, with every choice of its
+options."""
 
 
 def spatial_arm(seed: int, n: int) -> Model:

@@ -1,4 +1,5 @@
-"""Articulated bodies: forward dynamics in a time linear in the number of bodies (Featherstone 2008, table 7.1)."""
+"""Articulated bodies: forward dynamics in a time linear in the number of bodies (Featherstone 2008,
+table 7.1)."""
 
 from __future__ import annotations
 
@@ -28,9 +29,13 @@ from freebody.spatial import (
 )
 
 
-def aba(tree: Tree, q: Vector, qd: Vector, tau: Vector, external: Sequence[External] = ()) -> Vector:
+def aba(
+    tree: Tree, q: Vector, qd: Vector, tau: Vector, external: Sequence[External] = ()
+) -> Vector:
     """q̈, for trees whose coordinates move one joint each. Gravity is a base acceleration."""
-    assert not tree.follows, "a coordinate that moves several joints makes the tree's inertia global"
+    assert not tree.follows, (
+        "a coordinate that moves several joints makes the tree's inertia global"
+    )
     space = tree.space
     joints = joint_poses(tree, q)
     X = [transform(space, pose) for pose in joints]
@@ -54,7 +59,8 @@ def aba(tree: Tree, q: Vector, qd: Vector, tau: Vector, external: Sequence[Exter
     for i in reversed(range(len(tree.bodies))):
         body = tree.bodies[i]
         inertia, force = IA[i], pA[i]
-        # a joint of several columns is taken column by column, the last first: each leaves a smaller articulated body
+        # a joint of several columns is taken column by column, the last first: each leaves a
+        # smaller articulated body
         for k in reversed(range(len(S[i]))):
             s, at = S[i][k], body.coordinates.v[k]
             Us = times(inertia, s)

@@ -1,9 +1,10 @@
-"""What must act on a free body so that it moves as it does: ΣF = m a and ΣM = Ḣ about its joint's origin.
+"""What must act on a free body so that it moves as it does: ΣF = m a and ΣM = Ḣ about its joint's
+origin.
 
-Notes 3.1, 3.2, 6.1, 6.2. It takes the bodies' poses with their first and second time derivatives, whatever these come
-from; the rate of angular momentum is R̈ P Rᵀ, with P = ½ tr(I) 1 - I the second moments: its antisymmetric part is
-Σ r × r̈ dm. Nothing of the Newton-Euler recursion enters, so this checks reactions by other means than those they were
-found by.
+Notes 3.1, 3.2, 6.1, 6.2. It takes the bodies' poses with their first and second time derivatives,
+whatever these come from; the rate of angular momentum is R̈ P Rᵀ, with P = ½ tr(I) 1 - I the second
+moments: its antisymmetric part is Σ r × r̈ dm. Nothing of the Newton-Euler recursion enters, so
+this checks reactions by other means than those they were found by.
 """
 
 from __future__ import annotations
@@ -16,7 +17,18 @@ from typing import NamedTuple
 from freebody.algorithms.kinematics import Pose, ancestors, frame_pose
 from freebody.elementary import Scalar, absolute, maximum
 from freebody.model.tree import Mass, Tree
-from freebody.spatial import Matrix, Vector, add, identity, neg, product, scale, sub, times, transposed
+from freebody.spatial import (
+    Matrix,
+    Vector,
+    add,
+    identity,
+    neg,
+    product,
+    scale,
+    sub,
+    times,
+    transposed,
+)
 
 
 class Moving(NamedTuple):
@@ -46,8 +58,8 @@ def balance(
 ) -> Balance:
     """How well reactions and external wrenches, world axes, explain a motion.
 
-    moving: of every body of the tree. wrenches: of joints and loops, as `closed_wrenches` gives them; external: (frame,
-    wrench) of each load.
+    moving: of every body of the tree. wrenches: of joints and loops, as `closed_wrenches` gives
+    them; external: (frame, wrench) of each load.
     """
     space, world = tree.space, [body.pose for body in moving]
     acting = _Acting(space.moment, {i: moving[i].pose[1] for i in tree.body_of})
@@ -119,7 +131,8 @@ def _axial(A: Matrix) -> Vector:
 
 
 def _carrier(tree: Tree, i: int) -> int:
-    """The body of the model that carries a body: a joint may be a chain of several here; -1 the ground."""
+    """The body of the model that carries a body: a joint may be a chain of several here; -1 the
+    ground."""
     return next((k for k in ancestors(tree, i)[1:] if k in tree.body_of), -1)
 
 

@@ -1,10 +1,12 @@
-"""Closed chains: the loop equations Φ(q) = 0, their derivatives (5.21, 5.22, 5.28), the motion under them (5.29).
+"""Closed chains: the loop equations Φ(q) = 0, their derivatives (5.21, 5.22, 5.28), the motion
+under them (5.29).
 
 Each equation is a function of how frames A and B stand to one another, and its rate is
 
     φ̇ = f · (v_B - v_A) + n_B · ω_B - n_A · ω_A
 
-with f, n_A, n_B in world axes. Its multiplier λ stands for a force -λ f on B at its origin and the opposite on A.
+with f, n_A, n_B in world axes. Its multiplier λ stands for a force -λ f on B at its origin and the
+opposite on A.
 """
 
 from __future__ import annotations
@@ -30,12 +32,24 @@ from freebody.algorithms.loop_scales import equations_of_lengths, mechanism_leng
 from freebody.algorithms.rnea import External
 from freebody.elementary import Scalar, maximum, minimum, sign, sqrt
 from freebody.model.tree import Tree, TreeLoop
-from freebody.spatial import AnySpace, Matrix, Vector, add, dot, identity, scale, sub, times, transposed
+from freebody.spatial import (
+    AnySpace,
+    Matrix,
+    Vector,
+    add,
+    dot,
+    identity,
+    scale,
+    sub,
+    times,
+    transposed,
+)
 
 
 @dataclass(frozen=True)
 class Equation:
-    """One loop equation: its value, what its multiplier presses with, and how that changes with time."""
+    """One loop equation: its value, what its multiplier presses with, and how that changes with
+    time."""
 
     value: Scalar
     f: Vector
@@ -140,14 +154,17 @@ def _equation_rates(
     for n, u in loop.closure.turns:
         n_world, u_world = times(R_a, n), times(R_b, u)
         moment = add(
-            space.moment(space.cross(w_b, u_world), n_world), space.moment(u_world, space.cross(w_a, n_world))
+            space.moment(space.cross(w_b, u_world), n_world),
+            space.moment(u_world, space.cross(w_a, n_world)),
         )
         yield still, moment, moment
 
 
-def loop_wrenches(tree: Tree, q: Vector, multipliers: Vector, reference: str = "world") -> list[Vector]:
-    """For each loop (force, moment) on B by A at the origin of B, world axes or B's ("child"): what -Φ_qᵀ λ (5.23)
-    stands for."""
+def loop_wrenches(
+    tree: Tree, q: Vector, multipliers: Vector, reference: str = "world"
+) -> list[Vector]:
+    """For each loop (force, moment) on B by A at the origin of B, world axes or B's ("child"): what
+    -Φ_qᵀ λ (5.23) stands for."""
     space = tree.space
     world = world_poses(tree, joint_poses(tree, q))
     wrenches, k = [], 0
@@ -174,7 +191,10 @@ def loop_loads(tree: Tree, q: Vector, multipliers: Vector) -> list[External]:
     for loop in tree.loops:
         ends = _ends(tree, world, loop)
         for e in loop_equations(space, loop, *ends):
-            for frame, side, moment in ((loop.frames[1], -1.0, e.n_b), (loop.frames[0], 1.0, e.n_a)):
+            for frame, side, moment in (
+                (loop.frames[1], -1.0, e.n_b),
+                (loop.frames[0], 1.0, e.n_a),
+            ):
                 body, _, at = tree.frames[frame]
                 if body >= 0:
                     E = transposed(world[body][0])
@@ -187,7 +207,8 @@ def loop_loads(tree: Tree, q: Vector, multipliers: Vector) -> list[External]:
 
 @dataclass(frozen=True)
 class Constrained:
-    """Accelerations, multipliers, and the pivots of S: near 0 where equations depend on one another, or vanish."""
+    """Accelerations, multipliers, and the pivots of S: near 0 where equations depend on one
+    another, or vanish."""
 
     qdd: Vector
     multipliers: Vector
@@ -202,13 +223,19 @@ def constrained_dynamics(
     external: Sequence[External] = (),
     rows: Sequence[int] | None = None,
 ) -> Constrained:
-    """q̈ and λ from (5.29) by M⁻¹ and S = Φ_q M⁻¹ Φ_qᵀ, for equations `rows` (default all) that are independent."""
+    """q̈ and λ from (5.29) by M⁻¹ and S = Φ_q M⁻¹ Φ_qᵀ, for equations `rows` (default all) that are
+    independent."""
     factors = factor(tree, crba(tree, q))
     return constrained_motion(tree, q, qd, factors, sub(tau, bias(tree, q, qd, external)), rows)
 
 
 def constrained_motion(
-    tree: Tree, q: Vector, qd: Vector, factors: Factors, forces: Vector, rows: Sequence[int] | None = None
+    tree: Tree,
+    q: Vector,
+    qd: Vector,
+    factors: Factors,
+    forces: Vector,
+    rows: Sequence[int] | None = None,
 ) -> Constrained:
     """q̈ and λ of M q̈ + Φ_qᵀ λ = forces and Φ_q q̈ = c, from the factors of M."""
     phi, c = _kept(constraint_jacobian(tree, q), rows), _kept(constraint_bias(tree, q, qd), rows)
@@ -220,10 +247,11 @@ def constrained_motion(
 def closed(
     tree: Tree, q: Vector, qd: Vector, factors: Factors, rows: Sequence[int] | None = None
 ) -> tuple[Vector, Vector]:
-    """(q, q̇) brought back onto loops that are a little open: one Newton step of positions, then the rates projected.
+    """(q, q̇) brought back onto loops that are a little open: one Newton step of positions, then
+    the rates projected.
 
-    Both are the least change in the metric M. NaN where the equations `rows` depend on one another, so that others
-    would have to count, and where the loops stay open.
+    Both are the least change in the metric M. NaN where the equations `rows` depend on one another,
+    so that others would have to count, and where the loops stay open.
     """
     phi, open_by = _kept(constraint_jacobian(tree, q), rows), _kept(constraint(tree, q), rows)
     q = moved(tree, q, _nearest(tree, factors, phi, (0.0,) * tree.nv, open_by)[0])
@@ -233,7 +261,9 @@ def closed(
         return q, qd
     # lengths over the mechanism's own, so that they compare with angles
     per_length = 1.0 / mechanism_length(tree)
-    scales = tuple(per_length if of_length else 1.0 for of_length in _kept(equations_of_lengths(tree), rows))
+    scales = tuple(
+        per_length if of_length else 1.0 for of_length in _kept(equations_of_lengths(tree), rows)
+    )
     sizes = [s * s * pivot for s, pivot in zip(scales, pivots, strict=True)]
     gaps = tuple(s * x for s, x in zip(scales, left, strict=True))
     independent = reduce(minimum, sizes) - _PIVOT * reduce(maximum, sizes)
@@ -242,7 +272,8 @@ def closed(
 
 
 _PIVOT = 1e-10
-"""The smallest pivot of S relative to the largest, from which the equations are independent enough to project with."""
+"""The smallest pivot of S relative to the largest, from which the equations are independent enough
+to project with."""
 _OPEN = 1e-5
 """rad, or lengths of the mechanism: loops that a Newton step leaves open by more are not closed."""
 
@@ -263,11 +294,12 @@ def _kept(values: tuple[Any, ...], rows: Sequence[int] | None) -> tuple[Any, ...
 def _nearest(
     tree: Tree, factors: Factors, phi: Matrix, start: Vector, excess: Vector
 ) -> tuple[Vector, Vector, Vector]:
-    """The x nearest to a start in the metric M with Φ_q x = Φ_q start - excess, the multipliers λ of the difference
-    (M (start - x) = Φ_qᵀ λ), and the pivots of S."""
+    """The x nearest to a start in the metric M with Φ_q x = Φ_q start - excess, the multipliers λ
+    of the difference (M (start - x) = Φ_qᵀ λ), and the pivots of S."""
     columns = [substitute(tree, factors, row) for row in phi]
     multipliers, pivots = solved([[dot(row, x) for x in columns] for row in phi], excess)
-    # one at a time from the start: near singular positions the sum of all is much larger than what is left
+    # one at a time from the start: near singular positions the sum of all is much larger than what
+    # is left
     for multiplier, column in zip(multipliers, columns, strict=True):
         start = sub(start, scale(multiplier, column))
     return start, multipliers, pivots

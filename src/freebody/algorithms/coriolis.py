@@ -18,7 +18,8 @@ from freebody.spatial import Matrix, Vector, dot
 
 
 def coriolis_product(tree: Tree, q: Vector, qd: Vector, x: Vector) -> Vector:
-    """C x without C: with C = Σ Jᵀ (I J̇ + B J) over the bodies, one sweep outward and one inward."""
+    """C x without C: with C = Σ Jᵀ (I J̇ + B J) over the bodies, one sweep outward and one
+    inward."""
     space = tree.space
     world = world_tree(tree, q, qd)
     moved: list[Column] = []
@@ -32,7 +33,9 @@ def coriolis_product(tree: Tree, q: Vector, qd: Vector, x: Vector) -> Vector:
         moved.append(u)
         drift.append(y)
         own = world.own_coriolis[i]
-        forces.append(plus_motion(momentum_of(space, world.own[i], y), coriolis_times(space, own, u)))
+        forces.append(
+            plus_motion(momentum_of(space, world.own[i], y), coriolis_times(space, own, u))
+        )
     result: list[Scalar] = [0.0] * tree.nv
     for i in reversed(range(len(tree.bodies))):
         body = tree.bodies[i]
@@ -44,7 +47,8 @@ def coriolis_product(tree: Tree, q: Vector, qd: Vector, x: Vector) -> Vector:
 
 
 def coriolis_matrix(tree: Tree, q: Vector, qd: Vector) -> Matrix:
-    """C, nv × nv: of one-axis joints the one of Christoffel's symbols, of quasi-velocities its counterpart.
+    """C, nv × nv: of one-axis joints the one of Christoffel's symbols, of quasi-velocities its
+    counterpart.
 
     With I and B summed over what hangs on body j, and i on the way from j to the base:
     C_ij = S_i · (I Ṡ_j + B S_j),  C_ji = Ṡ_i · I S_j + S_i · Bᵀ S_j.
@@ -56,7 +60,8 @@ def coriolis_matrix(tree: Tree, q: Vector, qd: Vector) -> Matrix:
         inner = body.coordinates
         for s, s_rate, l in zip(world.S[j], world.S_rate[j], inner.v, strict=True):
             force = plus_motion(
-                momentum_of(space, world.inertia[j], s_rate), coriolis_times(space, world.coriolis[j], s)
+                momentum_of(space, world.inertia[j], s_rate),
+                coriolis_times(space, world.coriolis[j], s),
             )
             carried = momentum_of(space, world.inertia[j], s)
             back = coriolis_transposed_times(space, world.coriolis[j], s)

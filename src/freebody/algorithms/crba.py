@@ -1,4 +1,5 @@
-"""Composite rigid bodies: the mass matrix (Featherstone 2008, table 6.2), and systems with it solved along the tree."""
+"""Composite rigid bodies: the mass matrix (Featherstone 2008, table 6.2), and systems with it
+solved along the tree."""
 
 from __future__ import annotations
 
@@ -36,7 +37,9 @@ def momentum_of(space: AnySpace, composite: Composite, column: Column) -> Column
     """(angular, linear) momentum about the origin of a rigid body moving with (ω, v)."""
     m, h, inertia = composite
     w, v = column
-    return add(space.inertia_times(inertia, w), space.moment(h, v)), add(scale(m, v), space.cross(w, h))
+    return add(space.inertia_times(inertia, w), space.moment(h, v)), add(
+        scale(m, v), space.cross(w, h)
+    )
 
 
 def crba(tree: Tree, q: Vector) -> Matrix:
@@ -76,7 +79,8 @@ def crba(tree: Tree, q: Vector) -> Matrix:
 
 
 def mass_product(tree: Tree, q: Vector, x: Vector) -> Vector:
-    """M x without M: the inverse dynamics of a robot at rest, without gravity, springs and friction."""
+    """M x without M: the inverse dynamics of a robot at rest, without gravity, springs and
+    friction."""
     weightless = replace(only_inertia(tree), gravity=tree.space.zero)
     return rnea(weightless, q, (0.0,) * tree.nv, x).tau
 
@@ -97,10 +101,11 @@ def without(tree: Tree, *terms: str) -> Tree:
 
 
 def supports(tree: Tree) -> dict[int, tuple[int, ...]]:
-    """For each velocity coordinate, outermost last, the coordinates before it that M couples it with.
+    """For each velocity coordinate, outermost last, the coordinates before it that M couples it
+    with.
 
-    Along a tree these are the ones on the way to the base (Featherstone 2008, 6.5); where coordinates move several
-    joints, all earlier ones.
+    Along a tree these are the ones on the way to the base (Featherstone 2008, 6.5); where
+    coordinates move several joints, all earlier ones.
     """
     above: dict[int, tuple[int, ...]] = {}
     if tree.follows:

@@ -1,7 +1,8 @@
-"""First derivatives of inverse and forward dynamics on the tangent space (Singh, Russell, Wensing 2022, IDSVA).
+"""First derivatives of inverse and forward dynamics on the tangent space (Singh, Russell, Wensing
+2022, IDSVA).
 
-For body j and a body i on the way from j to the base, with I, B, f summed over what hangs on j, and with
-Ψ̇ = v_parent × S, Ψ̈ = a_parent × S + v_parent × Ψ̇, Ṡ = v × S:
+For body j and a body i on the way from j to the base, with I, B, f summed over what hangs on j, and
+with Ψ̇ = v_parent × S, Ψ̈ = a_parent × S + v_parent × Ψ̇, Ṡ = v × S:
 
     ∂tau_i/∂q_j  = S_i · (2 B Ψ̇_j + I Ψ̈_j + S_j ×* f)               (the last term where i ≠ j)
     ∂tau_i/∂q̇_j = S_i · (2 B S_j + I (Ψ̇_j + Ṡ_j))
@@ -35,7 +36,8 @@ from freebody.spatial import Matrix, Vector, dot, identity, neg, scale, transpos
 
 @dataclass
 class Derivatives:
-    """Of tau by q, q̇ and q̈ (the last is M), or of q̈ by q, q̇ and tau (the last is M⁻¹): each nv × nv."""
+    """Of tau by q, q̇ and q̈ (the last is M), or of q̈ by q, q̇ and tau (the last is M⁻¹): each nv
+    × nv."""
 
     by_q: Matrix
     by_qd: Matrix
@@ -93,9 +95,12 @@ def forward_dynamics_derivatives(
     q: Vector,
     qd: Vector,
     tau: Vector,
-    inverse_derivatives: Callable[[Tree, Vector, Vector, Vector], Derivatives] = inverse_dynamics_derivatives,
+    inverse_derivatives: Callable[
+        [Tree, Vector, Vector, Vector], Derivatives
+    ] = inverse_dynamics_derivatives,
 ) -> Derivatives:
-    """Derivatives of q̈: -M⁻¹ ∂tau/∂q, -M⁻¹ ∂tau/∂q̇ and M⁻¹, those of tau taken at the q̈ that tau causes."""
+    """Derivatives of q̈: -M⁻¹ ∂tau/∂q, -M⁻¹ ∂tau/∂q̇ and M⁻¹, those of tau taken at the q̈ that tau
+    causes."""
     qdd = forward_dynamics(tree, q, qd, tau)
     inverse = inverse_derivatives(tree, q, qd, qdd)
     factors = factor(tree, inverse.by_last)
@@ -103,7 +108,9 @@ def forward_dynamics_derivatives(
     def solved(right: Matrix) -> Matrix:
         return transposed(tuple(substitute(tree, factors, column) for column in transposed(right)))
 
-    by_q, by_qd = (tuple(neg(row) for row in solved(right)) for right in (inverse.by_q, inverse.by_qd))
+    by_q, by_qd = (
+        tuple(neg(row) for row in solved(right)) for right in (inverse.by_q, inverse.by_qd)
+    )
     return Derivatives(by_q, by_qd, solved(identity(tree.nv)))
 
 
@@ -114,7 +121,8 @@ def _twice(force: Force) -> Force:
 def _accelerations(
     tree: Tree, world: WorldTree, qd: Vector, qdd: Vector
 ) -> tuple[list[tuple[Column, ...]], list[Force]]:
-    """Ψ̈ of each body, and the force on each subtree: I a + v ×* I v, gravity as base acceleration."""
+    """Ψ̈ of each body, and the force on each subtree: I a + v ×* I v, gravity as base
+    acceleration."""
     space = tree.space
     a: list[Column] = []
     psi_rate: list[tuple[Column, ...]] = []
@@ -130,7 +138,9 @@ def _accelerations(
                 for s, psi in zip(world.S[i], world.psi[i], strict=True)
             )
         )
-        own = plus_motion(weighted(world.S[i], body.rates(qdd)), weighted(world.psi[i], body.rates(qd)))
+        own = plus_motion(
+            weighted(world.S[i], body.rates(qdd)), weighted(world.psi[i], body.rates(qd))
+        )
         a.append(plus_motion(a_parent, own))
         momentum = momentum_of(space, world.own[i], world.v[i])
         gyroscopic = cross_force(space, world.v[i], momentum)

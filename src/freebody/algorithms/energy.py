@@ -27,7 +27,8 @@ def kinetic_energy(tree: Tree, q: Vector, qd: Vector) -> Scalar:
 
 
 def potential_energy(tree: Tree, q: Vector) -> Scalar:
-    """-m g·r_c of every body (5.4), zero at the world's origin, and ½ k (q - rest)² of every spring (5.5)."""
+    """-m g·r_c of every body (5.4), zero at the world's origin, and ½ k (q - rest)² of every spring
+    (5.5)."""
     energy: Scalar = 0.0
     for body, (R, p) in zip(tree.bodies, world_poses(tree, joint_poses(tree, q)), strict=True):
         for mass in body.masses:
@@ -42,8 +43,8 @@ def potential_energy(tree: Tree, q: Vector) -> Scalar:
 
 
 def momentum(tree: Tree, q: Vector, qd: Vector, about: Vector | None = None) -> Vector:
-    """Linear, then angular momentum about a point of the world (default its origin), in world axes; rotors
-    not counted."""
+    """Linear, then angular momentum about a point of the world (default its origin), in world axes;
+    rotors not counted."""
     space = tree.space
     motion = outward(tree, q, qd, (0.0,) * tree.nv)
     linear, angular = space.zero, space.zero_angular

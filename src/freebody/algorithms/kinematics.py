@@ -1,4 +1,5 @@
-"""Poses, velocities, accelerations and Jacobians of a tree (notes, 2.10-2.26, 4.6-4.11, 6.16-6.27)."""
+"""Poses, velocities, accelerations and Jacobians of a tree (notes, 2.10-2.26, 4.6-4.11,
+6.16-6.27)."""
 
 from __future__ import annotations
 
@@ -35,7 +36,9 @@ def position_rates(tree: Tree, q: Vector, qd: Vector) -> Vector:
     rates: list[Scalar] = [0.0] * tree.nq
     for body in tree.bodies:
         at = body.coordinates
-        own = body.primitive.position_rates(tree.space, tuple(q[k] for k in at.q), tuple(qd[k] for k in at.v))
+        own = body.primitive.position_rates(
+            tree.space, tuple(q[k] for k in at.q), tuple(qd[k] for k in at.v)
+        )
         for k, rate in zip(at.q, own, strict=True):
             rates[k] = rate
     return tuple(rates)
@@ -57,18 +60,23 @@ def between(tree: Tree, q0: Vector, q1: Vector) -> Vector:
     way: list[Scalar] = [0.0] * tree.nv
     for body in tree.bodies:
         at = body.coordinates
-        own = body.primitive.between(tree.space, tuple(q0[k] for k in at.q), tuple(q1[k] for k in at.q))
+        own = body.primitive.between(
+            tree.space, tuple(q0[k] for k in at.q), tuple(q1[k] for k in at.q)
+        )
         for k, x in zip(at.v, own, strict=True):
             way[k] = x
     return tuple(way)
 
 
 def coordinate_rates(tree: Tree, x: Vector, v: Vector) -> Vector:
-    """The rates of x where the position is `moved(q, x)` and changes with the rates v: dexp⁻¹(x) v, to second order."""
+    """The rates of x where the position is `moved(q, x)` and changes with the rates v: dexp⁻¹(x) v,
+    to second order."""
     rates: list[Scalar] = [0.0] * tree.nv
     for body in tree.bodies:
         at = body.coordinates.v
-        own = body.primitive.dexp_inverse(tree.space, tuple(x[k] for k in at), tuple(v[k] for k in at))
+        own = body.primitive.dexp_inverse(
+            tree.space, tuple(x[k] for k in at), tuple(v[k] for k in at)
+        )
         for k, rate in zip(at, own, strict=True):
             rates[k] = rate
     return tuple(rates)
@@ -89,8 +97,11 @@ def frame_pose(tree: Tree, world: list[Pose], frame: str) -> Pose:
 
 
 def weighted(columns: tuple[Column, ...], rates: Vector) -> Column:
-    """Σ rates[k] columns[k]: what a joint adds to its body's velocity, or of accelerations to its acceleration."""
-    return combine(tuple(w for w, _ in columns), rates), combine(tuple(v for _, v in columns), rates)
+    """Σ rates[k] columns[k]: what a joint adds to its body's velocity, or of accelerations to its
+    acceleration."""
+    return combine(tuple(w for w, _ in columns), rates), combine(
+        tuple(v for _, v in columns), rates
+    )
 
 
 @dataclass
@@ -111,8 +122,8 @@ def outward(
 ) -> Motion:
     """Outward recursion (4.6-4.11; 6.16-6.22 revolute, 6.23-6.27 prismatic, in one form).
 
-    v̇ is the acceleration of the body's origin (time derivative of its velocity), in body axes. A base acceleration
-    of -g makes gravity part of it.
+    v̇ is the acceleration of the body's origin (time derivative of its velocity), in body axes. A
+    base acceleration of -g makes gravity part of it.
     """
     space = tree.space
     motion = Motion(joint_poses(tree, q), [], [], [], [], [])
@@ -129,14 +140,23 @@ def outward(
             w_parent, wd_parent, v_parent, vd_parent = still
             rates_parent = None
         else:
-            w_parent, wd_parent, v_parent, vd_parent = motion.w[k], motion.wd[k], motion.v[k], motion.vd[k]
+            w_parent, wd_parent, v_parent, vd_parent = (
+                motion.w[k],
+                motion.wd[k],
+                motion.v[k],
+                motion.vd[k],
+            )
             rates_parent = motion.rates[k]
         w_before = space.turn(E, w_parent)
         vd_at_joint = vd_parent if rates_parent is None else add(vd_parent, times(rates_parent, p))
         w = add(w_before, w_joint)
-        wd = add(space.turn(E, wd_parent), wd_joint, wd_bias, space.cross_angular(w_before, w_joint))
+        wd = add(
+            space.turn(E, wd_parent), wd_joint, wd_bias, space.cross_angular(w_before, w_joint)
+        )
         v = add(times(E, add(v_parent, space.cross(w_parent, p))), v_joint)
-        vd = add(times(E, vd_at_joint), vd_joint, vd_bias, scale(2.0, space.cross(w_before, v_joint)))
+        vd = add(
+            times(E, vd_at_joint), vd_joint, vd_bias, scale(2.0, space.cross(w_before, v_joint))
+        )
         motion.w.append(w)
         motion.wd.append(wd)
         motion.v.append(v)
@@ -173,7 +193,8 @@ def ancestors(tree: Tree, body: int) -> list[int]:
 
 
 def jacobian(tree: Tree, q: Vector, frame: str, reference: str = "world") -> Matrix:
-    """Rows: linear, then angular velocity of a frame per unit rate, in world axes or those of the frame ("body")."""
+    """Rows: linear, then angular velocity of a frame per unit rate, in world axes or those of the
+    frame ("body")."""
     world = world_poses(tree, joint_poses(tree, q))
     R, p = frame_pose(tree, world, frame)
     columns = frame_columns(tree, world, p, frame)
@@ -197,7 +218,9 @@ def jacobian_dot(tree: Tree, q: Vector, qd: Vector, frame: str, reference: str =
             slide = sub(linear, space.cross(angular, arm))  # R v_k: constant in the body
             angular_rate = space.cross_angular(w, angular)
             linear_rate = add(
-                space.cross(w, slide), space.cross(angular_rate, arm), space.cross(angular, arm_rate)
+                space.cross(w, slide),
+                space.cross(angular_rate, arm),
+                space.cross(angular, arm_rate),
             )
             if reference != "world":
                 # d/dt (Rᵀ J) = Rᵀ (J̇ - ω × J)
@@ -222,7 +245,8 @@ def frame_columns(tree: Tree, world: list[Pose], p: Vector, frame: str) -> dict[
 
 
 def _assembled(tree: Tree, columns: dict[int, list[Column]], E: Matrix | None) -> Matrix:
-    """Columns as a matrix with rows linear, angular, turned by E; coordinates that move several joints add up."""
+    """Columns as a matrix with rows linear, angular, turned by E; coordinates that move several
+    joints add up."""
     space = tree.space
     full: list[Vector] = [(0.0,) * space.six for _ in range(tree.nv)]
     for i, of_body in columns.items():

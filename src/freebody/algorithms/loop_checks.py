@@ -1,7 +1,8 @@
-"""Whether a closed chain is in a state that its loops allow, and what was found of it can be trusted: as margins.
+"""Whether a closed chain is in a state that its loops allow, and what was found of it can be
+trusted: as margins.
 
-A margin is positive where all is well, and NaN or not positive elsewhere. Gaps, rates and accelerations are compared as
-angles, lengths over the mechanism's own.
+A margin is positive where all is well, and NaN or not positive elsewhere. Gaps, rates and
+accelerations are compared as angles, lengths over the mechanism's own.
 """
 
 from __future__ import annotations
@@ -29,17 +30,20 @@ CLOSED = 1e-6
 LEFT = 1e-6
 """Of an equation of accelerations, relative to its terms: more is no rounding."""
 PIVOT = 1e-4
-"""The smallest pivot of the quick solution relative to the largest, below which another takes over. Rounding
-there is 1e-16 over the pivot, and motions through singular positions carry it on: a double four-bar that passes ten of
-them is right to 1e-9 with this, with a hundredth of it to 1e-7."""
+"""The smallest pivot of the quick solution relative to the largest, below which another takes over.
+Rounding there is 1e-16 over the pivot, and motions through singular positions carry it on: a double
+four-bar that passes ten of them is right to 1e-9 with this, with a hundredth of it to 1e-7."""
 LIGHT = 1e10
-"""The mechanism's inertia over that which resists a loop; rad/s²: more than that comes of a division by rounding."""
+"""The mechanism's inertia over that which resists a loop; rad/s²: more than that comes of a
+division by rounding."""
 _IDLE = 1e-12  # a pivot of M, relative to its entry on the diagonal, that may be rounding
-_FORWARD = 0.5  # cosine between axes that a loop holds together, below which it is closed the wrong way round
+# cosine between axes that a loop holds together, below which it is closed the wrong way round
+_FORWARD = 0.5
 
 
 def sure(values: Vector, margins: Iterable[Scalar]) -> Vector:
-    """The values where all margins are positive, else NaN; added, since a value may be 0 whatever comes."""
+    """The values where all margins are positive, else NaN; added, since a value may be 0 whatever
+    comes."""
     nothing = one_if_positive(*margins) - 1.0
     return tuple(x + nothing for x in values)
 
@@ -63,7 +67,10 @@ def consistent_margin(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Scalar:
     """Of accelerations that keep the loops closed."""
     rows, rates = scales(tree)
     c = constraint_bias(tree, q, qd)
-    left = [s * (dot(row, qdd) - x) for s, row, x in zip(rows, constraint_jacobian(tree, q), c, strict=True)]
+    left = [
+        s * (dot(row, qdd) - x)
+        for s, row, x in zip(rows, constraint_jacobian(tree, q), c, strict=True)
+    ]
     terms = 1.0 + largest(qdd, rates) + _largest(s * x for s, x in zip(rows, c, strict=True))
     return LEFT * terms - _largest(left)
 
@@ -71,7 +78,8 @@ def consistent_margin(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Scalar:
 def solution_margins(
     tree: Tree, M: Matrix, factors: Factors, found: Constrained, equations: Sequence[int] | None
 ) -> list[Scalar]:
-    """Of accelerations that were found with equations that are independent and an inertia that resists every motion.
+    """Of accelerations that were found with equations that are independent and an inertia that
+    resists every motion.
 
     M and its factors; equations: those that were taken, None is all.
     """

@@ -1,10 +1,11 @@
 """Forces of closed chains: what drives must do, and what the loops do.
 
-Loops let the coordinates move with x_dependent = X x_independent: Φ_q = [A B] over dependent and independent rates,
-X = -A⁻¹ B. So torques n of the tree have the power n_independent + Xᵀ n_dependent, and multipliers with
-Aᵀ λ = n_dependent stand for them. A is taken apart by orthogonal columns, A = Q R (modified Gram-Schmidt), which needs
-no choice of pivots: the diagonal of R vanishes only where A is singular. There, and where an equation that was left out
-does not follow from the others, what is not zero anyway is NaN. Everything is scaled so that lengths and angles
+Loops let the coordinates move with x_dependent = X x_independent: Φ_q = [A B] over dependent and
+independent rates, X = -A⁻¹ B. So torques n of the tree have the power n_independent + Xᵀ
+n_dependent, and multipliers with Aᵀ λ = n_dependent stand for them. A is taken apart by orthogonal
+columns, A = Q R (modified Gram-Schmidt), which needs no choice of pivots: the diagonal of R
+vanishes only where A is singular. There, and where an equation that was left out does not follow
+from the others, what is not zero anyway is NaN. Everything is scaled so that lengths and angles
 compare.
 
 Which equations and coordinates to take is structure, chosen beforehand (`Partition`).
@@ -26,7 +27,8 @@ from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, add, dot, scale, sub, times, transposed
 
 _PIVOT = 1e-3
-"""The smallest entry of R's diagonal relative to the largest, from which columns are regular enough to divide by."""
+"""The smallest entry of R's diagonal relative to the largest, from which columns are regular enough
+to divide by."""
 _LEFT = 1e-9
 """Of a scaled equation: what rounding leaves of one that follows from others."""
 
@@ -83,7 +85,8 @@ class Orthogonal:
 
 
 def orthogonal(columns: Sequence[Vector]) -> Orthogonal:
-    """Q and R of columns, by modified Gram-Schmidt in their order; zeros of the columns before are kept."""
+    """Q and R of columns, by modified Gram-Schmidt in their order; zeros of the columns before are
+    kept."""
     units: list[Vector] = []
     triangle: list[Vector] = []
     for column in columns:
@@ -115,10 +118,12 @@ class _Split:
 
 
 def drive_torques(tree: Tree, q: Vector, needed: Vector, partition: Partition) -> Vector:
-    """Torques of the driven joints that have the power of `needed` (nv,) in every motion that the loops allow.
+    """Torques of the driven joints that have the power of `needed` (nv,) in every motion that the
+    loops allow.
 
-    The smallest of them, where more drive than need be: y of the independent coordinates and X_d y of the driven ones
-    among the dependent have the power of n for (1 + X_dᵀ X_d) y = n_independent + Xᵀ n_dependent.
+    The smallest of them, where more drive than need be: y of the independent coordinates and X_d y
+    of the driven ones among the dependent have the power of n for (1 + X_dᵀ X_d) y = n_independent
+    + Xᵀ n_dependent.
     """
     split = _split(tree, q, partition)
     asked = tuple(s * n for s, n in zip(split.rate_scale, needed, strict=True))
@@ -130,7 +135,8 @@ def drive_torques(tree: Tree, q: Vector, needed: Vector, partition: Partition) -
         moved = [split.factors.solve(split.columns[k]) for k in split.independent]  # -X, by columns
         moved = [tuple(column[i] for i in also) for column in moved]
         square = [
-            [dot(a, b) + (1.0 if i == j else 0.0) for j, b in enumerate(moved)] for i, a in enumerate(moved)
+            [dot(a, b) + (1.0 if i == j else 0.0) for j, b in enumerate(moved)]
+            for i, a in enumerate(moved)
         ]
         power, _ = solved(square, power)
         for i, value in zip(also, times(transposed(tuple(moved)), power), strict=True):
@@ -142,8 +148,8 @@ def drive_torques(tree: Tree, q: Vector, needed: Vector, partition: Partition) -
 
 
 def loop_multipliers(tree: Tree, q: Vector, forces: Vector, partition: Partition) -> Vector:
-    """λ (m,) with Φ_qᵀ λ = forces (nv,), which have no power in any motion that the loops allow; where equations depend
-    on one another the smallest λ, as forces of scaled equations."""
+    """λ (m,) with Φ_qᵀ λ = forces (nv,), which have no power in any motion that the loops allow;
+    where equations depend on one another the smallest λ, as forces of scaled equations."""
     split = _split(tree, q, partition)
     wanted = tuple(split.rate_scale[k] * forces[k] for k in partition.dependent)
     known = dict(zip(partition.rows, split.factors.solve_transposed(wanted), strict=True))
@@ -156,8 +162,8 @@ def loop_multipliers(tree: Tree, q: Vector, forces: Vector, partition: Partition
 
 
 def loose_recursions(tree: Tree, q: Vector, partition: Partition) -> list[tuple[Vector, Recursion]]:
-    """For each combination of multipliers that no motion feels: its multipliers (m,), and what they alone do to the
-    bodies. The combinations are orthonormal as forces of scaled equations."""
+    """For each combination of multipliers that no motion feels: its multipliers (m,), and what they
+    alone do to the bodies. The combinations are orthonormal as forces of scaled equations."""
     split = _split(tree, q, partition)
     still, light = (0.0,) * tree.nv, replace(only_inertia(tree), gravity=tree.space.zero)
     found: list[tuple[Vector, Recursion]] = []
@@ -188,13 +194,18 @@ def _split(tree: Tree, q: Vector, partition: Partition) -> _Split:
     columns = transposed(tuple(phi[k] for k in partition.rows))
     independent = tuple(k for k in range(tree.nv) if k not in partition.dependent)
     return _Split(
-        orthogonal([columns[k] for k in partition.dependent]), independent, columns, phi, rows, rates
+        orthogonal([columns[k] for k in partition.dependent]),
+        independent,
+        columns,
+        phi,
+        rows,
+        rates,
     )
 
 
 def _loose(split: _Split, partition: Partition) -> tuple[list[Vector], Scalar]:
-    """(combinations (m,) of the scaled equations that vanish, each equation left out less those that it follows from;
-    the sum of squares of what they leave of Φ_q)."""
+    """(combinations (m,) of the scaled equations that vanish, each equation left out less those
+    that it follows from; the sum of squares of what they leave of Φ_q)."""
     found: list[Vector] = []
     left: Scalar = 0.0
     for k, row in enumerate(split.phi):

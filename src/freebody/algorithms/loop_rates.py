@@ -1,6 +1,8 @@
-"""Rates and accelerations that keep the loops closed: x with Φ_q x = c, nearest to others or with some given.
+"""Rates and accelerations that keep the loops closed: x with Φ_q x = c, nearest to others or with
+some given.
 
-With Φ_q = [A B] over dependent and independent rates, x_dependent = A⁻¹ (c - B x_independent) (`loop_forces`).
+With Φ_q = [A B] over dependent and independent rates, x_dependent = A⁻¹ (c - B x_independent)
+(`loop_forces`).
 """
 
 from __future__ import annotations
@@ -17,14 +19,15 @@ from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, dot, sub, transposed
 
 ALLOWED = 1e-8
-"""What a scaled equation may leave, relative to the largest angular rate: more, and the values given contradict it."""
+"""What a scaled equation may leave, relative to the largest angular rate: more, and the values
+given contradict it."""
 
 
 def nearest(
     tree: Tree, q: Vector, given: Vector, right: Vector, partition: Partition
 ) -> tuple[Vector, list[Scalar]]:
-    """(x (nv,) with Φ_q x = right (m,) that is nearest to the rates given, all taken as angular; margins that are
-    positive where this is it)."""
+    """(x (nv,) with Φ_q x = right (m,) that is nearest to the rates given, all taken as angular;
+    margins that are positive where this is it)."""
     rows, rates = scales(tree)
     phi = scaled_jacobian(tree, q)
     wanted = tuple(s * c for s, c in zip(rows, right, strict=True))
@@ -32,14 +35,18 @@ def nearest(
     factors = orthogonal([columns[k] for k in partition.dependent])
     independent = [k for k in range(tree.nv) if k not in partition.dependent]
     start = tuple(value / r for value, r in zip(given, rates, strict=True))
-    at_rest = factors.solve(tuple(wanted[k] for k in partition.rows))  # x_dependent where the others are 0
+    at_rest = factors.solve(
+        tuple(wanted[k] for k in partition.rows)
+    )  # x_dependent where the others are 0
     slopes = [factors.solve(columns[k]) for k in independent]
     missing = sub(tuple(start[k] for k in partition.dependent), at_rest)
     normal = [
-        [dot(a, b) + (1.0 if i == j else 0.0) for j, b in enumerate(slopes)] for i, a in enumerate(slopes)
+        [dot(a, b) + (1.0 if i == j else 0.0) for j, b in enumerate(slopes)]
+        for i, a in enumerate(slopes)
     ]
     free, _ = solved(
-        normal, tuple(start[k] - dot(slope, missing) for k, slope in zip(independent, slopes, strict=True))
+        normal,
+        tuple(start[k] - dot(slope, missing) for k, slope in zip(independent, slopes, strict=True)),
     )
     led = sub(at_rest, tuple(dot(row, free) for row in transposed(tuple(slopes))))
     found = dict(zip((*independent, *partition.dependent), (*free, *led), strict=True))
@@ -47,14 +54,21 @@ def nearest(
 
 
 def led(
-    tree: Tree, q: Vector, given: Vector, right: Vector, held: Sequence[int], equations: Sequence[int]
+    tree: Tree,
+    q: Vector,
+    given: Vector,
+    right: Vector,
+    held: Sequence[int],
+    equations: Sequence[int],
 ) -> tuple[Vector, list[Scalar]]:
-    """The same, with the rates of the coordinates `held` as they are given; by equations that tell all."""
+    """The same, with the rates of the coordinates `held` as they are given; by equations that tell
+    all."""
     rows, rates = scales(tree)
     phi = scaled_jacobian(tree, q)
     wanted = tuple(s * c for s, c in zip(rows, right, strict=True))
     fixed = tuple(
-        value / r if k in held else 0.0 for k, (value, r) in enumerate(zip(given, rates, strict=True))
+        value / r if k in held else 0.0
+        for k, (value, r) in enumerate(zip(given, rates, strict=True))
     )
     columns = transposed(tuple(phi[k] for k in equations))
     moving = [k for k in range(tree.nv) if k not in held]
@@ -62,7 +76,9 @@ def led(
     factors = orthogonal([columns[k] for k in moving])
     missing = tuple(wanted[k] - dot(phi[k], fixed) for k in equations)
     found = dict(zip(moving, factors.solve(missing), strict=True))
-    return _checked(phi, wanted, rates, tuple(found.get(k, value) for k, value in enumerate(fixed)), factors)
+    return _checked(
+        phi, wanted, rates, tuple(found.get(k, value) for k, value in enumerate(fixed)), factors
+    )
 
 
 def _vanishes(x: Scalar) -> bool:

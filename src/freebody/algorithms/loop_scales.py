@@ -1,4 +1,5 @@
-"""What makes lengths and angles of a closed chain compare: everything becomes an angle, over the mechanism's length."""
+"""What makes lengths and angles of a closed chain compare: everything becomes an angle, over the
+mechanism's length."""
 
 from __future__ import annotations
 
@@ -8,8 +9,8 @@ from freebody.spatial import Vector, dot
 
 
 def mechanism_length(tree: Tree) -> Scalar:
-    """The farthest that a joint or frame is placed from the one before, or a rod is long (m); 1 where all is at one
-    place."""
+    """The farthest that a joint or frame is placed from the one before, or a rod is long (m); 1
+    where all is at one place."""
     offsets = [body.p for body in tree.bodies] + [p for _, _, p in tree.frames.values()]
     offsets += [(loop.distance,) for loop in tree.loops]
     sizes = [sqrt(dot(p, p)) for p in offsets if not _vanishes(p)]
@@ -20,7 +21,8 @@ def mechanism_length(tree: Tree) -> Scalar:
 
 
 def scales(tree: Tree) -> tuple[Vector, Vector]:
-    """(factors (m,) of the loop equations, divisors (nv,) of the rates) that make angles of what is of lengths."""
+    """(factors (m,) of the loop equations, divisors (nv,) of the rates) that make angles of what is
+    of lengths."""
     length = mechanism_length(tree)
     per_length = 1.0 / length
     rows = tuple(per_length if of_length else 1.0 for of_length in equations_of_lengths(tree))

@@ -1,4 +1,5 @@
-"""Dynamics seen from a frame (Khatib 1987) and from the centre of mass (Orin, Goswami, Lee 2013)."""
+"""Dynamics seen from a frame (Khatib 1987) and from the centre of mass (Orin, Goswami, Lee
+2013)."""
 
 from __future__ import annotations
 
@@ -16,7 +17,18 @@ from freebody.algorithms.kinematics import (
 )
 from freebody.elementary import Scalar
 from freebody.model.tree import Tree
-from freebody.spatial import Matrix, Vector, add, dot, identity, scale, sub, symmetric, times, transposed
+from freebody.spatial import (
+    Matrix,
+    Vector,
+    add,
+    dot,
+    identity,
+    scale,
+    sub,
+    symmetric,
+    times,
+    transposed,
+)
 
 
 def mass_matrix_inverse(tree: Tree, q: Vector) -> Matrix:
@@ -29,10 +41,11 @@ def mass_matrix_inverse(tree: Tree, q: Vector) -> Matrix:
 def operational_space(
     tree: Tree, q: Vector, qd: Vector | None, frame: str, rows: tuple[int, ...]
 ) -> tuple[Matrix, Vector]:
-    """(Λ, μ) of the chosen rows of a frame's motion: Λ ẍ + μ is the wrench that moves the arm, friction and
-    gravity in μ.
+    """(Λ, μ) of the chosen rows of a frame's motion: Λ ẍ + μ is the wrench that moves the arm,
+    friction and gravity in μ.
 
-    Λ = (J M⁻¹ Jᵀ)⁻¹, μ = Λ (J M⁻¹ bias - J̇ q̇); μ is empty without q̇. The rows of J must be independent.
+    Λ = (J M⁻¹ Jᵀ)⁻¹, μ = Λ (J M⁻¹ bias - J̇ q̇); μ is empty without q̇. The rows of J must be
+    independent.
     """
     J = tuple(jacobian(tree, q, frame)[r] for r in rows)
     factors = factor(tree, crba(tree, q))
@@ -71,12 +84,16 @@ def inverse_of_symmetric(A: Matrix) -> Matrix:
             for j in range(k + 1):
                 rows[i][j] = rows[i][j] - L[i][k] * rows[k][j]
     return symmetric(
-        n, lambda i, j: reduce(operator.add, (rows[k][i] * inverse[k] * rows[k][j] for k in range(j, n)))
+        n,
+        lambda i, j: reduce(
+            operator.add, (rows[k][i] * inverse[k] * rows[k][j] for k in range(j, n))
+        ),
     )
 
 
 def centroidal_momentum_matrix(tree: Tree, q: Vector) -> Matrix:
-    """A with A q̇ = momentum about the centre of mass of what moves: rows linear, then angular, world axes."""
+    """A with A q̇ = momentum about the centre of mass of what moves: rows linear, then angular,
+    world axes."""
     space = tree.space
     joints = joint_poses(tree, q)
     poses = world_poses(tree, joints)

@@ -1,4 +1,5 @@
-"""Motion and force vectors of one column, angular part first, for the algorithms that are shortest that way."""
+"""Motion and force vectors of one column, angular part first, for the algorithms that are shortest
+that way."""
 
 from __future__ import annotations
 
@@ -25,7 +26,8 @@ def columns(body: TreeBody) -> tuple[Vector, ...]:
 
 
 def transform(space: AnySpace, pose: Pose) -> Matrix:
-    """X that takes motions of the parent to motions of the child at (R, p): ω' = Rᵀ ω, v' = Rᵀ (v + ω × p)."""
+    """X that takes motions of the parent to motions of the child at (R, p): ω' = Rᵀ ω, v' = Rᵀ (v +
+    ω × p)."""
     R, p = pose
     E = transposed(R)
     a = size_angular(space)

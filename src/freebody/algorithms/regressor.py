@@ -14,7 +14,8 @@ from freebody.spatial import AnySpace, Matrix, Vector, add, dot, identity, neg, 
 
 
 def regressor(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Matrix:
-    """Y with tau = Y π: nv rows; columns body by body, then drive by drive, in the model's order."""
+    """Y with tau = Y π: nv rows; columns body by body, then drive by drive, in the model's
+    order."""
     space = tree.space
     motion = outward(tree, q, qd, qdd, neg(tree.gravity))
     poses = world_poses(tree, motion.joints)
@@ -51,9 +52,16 @@ def energy_regressor(tree: Tree, q: Vector, qd: Vector) -> Matrix:
     for i in tree.body_of:
         (R, p), w, v = poses[i], motion.w[i], motion.v[i]
         field = times(transposed(R), tree.gravity)
-        kinetic += [0.5 * dot(v, v), *(dot(v, space.cross(w, unit)) for unit in identity(space.dim))]
+        kinetic += [
+            0.5 * dot(v, v),
+            *(dot(v, space.cross(w, unit)) for unit in identity(space.dim)),
+        ]
         kinetic += [0.5 * dot(w, space.inertia_times(unit, w)) for unit in _unit_inertias(space)]
-        potential += [-dot(tree.gravity, p), *(-g for g in field), *(0.0 for _ in _unit_inertias(space))]
+        potential += [
+            -dot(tree.gravity, p),
+            *(-g for g in field),
+            *(0.0 for _ in _unit_inertias(space)),
+        ]
     for body in driven(tree):
         (position,), (rate,) = body.position(q), body.rates(qd)
         kinetic += [0.0, 0.0, 0.5 * (rate * rate), 0.0, 0.0]
@@ -71,7 +79,13 @@ def parameter_values(tree: Tree) -> list[Scalar]:
     for body in driven(tree):
         drive = body.drive
         assert drive is not None
-        values += [drive.viscous, drive.coulomb, drive.rotor, drive.stiffness, drive.stiffness * drive.rest]
+        values += [
+            drive.viscous,
+            drive.coulomb,
+            drive.rotor,
+            drive.stiffness,
+            drive.stiffness * drive.rest,
+        ]
     return values
 
 

@@ -1,9 +1,10 @@
-"""Inertial parameters regrouped: what of a body moves as if it were fixed to the body before it is counted there.
+"""Inertial parameters regrouped: what of a body moves as if it were fixed to the body before it is
+counted there.
 
-What does not change when a joint moves cannot be told from a part of the body before it: on a revolute joint a body
-that is symmetric about its axis and light about it (mass, first moment along the axis, equal moments of inertia across
-it); on a prismatic joint a body's inertia. Source: W. Khalil, E. Dombre, Modeling, Identification and Control of
-Robots, 2002, chapter 9.
+What does not change when a joint moves cannot be told from a part of the body before it: on a
+revolute joint a body that is symmetric about its axis and light about it (mass, first moment along
+the axis, equal moments of inertia across it); on a prismatic joint a body's inertia. Source: W.
+Khalil, E. Dombre, Modeling, Identification and Control of Robots, 2002, chapter 9.
 """
 
 from __future__ import annotations
@@ -20,12 +21,14 @@ from freebody.spatial import AnySpace, add, scale, symmetric, times
 
 
 def regrouped(tree: Tree) -> list[Composite]:
-    """(mass, first moment, inertia) of each body about its origin, with what its children hand down."""
+    """(mass, first moment, inertia) of each body about its origin, with what its children hand
+    down."""
     return regroup(tree, [own_inertia(tree.space, body) for body in tree.bodies])
 
 
 def lightened(tree: Tree) -> Tree:
-    """The tree with its inertial numbers regrouped: other bodies, of fewer numbers, under which it moves alike.
+    """The tree with its inertial numbers regrouped: other bodies, of fewer numbers, under which it
+    moves alike.
 
     M and the bias are the same; joint forces, energies and momenta are not.
     """
@@ -44,7 +47,9 @@ def regroup(tree: Tree, composites: list[Composite]) -> list[Composite]:
         (m, h, inertia), result[i] = _split(space, body, result[i])
         if body.parent >= 0:
             h = times(body.R, h)
-            inertia = space.plus_inertia(space.turned_inertia(body.R, inertia), space.steiner(m, h, body.p))
+            inertia = space.plus_inertia(
+                space.turned_inertia(body.R, inertia), space.steiner(m, h, body.p)
+            )
             M, H, J = result[body.parent]
             moved = (M + m, add(H, h, scale(m, body.p)), space.plus_inertia(J, inertia))
             result[body.parent] = moved

@@ -1,6 +1,8 @@
-"""Recursive Newton-Euler: forces from motion (Luh, Walker, Paul 1980; notes 4.6-4.15 in the plane, 6.16-6.29 in space).
+"""Recursive Newton-Euler: forces from motion (Luh, Walker, Paul 1980; notes 4.6-4.15 in the plane,
+6.16-6.29 in space).
 
-Everything is in body axes. For body i, with c its centre of mass and (R, p) the pose of child k in i:
+Everything is in body axes. For body i, with c its centre of mass and (R, p) the pose of child k in
+i:
 
     v̇_c = v̇ + ω̇ × c + ω × (ω × c)                     (4.11), (6.22)
     F = m v̇_c,  N = I ω̇ + ω × I ω                      (4.12, 4.13), (6.28, 6.29)
@@ -8,8 +10,8 @@ Everything is in body axes. For body i, with c its centre of mass and (R, p) the
     n_i = N + c × F + Σ_k (R n_k + p × R f_k) - n_ext   (4.15)
     tau = column · (n_i, f_i) + rotor q̈ + friction + spring
 
-Where a mass is given about another point c than its centre, with first moment h about it, F gains ω̇ × h + ω × (ω × h)
-and N gains h × v̇_c.
+Where a mass is given about another point c than its centre, with first moment h about it, F gains
+ω̇ × h + ω × (ω × h) and N gains h × v̇_c.
 """
 
 from __future__ import annotations
@@ -49,7 +51,8 @@ def rnea(
     external: Sequence[External] = (),
     gravity: str = "base",
 ) -> Recursion:
-    """Inverse dynamics. gravity: "base" accelerates the base by -g, "explicit" adds each body's weight."""
+    """Inverse dynamics. gravity: "base" accelerates the base by -g, "explicit" adds each body's
+    weight."""
     space = tree.space
     motion = outward(tree, q, qd, qdd, neg(tree.gravity) if gravity == "base" else None)
     weights = _fields(tree, motion) if gravity == "explicit" else None
@@ -65,7 +68,9 @@ def rnea(
             N = space.euler(mass.inertia, motion.w[i], motion.wd[i])
             if mass.h is not None:
                 F = add(F, times(motion.rates[i], mass.h))
-                N = add(N, space.moment(mass.h, centre if weights is None else sub(centre, weights[i])))
+                N = add(
+                    N, space.moment(mass.h, centre if weights is None else sub(centre, weights[i]))
+                )
             needed = F if weights is None else sub(F, scale(mass.m, weights[i]))
             f_i, n_i = add(f_i, needed), add(n_i, N, space.moment(mass.c, needed))
             centres.append(centre)
@@ -81,8 +86,12 @@ def rnea(
     tau: list[Scalar] = [0.0] * tree.nv
     for i in reversed(range(len(tree.bodies))):
         body = tree.bodies[i]
-        for k, torque in zip(body.coordinates.v, joint_torque(body, n[i], f[i], q, qd, qdd), strict=True):
-            tau[k] = tau[k] + (torque if body.coordinates.ratio == 1.0 else body.coordinates.ratio * torque)
+        for k, torque in zip(
+            body.coordinates.v, joint_torque(body, n[i], f[i], q, qd, qdd), strict=True
+        ):
+            tau[k] = tau[k] + (
+                torque if body.coordinates.ratio == 1.0 else body.coordinates.ratio * torque
+            )
         if body.parent >= 0:
             R, p = motion.joints[i]
             f_parent = times(R, f[i])
@@ -92,7 +101,9 @@ def rnea(
     return result
 
 
-def joint_torque(body: TreeBody, n: Vector, f: Vector, q: Vector, qd: Vector, qdd: Vector) -> Vector:
+def joint_torque(
+    body: TreeBody, n: Vector, f: Vector, q: Vector, qd: Vector, qdd: Vector
+) -> Vector:
     """What the motor of a joint must give, along each of its columns."""
     torques = [dot(w, n) + dot(v, f) for w, v in body.columns]
     if body.drive is not None:
@@ -105,19 +116,26 @@ def drive_torque(body: TreeBody, q: Vector, qd: Vector) -> Scalar:
     drive = body.drive
     assert drive is not None
     (position,), (rate,) = body.position(q), body.rates(qd)
-    return drive.viscous * rate + drive.coulomb * sign(rate) + drive.stiffness * (position - drive.rest)
+    return (
+        drive.viscous * rate
+        + drive.coulomb * sign(rate)
+        + drive.stiffness * (position - drive.rest)
+    )
 
 
 def _fields(tree: Tree, motion: Motion) -> list[Vector]:
     """The gravity field in each body's axes."""
     fields: list[Vector] = []
     for body, (R, _) in zip(tree.bodies, motion.joints, strict=True):
-        fields.append(times(transposed(R), tree.gravity if body.parent < 0 else fields[body.parent]))
+        fields.append(
+            times(transposed(R), tree.gravity if body.parent < 0 else fields[body.parent])
+        )
     return fields
 
 
 def external_on_frame(tree: Tree, q: Vector, frame: str, wrench: Vector) -> External | None:
-    """A wrench (force, moment) on a frame's origin, in world axes, as it acts on its body; None on the base."""
+    """A wrench (force, moment) on a frame's origin, in world axes, as it acts on its body; None on
+    the base."""
     space = tree.space
     body, _, p = tree.frames[frame]
     if body < 0:
@@ -129,8 +147,8 @@ def external_on_frame(tree: Tree, q: Vector, frame: str, wrench: Vector) -> Exte
 
 
 def joint_wrenches(tree: Tree, recursion: Recursion, reference: str = "world") -> list[Vector]:
-    """For each joint of the model (force, moment) on the child by the parent at the child's origin, world or
-    child axes."""
+    """For each joint of the model (force, moment) on the child by the parent at the child's origin,
+    world or child axes."""
     world = world_poses(tree, recursion.motion.joints)
     rows = []
     for i in tree.body_of:

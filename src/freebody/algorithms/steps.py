@@ -1,8 +1,9 @@
 """One step of a simulation as straight-line arithmetic, of any tree and any joints.
 
-Positions move on their manifold: q ⊕ x is where the constant rates x lead in unit time (`kinematics.moved`), and of
-q = q₀ ⊕ x the rates of x are those of the joint behind the exponential's differential, ẋ = dexp⁻¹(x) v. Motor
-torques and external wrenches are held over the step.
+Positions move on their manifold: q ⊕ x is where the constant rates x lead in unit time
+(`kinematics.moved`), and of q = q₀ ⊕ x the rates of x are those of the joint behind the
+exponential's differential, ẋ = dexp⁻¹(x) v. Motor torques and external wrenches are held over the
+step.
 """
 
 from __future__ import annotations
@@ -28,17 +29,21 @@ Loads = Callable[[Vector], Sequence[External]]
 """External wrenches on the bodies, of q."""
 
 FRICTION_WIDTH = 1e-3
-"""rad/s or m/s: where `implicit` takes c q̇ / sqrt(q̇² + width²) for Coulomb friction c sign(q̇)."""
+"""rad/s or m/s: where `implicit` takes c q̇ / sqrt(q̇² + width²) for Coulomb friction c
+sign(q̇)."""
 
 
-def semi_implicit(tree: Tree, q: Vector, qd: Vector, h: Scalar, acceleration: Acceleration) -> State:
+def semi_implicit(
+    tree: Tree, q: Vector, qd: Vector, h: Scalar, acceleration: Acceleration
+) -> State:
     """Semi-implicit (symplectic) Euler: q̇₁ = q̇ + h q̈, then q₁ = q ⊕ h q̇₁. Of order 1."""
     qd1 = add(qd, scale(h, acceleration(q, qd)))
     return moved(tree, q, scale(h, qd1)), qd1
 
 
 def runge_kutta(tree: Tree, q: Vector, qd: Vector, h: Scalar, acceleration: Acceleration) -> State:
-    """The classical method of order 4; positions by Munthe-Kaas (1998): stages in the coordinates x of q ⊕ x."""
+    """The classical method of order 4; positions by Munthe-Kaas (1998): stages in the coordinates x
+    of q ⊕ x."""
     half, sixth = 0.5 * h, h * (1.0 / 6.0)
     v1, a1 = qd, acceleration(q, qd)
 
@@ -59,7 +64,8 @@ def runge_kutta(tree: Tree, q: Vector, qd: Vector, h: Scalar, acceleration: Acce
 
 @dataclass(frozen=True)
 class Feedback:
-    """Torques -kp (q ⊖ q_ref) - kd (q̇ - qd_ref) besides tau; q_ref is that at the step's start and moves with qd_ref.
+    """Torques -kp (q ⊖ q_ref) - kd (q̇ - qd_ref) besides tau; q_ref is that at the step's start and
+    moves with qd_ref.
 
     kp, kd: one gain a rate. q ⊖ q_ref is the way from q_ref to q (`kinematics.between`).
     """
@@ -84,11 +90,13 @@ def implicit(
     feedback: Feedback | None = None,
     rows: Sequence[int] | None = None,
 ) -> State:
-    """Linearly implicit Euler, extrapolated once (Deuflhard 1985): of order 2, stable however stiff the drives are.
+    """Linearly implicit Euler, extrapolated once (Deuflhard 1985): of order 2, stable however stiff
+    the drives are.
 
-    Two steps of h/2 less one of h, so that the error's first term cancels. Implicit is what the drives do: friction,
-    springs, feedback. They add h D + h² K to M, on its diagonal, so that its factors stay without fill-in; the order
-    does not depend on what is implicit. The step of h shares M and the forces with the first of h/2.
+    Two steps of h/2 less one of h, so that the error's first term cancels. Implicit is what the
+    drives do: friction, springs, feedback. They add h D + h² K to M, on its diagonal, so that its
+    factors stay without fill-in; the order does not depend on what is implicit. The step of h
+    shares M and the forces with the first of h/2.
     """
     half = 0.5 * h
 
@@ -114,7 +122,8 @@ def _implicit_euler(
 ) -> State:
     """(M + h D + h² K) q̈ = forces - h (stiffness q̇ + kp (q̇ - qd_ref)), then as `semi_implicit`.
 
-    The forces are those at q and q̇; D and K on the left are the slopes of what the drives take of them.
+    The forces are those at q and q̇; D and K on the left are the slopes of what the drives take of
+    them.
     """
     damping, stiffness, drag = _slopes(tree, qd)
     forces = sub(sub(tau, bias(without(tree, "coulomb"), q, qd, loads(q))), _each(drag, qd))
@@ -126,7 +135,8 @@ def _implicit_euler(
         damping, stiffness = add(damping, feedback.kd), add(stiffness, feedback.kp)
     added = scale(h, add(damping, drag, scale(h, stiffness)))
     M = tuple(
-        tuple(x + added[i] if i == j else x for j, x in enumerate(row)) for i, row in enumerate(crba(tree, q))
+        tuple(x + added[i] if i == j else x for j, x in enumerate(row))
+        for i, row in enumerate(crba(tree, q))
     )
     factors, forces = factor(tree, M), sub(forces, scale(h, ahead))
     if tree.loops:
@@ -137,7 +147,8 @@ def _implicit_euler(
 
 
 def _slopes(tree: Tree, qd: Vector) -> tuple[Vector, Vector, Vector]:
-    """Of each rate: viscous friction, stiffness of springs, and smooth Coulomb friction over the rate."""
+    """Of each rate: viscous friction, stiffness of springs, and smooth Coulomb friction over the
+    rate."""
     viscous, stiffness, drag = ([0.0] * tree.nv for _ in range(3))
     for body in tree.bodies:
         if body.drive is not None:

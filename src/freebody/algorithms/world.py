@@ -1,9 +1,10 @@
 """All bodies in one frame, and what hangs on each: the common ground of C and the derivatives.
 
-The frame is that of one body where it is now, at rest: nothing here depends on where the robot stands, and no
-inertia is taken about a far point. Motions are pairs (ω, v) and forces pairs (n, f) at its origin, so nothing needs
-to be transformed on the way along the tree. A body's Coriolis matrix B = ½ ((v×*) I - I (v×) + (I v)×̄*) (Echeandia
-and Wensing 2021) has only two blocks that are not zero: the angular one and, below it, -(linear momentum)×.
+The frame is that of one body where it is now, at rest: nothing here depends on where the robot
+stands, and no inertia is taken about a far point. Motions are pairs (ω, v) and forces pairs (n, f)
+at its origin, so nothing needs to be transformed on the way along the tree. A body's Coriolis
+matrix B = ½ ((v×*) I - I (v×) + (I v)×̄*) (Echeandia and Wensing 2021) has only two blocks that are
+not zero: the angular one and, below it, -(linear momentum)×.
 """
 
 from __future__ import annotations
@@ -36,7 +37,8 @@ Force = tuple[Vector, Vector]
 
 @dataclass
 class WorldTree:
-    """Per body: motion columns and their rates, velocity, inertia, and sums over the body and all that hangs on it."""
+    """Per body: motion columns and their rates, velocity, inertia, and sums over the body and all
+    that hangs on it."""
 
     gravity: Vector
     S: list[tuple[Column, ...]] = field(default_factory=list)
@@ -77,7 +79,9 @@ def world_tree(tree: Tree, q: Vector, qd: Vector) -> WorldTree:
         world.psi.append(psi)
         # v - v_parent is along the only column, and s × s = 0
         only = len(columns) == 1
-        world.S_rate.append(psi if only else tuple(cross_motion(space, velocity, s) for s in columns))
+        world.S_rate.append(
+            psi if only else tuple(cross_motion(space, velocity, s) for s in columns)
+        )
         inertia = _moved(space, pose, own_inertia(space, body))
         world.own.append(inertia)
         _, linear = momentum_of(space, inertia, velocity)
@@ -115,7 +119,8 @@ def _observed(tree: Tree, joints: list[Pose]) -> tuple[list[Pose], Matrix]:
 def observer(tree: Tree) -> int:
     """The body whose frame is used: the second of a chain, else the first.
 
-    Measured on arms and humanoids: from there the programs are shortest, a sixth shorter than about the world's origin.
+    Measured on arms and humanoids: from there the programs are shortest, a sixth shorter than about
+    the world's origin.
     """
     following = tree.children(0)
     return following[0] if len(following) == 1 else 0

@@ -14,7 +14,9 @@ def main() -> None:
         from freebody.cli.app import run
 
         code = run(sys.argv[1:])
-    except KeyboardInterrupt:  # while the program was still being imported, or said that it is interrupted
+    except (
+        KeyboardInterrupt
+    ):  # while the program was still being imported, or said that it is interrupted
         sys.stderr.write("error: interrupted.\n")
         code = INTERRUPTED
     sys.exit(code)

@@ -11,7 +11,18 @@ from typing import Annotated
 import typer
 
 from freebody import __version__
-from freebody.cli import INTERRUPTED, check, derive, export, fbd, models, notes, show, study, terminal
+from freebody.cli import (
+    INTERRUPTED,
+    check,
+    derive,
+    export,
+    fbd,
+    models,
+    notes,
+    show,
+    study,
+    terminal,
+)
 from freebody.errors import FreebodyError
 
 _UNREAD = 141
@@ -41,7 +52,8 @@ def freebody(
         bool, typer.Option("--version", help="Print the version and stop.", is_eager=True)
     ] = False,
 ) -> None:
-    """The dynamics of robotic manipulators, from a robot description to the numbers and the pictures."""
+    """The dynamics of robotic manipulators, from a robot description to the numbers and the
+    pictures."""
     if version:
         terminal.out().print(f"freebody {__version__}", highlight=False)
     elif context.invoked_subcommand is None:
@@ -59,7 +71,9 @@ def run(arguments: list[str]) -> int:
 
 def _run(arguments: list[str]) -> int:
     try:
-        code = typer.main.get_command(app).main(arguments, prog_name="freebody", standalone_mode=False)
+        code = typer.main.get_command(app).main(
+            arguments, prog_name="freebody", standalone_mode=False
+        )
     except FreebodyError as problem:
         return terminal.error(str(problem))
     except terminal.Gone:
@@ -82,5 +96,6 @@ def _unforeseen(problem: Exception) -> int:
     if os.environ.get("FREEBODY_TRACEBACK"):
         raise problem
     return terminal.error(
-        f"{type(problem).__name__}: {problem} (a fault of freebody, please report it; FREEBODY_TRACEBACK=1 shows where)"
+        f"{type(problem).__name__}: {problem} (a fault of freebody, please report it; "
+        f"FREEBODY_TRACEBACK=1 shows where)"
     )

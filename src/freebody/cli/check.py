@@ -27,12 +27,15 @@ def check(
     names: Annotated[
         list[str] | None,
         typer.Option(
-            "--name", metavar="YOURS=OURS", help="What a name of your own stands for, such as L1=l1."
+            "--name",
+            metavar="YOURS=OURS",
+            help="What a name of your own stands for, such as L1=l1.",
         ),
     ] = None,
     convention: options.Convention = None,
 ) -> None:
-    """Compare your own equations (tau1, H12, c1, G1, J11, T, V, …) with the robot's, and name the mistakes.
+    """Compare your own equations (tau1, H12, c1, G1, J11, T, V, …) with the robot's, and name the
+    mistakes.
 
     Exit status 0: all are right. 1: a mistake was found. 2: something cannot be read.
     """
@@ -63,7 +66,8 @@ def _text(answer: str) -> str:
         data = sys.stdin.buffer.read(_LARGEST + 1) if sys.stdin else b""
         if len(data) > _LARGEST:
             raise FreebodyError(
-                f"check: standard input gives more than {_LARGEST // 1000} kB, too much for an answer."
+                f"check: standard input gives more than {_LARGEST // 1000} kB, too much for an "
+                f"answer."
             )
         return source.decoded("standard input", data)
     if "=" in answer or "\n" in answer:
@@ -80,5 +84,7 @@ def _renaming(text: str) -> tuple[str, str]:
     """L1=l1."""
     name, equals, meaning = text.partition("=")
     if not (name.strip() and equals and meaning.strip()):
-        raise FreebodyError(f"--name {text}: write your name, =, and what it stands for, such as L1=l1.")
+        raise FreebodyError(
+            f"--name {text}: write your name, =, and what it stands for, such as L1=l1."
+        )
     return name.strip(), meaning.strip()

@@ -42,7 +42,8 @@ _ENDINGS = {
 
 
 class Command(TyperCommand):
-    """`derive` with the options of its methods and a list of them; their table is read when it is run itself."""
+    """`derive` with the options of its methods and a list of them; their table is read when it is
+    run itself."""
 
     def get_params(self, ctx: typer.Context) -> list[Any]:
         """The parameters of the function below, then the methods' options, then --help."""
@@ -61,7 +62,8 @@ class Command(TyperCommand):
 
 
 def _options_of(methods: Iterable[Method]) -> list[Any]:
-    """The methods' options, as the parser makes them of a signature; `derive` finds in the context what was given."""
+    """The methods' options, as the parser makes them of a signature; `derive` finds in the context
+    what was given."""
 
     def command(**_options: str | None) -> None:
         """Never called."""
@@ -106,17 +108,22 @@ def derive(
     ] = None,
     compare: Annotated[
         str | None,
-        typer.Option(metavar="METHOD", help="Derive by this method too, and prove that both agree."),
+        typer.Option(
+            metavar="METHOD", help="Derive by this method too, and prove that both agree."
+        ),
     ] = None,
     form: Annotated[
         FormChoice | None,
-        typer.Option(help="Text for a terminal, or a document. Default: by the ending of FILE, else text."),
+        typer.Option(
+            help="Text for a terminal, or a document. Default: by the ending of FILE, else text."
+        ),
     ] = None,
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write there instead of the terminal.")
     ] = None,
     load: Annotated[
-        bool | None, typer.Option("--load/--no-load", help="A force on the tip. Default: for robots at rest.")
+        bool | None,
+        typer.Option("--load/--no-load", help="A force on the tip. Default: for robots at rest."),
     ] = None,
     convention: options.Convention = None,
 ) -> None:
@@ -132,7 +139,11 @@ def derive(
         other = derivation_of(model, compare, load=load) if compare is not None else None
         comparison = compared(first, other) if other is not None else None
         form = form or _ENDINGS.get(out.suffix.lower() if out else "", FormChoice.text)
-        text = _markdown(first, out) if form is FormChoice.markdown and out else getattr(first, form.value)()
+        text = (
+            _markdown(first, out)
+            if form is FormChoice.markdown and out
+            else getattr(first, form.value)()
+        )
     if out is None:
         terminal.out().print(text, markup=False, soft_wrap=True)
     else:

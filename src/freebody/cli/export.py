@@ -25,7 +25,8 @@ def export(
     quantities: Annotated[
         list[str],
         typer.Argument(
-            metavar="QUANTITY…", help="What the function computes: inverse_dynamics, mass_matrix, jacobian, …"
+            metavar="QUANTITY…",
+            help="What the function computes: inverse_dynamics, mass_matrix, jacobian, …",
         ),
     ],
     language: Annotated[
@@ -35,10 +36,12 @@ def export(
         ),
     ] = "c",
     out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Folder for the files. Default: export-ROBOT.")
+        Path | None,
+        typer.Option(metavar="DIR", help="Folder for the files. Default: export-ROBOT."),
     ] = None,
     name: Annotated[
-        str | None, typer.Option(metavar="WORD", help="The function's name. Default: the quantities'.")
+        str | None,
+        typer.Option(metavar="WORD", help="The function's name. Default: the quantities'."),
     ] = None,
     dtype: Annotated[
         NumberChoice, typer.Option(help="Type of number (float32: c, rust, julia, cuda).")
@@ -71,14 +74,16 @@ def export(
     row: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="ROW", help="Of operational space only vx, vy, vz, wx, wy or wz; may be repeated."
+            metavar="ROW",
+            help="Of operational space only vx, vy, vz, wx, wy or wz; may be repeated.",
         ),
     ] = None,
     tip: options.Tip = None,
     base: options.Base = None,
     convention: options.Convention = None,
 ) -> None:
-    """Write what freebody computes for a robot as source text that needs nothing else, with a self-test.
+    """Write what freebody computes for a robot as source text that needs nothing else, with a
+    self-test.
 
     The folder's README.txt has the command that compiles and runs the self-test.
     """

@@ -33,8 +33,12 @@ def fbd(
             "pose that is seen well.",
         ),
     ] = None,
-    qd: Annotated[str | None, typer.Option(metavar="VALUES", help="Velocities. Default: at rest.")] = None,
-    qdd: Annotated[str | None, typer.Option(metavar="VALUES", help="Accelerations. Default: 0.")] = None,
+    qd: Annotated[
+        str | None, typer.Option(metavar="VALUES", help="Velocities. Default: at rest.")
+    ] = None,
+    qdd: Annotated[
+        str | None, typer.Option(metavar="VALUES", help="Accelerations. Default: 0.")
+    ] = None,
     body: Annotated[
         str | None, typer.Option(metavar="NAME", help="One body or its joint. Default: all.")
     ] = None,
@@ -62,7 +66,9 @@ def fbd(
         path = figure.save(out or Path(f"{stem(model.name)}-fbd.svg"))
     if q is None or model.loops:
         shown = ", ".join(f"{x:.3g}" for x in positions)
-        terminal.out().print(f"at q = {shown}; choose another with --q", markup=False, soft_wrap=True)
+        terminal.out().print(
+            f"at q = {shown}; choose another with --q", markup=False, soft_wrap=True
+        )
     terminal.out().print(_table(figure))
     terminal.out().print(f"written: {path}", markup=False, soft_wrap=True)
 

@@ -1,4 +1,5 @@
-"""The programs behind the numbers, for `freebody show --graph`: one after tracing, and one after each pass."""
+"""The programs behind the numbers, for `freebody show --graph`: one after tracing, and one after
+each pass."""
 
 from __future__ import annotations
 

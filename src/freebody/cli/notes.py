@@ -38,17 +38,23 @@ def notes(
         ),
     ] = None,
     chapter: Annotated[int | None, typer.Option(min=1, max=6, help="Only this chapter.")] = None,
-    verdict: Annotated[VerdictChoice | None, typer.Option(help="Only items found to be so.")] = None,
-    errata: Annotated[bool, typer.Option("--errata", help="The list of errata, as Markdown.")] = False,
+    verdict: Annotated[
+        VerdictChoice | None, typer.Option(help="Only items found to be so.")
+    ] = None,
+    errata: Annotated[
+        bool, typer.Option("--errata", help="The list of errata, as Markdown.")
+    ] = False,
     html: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write all as one page that needs no network.")
+        Path | None,
+        typer.Option(metavar="FILE", help="Write all as one page that needs no network."),
     ] = None,
     out: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Write the item's figure (.svg), or the errata, there."),
     ] = None,
 ) -> None:
-    """Execute the lecture notes: every equation, worked example and figure, with its verdict and corrections."""
+    """Execute the lecture notes: every equation, worked example and figure, with its verdict and
+    corrections."""
     given: dict[str, object] = {"an item": item, "--html": html, "--errata": errata, "--out": out}
     given |= {"--chapter": chapter, "--verdict": verdict}
     _require_used([name for name, value in given.items() if value not in (None, False)])
@@ -68,7 +74,8 @@ _WITH = {
     "--errata": ("--out",),
     "": ("--chapter", "--verdict"),
 }
-"""What may be given beside an item, --html or --errata, the first of which counts; "": beside none of them."""
+"""What may be given beside an item, --html or --errata, the first of which counts; "": beside none
+of them."""
 
 
 def _require_used(given: Sequence[str]) -> None:
@@ -79,12 +86,14 @@ def _require_used(given: Sequence[str]) -> None:
         return
     if unused == ["--out"] and not chosen:
         raise FreebodyError(
-            "notes: --out needs something to write: an item with a figure, or --errata. The table goes to the "
+            "notes: --out needs something to write: an item with a figure, or --errata. The table "
+            "goes to the "
             "terminal; --html FILE writes everything as a page."
         )
     allowed = " or ".join(_WITH[chosen]) or "alone"
     raise FreebodyError(
-        f"notes: {', '.join(unused)} is not used with {chosen or 'the table'}, which goes with {allowed}; leave it out."
+        f"notes: {', '.join(unused)} is not used with {chosen or 'the table'}, which goes with "
+        f"{allowed}; leave it out."
     )
 
 
@@ -107,7 +116,9 @@ def _one(name: str, out: Path | None) -> None:
     if out is not None:
         _figure(item, out)
     elif item.figure:
-        console.print(f"Figure {item.figure}: freebody notes {item.id} --out figure.svg", markup=False)
+        console.print(
+            f"Figure {item.figure}: freebody notes {item.id} --out figure.svg", markup=False
+        )
 
 
 def _figure(item: Item, out: Path) -> None:
@@ -152,7 +163,13 @@ def _chapter(number: int, found: Sequence[Finding]) -> None:
     from rich.text import Text
 
     table = Table(
-        "item", "verdict", "what it says", box=None, pad_edge=False, header_style="bold", title_justify="left"
+        "item",
+        "verdict",
+        "what it says",
+        box=None,
+        pad_edge=False,
+        header_style="bold",
+        title_justify="left",
     )
     table.title = f"Chapter {number}"
     for f in found:

@@ -50,12 +50,16 @@ Robot = Annotated[
     ),
 ]
 Tip = Annotated[
-    str | None, typer.Option(help="The frame that is the tip. Default: the end behind the most joints.")
+    str | None,
+    typer.Option(help="The frame that is the tip. Default: the end behind the most joints."),
 ]
 Base = Annotated[
-    BaseChoice | None, typer.Option(help="Hold the root link, or let it float. Default: the file's.")
+    BaseChoice | None,
+    typer.Option(help="Hold the root link, or let it float. Default: the file's."),
 ]
-Mimic = Annotated[MimicChoice, typer.Option(help="Whether mimic joints follow their leader, or move freely.")]
+Mimic = Annotated[
+    MimicChoice, typer.Option(help="Whether mimic joints follow their leader, or move freely.")
+]
 Physical = Annotated[
     PhysicalChoice, typer.Option(help="What to do about an inertia that no rigid body can have.")
 ]
@@ -74,7 +78,9 @@ def number(text: str | float) -> float:
 Snap = Annotated[
     float,
     typer.Option(
-        metavar="RAD", parser=number, help="Angles of a URDF this near to a right angle are read as one."
+        metavar="RAD",
+        parser=number,
+        help="Angles of a URDF this near to a right angle are read as one.",
     ),
 ]
 Estimate = Annotated[
@@ -87,7 +93,8 @@ Estimate = Annotated[
     ),
 ]
 Convention = Annotated[
-    ConventionChoice | None, typer.Option(help="The convention of a DH table that does not state it.")
+    ConventionChoice | None,
+    typer.Option(help="The convention of a DH table that does not state it."),
 ]
 
 

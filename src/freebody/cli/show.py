@@ -41,10 +41,13 @@ def show(
         ),
     ] = None,
 ) -> None:
-    """Show what a robot is made of: bodies, joints, limits, masses, frames, and how its file was read."""
+    """Show what a robot is made of: bodies, joints, limits, masses, frames, and how its file was
+    read."""
     from rich.text import Text
 
-    model = options.load(robot, tip, base, mimic, physical, snap_angles, convention, estimate_inertia)
+    model = options.load(
+        robot, tip, base, mimic, physical, snap_angles, convention, estimate_inertia
+    )
     out = terminal.out()
     if graph is not None:
         from freebody.cli.graph import programs
@@ -73,8 +76,10 @@ def show(
 
 
 _UNSAID = (
-    "  driven: all joints, since none is said to be passive; torques are then shared among more drives than the motion "
-    "may need. Mark passive joints (passive = true), or name the drives: model.replace(actuated=[...])"
+    "  driven: all joints, since none is said to be passive; torques are then shared among more "
+    "drives than the motion "
+    "may need. Mark passive joints (passive = true), or name the drives: "
+    "model.replace(actuated=[...])"
 )
 
 
@@ -86,9 +91,7 @@ def _heading(model: Model) -> str:
         gravity = ", ".join(f"{x:g}" for x in model.gravity)
         mass = f"{model.mass:.6g} kg{', estimated' if model.is_estimated else ''}; gravity [{gravity}] m/s²"
     end = f"tip {model.tip}" if model.tip else f"ends {', '.join(model.leaves)}"
-    return (
-        f"{model.name}: {len(model.bodies)} bodies {space}, nq = {model.nq}, nv = {model.nv}, {mass}, {end}"
-    )
+    return f"{model.name}: {len(model.bodies)} bodies {space}, nq = {model.nq}, nv = {model.nv}, {mass}, {end}"
 
 
 def _tree(model: Model) -> Tree:
@@ -132,10 +135,19 @@ def _loops(model: Model) -> Table:
         table.add_column(title)
     for loop in model.loops:
         distance = loop.distance.name if isinstance(loop.distance, Parameter) else loop.distance
-        length = "" if distance is None else distance if isinstance(distance, str) else f"{distance:.4g} m"
+        length = (
+            ""
+            if distance is None
+            else distance
+            if isinstance(distance, str)
+            else f"{distance:.4g} m"
+        )
         axis = " ".join(f"{x:.4g}" for x in loop.axis)
         table.add_row(
-            *(Text(cell) for cell in (loop.name, loop.kind, loop.frames[1], loop.frames[0], axis, length))
+            *(
+                Text(cell)
+                for cell in (loop.name, loop.kind, loop.frames[1], loop.frames[0], axis, length)
+            )
         )
     return table
 

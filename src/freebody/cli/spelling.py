@@ -1,4 +1,5 @@
-"""Text for an output that cannot hold all of its letters: theta1 for θ₁, as formulas are typed in ASCII.
+"""Text for an output that cannot hold all of its letters: theta1 for θ₁, as formulas are typed in
+ASCII.
 
 Windows redirects in an encoding of its own, and `PYTHONIOENCODING=ascii` is set in many a pipeline.
 """
@@ -16,7 +17,9 @@ _PLAIN = {
 }  # fmt: skip
 _DOTS = {"\u0307": "_d", "\u0308": "_dd"}
 """Rates, as names are typed: theta1_d."""
-_SUB = "".join(c for c in map(chr, range(0x1D62, 0x209D)) if unicodedata.decomposition(c).startswith("<sub>"))
+_SUB = "".join(
+    c for c in map(chr, range(0x1D62, 0x209D)) if unicodedata.decomposition(c).startswith("<sub>")
+)
 _SUPER = "²³¹" + "".join(
     c for c in map(chr, range(0x1D2C, 0x2080)) if unicodedata.decomposition(c).startswith("<super>")
 )

@@ -59,20 +59,27 @@ def study(
     convention: options.Convention = None,
     estimate_inertia: options.Estimate = None,
 ) -> None:
-    """Study a robot along a motion: torques, powers, reactions, energies and checks, as a report and as data.
+    """Study a robot along a motion: torques, powers, reactions, energies and checks, as a report
+    and as data.
 
-    Exit status 0: feasible, or not judged because limits are not given. 1: a limit is exceeded, masses are missing or
-    doubtful, or a self-check failed. 2: something cannot be read or written.
+    Exit status 0: feasible, or not judged because limits are not given. 1: a limit is exceeded,
+    masses are missing or doubtful, or a self-check failed. 2: something cannot be read or written.
     """
     directory = out or Path(f"study-{Path(robot).stem}")
     with terminal.progress("reading") as progress:
         from freebody.report.study import study as study_of
 
         cutoff = _cutoff(smooth)
-        model = options.load(robot, None, base, mimic, physical, snap_angles, convention, estimate_inertia)
+        model = options.load(
+            robot, None, base, mimic, physical, snap_angles, convention, estimate_inertia
+        )
         prepare(directory)
         found = study_of(
-            model, motion, tip, smooth=cutoff, progress=lambda text, done: progress(text, 0.7 * done)
+            model,
+            motion,
+            tip,
+            smooth=cutoff,
+            progress=lambda text, done: progress(text, 0.7 * done),
         )
         progress("report and data files", 0.7)
         failure = _saved(found, directory)
@@ -89,7 +96,9 @@ def _cutoff(smooth: str | None) -> bool | float:
         return smooth is not None
     cutoff = number(smooth)
     if cutoff is None or not cutoff > 0.0:
-        raise FreebodyError(f"--smooth is {smooth!r}, expected a cutoff in Hz above 0, such as 8, or auto.")
+        raise FreebodyError(
+            f"--smooth is {smooth!r}, expected a cutoff in Hz above 0, such as 8, or auto."
+        )
     return cutoff
 
 
@@ -109,11 +118,14 @@ def _print(found: Study, directory: Path, failure: FreebodyError | None) -> None
     out = terminal.out()
     for sentence in found.warnings:
         terminal.warn(sentence)
-    out.print(found.verdict.text, style=_STYLES[found.verdict.outcome, found.verdict.good], markup=False)
+    out.print(
+        found.verdict.text, style=_STYLES[found.verdict.outcome, found.verdict.good], markup=False
+    )
     count = found.model.nv
     replay = found.replay.text if found.replay else found.replay_skipped
     above = (
-        f"{found.model.name}: {count} coordinate{'' if count == 1 else 's'}. Motion: {found.motion.source}.",
+        f"{found.model.name}: {count} coordinate{'' if count == 1 else 's'}. Motion: "
+        f"{found.motion.source}.",
         found.tip_reason,
     )
     out.print(*above, sep="\n", markup=False)
@@ -169,4 +181,11 @@ def _table(found: Study) -> Table:
     return table
 
 
-_SHOWN = ("peak_torque", "peak_torque_time", "rms_torque", "peak_speed", "peak_power", "effort_fraction")
+_SHOWN = (
+    "peak_torque",
+    "peak_torque_time",
+    "rms_torque",
+    "peak_speed",
+    "peak_power",
+    "effort_fraction",
+)

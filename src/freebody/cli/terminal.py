@@ -1,4 +1,5 @@
-"""What the terminal sees: results on stdout, and on stderr red errors, yellow warnings, progress; one line each."""
+"""What the terminal sees: results on stdout, and on stderr red errors, yellow warnings, progress;
+one line each."""
 
 from __future__ import annotations
 
@@ -41,7 +42,8 @@ def _console(stderr: bool) -> Console:
     from rich.segment import Segment
 
     class Inert(Console):
-        """A console on which text from outside gives no orders: escape sequences and the like are shown as �."""
+        """A console on which text from outside gives no orders: escape sequences and the like are
+        shown as �."""
 
         def render(
             self, renderable: RenderableType, options: ConsoleOptions | None = None
@@ -58,7 +60,8 @@ class Gone(Exception):
 
 
 class _Stream:
-    """stdout, where what cannot be written is an error of that name; or stderr, where nothing is left to say it to.
+    """stdout, where what cannot be written is an error of that name; or stderr, where nothing is
+    left to say it to.
 
     What its encoding lacks is spelled out.
     """
@@ -126,7 +129,8 @@ def _line(text: str, style: str) -> None:
 
 @contextmanager
 def warnings_as_lines() -> Iterator[None]:
-    """Prints freebody's warnings as yellow lines, each once, when the block ends: the first of very many."""
+    """Prints freebody's warnings as yellow lines, each once, when the block ends: the first of very
+    many."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", FreebodyWarning)
         try:
@@ -138,13 +142,15 @@ def warnings_as_lines() -> Iterator[None]:
         warn(text)
     if len(different) > _MOST_WARNINGS:
         warn(
-            f"and {len(different) - _MOST_WARNINGS} more such warnings; in Python model.notices has them all."
+            f"and {len(different) - _MOST_WARNINGS} more such warnings; in Python model.notices "
+            f"has them all."
         )
 
 
 @contextmanager
 def progress(text: str) -> Iterator[Callable[[str, float], None]]:
-    """A bar on stderr while the block runs, gone afterwards; the function tells it what is done and how much."""
+    """A bar on stderr while the block runs, gone afterwards; the function tells it what is done and
+    how much."""
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
     columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn())

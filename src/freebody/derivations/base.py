@@ -1,7 +1,8 @@
-"""Equations by base parameters: the fewest combinations of masses, first moments and inertias that motion depends on.
+"""Equations by base parameters: the fewest combinations of masses, first moments and inertias that
+motion depends on.
 
-tau = Σ column · parameter, exactly. A body's parameters are called μ (mass), κ (first moment) and J (inertia about its
-joint), a rotor's J_r; each is defined by the model's own.
+tau = Σ column · parameter, exactly. A body's parameters are called μ (mass), κ (first moment) and J
+(inertia about its joint), a rotor's J_r; each is defined by the model's own.
 """
 
 from __future__ import annotations
@@ -27,12 +28,14 @@ if TYPE_CHECKING:
     from freebody.derivations.equations import Equations
 
 TOLERANCE = 1e-9
-"""Relative rest below which a column counts as a combination of others; what is found is then proved exactly."""
+"""Relative rest below which a column counts as a combination of others; what is found is then
+proved exactly."""
 
 
 @dataclass(frozen=True)
 class Base:
-    """A base parameter: its name, body (from 0 in the model's order) and kind, column of the regressor, and value."""
+    """A base parameter: its name, body (from 0 in the model's order) and kind, column of the
+    regressor, and value."""
 
     name: str
     body: int
@@ -44,7 +47,9 @@ class Base:
 def base_parameters(s: Symbols) -> tuple[Base, ...]:
     """The base parameters of a model in symbols, inner bodies first."""
     rows = regressor(s.tree, s.q, s.qd, s.qdd)
-    columns = {base.column: [s.element(row[base.column]) for row in rows] for base in _candidates(s)}
+    columns = {
+        base.column: [s.element(row[base.column]) for row in rows] for base in _candidates(s)
+    }
     found = [
         base
         for base in _candidates(s)
@@ -65,11 +70,15 @@ def _candidates(s: Symbols) -> list[Base]:
         for k, (name, value) in enumerate(zip(names, entries, strict=True)):
             if name in kept(tree.space, tree.bodies[i]):
                 kind = 0 if name[0] in "mh" else 1
-                found.append(Base(_called(s, name, n + 1), n, kind, n * len(names) + k, s.element(value)))
+                found.append(
+                    Base(_called(s, name, n + 1), n, kind, n * len(names) + k, s.element(value))
+                )
     for k, body in enumerate(driven(tree)):
         assert body.drive is not None
         n = tree.body_of.index(tree.bodies.index(body))
-        column = len(tree.body_of) * len(names) + 5 * k + 2  # the third of a drive's five is its rotor
+        column = (
+            len(tree.body_of) * len(names) + 5 * k + 2
+        )  # the third of a drive's five is its rotor
         found.append(Base(_free(s, f"Jr{n + 1}"), n, 1, column, s.element(body.drive.rotor)))
     return sorted(found, key=lambda base: base.body)
 
@@ -88,7 +97,8 @@ def _free(s: Symbols, name: str) -> str:
 
 
 def _independent(s: Symbols, found: list[Base], columns: dict[int, list[Trig]]) -> list[Base]:
-    """Those whose columns no others combine to; the value of one that depends on others is added to theirs."""
+    """Those whose columns no others combine to; the value of one that depends on others is added to
+    theirs."""
     samples = [_samples(s, [columns[base.column] for base in found], seed) for seed in (0, 1)]
     result: list[Base] = []
     places: list[int] = []
@@ -120,7 +130,8 @@ def _samples(s: Symbols, columns: list[list[Trig]], seed: int) -> np.ndarray:
 
 
 def _used(samples: list[np.ndarray], places: list[int], k: int) -> list[int]:
-    """Which of the columns at `places` column k is a combination of, in any sample; none if it is not in all."""
+    """Which of the columns at `places` column k is a combination of, in any sample; none if it is
+    not in all."""
     used: set[int] = set()
     for sample in samples:
         others, column = sample[:, places], sample[:, k]
@@ -134,12 +145,14 @@ def _used(samples: list[np.ndarray], places: list[int], k: int) -> list[int]:
 
 
 def _weights(s: Symbols, column: list[Trig], others: list[list[Trig]]) -> list[Trig] | None:
-    """Polynomials in lengths with Σ others · weights = column, proved; None where none are found."""
+    """Polynomials in lengths with Σ others · weights = column, proved; None where none are
+    found."""
     parts = [_by_motion(s, other) for other in others]
     mine = _by_motion(s, column)
     weights = []
     for k, part in enumerate(parts):
-        # a place where this one stands alone, with a number: what stands there in the column is its weight
+        # a place where this one stands alone, with a number: what stands there in the column is its
+        # weight
         alone = [
             at
             for at, value in part.items()
@@ -157,7 +170,8 @@ def _weights(s: Symbols, column: list[Trig], others: list[list[Trig]]) -> list[T
 
 
 def _by_motion(s: Symbols, column: list[Trig]) -> dict[tuple, Trig]:
-    """The polynomials in lengths that products of coordinates, rates and gravity are multiplied with, by row."""
+    """The polynomials in lengths that products of coordinates, rates and gravity are multiplied
+    with, by row."""
     moving = {x + dots for x in s.coordinates for dots in ("", RATE, SECOND)}
     moving |= {f"{f}_{x}" for f in ("sin", "cos") for x in s.coordinates} | {Order(s).gravity}
     found: dict[tuple, list] = {}
@@ -172,7 +186,8 @@ def _by_motion(s: Symbols, column: list[Trig]) -> dict[tuple, Trig]:
 
 @dataclass(frozen=True, eq=False)
 class BaseEquations(ClosedForm):
-    """The closed forms with base parameters as symbols; those of the model itself do not occur in M, c and g."""
+    """The closed forms with base parameters as symbols; those of the model itself do not occur in
+    M, c and g."""
 
     bases: tuple[Base, ...] = ()
 
@@ -195,7 +210,10 @@ class BaseEquations(ClosedForm):
     @cached_property
     def M(self) -> list[list[Trig]]:
         """Mass matrix, rotors included."""
-        return [[x.derivative(name + SECOND) for name in self.symbols.coordinates] for x in self._inertial]
+        return [
+            [x.derivative(name + SECOND) for name in self.symbols.coordinates]
+            for x in self._inertial
+        ]
 
     @cached_property
     def g(self) -> list[Trig]:

@@ -48,7 +48,9 @@ class ClosedForm(ByValue):
         def dM(i: int, j: int, k: int) -> Trig:
             return slope[min(i, j)][max(i, j)][k]
 
-        table: list[list[list[Trig]]] = [[[self.symbols.zero()] * n for _ in range(n)] for _ in range(n)]
+        table: list[list[list[Trig]]] = [
+            [[self.symbols.zero()] * n for _ in range(n)] for _ in range(n)
+        ]
         for i in range(n):
             for j in range(n):
                 for k in range(j, n):
@@ -141,9 +143,11 @@ class ClosedForm(ByValue):
 
     @cached_property
     def is_vast(self) -> bool:
-        """Whether the mass matrix alone is too long; looked at from the tip inward, before anything else is worked out.
+        """Whether the mass matrix alone is too long; looked at from the tip inward, before anything
+        else is worked out.
 
-        The rows and columns of a chain's last joints are the mass matrix of what they carry, the rest held still.
+        The rows and columns of a chain's last joints are the mass matrix of what they carry, the
+        rest held still.
         """
         tree, terms = self.symbols.tree, 0
         for first in reversed(range(len(tree.bodies))):
@@ -158,7 +162,9 @@ class ClosedForm(ByValue):
         """Whether the named view fits on about a page."""
         if self.is_vast or sum(self.count().values()) > MOST:
             return False
-        return sum(size(line) for group in views.named(self, self.layout) for line in group) <= SHORT
+        return (
+            sum(size(line) for group in views.named(self, self.layout) for line in group) <= SHORT
+        )
 
     @property
     def length(self) -> str:
@@ -170,7 +176,8 @@ class ClosedForm(ByValue):
 
 
 def _from_body(tree: Tree, first: int) -> Tree:
-    """The bodies from one on (whatever they carry is among them), each whose parent is left out held by the base."""
+    """The bodies from one on (whatever they carry is among them), each whose parent is left out
+    held by the base."""
     bodies = (replace(body, parent=max(body.parent - first, -1)) for body in tree.bodies[first:])
     return replace(tree, bodies=tuple(bodies))
 

@@ -1,4 +1,5 @@
-"""A derivation as data: an ordered list of steps, each with its equations, what was done and why."""
+"""A derivation as data: an ordered list of steps, each with its equations, what was done and
+why."""
 
 from __future__ import annotations
 
@@ -20,11 +21,11 @@ if TYPE_CHECKING:
 class Step:
     """One step of a derivation.
 
-    operation: what is done, as a heading. reason: why, in a sentence. notes: numbers of the equations of the lecture
-    notes that the step's equations are. figure: the drawing that belongs to it: "vectors", "centres", "velocities",
-    "accelerations", "tip", "tip velocity", "tip acceleration", "free-body N" of body N from 1, "carried N" of it
-    with all that hangs on it, or "partial N" of the velocities when joint N alone moves.
-    result: whether this is what was sought.
+    operation: what is done, as a heading. reason: why, in a sentence. notes: numbers of the
+    equations of the lecture notes that the step's equations are. figure: the drawing that belongs
+    to it: "vectors", "centres", "velocities", "accelerations", "tip", "tip velocity", "tip
+    acceleration", "free-body N" of body N from 1, "carried N" of it with all that hangs on it, or
+    "partial N" of the velocities when joint N alone moves. result: whether this is what was sought.
     """
 
     operation: str
@@ -46,7 +47,8 @@ class Meaning:
 
 @dataclass(frozen=True)
 class Drawings:
-    """SVG text by the names that steps give their figures, with "overview" of the robot, and the style they need."""
+    """SVG text by the names that steps give their figures, with "overview" of the robot, and the
+    style they need."""
 
     svg: Mapping[str, str]
     style: str
@@ -54,13 +56,14 @@ class Drawings:
 
 @dataclass(frozen=True, repr=False)
 class Derivation(Titled):
-    """How the equations of a model come about by one method, and the torques that this way ends in."""
+    """How the equations of a model come about by one method, and the torques that this way ends
+    in."""
 
     method: str
     title: str
     equations: Equations
-    """Closed forms from the composite-body mass matrix and its Christoffel symbols, to hold the result
-    against."""
+    """Closed forms from the composite-body mass matrix and its Christoffel symbols, to hold the
+    result against."""
     steps: tuple[Step, ...]
     tau: tuple[Trig, ...]
     """Joint torques as this method finds them, exact polynomials."""
@@ -69,8 +72,8 @@ class Derivation(Titled):
     glossary: tuple[Meaning, ...] = ()
     """The symbols that occur."""
     system: FirstKind | LoopStatics | None = None
-    """Of a closed chain, as polynomials: of the first kind M, Φ_q, c and the reduction; of statics multipliers and
-    torques."""
+    """Of a closed chain, as polynomials: of the first kind M, Φ_q, c and the reduction; of statics
+    multipliers and torques."""
     reference: str = ""
     """Where the method is described, if not in the lecture notes."""
     draw: Callable[[Derivation], Drawings] | None = field(default=None, compare=False, repr=False)
@@ -91,7 +94,8 @@ class Derivation(Titled):
         return text(self, width)
 
     def markdown(self, images: Mapping[str, str] | None = None) -> str:
-        """The derivation as Markdown, formulas between dollar signs; images: paths of drawings by figure."""
+        """The derivation as Markdown, formulas between dollar signs; images: paths of drawings by
+        figure."""
         from freebody.derivations.render.book import markdown
 
         return markdown(self, images)
@@ -142,6 +146,10 @@ class Comparison:
     def __str__(self) -> str:
         lines = [f"{self.first.title} and {self.second.title}:"]
         for i, (a, d) in enumerate(zip(self.first.tau, self.differences, strict=True), 1):
-            verdict = "identical" if d.is_zero else f"they differ by {self.first.equations.layout.form(d)}"
+            verdict = (
+                "identical"
+                if d.is_zero
+                else f"they differ by {self.first.equations.layout.form(d)}"
+            )
             lines.append(f"  tau{i}: {len(a)} terms, {verdict}")
         return "\n".join(lines)

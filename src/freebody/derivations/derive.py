@@ -1,4 +1,5 @@
-"""`derive`: the equations of motion step by step, by one of the methods of `derivations/methods`."""
+"""`derive`: the equations of motion step by step, by one of the methods of
+`derivations/methods`."""
 
 from __future__ import annotations
 
@@ -26,12 +27,12 @@ def derive(
 ) -> Derivation:
     """A derivation of the model's equations as an ordered list of steps.
 
-    method: a name of the list below. Default: the first there that serves the model.
-    load: whether a force f, with world components fx, fy (fz), acts on the tip. Default: in a method for robots at
-    rest, where the model has a tip that moves. options: the method's own. Raises FreebodyError for joints with several
-    axes or followers, for a load on a model without a tip, and for what the method would not use.
-    Source: S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019, where the method's line
-    names no other.
+    method: a name of the list below. Default: the first there that serves the model. load: whether
+    a force f, with world components fx, fy (fz), acts on the tip. Default: in a method for robots
+    at rest, where the model has a tip that moves. options: the method's own. Raises FreebodyError
+    for joints with several axes or followers, for a load on a model without a tip, and for what the
+    method would not use. Source: S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg
+    University, 2019, where the method's line names no other.
     """
     record = default_method(model) if method is None else method_named(method)
     _require_options(record, load, options)
@@ -88,7 +89,8 @@ def _require_served(method: Method, model: Model) -> None:
     where = "in the plane" if model.dim == 2 else "in space"
     numbers = f"; {method.elsewhere} give its numbers" if method.elsewhere else ""
     raise FreebodyError(
-        f"{what}: {model.name!r} is a closed chain {where}, for which {method.name} is not written out{numbers}."
+        f"{what}: {model.name!r} is a closed chain {where}, for which {method.name} is not written "
+        f"out{numbers}."
     )
 
 
@@ -101,7 +103,9 @@ def _require_options(method: Method, load: bool | None, options: Mapping[str, An
             raise UnknownNameError("option", name, f"derive {method.name!r}", ("load", *own))
         if name not in own:
             owner = " and ".join(map(repr, owners))
-            raise FreebodyError(f"derive {method.name!r}: {name} is an option of {owner}; leave it out.")
+            raise FreebodyError(
+                f"derive {method.name!r}: {name} is an option of {owner}; leave it out."
+            )
     if load and not method.finds_torques:
         raise FreebodyError(f"derive {method.name!r}: forces do not occur in it; leave load out.")
 
@@ -118,7 +122,8 @@ def _has_moving_tip(model: Model) -> bool:
 
 
 def compare(first: Derivation, second: Derivation) -> Comparison:
-    """Two derivations of one model, subtracted term by term; true when they are identical polynomials."""
+    """Two derivations of one model, subtracted term by term; true when they are identical
+    polynomials."""
     a, b = first.equations.symbols, second.equations.symbols
     if a.given is not b.given:
         raise FreebodyError("compare: the derivations are of different models.")

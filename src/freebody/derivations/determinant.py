@@ -38,10 +38,11 @@ def _parity(order: list[int]) -> int:
 
 
 def jacobian_from(s: Symbols, frame: str, body: int) -> list[list[Trig]]:
-    """Linear and angular columns of all joints before `frame`, in the axes and at the origin of a body on the way.
+    """Linear and angular columns of all joints before `frame`, in the axes and at the origin of a
+    body on the way.
 
-    Against the Jacobian of the frame its rows are turned and its linear ones moved to another point: the determinant of
-    all rows is the same, and much shorter (Waldron, Wang, Bolin 1985).
+    Against the Jacobian of the frame its rows are turned and its linear ones moved to another
+    point: the determinant of all rows is the same, and much shorter (Waldron, Wang, Bolin 1985).
     """
     tree = s.tree
     poses = joint_poses(tree, s.q)
@@ -69,7 +70,8 @@ def _seen_from(tree: Tree, poses: list[Pose], body: int, i: int) -> Pose:
 
 
 def _moved(tree: Tree, column: Column, R: Matrix, p: Vector, ratio: Any) -> Vector:
-    """A column given at a body's origin, in axes R and at a point from which that origin is p away."""
+    """A column given at a body's origin, in axes R and at a point from which that origin is p
+    away."""
     space = tree.space
     w, v = space.turn(R, column[0]), times(R, column[1])
     linear = sub(v, space.cross(w, p))
@@ -79,11 +81,14 @@ def _moved(tree: Tree, column: Column, R: Matrix, p: Vector, ratio: Any) -> Vect
 def columns_of(s: Symbols, frame: str) -> list[int]:
     """The coordinates on the way to a frame, in order."""
     tree = s.tree
-    return sorted({k for i in ancestors(tree, tree.frames[frame][0]) for k in tree.bodies[i].coordinates.v})
+    return sorted(
+        {k for i in ancestors(tree, tree.frames[frame][0]) for k in tree.bodies[i].coordinates.v}
+    )
 
 
 def shortest_determinant(s: Symbols, frame: str) -> Trig:
-    """det of all rows of a frame's Jacobian, from the body on the way where its entries are fewest."""
+    """det of all rows of a frame's Jacobian, from the body on the way where its entries are
+    fewest."""
     columns = columns_of(s, frame)
     choices = [jacobian_from(s, frame, body) for body in ancestors(s.tree, s.tree.frames[frame][0])]
     rows = min(choices, key=lambda J: sum(len(x) for row in J for x in row))

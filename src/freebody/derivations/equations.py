@@ -1,4 +1,5 @@
-"""The equations of motion in closed form: M(q) q̈ + c(q, q̇) + g(q) + friction and springs = tau."""
+"""The equations of motion in closed form: M(q) q̈ + c(q, q̇) + g(q) + friction and springs =
+tau."""
 
 from __future__ import annotations
 
@@ -26,7 +27,8 @@ VIEWS = ("auto", "named", "expanded", "intermediates", "base")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Equations(Titled, ClosedForm):
-    """Closed forms of a model, exact polynomials in normal form, and how they read: equal means identical."""
+    """Closed forms of a model, exact polynomials in normal form, and how they read: equal means
+    identical."""
 
     def _title(self) -> str:
         s = self.symbols
@@ -37,10 +39,13 @@ class Equations(Titled, ClosedForm):
     def parameters(self) -> dict[str, float | None]:
         """The parameters that the equations hold by name, with their values where they have one."""
         used = set(self.symbols.ring.names)
-        return {name: value for name, value in self.symbols.model.parameters.items() if name in used}
+        return {
+            name: value for name, value in self.symbols.model.parameters.items() if name in used
+        }
 
     def intermediates(self) -> list[Equation]:
-        """Inverse dynamics by named intermediates, each line in terms of those before: see `intermediates`."""
+        """Inverse dynamics by named intermediates, each line in terms of those before: see
+        `intermediates`."""
         return intermediates(self.symbols)
 
     def groups(self, view: str = "named", names: str = "notes") -> list[list[Equation]]:
@@ -68,9 +73,9 @@ class Equations(Titled, ClosedForm):
     def text(self, view: str = "auto", names: str = "notes", width: int = 100) -> str:
         """The equations for a terminal.
 
-        view: "named" (τ by H, h, G and what these are), "expanded" (τ written out), "intermediates" (the recursion
-        line by line), "base" (named, by the fewest combinations of masses and inertias), "auto"
-        (named where that is short, else how long it is).
+        view: "named" (τ by H, h, G and what these are), "expanded" (τ written out), "intermediates"
+        (the recursion line by line), "base" (named, by the fewest combinations of masses and
+        inertias), "auto" (named where that is short, else how long it is).
         names: "notes" (H_ij, h, G_i) or "standard" (M_ij, c_i, g_i).
         """
         if view == "auto" and not self.is_short:
@@ -78,7 +83,8 @@ class Equations(Titled, ClosedForm):
         return page.text(self.groups(view, names), width)
 
     def latex(self, view: str = "auto", names: str = "notes", environment: str = "aligned") -> str:
-        """The same as an amsmath environment, without dollar signs; "align*" in a document breaks across pages."""
+        """The same as an amsmath environment, without dollar signs; "align*" in a document breaks
+        across pages."""
         if view == "auto" and not self.is_short:
             lines = " \\\\ ".join(
                 f"\\text{{{line}}}" for line in self._too_long().replace("_", "\\_").splitlines()
@@ -111,21 +117,26 @@ class Equations(Titled, ClosedForm):
 
     # ------------------------------------------------------------ for other programs
     def to_sympy(self) -> dict[str, Any]:
-        """SymPy matrices M, C, c, g, drives, tau and expressions T, V; symbols are named as in code and real."""
+        """SymPy matrices M, C, c, g, drives, tau and expressions T, V; symbols are named as in code
+        and real."""
         import sympy
 
         def convert(x: Any) -> Any:
-            return to_sympy(self.form(x)) if isinstance(x, Trig) else sympy.Matrix(_nested(x, convert))
+            return (
+                to_sympy(self.form(x)) if isinstance(x, Trig) else sympy.Matrix(_nested(x, convert))
+            )
 
         names = ("M", "C", "c", "g", "drives", "tau", "T", "V")
         return {name: convert(getattr(self, name)) for name in names}
 
     def python(self) -> str:
-        """Source of a Python function dynamics(q, qd, qdd, parameters…) that returns M, c, G, tau."""
+        """Source of a Python function dynamics(q, qd, qdd, parameters…) that returns M, c, G,
+        tau."""
         return source.python(self)
 
     def c_source(self) -> str:
-        """Source of a C function of the same, the closed form term by term; long arms are shorter with `fb.source`."""
+        """Source of a C function of the same, the closed form term by term; long arms are shorter
+        with `fb.source`."""
         return source.c(self)
 
     def substitute(self, **numbers: float) -> Equations:
@@ -135,20 +146,24 @@ class Equations(Titled, ClosedForm):
             if name not in known:
                 raise UnknownNameError("parameter", name, "the equations", known)
         model = with_parameters(
-            self.symbols.model, lambda p: finite(numbers[p.name], p.name) if p.name in numbers else p
+            self.symbols.model,
+            lambda p: finite(numbers[p.name], p.name) if p.name in numbers else p,
         )
         return equations(model, self.symbols.reader.numbers)
 
 
 def _nested(x: Any, convert: Any) -> Any:
     """Rows of rows converted, a vector as it stands."""
-    return [[convert(entry) for entry in row] if isinstance(row, list) else convert(row) for row in x]
+    return [
+        [convert(entry) for entry in row] if isinstance(row, list) else convert(row) for row in x
+    ]
 
 
 def equations(model: Model, numbers: bool = False) -> Equations:
     """The closed-form equations of a model; `numbers` puts in the values of its parameters.
 
-    Raises FreebodyError for spherical and free joints, and for joints that follow another by a ratio that is not whole.
+    Raises FreebodyError for spherical and free joints, and for joints that follow another by a
+    ratio that is not whole.
     """
     model.require_tree("equations")
     if numbers:

@@ -31,7 +31,8 @@ FUNCTIONS = {"sin": np.sin, "cos": np.cos, "sgn": np.sign}
 
 
 def evaluate(node: Expression, values: Mapping[str, Any]) -> Any:
-    """A number or array; `values` gives each symbol's by name. Of an equation the last side; vectors become rows."""
+    """A number or array; `values` gives each symbol's by name. Of an equation the last side;
+    vectors become rows."""
     rule = _RULES.get(type(node))
     if rule is None:
         raise FreebodyError(f"{node} has no value: {type(node).__name__} is for print only.")
@@ -60,7 +61,9 @@ _RULES: dict[type, Any] = {
     Transposed: lambda node, at, _: np.swapaxes(np.asarray(at(node.operand)), -1, -2),
     Function: lambda node, at, _: FUNCTIONS[node.name](at(node.argument)),
     Cross: _cross,
-    Dot: lambda node, at, _: np.sum(np.asarray(at(node.left)) * np.asarray(at(node.right)), axis=-1),
+    Dot: lambda node, at, _: np.sum(
+        np.asarray(at(node.left)) * np.asarray(at(node.right)), axis=-1
+    ),
     Vector: lambda node, at, _: np.stack(np.broadcast_arrays(*map(at, node.entries)), axis=-1),
     Matrix: lambda node, at, _: np.stack(
         np.broadcast_arrays(*(at(Vector(row)) for row in node.rows)), axis=-2

@@ -1,7 +1,8 @@
 """Expressions as they are printed: a small immutable tree, and plain functions that build it.
 
-Nothing here simplifies; the exact mathematics is in `scalars.trig`. What the functions do is what a printed line needs:
-sums and products are flat, a sign stands in front, a number first, zeros and ones vanish.
+Nothing here simplifies; the exact mathematics is in `scalars.trig`. What the functions do is what a
+printed line needs: sums and products are flat, a sign stands in front, a number first, zeros and
+ones vanish.
 
 Wherever an expression is expected, a number or the name of a symbol will do:
 `eq("tau1", add(mul("I1", "omega1_d"), "tau2"))`.

@@ -1,9 +1,10 @@
 """Factors of polynomials in sines and cosines: l1 l2 sin θ2 from a sum of four terms (2.21, 2.22).
 
-The ring of sines and cosines has no unique factors: 1 - cos²θ is (1 - cos θ)(1 + cos θ) and sin θ · sin θ. Polynomials
-in S = sin θ/2 and C = cos θ/2, of one even degree in each pair, have: sin θ = 2 S C, cos θ = C² - S². So x is written
-with t = S/C, factored, and factors that are odd in some half angle are multiplied in pairs, so that whole angles come
-back: sin θ = 2 S · C, cos θ = (C - S)(C + S), sin(θ2 + θ3) from the sine and cosine of (θ2 + θ3)/2.
+The ring of sines and cosines has no unique factors: 1 - cos²θ is (1 - cos θ)(1 + cos θ) and sin θ ·
+sin θ. Polynomials in S = sin θ/2 and C = cos θ/2, of one even degree in each pair, have: sin θ = 2
+S C, cos θ = C² - S². So x is written with t = S/C, factored, and factors that are odd in some half
+angle are multiplied in pairs, so that whole angles come back: sin θ = 2 S · C, cos θ = (C - S)(C +
+S), sin(θ2 + θ3) from the sine and cosine of (θ2 + θ3)/2.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ _MANY = 8  # odd factors of one kind from which on they are paired in the order 
 
 @dataclass(frozen=True)
 class _Half:
-    """A factor as polynomial in the t of each angle; degree: of the form in S and C that it stands for, by angle."""
+    """A factor as polynomial in the t of each angle; degree: of the form in S and C that it stands
+    for, by angle."""
 
     poly: Any
     degree: tuple[int, ...]
@@ -38,7 +40,8 @@ class _Half:
 
 
 def factored(x: Trig) -> tuple[Fraction, list[tuple[Trig, int]]]:
-    """(number, [(factor, exponent)]) with number · Π factor^exponent = x, each factor with whole coefficients."""
+    """(number, [(factor, exponent)]) with number · Π factor^exponent = x, each factor with whole
+    coefficients."""
     ring = x.ring
     halves: Counter[_Half] = Counter()
     for factor, exponent in x.factors():
@@ -48,7 +51,9 @@ def factored(x: Trig) -> tuple[Fraction, list[tuple[Trig, int]]]:
     for group, exponent in _whole(ring, halves):
         found[_primitive(_back(ring, group))] += exponent
     factors = [(f, e) for f, e in found.items() if not f.is_constant]
-    product = reduce(lambda a, b: a * b, (f**e for f, e in factors), Trig(ring, ring.constant(1), 0))
+    product = reduce(
+        lambda a, b: a * b, (f**e for f, e in factors), Trig(ring, ring.constant(1), 0)
+    )
     number = x.leading_coefficient / product.leading_coefficient
     if product * number != x:  # never seen; a factorisation is only given with its proof
         return x.leading_coefficient, [(x / x.leading_coefficient, 1)]
@@ -56,7 +61,8 @@ def factored(x: Trig) -> tuple[Fraction, list[tuple[Trig, int]]]:
 
 
 def _halves(ring: TrigRing, x: Trig) -> list[tuple[_Half, int]]:
-    """The irreducible factors of x in half angles. A generator cos(x) serves as t, as no sines and cosines are left."""
+    """The irreducible factors of x in half angles. A generator cos(x) serves as t, as no sines and
+    cosines are left."""
     n = len(ring.angles)
     poly, degrees = _in_tangents(ring, x)
     _, rows = poly.factor()
@@ -68,7 +74,9 @@ def _halves(ring: TrigRing, x: Trig) -> list[tuple[_Half, int]]:
     ]
     unit = ring.context.constant(1)
     for k in range(n):  # what is missing of the degree are factors C
-        left = degrees[k] - sum(half.degree[k] * int(e) for half, (_, e) in zip(factors, rows, strict=True))
+        left = degrees[k] - sum(
+            half.degree[k] * int(e) for half, (_, e) in zip(factors, rows, strict=True)
+        )
         if left:
             result.append((_Half(unit, tuple(int(j == k) for j in range(n))), left))
     return result
@@ -117,8 +125,11 @@ def _whole(ring: TrigRing, halves: Counter[_Half]) -> list[tuple[tuple[_Half, ..
     return groups + _leftover(left)
 
 
-def _paired(ring: TrigRing, odd: Counter[_Half]) -> tuple[list[tuple[tuple[_Half, ...], int]], list[_Half]]:
-    """Pairs of different factors first, the shortest products; then squares; at most one is left."""
+def _paired(
+    ring: TrigRing, odd: Counter[_Half]
+) -> tuple[list[tuple[tuple[_Half, ...], int]], list[_Half]]:
+    """Pairs of different factors first, the shortest products; then squares; at most one is
+    left."""
     groups: list[tuple[tuple[_Half, ...], int]] = []
     odd = Counter(odd)
     choices = list(combinations(odd, 2))
@@ -190,7 +201,8 @@ def _monomial(ring: TrigRing, angle: str, S: int, C: int) -> Any:
 
 
 def _primitive(x: Trig) -> Trig:
-    """x over the number that makes its coefficients whole and without common divisor, the first positive."""
+    """x over the number that makes its coefficients whole and without common divisor, the first
+    positive."""
     import math
 
     coefficients = [c for _, c in x.terms()]

@@ -1,8 +1,8 @@
 """Polynomials as a textbook prints them: m₁ lc₁² + I₁ + m₂ (l₁² + lc₂² + 2 l₁ lc₂ cos θ₂) + I₂.
 
-Terms are grouped by products of rates, then by mass and moment of inertia in the order of the bodies; inside a group
-what is constant stands first, then cosines and sines by their angles. A group's numbers and common symbols stand in
-front of it.
+Terms are grouped by products of rates, then by mass and moment of inertia in the order of the
+bodies; inside a group what is constant stands first, then cosines and sines by their angles. A
+group's numbers and common symbols stand in front of it.
 """
 
 from __future__ import annotations
@@ -82,7 +82,8 @@ class Layout:
         return ex.mul(self.order.number(content), coefficient, *self._monomial(rates))
 
     def rate_rank(self, rates: Monomial) -> tuple:
-        """Accelerations, squares of velocities, products, none, single velocities, signs, components of loads."""
+        """Accelerations, squares of velocities, products, none, single velocities, signs,
+        components of loads."""
         names = [n for n, e in rates for _ in range(e)]
         if names and names[0] in self.symbols.extra:
             return 6, [self.symbols.extra.index(n) for n in names]
@@ -98,7 +99,8 @@ class Layout:
         return kind, order
 
     def by_inertia(self, terms: Raw) -> Groups:
-        """The factors of each mass and moment of inertia, and under "" what has none, in the order of the bodies."""
+        """The factors of each mass and moment of inertia, and under "" what has none, in the order
+        of the bodies."""
         groups: defaultdict[str, Raw] = defaultdict(list)
         for powers, coefficient in terms:
             name = next((n for n in powers if n in self.order.inertial), "")
@@ -111,7 +113,8 @@ class Layout:
         return {name: self._shortest(groups[name]) for name in order}
 
     def _shortest(self, terms: Raw) -> Terms:
-        """The form with the fewest terms: sums of angles (all, or those of parallel axes), or products."""
+        """The form with the fewest terms: sums of angles (all, or those of parallel axes), or
+        products."""
         angles, blocks = self.order.angles, self.order.blocks
         sums = gathered(terms, angles, (angles,))
         forms = [sums]
@@ -138,7 +141,8 @@ class Layout:
         return ex.mul(self.order.number(content), *front, rest)
 
     def _common(self, terms: Terms) -> Monomial:
-        """Symbols that all terms share; none where a term without angles would keep others (lc² + l lc cos θ stays)."""
+        """Symbols that all terms share; none where a term without angles would keep others (lc² + l
+        lc cos θ stays)."""
         exponents = [dict(monomial) for monomial, _ in terms]
         shared = {n: min(e.get(n, 0) for e in exponents) for n in exponents[0]}
         common = self._sorted((n, e) for n, e in shared.items() if e)
@@ -150,14 +154,19 @@ class Layout:
     def content(self, terms: Terms) -> Fraction:
         """The greatest number that divides all coefficients, with the sign of the first term."""
         first = terms[
-            min(terms, key=lambda key: (wave_rank(key[1], self.order.angles), self.monomial_rank(key[0])))
+            min(
+                terms,
+                key=lambda key: (wave_rank(key[1], self.order.angles), self.monomial_rank(key[0])),
+            )
         ]
         if self.order.decimal:
             size = abs(first) if len(terms) == 1 else Fraction(1)
             all_negative = all(c < 0 for c in terms.values())
             return -size if (first < 0 if len(terms) == 1 else all_negative) else size
         top = math.gcd(*(c.numerator for c in terms.values()))
-        return Fraction(top if first > 0 else -top, math.lcm(*(c.denominator for c in terms.values())))
+        return Fraction(
+            top if first > 0 else -top, math.lcm(*(c.denominator for c in terms.values()))
+        )
 
     def _by_waves(self, terms: Terms) -> Expression:
         """Σ polynomial · wave, what has no angle first."""
@@ -167,7 +176,9 @@ class Layout:
         rows = []
         for wave in sorted(groups, key=lambda w: wave_rank(w, self.order.angles)):
             functions = [function(*f) for f in wave]
-            rows.append(self.poly(groups[wave]) if not wave else self.scaled(groups[wave], functions))
+            rows.append(
+                self.poly(groups[wave]) if not wave else self.scaled(groups[wave], functions)
+            )
         return ex.add(*rows)
 
     def scaled(self, poly: Poly, functions: list[Expression]) -> Expression:
@@ -179,7 +190,8 @@ class Layout:
 
     # ------------------------------------------------------------ polynomials without angles
     def poly(self, poly: Poly) -> Expression:
-        """A polynomial by falling degree, with a square completed, or as a product: the shortest."""
+        """A polynomial by falling degree, with a square completed, or as a product: the
+        shortest."""
         forms = [self._plain(poly)]
         if len(poly) > 2:
             square = self._square(poly)
@@ -203,7 +215,8 @@ class Layout:
         return ex.add(*(ex.mul(self.order.number(poly[m]), *self._monomial(m)) for m in order))
 
     def _factors(self, poly: Poly) -> tuple[Fraction, list[tuple[Poly, int]]]:
-        """number · Π factor^exponent, factors in whole numbers, each with its first term positive."""
+        """number · Π factor^exponent, factors in whole numbers, each with its first term
+        positive."""
         x = self.symbols.ring.polynomial((dict(m), c) for m, c in poly.items())
         content, factors = x.leading_coefficient, []
         for factor, exponent in x.factors():
@@ -214,7 +227,8 @@ class Layout:
         return content, sorted(factors, key=lambda row: min(map(self.monomial_rank, row[0])))
 
     def _square(self, poly: Poly) -> tuple[tuple[Monomial, Monomial, Fraction], Poly, Poly] | None:
-        """(A x², A / number, number), x + b and the rest of A (x + b)² + rest, where that has fewer terms."""
+        """(A x², A / number, number), x + b and the rest of A (x + b)² + rest, where that has fewer
+        terms."""
         names = sorted(
             {n for m in poly for n, _ in m},
             key=lambda n: (n not in self.symbols.coordinates, self.order.rank(n)),

@@ -1,8 +1,10 @@
-"""Formulas with vectors written as text, `tau1 - cross(s1, f12) = I1*omega1_d`: read, printed and evaluated.
+"""Formulas with vectors written as text, `tau1 - cross(s1, f12) = I1*omega1_d`: read, printed and
+evaluated.
 
-The text has Python's arithmetic, `^` for powers, [a, b] for vectors and [[a, b], [c, d]] for matrices. It is parsed,
-never run. Names are those that print as in the notes: theta1_d is θ̇₁, sc1 is s_c1, R2_1 is R with subscript 1 and
-superscript 2; omega_i, omega_h, omega_k are those of link i, i-1 and i+1.
+The text has Python's arithmetic, `^` for powers, [a, b] for vectors and [[a, b], [c, d]] for
+matrices. It is parsed, never run. Names are those that print as in the notes: theta1_d is θ̇₁, sc1
+is s_c1, R2_1 is R with subscript 1 and superscript 2; omega_i, omega_h, omega_k are those of link
+i, i-1 and i+1.
 """
 
 from __future__ import annotations
@@ -54,7 +56,8 @@ def parse(text: str, bold: Collection[str] = (), primed: Collection[str] = ()) -
 
 
 def symbol(name: str, bold: bool = False, primed: bool = False) -> Any:
-    """The symbol of a name, those of links with letters for numbers included; omega_prime is ω with a prime."""
+    """The symbol of a name, those of links with letters for numbers included; omega_prime is ω with
+    a prime."""
     if primed or "_prime" in name:
         plain = symbol(name.replace("_prime", ""), bold)
         return replace(plain, name=name, high="′") if isinstance(plain, Symbol) else plain
@@ -63,7 +66,9 @@ def symbol(name: str, bold: bool = False, primed: bool = False) -> Any:
         letter, up, low = high.groups()
         return Symbol(name, letter, (GENERAL.get(low, low),), bold=True, high=GENERAL.get(up, up))
     if re.fullmatch(r"w(\d|_[ihk])", name):
-        return replace(symbol("omega" + name[1:], bold), name=name)  # ω with components in the world
+        return replace(
+            symbol("omega" + name[1:], bold), name=name
+        )  # ω with components in the world
     match = re.fullmatch(r"([A-Za-z]+?)(c?)_([ihk]{1,2})(_dd|_d)?", name)
     if match is None:
         return Symbol(name, *SPECIAL[name], bold=True) if name in SPECIAL else sym(name, bold)
@@ -87,7 +92,9 @@ class _Parser:
             tree = ast.parse(self.text, mode="eval").body
             return self._read(tree)
         except SyntaxError as problem:
-            raise FormulaError(f"the formula {self.text!r} cannot be read: {problem.msg}.") from None
+            raise FormulaError(
+                f"the formula {self.text!r} cannot be read: {problem.msg}."
+            ) from None
         except RecursionError:
             raise FormulaError("the formula has too many brackets inside one another.") from None
 
@@ -113,7 +120,9 @@ class _Parser:
         digits = ast.get_source_segment(self.text, node) or str(node.value)
         return ex.num(Fraction(digits), decimal="." in digits or "e" in digits)
 
-    def _pair(self, a: Expression, operator: ast.operator, b: Expression, right: ast.expr) -> Expression:
+    def _pair(
+        self, a: Expression, operator: ast.operator, b: Expression, right: ast.expr
+    ) -> Expression:
         match operator:
             case ast.Add():
                 return ex.add(a, b)
@@ -136,7 +145,9 @@ class _Parser:
         }  # fmt: skip
         rules |= {f: lambda x, f=f: ex.Function(PRINTED.get(f, f), x) for f in FUNCTIONS}
         if name not in rules:
-            raise FormulaError(f"no function {name!r} in a formula; there are {', '.join(sorted(rules))}.")
+            raise FormulaError(
+                f"no function {name!r} in a formula; there are {', '.join(sorted(rules))}."
+            )
         try:
             return rules[name](*arguments)
         except TypeError:

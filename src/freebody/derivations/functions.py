@@ -1,4 +1,5 @@
-"""Functions given as formulas: values, Jacobians and time derivatives in closed form (notes, 1.1-1.9, 2.1-2.9).
+"""Functions given as formulas: values, Jacobians and time derivatives in closed form (notes,
+1.1-1.9, 2.1-2.9).
 
 SymPy differentiates; it is imported when a function is made.
 """
@@ -26,7 +27,8 @@ from freebody.outputs.display import Titled
 
 @dataclass(frozen=True)
 class VectorFunction:
-    """y = f(x) of several variables (2.1); call it with numbers (..., n) for the values (..., m)."""
+    """y = f(x) of several variables (2.1); call it with numbers (..., n) for the values (...,
+    m)."""
 
     rows: tuple[Any, ...]
     """SymPy expressions."""
@@ -70,8 +72,12 @@ class VectorFunction:
         x = np.asarray(x, dtype=float)
         if not x.ndim or x.shape[-1] != len(self.names):
             raise ShapeError("VectorFunction", "x", x.shape, f"(..., {len(self.names)})")
-        columns = sympy.lambdify(self.symbols, list(rows), "numpy", dummify=True)(*np.moveaxis(x, -1, 0))
-        return np.stack([np.broadcast_to(np.asarray(c, dtype=float), x.shape[:-1]) for c in columns], axis=-1)
+        columns = sympy.lambdify(self.symbols, list(rows), "numpy", dummify=True)(
+            *np.moveaxis(x, -1, 0)
+        )
+        return np.stack(
+            [np.broadcast_to(np.asarray(c, dtype=float), x.shape[:-1]) for c in columns], axis=-1
+        )
 
 
 @dataclass(frozen=True)
@@ -92,7 +98,9 @@ class Trajectory:
 
     def _derivative(self, order: int) -> VectorFunction:
         r = self.position
-        return VectorFunction(tuple(x.diff(r.symbols[0], order) for x in r.rows), r.names, r.decimal)
+        return VectorFunction(
+            tuple(x.diff(r.symbols[0], order) for x in r.rows), r.names, r.decimal
+        )
 
     def at(self, t: ArrayLike) -> tuple[Array, Array, Array]:
         """Position, velocity, acceleration (..., dim) at the times t (...)."""
@@ -103,7 +111,12 @@ class Trajectory:
     def values(self) -> Mapping[str, Any]:
         """r, r_d, r_dd and t by name, for `fb.relation`."""
         r = self.position
-        return {"t": r.symbols[0], "r": r.rows, "r_d": self.velocity.rows, "r_dd": self.acceleration.rows}
+        return {
+            "t": r.symbols[0],
+            "r": r.rows,
+            "r_d": self.velocity.rows,
+            "r_dd": self.acceleration.rows,
+        }
 
 
 @dataclass(frozen=True, repr=False)
@@ -123,25 +136,31 @@ class SampledTrajectory(Titled):
 
 
 def sampled_trajectory(t: ArrayLike, points: ArrayLike) -> SampledTrajectory:
-    """The path through points (k, dim) at the times t (k,), rising and at least six of them (1.1-1.3).
+    """The path through points (k, dim) at the times t (k,), rising and at least six of them
+    (1.1-1.3).
 
     Raises ShapeError, FreebodyError.
     """
     from scipy.interpolate import make_interp_spline
 
-    times, places = (as_floats("sampled_trajectory", n, x) for n, x in (("t", t), ("points", points)))
+    times, places = (
+        as_floats("sampled_trajectory", n, x) for n, x in (("t", t), ("points", points))
+    )
     if times.ndim != 1 or places.ndim != 2 or len(places) != len(times):
-        raise ShapeError("sampled_trajectory", "points", places.shape, f"({times.size}, dim), one row a time")
+        raise ShapeError(
+            "sampled_trajectory", "points", places.shape, f"({times.size}, dim), one row a time"
+        )
     if len(times) < 6 or not np.all(np.diff(times) > 0) or not np.isfinite(places).all():
         raise FreebodyError("sampled_trajectory: give at least 6 samples, finite, at rising times.")
     return SampledTrajectory(make_interp_spline(times, places, k=5))
 
 
 def vector_function(rows: Sequence[str], names: Sequence[str]) -> VectorFunction:
-    """A function of several variables from formulas: vector_function(["3*cos(a) + 2*cos(b)"], ["a", "b"]).
+    """A function of several variables from formulas: vector_function(["3*cos(a) + 2*cos(b)"], ["a",
+    "b"]).
 
-    rows: one formula an entry, with sin, cos, tan, sqrt, exp, log. names: the variables. Raises FormulaError for a
-    formula that cannot be read, UnknownNameError for a name that is no variable.
+    rows: one formula an entry, with sin, cos, tan, sqrt, exp, log. names: the variables. Raises
+    FormulaError for a formula that cannot be read, UnknownNameError for a name that is no variable.
     """
     parsed = [parse(row) for row in rows]
     for node in parsed:
@@ -150,12 +169,15 @@ def vector_function(rows: Sequence[str], names: Sequence[str]) -> VectorFunction
                 raise UnknownNameError("variable", part.name, "the function", names)
             if isinstance(part, ex.Vector | ex.Matrix | ex.Equation):
                 raise FormulaError(f"{node}: a row is one scalar formula.")
-    decimal = any(isinstance(part, ex.Number) and part.decimal for node in parsed for part in ex.nodes(node))
+    decimal = any(
+        isinstance(part, ex.Number) and part.decimal for node in parsed for part in ex.nodes(node)
+    )
     return VectorFunction(tuple(map(to_sympy, parsed)), tuple(names), decimal)
 
 
 def trajectory(*rows: str) -> Trajectory:
-    """The path of a point, one formula in t for each coordinate: trajectory("5*cos(3.14*t)", "5*sin(3.14*t)")."""
+    """The path of a point, one formula in t for each coordinate: trajectory("5*cos(3.14*t)",
+    "5*sin(3.14*t)")."""
     if not rows:
         raise FreebodyError("trajectory: give a formula in t for each coordinate.")
     return Trajectory(vector_function(rows, ("t",)))

@@ -1,7 +1,9 @@
-"""Equations by named intermediates: the recursion itself, each component of ω, ω̇, v̇, v̇_c, F, N, f and n on a line.
+"""Equations by named intermediates: the recursion itself, each component of ω, ω̇, v̇, v̇_c, F, N,
+f and n on a line.
 
-The recursion is traced once over a graph of interned nodes; then what its record holds is given names, in the order of
-the notes (4.6-4.15, 6.16-6.29), and each line refers to what was named before. Vectors are in body axes, v̇_0 = -g.
+The recursion is traced once over a graph of interned nodes; then what its record holds is given
+names, in the order of the notes (4.6-4.15, 6.16-6.29), and each line refers to what was named
+before. Vectors are in body axes, v̇_0 = -g.
 """
 
 from __future__ import annotations
@@ -41,7 +43,11 @@ class GraphReader(Reader):
         return self.inputs[name]
 
     def quantity(self, q: Quantity) -> Scalar:
-        return self.input(q.name) if isinstance(q, Parameter) and not self.numbers else super().quantity(q)
+        return (
+            self.input(q.name)
+            if isinstance(q, Parameter) and not self.numbers
+            else super().quantity(q)
+        )
 
     def sin_cos(self, angle: Quantity) -> tuple[Scalar, Scalar]:
         if isinstance(angle, Parameter) and not self.numbers:
@@ -53,7 +59,9 @@ def intermediates(symbols: Symbols) -> list[Equation]:
     """Inverse dynamics line by line, each in terms of those before."""
     graph = Graph()
     reader = GraphReader(graph, symbols.reader.numbers)
-    q, qd, qdd = (tuple(reader.input(x + e) for x in symbols.coordinates) for e in ("", RATE, SECOND))
+    q, qd, qdd = (
+        tuple(reader.input(x + e) for x in symbols.coordinates) for e in ("", RATE, SECOND)
+    )
     tree = lower(symbols.model, reader)
     lines = _Lines(graph, set(symbols.ring.names))
     record = rnea(tree, q, qd, qdd)
@@ -98,7 +106,12 @@ class _Lines:
     named: dict[int, Expression] = field(default_factory=dict)
 
     def name(
-        self, letter: str, low: tuple[str, ...], axes: str, vector: tuple[Scalar, ...], dots: int = 0
+        self,
+        letter: str,
+        low: tuple[str, ...],
+        axes: str,
+        vector: tuple[Scalar, ...],
+        dots: int = 0,
     ) -> None:
         """Names for the components of a vector; a planar angular one has no axis."""
         for axis, x in zip(axes if len(vector) > 1 else ("",), vector, strict=True):
@@ -158,7 +171,9 @@ def _terms(x: Expression) -> tuple[Expression, ...]:
 def _sum(*parts: Expression) -> Expression:
     """A sum: first what stands alone, then products, what is subtracted last."""
     terms = [term for part in parts for term in _terms(part)]
-    return ex.add(*sorted(terms, key=lambda t: (isinstance(t, ex.Negative), not isinstance(t, ex.Symbol))))
+    return ex.add(
+        *sorted(terms, key=lambda t: (isinstance(t, ex.Negative), not isinstance(t, ex.Symbol)))
+    )
 
 
 def _negative(x: Expression) -> Expression:
@@ -166,14 +181,17 @@ def _negative(x: Expression) -> Expression:
 
 
 def _product(a: Expression, b: Expression) -> Expression:
-    """Numbers, parameters, named quantities, brackets, functions; x x is x², -x - y loses its sign to the front."""
+    """Numbers, parameters, named quantities, brackets, functions; x x is x², -x - y loses its sign
+    to the front."""
     powers: dict[Expression, int] = {}
     numbers: list[Expression] = []
     for factor in _factors(ex.mul(a, b)):
         if isinstance(factor, ex.Sum) and isinstance(factor.terms[0], ex.Negative):
             numbers.append(ex.num(-1))
             factor = _negative(factor)
-        base, exponent = (factor.base, factor.exponent) if isinstance(factor, ex.Power) else (factor, 1)
+        base, exponent = (
+            (factor.base, factor.exponent) if isinstance(factor, ex.Power) else (factor, 1)
+        )
         if isinstance(factor, ex.Number) or factor == ex.num(-1):
             numbers.append(factor)
         else:
@@ -193,7 +211,12 @@ def _rank(factor: Expression) -> tuple:
     kind = next((k for k, kind in enumerate(kinds) if isinstance(factor, kind)), len(kinds))
     if not isinstance(factor, ex.Symbol):
         return (kind,)
-    return kind, factor.letter in "θωvFNfnM" and factor.name not in ("m", "M"), factor.dots, factor.low
+    return (
+        kind,
+        factor.letter in "θωvFNfnM" and factor.name not in ("m", "M"),
+        factor.dots,
+        factor.low,
+    )
 
 
 _OPERATIONS = {

@@ -29,7 +29,8 @@ Entries = list[list[Trig]]
 
 @dataclass(frozen=True)
 class Kinematics:
-    """Closed forms of one frame, exact polynomials in normal form: equal means identical. World axes."""
+    """Closed forms of one frame, exact polynomials in normal form: equal means identical. World
+    axes."""
 
     symbols: Symbols
     frame: str
@@ -52,7 +53,8 @@ class Kinematics:
 
     @cached_property
     def J(self) -> Entries:
-        """Jacobian, rows linear then angular (plane: ẋ, ẏ, ω); the notes' J (2.19) is its first rows."""
+        """Jacobian, rows linear then angular (plane: ẋ, ẏ, ω); the notes' J (2.19) is its first
+        rows."""
         s = self.symbols
         return [[s.element(x) for x in row] for row in algorithms.jacobian(s.tree, s.q, self.frame)]
 
@@ -71,7 +73,10 @@ class Kinematics:
     def acceleration(self) -> list[Trig]:
         """J q̈ + J̇ q̇ (2.24)."""
         first = _times(self.J, self.symbols.qdd, self.symbols)
-        return [a + b for a, b in zip(first, _times(self.J_dot, self.symbols.qd, self.symbols), strict=True)]
+        return [
+            a + b
+            for a, b in zip(first, _times(self.J_dot, self.symbols.qd, self.symbols), strict=True)
+        ]
 
     def determinant(self, rows: Sequence[int] | None = None) -> Trig:
         """det of chosen rows of J (default all) and of the columns that move the frame (2.20).
@@ -82,7 +87,8 @@ class Kinematics:
         columns = columns_of(self.symbols, self.frame)
         if len(chosen) != len(columns):
             raise FreebodyError(
-                f"determinant: {len(chosen)} rows of the Jacobian of frame {self.frame!r} and {len(columns)} joint "
+                f"determinant: {len(chosen)} rows of the Jacobian of frame {self.frame!r} and "
+                f"{len(columns)} joint "
                 f"coordinates make no square; choose {len(columns)} rows."
             )
         return determinant([[self.J[r][k] for k in columns] for r in chosen], self.symbols)
@@ -113,7 +119,8 @@ def _times(A: Entries, x: Sequence[Trig], s: Symbols) -> list[Trig]:
 
 
 def kinematics(model: Model, frame: str | None = None, numbers: bool = False) -> Kinematics:
-    """The closed forms of a frame (default: the tip); `numbers` puts in the values of the model's parameters."""
+    """The closed forms of a frame (default: the tip); `numbers` puts in the values of the model's
+    parameters."""
     model.require_tree("kinematics")
     if numbers:
         model.require_values("kinematics in numbers")

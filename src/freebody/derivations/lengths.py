@@ -1,6 +1,8 @@
-"""Velocities, accelerations and forces as a book writes them: -l₁ (θ̈₁ sin θ₁ + θ̇₁² cos θ₁) - lc₂ (…).
+"""Velocities, accelerations and forces as a book writes them: -l₁ (θ̈₁ sin θ₁ + θ̇₁² cos θ₁) - lc₂
+(…).
 
-Terms are grouped by mass, then by the length that moves, then by its direction; squares of sums of rates stay together.
+Terms are grouped by mass, then by the length that moves, then by its direction; squares of sums of
+rates stay together.
 """
 
 from __future__ import annotations
@@ -26,7 +28,9 @@ def by_lengths(layout: Layout, x: Trig) -> Expression:
 
 def _times_mass(layout: Layout, name: str, terms: Terms) -> Expression:
     """mass · Σ length · (…)."""
-    parts = ex.add(*(_moved(layout, lengths, inner) for lengths, inner in _by_length(layout, terms)))
+    parts = ex.add(
+        *(_moved(layout, lengths, inner) for lengths, inner in _by_length(layout, terms))
+    )
     if not name:
         return parts
     if isinstance(parts, ex.Sum) and all(isinstance(term, ex.Negative) for term in parts.terms):
@@ -63,7 +67,9 @@ def _moved(layout: Layout, lengths: Poly, inner: Inner) -> Expression:
     directions: defaultdict[Wave, Poly] = defaultdict(dict)
     for rates, wave in sorted(inner, key=lambda key: _rank(layout, key)):
         directions[wave][rates] = inner[rates, wave]
-    motion = ex.add(*(layout.scaled(poly, [function(*f) for f in wave]) for wave, poly in directions.items()))
+    motion = ex.add(
+        *(layout.scaled(poly, [function(*f) for f in wave]) for wave, poly in directions.items())
+    )
     front = layout.scaled(lengths, [])
     if isinstance(front, ex.Sum) and all(isinstance(term, ex.Negative) for term in front.terms):
         return ex.neg(ex.mul(ex.neg_each(front), motion))

@@ -96,7 +96,8 @@ def _parts(stem: str) -> tuple[str, tuple[str, ...]]:
 
 
 def _letter(word: str) -> tuple[str, tuple[str, ...]]:
-    """A word as letter: Greek by name, one letter as it is, others with the rest as subscript after an underscore."""
+    """A word as letter: Greek by name, one letter as it is, others with the rest as subscript after
+    an underscore."""
     if word in GREEK:
         return GREEK[word], ()
     if word in COMPONENTS:

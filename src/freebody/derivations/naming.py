@@ -1,10 +1,11 @@
-"""What the forces, moments, masses, vectors and lengths of a model are called: asked by all that prints or draws them.
+"""What the forces, moments, masses, vectors and lengths of a model are called: asked by all that
+prints or draws them.
 
-Bodies count from 1 in names, the ground is 0. f_{i,k} is the force of body i on body k and n_{i,k} the moment, whether
-a joint or a loop transmits them: of a joint k is the child, of a loop the body of its second frame, as in
-`joint_wrenches` and `reactions`, whose rows are the values of these names. Where two of them join the same bodies, the
-loop's has a prime. A turn in the plane that transmits nothing but its motor's torque has the moment τ_k, and none where
-there is no motor.
+Bodies count from 1 in names, the ground is 0. f_{i,k} is the force of body i on body k and n_{i,k}
+the moment, whether a joint or a loop transmits them: of a joint k is the child, of a loop the body
+of its second frame, as in `joint_wrenches` and `reactions`, whose rows are the values of these
+names. Where two of them join the same bodies, the loop's has a prime. A turn in the plane that
+transmits nothing but its motor's torque has the moment τ_k, and none where there is no motor.
 """
 
 from __future__ import annotations
@@ -29,7 +30,8 @@ TIP = "P"
 
 @dataclass(frozen=True)
 class Naming:
-    """The names in one model; n, i, k are bodies' numbers. numbers: whether values stand in place of parameters."""
+    """The names in one model; n, i, k are bodies' numbers. numbers: whether values stand in place
+    of parameters."""
 
     model: Model
     numbers: bool = False
@@ -57,7 +59,8 @@ class Naming:
 
     # ------------------------------------------------------------ joints
     def coordinate(self, n: int) -> str | None:
-        """Name in code of joint n's coordinate; None of a joint that follows another or has several."""
+        """Name in code of joint n's coordinate; None of a joint that follows another or has
+        several."""
         names = self._coordinates[n - 1]
         return names[0] if len(names) == 1 else None
 
@@ -78,7 +81,8 @@ class Naming:
         return self.torque(n) if self.driven(n) else ex.ZERO
 
     def joint_moment(self, n: int) -> Expression:
-        """The moment of the body before on body n at joint n: n, but in a turning joint of the plane τ_n or 0."""
+        """The moment of the body before on body n at joint n: n, but in a turning joint of the
+        plane τ_n or 0."""
         if self.planar and self.turns(n) and not self._drives(n):
             return self.motor(n)
         return self.moment(self.parent(n), n)
@@ -148,7 +152,9 @@ class Naming:
         return self._named(one[0] if isinstance(one, tuple) else one)
 
     def _named(self, quantity: Quantity | None) -> Symbol | None:
-        return sym_of(quantity.name) if isinstance(quantity, Parameter) and not self.numbers else None
+        return (
+            sym_of(quantity.name) if isinstance(quantity, Parameter) and not self.numbers else None
+        )
 
     # ------------------------------------------------------------ vectors and lengths
     def reach(self, i: int, k: int) -> Symbol:
@@ -168,7 +174,8 @@ class Naming:
         return vec(f"sc{n}")
 
     def length(self, child: int | None, frame: str = "") -> Symbol | None:
-        """The model's name for the way from a joint to that of the next body, or to a frame; None where it has none."""
+        """The model's name for the way from a joint to that of the next body, or to a frame; None
+        where it has none."""
         return self._one(
             self.model.frame(frame).placement if child is None else self.body(child).joint.placement
         )
@@ -184,7 +191,11 @@ class Naming:
     def _one(self, placement: Placement) -> Symbol | None:
         """Of the only length in a placement."""
         shifts = [
-            x for step in placement.steps if isinstance(step, Shift) for x in step.by if not _is_zero(x)
+            x
+            for step in placement.steps
+            if isinstance(step, Shift)
+            for x in step.by
+            if not _is_zero(x)
         ]
         return self._named(shifts[0]) if len(shifts) == 1 else None
 
@@ -195,10 +206,12 @@ def _is_zero(x: Quantity) -> bool:
 
 
 def motors(model: Model) -> tuple[Expression, ...]:
-    """τ_i for each coordinate, 0 where nothing drives it: what stands on the left of the equations of motion."""
+    """τ_i for each coordinate, 0 where nothing drives it: what stands on the left of the equations
+    of motion."""
     driven = set(model.driven_names)
     return tuple(
-        entry("tau", i) if name in driven else ex.ZERO for i, name in enumerate(model.velocity_names, 1)
+        entry("tau", i) if name in driven else ex.ZERO
+        for i, name in enumerate(model.velocity_names, 1)
     )
 
 

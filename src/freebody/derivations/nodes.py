@@ -1,4 +1,5 @@
-"""The nodes of expressions as they are printed: a small immutable tree. What builds them is in `expression`."""
+"""The nodes of expressions as they are printed: a small immutable tree. What builds them is in
+`expression`."""
 
 from __future__ import annotations
 
@@ -8,7 +9,8 @@ from fractions import Fraction
 from typing import Any
 
 STYLES: dict[str, Callable[[Expression], str]] = {}
-"""How an expression is written: "text", "latex", "mathml". The renderers stand above the nodes and fill it in."""
+"""How an expression is written: "text", "latex", "mathml". The renderers stand above the nodes and
+fill it in."""
 
 
 class Expression:
@@ -42,7 +44,8 @@ class Number(Expression):
 
 @dataclass(frozen=True)
 class Symbol(Expression):
-    """A letter with subscripts, dots and a superscript; `name` is what it is called in code. Bold for vectors."""
+    """A letter with subscripts, dots and a superscript; `name` is what it is called in code. Bold
+    for vectors."""
 
     name: str
     letter: str

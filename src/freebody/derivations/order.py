@@ -1,4 +1,5 @@
-"""What the symbols of a model are (angles by parallel axes, masses by body, gravity, rates) and their order."""
+"""What the symbols of a model are (angles by parallel axes, masses by body, gravity, rates) and
+their order."""
 
 from __future__ import annotations
 
@@ -86,10 +87,13 @@ class Order:
 
     @cached_property
     def moving(self) -> frozenset[str]:
-        """Names of velocities, accelerations, signs of velocities, and of what the model itself does not hold."""
+        """Names of velocities, accelerations, signs of velocities, and of what the model itself
+        does not hold."""
         names = self.symbols.coordinates
         signs = (f"sgn_{x}{RATE}" for x in names)
-        return frozenset([*signs, *(x + e for x in names for e in (RATE, SECOND)), *self.symbols.extra])
+        return frozenset(
+            [*signs, *(x + e for x in names for e in (RATE, SECOND)), *self.symbols.extra]
+        )
 
     @cached_property
     def decimal(self) -> bool:
@@ -101,14 +105,23 @@ class Order:
         return {}
 
     def rank(self, name: str) -> Rank:
-        """Order of the symbols in a product: inertia, gravity, lengths and coordinates by joint, rates."""
+        """Order of the symbols in a product: inertia, gravity, lengths and coordinates by joint,
+        rates."""
         found = self._ranks.get(name)
         if found is None:
             found = self._ranks[name] = self._rank(name)
         return found
 
     def _rank(self, name: str) -> Rank:
-        kind = 0 if name in self.inertial else 1 if name == self.gravity else 3 if name in self.moving else 2
+        kind = (
+            0
+            if name in self.inertial
+            else 1
+            if name == self.gravity
+            else 3
+            if name in self.moving
+            else 2
+        )
         digits = re.search(r"\d+", name)
         return kind, int(digits[0]) if digits else 0, name not in self.symbols.coordinates, name
 
@@ -116,12 +129,15 @@ class Order:
         """A coefficient."""
         return ex.num(
             value,
-            self.decimal or value.denominator > 64 or bool(value.denominator % 2 and value.denominator > 9),
+            self.decimal
+            or value.denominator > 64
+            or bool(value.denominator % 2 and value.denominator > 9),
         )
 
 
 def _holds_decimals(thing: Any) -> bool:
-    """Whether inertias, placements or drives hold plain numbers that are not whole, right angles apart."""
+    """Whether inertias, placements or drives hold plain numbers that are not whole, right angles
+    apart."""
     if isinstance(thing, Turn):
         angle = thing.angle
         return isinstance(angle, (int, float)) and bool(rational_sin_cos(angle)[0].denominator != 1)

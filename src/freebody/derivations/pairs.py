@@ -1,4 +1,5 @@
-"""Sums of two sines or cosines with one factor written as products: cos a + cos b = 2 cos ½(a+b) cos ½(a-b), and so on.
+"""Sums of two sines or cosines with one factor written as products: cos a + cos b = 2 cos ½(a+b)
+cos ½(a-b), and so on.
 
 With b = 0 these are 1 + cos 2x = 2 cos²x and 1 - cos 2x = 2 sin²x.
 """
@@ -13,7 +14,8 @@ Angle = dict[str, int]
 
 
 def paired(terms: Terms, blocks: Blocks) -> Terms:
-    """Gathered terms, two of them made one product wherever their coefficients and angles allow it."""
+    """Gathered terms, two of them made one product wherever their coefficients and angles allow
+    it."""
     block_of = {x: k for k, block in enumerate(blocks) for x in block}
     candidates: defaultdict[tuple, list[tuple[Wave, Angle]]] = defaultdict(list)
     for (monomial, wave), value in terms.items():
@@ -29,7 +31,9 @@ def paired(terms: Terms, blocks: Blocks) -> Terms:
     return result
 
 
-def _join(result: Terms, monomial: Monomial, rest: Wave, f: str, rows: list[tuple[Wave, Angle]]) -> None:
+def _join(
+    result: Terms, monomial: Monomial, rest: Wave, f: str, rows: list[tuple[Wave, Angle]]
+) -> None:
     """Replaces pairs of rows, first come first served."""
     left = [row for row in rows if (monomial, row[0]) in result]
     while left:
@@ -58,7 +62,8 @@ def _halves(a: Angle, b: Angle) -> tuple[Angle, Angle] | None:
 
 
 def _product(f: str, plus: Angle, minus: Angle, equal: bool) -> tuple[int, Wave]:
-    """f(a) + f(b) (or f(a) - f(b) where not `equal`) as sign · 2 · product of functions of ½(a+b) and ½(a-b)."""
+    """f(a) + f(b) (or f(a) - f(b) where not `equal`) as sign · 2 · product of functions of ½(a+b)
+    and ½(a-b)."""
     kinds = {
         ("cos", True): (1, "cos", "cos"),
         ("cos", False): (-1, "sin", "sin"),

@@ -1,4 +1,5 @@
-"""What a derivation speaks of, by name: the positions, velocities, forces and energies of every body, exact."""
+"""What a derivation speaks of, by name: the positions, velocities, forces and energies of every
+body, exact."""
 
 from __future__ import annotations
 
@@ -54,19 +55,21 @@ class Quantities(Titled, Values):
 def quantities(
     model: Model, *, load: bool = False, at_rest: bool = False, gravity: str = "explicit"
 ) -> Quantities:
-    """Quantities of a serial arm by name, as exact polynomials; vectors are tuples, matrices tuples of rows.
+    """Quantities of a serial arm by name, as exact polynomials; vectors are tuples, matrices tuples
+    of rows.
 
-    Of body i: omega1, v1, v1_d (of its joint's point), rc1, vc1, vc1_d (of its centre of mass), r1, s1 (joint to next
-    joint or tip), sc1, f01 (force of body 0 on body 1), M1 in the plane and n1 in space (moment at the joint), fc1, Mc1
-    or nc1 (mass times acceleration, rate of spin), T1, V1, tau1. Of the arm: q, qd, qdd, tau, M, H11, c, G, G1, J, J_d,
-    x, x_d, y, r, r_d, r_dd, T, V, L, gravity, z; and all its symbols.
-    In the plane vectors have world axes, in space those of their own body (as in chapter 6); there R2_1 takes
-    components of body 1 to body 2, R1 those of body 1 to the world, p1_2 is the origin of frame 2 in frame 1; w1 and z1
-    are the angular velocity and the z axis of body 1 in world axes.
+    Of body i: omega1, v1, v1_d (of its joint's point), rc1, vc1, vc1_d (of its centre of mass), r1,
+    s1 (joint to next joint or tip), sc1, f01 (force of body 0 on body 1), M1 in the plane and n1 in
+    space (moment at the joint), fc1, Mc1 or nc1 (mass times acceleration, rate of spin), T1, V1,
+    tau1. Of the arm: q, qd, qdd, tau, M, H11, c, G, G1, J, J_d, x, x_d, y, r, r_d, r_dd, T, V, L,
+    gravity, z; and all its symbols. In the plane vectors have world axes, in space those of their
+    own body (as in chapter 6); there R2_1 takes components of body 1 to body 2, R1 those of body 1
+    to the world, p1_2 is the origin of frame 2 in frame 1; w1 and z1 are the angular velocity and
+    the z axis of body 1 in world axes.
 
-    load: a force f = (fx, fy) acts on the tip. at_rest: nothing moves. gravity: "explicit" counts each body's weight
-    among its forces; "base" accelerates the base by -g instead, which then is in all accelerations. Raises
-    FreebodyError for branched models and joints of several axes.
+    load: a force f = (fx, fy) acts on the tip. at_rest: nothing moves. gravity: "explicit" counts
+    each body's weight among its forces; "base" accelerates the base by -g instead, which then is in
+    all accelerations. Raises FreebodyError for branched models and joints of several axes.
     """
     if gravity not in GRAVITIES:
         raise UnknownNameError("gravity", gravity, "fb.quantities", GRAVITIES)
@@ -75,7 +78,9 @@ def quantities(
     require_chain_of_bodies(made, "quantities")
     setting = Setting(made, names, at_rest)
     if any(len(made.tree.children(i)) > 1 for i in range(-1, len(made.tree.bodies))):
-        raise FreebodyError(f"quantities: {model.name!r} branches; names such as f12 are those of a chain.")
+        raise FreebodyError(
+            f"quantities: {model.name!r} branches; names such as f12 are those of a chain."
+        )
     return Quantities(_Quantities(setting, gravity).all(), setting.layout)
 
 
@@ -147,7 +152,9 @@ class _Quantities:
         k = Kinematics(s.symbols, s.symbols.model.frame().name)
         dim = s.tree.space.dim
         (_, v), (_, a) = frame_motion(s.tree, s.motion, k.frame)
-        J = tuple(tuple(map(self._element, row)) for row in jacobian(s.tree, s.symbols.q, k.frame)[:dim])
+        J = tuple(
+            tuple(map(self._element, row)) for row in jacobian(s.tree, s.symbols.q, k.frame)[:dim]
+        )
         rates = time_rates(s.symbols.ring)
         found: Values = {
             "r": tuple(k.position), "r_d": self._vector(v), "r_dd": self._vector(a), "J": J,
@@ -171,12 +178,17 @@ class _Quantities:
         nothing = self._vector(s.tree.space.zero)
         if n == 1:
             start = neg(s.tree.gravity) if self.base else s.tree.space.zero
-            found |= {"v0": nothing, "v0_d": self._vector(start), "s0": self._vector(motion.joints[i][1])}
+            found |= {
+                "v0": nothing,
+                "v0_d": self._vector(start),
+                "s0": self._vector(motion.joints[i][1]),
+            }
             found |= {f"omega0{d}": self._angular(s.tree.space.zero_angular) for d in ("", "_d")}
         return found if s.planar else found | self._turns(i)
 
     def _turns(self, i: int) -> Values:
-        """Rotations between neighbours, R2_1 from body 1 to 2, and p1_2, where frame 2 is in frame 1."""
+        """Rotations between neighbours, R2_1 from body 1 to 2, and p1_2, where frame 2 is in frame
+        1."""
         n, s = self.s.numbers[i], self.s
         R, p = self.record.motion.joints[i]
         E, one = transposed(R), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -212,7 +224,8 @@ class _Quantities:
         turning = s.tree.space.inertia_times(s.inertia(i), w)
         twice = twice + sum((a * b for a, b in zip(w, turning, strict=True)), s.symbols.zero())
         height = sum(
-            (a * b for a, b in zip(s.tree.gravity, s.centre_position(i), strict=True)), s.symbols.zero()
+            (a * b for a, b in zip(s.tree.gravity, s.centre_position(i), strict=True)),
+            s.symbols.zero(),
         )
         space = s.tree.space
         force, moment = (record.F[i] or [space.zero])[0], (record.N[i] or [space.zero_angular])[0]
@@ -222,7 +235,9 @@ class _Quantities:
             f"fc{n}": self._axes(i, force), f"{spin}c{n}": self._angular(moment),
             f"T{n}": self._element(twice) * Fraction(1, 2), f"V{n}": -self._element(s.mass(i) * height),
         }  # fmt: skip
-        found[f"I{n}"] = self._element(s.inertia(i)) if s.planar else tuple(map(self._vector, s.inertia(i)))
+        found[f"I{n}"] = (
+            self._element(s.inertia(i)) if s.planar else tuple(map(self._vector, s.inertia(i)))
+        )
         if not s.planar:
             found[f"gravity{n}"] = self._vector(s.gravity(i))
         if not s.tree.children(i):
@@ -233,7 +248,8 @@ class _Quantities:
 
 
 def of_link(values: Mapping[str, Any], n: int) -> dict[str, Any]:
-    """The same with letters for the numbers of links: omega_i is omega_n, omega_h and omega_k those before and behind.
+    """The same with letters for the numbers of links: omega_i is omega_n, omega_h and omega_k those
+    before and behind.
 
     Forces f_hi and f_ik, matrices R_i of orientation, Ri_h from link n-1 to n.
     """

@@ -1,4 +1,5 @@
-"""`relation`: whether an equation between named quantities holds, exactly or to rounding, and by how much not."""
+"""`relation`: whether an equation between named quantities holds, exactly or to rounding, and by
+how much not."""
 
 from __future__ import annotations
 
@@ -59,19 +60,23 @@ class Relation:
         return numbers, self.at(numbers)
 
     def _example_of_functions(self) -> tuple[dict[str, float], tuple[Any, ...]] | None:
-        names = {s for side in self.sides for x in _entries(side) for s in getattr(x, "free_symbols", ())}
+        names = {
+            s for side in self.sides for x in _entries(side) for s in getattr(x, "free_symbols", ())
+        }
         numbers = {s.name: 0.5 + k for k, s in enumerate(sorted(names, key=str))}
         return (numbers, self.at(numbers)) if names else None
 
 
 def relation(values: Mapping[str, Any], formula: str, *, link: int | None = None) -> Relation:
-    """Whether an equation holds between quantities given by name; see `fb.quantities` for those of an arm.
+    """Whether an equation holds between quantities given by name; see `fb.quantities` for those of
+    an arm.
 
-    formula: "f12 + m2*gravity = m2*vc2_d"; see `freebody.derivations.formula`. values: scalars, vectors and
-    matrices of numbers or exact polynomials. Polynomials are compared exactly, numbers to 1e-9 of the largest.
-    link: the number that `i` stands for in names such as omega_i, and omega_h, omega_k of the links before and behind.
-    A scalar and a vector are not equal, but a vector may be compared with 0. Raises FormulaError for text that cannot
-    be read, UnknownNameError for a name without value.
+    formula: "f12 + m2*gravity = m2*vc2_d"; see `freebody.derivations.formula`. values: scalars,
+    vectors and matrices of numbers or exact polynomials. Polynomials are compared exactly, numbers
+    to 1e-9 of the largest. link: the number that `i` stands for in names such as omega_i, and
+    omega_h, omega_k of the links before and behind. A scalar and a vector are not equal, but a
+    vector may be compared with 0. Raises FormulaError for text that cannot be read,
+    UnknownNameError for a name without value.
     """
     node = parse(formula)
     if not isinstance(node, Equation):
@@ -88,7 +93,9 @@ def relation(values: Mapping[str, Any], formula: str, *, link: int | None = None
         return Relation(formula, sides, False, False, f"{names} are never equal")
     entries = [list(_entries(side)) for side in sides]
     exact = any(isinstance(x, Trig) or hasattr(x, "free_symbols") for row in entries for x in row)
-    equal = all(_equal(a, b, row) for row in entries[1:] for a, b in zip(entries[0], row, strict=True))
+    equal = all(
+        _equal(a, b, row) for row in entries[1:] for a, b in zip(entries[0], row, strict=True)
+    )
     return Relation(formula, sides, equal, exact)
 
 
@@ -137,7 +144,11 @@ def _equal(a: Value, b: Value, scale: list[Value]) -> bool:
         return (a - b).is_zero if isinstance(a, Trig) else (b - a).is_zero
     numbers = [x for x in (a, b, *scale) if not isinstance(x, Trig)]
     largest = max(1.0, *(float(np.max(np.abs(np.asarray(x, dtype=float)))) for x in numbers))
-    return bool(np.all(np.abs(np.asarray(a, dtype=float) - np.asarray(b, dtype=float)) <= ROUNDING * largest))
+    return bool(
+        np.all(
+            np.abs(np.asarray(a, dtype=float) - np.asarray(b, dtype=float)) <= ROUNDING * largest
+        )
+    )
 
 
 def _occurs(name: str, x: Trig) -> bool:

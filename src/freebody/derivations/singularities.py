@@ -1,4 +1,5 @@
-"""Where det J = 0 (2.20-2.23): the determinant factored, and each factor solved for a joint where that is possible."""
+"""Where det J = 0 (2.20-2.23): the determinant factored, and each factor solved for a joint where
+that is possible."""
 
 from __future__ import annotations
 
@@ -39,7 +40,8 @@ class Condition:
 
 @dataclass(frozen=True)
 class Determinant:
-    """number · Π factor^exponent, a polynomial in normal form; the product has been multiplied out and compared."""
+    """number · Π factor^exponent, a polynomial in normal form; the product has been multiplied out
+    and compared."""
 
     kinematics: Kinematics
     polynomial: Trig
@@ -80,7 +82,11 @@ class Determinant:
 
     def _moving(self, x: Trig) -> list[str]:
         """The coordinates that a polynomial depends on."""
-        used = {name.removeprefix("sin_").removeprefix("cos_") for powers, _ in x.terms() for name in powers}
+        used = {
+            name.removeprefix("sin_").removeprefix("cos_")
+            for powers, _ in x.terms()
+            for name in powers
+        }
         return [name for name in self.kinematics.symbols.coordinates if name in used]
 
     def _rank(self, x: Trig) -> tuple:
@@ -90,7 +96,9 @@ class Determinant:
     def _condition(self, factor: Trig) -> Condition:
         equation = ex.eq(self.kinematics.form(factor), 0)
         return Condition(
-            factor, equation, self._slid(factor) or self._turned(factor) or self._turned_alone(factor)
+            factor,
+            equation,
+            self._slid(factor) or self._turned(factor) or self._turned_alone(factor),
         )
 
     def _slid(self, factor: Trig) -> tuple[Equation, ...]:
@@ -117,7 +125,9 @@ class Determinant:
             return ()
         argument = ex.add(*(ex.mul(k, sym(x)) for x, k in arguments.pop()))
         if len(parts) == 1:
-            values = (ex.num(0), sym("pi")) if "sin" in parts else (ex.neg(_half_turn()), _half_turn())
+            values = (
+                (ex.num(0), sym("pi")) if "sin" in parts else (ex.neg(_half_turn()), _half_turn())
+            )
             return tuple(ex.eq(argument, value) for value in values)
         sine, cosine = (self._polynomial(parts[f]) for f in ("sin", "cos"))
         if self._moving(sine) or self._moving(cosine):
@@ -126,7 +136,8 @@ class Determinant:
         return (ex.eq(ex.Function("tan", argument), ex.neg(ex.div(form(cosine), form(sine)))),)
 
     def _turned_alone(self, factor: Trig) -> tuple[Equation, ...]:
-        """tan θ = …, for the first joint of a factor a sin θ + b cos θ in which a and b depend on others."""
+        """tan θ = …, for the first joint of a factor a sin θ + b cos θ in which a and b depend on
+        others."""
         ring, form = self.kinematics.symbols.ring, self.kinematics.form
         for name in self._moving(factor):
             if name not in ring.angles:
@@ -149,7 +160,8 @@ class Determinant:
 
 
 def _readable(factor: Trig) -> Fraction:
-    """A power of ten for a factor with large whole numbers, decimals that were made whole: its largest is below 1."""
+    """A power of ten for a factor with large whole numbers, decimals that were made whole: its
+    largest is below 1."""
     largest = max(abs(c) for _, c in factor.terms())
     return Fraction(1) if largest < 100 else Fraction(1, 10 ** len(str(int(largest))))
 
@@ -167,7 +179,8 @@ def _joined(texts: list[str]) -> str:
 
 
 def jacobian_determinant(kinematics: Kinematics, rows: Sequence[int]) -> Determinant:
-    """The determinant of chosen rows of J and of the columns that move the frame; as many of one as of the other."""
+    """The determinant of chosen rows of J and of the columns that move the frame; as many of one as
+    of the other."""
     everything = len(kinematics.J) == len(rows)
     polynomial = (
         shortest_determinant(kinematics.symbols, kinematics.frame)

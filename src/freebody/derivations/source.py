@@ -65,7 +65,22 @@ _C_WORDS = frozenset(
         "HUGE_VAL",
     ]
 )
-_OWN = {"q", "qd", "qdd", "M", "c", "G", "tau", "p", "math", "dynamics", "sin", "cos", "sgn", "parameters"}
+_OWN = {
+    "q",
+    "qd",
+    "qdd",
+    "M",
+    "c",
+    "G",
+    "tau",
+    "p",
+    "math",
+    "dynamics",
+    "sin",
+    "cos",
+    "sgn",
+    "parameters",
+}
 
 
 @dataclass(frozen=True)
@@ -87,9 +102,12 @@ def entries(equations: Equations) -> list[Entry]:
 
 
 class Names:
-    """Names of code: parameters as words that clash with none; functions of angles become variables."""
+    """Names of code: parameters as words that clash with none; functions of angles become
+    variables."""
 
-    def __init__(self, equations: Equations, words: frozenset[str], of_parameter: Callable[[str], str]):
+    def __init__(
+        self, equations: Equations, words: frozenset[str], of_parameter: Callable[[str], str]
+    ):
         self.coordinates = equations.symbols.coordinates
         self.values = equations.parameters
         self.of_parameter = of_parameter
@@ -145,9 +163,17 @@ def python(equations: Equations) -> str:
     ]
     arguments.sort(key=lambda argument: "=" in argument)
     lines = [f'"""{_title(equations)}"""', "", "import math", ""]
-    if any(isinstance(part, Function) and part.name == "sgn" for row in rows for part in nodes(row.value)):
+    if any(
+        isinstance(part, Function) and part.name == "sgn"
+        for row in rows
+        for part in nodes(row.value)
+    ):
         lines += ["", "def sgn(x):", "    return (x > 0) - (x < 0)", ""]
-    lines += ["", *_wrapped(f"def dynamics({', '.join(arguments)}):", ""), f'    """{_summary(equations)}"""']
+    lines += [
+        "",
+        *_wrapped(f"def dynamics({', '.join(arguments)}):", ""),
+        f'    """{_summary(equations)}"""',
+    ]
     lines += [f"    {name} = {plain(wave)}" for wave, name in names.waves.items()]
     lines += [
         f"    M = [[0.0] * {n} for _ in range({n})]",
@@ -163,7 +189,8 @@ def python(equations: Equations) -> str:
         line = f"    {target} = {value}"
         lines += [line] if len(line) <= 100 else _wrapped(f"    {target} = ({value})", "        ")
     lines += [
-        f"    tau = [sum(M[i][j] * qdd[j] for j in range({n})) + c[i] + G[i] + drive[i] for i in range({n})]",
+        f"    tau = [sum(M[i][j] * qdd[j] for j in range({n})) + c[i] + G[i] + drive[i] for i in "
+        f"range({n})]",
         "    return M, c, G, tau",
     ]
     return "\n".join(lines) + "\n"
@@ -184,7 +211,11 @@ def c(equations: Equations) -> str:
         if all(value is not None for value in names.values.values()):
             numbers = ", ".join(repr(value) for value in names.values.values())
             lines += [*_wrapped(f"static const parameters defaults = {{ {numbers} }};", "    "), ""]
-    if any(isinstance(part, Function) and part.name == "sgn" for row in rows for part in nodes(row.value)):
+    if any(
+        isinstance(part, Function) and part.name == "sgn"
+        for row in rows
+        for part in nodes(row.value)
+    ):
         lines += ["static double sgn(double x) { return (x > 0.0) - (x < 0.0); }", ""]
     lines += [f"/* {_summary(equations)} */"]
     first = "const parameters *p, " if names.values else ""

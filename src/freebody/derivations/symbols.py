@@ -64,7 +64,8 @@ class TrigReader(Reader):
 
 @dataclass(frozen=True, eq=False)
 class Symbols(ByValue):
-    """Coordinates θ_i (turning) and d_i (sliding), numbered by joint from 1, their rates, the tree over the ring."""
+    """Coordinates θ_i (turning) and d_i (sliding), numbered by joint from 1, their rates, the tree
+    over the ring."""
 
     model: Model
     ring: TrigRing
@@ -73,7 +74,8 @@ class Symbols(ByValue):
     extra: tuple[str, ...] = ()
     """Further symbols, such as the components of a load."""
     inertial: Mapping[str, tuple[int, int]] = field(default_factory=dict)
-    """Further symbols that stand for masses (0) and inertias (1) of bodies: name and (body, which)."""
+    """Further symbols that stand for masses (0) and inertias (1) of bodies: name and (body,
+    which)."""
     given: Model | None = None
     """The model as it was given; `model` is that with parameters of value 0 put in."""
 
@@ -122,17 +124,21 @@ class Symbols(ByValue):
         return x if isinstance(x, Trig) else Trig(self.ring, self.ring.constant(x), 0)
 
     def values(self, q: Any, qd: Any = None, qdd: Any = None) -> dict[str, Any]:
-        """Numbers by name, for `Trig.evaluate`: arrays (..., n) and the model's parameter values."""
+        """Numbers by name, for `Trig.evaluate`: arrays (..., n) and the model's parameter
+        values."""
         values: dict[str, Any] = {k: v for k, v in self.model.parameters.items() if v is not None}
         for ending, array in (("", q), (RATE, qd), (SECOND, qdd)):
             if array is not None:
                 values |= {x + ending: array[..., i] for i, x in enumerate(self.coordinates)}
         if qd is not None:
-            values |= {f"sgn_{x}{RATE}": np.sign(qd[..., i]) for i, x in enumerate(self.coordinates)}
+            values |= {
+                f"sgn_{x}{RATE}": np.sign(qd[..., i]) for i, x in enumerate(self.coordinates)
+            }
         return values
 
     def evaluate(self, quantity: Any, q: Any, qd: Any = None, qdd: Any = None) -> Array:
-        """Numbers of polynomials, in lists of any depth, at q, qd, qdd (..., n); with the parameters' values."""
+        """Numbers of polynomials, in lists of any depth, at q, qd, qdd (..., n); with the
+        parameters' values."""
         arrays = [None if x is None else np.asarray(x, dtype=float) for x in (q, qd, qdd)]
         values = self.values(*arrays)
         batch = np.broadcast_shapes(*(x.shape[:-1] for x in arrays if x is not None))
@@ -153,8 +159,8 @@ def symbols(
 ) -> Symbols:
     """The model in symbols; `numbers` puts in the values of parameters that have one.
 
-    A parameter whose value is 0 is no symbol: it is 0, in whatever is written about the model. extra, inertial: further
-    symbols, see `Symbols`.
+    A parameter whose value is 0 is no symbol: it is 0, in whatever is written about the model.
+    extra, inertial: further symbols, see `Symbols`.
     """
     given, model = model, with_parameters(model, lambda p: 0.0 if p.value == 0 else p)
     _require_whole_ratios(model)
@@ -172,22 +178,28 @@ def symbols(
         *(inertial or ()),
     ]
     ring = TrigRing([*turning, *angles], others)
-    return Symbols(model, ring, coordinates, TrigReader(ring, numbers), extra, inertial or {}, given)
+    return Symbols(
+        model, ring, coordinates, TrigReader(ring, numbers), extra, inertial or {}, given
+    )
 
 
 def coordinate_names(model: Model) -> tuple[str, ...]:
-    """theta_i and d_i by joint, the name itself of a slide called x, y or z; x_i, y_i, theta_i of a planar joint."""
+    """theta_i and d_i by joint, the name itself of a slide called x, y or z; x_i, y_i, theta_i of a
+    planar joint."""
     for body in model.bodies:
         if body.kind.coordinates is None:
             raise FreebodyError(
-                f"joint {body.joint.name!r} of {model.name!r} is {body.kind.name}: closed forms need coordinates "
-                "that are numbers; put three revolute joints (Euler angles) and three prismatic ones in its place."
+                f"joint {body.joint.name!r} of {model.name!r} is {body.kind.name}: closed forms "
+                f"need coordinates "
+                "that are numbers; put three revolute joints (Euler angles) and three prismatic "
+                "ones in its place."
             )
     return tuple(name for names in names_by_body(model) for name in names)
 
 
 def names_by_body(model: Model) -> list[tuple[str, ...]]:
-    """Those of each body's joint; none of one that follows another, and none of spherical and free ones."""
+    """Those of each body's joint; none of one that follows another, and none of spherical and free
+    ones."""
     names: list[tuple[str, ...]] = []
     parameters = {p.name for p in each_parameter(model)}
     i = 0
@@ -210,8 +222,10 @@ def _require_whole_ratios(model: Model) -> None:
         mimic = body.joint.mimic
         if mimic is not None and any(body.kind.angular) and mimic.ratio != round(mimic.ratio):
             raise FreebodyError(
-                f"joint {body.joint.name!r} of {model.name!r} turns {mimic.ratio:g} times as far as "
-                f"{mimic.joint!r}: closed forms need a whole number, since sines and cosines of a fraction of an angle "
+                f"joint {body.joint.name!r} of {model.name!r} turns {mimic.ratio:g} times as far "
+                f"as "
+                f"{mimic.joint!r}: closed forms need a whole number, since sines and cosines of a "
+                f"fraction of an angle "
                 'are no polynomials in its own. Load with mimic="free", or let the slower joint lead.'
             )
 

@@ -1,4 +1,5 @@
-"""The value of a formula over exact polynomials or numbers: vectors are tuples, matrices tuples of tuples."""
+"""The value of a formula over exact polynomials or numbers: vectors are tuples, matrices tuples of
+tuples."""
 
 from __future__ import annotations
 
@@ -107,7 +108,8 @@ def multiplied(a: Value, b: Value) -> Value:
 
 
 def crossed(a: Value, b: Value) -> Value:
-    """a × b: in space a vector, of planar vectors a scalar; of a scalar rate ω and a planar vector ω z × b."""
+    """a × b: in space a vector, of planar vectors a scalar; of a scalar rate ω and a planar vector
+    ω z × b."""
     if isinstance(a, Each) or isinstance(b, Each):
         return _each(crossed, a, b)
     match (len(a) if rank(a) == 1 else 0), (len(b) if rank(b) == 1 else 0):
@@ -224,7 +226,11 @@ def _slope(x: Value, by: str | None) -> Value:
     if rank(x):
         return tuple(_slope(entry, by) for entry in x)
     if hasattr(x, "free_symbols"):
-        return x.diff(next(s for s in x.free_symbols if s.name == (by or "t"))) if x.free_symbols else x * 0
+        return (
+            x.diff(next(s for s in x.free_symbols if s.name == (by or "t")))
+            if x.free_symbols
+            else x * 0
+        )
     if not isinstance(x, Trig):
         raise FormulaError("only exact polynomials are differentiated.")
     return x.derivative(by) if by is not None else x.along(time_rates(x.ring))

@@ -1,4 +1,5 @@
-"""Which equations a view shows, in which order: the notes' (3.20)-(3.27) for any arm, or everything written out."""
+"""Which equations a view shows, in which order: the notes' (3.20)-(3.27) for any arm, or everything
+written out."""
 
 from __future__ import annotations
 
@@ -43,7 +44,8 @@ def expanded(equations: ClosedForm, layout: Layout) -> list[Group]:
 
 
 def named(equations: ClosedForm, layout: Layout, names: Letters = NOTES) -> list[Group]:
-    """τ_i, or 0, by mass matrix, velocity and gravity terms, then what these are: groups τ, M, velocity, gravity."""
+    """τ_i, or 0, by mass matrix, velocity and gravity terms, then what these are: groups τ, M,
+    velocity, gravity."""
     velocity = _Coefficients(equations) if names.c == "h" else None
     torques = [
         ex.eq(motor, ex.add(*_torque(equations, layout, names, velocity, i)))
@@ -53,10 +55,14 @@ def named(equations: ClosedForm, layout: Layout, names: Letters = NOTES) -> list
         terms = [ex.eq(symbol, layout.form(value)) for symbol, value in velocity.definitions()]
     else:
         terms = [
-            _definition(layout, entry(names.c, i), x) for i, x in enumerate(equations.c, 1) if not x.is_zero
+            _definition(layout, entry(names.c, i), x)
+            for i, x in enumerate(equations.c, 1)
+            if not x.is_zero
         ]
     gravity = [
-        _definition(layout, entry(names.g, i), x) for i, x in enumerate(equations.g, 1) if not x.is_zero
+        _definition(layout, entry(names.g, i), x)
+        for i, x in enumerate(equations.g, 1)
+        if not x.is_zero
     ]
     groups = [torques, _inertia(equations, layout, names), terms, gravity]
     return [group for group in groups if group]
@@ -73,7 +79,10 @@ def _inertia(equations: ClosedForm, layout: Layout, names: Letters) -> Group:
     lines = []
     for i, j in pairs:
         if not equations.M[i][j].is_zero:
-            sides = [entry(names.M, i + 1, j + 1), *([entry(names.M, j + 1, i + 1)] if i != j else [])]
+            sides = [
+                entry(names.M, i + 1, j + 1),
+                *([entry(names.M, j + 1, i + 1)] if i != j else []),
+            ]
             lines.append(ex.eq(*sides, layout.form(equations.M[i][j])))
     return lines
 
@@ -97,7 +106,8 @@ def _torque(
 
 @dataclass
 class _Coefficients:
-    """Christoffel's symbols, each a multiple of a named one: h, or h_1, h_2, …, in larger arms h_ijk."""
+    """Christoffel's symbols, each a multiple of a named one: h, or h_1, h_2, …, in larger arms
+    h_ijk."""
 
     equations: ClosedForm
     found: dict[Trig, tuple[tuple[int, int, int], Trig, Fraction]] = field(default_factory=dict)
@@ -123,7 +133,9 @@ class _Coefficients:
             return {key: Symbol("h", "h") for key in self.found}
         if count <= max(3, n):
             return {key: entry("h", k) for k, key in enumerate(self.found, 1)}
-        return {key: entry("h", *(x + 1 for x in first)) for key, (first, _, _) in self.found.items()}
+        return {
+            key: entry("h", *(x + 1 for x in first)) for key, (first, _, _) in self.found.items()
+        }
 
     def definitions(self) -> list[tuple[Symbol, Trig]]:
         """Name and value."""
@@ -131,9 +143,13 @@ class _Coefficients:
 
     @cached_property
     def values(self) -> dict[Trig, Trig]:
-        """What each name stands for: the first multiple found, its sign chosen so that it begins without a minus."""
+        """What each name stands for: the first multiple found, its sign chosen so that it begins
+        without a minus."""
         is_negative = self.equations.layout.is_negative
-        return {key: -value if is_negative(value) else value for key, (_, value, _) in self.found.items()}
+        return {
+            key: -value if is_negative(value) else value
+            for key, (_, value, _) in self.found.items()
+        }
 
     def terms(self, i: int) -> Iterator[Expression]:
         """± factor · h · rates of τ_i."""
@@ -146,5 +162,7 @@ class _Coefficients:
             key = value / value.leading_coefficient
             factor = value.leading_coefficient / self.values[key].leading_coefficient
             number = ex.num(factor if j == k else 2 * factor)
-            rates = (ex.power(names[j] + RATE, 2),) if j == k else (names[j] + RATE, names[k] + RATE)
+            rates = (
+                (ex.power(names[j] + RATE, 2),) if j == k else (names[j] + RATE, names[k] + RATE)
+            )
             yield ex.mul(number, symbols[key], *rates)

@@ -1,4 +1,5 @@
-"""A polynomial's terms with its sines and cosines as products, or gathered into sines and cosines of sums of angles."""
+"""A polynomial's terms with its sines and cosines as products, or gathered into sines and cosines
+of sums of angles."""
 
 from __future__ import annotations
 
@@ -35,11 +36,15 @@ def raw(x: Trig) -> Raw:
 
 
 def as_products(terms: Raw, angles: tuple[str, ...]) -> Terms:
-    """Products of powers of sines and cosines; a (1 - cos²) that the normal form spelt out is sin² again."""
+    """Products of powers of sines and cosines; a (1 - cos²) that the normal form spelt out is sin²
+    again."""
     result: Terms = {}
     for powers, coefficient in terms:
         wave = tuple(
-            (f, ((x, 1),), powers[f"{f}_{x}"]) for x in angles for f in ("sin", "cos") if f"{f}_{x}" in powers
+            (f, ((x, 1),), powers[f"{f}_{x}"])
+            for x in angles
+            for f in ("sin", "cos")
+            if f"{f}_{x}" in powers
         )
         result[_rest(powers, angles), wave] = coefficient
     return _with_squares(result)
@@ -74,7 +79,9 @@ def gathered(terms: Raw, angles: tuple[str, ...], blocks: Blocks) -> Terms:
         state[_rest(powers, angles), (), exponents] = coefficient
     for block in blocks:
         places = [angles.index(x) for x in block]
-        parts: defaultdict[tuple[Monomial, Wave, Exponents], dict[Exponents, Fraction]] = defaultdict(dict)
+        parts: defaultdict[tuple[Monomial, Wave, Exponents], dict[Exponents, Fraction]] = (
+            defaultdict(dict)
+        )
         for (monomial, wave, exponents), coefficient in state.items():
             ours = tuple(exponents[k] for k in places)
             others = tuple((0, 0) if k in places else e for k, e in enumerate(exponents))
@@ -93,10 +100,13 @@ def _rest(powers: dict[str, int], angles: tuple[str, ...]) -> Monomial:
     return tuple((name, e) for name, e in powers.items() if name not in waves)
 
 
-def _waves(part: dict[Exponents, Fraction], names: tuple[str, ...]) -> Iterator[tuple[Wave, Fraction]]:
+def _waves(
+    part: dict[Exponents, Fraction], names: tuple[str, ...]
+) -> Iterator[tuple[Wave, Fraction]]:
     """A polynomial in the sines and cosines of a block's angles as a sum over waves.
 
-    Angle by angle it becomes one in z = e^{ix}, with 2 cos x = z + 1/z and 2 sin x = -i (z - 1/z), in whole numbers.
+    Angle by angle it becomes one in z = e^{ix}, with 2 cos x = z + 1/z and 2 sin x = -i (z - 1/z),
+    in whole numbers.
     """
     degree = max(sum(s + c for s, c in exponents) for exponents in part)
     scale = math.lcm(*(value.denominator for value in part.values())) << degree
@@ -104,7 +114,9 @@ def _waves(part: dict[Exponents, Fraction], names: tuple[str, ...]) -> Iterator[
     for exponents, value in part.items():
         laurent[(), exponents] = (int(value * scale) >> sum(s + c for s, c in exponents), 0)
     for _ in names:
-        wider: defaultdict[tuple[tuple[int, ...], Exponents], tuple[int, int]] = defaultdict(lambda: (0, 0))
+        wider: defaultdict[tuple[tuple[int, ...], Exponents], tuple[int, int]] = defaultdict(
+            lambda: (0, 0)
+        )
         for (multiples, ((s, c), *later)), (re, im) in laurent.items():
             if s % 2:  # times -i
                 re, im = im, -re

@@ -1,1 +1,2 @@
-"""Drawings: what to draw is data in world metres (`Drawing`), which a small writer turns into SVG text."""
+"""Drawings: what to draw is data in world metres (`Drawing`), which a small writer turns into SVG
+text."""

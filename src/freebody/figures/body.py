@@ -1,4 +1,5 @@
-"""One body alone with all that acts on it, drawn: forces from where they act, moments, the stick of the body."""
+"""One body alone with all that acts on it, drawn: forces from where they act, moments, the stick of
+the body."""
 
 from __future__ import annotations
 
@@ -21,12 +22,15 @@ _ROLES = {"reaction": "reaction", "counter": "reaction", "weight": "weight", "ex
 
 
 def diagrams(bodies: Sequence[BodyLoads], dim: int) -> tuple[Drawing, ...]:
-    """Drawings of bodies, all seen from one side; lengths and forces to one scale where their sizes allow it."""
+    """Drawings of bodies, all seen from one side; lengths and forces to one scale where their sizes
+    allow it."""
     view = FLAT if dim == 2 else _common_view(bodies)
     sizes, forces, moments = ([f(b) for b in bodies] for f in (_size, _longest, _peak))
     together = max(sizes) <= _ALIKE * min(sizes) and max(forces) <= _ALIKE * min(forces)
     if together:
-        sizes, forces, moments = ([max(values)] * len(bodies) for values in (sizes, forces, moments))
+        sizes, forces, moments = (
+            [max(values)] * len(bodies) for values in (sizes, forces, moments)
+        )
     drawings = tuple(
         _diagram(b, view, *scale) for b, *scale in zip(bodies, sizes, forces, moments, strict=True)
     )
@@ -38,7 +42,8 @@ def diagrams(bodies: Sequence[BodyLoads], dim: int) -> tuple[Drawing, ...]:
 
 
 def _diagram(loads: BodyLoads, view: View, size: float, longest: float, peak: float) -> Drawing:
-    """A body of about `size` metres, drawn so that `longest` N take three quarters of that and `peak` N m less."""
+    """A body of about `size` metres, drawn so that `longest` N take three quarters of that and
+    `peak` N m less."""
     body = loads.body
     drawing = Drawing(view, f"Free-body diagram of body {body.number}, {body.name}")
     drawing.heading, drawing.compass = f"Body {body.number} · {body.name}", True
@@ -64,7 +69,8 @@ def _diagram(loads: BodyLoads, view: View, size: float, longest: float, peak: fl
 
 
 def _joints(drawing: Drawing, loads: BodyLoads) -> None:
-    """The joint that carries the body, where it is a flat symbol, those of its children, and its centre of mass."""
+    """The joint that carries the body, where it is a flat symbol, those of its children, and its
+    centre of mass."""
     body = loads.body
     if len(drawing.view.rows[0]) == 2:
         kind, axis = body.kind.mark, body.axis
@@ -72,13 +78,16 @@ def _joints(drawing: Drawing, loads: BodyLoads) -> None:
         drawing.add(Mark(point(body.origin), kind, f"joint {body.number}", "joint", direction, 6.0))
     for end in body.ends:
         if end.child is not None and np.linalg.norm(end.place - body.origin) > 1e-6:
-            drawing.add(Mark(point(end.place), "joint", f"joint {end.child + 1}", "joint", size=4.5))
+            drawing.add(
+                Mark(point(end.place), "joint", f"joint {end.child + 1}", "joint", size=4.5)
+            )
     if body.mass:
         drawing.add(Mark(point(body.com), "com", f"C_{body.number}", "com", size=6.0))
 
 
 def _reach(drawing: Drawing, loads: BodyLoads, load: Load) -> None:
-    """A guide to where a force acts off the stick: on a slider along its rail, on a frame beside it."""
+    """A guide to where a force acts off the stick: on a slider along its rail, on a frame beside
+    it."""
     ends = [load.place, loads.body.origin, loads.body.com, *(end.place for end in loads.body.ends)]
     nearest = min(ends[1:], key=lambda place: float(np.linalg.norm(place - load.place)))
     if np.linalg.norm(nearest - load.place) > 1e-6:
@@ -93,7 +102,15 @@ def _force(drawing: Drawing, load: Load, scale: float, longest: float) -> None:
     end = load.place + load.force / size * length
     label = f"{load.name}\u2002{number(size)} N"
     drawing.add(
-        Arrow(point(load.place), point(end), load.name, _ROLES[load.role], label, point(load.force), "N")
+        Arrow(
+            point(load.place),
+            point(end),
+            load.name,
+            _ROLES[load.role],
+            label,
+            point(load.force),
+            "N",
+        )
     )
 
 
@@ -174,7 +191,8 @@ def _peak(loads: BodyLoads) -> float:
 def _size(loads: BodyLoads) -> float:
     """Extent of a body and of where forces act on it, metres."""
     places = np.array(
-        [load.place for load in loads.loads] + [p for segment in loads.body.outline for p in segment]
+        [load.place for load in loads.loads]
+        + [p for segment in loads.body.outline for p in segment]
     )
     size = float(np.linalg.norm(places.max(axis=0) - places.min(axis=0)))
     return size if size > 1e-3 else 0.1

@@ -1,8 +1,9 @@
-"""A drawing as data: named elements in world coordinates, to be found by tests and written as SVG by `svg.render`.
+"""A drawing as data: named elements in world coordinates, to be found by tests and written as SVG
+by `svg.render`.
 
-Places are in metres of the world, plane or space; a `View` projects them on the page. Sizes of symbols are in pixels
-of the page. `role` says what a thing is and picks its colours; `name` says which one it is, in the notes' notation
-("f_{0,1}", "τ_1"), where `_` or `_{…}` is a subscript.
+Places are in metres of the world, plane or space; a `View` projects them on the page. Sizes of
+symbols are in pixels of the page. `role` says what a thing is and picks its colours; `name` says
+which one it is, in the notes' notation ("f_{0,1}", "τ_1"), where `_` or `_{…}` is a subscript.
 """
 
 from __future__ import annotations
@@ -55,7 +56,8 @@ class Arrow:
 
 @dataclass(frozen=True)
 class Dimension:
-    """A length between two places, drawn `aside` pixels to the left of the line from the one to the other."""
+    """A length between two places, drawn `aside` pixels to the left of the line from the one to the
+    other."""
 
     start: Point
     end: Point
@@ -97,7 +99,8 @@ class Arc:
 
 @dataclass(frozen=True)
 class Mark:
-    """A symbol of `size` pixels: joint, com, ground, rail, slider, dot or sphere; `direction` turns it."""
+    """A symbol of `size` pixels: joint, com, ground, rail, slider, dot or sphere; `direction` turns
+    it."""
 
     at: Point
     kind: str
@@ -159,7 +162,8 @@ FLAT = View(((1.0, 0.0), (0.0, 1.0)))
 
 
 def axonometric(azimuth: float, elevation: float = 24.0) -> View:
-    """Parallel projection of space with z up; azimuth of the viewer from x, elevation above the ground, degrees."""
+    """Parallel projection of space with z up; azimuth of the viewer from x, elevation above the
+    ground, degrees."""
     a, e = math.radians(azimuth), math.radians(elevation)
     towards = (math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e))
     right = (-math.sin(a), math.cos(a), 0.0)
@@ -201,7 +205,8 @@ class Drawing:
     formulas: bool = False
     """Whether labels are formulas (`mathtext`) in a text face with serifs."""
     moved: dict[int, Point] = field(default_factory=dict)
-    """How far bodies, by their number, are drawn from where they are, metres: links pulled apart."""
+    """How far bodies, by their number, are drawn from where they are, metres: links pulled
+    apart."""
 
     def add(self, *elements: Element) -> None:
         """Draw more."""
@@ -213,7 +218,8 @@ class Drawing:
             if canonical(element.name) == canonical(name):
                 return element
         raise KeyError(
-            f"no {name!r} in the drawing; it has {', '.join(sorted({e.name for e in self.elements}))}"
+            f"no {name!r} in the drawing; it has "
+            f"{', '.join(sorted({e.name for e in self.elements}))}"
         )
 
     @property
@@ -234,7 +240,10 @@ def places(element: Element) -> tuple[Point, ...]:
             steps = [element.start + element.sweep * k / 4 for k in range(5)]
             return (
                 element.at,
-                *((x + element.radius * math.cos(a), y + element.radius * math.sin(a)) for a in steps),
+                *(
+                    (x + element.radius * math.cos(a), y + element.radius * math.sin(a))
+                    for a in steps
+                ),
             )
         case Prism():
             middle, axis = np.asarray(element.at), np.asarray(element.axis) * element.half

@@ -35,7 +35,8 @@ class FreeBodyDiagram(Titled):
         """The only drawing; with several bodies take one of `drawings`."""
         if len(self.drawings) != 1:
             raise FreebodyError(
-                f"{self.title}: it has {len(self.drawings)} drawings; take one of .drawings, or name a body."
+                f"{self.title}: it has {len(self.drawings)} drawings; take one of .drawings, or "
+                f"name a body."
             )
         return self.drawings[0]
 
@@ -61,15 +62,19 @@ def free_body_diagram(
     qdd: Vector | None = None,
     wrenches: Wrenches = None,
 ) -> FreeBodyDiagram:
-    """Free-body diagram of a body (its name, its joint's or a link's; or its index from 0), or of all: forces to scale.
+    """Free-body diagram of a body (its name, its joint's or a link's; or its index from 0), or of
+    all: forces to scale.
 
-    q: (nq,) rad or m; qd, qdd: (nv,), default at rest; wrenches as for `inverse_dynamics`, acting on the arm.
-    Returns a figure with `.svg`, `.save("fbd.svg")`, `.drawing` (the arrows as data) and `.bodies` (the loads and
-    how well they balance). Raises ShapeError, NotFiniteError, UnknownNameError. Source: figures 1.4, 2.3, 3.2, 6.4.
+    q: (nq,) rad or m; qd, qdd: (nv,), default at rest; wrenches as for `inverse_dynamics`, acting
+    on the arm. Returns a figure with `.svg`, `.save("fbd.svg")`, `.drawing` (the arrows as data)
+    and `.bodies` (the loads and how well they balance). Raises ShapeError, NotFiniteError,
+    UnknownNameError. Source: figures 1.4, 2.3, 3.2, 6.4.
     """
     loads = body_loads(model, q, qd, qdd, wrenches)
     chosen = loads if body is None else (loads[_index(model, body)],)
-    title = f"Free-body diagram of {model.name}" + ("" if body is None else f": {chosen[0].body.name}")
+    title = f"Free-body diagram of {model.name}" + (
+        "" if body is None else f": {chosen[0].body.name}"
+    )
     return FreeBodyDiagram(title, chosen, diagrams(chosen, model.dim))
 
 
@@ -77,7 +82,8 @@ def _index(model: Model, body: str | int) -> int:
     if isinstance(body, int):
         if not 0 <= body < len(model.bodies):
             raise FreebodyError(
-                f"free_body_diagram: body {body} of {model.name!r} is not there; it has bodies 0 to "
+                f"free_body_diagram: body {body} of {model.name!r} is not there; it has bodies 0 "
+                f"to "
                 f"{len(model.bodies) - 1}."
             )
         return body

@@ -44,7 +44,8 @@ class Figure(Titled):
         return sheet(pictures, self.title, self.columns)
 
     def named(self, name: str, panel: int | None = None) -> Element:
-        """The element of that name in the first drawing that has it, or in drawing `panel` (from 0).
+        """The element of that name in the first drawing that has it, or in drawing `panel` (from
+        0).
 
         Raises UnknownNameError, which lists the names.
         """
@@ -65,7 +66,8 @@ class Figure(Titled):
 
 
 def sheet(pictures: Sequence[Picture], title: str, columns: int = 2, level: float = 1.0) -> Picture:
-    """Pictures of one width in rows; level 1: on a common lower edge, where captions are, 0: on an upper one."""
+    """Pictures of one width in rows; level 1: on a common lower edge, where captions are, 0: on an
+    upper one."""
     if len(pictures) == 1:
         return Picture(pictures[0].body, pictures[0].width, pictures[0].height, title)
     body, y, wide = "", 0.0, pictures[0].width
@@ -73,7 +75,9 @@ def sheet(pictures: Sequence[Picture], title: str, columns: int = 2, level: floa
         row = pictures[k : k + columns]
         tall = max(p.height for p in row)
         for j, p in enumerate(row):
-            body += p.text(css=False, place=f'x="{j * wide:g}" y="{y + level * (tall - p.height):g}"')
+            body += p.text(
+                css=False, place=f'x="{j * wide:g}" y="{y + level * (tall - p.height):g}"'
+            )
         y += tall
     return Picture(body, min(columns, len(pictures)) * wide, y, title)
 
@@ -89,5 +93,7 @@ def save(svg: str, path: str | os.PathLike[str], what: str) -> Path:
     """Write SVG text to a file that ends in .svg; the path."""
     target = Path(path)
     if target.suffix.lower() != ".svg":
-        raise FreebodyError(f"{what}: {target.name!r} is not an .svg file; name one, such as 'fbd.svg'.")
+        raise FreebodyError(
+            f"{what}: {target.name!r} is not an .svg file; name one, such as 'fbd.svg'."
+        )
     return write(target, svg)

@@ -1,4 +1,5 @@
-"""The drawings of a derivation: an arm with its names, and beside the steps the vectors, velocities and free bodies."""
+"""The drawings of a derivation: an arm with its names, and beside the steps the vectors, velocities
+and free bodies."""
 
 from __future__ import annotations
 
@@ -46,7 +47,8 @@ def drawings(derivation: Derivation) -> Drawings:
 
 
 def write_drawings(derivation: Derivation, document: Path) -> dict[str, str]:
-    """Each drawing as an SVG file beside a document; the files' names by figure, for `Derivation.markdown`."""
+    """Each drawing as an SVG file beside a document; the files' names by figure, for
+    `Derivation.markdown`."""
     names = {}
     for name, drawing in illustrations(derivation).items():
         target = document.with_name(f"{document.stem}-{name.replace(' ', '-')}.svg")
@@ -81,9 +83,15 @@ def _is_free_body(name: str) -> bool:
 def _spoken(derivation: Derivation) -> set[str]:
     """Labels of all symbols in the derivation's equations and in its table of symbols."""
     equations = [line for step in derivation.steps for line in step.equations]
-    printed: list[Expression] = [*equations, *(x for row in derivation.glossary for x in row.symbols)]
+    printed: list[Expression] = [
+        *equations,
+        *(x for row in derivation.glossary for x in row.symbols),
+    ]
     return {
-        canonical(label(symbol)) for line in printed for symbol in nodes(line) if isinstance(symbol, Symbol)
+        canonical(label(symbol))
+        for line in printed
+        for symbol in nodes(line)
+        if isinstance(symbol, Symbol)
     }
 
 
@@ -106,7 +114,8 @@ def _is_spoken_of(element: Element, spoken: set[str]) -> bool:
 
 
 def _shown(derivation: Derivation) -> Snapshot:
-    """A state that is seen well: moving, or at rest; under a load on the tip if the equations have one."""
+    """A state that is seen well: moving, or at rest; under a load on the tip if the equations have
+    one."""
     symbols = derivation.equations.symbols
     model = with_values(symbols.model)
     still = np.zeros(model.nv) if METHODS[derivation.method].at_rest else None
@@ -155,7 +164,8 @@ def _vectors(seen: Snapshot, names: Names) -> Drawing:
 
 
 def _tip(order: int, note: str) -> Callable[[Snapshot, Names], Drawing]:
-    """The way to the tip (order 0), its velocity (1) or its acceleration (2), with the joints' rates."""
+    """The way to the tip (order 0), its velocity (1) or its acceleration (2), with the joints'
+    rates."""
     name = label(vec("r_P" + ("", "_d", "_dd")[order]))
 
     def plane(seen: Snapshot, names: Names) -> Drawing:
@@ -214,7 +224,9 @@ _PLANE: dict[str, Callable[[Snapshot, Names], Drawing]] = {
     "vectors": _vectors,
     "centres": _view("centres", "Where the centres of mass are"),
     "velocities": _view("velocities", "Joint rates and velocities of the centres of mass"),
-    "accelerations": _view("accelerations", "Joint accelerations and accelerations of the centres of mass"),
+    "accelerations": _view(
+        "accelerations", "Joint accelerations and accelerations of the centres of mass"
+    ),
     **_TIP,
 }
 _SPACE: dict[str, Callable[[Snapshot, Names], Drawing]] = {

@@ -1,4 +1,5 @@
-"""`kinematic_diagram`: a robot with the names of its geometry, its vectors, its velocities or its accelerations."""
+"""`kinematic_diagram`: a robot with the names of its geometry, its vectors, its velocities or its
+accelerations."""
 
 from __future__ import annotations
 
@@ -43,21 +44,24 @@ def kinematic_diagram(
     qd: Vector | None = None,
     qdd: Vector | None = None,
 ) -> Figure:
-    """Drawings of a robot with symbols: geometry and vectors in the plane, joint axes and common normals in space.
+    """Drawings of a robot with symbols: geometry and vectors in the plane, joint axes and common
+    normals in space.
 
-    q: (nq,) rad or m; qd, qdd: (nv,); default: a state that is seen well. Parameters without value get one that is.
-    show: one or several of "geometry" (θ_i, d_i, l_i, l_ci, C_i), "vectors" (s_i, r), "centres" (r_ci), "velocities"
-    (rates, v_ci), "accelerations" in the plane; "frames" (z_i, of slides u_i, joint variables), "normals" (a_i,
-    d_i), "vectors" (s_i, C_i) in space. Returns a figure with `.svg`, `.save("arm.svg")` and `.named("s_1")`, the
-    elements as data. Raises ShapeError, NotFiniteError, UnknownNameError. Source: figures 1.2, 2.1, 3.2,
-    4.3, 5.3, 6.4, 6.5.
+    q: (nq,) rad or m; qd, qdd: (nv,); default: a state that is seen well. Parameters without value
+    get one that is. show: one or several of "geometry" (θ_i, d_i, l_i, l_ci, C_i), "vectors" (s_i,
+    r), "centres" (r_ci), "velocities" (rates, v_ci), "accelerations" in the plane; "frames" (z_i,
+    of slides u_i, joint variables), "normals" (a_i, d_i), "vectors" (s_i, C_i) in space. Returns a
+    figure with `.svg`, `.save("arm.svg")` and `.named("s_1")`, the elements as data. Raises
+    ShapeError, NotFiniteError, UnknownNameError. Source: figures 1.2, 2.1, 3.2, 4.3, 5.3, 6.4, 6.5.
     """
     known = PLANE if model.dim == 2 else SPACE
     default = ("geometry", "vectors") if model.dim == 2 else ("frames", "normals")
     chosen = default if show is None else (show,) if isinstance(show, str) else tuple(show)
     for name in chosen:
         if name not in known:
-            raise UnknownNameError("view", name, f"kinematic_diagram of a model in {model.dim}D", known)
+            raise UnknownNameError(
+                "view", name, f"kinematic_diagram of a model in {model.dim}D", known
+            )
     if not chosen:
         raise FreebodyError(f"kinematic_diagram: show is empty; name one of {', '.join(known)}.")
     _require_drawn("qd", qd, ("velocities", "accelerations"), chosen, known)
@@ -70,14 +74,22 @@ def kinematic_diagram(
 
 
 def _require_drawn(
-    argument: str, value: Vector | None, views: Sequence[str], chosen: Sequence[str], known: Collection[str]
+    argument: str,
+    value: Vector | None,
+    views: Sequence[str],
+    chosen: Sequence[str],
+    known: Collection[str],
 ) -> None:
     """Refuse rates that none of the drawings asked for would show."""
     if value is None or set(views) & set(chosen):
         return
     possible = [name for name in views if name in known]
-    instead = f"say show={possible[0]!r}" if possible else "drawings in space show none; leave it out"
-    raise FreebodyError(f"kinematic_diagram: {argument} is not drawn in {', '.join(chosen)}: {instead}.")
+    instead = (
+        f"say show={possible[0]!r}" if possible else "drawings in space show none; leave it out"
+    )
+    raise FreebodyError(
+        f"kinematic_diagram: {argument} is not drawn in {', '.join(chosen)}: {instead}."
+    )
 
 
 def view(seen: Snapshot, show: str, names: Names) -> Drawing:

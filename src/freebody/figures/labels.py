@@ -21,7 +21,8 @@ _SWEEPS = 4  # how often labels may move once all are there
 
 @dataclass
 class Wanted:
-    """A label that looks for a place: anchors in pixels, each with the direction it would like to go."""
+    """A label that looks for a place: anchors in pixels, each with the direction it would like to
+    go."""
 
     text: str
     css: str
@@ -42,14 +43,17 @@ class Placed:
 
 @dataclass
 class Crowd:
-    """What is on the page already: points of lines to keep clear of, boxes of text, and the page's edge."""
+    """What is on the page already: points of lines to keep clear of, boxes of text, and the page's
+    edge."""
 
     width: float
     height: float
     points: list[tuple[float, float]] = field(default_factory=list)
     boxes: list[Box] = field(default_factory=list)
 
-    def keep_clear(self, a: tuple[float, float], b: tuple[float, float], half_width: float = 0.0) -> None:
+    def keep_clear(
+        self, a: tuple[float, float], b: tuple[float, float], half_width: float = 0.0
+    ) -> None:
         """Points along a segment, or along both edges of a bar."""
         length = math.dist(a, b)
         n = max(int(length / 5.0), 1)
@@ -69,7 +73,8 @@ class Crowd:
         return Placed(wanted, best)
 
     def settle(self, wanted: Sequence[Wanted]) -> list[Placed]:
-        """Places for all: one after the other, then each once more among the others, until none moves."""
+        """Places for all: one after the other, then each once more among the others, until none
+        moves."""
         choices = [_candidates(w) for w in wanted]
         choices = [(boxes, prices + self._fixed(boxes)) for boxes, prices in choices]
         first = len(self.boxes)
@@ -92,7 +97,8 @@ class Crowd:
         return tuple(float(x) for x in boxes[int(np.argmin(total))])  # type: ignore[return-value]
 
     def _fixed(self, boxes: Array) -> Array:
-        """What a place costs whatever the other labels do: being off the page, and lines under the text."""
+        """What a place costs whatever the other labels do: being off the page, and lines under the
+        text."""
         left, top, right, bottom = boxes.T
         outside = np.maximum(0, 3 - left) + np.maximum(0, 3 - top)
         outside += np.maximum(0, right - self.width + 3) + np.maximum(0, bottom - self.height + 3)

@@ -1,8 +1,8 @@
 """Every force and moment on each body at one instant, and what they add up to.
 
-On body i act: the parent's reaction, the opposite of what it does to its children, those of loops, its weight and
-external wrenches, all called as in the equations (`Naming`). Their sum is m a_c, and their moment about the centre of
-mass the rate of angular momentum there (4.12-4.15, 6.28, 6.29).
+On body i act: the parent's reaction, the opposite of what it does to its children, those of loops,
+its weight and external wrenches, all called as in the equations (`Naming`). Their sum is m a_c, and
+their moment about the centre of mass the rate of angular momentum there (4.12-4.15, 6.28, 6.29).
 """
 
 from __future__ import annotations
@@ -25,12 +25,14 @@ from freebody.trees.dynamics import joint_wrenches
 from freebody.trees.kinematics import forward_kinematics
 
 NOISE = 1e-9
-"""Of the largest force or moment on the mechanism: components below are rounding, and 0 in all drawings and tables."""
+"""Of the largest force or moment on the mechanism: components below are rounding, and 0 in all
+drawings and tables."""
 
 
 @dataclass(frozen=True)
 class Load:
-    """A force (dim,) and a moment on a body at a place, world axes; moment (3,), or (1,) in the plane."""
+    """A force (dim,) and a moment on a body at a place, world axes; moment (3,), or (1,) in the
+    plane."""
 
     name: str
     """The force's name in the notes' notation."""
@@ -43,7 +45,8 @@ class Load:
     force: Array
     moment: Array
     joint: int | None = None
-    """Index among `model.reaction_names` of what it is a reaction of; None for weights and external wrenches."""
+    """Index among `model.reaction_names` of what it is a reaction of; None for weights and external
+    wrenches."""
 
 
 @dataclass(frozen=True)
@@ -72,12 +75,19 @@ def moment(arm: Array, force: Array) -> Array:
 
 
 def body_loads(
-    model: Model, q: Vector, qd: Vector | None = None, qdd: Vector | None = None, wrenches: Wrenches = None
+    model: Model,
+    q: Vector,
+    qd: Vector | None = None,
+    qdd: Vector | None = None,
+    wrenches: Wrenches = None,
 ) -> tuple[BodyLoads, ...]:
-    """The loads on every body; q (nq,); qd, qdd (nv,), default rest; wrenches as for `inverse_dynamics`."""
+    """The loads on every body; q (nq,); qd, qdd (nv,), default rest; wrenches as for
+    `inverse_dynamics`."""
     still = np.zeros(model.nv)
     given = {"q": q, "qd": still if qd is None else qd, "qdd": still if qdd is None else qdd}
-    state = [single_vector("free_body_diagram", model, name, value) for name, value in given.items()]
+    state = [
+        single_vector("free_body_diagram", model, name, value) for name, value in given.items()
+    ]
     pose = skeleton(model, state[0])
     given = wrenches_by_frame("free_body_diagram", model, wrenches, single=True)
     names, reactions = Naming(model), np.asarray(joint_wrenches(model, *state, wrenches=given))
@@ -97,13 +107,16 @@ def body_loads(
     rates = [_rates(model, body, recursion) for body in pose.bodies]
     cleared = [_all_named(names, loads) for loads in _without_noise(acting, extent([pose]))]
     return tuple(
-        BodyLoads(body, shown, label(names.mass(body.number)), *rate, *_residuals(body, loads, *rate))
+        BodyLoads(
+            body, shown, label(names.mass(body.number)), *rate, *_residuals(body, loads, *rate)
+        )
         for body, loads, shown, rate in zip(pose.bodies, acting, cleared, rates, strict=True)
     )
 
 
 def _without_noise(acting: Sequence[Sequence[Load]], size: float) -> list[tuple[Load, ...]]:
-    """The loads on each body of a mechanism of `size` metres, with 0 for what is only rounding beside the largest."""
+    """The loads on each body of a mechanism of `size` metres, with 0 for what is only rounding
+    beside the largest."""
     loads = [load for loads in acting for load in loads]
     force = max((float(np.linalg.norm(load.force)) for load in loads), default=0.0)
     turning = max((float(np.linalg.norm(load.moment)) for load in loads), default=0.0)
@@ -120,22 +133,36 @@ def _without_noise(acting: Sequence[Sequence[Load]], size: float) -> list[tuple[
 
 
 def _all_named(names: Naming, loads: Sequence[Load]) -> tuple[Load, ...]:
-    """A pin without motor has no moment, but where it could not hold still (or move so) one is missing: it is named."""
+    """A pin without motor has no moment, but where it could not hold still (or move so) one is
+    missing: it is named."""
 
     def named(load: Load) -> Load:
         joint = load.joint
-        if load.moment_name or not any(load.moment) or joint is None or joint >= len(names.model.bodies):
+        if (
+            load.moment_name
+            or not any(load.moment)
+            or joint is None
+            or joint >= len(names.model.bodies)
+        ):
             return load
         moment = names.moment(names.parent(joint + 1), joint + 1)
-        return replace(load, moment_name=label(ex.neg(moment) if load.role == "counter" else moment))
+        return replace(
+            load, moment_name=label(ex.neg(moment) if load.role == "counter" else moment)
+        )
 
     return tuple(map(named, loads))
 
 
-def _residuals(body: BodyPlace, loads: Sequence[Load], force: Array, turning: Array) -> tuple[float, float]:
+def _residuals(
+    body: BodyPlace, loads: Sequence[Load], force: Array, turning: Array
+) -> tuple[float, float]:
     """What is left of force and moment when the body's motion is taken off."""
-    total = sum((load.moment + moment(load.place - body.com, load.force) for load in loads), -turning)
-    return float(np.linalg.norm(sum((load.force for load in loads), -force))), float(np.linalg.norm(total))
+    total = sum(
+        (load.moment + moment(load.place - body.com, load.force) for load in loads), -turning
+    )
+    return float(np.linalg.norm(sum((load.force for load in loads), -force))), float(
+        np.linalg.norm(total)
+    )
 
 
 def label(name: Expression) -> str:
@@ -145,7 +172,9 @@ def label(name: Expression) -> str:
     if not isinstance(name, ex.Symbol):
         return ""
     low = ",".join(name.low)
-    letter = unicodedata.normalize("NFC", name.letter + ("", "\u0307", "\u0308")[name.dots]) + name.high
+    letter = (
+        unicodedata.normalize("NFC", name.letter + ("", "\u0307", "\u0308")[name.dots]) + name.high
+    )
     return f"{letter}_{{{low}}}" if len(low) > 1 else f"{letter}_{low}" if low else letter
 
 
@@ -156,14 +185,18 @@ def _reactions(names: Naming, pose: Skeleton, body: BodyPlace, wrenches: Array) 
     ground = "its drives" if body.kind.frees(pose.dim) else "the ground"
     by = pose.bodies[body.parent].name if before else ground
     force, moment = names.force(before, n), names.joint_moment(n)
-    loads = [_reaction(force, moment, "reaction", by, body.origin, wrenches[body.index], body.index)]
+    loads = [
+        _reaction(force, moment, "reaction", by, body.origin, wrenches[body.index], body.index)
+    ]
     for child in pose.bodies:
         if child.parent == body.index:
             force, moment = (
                 ex.neg(x) for x in (names.force(n, child.number), names.joint_moment(child.number))
             )
             w = -wrenches[child.index]
-            loads.append(_reaction(force, moment, "counter", child.name, child.origin, w, child.index))
+            loads.append(
+                _reaction(force, moment, "counter", child.name, child.origin, w, child.index)
+            )
     return loads
 
 
@@ -175,25 +208,33 @@ def _reaction(
 
 
 def _loops(names: Naming, pose: Skeleton, q: Array, wrenches: Array) -> list[tuple[int, Load]]:
-    """(body, load) of both sides of each loop, where the wrench acts: at the origin of the second frame, or of a rod,
-    which pulls along itself, at each end."""
+    """(body, load) of both sides of each loop, where the wrench acts: at the origin of the second
+    frame, or of a rod, which pulls along itself, at each end."""
     model, found = names.model, []
     by = {body.index: body.name for body in pose.bodies}
     for k, loop in enumerate(model.loops):
         ends = [model.frame(frame).body for frame in loop.frames]
-        places = [np.asarray(forward_kinematics(model, q, frame))[: model.dim, -1] for frame in loop.frames]
+        places = [
+            np.asarray(forward_kinematics(model, q, frame))[: model.dim, -1]
+            for frame in loop.frames
+        ]
         rod = model.tree.loops[k].closure.distance
         index = len(model.bodies) + k
         force, moment = names.loop_force(k), names.loop_moment(k)
         if ends[1] >= 0:
             other = by.get(ends[0], "the ground")
             found.append(
-                (ends[1], _reaction(force, moment, "reaction", other, places[1], wrenches[index], index))
+                (
+                    ends[1],
+                    _reaction(force, moment, "reaction", other, places[1], wrenches[index], index),
+                )
             )
         if ends[0] >= 0:
             other, place = by.get(ends[1], "the ground"), places[0 if rod else 1]
             opposite = ex.neg(force), ex.neg(moment)
-            found.append((ends[0], _reaction(*opposite, "counter", other, place, -wrenches[index], index)))
+            found.append(
+                (ends[0], _reaction(*opposite, "counter", other, place, -wrenches[index], index))
+            )
     return found
 
 
@@ -210,7 +251,9 @@ def _rates(model: Model, body: BodyPlace, recursion: Recursion) -> tuple[Array, 
     at = model.tree.body_of[body.index]
     R, dim = body.rotation, model.dim
     force, turning = np.zeros(dim), np.zeros(1 if dim == 2 else 3)
-    for mass, F, N in zip(model.tree.bodies[at].masses, recursion.F[at], recursion.N[at], strict=True):
+    for mass, F, N in zip(
+        model.tree.bodies[at].masses, recursion.F[at], recursion.N[at], strict=True
+    ):
         f = R @ np.asarray(F)
         force += f
         arm = body.origin + R @ np.asarray(mass.c) - body.com

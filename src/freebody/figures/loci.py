@@ -1,4 +1,5 @@
-"""`singularity_diagram`: a planar parallel robot with the curves on which its tip stands at singular positions."""
+"""`singularity_diagram`: a planar parallel robot with the curves on which its tip stands at
+singular positions."""
 
 from __future__ import annotations
 
@@ -18,7 +19,10 @@ from freebody.model.model import Model
 from freebody.trees.kinematics import forward_kinematics
 
 WIDE, TALL = 560.0, 520.0
-_KINDS: tuple[tuple[Literal["first", "second"], str], ...] = (("first", "type 1"), ("second", "type 2"))
+_KINDS: tuple[tuple[Literal["first", "second"], str], ...] = (
+    ("first", "type 1"),
+    ("second", "type 2"),
+)
 _POINT = 1e-6  # m: a curve shorter than this is one place
 
 
@@ -29,9 +33,11 @@ def singularity_diagram(
     rows: Sequence[str] | None = None,
     hold: Mapping[str, float] | None = None,
 ) -> Figure:
-    """The robot at home, and where its tip is when singular: type 1 and type 2, each curve an element of its name.
+    """The robot at home, and where its tip is when singular: type 1 and type 2, each curve an
+    element of its name.
 
-    Arguments as for `singularity_loci`. `.named("type 1, curve 1")` is a polyline in world coordinates.
+    Arguments as for `singularity_loci`. `.named("type 1, curve 1")` is a polyline in world
+    coordinates.
     """
     if model.dim != 2:
         raise FreebodyError(

@@ -1,7 +1,9 @@
-"""Formulas in figures: `*f*_{0,1}` is a bold f with a subscript, `θ̈_1` an italic one, `p^{i−1}_i` has both.
+"""Formulas in figures: `*f*_{0,1}` is a bold f with a subscript, `θ̈_1` an italic one, `p^{i−1}_i`
+has both.
 
-Letters are italic, vectors (between stars) bold and upright, digits and signs upright, as in print. Dots of time
-derivatives are full stops set above the letter: few fonts with serifs have them as accents of any letter.
+Letters are italic, vectors (between stars) bold and upright, digits and signs upright, as in print.
+Dots of time derivatives are full stops set above the letter: few fonts with serifs have them as
+accents of any letter.
 """
 
 from __future__ import annotations
@@ -36,7 +38,9 @@ class Run:
     @property
     def width(self) -> float:
         """About how wide, in heights of a letter."""
-        letters = (c for c in unicodedata.normalize("NFD", self.text) if not unicodedata.combining(c))
+        letters = (
+            c for c in unicodedata.normalize("NFD", self.text) if not unicodedata.combining(c)
+        )
         total = sum(0.36 if c in _NARROW else 0.86 if c in _WIDE else 0.56 for c in letters)
         return total * (_SMALL if self.level else 1.0)
 

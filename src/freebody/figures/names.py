@@ -1,4 +1,5 @@
-"""What things are called in a drawing: as `Naming` calls them in the equations, or by a pattern in the notes' figures.
+"""What things are called in a drawing: as `Naming` calls them in the equations, or by a pattern in
+the notes' figures.
 
 Joints are the points O, A, B, …, the tip is P.
 """
@@ -48,7 +49,8 @@ class Names:
     letter: str = "f"
     """Of forces."""
     moment: str = ""
-    """Of the moment at any joint, with the body's number; default: τ at turns in the plane, else n with two."""
+    """Of the moment at any joint, with the body's number; default: τ at turns in the plane, else n
+    with two."""
     load: str = "f"
     """Of a force on the tip."""
     weights: bool = True
@@ -89,13 +91,16 @@ class Names:
         return self.on("l", body.number, "c")
 
     def acting(self, load: Load, body: BodyPlace, kind: JointKind | None) -> tuple[str, str]:
-        """Names of a force and its moment on a body; kind: of the joint that it is a reaction of."""
+        """Names of a force and its moment on a body; kind: of the joint that it is a reaction
+        of."""
         n = body.number
         if load.role == "weight":
             return f"{self.mass(n)} g", ""
         if load.role == "external":
             return self.load, ""
-        first, second = (body.parent + 1, n) if load.role == "reaction" else (n, (load.joint or 0) + 1)
+        first, second = (
+            (body.parent + 1, n) if load.role == "reaction" else (n, (load.joint or 0) + 1)
+        )
         sign = "" if load.role == "reaction" else "−"
         between = self.force(self.index(first), self.index(second))
         if self.moment:
@@ -158,7 +163,8 @@ def names_of(model: Model, weights: bool = True) -> ModelNames:
 
 
 def bold(name: str) -> str:
-    """A vector's label: its letters bold; a sign in front, a subscript and what is in brackets stay as they are."""
+    """A vector's label: its letters bold; a sign in front, a subscript and what is in brackets stay
+    as they are."""
     sign, rest = (name[0], name[1:]) if name[0] in "−-" else ("", name)
     letters = re.split(r"[_^(]", rest, maxsplit=1)[0]
     return f"{sign}*{letters}*{rest[len(letters) :]}"

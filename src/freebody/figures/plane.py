@@ -1,4 +1,5 @@
-"""A planar robot as textbooks draw it: bars, pins, sliders, ground, centres of mass, angles and lengths."""
+"""A planar robot as textbooks draw it: bars, pins, sliders, ground, centres of mass, angles and
+lengths."""
 
 from __future__ import annotations
 
@@ -18,7 +19,9 @@ from freebody.model.model import Model
 def draw(model: Model, pose: Skeleton, ghosts: Sequence[Skeleton], path: Array | None) -> Drawing:
     """The drawing of one pose, with fainter ones behind it."""
     size = extent([pose, *ghosts], path)
-    drawing = Drawing(FLAT, f"{model.name}: stick drawing with joint angles, lengths and centres of mass")
+    drawing = Drawing(
+        FLAT, f"{model.name}: stick drawing with joint angles, lengths and centres of mass"
+    )
     for ghost in ghosts:
         for body in ghost.bodies:
             for a, b in sticks(body):
@@ -37,7 +40,12 @@ def draw(model: Model, pose: Skeleton, ghosts: Sequence[Skeleton], path: Array |
         if body.mass > 0:
             drawing.add(Mark(point(body.com), "com", f"C_{body.number}", "com", size=6.0))
             drawing.add(
-                Label(point(body.com), f"C_{body.number}", f"label C_{body.number}", direction=_aside(body))
+                Label(
+                    point(body.com),
+                    f"C_{body.number}",
+                    f"label C_{body.number}",
+                    direction=_aside(body),
+                )
             )
     if pose.tip is not None:
         drawing.add(Mark(point(pose.tip), "dot", "tip", "soft-head", size=3.0))
@@ -78,7 +86,11 @@ def add_joint(drawing: Drawing, body: BodyPlace) -> None:
 def ruler(size: float) -> tuple[float, str, str]:
     """A round length of about a fifth of the drawing."""
     length = round_down(size / 5)
-    return length, f"{number(length, 2)} m" if length >= 0.1 else f"{number(1000 * length, 2)} mm", "length"
+    return (
+        length,
+        f"{number(length, 2)} m" if length >= 0.1 else f"{number(1000 * length, 2)} mm",
+        "length",
+    )
 
 
 def round_down(value: float) -> float:
@@ -90,7 +102,8 @@ def round_down(value: float) -> float:
 def _axes(drawing: Drawing, size: float) -> None:
     for name, end in (("x", (0.2 * size, 0.0)), ("y", (0.0, 0.2 * size))):
         drawing.add(
-            Arrow((0.0, 0.0), end, f"axis {name}", "soft"), Label(end, name, f"label {name}", direction=end)
+            Arrow((0.0, 0.0), end, f"axis {name}", "soft"),
+            Label(end, name, f"label {name}", direction=end),
         )
 
 

@@ -1,4 +1,5 @@
-"""Curves over time as small SVG pictures: axes with units, one curve a quantity, its peak marked, limits dashed."""
+"""Curves over time as small SVG pictures: axes with units, one curve a quantity, its peak marked,
+limits dashed."""
 
 from __future__ import annotations
 
@@ -50,9 +51,17 @@ def plot(what: Plot) -> Picture:
         unit=f"10{superscript(power)} {what.unit}" if power else what.unit,
     )
     low, high = _range(what)
-    box = (_LEFT, _TOP + 15.0 * max(len(rows), 1), w - _RIGHT, h + 15.0 * max(len(rows) - 2, 0) - _BOTTOM)
+    box = (
+        _LEFT,
+        _TOP + 15.0 * max(len(rows), 1),
+        w - _RIGHT,
+        h + 15.0 * max(len(rows) - 2, 0) - _BOTTOM,
+    )
     ruled = _Axes(box, (float(what.t[0]), float(what.t[-1])), (low, high), what.log)
-    body = [f'<text class="name" x="6" y="16">{escape(what.title)}</text>', *_grid(ruled, what.unit)]
+    body = [
+        f'<text class="name" x="6" y="16">{escape(what.title)}</text>',
+        *_grid(ruled, what.unit),
+    ]
     if what.now is not None:
         x = ruled.x(what.now)
         body.append(
@@ -68,15 +77,22 @@ def plot(what: Plot) -> Picture:
     if what.peaks:
         body += [_peak(ruled, what, curve, colour) for _, curve, colour in drawn[:1]]
     body += [
-        _entry(name, x, 32.0 + 15 * k, colours) for k, row in enumerate(rows) for name, x, colours in row
+        _entry(name, x, 32.0 + 15 * k, colours)
+        for k, row in enumerate(rows)
+        for name, x, colours in row
     ]
-    return Picture("".join(body), w, h + 15.0 * max(len(rows) - 2, 0), f"{what.title}, {what.unit} over time")
+    return Picture(
+        "".join(body), w, h + 15.0 * max(len(rows) - 2, 0), f"{what.title}, {what.unit} over time"
+    )
 
 
 def _power(what: Plot) -> int:
     """The power of ten that is taken out of values too small or large to be printed at an axis."""
     size = max(
-        (float(np.abs(curve[np.isfinite(curve)]).max(initial=0.0)) for curve in what.curves.values()),
+        (
+            float(np.abs(curve[np.isfinite(curve)]).max(initial=0.0))
+            for curve in what.curves.values()
+        ),
         default=0.0,
     )
     if what.log or size == 0 or 1e-2 <= size < 1e5:
@@ -85,7 +101,8 @@ def _power(what: Plot) -> int:
 
 
 def thin(x: Array, y: Array, tolerance: float = _SEEN) -> NDArray[np.intp]:
-    """Indices of the samples that a polyline needs to stay within `tolerance` of all (Ramer, Douglas, Peucker)."""
+    """Indices of the samples that a polyline needs to stay within `tolerance` of all (Ramer,
+    Douglas, Peucker)."""
     keep = np.zeros(len(x), dtype=bool)
     keep[[0, -1]] = True
     waiting = [(0, len(x) - 1)]
@@ -136,7 +153,8 @@ def _scaled(curve: Array, log: bool) -> Array:
 
 
 def _range(what: Plot) -> tuple[float, float]:
-    """Lowest and highest of the axis: all curves, zero where it is near, a limit where a curve comes near it."""
+    """Lowest and highest of the axis: all curves, zero where it is near, a limit where a curve
+    comes near it."""
     values = np.concatenate([_scaled(c, what.log) for c in what.curves.values()])
     values = values[np.isfinite(values)]
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
@@ -165,17 +183,23 @@ def _grid(axes: _Axes, unit: str) -> list[str]:
         y = float(axes.y(level))
         text = f"10{_raised(level)}" if axes.log else _tick(level, levels)
         out.append(f'<path class="grid" d="M{left:.1f} {y:.1f}H{right:.1f}"/>')
-        out.append(f'<text class="tick" x="{left - 6:.1f}" y="{y + 4:.1f}" text-anchor="end">{text}</text>')
+        out.append(
+            f'<text class="tick" x="{left - 6:.1f}" y="{y + 4:.1f}" text-anchor="end">{text}</text>'
+        )
     instants = ticks(*axes.time)
     for t in instants:
         x, text = float(axes.x(t)), _tick(t, instants)
         out.append(f'<path class="axis" d="M{x:.1f} {bottom:.1f}v4"/>')
-        out.append(f'<text class="tick" x="{x:.1f}" y="{bottom + 16:.1f}" text-anchor="middle">{text}</text>')
+        out.append(
+            f'<text class="tick" x="{x:.1f}" y="{bottom + 16:.1f}" text-anchor="middle">{text}</text>'
+        )
     if not axes.log and axes.range[0] < 0 < axes.range[1]:
         y = float(axes.y(0.0))
         out.append(f'<path class="axis" d="M{left:.1f} {y:.1f}H{right:.1f}"/>')
     out.append(f'<path class="frame" d="M{left:.1f} {top:.1f}V{bottom:.1f}H{right:.1f}"/>')
-    out.append(f'<text class="unit" x="{right:.1f}" y="{bottom + 28:.1f}" text-anchor="end">t in s</text>')
+    out.append(
+        f'<text class="unit" x="{right:.1f}" y="{bottom + 28:.1f}" text-anchor="end">t in s</text>'
+    )
     out.append(f'<text class="unit" x="{right:.1f}" y="16" text-anchor="end">{escape(unit)}</text>')
     return out
 
@@ -206,9 +230,7 @@ def _tick(value: float, all_values: Sequence[float]) -> str:
 def _limit(axes: _Axes, level: float) -> str:
     left, _, right, _ = axes.box
     y = float(axes.y(level))
-    return (
-        f'<path class="limit" d="M{left:.1f} {y:.1f}H{right:.1f}"><title>limit {number(level)}</title></path>'
-    )
+    return f'<path class="limit" d="M{left:.1f} {y:.1f}H{right:.1f}"><title>limit {number(level)}</title></path>'
 
 
 def _curve(axes: _Axes, what: Plot, name: str, curve: Array, colour: int) -> str:

@@ -1,4 +1,5 @@
-"""The robot as a stick drawing, in the plane as textbooks draw it, in space as an axonometric picture."""
+"""The robot as a stick drawing, in the plane as textbooks draw it, in space as an axonometric
+picture."""
 
 from __future__ import annotations
 
@@ -17,7 +18,8 @@ from freebody.model.model import Model
 def robot_drawing(
     model: Model, q: ArrayLike, ghosts: Sequence[ArrayLike] = (), path: ArrayLike | None = None
 ) -> Drawing:
-    """The robot at q (nq,), with fainter poses `ghosts` and the tip's `path` (k, dim) in world metres."""
+    """The robot at q (nq,), with fainter poses `ghosts` and the tip's `path` (k, dim) in world
+    metres."""
     pose = skeleton(model, q)
     others = [skeleton(model, ghost) for ghost in ghosts]
     track = None if path is None else np.asarray(path, dtype=float)

@@ -1,4 +1,5 @@
-"""Where everything of a robot is at one position q: joints, centres of mass, ends, in world axes."""
+"""Where everything of a robot is at one position q: joints, centres of mass, ends, in world
+axes."""
 
 from __future__ import annotations
 
@@ -54,7 +55,8 @@ class BodyPlace:
 
     @property
     def outline(self) -> tuple[tuple[Array, Array], ...]:
-        """Segments of its stick: from its joint to where others hang, else to its centre of mass."""
+        """Segments of its stick: from its joint to where others hang, else to its centre of
+        mass."""
         far = [end.place for end in self.ends if np.linalg.norm(end.place - self.origin) > _SAME]
         if not far and self.mass > 0 and np.linalg.norm(self.com - self.origin) > _SAME:
             far = [self.com]
@@ -137,7 +139,9 @@ def _body(
     ends = [
         End(child.joint.name, k, world[tree.body_of[k]][1])
         if not child.kind.slides
-        else End(child.joint.name, k, p + R @ np.asarray(tree.bodies[tree.body_of[k]].p, dtype=float))
+        else End(
+            child.joint.name, k, p + R @ np.asarray(tree.bodies[tree.body_of[k]].p, dtype=float)
+        )
         for k, child in enumerate(model.bodies)
         if child.parent == i
     ]
@@ -156,8 +160,12 @@ def _first(tree: Tree, model: Model, i: int) -> int:
 
 
 def _leaves(model: Model, frames: dict, at: int, R: Array, p: Array) -> list[End]:
-    """The tip and the leaves that this body carries, farthest first; of several leaves at one place the first."""
-    names = [*([model.tip] if model.tip else []), *(leaf for leaf in model.leaves if leaf != model.tip)]
+    """The tip and the leaves that this body carries, farthest first; of several leaves at one place
+    the first."""
+    names = [
+        *([model.tip] if model.tip else []),
+        *(leaf for leaf in model.leaves if leaf != model.tip),
+    ]
     ends: list[End] = []
     for name in names:
         carried, _, local = frames[name]

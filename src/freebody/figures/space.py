@@ -1,4 +1,5 @@
-"""A robot in space: an axonometric picture with joint axes as short cylinders, ground grid, shadow, frames."""
+"""A robot in space: an axonometric picture with joint axes as short cylinders, ground grid, shadow,
+frames."""
 
 from __future__ import annotations
 
@@ -9,7 +10,18 @@ from dataclasses import replace
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures.drawing import Arrow, Drawing, Element, Label, Line, Mark, Prism, View, best_view, point
+from freebody.figures.drawing import (
+    Arrow,
+    Drawing,
+    Element,
+    Label,
+    Line,
+    Mark,
+    Prism,
+    View,
+    best_view,
+    point,
+)
 from freebody.figures.plane import round_down, ruler, sticks
 from freebody.figures.skeleton import BodyPlace, Skeleton, extent
 from freebody.model.model import Model
@@ -22,13 +34,16 @@ def draw(model: Model, pose: Skeleton, ghosts: Sequence[Skeleton], path: Array |
     every = [pose, *ghosts]
     size = extent(every, path)
     view = best_view(
-        [stick for p in every for body in p.bodies for stick in sticks(body)] or [(np.zeros(3), np.ones(3))]
+        [stick for p in every for body in p.bodies for stick in sticks(body)]
+        or [(np.zeros(3), np.ones(3))]
     )
     drawing = Drawing(view, f"{model.name}: stick drawing with joint axes")
     floor = min(0.0, min(float(p.places[:, 2].min()) for p in every))
     _ground(drawing, every, floor, size)
     for segment in _segments(pose):
-        drawing.add(Line(tuple((float(p[0]), float(p[1]), floor) for p in segment), "shadow", "shadow"))
+        drawing.add(
+            Line(tuple((float(p[0]), float(p[1]), floor) for p in segment), "shadow", "shadow")
+        )
     for ghost in ghosts:
         for a, b in _segments(ghost):
             drawing.add(Line((point(a), point(b)), "ghost", "ghost"))
@@ -43,7 +58,13 @@ def draw(model: Model, pose: Skeleton, ghosts: Sequence[Skeleton], path: Array |
     for body in pose.bodies:
         if not crowded:
             drawing.add(
-                Label(point(body.origin), str(body.number), f"label {body.number}", "name", (0.0, 0.0, -1.0))
+                Label(
+                    point(body.origin),
+                    str(body.number),
+                    f"label {body.number}",
+                    "name",
+                    (0.0, 0.0, -1.0),
+                )
             )
     drawing.rulers.append(ruler(size))
     return drawing
@@ -64,7 +85,10 @@ def solids_of(body: BodyPlace, radius: float, wide: float = 9.0) -> list[Element
     """One body's links and the joint that carries it."""
     bars = [
         Line(
-            (point(a), point(b)), f"link {body.number}" + ("" if k == 0 else f".{k + 1}"), "link", width=wide
+            (point(a), point(b)),
+            f"link {body.number}" + ("" if k == 0 else f".{k + 1}"),
+            "link",
+            width=wide,
         )
         for k, (a, b) in enumerate(sticks(body))
     ]
@@ -80,7 +104,15 @@ def joint_symbol(body: BodyPlace, radius: float) -> list[Element]:
         return []
     if body.kind.slides:
         return [
-            Prism(point(body.carrier), point(body.axis), radius * 1.15, radius * 1.5, name, "joint", sides=4)
+            Prism(
+                point(body.carrier),
+                point(body.axis),
+                radius * 1.15,
+                radius * 1.5,
+                name,
+                "joint",
+                sides=4,
+            )
         ]
     return [Prism(at, point(body.axis), radius, radius * 1.35, name, "joint")]
 
@@ -92,7 +124,9 @@ def by_depth(elements: Sequence[Element], view: View) -> list[Element]:
     limit = low + _FAR * (high - low)
     spread = high - low
     order = sorted(range(len(elements)), key=lambda k: depths[k])
-    return [_paler(elements[k]) if spread > 1e-9 and depths[k] < limit else elements[k] for k in order]
+    return [
+        _paler(elements[k]) if spread > 1e-9 and depths[k] < limit else elements[k] for k in order
+    ]
 
 
 def triad(drawing: Drawing, origin: Array, rotation: Array, length: float, owner: str) -> None:
@@ -101,11 +135,14 @@ def triad(drawing: Drawing, origin: Array, rotation: Array, length: float, owner
         end = origin + length * rotation[:, k]
         drawing.add(Arrow(point(origin), point(end), f"{owner} {name}", name))
         if owner == "base":
-            drawing.add(Label(point(end), name, f"label {owner} {name}", name, point(rotation[:, k])))
+            drawing.add(
+                Label(point(end), name, f"label {owner} {name}", name, point(rotation[:, k]))
+            )
 
 
 def depth(element: Element, view: View) -> float:
-    """How near the viewer an element is; joints a little nearer than the links that meet in them."""
+    """How near the viewer an element is; joints a little nearer than the links that meet in
+    them."""
     if isinstance(element, Line):
         return view.depth(element.points)
     at = element.at if isinstance(element, Prism | Mark) else (0.0, 0.0, 0.0)
@@ -131,7 +168,11 @@ def _ground(drawing: Drawing, poses: Sequence[Skeleton], floor: float, size: flo
         for k in range(int(low[axis]), int(high[axis]) + 1):
             ends = []
             for other in (low[1 - axis], high[1 - axis]):
-                at = (k * step, float(other) * step) if axis == 0 else (float(other) * step, k * step)
+                at = (
+                    (k * step, float(other) * step)
+                    if axis == 0
+                    else (float(other) * step, k * step)
+                )
                 ends.append((*at, floor))
             drawing.add(Line(tuple(ends), "grid", "grid"))
     if math.isclose(floor, 0.0, abs_tol=1e-9):

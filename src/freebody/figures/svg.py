@@ -53,12 +53,15 @@ class Page:
         return float(self.shift[0] + self.scale * x), float(self.shift[1] - self.scale * y)
 
     def towards(self, direction: tuple[float, ...]) -> tuple[float, float]:
-        """A direction of the world on the page, unit length, y down; to the right where it points at the viewer."""
+        """A direction of the world on the page, unit length, y down; to the right where it points
+        at the viewer."""
         x, y = self.drawing.view.project([direction])[0]
         size = math.hypot(x, y)
         return (float(x / size), float(-y / size)) if size > 1e-9 else (1.0, 0.0)
 
-    def want(self, text: str, css: str, anchors: Sequence[tuple[float, float, float, float]]) -> None:
+    def want(
+        self, text: str, css: str, anchors: Sequence[tuple[float, float, float, float]]
+    ) -> None:
         """Ask for a label, as a formula where the drawing has formulas; words stay words."""
         if self.drawing.formulas and "name" not in css:
             css, size, wide = f"{css} f", mathtext.SIZE, mathtext.width(text)
@@ -77,7 +80,8 @@ class Picture:
     title: str
 
     def text(self, css: bool = True, place: str = "") -> str:
-        """The SVG document. css: with a style sheet, to stand alone. place: attributes x and y, inside another."""
+        """The SVG document. css: with a style sheet, to stand alone. place: attributes x and y,
+        inside another."""
         style = f"<style>{theme.style()}</style>" if css else ""
         size = f'width="{self.width:g}" height="{self.height:.0f}"'
         title = escape(self.title, quote=True)
@@ -97,7 +101,8 @@ def picture(drawing: Drawing, width: float = 560.0, tallest: float = 460.0) -> P
     page.body += [_label(drawing, placed) for placed in labels]
     page.body += _corners(drawing, page, height)
     page.body += [
-        _centred("n", width / 2, height + 4 + _NOTE * (k + 0.6), note) for k, note in enumerate(drawing.notes)
+        _centred("n", width / 2, height + 4 + _NOTE * (k + 0.6), note)
+        for k, note in enumerate(drawing.notes)
     ]
     height += _NOTE * len(drawing.notes) + (8 if drawing.notes else 0)
     return Picture("".join(page.body), width, height, drawing.title)
@@ -158,7 +163,9 @@ def _line(page: Page, e: Line) -> None:
                 page.crowd.keep_clear(a, b, e.width / 2 + 2)
     if e.label:
         k = len(points) // 2
-        page.want(e.label, f"{e.role}-text num", [(*points[k], 1.0, -1.0), (*points[k // 2], 1.0, -1.0)])
+        page.want(
+            e.label, f"{e.role}-text num", [(*points[k], 1.0, -1.0), (*points[k // 2], 1.0, -1.0)]
+        )
 
 
 def _arrow(page: Page, e: Arrow) -> None:
@@ -171,14 +178,17 @@ def _arrow(page: Page, e: Arrow) -> None:
         at = e.beside or 0.5
         shares = (at, at + 0.15, at - 0.15)
         left, right = (
-            [(a[0] + k * dx, a[1] + k * dy, side * dy, -side * dx) for k in shares] for side in (1, -1)
+            [(a[0] + k * dx, a[1] + k * dy, side * dy, -side * dx) for k in shares]
+            for side in (1, -1)
         )
         sides = left + right if e.aside >= 0 else right + left
         anchors = [*sides, beyond] if e.beside else [beyond, sides[0], sides[3]]
         page.want(e.label, f"{e.role}-text num", anchors)
 
 
-def _beside(a: symbols.Pixel, b: symbols.Pixel, aside: float) -> tuple[symbols.Pixel, symbols.Pixel]:
+def _beside(
+    a: symbols.Pixel, b: symbols.Pixel, aside: float
+) -> tuple[symbols.Pixel, symbols.Pixel]:
     """A segment moved some pixels to its left."""
     length = math.dist(a, b)
     if not aside or not length:
@@ -196,14 +206,18 @@ def _dimension(page: Page, e: Dimension) -> None:
         page.crowd.keep_clear(end, moved)
     if e.label:
         dx, dy = (b[1] - a[1], a[0] - b[0]) if e.aside >= 0 else (a[1] - b[1], b[0] - a[0])
-        anchors = [(a[0] + k * (b[0] - a[0]), a[1] + k * (b[1] - a[1]), dx, dy) for k in (0.5, 0.65, 0.35)]
+        anchors = [
+            (a[0] + k * (b[0] - a[0]), a[1] + k * (b[1] - a[1]), dx, dy) for k in (0.5, 0.65, 0.35)
+        ]
         page.want(e.label, "dimension-text num", anchors)
 
 
 def _turn(page: Page, e: Turn) -> None:
     x, y = page.at(e.at)
     page.body.append(
-        symbols.turn((x, y), e.radius, e.value, e.role, _tooltip(page, e.label or e.name), e.facing, e.span)
+        symbols.turn(
+            (x, y), e.radius, e.value, e.role, _tooltip(page, e.label or e.name), e.facing, e.span
+        )
     )
     for k in range(25):
         a = math.radians(e.facing + e.span * (k / 24 - 0.5))
@@ -211,7 +225,9 @@ def _turn(page: Page, e: Turn) -> None:
     if e.label:
         r = e.radius
         around = [math.radians(e.facing + e.span * k) for k in (0.25, -0.25, 0, 0.5, -0.5)]
-        anchors = [(x + r * math.cos(a), y - r * math.sin(a), math.cos(a), -math.sin(a)) for a in around]
+        anchors = [
+            (x + r * math.cos(a), y - r * math.sin(a), math.cos(a), -math.sin(a)) for a in around
+        ]
         page.want(e.label, f"{e.role}-text num", anchors)
 
 
@@ -224,7 +240,9 @@ def _arc(page: Page, e: Arc) -> None:
         page.crowd.points.append((x + r * math.cos(a), y - r * math.sin(a)))
     if e.label:
         around = [e.start + e.sweep * k for k in (0.5, 0.7, 0.3)]
-        anchors = [(x + r * math.cos(a), y - r * math.sin(a), math.cos(a), -math.sin(a)) for a in around]
+        anchors = [
+            (x + r * math.cos(a), y - r * math.sin(a), math.cos(a), -math.sin(a)) for a in around
+        ]
         page.want(e.label, "num", anchors)
 
 
@@ -234,13 +252,16 @@ def _mark(page: Page, e: Mark) -> None:
     page.body.append(symbols.MARKS[e.kind]((x, y), e.size, heading, e.role))
     page.crowd.keep_clear((x - e.size * 0.7, y), (x + e.size * 0.7, y))
     page.crowd.points += [
-        (x + e.size * math.cos(k * math.pi / 4), y + e.size * math.sin(k * math.pi / 4)) for k in range(8)
+        (x + e.size * math.cos(k * math.pi / 4), y + e.size * math.sin(k * math.pi / 4))
+        for k in range(8)
     ]
     if e.kind == "ground":
         for depth in (1.2, 2.0):
             u, v = e.size * heading[0], e.size * heading[1]
             foot = (x - depth * u, y - depth * v)
-            page.crowd.keep_clear((foot[0] + 2 * v, foot[1] - 2 * u), (foot[0] - 2 * v, foot[1] + 2 * u))
+            page.crowd.keep_clear(
+                (foot[0] + 2 * v, foot[1] - 2 * u), (foot[0] - 2 * v, foot[1] + 2 * u)
+            )
 
 
 def _prism(page: Page, e: Prism) -> None:
@@ -292,7 +313,11 @@ def _label(drawing: Drawing, placed: Placed) -> str:
 def _corners(drawing: Drawing, page: Page, height: float) -> list[str]:
     """Heading above; below, scale bars to the left and the world's axes to the right."""
     width = page.crowd.width
-    out = [f'<text class="name" x="12" y="20">{escape(drawing.heading)}</text>'] if drawing.heading else []
+    out = (
+        [f'<text class="name" x="12" y="20">{escape(drawing.heading)}</text>']
+        if drawing.heading
+        else []
+    )
     x = 14.0
     for metres, label, role in drawing.rulers:
         length = metres * page.scale

@@ -22,7 +22,11 @@ def head(tip: Pixel, heading: Pixel, role: str, size: float = 9.0) -> str:
     """An arrow head whose point is at `tip`."""
     (x, y), (u, v) = tip, heading
     back, side = (x - size * u, y - size * v), 0.36 * size
-    points = [tip, (back[0] - side * v, back[1] + side * u), (back[0] + side * v, back[1] - side * u)]
+    points = [
+        tip,
+        (back[0] - side * v, back[1] + side * u),
+        (back[0] + side * v, back[1] - side * u),
+    ]
     return f'<path class="{role}-head" d="{path(points, True)}"/>'
 
 
@@ -37,7 +41,8 @@ def arrow(a: Pixel, b: Pixel, role: str, heads: int = 1, title: str = "") -> str
     size = min(10.0, max(5.0, 0.4 * length))
     shaft = (b[0] - 0.7 * size * u, b[1] - 0.7 * size * v)
     tips = [
-        head((b[0] - k * 0.8 * size * u, b[1] - k * 0.8 * size * v), (u, v), role, size) for k in range(heads)
+        head((b[0] - k * 0.8 * size * u, b[1] - k * 0.8 * size * v), (u, v), role, size)
+        for k in range(heads)
     ]
     return f'<g>{title}<path class="{role}" d="{path([a, shaft])}"/>{"".join(tips)}</g>'
 
@@ -51,7 +56,8 @@ def turn(
     facing: float = 90.0,
     span: float = 240.0,
 ) -> str:
-    """A moment: an arc of `span` degrees around the direction `facing`; counter-clockwise where positive."""
+    """A moment: an arc of `span` degrees around the direction `facing`; counter-clockwise where
+    positive."""
     way = 1.0 if value >= 0 else -1.0
     start, end = math.radians(facing - span / 2 * way), math.radians(facing + span / 2 * way)
     large = int(span > 180)
@@ -76,7 +82,9 @@ def arc(at: Pixel, radius: float, start: float, sweep: float) -> str:
     d = f"M{p0[0]:.1f} {p0[1]:.1f}A{radius:.1f} {radius:.1f} 0 {large} {0 if way > 0 else 1} {p1[0]:.1f} {p1[1]:.1f}"
     bend = end - way * min(3.0 / radius, abs(sweep) / 2)
     heading = (-math.sin(bend) * way, -math.cos(bend) * way)
-    return f'<path class="angle" d="{d}"/>{head(p1, heading, "angle", 7)}'.replace("angle-head", "anglehead")
+    return f'<path class="angle" d="{d}"/>{head(p1, heading, "angle", 7)}'.replace(
+        "angle-head", "anglehead"
+    )
 
 
 def dimension(ends: tuple[Pixel, Pixel], line: tuple[Pixel, Pixel]) -> str:
@@ -133,7 +141,9 @@ def rail(at: Pixel, size: float, heading: Pixel, role: str) -> str:
     (x, y), (u, v) = at, heading
     line = [(x - size * u, y - size * v), (x + size * u, y + size * v)]
     count = max(int(size / 5), 2)
-    steps = [(x + size * u * k / count, y + size * v * k / count) for k in range(-count + 1, count + 1)]
+    steps = [
+        (x + size * u * k / count, y + size * v * k / count) for k in range(-count + 1, count + 1)
+    ]
     strokes = [path([(p, q), (p - 5 * u - 5 * v, q - 5 * v + 5 * u)]) for p, q in steps]
     return f'<path class="hatch" d="{"".join(strokes)}"/><path class="rail" d="{path(line)}"/>'
 
@@ -165,7 +175,9 @@ def prism_rings(prism: Prism, view: View) -> tuple[list[Point], list[Point]]:
     u = np.cross(axis, other)
     u /= np.linalg.norm(u)
     w = np.cross(axis, u)
-    angles = np.arange(prism.sides) * 2 * math.pi / prism.sides + (math.pi / 4 if prism.sides == 4 else 0)
+    angles = np.arange(prism.sides) * 2 * math.pi / prism.sides + (
+        math.pi / 4 if prism.sides == 4 else 0
+    )
     ring = prism.radius * (np.outer(np.cos(angles), u) + np.outer(np.sin(angles), w))
     if axis @ np.asarray(view.towards) < 0:
         axis = -axis

@@ -11,7 +11,8 @@ _NARROW, _WIDE = set("iljtfrI.,:;'|()[]! "), set("mwMWΣ@%")
 
 
 def number(value: float, digits: int = 3) -> str:
-    """A number for a figure: `digits` significant ones, a real minus sign, no exponent within reason."""
+    """A number for a figure: `digits` significant ones, a real minus sign, no exponent within
+    reason."""
     if not math.isfinite(value):
         return "∞" if value > 0 else "−∞" if value < 0 else "?"
     if value == 0:

@@ -1,6 +1,8 @@
-"""A Denavit-Hartenberg table as CSV: a header of column names, one row a joint, SI units, angles also as "90 deg".
+"""A Denavit-Hartenberg table as CSV: a header of column names, one row a joint, SI units, angles
+also as "90 deg".
 
-Comment lines start with #; `# convention: standard` (or modified) says what the columns mean, unless the caller does.
+Comment lines start with #; `# convention: standard` (or modified) says what the columns mean,
+unless the caller does.
 """
 
 from __future__ import annotations
@@ -31,7 +33,9 @@ def describe(file: str, text: str, *, name: str, convention: dh.Convention | Non
             remark = _REMARK.fullmatch(line.strip())
             if remark and not remark[2].strip():
                 raise FileError(
-                    file, number, f"{remark[1]} is empty; write it behind the colon, or remove the line."
+                    file,
+                    number,
+                    f"{remark[1]} is empty; write it behind the colon, or remove the line.",
                 )
             if remark:
                 remarks[remark[1]] = number, remark[2].strip()
@@ -70,7 +74,9 @@ def _convention(
     """What the file or the caller says; never guessed."""
     known = ("standard", "modified")
     if written and written[1] not in known:
-        raise FileError(file, written[0], str(UnknownNameError("convention", written[1], "the file", known)))
+        raise FileError(
+            file, written[0], str(UnknownNameError("convention", written[1], "the file", known))
+        )
     if given and written and given != written[1]:
         raise FileError(
             file, written[0], f"the file says its convention is {written[1]}, the caller {given}."
@@ -80,7 +86,8 @@ def _convention(
         raise FileError(
             file,
             line,
-            "the table does not say its convention; add a line '# convention: standard' or '# convention: modified', "
+            "the table does not say its convention; add a line '# convention: standard' or '# "
+            "convention: modified', "
             "or load it with convention=.",
         )
     return chosen
@@ -95,7 +102,9 @@ class _Header:
         self.columns = self.cells(line, text)
         for i, column in enumerate(self.columns):
             if column not in COLUMNS:
-                raise FileError(file, line, str(UnknownNameError("column", column, "a DH table", COLUMNS)))
+                raise FileError(
+                    file, line, str(UnknownNameError("column", column, "a DH table", COLUMNS))
+                )
             if column in self.columns[:i]:
                 raise FileError(file, line, f"column {column!r} appears twice; keep one.")
 
@@ -111,12 +120,16 @@ class _Row:
         cells = header.cells(line, text)
         if len(cells) != len(header.columns):
             self.refuse(f"it has {len(cells)} cells, the header {len(header.columns)}.")
-        self.cells = {column: cell for column, cell in zip(header.columns, cells, strict=True) if cell}
+        self.cells = {
+            column: cell for column, cell in zip(header.columns, cells, strict=True) if cell
+        }
         self.kind = self.cells.get("joint", "R")
 
     def as_dh(self) -> dict[str, Any]:
         """The row as `fb.dh` takes it."""
-        row: dict[str, Any] = {key: self.cells[key] for key in ("joint", "name") if key in self.cells}
+        row: dict[str, Any] = {
+            key: self.cells[key] for key in ("joint", "name") if key in self.cells
+        }
         row.update({key: self.quantity(key) for key in _DIRECT if key in self.cells})
         for key, columns in (("com", _COM), ("I", _TENSOR)):
             if any(column in self.cells for column in columns):
@@ -140,7 +153,9 @@ class _Row:
             return default
         value = in_units(self.cells[column], self.unit(column))
         if value is None or numbers.fault(value, infinite=True):
-            self.refuse(f"{column} is {shown(self.cells[column])}, expected a number{self.hint(column)}.")
+            self.refuse(
+                f"{column} is {shown(self.cells[column])}, expected a number{self.hint(column)}."
+            )
         return value
 
     def quantity(self, column: str) -> Quantity:
@@ -149,7 +164,9 @@ class _Row:
         if value is None and is_name(cell):
             return Parameter(cell)
         if value is None:
-            self.refuse(f"{column} is {shown(cell)}, expected a number or a name{self.hint(column)}.")
+            self.refuse(
+                f"{column} is {shown(cell)}, expected a number or a name{self.hint(column)}."
+            )
         problem = numbers.fault(value)
         if problem:
             self.refuse(f"{column} is {value:g}, {problem}.")

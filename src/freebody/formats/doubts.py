@@ -1,13 +1,17 @@
 """Masses of a file that cannot be those of the robot: missing, placeholders, implausible.
 
-The bars are wide: they are to find what is wrong, not what is unusual. All are about bodies that move.
+The bars are wide: they are to find what is wrong, not what is unusual. All are about bodies that
+move.
 
-- Missing: a body without mass and inertia, where its links have shapes or where nothing that it carries has mass either
-  (a body in between that has neither shape nor mass is how several freedoms are put into one place).
-- Placeholder: the same numbers for links that carry one another, round and alike about all axes; or the same, however
-  written, for three such links of different length. Links beside each other (legs, fingers) may well be alike.
-- Implausible, of all that is fixed together: a radius of gyration, or a centre of mass, far outside it, or a radius far
-  too small; a density above that of any metal, below that of any foam, where all shapes are boxes, cylinders, spheres.
+- Missing: a body without mass and inertia, where its links have shapes or where nothing that it
+  carries has mass either (a body in between that has neither shape nor mass is how several freedoms
+  are put into one place).
+- Placeholder: the same numbers for links that carry one another, round and alike about all axes; or
+  the same, however written, for three such links of different length. Links beside each other
+  (legs, fingers) may well be alike.
+- Implausible, of all that is fixed together: a radius of gyration, or a centre of mass, far outside
+  it, or a radius far too small; a density above that of any metal, below that of any foam, where
+  all shapes are boxes, cylinders, spheres.
 """
 
 from __future__ import annotations
@@ -29,11 +33,18 @@ from freebody.model.shapes import DENSEST, LIGHTEST, Shape
 from freebody.model.tree import Attached
 from freebody.spatial import of_dimension
 
-_WIDE, _SMALL, _FAR = 2.0, 0.01, 3.0  # of a link's size: radius of gyration at most, at least; centre of mass
+_WIDE, _SMALL, _FAR = (
+    2.0,
+    0.01,
+    3.0,
+)  # of a link's size: radius of gyration at most, at least; centre of mass
 _FLOOR = 0.1  # of the robot's reach: the least size of a body, whatever the file shows of it
 # of the moving mass: below which links that are alike, and a body, are passed over
 _COUNTS, _TINY = 0.01, 0.001
-_ROW, _LOOKED = 8, 64  # links alike in a row that suffice; bodies towards the base that are searched for them
+_ROW, _LOOKED = (
+    8,
+    64,
+)  # links alike in a row that suffice; bodies towards the base that are searched for them
 _SHOWN = 12  # names in a sentence
 
 
@@ -47,14 +58,17 @@ class _Link:
     tensor: np.ndarray
 
 
-def doubts(model: Model, shapes: Mapping[str, tuple[Shape, ...]], only_missing: bool = False) -> list[Notice]:
+def doubts(
+    model: Model, shapes: Mapping[str, tuple[Shape, ...]], only_missing: bool = False
+) -> list[Notice]:
     """Notices on the masses of a model, whose links have `shapes`; model.source is the file."""
     missing = _missing(model, shapes)
     found = []
     if missing:
         several = len(missing) > 1
         found.append(
-            f"{len(missing)} of {len(model.bodies)} moving bodies {'have' if several else 'has'} no mass: "
+            f"{len(missing)} of {len(model.bodies)} moving bodies {'have' if several else 'has'} "
+            f"no mass: "
             f"{listed(missing, _SHOWN)}"
         )
     if not only_missing:
@@ -62,7 +76,8 @@ def doubts(model: Model, shapes: Mapping[str, tuple[Shape, ...]], only_missing: 
         found += [*_placeholders(model, sizes), *_implausible(model, shapes, sizes)]
     if found and any(shapes.values()) and not only_missing:
         found[-1] += (
-            " (--estimate-inertia MASS, in Python estimate_inertia=, estimates from the shapes in the file)"
+            " (--estimate-inertia MASS, in Python estimate_inertia=, estimates from the shapes in "
+            "the file)"
         )
     return [Notice(DOUBTFUL, f"{text}.", model.source or None) for text in found]
 
@@ -78,7 +93,11 @@ def _missing(model: Model, shapes: Mapping[str, tuple[Shape, ...]]) -> list[str]
             carries[i] = True
             i = model.bodies[i].parent
     shaped = {frame.body for frame in model.frames if shapes.get(frame.name)}
-    return [body.name for i, body in enumerate(model.bodies) if bare[i] and (i in shaped or not carries[i])]
+    return [
+        body.name
+        for i, body in enumerate(model.bodies)
+        if bare[i] and (i in shaped or not carries[i])
+    ]
 
 
 def _weighs(part: Attached) -> bool:
@@ -87,7 +106,8 @@ def _weighs(part: Attached) -> bool:
 
 # ------------------------------------------------------------ sizes
 def _sizes(model: Model, shapes: Mapping[str, tuple[Shape, ...]]) -> list[float]:
-    """How far each body reaches from its joint (m): to the joints and frames that it carries, around its shapes."""
+    """How far each body reaches from its joint (m): to the joints and frames that it carries,
+    around its shapes."""
     space = of_dimension(model.dim)
     reach = [0.0] * len(model.bodies)
 
@@ -133,7 +153,8 @@ def _placeholders(model: Model, own: Sequence[float]) -> Iterator[str]:
         if (len(row) > 1 and _is_plain(row[0])) or differ:
             mass, inertia = row[0].mass, float(row[0].tensor[0, 0])
             yield (
-                f"{len(group)} links have the same placeholder inertia ({mass:g} kg, {inertia:g} kg m²): "
+                f"{len(group)} links have the same placeholder inertia ({mass:g} kg, {inertia:g} "
+                f"kg m²): "
                 f"{listed([link.name for link in group], _SHOWN)}"
             )
 
@@ -170,16 +191,20 @@ def _implausible(
     for i, (mass, away, gyration) in enumerate(bodies):
         if mass <= tiny or reach == 0.0:
             continue
-        least = reach if i in ends else _FLOOR * reach  # an end may be a long tool that only a mesh shows
-        for reason, value in _faults(mass, away, gyration, own[i], least, _FLOOR * reach, volumes[i]):
+        least = (
+            reach if i in ends else _FLOOR * reach
+        )  # an end may be a long tool that only a mesh shows
+        for reason, value in _faults(
+            mass, away, gyration, own[i], least, _FLOOR * reach, volumes[i]
+        ):
             reasons.setdefault(reason, []).append(f"{model.bodies[i].name} ({value})")
     for reason, names in reasons.items():
         yield f"{reason}: {listed(names, _SHOWN)}"
 
 
 def _whole(body: Body) -> tuple[float, float, float]:
-    """Of all that is fixed together: mass, distance of its centre from the joint, largest radius of gyration; 0 where
-    masses are not positive."""
+    """Of all that is fixed together: mass, distance of its centre from the joint, largest radius of
+    gyration; 0 where masses are not positive."""
     parts = [part for part in body.inertias if _weighs(part)]
     if not parts or any(VALUES.quantity(part.inertia.mass) <= 0.0 for part in parts):
         return 0.0, 0.0, 0.0
@@ -216,7 +241,8 @@ def _faults(
 
 
 def _volumes(model: Model, shapes: Mapping[str, tuple[Shape, ...]]) -> list[float]:
-    """m³ of each body's shapes, of the role that fills more; 0 where there are none, or meshes: they stay closed."""
+    """m³ of each body's shapes, of the role that fills more; 0 where there are none, or meshes:
+    they stay closed."""
     filled = {role: [0.0] * len(model.bodies) for role in ("collision", "visual")}
     for frame in model.frames:
         for shape in shapes.get(frame.name, ()):

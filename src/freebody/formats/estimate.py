@@ -1,7 +1,9 @@
-"""Inertias estimated from the shapes in a file: links filled evenly, at the one density that gives the stated mass.
+"""Inertias estimated from the shapes in a file: links filled evenly, at the one density that gives
+the stated mass.
 
-Collision shapes count where a link has any, else the visual ones; what several share counts twice. A link without
-shapes gets no mass. Every inertia of the file is replaced: part measured, part estimated would tell less.
+Collision shapes count where a link has any, else the visual ones; what several share counts twice.
+A link without shapes gets no mass. Every inertia of the file is replaced: part measured, part
+estimated would tell less.
 """
 
 from __future__ import annotations
@@ -30,12 +32,16 @@ _MESHES = (".stl", ".obj", ".ply", ".dae")
 
 
 def estimated(description: Description, mass: float) -> Description:
-    """The description, its inertias replaced by estimates that weigh `mass` (kg) together, the base included.
+    """The description, its inertias replaced by estimates that weigh `mass` (kg) together, the base
+    included.
 
-    Raises FreebodyError for a mass that is none, FileError where no link has a shape, or a mesh cannot be read.
+    Raises FreebodyError for a mass that is none, FileError where no link has a shape, or a mesh
+    cannot be read.
     """
     if isinstance(mass, bool) or not math.isfinite(mass) or mass <= 0:
-        raise FreebodyError(f"load: estimate_inertia is {mass}, expected the robot's whole mass, kg above 0.")
+        raise FreebodyError(
+            f"load: estimate_inertia is {mass}, expected the robot's whole mass, kg above 0."
+        )
     file = description.file or description.name
     filled = {link.name: _filled(link, file) for link in description.links}
     volume = sum(inertia.numbers()[0] for inertia in filled.values() if inertia)
@@ -43,7 +49,8 @@ def estimated(description: Description, mass: float) -> Description:
         raise FileError(
             file,
             None,
-            "no link has a shape that fills a volume, so there is nothing to estimate inertias from.",
+            "no link has a shape that fills a volume, so there is nothing to estimate inertias "
+            "from.",
         )
     density = mass / volume
     links = tuple(
@@ -51,7 +58,9 @@ def estimated(description: Description, mass: float) -> Description:
         for link in description.links
     )
     return replace(
-        description, links=links, notices=(*description.notices, *_told(description, filled, mass, density))
+        description,
+        links=links,
+        notices=(*description.notices, *_told(description, filled, mass, density)),
     )
 
 
@@ -62,7 +71,8 @@ def _told(
     empty = [name for name, inertia in filled.items() if inertia is None]
     without = f"; links without shapes have none: {', '.join(empty)}" if empty else ""
     text = (
-        f"the inertias of {len(filled) - len(empty)} links are estimated from their shapes, filled evenly with "
+        f"the inertias of {len(filled) - len(empty)} links are estimated from their shapes, filled "
+        f"evenly with "
         f"{density:.4g} kg/m³ so that all weigh {mass:g} kg{without}."
     )
     yield Notice(ESTIMATED, text, description.file)
@@ -101,20 +111,23 @@ def _mesh(shape: Shape, link: Link, file: str) -> Inertia:
         raise FileError(
             file,
             shape.line,
-            f"link {link.name!r}: its mesh {shape.file!r} was not found beside the file or above it.",
+            f"link {link.name!r}: its mesh {shape.file!r} was not found beside the file or above "
+            f"it.",
         )
     try:
         import trimesh  # an extra
     except ImportError:
         raise FreebodyError(
-            "load: estimating inertias from meshes needs trimesh; install it with `pip install 'freebody[mesh]'`."
+            "load: estimating inertias from meshes needs trimesh; install it with `pip install "
+            "'freebody[mesh]'`."
         ) from None
     suffix = path.suffix.lower()
     if suffix not in _MESHES:
         raise FileError(
             file,
             shape.line,
-            f"link {link.name!r}: its mesh {path.name!r} is none of {', '.join(_MESHES)}; convert it to one of these.",
+            f"link {link.name!r}: its mesh {path.name!r} is none of {', '.join(_MESHES)}; convert "
+            f"it to one of these.",
         )
     data = contents(path, _LARGEST, "a mesh")
     try:
@@ -125,19 +138,23 @@ def _mesh(shape: Shape, link: Link, file: str) -> Inertia:
         found = mesh.mass_properties
         tensor = np.asarray(found["inertia"], dtype=float)
         return Inertia.of(
-            float(found["mass"]), [float(x) for x in found["center_mass"]], 0.5 * (tensor + tensor.T)
+            float(found["mass"]),
+            [float(x) for x in found["center_mass"]],
+            0.5 * (tensor + tensor.T),
         )
     except Exception as problem:  # whatever a reader of meshes raises on a broken one
         raise FileError(
             file,
             shape.line,
-            f"link {link.name!r}: its mesh {path.name!r} cannot be read: {' '.join(str(problem).split())}.",
+            f"link {link.name!r}: its mesh {path.name!r} cannot be read: "
+            f"{' '.join(str(problem).split())}.",
         ) from None
 
 
 def located(name: str, folder: Path) -> Path | None:
-    """The file that a mesh's name means: a path from `folder` (absolute), or package://NAME/REST, where NAME/REST, or
-    else REST alone, is found from `folder` or one above it, the nearest first. None where there is no such file."""
+    """The file that a mesh's name means: a path from `folder` (absolute), or package://NAME/REST,
+    where NAME/REST, or else REST alone, is found from `folder` or one above it, the nearest first.
+    None where there is no such file."""
     scheme, colon, rest = name.partition("://")
     if not colon:
         candidates = [folder / name]

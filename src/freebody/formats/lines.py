@@ -18,13 +18,16 @@ MOST_TEXT, MOST_VALUES, DEEPEST = 16 * 2**20, 2_000_000, 64
 _BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
 _INLINE_BLANK = re.compile(r"[ \t]*")
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
-_STRING = re.compile(r'"""(?:\\.|[^\\])*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:\\.|[^"\\])*"|\'[^\']*\'', re.DOTALL)
+_STRING = re.compile(
+    r'"""(?:\\.|[^\\])*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:\\.|[^"\\])*"|\'[^\']*\'', re.DOTALL
+)
 _MARK = re.compile(rf"{_STRING.pattern}|#[^\n]*|[.,=\n\[\]{{}}]", re.DOTALL)
 _SCALAR = re.compile(r"[^,\]}#\r\n]+")
 
 
 def bounded(file: str, text: str) -> None:
-    """Refuse what takes the parser too long, or too deep: too many values, keys of many parts, nested brackets."""
+    """Refuse what takes the parser too long, or too deep: too many values, keys of many parts,
+    nested brackets."""
     if len(text) > MOST_TEXT:
         raise FileError(file, None, f"the text has more than {MOST_TEXT >> 20} million characters.")
     depth = dots = values = 0
@@ -52,7 +55,8 @@ def bounded(file: str, text: str) -> None:
 
 
 def lines(text: str) -> dict[Path, int]:
-    """Line (from 1) of every table, key and array entry, by its path such as ("joint", 2, "axis")."""
+    """Line (from 1) of every table, key and array entry, by its path such as ("joint", 2,
+    "axis")."""
     return _Scanner(text).found
 
 
@@ -92,14 +96,17 @@ class _Scanner:
         parts: list[str] = []
         while True:
             self.skip(_INLINE_BLANK)
-            parts.append(self.skip(_STRING)[1:-1] if self.text[self.at] in "\"'" else self.skip(_BARE))
+            parts.append(
+                self.skip(_STRING)[1:-1] if self.text[self.at] in "\"'" else self.skip(_BARE)
+            )
             self.skip(_INLINE_BLANK)
             if self.text[self.at] != ".":
                 return parts
             self.at += 1
 
     def header(self) -> None:
-        """[table] or [[array of tables]]; parts of the name that are arrays mean their last entry."""
+        """[table] or [[array of tables]]; parts of the name that are arrays mean their last
+        entry."""
         start = self.at
         twice = self.text.startswith("[[", start)
         self.at += 2 if twice else 1

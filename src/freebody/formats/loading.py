@@ -41,25 +41,29 @@ def load(
     estimate_inertia: float | None = None,
     loop_tolerance: tuple[float, float] | None = None,
 ) -> Model:
-    """A model from a .urdf, .toml or .csv (DH table) file, or a bundled model by its name (see `models()`).
+    """A model from a .urdf, .toml or .csv (DH table) file, or a bundled model by its name (see
+    `models()`).
 
-    Letters R and P that are no bundled model's name are a planar arm: load("RRP") is planar("RRP"). A file is a regular
-    one of at most 32 MB (TOML: 16) and 50 000 links, and no number in it but a limit is beyond 1e60.
+    Letters R and P that are no bundled model's name are a planar arm: load("RRP") is planar("RRP").
+    A file is a regular one of at most 32 MB (TOML: 16) and 50 000 links, and no number in it but a
+    limit is beyond 1e60.
 
     tip: the frame that `frame=None` means; default: the file's, else the only leaf.
     base: "fixed" or "free" (a free joint carries the root link); default: the file's, else fixed.
     mimic: "follow", or "free" to make mimic joints independent.
-    physical: "warn" about, "refuse" or "ignore" an inertia that no rigid body has; the numbers are never changed.
-    snap_angles: URDF angles (rad) this close to a multiple of π/2 are read as that multiple; 0 reads them as written.
-    convention: "standard" or "modified", for a DH table that does not say it.
-    estimate_inertia: the robot's whole mass (kg): all inertias of a URDF are replaced by estimates from the shapes in
-    the file, filled evenly at one density; meshes need the extra freebody[mesh]. Marked as estimated wherever shown.
-    loop_tolerance: (m, rad) by which rounded numbers may keep loops from closing, see `Model.with_loop`; default: the
-    file's, else 1 mm or a thousandth of the loop's size, the smaller, and 1 mrad.
+    physical: "warn" about, "refuse" or "ignore" an inertia that no rigid body has; the numbers are
+    never changed. snap_angles: URDF angles (rad) this close to a multiple of π/2 are read as that
+    multiple; 0 reads them as written. convention: "standard" or "modified", for a DH table that
+    does not say it.
+    estimate_inertia: the robot's whole mass (kg): all inertias of a URDF are replaced by estimates
+    from the shapes in the file, filled evenly at one density; meshes need the extra freebody[mesh].
+    Marked as estimated wherever shown. loop_tolerance: (m, rad) by which rounded numbers may keep
+    loops from closing, see `Model.with_loop`; default: the file's, else 1 mm or a thousandth of the
+    loop's size, the smaller, and 1 mrad.
 
-    Masses of a URDF that are missing, placeholders or implausible are warned about (MassWarning). These, and what was
-    snapped, ignored or doubtful, stand in `model.notices`.
-    Raises FileError with file and line, or FreebodyError.
+    Masses of a URDF that are missing, placeholders or implausible are warned about (MassWarning).
+    These, and what was snapped, ignored or doubtful, stand in `model.notices`. Raises FileError
+    with file and line, or FreebodyError.
     """
     description = read(source, snap_angles=snap_angles, convention=convention)
     if estimate_inertia is not None:
@@ -74,14 +78,16 @@ def load(
 def _estimated(description: Description, mass: float) -> Description:
     if not description.real:
         raise FreebodyError(
-            f"load: estimate_inertia= needs the shapes of a URDF, and {description.name!r} comes from none; "
+            f"load: estimate_inertia= needs the shapes of a URDF, and {description.name!r} comes "
+            f"from none; "
             "give masses in its file."
         )
     return estimated(description, mass)
 
 
 def _weighed(model: Model, description: Description, estimate: bool, warn: bool) -> Model:
-    """The model with notices on what is doubtful about its masses, where they are to be those of a machine."""
+    """The model with notices on what is doubtful about its masses, where they are to be those of a
+    machine."""
     if description.real:
         found = doubts(model, {link.name: link.shapes for link in description.links}, estimate)
         model = replace(model, notices=(*model.notices, *found)) if found else model
@@ -92,16 +98,23 @@ def _weighed(model: Model, description: Description, estimate: bool, warn: bool)
 
 
 def read(
-    source: str | os.PathLike[str], *, snap_angles: float = 3e-9, convention: Convention | None = None
+    source: str | os.PathLike[str],
+    *,
+    snap_angles: float = 3e-9,
+    convention: Convention | None = None,
 ) -> Description:
-    """The description in a file or of a bundled model, before it is checked and lumped; see `load`."""
+    """The description in a file or of a bundled model, before it is checked and lumped; see
+    `load`."""
     if not 0.0 <= real(snap_angles, "load: snap_angles") < 0.1:
-        raise FreebodyError(f"load: snap_angles is {snap_angles}, expected radians between 0 and 0.1.")
+        raise FreebodyError(
+            f"load: snap_angles is {snap_angles}, expected radians between 0 and 0.1."
+        )
     given = _path(source)
     path = Path(given)
     if convention is not None and path.suffix.lower() != ".csv":
         raise FreebodyError(
-            f"load: convention= is for DH tables in .csv files, which do not always say it; leave it out for {given!r}."
+            f"load: convention= is for DH tables in .csv files, which do not always say it; leave "
+            f"it out for {given!r}."
         )
     if not path.suffix and os.sep not in given and "/" not in given:
         return _named(given)
@@ -125,11 +138,14 @@ def read(
 def _path(source: object) -> str:
     """The path or name as text; refuses a description itself."""
     if not isinstance(source, str | os.PathLike) or isinstance(given := os.fspath(source), bytes):
-        raise FreebodyError(f"load: expected a path or a model's name, not {type(source).__name__}.")
+        raise FreebodyError(
+            f"load: expected a path or a model's name, not {type(source).__name__}."
+        )
     if given.lstrip().startswith("<") or "\n" in given:
         kind = ".urdf" if given.lstrip().startswith("<") else ".toml or .csv"
         raise FreebodyError(
-            f"load: {shown(given)} is the text of a description, not a path; write it to a {kind} file and load that: "
+            f"load: {shown(given)} is the text of a description, not a path; write it to a {kind} "
+            f"file and load that: "
             "its lines are what errors refer to."
         )
     return given
@@ -144,12 +160,14 @@ def _named(name: str) -> Description:
         return planar.describe(name)
     if name == "-":
         raise FreebodyError(
-            "load: a robot is not read from standard input, where no suffix tells its format; save it in a file."
+            "load: a robot is not read from standard input, where no suffix tells its format; save "
+            "it in a file."
         )
     if Path(name).exists():
         kind = "folder" if Path(name).is_dir() else "file"
         raise FreebodyError(
-            f"load: {name!r} is no bundled model. The {kind} of that name needs a suffix that tells its format: "
+            f"load: {name!r} is no bundled model. The {kind} of that name needs a suffix that "
+            f"tells its format: "
             f"{', '.join(SUFFIXES)}."
         )
     problem = UnknownNameError("model", name, "the bundled models", names)

@@ -1,6 +1,7 @@
 """The one reader of numbers in text that comes from outside: files, tables, the command line.
 
-Python's own `float` also takes 1_0, digits of other scripts and blanks around; here a number is what C would print.
+Python's own `float` also takes 1_0, digits of other scripts and blanks around; here a number is
+what C would print.
 """
 
 from __future__ import annotations
@@ -11,8 +12,8 @@ import re
 from freebody.model.parameters import LARGEST
 
 DECIMAL = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
-"""A decimal number, as a regular expression for ASCII text. No two parts of it can share digits: 100 000 digits that
-are no number would else be divided in as many ways, each tried to its end."""
+"""A decimal number, as a regular expression for ASCII text. No two parts of it can share digits:
+100 000 digits that are no number would else be divided in as many ways, each tried to its end."""
 NOT_FINITE = "not a finite number"
 _NUMBER = re.compile(rf"{DECIMAL}|[+-]?inf(?:inity)?|nan", re.ASCII | re.IGNORECASE)
 
@@ -23,7 +24,8 @@ def number(text: str) -> float | None:
 
 
 def fault(value: float, infinite: bool = False) -> str | None:
-    """What a number is that cannot be used, or None. infinite: for bounds, which may be as large as they like."""
+    """What a number is that cannot be used, or None. infinite: for bounds, which may be as large as
+    they like."""
     if math.isnan(value) or (math.isinf(value) and not infinite):
         return NOT_FINITE
     if abs(value) > LARGEST and not infinite:

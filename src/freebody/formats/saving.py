@@ -23,12 +23,14 @@ from freebody.outputs.files import write
 def save(model: Model, path: str | os.PathLike[str]) -> None:
     """Write the model to a .toml file (UTF-8).
 
-    Of `model.notices` those on masses that are doubtful or estimated go along, as `masses_doubtful` and
-    `masses_estimated`; the others, which speak of where it came from, stay behind.
+    Of `model.notices` those on masses that are doubtful or estimated go along, as `masses_doubtful`
+    and `masses_estimated`; the others, which speak of where it came from, stay behind.
     """
     target = Path(path)
     if target.suffix.lower() != ".toml":
-        raise FreebodyError(f"save: {os.fspath(path)!r} must end in .toml, the format that is written.")
+        raise FreebodyError(
+            f"save: {os.fspath(path)!r} must end in .toml, the format that is written."
+        )
     write(target, as_toml(model))
 
 
@@ -36,7 +38,10 @@ def as_toml(model: Model) -> str:
     """The model as TOML text."""
     writer = _Writer(model)
     return (
-        "\n\n".join(filter(None, (writer.head(), writer.parameters(), writer.home(), *writer.parts()))) + "\n"
+        "\n\n".join(
+            filter(None, (writer.head(), writer.parameters(), writer.home(), *writer.parts()))
+        )
+        + "\n"
     )
 
 
@@ -74,7 +79,9 @@ class _Writer:
         return _entries(entries)
 
     def parameters(self) -> str:
-        values = {name: repr(value) for name, value in self.model.parameters.items() if value is not None}
+        values = {
+            name: repr(value) for name, value in self.model.parameters.items() if value is not None
+        }
         return f"[parameters]\n{_entries(values)}" if values else ""
 
     def home(self) -> str:
@@ -87,7 +94,10 @@ class _Writer:
         taken = {joint.name for joint in self.joints}
         return [
             *(self.link(frame) for frame in self.links),
-            *(_joint(joint, frames[joint.parent].placement, self.model.dim) for joint in self.joints),
+            *(
+                _joint(joint, frames[joint.parent].placement, self.model.dim)
+                for joint in self.joints
+            ),
             *(_fixed(frame, frames[frame.parent], taken, self.model.dim) for frame in fixed),
             *(
                 _mounted(frame, frames[frame.parent], self.model.dim)
@@ -126,7 +136,9 @@ def _joint(joint: Joint, parent: Placement, dim: int) -> str:
     if KINDS[joint.kind].needs_axis:
         entries["axis"] = repr(joint.axis[0]) if len(joint.axis) == 1 else _vector(joint.axis)
     if joint.limits != Limits():
-        limits = {key: getattr(joint.limits, key) for key in ("lower", "upper", "velocity", "effort")}
+        limits = {
+            key: getattr(joint.limits, key) for key in ("lower", "upper", "velocity", "effort")
+        }
         entries["limits"] = _inline(
             {key: repr(x) for key, x in limits.items() if not math.isinf(x) or _told(key, x)}
         )
@@ -134,7 +146,11 @@ def _joint(joint: Joint, parent: Placement, dim: int) -> str:
     if joint.mimic:
         follow = joint.mimic
         entries["mimic"] = _inline(
-            {"joint": _text(follow.joint), "ratio": repr(follow.ratio), "offset": repr(follow.offset)}
+            {
+                "joint": _text(follow.joint),
+                "ratio": repr(follow.ratio),
+                "offset": repr(follow.offset),
+            }
         )
     if joint.passive:
         entries["passive"] = "true"
@@ -243,7 +259,9 @@ def _text(value: str) -> str:
 
 def _key(name: str) -> str:
     """A bare key where TOML allows it."""
-    return name if name.replace("_", "").replace("-", "").isalnum() and name.isascii() else _text(name)
+    return (
+        name if name.replace("_", "").replace("-", "").isalnum() and name.isascii() else _text(name)
+    )
 
 
 def _inline(entries: dict[str, str]) -> str:

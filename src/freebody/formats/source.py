@@ -1,4 +1,5 @@
-"""The one reader of files from outside: bytes of a regular file, never more than asked for. And the bundled data."""
+"""The one reader of files from outside: bytes of a regular file, never more than asked for. And the
+bundled data."""
 
 from __future__ import annotations
 
@@ -20,7 +21,9 @@ _KINDS = {
 }
 
 
-def read(path: str | os.PathLike[str], most: int = LARGEST, what: str = "a robot description") -> bytes:
+def read(
+    path: str | os.PathLike[str], most: int = LARGEST, what: str = "a robot description"
+) -> bytes:
     """The bytes of a text file: as `contents`, and binary ones refused."""
     data = contents(path, most, what)
     wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
@@ -32,8 +35,9 @@ def read(path: str | os.PathLike[str], most: int = LARGEST, what: str = "a robot
 def contents(path: str | os.PathLike[str], most: int, what: str) -> bytes:
     """The bytes of a file of at most `most` bytes; `what` it is, for errors.
 
-    Raises FileError for what is missing, no regular file, empty, or larger. A pipe or device is not even opened, which
-    may wait for ever, or do something. A symbolic link to a file is as good as the file.
+    Raises FileError for what is missing, no regular file, empty, or larger. A pipe or device is not
+    even opened, which may wait for ever, or do something. A symbolic link to a file is as good as
+    the file.
     """
     path = Path(path)
     try:
@@ -89,9 +93,13 @@ def _regular(path: Path, mode: int) -> None:
 
 
 def _bytes(path: Path, most: int) -> bytes:
-    # not waiting, and looking again at what was opened: another file may have taken the place of the first
+    # not waiting, and looking again at what was opened: another file may have taken the place of
+    # the first
     flags = (
-        os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
+        os.O_RDONLY
+        | getattr(os, "O_NONBLOCK", 0)
+        | getattr(os, "O_CLOEXEC", 0)
+        | getattr(os, "O_BINARY", 0)
     )
     with open(os.open(path, flags), "rb") as file:
         _regular(path, os.fstat(file.fileno()).st_mode)
@@ -101,13 +109,19 @@ def _bytes(path: Path, most: int) -> bytes:
 def bundled_names() -> list[str]:
     """Names of the models that come with freebody, sorted without regard to case."""
     folder = resources.files("freebody").joinpath("robots")
-    names = [entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml")]
+    names = [
+        entry.name.removesuffix(".toml")
+        for entry in folder.iterdir()
+        if entry.name.endswith(".toml")
+    ]
     return sorted(names, key=str.lower)
 
 
 def bundled_text(name: str) -> str:
     """The TOML text of a bundled model."""
-    return resources.files("freebody").joinpath("robots", f"{name}.toml").read_text(encoding="utf-8")
+    return (
+        resources.files("freebody").joinpath("robots", f"{name}.toml").read_text(encoding="utf-8")
+    )
 
 
 def _size(most: int) -> str:

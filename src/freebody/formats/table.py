@@ -1,4 +1,5 @@
-"""A checked view of a table in a TOML file: every value is asked for by kind, every refusal names file and line."""
+"""A checked view of a table in a TOML file: every value is asked for by kind, every refusal names
+file and line."""
 
 from __future__ import annotations
 
@@ -118,7 +119,9 @@ class Table:
         value = self.get(key, default)
         if value is default:
             return value
-        return tuple(self.read_number(x, kind, (key, i)) for i, x in enumerate(self.listed(value, key, size)))
+        return tuple(
+            self.read_number(x, kind, (key, i)) for i, x in enumerate(self.listed(value, key, size))
+        )
 
     def quantities(
         self, key: str, size: int | None, kind: str = "number", default: Any = _REQUIRED
@@ -128,7 +131,8 @@ class Table:
         if value is default:
             return value
         return tuple(
-            self.read_quantity(x, kind, (key, i)) for i, x in enumerate(self.listed(value, key, size))
+            self.read_quantity(x, kind, (key, i))
+            for i, x in enumerate(self.listed(value, key, size))
         )
 
     def matrix(self, key: str, size: int) -> tuple[tuple[float, ...], ...]:
@@ -150,7 +154,9 @@ class Table:
         """The tables of an array of tables, perhaps none."""
         items = self.data.get(key, [])
         if not isinstance(items, list):
-            self.refuse(f"{key} is {_kind(items)}, expected tables: write [[{key}]] above each.", key)
+            self.refuse(
+                f"{key} is {_kind(items)}, expected tables: write [[{key}]] above each.", key
+            )
         return [self.inner(item, key, i) for i, item in enumerate(items)]
 
     # ------------------------------------------------------------ helpers
@@ -164,16 +170,22 @@ class Table:
     def inner(self, value: Any, *at: str | int) -> Table:
         """A table inside this one."""
         if not isinstance(value, dict):
-            self.refuse(f"{_label(at)} is {_kind(value)}, expected a table such as {{ key = value }}.", *at)
+            self.refuse(
+                f"{_label(at)} is {_kind(value)}, expected a table such as {{ key = value }}.", *at
+            )
         return Table(self.file, self.lines, (*self.path, *at), value, self.where)
 
     def listed(self, value: Any, key: str, size: int | None, *at: int) -> list[Any]:
         if not isinstance(value, list):
             self.refuse(
-                f"{_label((key, *at))} is {_kind(value)}, expected a list of numbers in brackets.", key, *at
+                f"{_label((key, *at))} is {_kind(value)}, expected a list of numbers in brackets.",
+                key,
+                *at,
             )
         if size is not None and len(value) != size:
-            self.refuse(f"{_label((key, *at))} has {len(value)} entries, expected {size}.", key, *at)
+            self.refuse(
+                f"{_label((key, *at))} has {len(value)} entries, expected {size}.", key, *at
+            )
         return value
 
     def read_number(self, value: Any, kind: str, at: Path, infinite: bool = False) -> float:
@@ -206,19 +218,24 @@ class Table:
                 return Parameter(value)
             hint = "; angles also as text such as '30 deg'" if kind == "angle" else ""
             self.refuse(
-                f"{_label(at)} is {shown(value)}, expected a number or a name such as 'l1'{hint}.", *at
+                f"{_label(at)} is {shown(value)}, expected a number or a name such as 'l1'{hint}.",
+                *at,
             )
         return self.read_number(value, kind, at)
 
     def parameter(self, name: str, value: float | None) -> Parameter:
         if not is_name(name):
-            self.refuse(f"{shown(name)} is no parameter name; use letters, digits and _, such as 'l1'.")
+            self.refuse(
+                f"{shown(name)} is no parameter name; use letters, digits and _, such as 'l1'."
+            )
         return Parameter(name, value)
 
 
 def _label(at: Path) -> str:
     """inertia[2] for ("inertia", 2)."""
-    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in at).removeprefix(".")
+    return "".join(
+        f"[{part}]" if isinstance(part, int) else f".{part}" for part in at
+    ).removeprefix(".")
 
 
 def _kind(value: object) -> str:

@@ -1,4 +1,5 @@
-"""freebody's own format in TOML: a robot as a person would write it down. docs/formats.md is its reference."""
+"""freebody's own format in TOML: a robot as a person would write it down. docs/formats.md is its
+reference."""
 
 from __future__ import annotations
 
@@ -35,12 +36,15 @@ _TREE = ("link", "joint")
 
 
 def describe(file: str, text: str, *, name: str) -> Description:
-    """The description in a TOML text. `name` stands in where the file gives none. Raises FileError with the line."""
+    """The description in a TOML text. `name` stands in where the file gives none. Raises FileError
+    with the line."""
     top = _table(file, text)
     top.only(*_GENERAL, *_TREE, "planar", "dh")
     forms = [key for key in ("planar", "dh") if key in top]
     if len(forms) > 1 or (forms and any(key in top for key in _TREE)):
-        top.refuse(f"[{forms[0]}] describes the whole arm; remove the other links and joints.", forms[0])
+        top.refuse(
+            f"[{forms[0]}] describes the whole arm; remove the other links and joints.", forms[0]
+        )
     try:
         described = _FORMS[forms[0] if forms else "tree"](top)
     except ModelError as error:
@@ -65,7 +69,9 @@ def describe(file: str, text: str, *, name: str) -> Description:
         tip=top.choice("tip", names, described.tip) if "tip" in top else described.tip,
         source=top.text("source", ""),
         notices=tuple(
-            Notice(kind, text, file) for key, kind in MASS_NOTICES.items() for text in _texts(top, key)
+            Notice(kind, text, file)
+            for key, kind in MASS_NOTICES.items()
+            for text in _texts(top, key)
         ),
         file=file,
     )
@@ -81,7 +87,9 @@ def _table(file: str, text: str) -> Table:
         where = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)", str(error))
         message = str(error)[: where.start()] if where else str(error)
         line = int(where[1]) if where and where[1] else text.count("\n") + 1
-        raise FileError(file, line, f"this is not valid TOML: {message[0].lower()}{message[1:]}.") from None
+        raise FileError(
+            file, line, f"this is not valid TOML: {message[0].lower()}{message[1:]}."
+        ) from None
     except ValueError:  # Python's own limit, against time that grows with the square of the digits
         long = re.search(r"[0-9_]{4000,}", text)
         line = text.count("\n", 0, long.start()) + 1 if long else None
@@ -111,7 +119,10 @@ def _planar(top: Table) -> Description:
     given: dict[str, Any] = {
         key: inner.quantities(key, len(word), default=None) for key in ("l", "lc", "m", "I")
     }
-    limits = [parts.limits_of(t, angles=word[i : i + 1] == "R") for i, t in enumerate(inner.tables("limits"))]
+    limits = [
+        parts.limits_of(t, angles=word[i : i + 1] == "R")
+        for i, t in enumerate(inner.tables("limits"))
+    ]
     drives = [parts.drive(t.only(*parts.DRIVE)) for t in inner.tables("drives")]
     described = planar.describe(
         word,
@@ -159,7 +170,8 @@ def _on_line(link: Link, line: int | None) -> Link:
 
 
 def _with_values(top: Table, described: Description) -> Description:
-    """Values from [parameters] given to the names; every one must be used, and no name may have two values."""
+    """Values from [parameters] given to the names; every one must be used, and no name may have two
+    values."""
     table = top.table("parameters")
     values: Mapping[str, float] = {}
     if table is not None:
@@ -173,13 +185,16 @@ def _with_values(top: Table, described: Description) -> Description:
         elif parameter.value is not None and parameter.value != value:
             at = ("parameters", parameter.name) if parameter.name in values else ()
             top.refuse(
-                f"{parameter.name!r} has two values, {value:g} and {parameter.value:g}; keep one.", *at
+                f"{parameter.name!r} has two values, {value:g} and {parameter.value:g}; keep one.",
+                *at,
             )
     used = {parameter.name for parameter in each_parameter(described)}
     for name in values:
         if name not in used:
             top.refuse(
-                str(UnknownNameError("parameter", name, "the model", sorted(used))), "parameters", name
+                str(UnknownNameError("parameter", name, "the model", sorted(used))),
+                "parameters",
+                name,
             )
 
     def valued(parameter: Parameter) -> Quantity:

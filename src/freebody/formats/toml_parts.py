@@ -1,4 +1,5 @@
-"""The tables of a robot in TOML: links, joints, frames, payloads, loops, gravity, and the rows of a DH table."""
+"""The tables of a robot in TOML: links, joints, frames, payloads, loops, gravity, and the rows of a
+DH table."""
 
 from __future__ import annotations
 
@@ -40,7 +41,9 @@ def link(table: Table, dim: int) -> Link:
     table = table.called(f"link {table.text('name')!r}").only("name", *MASS, "inertia_frame")
     inner = table.table("inertia_frame")
     frame = (
-        placement(inner.called(f"{table.where}, inertia_frame").only(*PLACE), dim) if inner else Placement()
+        placement(inner.called(f"{table.where}, inertia_frame").only(*PLACE), dim)
+        if inner
+        else Placement()
     )
     body = inertia(table, dim) if any(key in table for key in MASS) else None
     return Link(table.text("name"), body, frame, table.line)
@@ -77,9 +80,13 @@ def _shape(table: Table, dim: int, mass: Quantity, com: tuple[Quantity, ...]) ->
     if len(outer.data) != 1:
         outer.refuse(f"shape names {len(outer.data)} shapes, expected one of {', '.join(_SHAPES)}.")
     (kind,) = outer.data
-    sizes = outer.inner(outer.data[kind], kind).called(f"{table.where}, {kind}").only(*_SHAPES[kind])
+    sizes = (
+        outer.inner(outer.data[kind], kind).called(f"{table.where}, {kind}").only(*_SHAPES[kind])
+    )
     if isinstance(mass, Parameter):
-        table.refuse("a shape needs a mass in numbers; give inertia = ... as a name instead.", "mass")
+        table.refuse(
+            "a shape needs a mass in numbers; give inertia = ... as a name instead.", "mass"
+        )
     if kind == "box":
         body = Inertia.box(mass, sizes.vector("size", dim))
     elif kind == "point":
@@ -96,14 +103,25 @@ def _shape(table: Table, dim: int, mass: Quantity, com: tuple[Quantity, ...]) ->
 def joint(table: Table, dim: int) -> Joint:
     """[[joint]]"""
     table = table.called(f"joint {table.text('name')!r}")
-    table.only("name", "kind", "parent", "child", *PLACE, "axis", "limits", *DRIVE, "mimic", "passive")
+    table.only(
+        "name", "kind", "parent", "child", *PLACE, "axis", "limits", *DRIVE, "mimic", "passive"
+    )
     kind = table.choice("kind", KINDS)
     one = KINDS[kind].nv == 1
-    taken = {"axis": KINDS[kind].needs_axis, "limits": one, **dict.fromkeys(DRIVE, one), "mimic": one}
+    taken = {
+        "axis": KINDS[kind].needs_axis,
+        "limits": one,
+        **dict.fromkeys(DRIVE, one),
+        "mimic": one,
+    }
     if unused := [key for key, has_it in taken.items() if key in table and not has_it]:
         table.refuse(f"a {kind} joint has no {unused[0]}; remove it.", unused[0])
     if table.flag("passive") and (KINDS[kind].nv == 0 or "mimic" in table):
-        reason = "has nothing to drive" if KINDS[kind].nv == 0 else "follows another, which may be passive"
+        reason = (
+            "has nothing to drive"
+            if KINDS[kind].nv == 0
+            else "follows another, which may be passive"
+        )
         table.refuse(f"passive: the joint {reason}; remove it.", "passive")
     return Joint(
         table.text("name"),
@@ -133,7 +151,8 @@ def _axis_vector(table: Table, dim: int) -> tuple[float, ...]:
         sign, letter = (-1.0, given[1:]) if given.startswith("-") else (1.0, given)
         if letter not in _AXES or (dim == 2 and letter == "z"):
             table.refuse(
-                f"axis is {given!r}, expected x, y{'' if dim == 2 else ', z'}, one of them with a minus, or numbers.",
+                f"axis is {given!r}, expected x, y{'' if dim == 2 else ', z'}, one of them with a "
+                f"minus, or numbers.",
                 "axis",
             )
         return tuple(sign * x for x in _AXES[letter][:dim])
@@ -183,7 +202,9 @@ def _mimic(table: Table) -> Mimic | None:
         return None
     inner = inner.called(f"{table.where}, mimic").only("joint", "ratio", "offset")
     return Mimic(
-        inner.text("joint"), inner.number("ratio", default=1.0), inner.number("offset", "angle", 0.0)
+        inner.text("joint"),
+        inner.number("ratio", default=1.0),
+        inner.number("offset", "angle", 0.0),
     )
 
 
@@ -192,7 +213,9 @@ def placement(table: Table, dim: int) -> Placement:
     if "steps" in table:
         if any(key in table for key in ("origin", *TURNS)):
             table.refuse("steps hold the whole placement; remove origin and rotations.", "steps")
-        return Placement(tuple(_step(t.called(f"{table.where}, steps"), dim) for t in table.tables("steps")))
+        return Placement(
+            tuple(_step(t.called(f"{table.where}, steps"), dim) for t in table.tables("steps"))
+        )
     turns = [key for key in TURNS if key in table]
     if len(turns) > 1:
         table.refuse(f"{turns[0]} and {turns[1]} exclude each other; keep one rotation.", turns[1])
@@ -214,7 +237,9 @@ def _rotation(table: Table, key: str, dim: int) -> Placement:
         w, x, y, z = table.vector(key, 4)
         if abs(math.sqrt(w * w + x * x + y * y + z * z) - 1.0) > 1e-6:
             table.refuse(f"the quaternion has length {math.hypot(w, x, y, z):g}, expected 1.", key)
-        return rotate(_about((x, y, z), math.hypot(x, y, z), 2.0 * math.atan2(math.hypot(x, y, z), w)))
+        return rotate(
+            _about((x, y, z), math.hypot(x, y, z), 2.0 * math.atan2(math.hypot(x, y, z), w))
+        )
     inner = table.inner(table.data[key], key).called(f"{table.where}, {key}").only("axis", "angle")
     axis = inner.data.get("axis")
     if isinstance(axis, str):
@@ -248,7 +273,9 @@ def _step(table: Table, dim: int) -> Shift | Turn | Rotate:
     if "shift" in table:
         return Shift(table.quantities("shift", dim))
     if "turn" in table:
-        return Turn(table.choice("turn", "z" if dim == 2 else "xyz"), table.quantity("angle", "angle"))
+        return Turn(
+            table.choice("turn", "z" if dim == 2 else "xyz"), table.quantity("angle", "angle")
+        )
     _matrix(table, dim)
     return Rotate(table.matrix("matrix", dim))
 
@@ -267,7 +294,9 @@ def payload(table: Table, dim: int, frames: Collection[str]) -> Payload:
 
 def loop(table: Table, dim: int) -> Loop:
     """[[loop]]"""
-    table = table.called(f"loop {table.text('name')!r}").only("name", "kind", "frames", "axis", "distance")
+    table = table.called(f"loop {table.text('name')!r}").only(
+        "name", "kind", "frames", "axis", "distance"
+    )
     ends = table.listed(table.get("frames", None), "frames", 2)
     if not all(isinstance(end, str) for end in ends):
         table.refuse("frames must be the names of two frames.", "frames")
@@ -288,7 +317,10 @@ def loop_tolerance(top: Table) -> tuple[float, float] | None:
     if key not in top:
         return None
     metres, radians = top.listed(top.data[key], key, 2)
-    given = (top.read_number(metres, "number", (key, 0)), top.read_number(radians, "angle", (key, 1)))
+    given = (
+        top.read_number(metres, "number", (key, 0)),
+        top.read_number(radians, "angle", (key, 1)),
+    )
     try:
         return checked_tolerance(given, top.where)
     except ModelError as error:
@@ -305,7 +337,8 @@ def home(top: Table) -> tuple[tuple[str, float], ...]:
 
 
 def gravity(top: Table, dim: int) -> tuple[Quantity, tuple[float, ...]]:
-    """A size, a name, a vector, or { size, direction }; 9.81 m/s² downwards, called g, where the file says nothing."""
+    """A size, a name, a vector, or { size, direction }; 9.81 m/s² downwards, called g, where the
+    file says nothing."""
     down = (0.0,) * (dim - 1) + (-1.0,)
     given: Any = top.data.get("gravity")
     if isinstance(given, list):
@@ -338,7 +371,9 @@ DH_ROW = ("joint", "name", "joint_name", *DH_NUMBERS, "com", "I", "friction", "l
 def dh_row(table: Table) -> dict[str, Any]:
     """One row of a DH table, as `fb.dh` takes it, and joint_name."""
     table.only(*DH_ROW)
-    row: dict[str, Any] = {key: table.quantity(key, kind) for key, kind in DH_NUMBERS.items() if key in table}
+    row: dict[str, Any] = {
+        key: table.quantity(key, kind) for key, kind in DH_NUMBERS.items() if key in table
+    }
     row["joint"] = table.choice("joint", "RP", "R")
     for key in ("name", "joint_name"):
         if key in table:

@@ -1,7 +1,9 @@
-"""URDF: links, inertias, joints, limits, friction and mimics. Whatever else the file holds is counted and reported.
+"""URDF: links, inertias, joints, limits, friction and mimics. Whatever else the file holds is
+counted and reported.
 
-A joint's frame is the child link's at q = 0; rpy are fixed-axis roll, pitch, yaw; the axis is in the joint's frame and
-(1, 0, 0) by default; damping is in N m s/rad or N s/m, friction in N m or N. docs/formats.md states the policy.
+A joint's frame is the child link's at q = 0; rpy are fixed-axis roll, pitch, yaw; the axis is in
+the joint's frame and (1, 0, 0) by default; damping is in N m s/rad or N s/m, friction in N m or N.
+docs/formats.md states the policy.
 """
 
 from __future__ import annotations
@@ -30,7 +32,8 @@ _TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def describe(file: str, data: bytes, *, name: str, snap_angles: float) -> Description:
-    """The description in a URDF file. `name` stands in where <robot> has none; snap_angles in rad."""
+    """The description in a URDF file. `name` stands in where <robot> has none; snap_angles in
+    rad."""
     return _Reader(file, snap_angles).description(parse(file, data), name)
 
 
@@ -45,7 +48,8 @@ class _Reader(Elements):
     def description(self, robot: Element, name: str) -> Description:
         if robot.tag != "robot":
             self.refuse(
-                robot, f"the root element is <{robot.tag}>, expected <robot>{_other_format(robot.tag)}."
+                robot,
+                f"the root element is <{robot.tag}>, expected <robot>{_other_format(robot.tag)}.",
             )
         self.only(robot, "name", "version")
         if robot.name():
@@ -85,7 +89,8 @@ class _Reader(Elements):
         self.links.append(Link(element.name(), inertia, placement, line, shapes(element)))
 
     def inertial(self, element: Element, where: str) -> tuple[Inertia, Placement]:
-        """Mass properties and the frame they are given in; without a rotation that frame is the link's own."""
+        """Mass properties and the frame they are given in; without a rotation that frame is the
+        link's own."""
         self.only(element)
         self.sort_out(element, "origin", "mass", "inertia")
         mass, tensor = (self.one(element, tag, where) for tag in ("mass", "inertia"))
@@ -93,7 +98,8 @@ class _Reader(Elements):
             tag = "mass" if mass is None else "inertia"
             self.refuse(
                 element,
-                f"{where}: <inertial> has no <{tag}>; add it, or remove <inertial> from a link without mass.",
+                f"{where}: <inertial> has no <{tag}>; add it, or remove <inertial> from a link "
+                f"without mass.",
             )
         self.only(mass, "value")
         self.only(tensor, *_TENSOR)
@@ -132,7 +138,18 @@ class _Reader(Elements):
                 self.mimic(element, where),
             )
         self.joints.append(
-            Joint(element.name(), kind, parent, child, placement, axis, limits, drive, mimic, element.line)
+            Joint(
+                element.name(),
+                kind,
+                parent,
+                child,
+                placement,
+                axis,
+                limits,
+                drive,
+                mimic,
+                element.line,
+            )
         )
 
     def end(self, element: Element, tag: str, where: str) -> str:
@@ -143,28 +160,39 @@ class _Reader(Elements):
         self.only(end, "link")
         return self.text(end, "link", where)
 
-    def planar(self, element: Element, where: str, parent: str, child: str, placement: Placement) -> None:
-        """URDF's planar joint moves in the plane normal to its axis; ours in the xy-plane of its frame."""
+    def planar(
+        self, element: Element, where: str, parent: str, child: str, placement: Placement
+    ) -> None:
+        """URDF's planar joint moves in the plane normal to its axis; ours in the xy-plane of its
+        frame."""
         x, y, z = unit(self.axis(element, where))
         name, line = element.name(), element.line
         if z == 1.0:
             self.joints.append(Joint(name, "planar", parent, child, placement, line=line))
             return
-        # the shortest turn that takes z to the normal, undone behind the joint so that the child keeps its frame
+        # the shortest turn that takes z to the normal, undone behind the joint so that the child
+        # keeps its frame
         if z == -1.0:
             matrix = ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, -1.0))
         else:
             k = 1.0 / (1.0 + z)
-            matrix = ((1.0 - k * x * x, -k * x * y, x), (-k * x * y, 1.0 - k * y * y, y), (-x, -y, z))
+            matrix = (
+                (1.0 - k * x * x, -k * x * y, x),
+                (-k * x * y, 1.0 - k * y * y, y),
+                (-x, -y, z),
+            )
         plane = f"{child}_plane"
         self.links.append(Link(plane, line=line))
-        self.joints.append(Joint(name, "planar", parent, plane, placement.then(rotate(matrix)), line=line))
+        self.joints.append(
+            Joint(name, "planar", parent, plane, placement.then(rotate(matrix)), line=line)
+        )
         back = tuple(zip(*matrix, strict=True))
         self.joints.append(Joint(f"{name}_back", "fixed", plane, child, rotate(back), line=line))
         self.notice(
             "planar",
             element,
-            f"{where}: x, y and the angle are those of frame {plane!r}, whose z is the joint's axis.",
+            f"{where}: x, y and the angle are those of frame {plane!r}, whose z is the joint's "
+            f"axis.",
         )
 
     def axis(self, element: Element, where: str) -> tuple[float, float, float]:
@@ -178,7 +206,9 @@ class _Reader(Elements):
         if not any(axis):
             self.refuse(tag, f'{where}: the axis is zero; give a direction such as xyz="0 0 1".')
         if abs(length - 1.0) > 1e-6:
-            self.notice("axis", tag, f"{where}: the axis has length {length:g}; it is made a unit vector.")
+            self.notice(
+                "axis", tag, f"{where}: the axis has length {length:g}; it is made a unit vector."
+            )
         return axis
 
     def limits(self, element: Element, kind: str, where: str) -> Limits:
@@ -195,7 +225,11 @@ class _Reader(Elements):
         self.only(tag, *ranges, "velocity", "effort", owner=f"<limit> of a {kind} joint")
         absent = [key for key in ranges if key not in tag.attributes]
         if absent:
-            self.notice("limits", tag, f"{where}: <limit> without {' and '.join(absent)}, taken as infinite.")
+            self.notice(
+                "limits",
+                tag,
+                f"{where}: <limit> without {' and '.join(absent)}, taken as infinite.",
+            )
         lower, upper = (
             self.number(tag, key, where, default, infinite=True) if key in ranges else default
             for key, default in (("lower", -INFINITE), ("upper", INFINITE))
@@ -204,7 +238,8 @@ class _Reader(Elements):
         return Limits(lower, upper, velocity, effort)
 
     def most(self, tag: Element, key: str, where: str) -> float:
-        """A limit of speed or effort; exporters write 0 for one they do not know, as no joint has."""
+        """A limit of speed or effort; exporters write 0 for one they do not know, as no joint
+        has."""
         value = self.number(tag, key, where, INFINITE, infinite=True)
         if value != 0.0:
             return value
@@ -217,7 +252,8 @@ class _Reader(Elements):
             return Drive()
         self.only(tag, "damping", "friction")
         return Drive(
-            viscous=self.number(tag, "damping", where, 0.0), coulomb=self.number(tag, "friction", where, 0.0)
+            viscous=self.number(tag, "damping", where, 0.0),
+            coulomb=self.number(tag, "friction", where, 0.0),
         )
 
     def mimic(self, element: Element, where: str) -> Mimic | None:
@@ -246,7 +282,11 @@ class _Reader(Elements):
 
 
 def _other_format(tag: str) -> str:
-    return {"sdf": " (this is SDF)", "mujoco": " (this is MJCF)", "COLLADA": " (this is a mesh)"}.get(tag, "")
+    return {
+        "sdf": " (this is SDF)",
+        "mujoco": " (this is MJCF)",
+        "COLLADA": " (this is a mesh)",
+    }.get(tag, "")
 
 
 def _reductions(robot: Element) -> str:
@@ -262,6 +302,7 @@ def _reductions(robot: Element) -> str:
         return ""
     first, ratio = next(iter(ratios.items()))
     return (
-        f"; {len(ratios)} of them give a mechanicalReduction other than 1 (first {first!r}: {ratio}), "
+        f"; {len(ratios)} of them give a mechanicalReduction other than 1 (first {first!r}: "
+        f"{ratio}), "
         "but URDF has no rotor inertia that it would multiply"
     )

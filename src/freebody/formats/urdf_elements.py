@@ -1,4 +1,5 @@
-"""Reading URDF elements one by one: numbers, texts, and the account of everything that is not read."""
+"""Reading URDF elements one by one: numbers, texts, and the account of everything that is not
+read."""
 
 from __future__ import annotations
 
@@ -19,13 +20,15 @@ _MOST_KINDS = 100
 def xacro(name: str, stem: str) -> str:
     """How to expand a file of that name, with ROS and without."""
     return (
-        f"expand it first, with ROS by `xacro {name} > {stem}.urdf`, without by `pip install xacrodoc`, then "
+        f"expand it first, with ROS by `xacro {name} > {stem}.urdf`, without by `pip install "
+        f"xacrodoc`, then "
         f"`xacrodoc {name} -o {stem}.urdf`"
     )
 
 
 class Elements:
-    """A file being read: values of its elements, refusals with its name and line, and notices about it."""
+    """A file being read: values of its elements, refusals with its name and line, and notices about
+    it."""
 
     def __init__(self, file: str, snap: float):
         self.file, self.snap = file, snap
@@ -44,7 +47,12 @@ class Elements:
         return value
 
     def number(
-        self, element: Element, key: str, where: str, default: float | None = None, infinite: bool = False
+        self,
+        element: Element,
+        key: str,
+        where: str,
+        default: float | None = None,
+        infinite: bool = False,
     ) -> float:
         """A number; infinity only where asked for."""
         if key not in element.attributes and default is not None:
@@ -57,19 +65,23 @@ class Elements:
         if len(words) != 3:
             self.refuse(
                 element,
-                f"{where}: {key}={shown(' '.join(words))} has {len(words)} entries, expected 3 numbers.",
+                f"{where}: {key}={shown(' '.join(words))} has {len(words)} entries, expected 3 "
+                f"numbers.",
             )
         x, y, z = (self.read(element, key, word, where) for word in words)
         return x, y, z
 
-    def read(self, element: Element, key: str, word: str, where: str, infinite: bool = False) -> float:
+    def read(
+        self, element: Element, key: str, word: str, where: str, infinite: bool = False
+    ) -> float:
         value = numbers.number(word)
         problem = None if value is None else numbers.fault(value, infinite)
         if value is None or problem == numbers.NOT_FINITE:
             hint = f"; it is a xacro expression: {xacro('FILE', 'out')}" if "${" in word else ""
             kind = "number" if infinite else "finite number"
             self.refuse(
-                element, f"{where}: {key} of <{element.tag}> is {shown(word)}, expected a {kind}{hint}."
+                element,
+                f"{where}: {key} of <{element.tag}> is {shown(word)}, expected a {kind}{hint}.",
             )
         if problem:
             self.refuse(element, f"{where}: {key} of <{element.tag}> is {value:g}, {problem}.")
@@ -105,14 +117,20 @@ class Elements:
         notices = []
         if self.changes:
             text = (
-                f"{len(self.changes)} angles within {self.snap:g} rad of a multiple of a right angle are read as that "
-                f"multiple; largest change {max(self.changes):.2g} rad. snap_angles=0 reads them as written."
+                f"{len(self.changes)} angles within {self.snap:g} rad of a multiple of a right "
+                f"angle are read as that "
+                f"multiple; largest change {max(self.changes):.2g} rad. snap_angles=0 reads them "
+                f"as written."
             )
             notices.append(Notice("snapped", text, self.file))
         if self.shapes:
             listed = ", ".join(f"{n} <{tag}>" for tag, n in sorted(self.shapes.items()))
             notices.append(
-                Notice("skipped", f"shapes play no part in the dynamics: {listed} are not read.", self.file)
+                Notice(
+                    "skipped",
+                    f"shapes play no part in the dynamics: {listed} are not read.",
+                    self.file,
+                )
             )
         for key, (n, line) in self.unknown.items():
             text = f"{key} limits of 0 are read as no limit ({_times(n)})."

@@ -1,4 +1,5 @@
-"""The shapes of URDF links. What cannot be read as a shape is passed over: nothing of the dynamics depends on it."""
+"""The shapes of URDF links. What cannot be read as a shape is passed over: nothing of the dynamics
+depends on it."""
 
 from __future__ import annotations
 
@@ -14,8 +15,11 @@ _ROLES: tuple[Literal["collision", "visual"], ...] = ("collision", "visual")
 
 
 def shapes(link: Element) -> tuple[Shape, ...]:
-    """All shapes of a <link> that are whole: sizes finite and above 0, a mesh with the name of its file."""
-    return tuple(shape for role in _ROLES for element in link.all(role) for shape in _shapes(element, role))
+    """All shapes of a <link> that are whole: sizes finite and above 0, a mesh with the name of its
+    file."""
+    return tuple(
+        shape for role in _ROLES for element in link.all(role) for shape in _shapes(element, role)
+    )
 
 
 def _shapes(element: Element, role: Literal["collision", "visual"]) -> Iterator[Shape]:
@@ -28,7 +32,9 @@ def _shapes(element: Element, role: Literal["collision", "visual"]) -> Iterator[
         return
 
 
-def _shape(part: Element, placement: Placement, role: Literal["collision", "visual"]) -> Iterator[Shape]:
+def _shape(
+    part: Element, placement: Placement, role: Literal["collision", "visual"]
+) -> Iterator[Shape]:
     given, line = part.attributes, part.line
     if part.tag == "box":
         yield Shape("box", _sizes(given["size"], 3), placement, role, line=line)
@@ -58,7 +64,9 @@ def _sizes(text: str, count: int) -> tuple[float, ...]:
 
 
 def _numbers(text: str, count: int) -> tuple[float, ...]:
-    values = tuple(x for x in map(numbers.number, text.split()) if x is not None and not numbers.fault(x))
+    values = tuple(
+        x for x in map(numbers.number, text.split()) if x is not None and not numbers.fault(x)
+    )
     if len(values) != count:
         raise ValueError(text)
     return values

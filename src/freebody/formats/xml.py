@@ -1,4 +1,5 @@
-"""XML as a tree of elements that know their line. Nothing outside the file is read, entities are refused."""
+"""XML as a tree of elements that know their line. Nothing outside the file is read, entities are
+refused."""
 
 from __future__ import annotations
 
@@ -37,7 +38,8 @@ class Element:
 
 
 def parse(file: str, data: bytes) -> Element:
-    """The root element. Raises FileError with the line where the text is not XML, ends early or declares entities."""
+    """The root element. Raises FileError with the line where the text is not XML, ends early or
+    declares entities."""
     parser = expat.ParserCreate()
     opened: list[Element] = []
     roots: list[Element] = []
@@ -50,10 +52,14 @@ def parse(file: str, data: bytes) -> Element:
         nonlocal left, attributes_left
         left, attributes_left = left - 1, attributes_left - len(attributes)
         if not left:
-            refuse(f"the file has more than {_ELEMENTS} elements; a robot description has a few thousand.")
+            refuse(
+                f"the file has more than {_ELEMENTS} elements; a robot description has a few "
+                f"thousand."
+            )
         if attributes_left < 0:
             refuse(
-                f"the file has more than {_ATTRIBUTES} attributes; a robot description has a few thousand."
+                f"the file has more than {_ATTRIBUTES} attributes; a robot description has a few "
+                f"thousand."
             )
         if len(opened) == _DEEPEST:
             refuse(f"elements are nested more than {_DEEPEST} deep.")
@@ -78,7 +84,8 @@ def parse(file: str, data: bytes) -> Element:
     except expat.ExpatError as error:
         cut = error.code in _CUT_SHORT and opened
         problem = (
-            f"the file ends inside <{opened[-1].tag}>, opened on line {opened[-1].line}; it seems cut short."
+            f"the file ends inside <{opened[-1].tag}>, opened on line {opened[-1].line}; it seems "
+            f"cut short."
             if cut
             else f"this is not well-formed XML: {expat.ErrorString(error.code)} at column {error.offset + 1}."
         )

@@ -24,7 +24,8 @@ def gathered(
     batch: tuple[int, ...],
     away: Away | None = None,
 ) -> Solutions:
-    """The solutions of all targets in arrays of the batch, those out of reach with their distance and a sentence.
+    """The solutions of all targets in arrays of the batch, those out of reach with their distance
+    and a sentence.
 
     away: how far targets are out of reach; by default as of an open chain.
     """
@@ -35,9 +36,15 @@ def gathered(
     q, residual = np.full((N, k, seeker.model.nq), np.nan), np.full((N, k), np.nan)
     branches = np.full((N, k), "", dtype=object)
     inside = np.zeros((N, k), dtype=bool)
-    for i, (s, names, f, c) in enumerate(zip(found.solutions, found.branches, fine, chosen, strict=True)):
+    for i, (s, names, f, c) in enumerate(
+        zip(found.solutions, found.branches, fine, chosen, strict=True)
+    ):
         n = int(c.sum())
-        q[i, :n], residual[i, :n], inside[i, :n] = s.q[c], s.miss[c], f[c] | (problem.limits == "ignore")
+        q[i, :n], residual[i, :n], inside[i, :n] = (
+            s.q[c],
+            s.miss[c],
+            f[c] | (problem.limits == "ignore"),
+        )
         branches[i, :n] = [name for name, taken in zip(names, c, strict=True) if taken]
     notes = list(found.notes) if any(len(s.q) for s in found.solutions) else []
     lost = [i for i, s in enumerate(found.solutions) if not len(s.q)]
@@ -74,7 +81,8 @@ def _dropped(
                 if ((s.q[:, k] < low[k] - 1e-9) | (s.q[:, k] > high[k] + 1e-9)).any()
             ]
             sentences.append(
-                f"Within reach, but each of the {len(s.q)} solutions leaves a joint's limits ({', '.join(bad)}); "
+                f"Within reach, but each of the {len(s.q)} solutions leaves a joint's limits "
+                f"({', '.join(bad)}); "
                 'limits="mark" returns them.'
             )
             rows.append(i)

@@ -1,8 +1,9 @@
-"""The joints on the way to a frame as screws in the world, with the arm at zero: T(x) = e^(S1 x1) … e^(Sn xn) T(0).
+"""The joints on the way to a frame as screws in the world, with the arm at zero: T(x) = e^(S1 x1) …
+e^(Sn xn) T(0).
 
-Whatever frames a file or a convention chose, the screws are the same; closed forms are found by looking at them
-(Brockett 1984; Murray, Li, Sastry, A Mathematical Introduction to Robotic Manipulation, 1994, ch. 3). A planar arm
-lies in the plane z = 0.
+Whatever frames a file or a convention chose, the screws are the same; closed forms are found by
+looking at them (Brockett 1984; Murray, Li, Sastry, A Mathematical Introduction to Robotic
+Manipulation, 1994, ch. 3). A planar arm lies in the plane z = 0.
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ SAME = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Screw:
-    """A joint at zero: unit axis w (3,) through the point p (3,), turning or sliding; world axes, m."""
+    """A joint at zero: unit axis w (3,) through the point p (3,), turning or sliding; world axes,
+    m."""
 
     turning: bool
     w: Array
@@ -42,11 +44,15 @@ class Screw:
 
     def turned(self, x: Array, vectors: Array) -> Array:
         """The rotation of e^(S x) applied to vectors (..., 3)."""
-        return Screw(self.turning, self.w, np.zeros(3)).moved(x, vectors) if self.turning else vectors
+        return (
+            Screw(self.turning, self.w, np.zeros(3)).moved(x, vectors) if self.turning else vectors
+        )
 
     def rotation(self, x: Array) -> Array:
         """Rotation matrix (..., 3, 3) of e^(S x), x (...)."""
-        columns = [self.turned(np.asarray(x), np.broadcast_to(e, (*np.shape(x), 3))) for e in np.eye(3)]
+        columns = [
+            self.turned(np.asarray(x), np.broadcast_to(e, (*np.shape(x), 3))) for e in np.eye(3)
+        ]
         return np.stack(columns, axis=-1)
 
 
@@ -57,7 +63,8 @@ def _cross(w: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """Screws from the base to a frame, its pose R (3, 3), p (3,) at zero, and which coordinate moves which screw."""
+    """Screws from the base to a frame, its pose R (3, 3), p (3,) at zero, and which coordinate
+    moves which screw."""
 
     screws: tuple[Screw, ...]
     R: Array
@@ -70,7 +77,8 @@ class Chain:
     """Distances from joint to joint and to the frame, added up (m); 1 where they are all zero."""
 
     def coordinates(self, x: Array, rest: Array) -> Array:
-        """q (..., nq) from joint positions x (..., n); what does not move the frame as in `rest` (nq,)."""
+        """q (..., nq) from joint positions x (..., n); what does not move the frame as in `rest`
+        (nq,)."""
         q = np.broadcast_to(rest, (*x.shape[:-1], len(rest))).copy()
         q[..., self.index] = (x - self.offset) / self.ratio
         return q
@@ -81,7 +89,8 @@ class Chain:
 
 
 def chain_to(model: Model, frame: str) -> Chain | None:
-    """The screws to a frame; None where a joint has several coordinates of its own, or two share one."""
+    """The screws to a frame; None where a joint has several coordinates of its own, or two share
+    one."""
     tree = model.tree
     body, R, p = tree.frames[frame]
     path = ancestors(tree, body)[::-1]
@@ -112,7 +121,8 @@ def chain_to(model: Model, frame: str) -> Chain | None:
 
 
 def arm_length(model: Model, frame: str) -> float:
-    """Distances from joint to joint on the way to a frame, added up (m); 1 where they are all zero."""
+    """Distances from joint to joint on the way to a frame, added up (m); 1 where they are all
+    zero."""
     tree = model.tree
     body, _, p = tree.frames[frame]
     offsets = [p, *(tree.bodies[i].p for i in ancestors(tree, body)[:-1])]

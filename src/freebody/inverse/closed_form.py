@@ -1,7 +1,9 @@
-"""Which closed form fits an arm: by the lines its joints turn about and slide along, never by a name.
+"""Which closed form fits an arm: by the lines its joints turn about and slide along, never by a
+name.
 
-Every form is a recipe from displacements X = T T(0)⁻¹ (a rotation and a shift per target) to candidates for all joint
-positions. Candidates are complete, but may hold more than the solutions: whoever calls verifies them.
+Every form is a recipe from displacements X = T T(0)⁻¹ (a rotation and a shift per target) to
+candidates for all joint positions. Candidates are complete, but may hold more than the solutions:
+whoever calls verifies them.
 """
 
 from __future__ import annotations
@@ -57,8 +59,8 @@ class Form(ABC):
         """Name of the branch of one solution x (n,), in parts."""
 
     def reached(self, X: Displacement) -> Reached | None:
-        """(screws, c, points): a target is in the workspace where the screws bring the point c (3,) to points (N, 3);
-        None where that is not what decides."""
+        """(screws, c, points): a target is in the workspace where the screws bring the point c (3,)
+        to points (N, 3); None where that is not what decides."""
         return None
 
     @property
@@ -105,7 +107,8 @@ class Turning(Form):
 
 @dataclass(frozen=True, eq=False)
 class Wristed(Form):
-    """Six joints, the last three through one point c, which the first three bring to its place (Pieper 1968)."""
+    """Six joints, the last three through one point c, which the first three bring to its place
+    (Pieper 1968)."""
 
     c: Array
 
@@ -130,10 +133,12 @@ class Wristed(Form):
 
 @dataclass(frozen=True, eq=False)
 class ThreeParallel(Form):
-    """Six turning joints, axes 2, 3, 4 parallel, 5 and 6 through one point c: Universal Robots and their like.
+    """Six turning joints, axes 2, 3, 4 parallel, 5 and 6 through one point c: Universal Robots and
+    their like.
 
-    Joint 1 puts c at its height along axis 2, joints 5 and 6 turn what is left into a motion in the plane across it,
-    and the three parallel joints make that motion (Hawkins 2013; Elias and Wen 2022).
+    Joint 1 puts c at its height along axis 2, joints 5 and 6 turn what is left into a motion in the
+    plane across it, and the three parallel joints make that motion (Hawkins 2013; Elias and Wen
+    2022).
     """
 
     c: Array
@@ -150,7 +155,10 @@ class ThreeParallel(Form):
         v = np.swapaxes(X.R, -1, -2)[:, None] @ (R1 @ w)[..., None]
         v = v[..., 0]  # R1ᵀ R R6ᵀ R5ᵀ w = w, so R6ᵀ R5ᵀ w = v
         x5 = sp.at_angle(Screw(True, -s5.w, s5.p), w, s6.w, sp.angle_between(v, s6.w))  # (N, 2, 2)
-        v, x1 = np.broadcast_to(v[..., None, :], (*x5.shape, 3)), np.broadcast_to(x1[..., None], x5.shape)
+        v, x1 = (
+            np.broadcast_to(v[..., None, :], (*x5.shape, 3)),
+            np.broadcast_to(x1[..., None], x5.shape),
+        )
         turned = Screw(True, -s5.w, np.zeros(3)).moved(x5, np.broadcast_to(w, v.shape))
         x6, free6 = sp.onto(Screw(True, s6.w, np.zeros(3)), v, turned, prefer[5])
         G = self._rest(X, x1, x5, x6)
@@ -184,7 +192,8 @@ class ThreeParallel(Form):
 
 @dataclass(frozen=True, eq=False)
 class Backwards(Form):
-    """A form for the arm seen from its frame: joints in reverse order, X⁻¹ for X, turns the other way."""
+    """A form for the arm seen from its frame: joints in reverse order, X⁻¹ for X, turns the other
+    way."""
 
     forward: Form
 
@@ -203,7 +212,8 @@ class Backwards(Form):
 
 
 def wrist(screws: Sequence[Screw], R: Array, prefer: Array) -> Found:
-    """Turns (..., 2, 3) with R4 R5 R6 = R (..., 3, 3); where axes 4 and 6 fall together joint 4 is free."""
+    """Turns (..., 2, 3) with R4 R5 R6 = R (..., 3, 3); where axes 4 and 6 fall together joint 4 is
+    free."""
     s4, s5, s6 = screws
     aim = R @ s6.w
     x5 = sp.at_angle(s5, s6.w, s4.w, sp.angle_between(aim, s4.w))
@@ -250,13 +260,23 @@ def three_turns(chain: Chain) -> Form | None:
 def reversed_chain(chain: Chain) -> Chain:
     """The screws in reverse order."""
     return Chain(
-        chain.screws[::-1], chain.R, chain.p, chain.index[::-1], chain.ratio, chain.offset, chain.length
+        chain.screws[::-1],
+        chain.R,
+        chain.p,
+        chain.index[::-1],
+        chain.ratio,
+        chain.offset,
+        chain.length,
     )
 
 
 def _wristed(chain: Chain) -> Form | None:
     s = chain.screws
-    if not all(x.turning for x in s[3:]) or sp.parallel(s[3].w, s[4].w) or sp.parallel(s[4].w, s[5].w):
+    if (
+        not all(x.turning for x in s[3:])
+        or sp.parallel(s[3].w, s[4].w)
+        or sp.parallel(s[4].w, s[5].w)
+    ):
         return None
     c = common_point(s[3:], chain.length)
     if c is None or last_of_three(s[0], s[1], s[2], c, chain.length) is None:
@@ -266,7 +286,9 @@ def _wristed(chain: Chain) -> Form | None:
 
 def _three_parallel(chain: Chain) -> Form | None:
     s = chain.screws
-    if not all(x.turning for x in s) or not (sp.parallel(s[1].w, s[2].w) and sp.parallel(s[2].w, s[3].w)):
+    if not all(x.turning for x in s) or not (
+        sp.parallel(s[1].w, s[2].w) and sp.parallel(s[2].w, s[3].w)
+    ):
         return None
     if sp.parallel(s[0].w, s[1].w) or sp.parallel(s[3].w, s[4].w) or sp.parallel(s[4].w, s[5].w):
         return None

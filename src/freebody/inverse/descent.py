@@ -1,4 +1,5 @@
-"""Least squares by Levenberg and Marquardt, many starts side by side (Levenberg 1944; Marquardt 1963)."""
+"""Least squares by Levenberg and Marquardt, many starts side by side (Levenberg 1944; Marquardt
+1963)."""
 
 from __future__ import annotations
 
@@ -9,7 +10,8 @@ import numpy as np
 from freebody.arrays import Array
 
 Residual = Callable[[Array, np.ndarray], tuple[Array, Array]]
-"""(x (k, n), rows (k,)) -> (e (k, m), E (k, m, nv)): residuals of problems, and what a step takes off them."""
+"""(x (k, n), rows (k,)) -> (e (k, m), E (k, m, nv)): residuals of problems, and what a step takes
+off them."""
 
 Move = Callable[[Array, Array], Array]
 """(x, step) -> the moved x."""
@@ -26,8 +28,8 @@ def descend(
 ) -> tuple[Array, Array]:
     """(x, |e|) after descending from each start x (N, n).
 
-    A problem stops where |e| ≤ goal or where its steps fall below `rest`. Each has a damping of its own, a third of the
-    last after a step that helped, three times after one that did not.
+    A problem stops where |e| ≤ goal or where its steps fall below `rest`. Each has a damping of its
+    own, a third of the last after a step that helped, three times after one that did not.
     """
     x = x.copy()
     everyone = np.arange(len(x))

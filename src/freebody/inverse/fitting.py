@@ -64,12 +64,15 @@ def _level_in_space(model: Model, chain: Chain, task: Task) -> Form | None:
 
 
 def _elbows(model: Model, chain: Chain) -> tuple[str, str]:
-    """Up and down for an arm that moves in an upright plane, left and right (from above) for one that moves level."""
+    """Up and down for an arm that moves in an upright plane, left and right (from above) for one
+    that moves level."""
     axis = next((s.w for s in chain.screws if s.turning), None)
     if axis is None:
         return ("up", "down")
     lean = float(np.array(model.gravity_direction) @ axis)
-    return ("up", "down") if abs(lean) < 0.5 else ("left", "right") if lean < 0 else ("right", "left")
+    return (
+        ("up", "down") if abs(lean) < 0.5 else ("left", "right") if lean < 0 else ("right", "left")
+    )
 
 
 def displacement(chain: Chain, target: Array) -> Displacement:
@@ -83,7 +86,8 @@ def displacement(chain: Chain, target: Array) -> Displacement:
 
 
 def displacement_to_points(chain: Chain, target: Array) -> Displacement:
-    """The shifts that bring the frame from zero to the points of targets (N, …); their rotation is not asked for."""
+    """The shifts that bring the frame from zero to the points of targets (N, …); their rotation is
+    not asked for."""
     d = target.shape[-1] - 1
     p = np.zeros((len(target), 3))
     p[:, :d] = target[:, :d, d]
@@ -91,7 +95,8 @@ def displacement_to_points(chain: Chain, target: Array) -> Displacement:
 
 
 def can_serve(form: Form, task: Task, X: Displacement) -> bool:
-    """Whether the form fits these targets too: a partial orientation must be a turn about the arm's own axis."""
+    """Whether the form fits these targets too: a partial orientation must be a turn about the arm's
+    own axis."""
     if not isinstance(form, Level) or task.turns or not task.angular:
         return True
     return bool(np.abs(X.R @ form.normal - form.normal).max(initial=0.0) < 1e-9)

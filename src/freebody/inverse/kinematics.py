@@ -37,24 +37,30 @@ def inverse_kinematics(
     starts: int | None = None,
     seed: int = 0,
 ) -> Solutions:
-    """All joint positions that bring a frame to a target where a closed form exists, else those found from many starts.
+    """All joint positions that bring a frame to a target where a closed form exists, else those
+    found from many starts.
 
-    target: a point (..., dim) in m, or a pose (..., dim + 1, dim + 1), world axes. frame: name, default the tip.
-    task: what counts of the target: "position" (a point's default), "orientation", "pose" (a pose's default), or rows
-    among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy", "w").
-    q0: (nq,), where joints stay that could stand anywhere, next to which angles are wrapped, and near which a redundant
-    arm is sought. limits: "mark" says in `within_limits` which solutions keep to the joints' limits, "drop" leaves out
-    the others, "ignore" takes no notice. starts, seed: of the numeric search (default: 32 for redundant arms, else 96).
+    target: a point (..., dim) in m, or a pose (..., dim + 1, dim + 1), world axes. frame: name,
+    default the tip. task: what counts of the target: "position" (a point's default), "orientation",
+    "pose" (a pose's default), or rows among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy",
+    "w").
+    q0: (nq,), where joints stay that could stand anywhere, next to which angles are wrapped, and
+    near which a redundant arm is sought. limits: "mark" says in `within_limits` which solutions
+    keep to the joints' limits, "drop" leaves out the others, "ignore" takes no notice. starts,
+    seed: of the numeric search (default: 32 for redundant arms, else 96).
 
-    Returns Solutions. Out of reach: k = 0, the distance (m) to the workspace, and a sentence in `notes`. Every solution
-    has been put through forward kinematics. Raises ShapeError, NotFiniteError, UnknownNameError, MissingValueError.
+    Returns Solutions. Out of reach: k = 0, the distance (m) to the workspace, and a sentence in
+    `notes`. Every solution has been put through forward kinematics. Raises ShapeError,
+    NotFiniteError, UnknownNameError, MissingValueError.
 
-    Of a closed chain these are the working modes, at which the loops are closed too: all of them, and named by the
-    sides on which elbows lie, where a planar robot comes apart into dyads, else those found from many starts.
+    Of a closed chain these are the working modes, at which the loops are closed too: all of them,
+    and named by the sides on which elbows lie, where a planar robot comes apart into dyads, else
+    those found from many starts.
 
-    Closed forms, whatever frames, base and tool: planar arms of up to three joints (2.14, 2.15, by atan2 and with both
-    elbows), SCARA robots, three joints that place a point, three that orient, six with a spherical wrist (Pieper 1968)
-    or with three parallel axes (Elias and Wen 2022). Else Levenberg–Marquardt.
+    Closed forms, whatever frames, base and tool: planar arms of up to three joints (2.14, 2.15, by
+    atan2 and with both elbows), SCARA robots, three joints that place a point, three that orient,
+    six with a spherical wrist (Pieper 1968) or with three parallel axes (Elias and Wen 2022). Else
+    Levenberg–Marquardt.
     """
     model.require_values("inverse kinematics")
     if limits not in LIMITS:
@@ -66,7 +72,9 @@ def inverse_kinematics(
     flat = poses.reshape(-1, *poses.shape[-2:])
     start = None if q0 is None else finite_vector("inverse_kinematics", model, "q0", q0)
     if start is not None and start.ndim != 1:
-        raise FreebodyError(f"inverse_kinematics: q0 has shape {start.shape}, expected ({model.nq},).")
+        raise FreebodyError(
+            f"inverse_kinematics: q0 has shape {start.shape}, expected ({model.nq},)."
+        )
     problem = Problem(seeker, flat, start, limits, starts, seed)
     if model.loops:
         return of_closed_chain(problem, poses.shape[:-2])
@@ -94,7 +102,10 @@ def _by_form(problem: Problem, form: Form, X: Displacement) -> Found:
         candidates = form.solve(X, chain.positions(rest))
     q = chain.coordinates(candidates.x, base)
     solutions = verified(seeker, q, problem.target, problem.reference)
-    branches = [[", ".join(filter(None, form.label(chain.positions(row)))) for row in s.q] for s in solutions]
+    branches = [
+        [", ".join(filter(None, form.label(chain.positions(row)))) for row in s.q]
+        for s in solutions
+    ]
     free = np.zeros(len(chain.screws), dtype=bool)
     for i, s in enumerate(solutions):
         free |= candidates.free[i][s.row].any(axis=0)
@@ -109,7 +120,8 @@ def _by_form(problem: Problem, form: Form, X: Displacement) -> Found:
 
 
 def _with_families(problem: Problem, form: Form, found: Found) -> Found:
-    """A form for fewer rows than the task counts gives one member of a family of solutions: the right one is sought."""
+    """A form for fewer rows than the task counts gives one member of a family of solutions: the
+    right one is sought."""
     lost = [i for i, s in enumerate(found.solutions) if not len(s.q)]
     if not lost or len(problem.seeker.task.rows) <= len(form.screws):
         return found
@@ -125,6 +137,7 @@ def _joint_at(model: Model, index: int) -> str:
 
 def _free_note(joint: str) -> str:
     return (
-        f"Joint {joint!r} may take any angle at this target, the others make up for it: a whole family of solutions, "
+        f"Joint {joint!r} may take any angle at this target, the others make up for it: a whole "
+        f"family of solutions, "
         "of which one is given for each branch, that with the angle of q0 (0 without q0)."
     )

@@ -1,9 +1,9 @@
 """Names of branches, from where the arm stands.
 
-Shoulder right, left: a positive turn of joint 2 lifts, lowers what it carries along joint 1's axis (Lee and
-Ziegler 1984).
-Elbow up, down (left, right for arms that move level): on which side of the line from shoulder to wrist it lies, seen
-with the wrist to the right. Wrist flipped: the other of two ways to point the last axis.
+Shoulder right, left: a positive turn of joint 2 lifts, lowers what it carries along joint 1's axis
+(Lee and Ziegler 1984). Elbow up, down (left, right for arms that move level): on which side of the
+line from shoulder to wrist it lies, seen with the wrist to the right. Wrist flipped: the other of
+two ways to point the last axis.
 """
 
 from __future__ import annotations
@@ -19,16 +19,25 @@ from freebody.trees.triangles import side_of
 
 
 def shoulder(s1: Screw, s2: Screw, wrist: Array) -> str:
-    """Of two turning joints that are not parallel; wrist: the carried point (3,) before joint 1 turns."""
+    """Of two turning joints that are not parallel; wrist: the carried point (3,) before joint 1
+    turns."""
     arm = wrist - s1.p
     value = float((wrist - s2.p) @ np.cross(s1.w, s2.w))
-    return side_of(value, float(sp.size(arm)), "shoulder right", "shoulder left", "shoulder overhead")
+    return side_of(
+        value, float(sp.size(arm)), "shoulder right", "shoulder left", "shoulder overhead"
+    )
 
 
 def elbow(
-    s2: Screw, s3: Screw, c: Array, x: Array, side: str = "", words: tuple[str, str] = ("up", "down")
+    s2: Screw,
+    s3: Screw,
+    c: Array,
+    x: Array,
+    side: str = "",
+    words: tuple[str, str] = ("up", "down"),
 ) -> str:
-    """Of two parallel turning joints at x (2,) that carry c; on the left side it is seen from the back."""
+    """Of two parallel turning joints at x (2,) that carry c; on the left side it is seen from the
+    back."""
     upper = sp.across(s2.w, s3.p - s2.p)
     fore = sp.across(s2.w, s3.moved(x[1], c) - s3.p)
     bend = float(np.cross(upper, fore) @ s2.w)
@@ -50,7 +59,9 @@ def wrist(screws: Sequence[Screw], x: Array) -> list[str]:
     return [flip(s4.w, s5, s6.w, x[1])]
 
 
-def pair(s1: Screw, s2: Screw, c: Array, x: Array, words: tuple[str, str] = ("up", "down")) -> list[str]:
+def pair(
+    s1: Screw, s2: Screw, c: Array, x: Array, words: tuple[str, str] = ("up", "down")
+) -> list[str]:
     """Of two joints at x (2,) that bring c to a point."""
     if s1.turning and s2.turning:
         if sp.parallel(s1.w, s2.w):
@@ -62,7 +73,8 @@ def pair(s1: Screw, s2: Screw, c: Array, x: Array, words: tuple[str, str] = ("up
 
 
 def _forward(s1: Screw, s2: Screw, c: Array, x: Array) -> str:
-    """Of a turning and a sliding joint: whether the arm reaches out along the slide or against it."""
+    """Of a turning and a sliding joint: whether the arm reaches out along the slide or against
+    it."""
     turning, sliding = (s1, s2) if s1.turning else (s2, s1)
     at = s2.moved(x[1], c)
     value = float((at - turning.p) @ sliding.w)
@@ -75,7 +87,12 @@ def arm(screws: Sequence[Screw], c: Array, x: Array) -> list[str]:
     s1, s2, s3 = screws
     carried = s3.moved(x[2], c)
     names = pair(s1, s2, carried, x[:2])
-    if s2.turning and s3.turning and sp.parallel(s2.w, s3.w) and sp.size(sp.across(s2.w, s3.p - s2.p)) > 1e-9:
+    if (
+        s2.turning
+        and s3.turning
+        and sp.parallel(s2.w, s3.w)
+        and sp.size(sp.across(s2.w, s3.p - s2.p)) > 1e-9
+    ):
         side = names[0] if names else ""
         return [*names, elbow(s2, s3, c, x[1:], side)] if not side.startswith("elbow") else names
     if s2.turning != s3.turning and sp.perpendicular(s2.w, s3.w):

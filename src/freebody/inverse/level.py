@@ -1,8 +1,8 @@
 """Arms whose turning axes are all parallel: planar arms and SCARA robots.
 
-In the plane across the axes a word of up to three joints is left; one slide along the axes, a lift, stands by itself.
-The first two joints bring the last axis to its place (two circles, 2.14 and 2.15; or a circle and a line), the last one
-turns what is left.
+In the plane across the axes a word of up to three joints is left; one slide along the axes, a lift,
+stands by itself. The first two joints bring the last axis to its place (two circles, 2.14 and 2.15;
+or a circle and a line), the last one turns what is left.
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ from freebody.inverse.position import Found, can_meet, meet
 
 @dataclass(frozen=True, eq=False)
 class Level(Form):
-    """Up to three joints across `normal` at places `across` of the chain, and perhaps a lift at place `lift`."""
+    """Up to three joints across `normal` at places `across` of the chain, and perhaps a lift at
+    place `lift`."""
 
     normal: Array
     across: tuple[int, ...]
@@ -70,7 +71,9 @@ class Level(Form):
             return []
         c = s[2].p if len(s) == 3 else self.chain.p
         up = Screw(True, self.normal, s[0].p)
-        if len(s) > 1 and s[0].turning and s[1].turning:  # names do not depend on the sense of the axes
+        if (
+            len(s) > 1 and s[0].turning and s[1].turning
+        ):  # names do not depend on the sense of the axes
             upper, fore = (replace(up, p=screw.p) for screw in s[:2])
             bent = y[:2] * [screw.w @ self.normal for screw in s[:2]]
             return [labels.elbow(upper, fore, c, bent, words=self.words)]
@@ -119,14 +122,17 @@ def _turn_between_slides(s: Sequence[Screw], X: Displacement) -> Found:
 
 
 def level(chain: Chain, normal: Array | None, turned: bool, words: tuple[str, str]) -> Form | None:
-    """The form for a chain across a normal (None: found), for the pose if `turned`, else for the position alone."""
+    """The form for a chain across a normal (None: found), for the pose if `turned`, else for the
+    position alone."""
     axes = [s.w for s in chain.screws if s.turning]
     n = normal if normal is not None else axes[0] if axes else None
     if n is None or not all(sp.parallel(w, n) for w in axes):
         return None
     lifts = [i for i, s in enumerate(chain.screws) if not s.turning and sp.parallel(s.w, n)]
     slides = [s for s in chain.screws if not s.turning]
-    if len(lifts) > 1 or any(not sp.parallel(s.w, n) and not sp.perpendicular(s.w, n) for s in slides):
+    if len(lifts) > 1 or any(
+        not sp.parallel(s.w, n) and not sp.perpendicular(s.w, n) for s in slides
+    ):
         return None
     across = tuple(i for i in range(len(chain.screws)) if i not in lifts)
     form = Level(chain, n, across, lifts[0] if lifts else None, words)

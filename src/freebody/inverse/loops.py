@@ -1,5 +1,5 @@
-"""Inverse kinematics of closed chains: the tip held at its target is one loop more, and every way to close all of them
-is a working mode."""
+"""Inverse kinematics of closed chains: the tip held at its target is one loop more, and every way
+to close all of them is a working mode."""
 
 from __future__ import annotations
 
@@ -30,7 +30,8 @@ _SHOWN = 8
 """How many of infinitely many solutions are returned."""
 _CLOSED = 1e-11  # scaled loop equations of a solution
 _SETTLING = (1.0, 30.0, 1e3, 1e4)
-"""How much the loops count against the tip, one descent after the other, where the target is out of reach."""
+"""How much the loops count against the tip, one descent after the other, where the target is out of
+reach."""
 
 
 def of_closed_chain(problem: Problem, batch: tuple[int, ...]) -> Solutions:
@@ -40,7 +41,8 @@ def of_closed_chain(problem: Problem, batch: tuple[int, ...]) -> Solutions:
         candidates = work.plan.solve(np.tile(work.rest, (len(problem.target), 1)), problem.target)
         if candidates is not None:
             solutions = [
-                work.verified(q, target) for q, target in zip(candidates, problem.target, strict=True)
+                work.verified(q, target)
+                for q, target in zip(candidates, problem.target, strict=True)
             ]
             branches = [
                 work.plan.branches(s.q, target[None])
@@ -65,11 +67,13 @@ def _searched(work: _Held) -> Found:
         solutions = [work.thinned(s) for s in solutions]
     notes = (
         [
-            f"The robot still moves with its tip held: {_SHOWN} at most of infinitely many solutions, nearest first."
+            f"The robot still moves with its tip held: {_SHOWN} at most of infinitely many "
+            f"solutions, nearest first."
         ]
         if redundant
         else [
-            f"No closed form is known for this robot and task: what {len(starts)} starts found, perhaps not all."
+            f"No closed form is known for this robot and task: what {len(starts)} starts found, "
+            f"perhaps not all."
         ]
     )
     method = f"Levenberg–Marquardt from {len(starts)} starts, loops and tip together"
@@ -109,7 +113,8 @@ class _Held:
         return tip, rate_scale(model)
 
     def equations(self, q: Array, target: Array, weight: float = 1.0) -> tuple[Array, Array]:
-        """(what is missing (..., r + m), the Jacobian (..., r + m, nv)), scaled; loops count `weight` times."""
+        """(what is missing (..., r + m), the Jacobian (..., r + m, nv)), scaled; loops count
+        `weight` times."""
         tip, rates = self._scales
         T, J = self.seeker.pose_and_jacobian(q)
         model = self.seeker.model
@@ -117,7 +122,9 @@ class _Held:
         slopes = [tip[:, None] * J * rates, weight * scaled_jacobian(model, q)]
         return np.concatenate(missing, axis=-1), np.concatenate(slopes, axis=-2)
 
-    def descend(self, target: Array, starts: Array, weight: float, iterations: int) -> tuple[Array, Array]:
+    def descend(
+        self, target: Array, starts: Array, weight: float, iterations: int
+    ) -> tuple[Array, Array]:
         """(q, what is left) from starts (N, nq) to targets (N, …)."""
         _, rates = self._scales
 
@@ -142,7 +149,8 @@ class _Held:
 
     # ------------------------------------------------------------ solutions
     def verified(self, q: Array, target: Array) -> Verified:
-        """Of candidates (k, nq) those that reach the target with all loops closed, polished, wrapped, each once."""
+        """Of candidates (k, nq) those that reach the target with all loops closed, polished,
+        wrapped, each once."""
         good = q[np.isfinite(q).all(axis=-1)]
         goals = np.broadcast_to(target, (len(good), *target.shape))
         good = self._polished(good, goals)
@@ -187,13 +195,16 @@ class _Held:
         """A few of infinitely many."""
         kept: list[int] = []
         for row in range(len(s.q)):
-            if len(kept) < _SHOWN and all(_apart(self.seeker.model, s.q[row], s.q[k]) > ALIKE for k in kept):
+            if len(kept) < _SHOWN and all(
+                _apart(self.seeker.model, s.q[row], s.q[k]) > ALIKE for k in kept
+            ):
                 kept.append(row)
         return Verified(s.q[kept], s.miss[kept], s.row[kept])
 
     # ------------------------------------------------------------ out of reach
     def away(self, target: Array) -> tuple[Array, list[str]]:
-        """(m, a sentence) for targets (N, …) that cannot be reached: to the nearest closed position found."""
+        """(m, a sentence) for targets (N, …) that cannot be reached: to the nearest closed position
+        found."""
         near = 1e-7 * length(self.seeker.model)
         found = [self._nearest(goal) for goal in target]
         sentences = []
@@ -224,7 +235,9 @@ class _Held:
             return f"Out of reach: the target is about {distance:.6g} m from what {frame} can reach with loops closed."
         if turned > 1e-6:
             return f"Out of reach: at the target {frame} is turned by at least about {turned:.6g} rad against it."
-        return f"No solution was found for {frame}, though the target lies at the edge of its reach."
+        return (
+            f"No solution was found for {frame}, though the target lies at the edge of its reach."
+        )
 
 
 def _apart(model: Model, a: Array, b: Array) -> float:

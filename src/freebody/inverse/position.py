@@ -1,8 +1,9 @@
-"""Two and three joints that bring a point to a point: e1 e2 c = p, and e1 e2 e3 c = p (Pieper 1968).
+"""Two and three joints that bring a point to a point: e1 e2 c = p, and e1 e2 e3 c = p (Pieper
+1968).
 
-With y = e2 e3 c = e1⁻¹ p, the point y lies on the circle (or line) of p about joint 1 and on that of c about joint 2.
-Three joints: the third is found first, from a height or a distance that joints 1 and 2 leave alone, else from a
-polynomial of degree four.
+With y = e2 e3 c = e1⁻¹ p, the point y lies on the circle (or line) of p about joint 1 and on that
+of c about joint 2. Three joints: the third is found first, from a height or a distance that joints
+1 and 2 leave alone, else from a polynomial of degree four.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ Polynomial = Callable[[Array], Array]
 
 @dataclass(frozen=True)
 class Found:
-    """Candidates x (..., k, n), NaN where there is none; free marks the joints that could stand anywhere."""
+    """Candidates x (..., k, n), NaN where there is none; free marks the joints that could stand
+    anywhere."""
 
     x: Array
     free: np.ndarray
@@ -57,7 +59,8 @@ def _meeting_points(s1: Screw, s2: Screw, c: Array, p: Array) -> Array:
 
 
 def _on_circle(screw: Screw, point: Array, n: Array, height: Array) -> Array:
-    """Where the circle of a point about a screw meets the plane n · (y - screw.p) = height: (..., 2, 3)."""
+    """Where the circle of a point about a screw meets the plane n · (y - screw.p) = height: (...,
+    2, 3)."""
     w = screw.w
     lift = (point - screw.p) @ w
     across = sp.across(w, n)
@@ -77,14 +80,16 @@ def _second_slide(w1: Array, w2: Array, way: Array) -> Array:
 
 
 def can_meet(s1: Screw, s2: Screw, scale: float) -> bool:
-    """Whether two joints move a point along two directions: no common axis, no two parallel slides."""
+    """Whether two joints move a point along two directions: no common axis, no two parallel
+    slides."""
     if s1.turning != s2.turning or not sp.parallel(s1.w, s2.w):
         return True
     return s1.turning and bool(sp.size(sp.across(s1.w, s2.p - s1.p)) > SAME * scale)
 
 
 def last_of_three(s1: Screw, s2: Screw, s3: Screw, c: Array, scale: float) -> Polynomial | None:
-    """The equation of the third joint: a function p (..., 3) -> x3 (..., k), or None where it decides nothing."""
+    """The equation of the third joint: a function p (..., 3) -> x3 (..., k), or None where it
+    decides nothing."""
     if not can_meet(s1, s2, scale):
         return None
     normal = _kept_height(s1, s2)
@@ -125,9 +130,14 @@ def _nearest_points(s1: Screw, s2: Screw) -> tuple[Array, Array]:
 
 
 def _by_polynomial(s1: Screw, s2: Screw, s3: Screw, c: Array, p: Array, scale: float) -> Array:
-    """x3 (..., 4): y as a function of x3 from three planes, put into the equation of the sphere it must lie on."""
+    """x3 (..., 4): y as a function of x3 from three planes, put into the equation of the sphere it
+    must lie on."""
     points = p.reshape(-1, 3)
-    nodes = 2 * np.pi * np.arange(5) / 5 if s3.turning else scale * np.cos(np.pi * (np.arange(5) + 0.5) / 5)
+    nodes = (
+        2 * np.pi * np.arange(5) / 5
+        if s3.turning
+        else scale * np.cos(np.pi * (np.arange(5) + 0.5) / 5)
+    )
     samples = _miss(s1, s2, s3.moved(nodes, c), points[:, None, :])
     roots = np.full((len(points), 4), np.nan)
     for row, values in zip(roots, samples, strict=True):
@@ -171,7 +181,8 @@ def _roots(coefficients: np.ndarray) -> np.ndarray:
 
 
 def reach(screws: Sequence[Screw], c: Array, p: Array, prefer: Array, scale: float) -> Found | None:
-    """Positions (..., k, 3) of three joints with e1 e2 e3 c = p, c (3,), p (..., 3); None where they are no arm."""
+    """Positions (..., k, 3) of three joints with e1 e2 e3 c = p, c (3,), p (..., 3); None where
+    they are no arm."""
     s1, s2, s3 = screws
     equation = last_of_three(s1, s2, s3, c, scale)
     if equation is None:

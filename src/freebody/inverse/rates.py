@@ -1,4 +1,5 @@
-"""Inverse velocity (2.25) and acceleration (2.26): the rates of the joints that move a frame as wanted."""
+"""Inverse velocity (2.25) and acceleration (2.26): the rates of the joints that move a frame as
+wanted."""
 
 from __future__ import annotations
 
@@ -20,7 +21,8 @@ from freebody.trees.calls import Vector, common_batch, finite_vector
 from freebody.trees.kinematics import jacobian, jacobian_dot
 
 SINGULAR = 1e-10
-"""A ratio of smallest to largest singular value (lengths over the arm's) below which the Jacobian has no inverse."""
+"""A ratio of smallest to largest singular value (lengths over the arm's) below which the Jacobian
+has no inverse."""
 
 
 def inverse_velocity(
@@ -33,15 +35,17 @@ def inverse_velocity(
 ) -> Array:
     """Joint rates q̇ (..., nv) with J q̇ = V (2.25).
 
-    q: (..., nq). V: velocity of the frame, linear (m/s) then angular (rad/s), world axes: (..., r) for the r rows of
-    the task, or (..., 6), (..., 3) in the plane, of which those rows are taken. task: "position", "orientation", "pose"
-    or rows by name; default by the length of V: dim entries are a position's, all rows a pose's. So a planar 2R takes
-    (ẋ, ẏ), the rows that make its J square. frame: default the tip.
+    q: (..., nq). V: velocity of the frame, linear (m/s) then angular (rad/s), world axes: (..., r)
+    for the r rows of the task, or (..., 6), (..., 3) in the plane, of which those rows are taken.
+    task: "position", "orientation", "pose" or rows by name; default by the length of V: dim entries
+    are a position's, all rows a pose's. So a planar 2R takes (ẋ, ẏ), the rows that make its J
+    square. frame: default the tip.
 
-    With more joints than rows the q̇ of least norm; with fewer it is refused. Raises SingularError where J loses rank,
-    saying which direction is lost, unless `damping` is given (> 0, a singular value of J with lengths over the
-    arm's, such as 0.05): then singular values below it are damped, q̇ is exact elsewhere, and a FreebodyWarning says how
-    far off V is (Nakamura and Hanafusa 1986; Chiaverini 1997).
+    With more joints than rows the q̇ of least norm; with fewer it is refused. Raises SingularError
+    where J loses rank, saying which direction is lost, unless `damping` is given (> 0, a singular
+    value of J with lengths over the arm's, such as 0.05): then singular values below it are damped,
+    q̇ is exact elsewhere, and a FreebodyWarning says how far off V is (Nakamura and Hanafusa 1986;
+    Chiaverini 1997).
     """
     require_one("inverse_velocity", model)
     model.require_tree("inverse_velocity", "fb.input_output(model, q).J")
@@ -59,8 +63,8 @@ def inverse_acceleration(
 ) -> Array:
     """Joint accelerations q̈ (..., nv) with J q̈ + J̇ q̇ = A (2.26).
 
-    qd: (..., nv). A: acceleration of the frame, the time derivative of its velocity (m/s², rad/s²). All else as for
-    `inverse_velocity`.
+    qd: (..., nv). A: acceleration of the frame, the time derivative of its velocity (m/s², rad/s²).
+    All else as for `inverse_velocity`.
     """
     require_one("inverse_acceleration", model)
     model.require_tree("inverse_acceleration", "fb.input_output(model, q).J")
@@ -79,7 +83,9 @@ def _solved(
     damping: float | None,
 ) -> Array:
     if damping is not None and not damping > 0.0:
-        raise FreebodyError(f"{function}: damping is {damping}; it must be positive, such as 0.05, or None.")
+        raise FreebodyError(
+            f"{function}: damping is {damping}; it must be positive, such as 0.05, or None."
+        )
     name = model.frame(frame).name
     rows, wanted = _wanted(function, model, letter, given, task)
     J = jacobian(model, finite_vector(function, model, "q", q), name)[..., rows, :]
@@ -108,9 +114,7 @@ def _wanted(
     size = array.shape[-1] if array.ndim else 0
     if task is None:
         if size not in (model.dim, six):
-            because = (
-                f"{model.dim} entries for the position, {six} for the pose; else name the rows with task="
-            )
+            because = f"{model.dim} entries for the position, {six} for the pose; else name the rows with task="
             check_core(function, letter, array, (six,), because)
         task = "pose" if size == six else "position"
     rows = list(rows_of(function, model, task))
@@ -124,7 +128,8 @@ def _wanted(
 
 
 def _row_labels(model: Model, given: Any, task: str | Sequence[str] | None) -> tuple[str, ...]:
-    """The rows that a vector by names has: all, those of the task, or where that is left open, of a position."""
+    """The rows that a vector by names has: all, those of the task, or where that is left open, of a
+    position."""
     names = row_names(model.dim)
     if task is not None:
         chosen = tuple(names[r] for r in rows_of("task", model, task))
@@ -145,14 +150,21 @@ class _Problem:
 
 def _refuse_too_few(function: str, model: Model, frame: str, J: Array, rows: list[int]) -> None:
     moving = (
-        int((np.abs(J).max(axis=tuple(range(J.ndim - 1)), initial=0.0) > 0.0).sum()) if J.size else model.nv
+        int((np.abs(J).max(axis=tuple(range(J.ndim - 1)), initial=0.0) > 0.0).sum())
+        if J.size
+        else model.nv
     )
     if moving >= len(rows) or not J.size:
         return
     names = row_names(model.dim)
-    hint = 'task="position"' if moving >= model.dim else f"task={tuple(names[r] for r in rows[:moving])}"
+    hint = (
+        'task="position"'
+        if moving >= model.dim
+        else f"task={tuple(names[r] for r in rows[:moving])}"
+    )
     raise SingularError(
-        f"{function}: {moving} joint coordinate{'s' if moving != 1 else ''} of {model.name!r} cannot give frame "
+        f"{function}: {moving} joint coordinate{'s' if moving != 1 else ''} of {model.name!r} "
+        f"cannot give frame "
         f"{frame!r} any motion in {len(rows)} rows ({', '.join(names[r] for r in rows)}); "
         f"count as many rows at most, such as {hint}."
     )
@@ -184,8 +196,10 @@ def _refuse_singular(problem: _Problem, U: Array, singular: np.ndarray) -> None:
     lost = U[(*at, slice(None), -1)] * problem.scale  # lost · J = 0
     lost = lost / lost[np.argmax(np.abs(lost))]
     raise SingularError(
-        f"{problem.function}: the Jacobian is singular{where}: {problem.frame} has lost a direction, every motion that "
-        f"the joints can give it has {_linear(lost, problem.names)} = 0. Leave out a row (task=), or give damping=0.05 "
+        f"{problem.function}: the Jacobian is singular{where}: {problem.frame} has lost a "
+        f"direction, every motion that "
+        f"the joints can give it has {_linear(lost, problem.names)} = 0. Leave out a row (task=), "
+        f"or give damping=0.05 "
         "for the nearest that is possible."
     )
 
@@ -208,7 +222,8 @@ def _say_damped(problem: _Problem, J: Array, rates: Array, wanted: Array) -> Non
         at = [int(i) for i in np.unravel_index(int(np.argmax(off)), off.shape)]
         where = f" at sample {at[0] if len(at) == 2 else tuple(at[:-1])}" if len(at) > 1 else ""
         warnings.warn(
-            f"{problem.function}: damped near a singularity: {problem.frame} gets {problem.letter} but for "
+            f"{problem.function}: damped near a singularity: {problem.frame} gets {problem.letter} "
+            f"but for "
             f"{worst:.3g} in {problem.names[at[-1]]}{where}.",
             FreebodyWarning,
             stacklevel=5,

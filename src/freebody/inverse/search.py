@@ -27,17 +27,25 @@ def by_search(problem: Problem) -> Found:
     solutions = _sorted_out(problem, q.reshape(N, K, -1), keep)
     lost = [i for i, s in enumerate(solutions) if not len(s.q)]
     if lost and keep:  # perhaps beyond the limits
-        q, _ = seeker.seek(np.repeat(problem.target[lost], K, axis=0), np.tile(starts, (len(lost), 1)))
+        q, _ = seeker.seek(
+            np.repeat(problem.target[lost], K, axis=0), np.tile(starts, (len(lost), 1))
+        )
         again = replace(problem, target=problem.target[lost])
         for i, s in zip(lost, _sorted_out(again, q.reshape(len(lost), K, -1), False), strict=True):
             solutions[i] = s
     notes = (
         [f"The arm is redundant: {_SHOWN} at most of infinitely many solutions, nearest first."]
         if redundant
-        else [f"No closed form is known for this arm and task: what {K} starts found, perhaps not all."]
+        else [
+            f"No closed form is known for this arm and task: what {K} starts found, perhaps not "
+            f"all."
+        ]
     )
     return Found(
-        solutions, [[""] * len(s.q) for s in solutions], f"Levenberg–Marquardt from {K} starts", notes
+        solutions,
+        [[""] * len(s.q) for s in solutions],
+        f"Levenberg–Marquardt from {K} starts",
+        notes,
     )
 
 
@@ -53,7 +61,8 @@ def _starts(problem: Problem, K: int) -> Array:
 
 
 def _sorted_out(problem: Problem, q: Array, keep: bool) -> list[Verified]:
-    """Solutions among what was found (N, K, nq), nearest to the reference first; `keep`: only those within limits."""
+    """Solutions among what was found (N, K, nq), nearest to the reference first; `keep`: only those
+    within limits."""
     seeker, reference = problem.seeker, problem.reference
     redundant = seeker.freedom > 0
     if redundant and problem.q0 is not None and seeker.model.nq == seeker.model.nv:

@@ -1,4 +1,5 @@
-"""Inverse kinematics from many starts: for arms without a closed form, and to polish what a closed form gave."""
+"""Inverse kinematics from many starts: for arms without a closed form, and to polish what a closed
+form gave."""
 
 from __future__ import annotations
 
@@ -81,10 +82,16 @@ class Seeker:
         return q + step if self.model.nq == self.model.nv else integrate(self.model, q, step)
 
     def seek(
-        self, target: Array, starts: Array, *, within: bool = False, weight: float = 1.0, iterations: int = 60
+        self,
+        target: Array,
+        starts: Array,
+        *,
+        within: bool = False,
+        weight: float = 1.0,
+        iterations: int = 60,
     ) -> tuple[Array, Array]:
-        """(q, scaled residual) from starts (N, nq) to targets (N, …); `within` keeps to the limits; the orientation
-        counts `weight` times."""
+        """(q, scaled residual) from starts (N, nq) to targets (N, …); `within` keeps to the limits;
+        the orientation counts `weight` times."""
         k = len(self.task.linear)
         scale = np.array([1.0 / self.length] * k + [weight] * (len(self.task.rows) - k))
 
@@ -114,7 +121,8 @@ class Seeker:
         return q, miss
 
     def settled(self, q: Array, target: Array, towards: Array, within: bool) -> Array:
-        """q (N, nq) slid along the solutions of a redundant arm as near to `towards` (nq,) as can be."""
+        """q (N, nq) slid along the solutions of a redundant arm as near to `towards` (nq,) as can
+        be."""
         slid = q
         for _ in range(40):
             T, J = self.pose_and_jacobian(slid)

@@ -1,4 +1,5 @@
-"""`singularities`: where a frame loses a direction; in closed form where the Jacobian is square, measured always."""
+"""`singularities`: where a frame loses a direction; in closed form where the Jacobian is square,
+measured always."""
 
 from __future__ import annotations
 
@@ -57,7 +58,8 @@ class Singularities(Titled):
 
     @property
     def conditions(self) -> tuple[Condition, ...]:
-        """One for each factor that depends on the joints: the arm is singular where any of them holds."""
+        """One for each factor that depends on the joints: the arm is singular where any of them
+        holds."""
         return () if self.closed is None else self.closed.conditions
 
     def latex(self) -> str:
@@ -83,7 +85,8 @@ class Singularities(Titled):
 
     # ------------------------------------------------------------ numbers
     def measure(self, q: Vector) -> Array:
-        """Smallest singular value (...) of the counted rows of J at q (..., nq), lengths over the arm's length.
+        """Smallest singular value (...) of the counted rows of J at q (..., nq), lengths over the
+        arm's length.
 
         0 where the arm is singular; how far from it, in rad per rad.
         """
@@ -100,9 +103,11 @@ class Singularities(Titled):
         return np.array([1.0 / length if r < self.model.dim else 1.0 for r in rows])
 
     def search(self, starts: int = 32, seed: int = 0) -> Array:
-        """Singular positions (k, nq), one for each random start that led to one: Newton steps on the measure.
+        """Singular positions (k, nq), one for each random start that led to one: Newton steps on
+        the measure.
 
-        Nothing is said about singularities that were not found. Positions are not kept within the joints' limits.
+        Nothing is said about singularities that were not found. Positions are not kept within the
+        joints' limits.
         """
         model = self.model
         q, _, _ = generic_state(model, seed, starts)
@@ -112,7 +117,8 @@ class Singularities(Titled):
         for _ in range(40):
             U, sigma, Vt = np.linalg.svd(self._scaled(q), full_matrices=False)
             slopes = (
-                self._scale(rows)[:, None, None] * jacobian_derivatives(model, q, self.frame)[..., rows, :, :]
+                self._scale(rows)[:, None, None]
+                * jacobian_derivatives(model, q, self.frame)[..., rows, :, :]
             )
             slope = np.einsum("ni,nijk,nj->nk", U[:, :, -1], slopes[:, :, columns], Vt[:, -1])
             square = np.sum(slope**2, axis=-1)
@@ -126,15 +132,17 @@ class Singularities(Titled):
 def singularities(
     model: Model, frame: str | None = None, task: str | Sequence[str] | None = None
 ) -> Singularities:
-    """Where a frame cannot move in some direction: det J = 0 (2.20-2.23), factored and solved where that is short.
+    """Where a frame cannot move in some direction: det J = 0 (2.20-2.23), factored and solved where
+    that is short.
 
-    frame: default the tip. task: the rows that count, "position", "orientation", "pose" or names among "vx", "vy",
-    "vz", "wx", "wy", "wz" (plane "vx", "vy", "w"); default those that make J square: for a planar arm of two joints the
-    position, for one of three the pose, in space for six the pose, for three the position. Parameters stay symbols; for
-    `measure` and `search` they need values.
+    frame: default the tip. task: the rows that count, "position", "orientation", "pose" or names
+    among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy", "w"); default those that make J
+    square: for a planar arm of two joints the position, for one of three the pose, in space for six
+    the pose, for three the position. Parameters stay symbols; for `measure` and `search` they need
+    values.
 
-    With another number of joints than rows there is no determinant, only the measure and the search. Raises
-    FreebodyError where fewer joints than rows are asked for by name.
+    With another number of joints than rows there is no determinant, only the measure and the
+    search. Raises FreebodyError where fewer joints than rows are asked for by name.
     """
     model.require_tree("singularities", "fb.input_output(model, q).kind")
     name = model.frame(frame).name
@@ -146,17 +154,18 @@ def singularities(
     rows = _chosen_rows(closed, n) if task is None else rows_of("singularities", model, task)
     if task is not None and n < len(rows):
         raise FreebodyError(
-            f"singularities: {n} joint coordinates of {model.name!r} cannot move frame {name!r} along {len(rows)} rows "
+            f"singularities: {n} joint coordinates of {model.name!r} cannot move frame {name!r} "
+            f"along {len(rows)} rows "
             f"({', '.join(_names(model, rows))}) at any pose; count {n} at most with task=."
         )
     notes = [f"Rows counted: {', '.join(_names(model, rows))}."]
     if n != len(rows):
-        square = (
-            f"{n} joint{'s' * (n != 1)} and {len(rows)} rows: J is not square, so there is no determinant"
-        )
+        square = f"{n} joint{'s' * (n != 1)} and {len(rows)} rows: J is not square, so there is no determinant"
         notes.append(f"{square}; search() finds singular poses.")
     elif _length(closed) > SHORT:
-        notes.append("The determinant is too long to be written out; search() finds singular poses.")
+        notes.append(
+            "The determinant is too long to be written out; search() finds singular poses."
+        )
     else:
         found = jacobian_determinant(closed, rows)
         return Singularities(model, name, _names(model, rows), found, tuple(notes))

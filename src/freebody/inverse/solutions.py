@@ -16,18 +16,20 @@ _OUTSIDE = "  (outside the limits)"
 APART = 1e-6
 """Joint positions nearer than this (rad, m) are one solution."""
 ALIKE = 1e-2
-"""Solutions of a redundant arm nearer than this (rad, m) are one: they are samples of a continuum."""
+"""Solutions of a redundant arm nearer than this (rad, m) are one: they are samples of a
+continuum."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Solutions(Tabled, ByValue):
     """What `inverse_kinematics` found for one target, or for a batch of them (...).
 
-    q: (k, nq), one row a solution; of a batch (..., k, nq), k the largest number, NaN where a target has fewer.
-    branches: (..., k) names such as "elbow up"; "" where there is no name or no solution.
-    residual: (..., k), by forward kinematics, the larger of m and rad. within_limits: (..., k).
-    distance: (...) from the workspace, m; 0 where there are solutions, or only the orientation cannot be had.
-    method: what was done. notes: what else is worth knowing, such as joints that could stand anywhere.
+    q: (k, nq), one row a solution; of a batch (..., k, nq), k the largest number, NaN where a
+    target has fewer. branches: (..., k) names such as "elbow up"; "" where there is no name or no
+    solution. residual: (..., k), by forward kinematics, the larger of m and rad. within_limits:
+    (..., k). distance: (...) from the workspace, m; 0 where there are solutions, or only the
+    orientation cannot be had. method: what was done. notes: what else is worth knowing, such as
+    joints that could stand anywhere.
     """
 
     q: Array
@@ -50,7 +52,9 @@ class Solutions(Tabled, ByValue):
     def _found(self) -> str:
         if self.q.ndim > 2:
             least = int(self.count.min()) if self.count.size else 0
-            return f"{self.q.shape[:-2]} targets, {least} to {len(self)} solutions each; {self.method}"
+            return (
+                f"{self.q.shape[:-2]} targets, {least} to {len(self)} solutions each; {self.method}"
+            )
         return f"{counted(len(self), 'solution')}; {self.method}"
 
     def _title(self) -> str:
@@ -59,7 +63,13 @@ class Solutions(Tabled, ByValue):
     def _table(self) -> Table:
         if self.q.ndim > 2:
             return Table((), (), self.notes)
-        head = ("", "name", *(f"q[{k}]" for k in range(self.q.shape[-1])), "residual", "within limits")
+        head = (
+            "",
+            "name",
+            *(f"q[{k}]" for k in range(self.q.shape[-1])),
+            "residual",
+            "within limits",
+        )
         rows = [
             (str(k), str(name), *(f"{x:.4f}" for x in q), f"{miss:.1e}", "yes" if fine else "no")
             for k, (q, name, miss, fine) in enumerate(
@@ -80,7 +90,8 @@ class Solutions(Tabled, ByValue):
 
 @dataclass(frozen=True, eq=False)
 class Verified:
-    """The solutions of one target: q (k, nq), misses (k,), and the rows of the candidates that they came from."""
+    """The solutions of one target: q (k, nq), misses (k,), and the rows of the candidates that they
+    came from."""
 
     q: Array
     miss: Array
@@ -90,7 +101,8 @@ class Verified:
 def verified(
     seeker: Seeker, q: Array, target: Array, reference: Array, apart: float = APART
 ) -> list[Verified]:
-    """Of candidates q (N, k, nq) for targets (N, …) those that reach them, polished, wrapped, each once.
+    """Of candidates q (N, k, nq) for targets (N, …) those that reach them, polished, wrapped, each
+    once.
 
     Positions nearer to each other than `apart` (rad, m) count as one.
     """
@@ -114,7 +126,8 @@ def verified(
 
 
 def wrapped(seeker: Seeker, q: Array, reference: Array) -> Array:
-    """Angles of q (N, nq) moved by whole turns: into their limits where that can be, and there next to `reference`."""
+    """Angles of q (N, nq) moved by whole turns: into their limits where that can be, and there next
+    to `reference`."""
     q = q.copy()
     low, high = seeker.bounds
     for body, at in zip(seeker.model.bodies, seeker.model.coordinates, strict=True):
@@ -125,15 +138,24 @@ def wrapped(seeker: Seeker, q: Array, reference: Array) -> Array:
             continue
         x = q[:, k] - turn * np.round((q[:, k] - reference[k]) / turn)
         with np.errstate(invalid="ignore"):
-            up = turn * np.ceil(np.maximum(low[k] - x - 1e-9, 0.0) / turn) if np.isfinite(low[k]) else 0.0
-            down = turn * np.ceil(np.maximum(x - high[k] - 1e-9, 0.0) / turn) if np.isfinite(high[k]) else 0.0
+            up = (
+                turn * np.ceil(np.maximum(low[k] - x - 1e-9, 0.0) / turn)
+                if np.isfinite(low[k])
+                else 0.0
+            )
+            down = (
+                turn * np.ceil(np.maximum(x - high[k] - 1e-9, 0.0) / turn)
+                if np.isfinite(high[k])
+                else 0.0
+            )
         moved = x + up - down
         q[:, k] = np.where((moved >= low[k] - 1e-9) & (moved <= high[k] + 1e-9), moved, x)
     return q
 
 
 def _repeats(model: Model, k: int) -> bool:
-    """Whether a whole turn of coordinate k changes nothing: all that follow it do so a whole number of times."""
+    """Whether a whole turn of coordinate k changes nothing: all that follow it do so a whole number
+    of times."""
     return all(at.ratio == round(at.ratio) for at in model.coordinates if at.q == (k,))
 
 

@@ -1,8 +1,9 @@
 """One and two joints at a time: what angles bring a point or a direction to where it is wanted.
 
-These are the subproblems of Paden and Kahan (Murray, Li, Sastry 1994, section 3.3; Elias and Wen, IK-Geo, 2022),
-written with half angles and products of differences, so that nothing is lost by cancellation where an arm is straight
-or folded. Arrays have any batch in front; two solutions stand on the last axis, NaN where there is none.
+These are the subproblems of Paden and Kahan (Murray, Li, Sastry 1994, section 3.3; Elias and Wen,
+IK-Geo, 2022), written with half angles and products of differences, so that nothing is lost by
+cancellation where an arm is straight or folded. Arrays have any batch in front; two solutions stand
+on the last axis, NaN where there is none.
 """
 
 from __future__ import annotations
@@ -48,7 +49,8 @@ def perpendicular(a: Array, b: Array) -> bool:
 
 
 def root(a: Array, b: Array) -> Array:
-    """√((a - b)(a + b)): the other side of a right triangle; 0 where a is short of b by rounding, else NaN."""
+    """√((a - b)(a + b)): the other side of a right triangle; 0 where a is short of b by rounding,
+    else NaN."""
     square = (a - b) * (a + b)
     loose = LOOSE * (a * a + b * b)
     with np.errstate(invalid="ignore"):
@@ -63,7 +65,8 @@ def either(base: Array, change: Array) -> Array:
 def onto(
     screw: Screw, a: Array, b: Array, prefer: float = 0.0, scale: float = 1.0
 ) -> tuple[Array, np.ndarray]:
-    """(angle, free): the turn about a screw that brings point a as near to b as it can; sliding: the shift.
+    """(angle, free): the turn about a screw that brings point a as near to b as it can; sliding:
+    the shift.
 
     free: a or b lies on the axis, where any angle does; it is then `prefer`.
     """
@@ -77,12 +80,15 @@ def onto(
 
 
 def at_chord(screw: Screw, c: Array, o: Array, chord: Array) -> Array:
-    """Turns (..., 2) after which c is seen at the distance `chord` from o, looking along the screw's axis."""
+    """Turns (..., 2) after which c is seen at the distance `chord` from o, looking along the
+    screw's axis."""
     u, v = across(screw.w, c - screw.p), across(screw.w, o - screw.p)
     a, b = size(u), size(v)
     base = np.arctan2(cross(u, v) @ screw.w, dot(u, v))
     d = np.abs(a - b)
-    psi = by_triangle((chord - d) * (chord + d), (a + b - chord) * (a + b + chord), (a + b) ** 2 + chord**2)
+    psi = by_triangle(
+        (chord - d) * (chord + d), (a + b - chord) * (a + b + chord), (a + b) ** 2 + chord**2
+    )
     return either(base, psi)
 
 
@@ -112,7 +118,8 @@ def at_height_of(screw: Screw, points: Array, n: Array, height: float | Array) -
 
 
 def at_angle(screw: Screw, v: Array, u: Array, angle: Array) -> Array:
-    """Turns (..., 2) after which the unit vector v (3,) makes an angle (0 … π) with the unit vector u (3,).
+    """Turns (..., 2) after which the unit vector v (3,) makes an angle (0 … π) with the unit vector
+    u (3,).
 
     By the half angles of the spherical triangle u, w, v, exact where v comes to lie along u.
     """
@@ -132,6 +139,7 @@ def angle_between(a: Array, b: Array) -> Array:
 def turn_of(R: Array, w: Array) -> Array:
     """Angle (...) of a rotation (..., 3, 3) about the known axis w."""
     skew = np.stack(
-        [R[..., 2, 1] - R[..., 1, 2], R[..., 0, 2] - R[..., 2, 0], R[..., 1, 0] - R[..., 0, 1]], axis=-1
+        [R[..., 2, 1] - R[..., 1, 2], R[..., 0, 2] - R[..., 2, 0], R[..., 1, 0] - R[..., 0, 1]],
+        axis=-1,
     )
     return np.arctan2(skew @ w, np.trace(R, axis1=-2, axis2=-1) - 1.0)

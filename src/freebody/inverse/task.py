@@ -1,4 +1,5 @@
-"""What is asked of a frame: which rows of its motion count, the targets, and how far a pose is from one."""
+"""What is asked of a frame: which rows of its motion count, the targets, and how far a pose is from
+one."""
 
 from __future__ import annotations
 
@@ -50,14 +51,16 @@ class Task:
         return tuple(row_names(self.dim)[r] for r in self.rows)
 
     def error(self, T: Array, target: Array) -> Array:
-        """(..., r): what is missing from pose T to the target, position (m) and rotation vector (rad), world axes."""
+        """(..., r): what is missing from pose T to the target, position (m) and rotation vector
+        (rad), world axes."""
         d = self.dim
         shift = target[..., :d, d] - T[..., :d, d]
         turn = target[..., :d, :d] @ np.swapaxes(T[..., :d, :d], -1, -2)
         return np.concatenate([shift, rotation_vector(turn)], axis=-1)[..., list(self.rows)]
 
     def miss(self, T: Array, target: Array) -> Array:
-        """(...): the larger of distance (m) and angle (rad) between a pose and a target, in the counted rows."""
+        """(...): the larger of distance (m) and angle (rad) between a pose and a target, in the
+        counted rows."""
         error = self.error(T, target)
         k = len(self.linear)
         parts = [np.linalg.norm(part, axis=-1) for part in (error[..., :k], error[..., k:])]
@@ -70,14 +73,19 @@ def row_names(dim: int) -> tuple[str, ...]:
 
 
 def rows_of(function: str, model: Model, task: str | Sequence[str]) -> tuple[int, ...]:
-    """Indices of the rows that a task names: "position", "orientation", "pose", or rows one by one."""
+    """Indices of the rows that a task names: "position", "orientation", "pose", or rows one by
+    one."""
     names = row_names(model.dim)
     if isinstance(task, str):
         if task not in TASKS:
             if task in names:
                 return motion_rows(model, (task,))
             raise UnknownNameError("task", task, function, (*TASKS, *names))
-        first, last = {"position": (0, model.dim), "orientation": (model.dim, None), "pose": (0, None)}[task]
+        first, last = {
+            "position": (0, model.dim),
+            "orientation": (model.dim, None),
+            "pose": (0, None),
+        }[task]
         return motion_rows(model, names[first:last])
     rows = motion_rows(model, tuple(task))
     if not rows or len(set(rows)) < len(rows):
@@ -88,7 +96,8 @@ def rows_of(function: str, model: Model, task: str | Sequence[str]) -> tuple[int
 def read_target(
     function: str, model: Model, target: ArrayLike, task: str | Sequence[str] | None
 ) -> tuple[Task, Array]:
-    """The task and the targets as poses (..., dim + 1, dim + 1); what a target does not say is left at the identity."""
+    """The task and the targets as poses (..., dim + 1, dim + 1); what a target does not say is left
+    at the identity."""
     d = model.dim
     given = as_floats(function, "target", target)
     refuse_not_finite(function, "target", given, 1)
@@ -108,7 +117,8 @@ def read_target(
     chosen = Task(d, rows)
     if kind == "point" and chosen.angular:
         raise FreebodyError(
-            f"{function}: the target is a point, but the task counts {', '.join(chosen.names)}; give a pose "
+            f"{function}: the target is a point, but the task counts {', '.join(chosen.names)}; "
+            f"give a pose "
             f"(..., {d + 1}, {d + 1})."
         )
     return chosen, _orthogonal(function, poses, d)
@@ -138,7 +148,8 @@ def _orthogonal(function: str, poses: Array, d: int) -> Array:
     last = np.abs(poses[..., d, :] - np.eye(d + 1)[d]).max(initial=0.0)
     if off > _ROTATION or last > _ROTATION or np.any(np.linalg.det(R) < 0):
         raise FreebodyError(
-            f"{function}: target is no pose: its rotation must satisfy R Rᵀ = 1 within 1e-6 and det R = 1, "
+            f"{function}: target is no pose: its rotation must satisfy R Rᵀ = 1 within 1e-6 and "
+            f"det R = 1, "
             f"its last row be {(*[0] * d, 1)}."
         )
     if off > 1e-15:
@@ -152,7 +163,8 @@ def rotation_vector(R: Array) -> Array:
     if R.shape[-1] == 2:
         return np.arctan2(R[..., 1, 0] - R[..., 0, 1], R[..., 0, 0] + R[..., 1, 1])[..., None]
     v = np.stack(
-        [R[..., 2, 1] - R[..., 1, 2], R[..., 0, 2] - R[..., 2, 0], R[..., 1, 0] - R[..., 0, 1]], axis=-1
+        [R[..., 2, 1] - R[..., 1, 2], R[..., 0, 2] - R[..., 2, 0], R[..., 1, 0] - R[..., 0, 1]],
+        axis=-1,
     )
     s = np.sqrt(np.sum(v * v, axis=-1))
     c = np.trace(R, axis1=-2, axis2=-1) - 1.0

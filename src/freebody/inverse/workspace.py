@@ -21,7 +21,8 @@ _NEAR = 1e-7  # nearer than this (in arm lengths) is reached
 def distances(
     seeker: Seeker, form: Form | None, X: Displacement | None, target: Array
 ) -> tuple[Array, list[str]]:
-    """(m, a sentence) for targets (N, …) without solution; the distance is 0 where only the orientation is wrong."""
+    """(m, a sentence) for targets (N, …) without solution; the distance is 0 where only the
+    orientation is wrong."""
     if not seeker.task.linear:
         count = len(target)
         return np.zeros(count), ["The frame cannot be turned so."] * count
@@ -53,7 +54,8 @@ def _sentence(seeker: Seeker, distance: float, out: bool, how: str) -> str:
 
 
 def distance_of_points(screws: tuple[Screw, ...], c: Array, points: Array, length: float) -> Array:
-    """Distances (N,) of points (N, 3) from all that the screws can bring c (3,) to: the least of many descents."""
+    """Distances (N,) of points (N, 3) from all that the screws can bring c (3,) to: the least of
+    many descents."""
     n = len(screws)
     if n == 0:
         return np.zeros(len(points))
@@ -83,7 +85,8 @@ def _speed(screw: Screw, p: Array) -> Array:
 
 
 def _nearest(seeker: Seeker, target: Array) -> tuple[Array, Array]:
-    """(distance, angle) left (N,) by the best of many descents in which an angle counts a thousandfold."""
+    """(distance, angle) left (N,) by the best of many descents in which an angle counts a
+    thousandfold."""
     q, _, _ = random_state(seeker.model, 1, _STARTS)
     starts, goals = np.tile(q, (len(target), 1)), np.repeat(target, _STARTS, axis=0)
     q, cost = seeker.seek(goals, starts, weight=30.0, iterations=60)

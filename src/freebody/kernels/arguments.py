@@ -23,7 +23,10 @@ def arguments(model: Model, names: tuple[str, ...], option: Option) -> tuple[Arg
     ]
     loads = option.wrench_frames if "wrenches" in wanted else ()
     # by index: the frames' names come from outside, and a program's names stand in generated text
-    return (*plain, *(Argument(_wrench(k), shape(model, ("six",), option)) for k in range(len(loads))))
+    return (
+        *plain,
+        *(Argument(_wrench(k), shape(model, ("six",), option)) for k in range(len(loads))),
+    )
 
 
 def _wrench(k: int) -> str:
@@ -39,9 +42,11 @@ def chosen(name: str, given: dict[str, Any], option: Option) -> dict[str, Any]:
     return taken
 
 
-def shape(model: Model, dims: Dimensions, option: Option, tree: Tree | None = None) -> tuple[int, ...]:
-    """The sizes of dimensions that are told by name; of the numbers that a tree has, where its scalars are not the
-    model's own."""
+def shape(
+    model: Model, dims: Dimensions, option: Option, tree: Tree | None = None
+) -> tuple[int, ...]:
+    """The sizes of dimensions that are told by name; of the numbers that a tree has, where its
+    scalars are not the model's own."""
     sizes = {
         "nq": lambda: model.nq,
         "nv": lambda: model.nv,
@@ -56,9 +61,12 @@ def shape(model: Model, dims: Dimensions, option: Option, tree: Tree | None = No
         ),
         "constraints": lambda: (tree or model.tree).constraints,
         "loose": lambda: (
-            (tree or model.tree).constraints - len(option.partition.rows if option.partition else ())
+            (tree or model.tree).constraints
+            - len(option.partition.rows if option.partition else ())
         ),
         "reactions": lambda: len(model.bodies) + len(model.loops),
-        "parameters": lambda: len(parameter_names(model) if tree is None else parameter_values(tree)),
+        "parameters": lambda: len(
+            parameter_names(model) if tree is None else parameter_values(tree)
+        ),
     }
     return tuple(d if isinstance(d, int) else sizes[d]() for d in dims)

@@ -1,4 +1,5 @@
-"""What is meant where a computation leaves freebody: a kernel, or quantities of a model with options."""
+"""What is meant where a computation leaves freebody: a kernel, or quantities of a model with
+options."""
 
 from __future__ import annotations
 
@@ -19,7 +20,8 @@ _OPTIONS = ("frame", "reference", "wrench_frames", "rows")
 
 
 class Asked(NamedTuple):
-    """Quantities of a model, their variant, numbers that are given as p, and inputs by which is differentiated."""
+    """Quantities of a model, their variant, numbers that are given as p, and inputs by which is
+    differentiated."""
 
     model: Model
     names: tuple[str, ...]
@@ -43,7 +45,8 @@ def asked(
     names: str | Sequence[str] | None,
     options: dict[str, Any],
 ) -> Asked | Kernel | InputKernel:
-    """The quantities that are meant, checked; or the kernel itself, which takes neither names nor options."""
+    """The quantities that are meant, checked; or the kernel itself, which takes neither names nor
+    options."""
     if isinstance(what, Kernel | InputKernel):
         if names is not None or options:
             raise FreebodyError(

@@ -1,4 +1,5 @@
-"""What closed chains do where trees take a kernel as it stands: the one way from here into their room."""
+"""What closed chains do where trees take a kernel as it stands: the one way from here into their
+room."""
 
 from __future__ import annotations
 

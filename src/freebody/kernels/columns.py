@@ -1,7 +1,9 @@
-"""Large square matrices column by column, by programs whose length grows with the robot and not with its square.
+"""Large square matrices column by column, by programs whose length grows with the robot and not
+with its square.
 
-Straight-line code for the n² entries of M, C or a derivative would take minutes to compile from some hundred joints on.
-Beyond `LARGEST` coordinates each column is one evaluation of the matrix times a unit vector, all columns in one batch.
+Straight-line code for the n² entries of M, C or a derivative would take minutes to compile from
+some hundred joints on. Beyond `LARGEST` coordinates each column is one evaluation of the matrix
+times a unit vector, all columns in one batch.
 """
 
 from __future__ import annotations
@@ -29,7 +31,8 @@ class ColumnKernel:
         self.name, self.inputs, self.n, self.fetch = name, inputs, n, fetch
 
     def __call__(self, *arrays: ArrayLike, out: Any = None, threads: int | None = None) -> Any:
-        """The matrix, or the tuple of them; `out` receives copies. Refuses what a `Kernel` refuses."""
+        """The matrix, or the tuple of them; `out` receives copies. Refuses what a `Kernel`
+        refuses."""
         self._check(arrays)
         given = [np.asarray(a, dtype=float)[..., None, :] for a in arrays]
         compute = FORMULAS[self.name].by_columns
@@ -49,7 +52,8 @@ class ColumnKernel:
         if len(arrays) != len(self.inputs):
             wanted = ", ".join(map(str, self.inputs))
             raise KernelError(
-                f"{self.name}: {len(arrays)} arguments given, expected {len(self.inputs)}: {wanted}."
+                f"{self.name}: {len(arrays)} arguments given, expected {len(self.inputs)}: "
+                f"{wanted}."
             )
         for argument, array in zip(self.inputs, arrays, strict=True):
             given = as_floats(self.name, argument.name, array)
@@ -62,7 +66,8 @@ class ColumnKernel:
 class KernelList:
     """Several quantities of a large robot behind one call, each part a kernel of its own.
 
-    Called like a `Kernel` of them all; only, a sample has NaN in the quantities whose own inputs are not finite.
+    Called like a `Kernel` of them all; only, a sample has NaN in the quantities whose own inputs
+    are not finite.
     """
 
     def __init__(self, inputs: tuple[Argument, ...], parts: list[tuple[Any, list[str], list[int]]]):
@@ -75,10 +80,14 @@ class KernelList:
         """The outputs in order; refuses what a `Kernel` refuses."""
         if len(arrays) != len(self.inputs):
             wanted = ", ".join(map(str, self.inputs))
-            raise KernelError(f"{len(arrays)} arguments given, expected {len(self.inputs)}: {wanted}.")
+            raise KernelError(
+                f"{len(arrays)} arguments given, expected {len(self.inputs)}: {wanted}."
+            )
         cores = [len(argument.shape) for argument in self.inputs]
         values = [np.asarray(array) for array in arrays]
-        batch = np.broadcast_shapes(*(x.shape[: x.ndim - n] for x, n in zip(values, cores, strict=True)))
+        batch = np.broadcast_shapes(
+            *(x.shape[: x.ndim - n] for x, n in zip(values, cores, strict=True))
+        )
         given = {
             argument.name: np.broadcast_to(x, batch + x.shape[x.ndim - len(argument.shape) :])
             for argument, x in zip(self.inputs, values, strict=True)

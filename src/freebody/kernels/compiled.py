@@ -34,24 +34,29 @@ def compile(  # noqa: A001  the name that users look for
     target: str | None = None,
     width: int | None = None,
 ) -> Kernel:
-    """A function of one's own, such as a controller or a cost, compiled; called as the kernels of `fb.kernel` are.
+    """A function of one's own, such as a controller or a cost, compiled; called as the kernels of
+    `fb.kernel` are.
 
-    function: called once, with traced scalars: for each input, by its name, a nested tuple of its core shape (a bare
-    scalar for shape ()). It adds, multiplies, divides, raises to whole powers, uses `freebody.math` and what
-    `fb.formula` gives, and may build lists and NumPy arrays of such scalars; it cannot branch on their values.
-    inputs: {name: core shape}, an integer for a vector: {"q": 6, "gain": ()}; names are words of a-z, 0-9 and _.
-    outputs: the same of what is returned: the value itself if there is one, else a tuple in this order; a dict by name
-    does too. None: as returned, {name: value}, or one value, which is called "result".
-    by: inputs by which each output is differentiated as well (exactly, in forward mode). Behind the outputs follow
-    their derivatives, of core shape (*output, *input), called dtau_dq for tau by q; of each output in turn, by each.
-    dtype, target, width: as for `fb.kernel`.
-    Returns k(*inputs, out=None, threads=None): one output, or a tuple. The function is not kept; a pickle has its
-    program. A sample with an input that is not finite has NaN in all outputs.
-    Raises GraphError where the function does what cannot be traced, ProgramError where shapes do not fit.
+    function: called once, with traced scalars: for each input, by its name, a nested tuple of its
+    core shape (a bare scalar for shape ()). It adds, multiplies, divides, raises to whole powers,
+    uses `freebody.math` and what `fb.formula` gives, and may build lists and NumPy arrays of such
+    scalars; it cannot branch on their values. inputs: {name: core shape}, an integer for a vector:
+    {"q": 6, "gain": ()}; names are words of a-z, 0-9 and _. outputs: the same of what is returned:
+    the value itself if there is one, else a tuple in this order; a dict by name does too. None: as
+    returned, {name: value}, or one value, which is called "result". by: inputs by which each output
+    is differentiated as well (exactly, in forward mode). Behind the outputs follow their
+    derivatives, of core shape (*output, *input), called dtau_dq for tau by q; of each output in
+    turn, by each. dtype, target, width: as for `fb.kernel`. Returns k(*inputs, out=None,
+    threads=None): one output, or a tuple. The function is not kept; a pickle has its program. A
+    sample with an input that is not finite has NaN in all outputs. Raises GraphError where the
+    function does what cannot be traced, ProgramError where shapes do not fit.
     """
     if not callable(function):
         raise KindError("fb.compile", "function", function, "a function of scalars")
-    taken, wanted = _arguments("input", inputs), None if outputs is None else _arguments("output", outputs)
+    taken, wanted = (
+        _arguments("input", inputs),
+        None if outputs is None else _arguments("output", outputs),
+    )
     name = getattr(function, "__name__", "")
     name = name if is_identifier(name) else "compiled"
     _require_parameters(function, name, [x.name for x in taken])
@@ -65,29 +70,37 @@ def compile(  # noqa: A001  the name that users look for
     def evaluate(*values: Any) -> dict[str, Array]:
         given = dict(zip((x.name for x in taken), values, strict=True))
         directions = {label: shapes[label] for label in chosen}
-        results = _results(name, wanted, _called(name, function, _differentiated(given, directions)))
+        results = _results(
+            name, wanted, _called(name, function, _differentiated(given, directions))
+        )
         found = {label: _each(array, lambda x: value(x, Outer)) for label, array in results.items()}
         for label, array in results.items():
             for title, block in _derivatives(label, array, directions).items():
                 if title in found:
                     raise ProgramError(
-                        f"fb.compile: {title} is both an output of {name} and a derivative; rename it."
+                        f"fb.compile: {title} is both an output of {name} and a derivative; rename "
+                        f"it."
                     )
                 found[title] = block
         return found
 
-    return compile_program(trace(name, evaluate, taken, None), target=target, width=width, dtype=dtype)
+    return compile_program(
+        trace(name, evaluate, taken, None), target=target, width=width, dtype=dtype
+    )
 
 
 def _arguments(what: str, shapes: Shapes) -> tuple[Argument, ...]:
     """Names and core shapes, checked."""
     if not isinstance(shapes, Mapping) or not (shapes or what == "input"):
-        raise KindError("fb.compile", f"{what}s", shapes, 'a dict of names and core shapes, as {"q": (6,)}')
+        raise KindError(
+            "fb.compile", f"{what}s", shapes, 'a dict of names and core shapes, as {"q": (6,)}'
+        )
     made = []
     for name, shape in shapes.items():
         if not is_identifier(name):
             raise FreebodyError(
-                f"fb.compile: the {what} name {shown(name)} is no word of letters a-z, digits and _."
+                f"fb.compile: the {what} name {shown(name)} is no word of letters a-z, digits and "
+                f"_."
             )
         try:
             sizes = (index(shape),) if not isinstance(shape, Sequence) else tuple(map(index, shape))
@@ -95,7 +108,8 @@ def _arguments(what: str, shapes: Shapes) -> tuple[Argument, ...]:
             sizes = (-1,)
         if isinstance(shape, str | bool) or any(size < 0 for size in sizes):
             raise FreebodyError(
-                f"fb.compile: the core shape of {what} {name} is {shown(shape)}, expected a whole number or a tuple of "
+                f"fb.compile: the core shape of {what} {name} is {shown(shape)}, expected a whole "
+                f"number or a tuple of "
                 "them: (6,) for a vector, (3, 3) for a matrix, () for a number."
             )
         made.append(Argument(name, sizes))
@@ -112,7 +126,8 @@ def _require_parameters(function: Callable[..., Any], title: str, names: list[st
         signature.bind(**dict.fromkeys(names))
     except TypeError as problem:
         raise FreebodyError(
-            f"fb.compile: {title}{signature} is called with its inputs by name, {listed(names) or 'none'}: {problem}."
+            f"fb.compile: {title}{signature} is called with its inputs by name, "
+            f"{listed(names) or 'none'}: {problem}."
         ) from None
 
 
@@ -124,23 +139,30 @@ def _called(title: str, function: Callable[..., Any], given: dict[str, Any]) -> 
         raise
     except RecursionError:
         raise GraphError(
-            f"fb.compile: {title} calls itself without end: a traced scalar has no value that could end it."
+            f"fb.compile: {title} calls itself without end: a traced scalar has no value that "
+            f"could end it."
         ) from None
     except TypeError as problem:
         if not any(
-            word in str(problem) for word in ("Expr", "Dual", "Outer", "ufunc", "dtype('O')", "object")
+            word in str(problem)
+            for word in ("Expr", "Dual", "Outer", "ufunc", "dtype('O')", "object")
         ):
             raise
         said = str(problem).rstrip(".")
         raise GraphError(
-            f"fb.compile: {title} does with traced scalars what cannot be recorded: {said}. Functions of them are "
-            "those of freebody.math (freebody.math.sin, where, …), not those of Python's math or NumPy; vectors are "
+            f"fb.compile: {title} does with traced scalars what cannot be recorded: {said}. "
+            f"Functions of them are "
+            "those of freebody.math (freebody.math.sin, where, …), not those of Python's math or "
+            "NumPy; vectors are "
             "tuples, and np.array makes arrays of them, for + - * / @ with other arrays."
         ) from problem
 
 
-def _differentiated(given: dict[str, Any], directions: dict[str, tuple[int, ...]]) -> dict[str, Any]:
-    """The inputs; the scalars of those with directions, in the order of these, each with a slope of its own."""
+def _differentiated(
+    given: dict[str, Any], directions: dict[str, tuple[int, ...]]
+) -> dict[str, Any]:
+    """The inputs; the scalars of those with directions, in the order of these, each with a slope of
+    its own."""
     number = count()
 
     def lifted(x: Any) -> Any:
@@ -158,23 +180,30 @@ def _results(title: str, wanted: tuple[Argument, ...] | None, returned: Any) -> 
     elif isinstance(returned, tuple | list) and len(returned) == len(wanted):
         values = {x.name: y for x, y in zip(wanted, returned, strict=True)}
     else:
-        kind = f"{len(returned)} values" if isinstance(returned, tuple | list) else type(returned).__name__
+        kind = (
+            f"{len(returned)} values"
+            if isinstance(returned, tuple | list)
+            else type(returned).__name__
+        )
         raise ProgramError(
-            f"fb.compile: {title} returned {kind}, expected a tuple of {listed(map(str, wanted))}, or a dict of them."
+            f"fb.compile: {title} returned {kind}, expected a tuple of {listed(map(str, wanted))}, "
+            f"or a dict of them."
         )
     if wanted is None:
         wanted = _arguments("output", dict.fromkeys(values, ()))
         return {x.name: _array(title, x.name, values[x.name]) for x in wanted}
     if set(values) != {x.name for x in wanted}:
         raise ProgramError(
-            f"fb.compile: {title} returned a dict of {listed(map(str, values)) or 'nothing'}, expected one of "
+            f"fb.compile: {title} returned a dict of {listed(map(str, values)) or 'nothing'}, "
+            f"expected one of "
             f"{listed(map(str, wanted))}."
         )
     results = {x.name: _array(title, x.name, values[x.name]) for x in wanted}
     for x in wanted:
         if results[x.name].shape != x.shape:
             raise ProgramError(
-                f"fb.compile: {title} returned {x.name} of shape {results[x.name].shape}, expected {x.shape}."
+                f"fb.compile: {title} returned {x.name} of shape {results[x.name].shape}, expected "
+                f"{x.shape}."
             )
     return results
 
@@ -189,19 +218,23 @@ def _array(title: str, name: str, nested: Any) -> Array:
 
 def _flat(title: str, name: str, nested: Any) -> tuple[tuple[int, ...], list[Any]]:
     if isinstance(nested, np.ndarray):
-        return nested.shape, [x for entry in nested.ravel().tolist() for x in _flat(title, name, entry)[1]]
+        return nested.shape, [
+            x for entry in nested.ravel().tolist() for x in _flat(title, name, entry)[1]
+        ]
     if isinstance(nested, Expr | Dual | Real):
         return (), [nested]
     if not isinstance(nested, tuple | list):
         raise ProgramError(
-            f"fb.compile: {title} returned {name} with {type(nested).__name__} {shown(nested)} where a scalar was "
+            f"fb.compile: {title} returned {name} with {type(nested).__name__} {shown(nested)} "
+            f"where a scalar was "
             "expected."
         )
     parts = [_flat(title, name, entry) for entry in nested]
     shapes = dict.fromkeys(shape for shape, _ in parts)
     if len(shapes) > 1:
         raise ProgramError(
-            f"fb.compile: {title} returned {name} with entries of different shapes, {listed(map(str, shapes))}. "
+            f"fb.compile: {title} returned {name} with entries of different shapes, "
+            f"{listed(map(str, shapes))}. "
             "Several outputs are returned as a dict, {name: value}."
         )
     return (len(nested), *next(iter(shapes), ())), [x for _, flat in parts for x in flat]
@@ -213,7 +246,9 @@ def _each(array: Array, function: Callable[[Any], Any]) -> Array:
     return made.reshape(array.shape)
 
 
-def _derivatives(label: str, array: Array, directions: dict[str, tuple[int, ...]]) -> dict[str, Array]:
+def _derivatives(
+    label: str, array: Array, directions: dict[str, tuple[int, ...]]
+) -> dict[str, Array]:
     """Of one output by each of some inputs."""
     sizes = [prod(shape) for shape in directions.values()]
     rows = [slopes(x, sum(sizes), Outer) for x in array.ravel().tolist()]

@@ -1,4 +1,5 @@
-"""A program told to whoever reads it as text: arguments with units, the robot's structure, counts, all in words.
+"""A program told to whoever reads it as text: arguments with units, the robot's structure, counts,
+all in words.
 
 Every name from outside becomes a word; which word is which name stands in `names`.
 """
@@ -34,7 +35,8 @@ class Description:
         program: Program,
     ):
         self.model, self.option, self.numbers, self.program = model, option, numbers, program
-        # of all numbers: names.json is then the same for all functions of a robot, which may share a folder
+        # of all numbers: names.json is then the same for all functions of a robot, which may share
+        # a folder
         self._number_words = identifiers(Parameters(model).names)
         self._joint_words = identifiers(model.joint_names)
         self._body_words = identifiers([*(body.name for body in model.bodies), *model.frame_names])
@@ -65,10 +67,14 @@ class Description:
 
     def _legend(self) -> list[str]:
         """What the words of the text stand for that are names of the recursion."""
-        letters = {word.removeprefix("minus_").rstrip("xyz_0123456789") for word in self.marks.values()}
+        letters = {
+            word.removeprefix("minus_").rstrip("xyz_0123456789") for word in self.marks.values()
+        }
         if not letters:
             return []
-        told = [f"  {letter} {meaning}" for letter, meaning in MEANINGS.items() if letter in letters]
+        told = [
+            f"  {letter} {meaning}" for letter, meaning in MEANINGS.items() if letter in letters
+        ]
         return [
             "",
             *_SECTIONS,
@@ -79,7 +85,8 @@ class Description:
 
     @property
     def joints(self) -> Joints:
-        """Which joint each scalar belongs to: entries of q and of the rates, and rows of what has one for each."""
+        """Which joint each scalar belongs to: entries of q and of the rates, and rows of what has
+        one for each."""
         by_q, by_v = [-1] * self.model.nq, [-1] * self.model.nv
         for k, at in reversed(list(enumerate(self.model.coordinates))):
             for owner, entries in ((by_q, at.q), (by_v, at.v)):
@@ -115,7 +122,8 @@ class Description:
             found |= {name: f"{found[name].partition(';')[0]})" for name in ("q", "qd")}
         for k, frame in enumerate(self.option.wrench_frames):
             found[f"wrench{k}"] = (
-                f"wrench on the frame {self._body_words[frame]}: force, then moment about its origin, world axes "
+                f"wrench on the frame {self._body_words[frame]}: force, then moment about its "
+                f"origin, world axes "
                 "(N, N m)"
             )
         for name in quantities:
@@ -137,10 +145,13 @@ class Description:
         model = self.model
         lines = [f"Joints, in {model.dim} dimensions:"]
         for k, (body, at) in enumerate(zip(model.bodies, model.coordinates, strict=True)):
-            parent = self._body_words[model.bodies[body.parent].name] if body.parent >= 0 else "the base"
+            parent = (
+                self._body_words[model.bodies[body.parent].name] if body.parent >= 0 else "the base"
+            )
             follows = " (follows another)" if body.joint.mimic is not None else ""
             lines.append(
-                f"  {k + 1} {self._joint_words[body.joint.name]}: {body.kind.name}{follows}, q {_span(at.q)}, "
+                f"  {k + 1} {self._joint_words[body.joint.name]}: {body.kind.name}{follows}, q "
+                f"{_span(at.q)}, "
                 f"qd {_span(at.v)}, carries {self._body_words[body.name]} on {parent}"
             )
         if model.loops:
@@ -159,20 +170,29 @@ class Description:
 
 
 _SECTIONS = (
-    "Sections: outward, up to joint k, what depends on no later joint; inward, to joint k, what only results of joints",
-    "up to k need. Names: w3_y is the angular velocity of body 3, which joint 3 carries, about y of its own axes, and",
+    "Sections: outward, up to joint k, what depends on no later joint; inward, to joint k, what "
+    "only results of joints",
+    "up to k need. Names: w3_y is the angular velocity of body 3, which joint 3 carries, about y "
+    "of its own axes, and",
     "minus_w3_y its negative; t1, t2, ... are what has no name there.",
 )
 _COUNTED = ("Entries of M and c count from 0, as arrays do.",)
 _REGROUPED = (
-    "Masses are regrouped among bodies where that saves operations and the motion stays the same: f, n, h and I",
+    "Masses are regrouped among bodies where that saves operations and the motion stays the same: "
+    "f, n, h and I",
     "are then those of the regrouped bodies.",
 )
 
 
 def _span(entries: tuple[int, ...]) -> str:
     """Positions from 0 on."""
-    return f"[{entries[0]}]" if len(entries) == 1 else f"[{entries[0]}..{entries[-1]}]" if entries else "[]"
+    return (
+        f"[{entries[0]}]"
+        if len(entries) == 1
+        else f"[{entries[0]}..{entries[-1]}]"
+        if entries
+        else "[]"
+    )
 
 
 def _listed_numbers(model: Model, numbers: Inputs | None, words: dict[str, str]) -> list[str]:
@@ -184,17 +204,27 @@ def _listed_numbers(model: Model, numbers: Inputs | None, words: dict[str, str])
     for k, (name, value) in enumerate(zip(numbers.names, numbers.values, strict=True)):
         unit = records[name].unit.replace("²", "^2")
         unit = "" if unit == "1" else unit
-        own = f", here {value:.6g} {unit}".rstrip() if value == value else f" ({unit})" if unit else ""
+        own = (
+            f", here {value:.6g} {unit}".rstrip()
+            if value == value
+            else f" ({unit})"
+            if unit
+            else ""
+        )
         lines.append(f"  p [{k}] {words[name]}{own}")
     return ["Numbers of the robot:", *lines, ""]
 
 
-def of_program(program: Program, numbers: Inputs | None = None) -> tuple[tuple[str, ...], dict[str, Any]]:
-    """The head of the text of a kernel, of which no more is known than its program and its p; and p's names."""
+def of_program(
+    program: Program, numbers: Inputs | None = None
+) -> tuple[tuple[str, ...], dict[str, Any]]:
+    """The head of the text of a kernel, of which no more is known than its program and its p; and
+    p's names."""
     counts = ", ".join(f"{count} {op}" for op, count in sorted(program.operations.items()))
     words = identifiers(Parameters(numbers.model).names if numbers else ())
     head = [
-        f"{program.name}: {', '.join(map(str, program.inputs))} -> {', '.join(map(str, program.outputs))}.",
+        f"{program.name}: {', '.join(map(str, program.inputs))} -> "
+        f"{', '.join(map(str, program.outputs))}.",
         f"{sum(program.operations.values())} operations: {counts or 'none'}.",
         f"Written by freebody {__version__}.",
     ]

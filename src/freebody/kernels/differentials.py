@@ -1,7 +1,9 @@
-"""Derivatives of what is computed, to any order, for libraries that differentiate: which program gives which of them.
+"""Derivatives of what is computed, to any order, for libraries that differentiate: which program
+gives which of them.
 
-They are the ordinary partial derivatives by every entry of an input, of positions by all nq coordinates; the four of a
-quaternion included, of which kernels use the direction alone. (`by=` of fb.kernel is on the tangent space instead.)
+They are the ordinary partial derivatives by every entry of an input, of positions by all nq
+coordinates; the four of a quaternion included, of which kernels use the direction alone. (`by=` of
+fb.kernel is on the tangent space instead.)
 """
 
 from __future__ import annotations
@@ -20,7 +22,13 @@ from freebody.kernels.tracing import program as formula_program
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.program import Program, trace
-from freebody.program.derivative import applied, applied_back, directional, jacobian, slope_arguments
+from freebody.program.derivative import (
+    applied,
+    applied_back,
+    directional,
+    jacobian,
+    slope_arguments,
+)
 from freebody.program.evaluate import evaluated
 from freebody.spatial import dot, identity, transposed
 
@@ -32,9 +40,9 @@ LONGEST = 20_000
 class Jacobian:
     """The derivatives of each output of a program by each of some inputs.
 
-    If `whole`, `function` has the program's inputs and of each output in turn, by each of the inputs, (*output,
-    *input). Else its last inputs are rates of these inputs, and its outputs, of the program's shapes, their effect: the
-    Jacobian's columns are what it gives for unit vectors.
+    If `whole`, `function` has the program's inputs and of each output in turn, by each of the
+    inputs, (*output, *input). Else its last inputs are rates of these inputs, and its outputs, of
+    the program's shapes, their effect: the Jacobian's columns are what it gives for unit vectors.
     """
 
     function: Differentiable
@@ -44,10 +52,13 @@ class Jacobian:
 class Differentiable:
     """A program, and its derivatives.
 
-    shorter: from positions of inputs to programs that have the outputs of `jacobian` in other, maybe shorter ways.
+    shorter: from positions of inputs to programs that have the outputs of `jacobian` in other,
+    maybe shorter ways.
     """
 
-    def __init__(self, program: Program, shorter: Callable[[tuple[int, ...]], list[Program]] | None = None):
+    def __init__(
+        self, program: Program, shorter: Callable[[tuple[int, ...]], list[Program]] | None = None
+    ):
         self.program = program
         self._shorter = shorter
         self._found: dict[tuple[int, ...], Jacobian] = {}
@@ -66,13 +77,17 @@ class Differentiable:
     def applied(
         self, by: Sequence[int], of: Sequence[int], count: int, back: bool = False
     ) -> Differentiable | None:
-        """Rates of the outputs `of` for so many vectors, each a rate of the inputs `by`; back: of the transpose.
+        """Rates of the outputs `of` for so many vectors, each a rate of the inputs `by`; back: of
+        the transpose.
 
-        See `program.derivative`. None where the products would be more than half, of the transpose two thirds: there
-        few vectors have many entries, and a library's matrices are several times slower.
+        See `program.derivative`. None where the products would be more than half, of the transpose
+        two thirds: there few vectors have many entries, and a library's matrices are several times
+        slower.
         """
         found, made = self.jacobian(by), applied_back if back else applied
-        entries = sum(self.program.inputs[k].size for k in by) * sum(self.program.outputs[k].size for k in of)
+        entries = sum(self.program.inputs[k].size for k in by) * sum(
+            self.program.outputs[k].size for k in of
+        )
         products, own = 2 * count * entries, length(found.function.program)
         if not found.whole or products > (min(2 * own, max(own, LONGEST - own)) if back else own):
             return None
@@ -106,8 +121,10 @@ def of_quantities(asked: Asked) -> Differentiable:
     for name in names:
         if FORMULAS[name].by_columns and model.nv > LARGEST:
             raise FreebodyError(
-                f"{name} of {model.nv} coordinates is too long for one program (up to {LARGEST} coordinates it is "
-                "not). Matrices of so large a robot are derivatives: that of inverse_dynamics by qdd is M."
+                f"{name} of {model.nv} coordinates is too long for one program (up to {LARGEST} "
+                f"coordinates it is "
+                "not). Matrices of so large a robot are derivatives: that of inverse_dynamics by "
+                "qdd is M."
             )
     traced = formula_program(model, names, option, p, over, by)
     formulas = FORMULAS[names[0]].derivatives
@@ -132,7 +149,8 @@ def of_quantities(asked: Asked) -> Differentiable:
 def _chosen(
     model: Model, program: Program, by: tuple[int, ...], tangent: Program, known: Sequence[str]
 ) -> Program:
-    """Some outputs of the program of a derivative, with the inputs of the program that is differentiated.
+    """Some outputs of the program of a derivative, with the inputs of the program that is
+    differentiated.
 
     known: the inputs by which the outputs of `tangent` are.
     """
@@ -150,10 +168,12 @@ def _chosen(
 
 
 def by_coordinates(tree: Tree, q: Any, slopes: Any) -> Any:
-    """Rows of derivatives by the nq coordinates from those along the nv directions of the tangent space.
+    """Rows of derivatives by the nq coordinates from those along the nv directions of the tangent
+    space.
 
-    Of what depends on quaternions by their direction alone. The rates q̇ = Q v have columns that are orthogonal to each
-    other and to the quaternions, so v = (QᵀQ)⁻¹ Qᵀ q̇ with a diagonal matrix in the middle.
+    Of what depends on quaternions by their direction alone. The rates q̇ = Q v have columns that
+    are orthogonal to each other and to the quaternions, so v = (QᵀQ)⁻¹ Qᵀ q̇ with a diagonal matrix
+    in the middle.
     """
     along = [position_rates(tree, q, unit) for unit in identity(tree.nv)]
     inverse = [tuple(x / dot(rates, rates) for x in rates) for rates in along]

@@ -32,15 +32,17 @@ def source(
     dtype: str = "float64",
     **options: Any,
 ) -> str:
-    """Text of a function that computes one quantity, or several that share their work, in another language.
+    """Text of a function that computes one quantity, or several that share their work, in another
+    language.
 
-    what: a model and `names` of quantities, or a kernel of fb.compile. names, options: as for `fb.kernel` (frame,
-    reference, wrench_frames, rows, by, and inputs: numbers of the model that are given as p at each call). language:
-    "c", "cpp", "javascript" (a module), "javascript-script", "rust", "julia", "matlab" (Octave too), "numpy", "jax",
-    "casadi", "cuda" (PTX). name: of the function, by default the quantities'. dtype: "float64", or "float32" (c, rust,
-    julia, cuda).
-    Arguments are those of the kernel, in its order, in SI units; the text's head says all that is needed to call it.
-    It is ASCII, names in it are words, and the same robot gives the same text. Raises UnknownNameError, FreebodyError.
+    what: a model and `names` of quantities, or a kernel of fb.compile. names, options: as for
+    `fb.kernel` (frame, reference, wrench_frames, rows, by, and inputs: numbers of the model that
+    are given as p at each call). language: "c", "cpp", "javascript" (a module),
+    "javascript-script", "rust", "julia", "matlab" (Octave too), "numpy", "jax", "casadi", "cuda"
+    (PTX). name: of the function, by default the quantities'. dtype: "float64", or "float32" (c,
+    rust, julia, cuda). Arguments are those of the kernel, in its order, in SI units; the text's
+    head says all that is needed to call it. It is ASCII, names in it are words, and the same robot
+    gives the same text. Raises UnknownNameError, FreebodyError.
     """
     unit, *_ = _unit("fb.source", what, names, language, name, dtype, options)
     return LANGUAGES[language].emit(unit)
@@ -56,18 +58,21 @@ def export(
     dtype: str = "float64",
     **options: Any,
 ) -> list[Path]:
-    """Write `fb.source`'s text into the folder `out` as a package that tests itself; the paths of its files.
+    """Write `fb.source`'s text into the folder `out` as a package that tests itself; the paths of
+    its files.
 
-    Arguments as for `fb.source`. Beside the text: a self-test with test vectors, README.txt with the command that runs
-    it, names.json with names as they were where the text has words, and manifest.json. Nothing but freebody's own files
-    is replaced. Raises FileError, OutputError too.
+    Arguments as for `fb.source`. Beside the text: a self-test with test vectors, README.txt with
+    the command that runs it, names.json with names as they were where the text has words, and
+    manifest.json. Nothing but freebody's own files is replaced. Raises FileError, OutputError too.
     """
     if not isinstance(out, str | os.PathLike):
         raise KindError("fb.export", "out", out, "the name of a folder")
     unit, described, given = _unit("fb.export", what, names, language, name, dtype, options)
     known = LANGUAGES[language]
     model = what if isinstance(what, Model) else None
-    files = known.package(unit, vectors(unit.program, dtype, model, given.values if given else None))
+    files = known.package(
+        unit, vectors(unit.program, dtype, model, given.values if given else None)
+    )
     word = next(iter(files)).partition(".")[0]
     files["README.txt"] = _readme(word, known.test.format(name=word), known.note, list(files))
     files["names.json"] = json.dumps(described, indent=1) + "\n"
@@ -90,11 +95,13 @@ def _unit(
     dtypes = LANGUAGES[language].dtypes
     if dtype not in dtypes:
         raise FreebodyError(
-            f"{function}: language {language!r} has no dtype {dtype!r}; it has {' and '.join(dtypes)}."
+            f"{function}: language {language!r} has no dtype {dtype!r}; it has "
+            f"{' and '.join(dtypes)}."
         )
     if name is not None and not is_identifier(name):
         raise FreebodyError(
-            f"{function}: name={name!r} is no word of letters a-z, digits and _ that could be a function's name."
+            f"{function}: name={name!r} is no word of letters a-z, digits and _ that could be a "
+            f"function's name."
         )
     model = what.model if isinstance(what, InputKernel) else what
     if isinstance(model, Model) and model.family:
@@ -116,14 +123,18 @@ def _unit(
 
 
 def _readme(word: str, command: str, note: str, files: list[str]) -> str:
-    """What lies in the folder and how it is tried; it serves the functions that were written there before, too."""
+    """What lies in the folder and how it is tried; it serves the functions that were written there
+    before, too."""
     return "\n".join(
         [
-            f"Functions written by freebody {__version__}. The head of each text says how to call it.",
+            f"Functions written by freebody {__version__}. The head of each text says how to call "
+            f"it.",
             f"Files of {word}: {', '.join(files)}.",
-            "names.json: names as in the robot's file, where a text had to change them. manifest.json: checksums.",
+            "names.json: names as in the robot's file, where a text had to change them. "
+            "manifest.json: checksums.",
             "",
-            f"Each has a self-test: it compares results with more exact ones and ends with status 0 if they agree;"
+            f"Each has a self-test: it compares results with more exact ones and ends with status "
+            f"0 if they agree;"
             f" that of {word}:",
             f"    {command}",
             *(["", note] if note else []),

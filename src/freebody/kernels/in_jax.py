@@ -23,17 +23,20 @@ from freebody.targets.xla.operation import Arrays, Way, interface
 def to_jax(
     what: Model | Kernel | InputKernel, names: str | Sequence[str] | None = None, **options: Any
 ) -> Callable[..., Any]:
-    """What `fb.kernel` computes as a function of JAX arrays, for `jit`, `vmap` and derivatives of any order. Needs JAX.
+    """What `fb.kernel` computes as a function of JAX arrays, for `jit`, `vmap` and derivatives of
+    any order. Needs JAX.
 
-    what, names, options: as for `fb.source`. Returns f(q, qd, …), of arrays (..., *core) whose leading axes broadcast,
-    in the kernel's order and SI units: one array, or a tuple. On the CPU it runs the compiled kernel, inside of what
-    JAX compiles; on other platforms, or where JAX has another interface than the one that is known, JAX calls Python,
-    and a UserWarning says so. Derivatives of every order, forward and reverse, come from compiled kernels too: ordinary
-    partial derivatives, by q of all its nq entries (on the tangent space they are with by=), by numbers of the model
-    given as p. f.parameters, f.values: names of the entries of p, and the model's own values.
-    64-bit numbers are the caller's choice, jax.config.update("jax_enable_x64", True); without it JAX makes all numbers
-    float32, and the kernel computes in these, to about 6 digits. A kernel of float32 keeps to them.
-    Raises UnknownNameError, FreebodyError; f raises KernelError, ShapeError, BatchError.
+    what, names, options: as for `fb.source`. Returns f(q, qd, …), of arrays (..., *core) whose
+    leading axes broadcast, in the kernel's order and SI units: one array, or a tuple. On the CPU it
+    runs the compiled kernel, inside of what JAX compiles; on other platforms, or where JAX has
+    another interface than the one that is known, JAX calls Python, and a UserWarning says so.
+    Derivatives of every order, forward and reverse, come from compiled kernels too: ordinary
+    partial derivatives, by q of all its nq entries (on the tangent space they are with by=), by
+    numbers of the model given as p. f.parameters, f.values: names of the entries of p, and the
+    model's own values. 64-bit numbers are the caller's choice, jax.config.update("jax_enable_x64",
+    True); without it JAX makes all numbers float32, and the kernel computes in these, to about 6
+    digits. A kernel of float32 keeps to them. Raises UnknownNameError, FreebodyError; f raises
+    KernelError, ShapeError, BatchError.
     """
     chosen = asked("fb.to_jax", what, names, options)
     try:
@@ -47,7 +50,9 @@ def to_jax(
             raise FamilyError("fb.to_jax without inputs=", chosen.model.name, chosen.model.family)
         computed, way, given = of_quantities(chosen), Way(), chosen.given
     else:
-        kernel, given = (chosen.kernel, chosen) if isinstance(chosen, InputKernel) else (chosen, None)
+        kernel, given = (
+            (chosen.kernel, chosen) if isinstance(chosen, InputKernel) else (chosen, None)
+        )
         computed, way = (
             Differentiable(kernel.program),
             Way(kernel.target, kernel.asked_width, kernel.dtype.name),
@@ -57,12 +62,15 @@ def to_jax(
         slow = f"JAX runs on {jax.default_backend()!r} here, and kernels on the CPU"
     if slow:
         warnings.warn(
-            f"fb.to_jax: {slow}: JAX calls {computed.program.name} through Python, some 50 µs a call, with copies of "
+            f"fb.to_jax: {slow}: JAX calls {computed.program.name} through Python, some 50 µs a "
+            f"call, with copies of "
             "the arrays.",
             stacklevel=2,
         )
     function = _checked(computed.program, jax.jit(Function(computed, way).call), way)
-    function.parameters = given.parameters if isinstance(given, InputKernel) else given.names if given else ()
+    function.parameters = (
+        given.parameters if isinstance(given, InputKernel) else given.names if given else ()
+    )
     function.values = given.values if given else np.zeros(0)
     return function
 
@@ -72,7 +80,9 @@ def _checked(program: Program, compute: Callable[..., Arrays], way: Way) -> Any:
     import jax
 
     def function(*arrays: Any) -> Any:
-        values = [x if isinstance(x, jax.Array) else _array(program, k, x) for k, x in enumerate(arrays)]
+        values = [
+            x if isinstance(x, jax.Array) else _array(program, k, x) for k, x in enumerate(arrays)
+        ]
         _check(program, values)
         kind = way.dtype if way.dtype == "float32" else _common(program, values)
         results = compute(*(x if x.dtype == kind else x.astype(kind) for x in values))
@@ -98,7 +108,9 @@ def _check(program: Program, arrays: Sequence[Any]) -> None:
     inputs = program.inputs
     if len(arrays) != len(inputs):
         wanted = ", ".join(map(str, inputs))
-        raise KernelError(f"{program.name}: {len(arrays)} arguments given, expected {len(inputs)}: {wanted}.")
+        raise KernelError(
+            f"{program.name}: {len(arrays)} arguments given, expected {len(inputs)}: {wanted}."
+        )
     shapes = []
     for x, argument in zip(arrays, inputs, strict=True):
         core = len(argument.shape)
@@ -109,17 +121,24 @@ def _check(program: Program, arrays: Sequence[Any]) -> None:
     try:
         np.broadcast_shapes(*shapes)
     except ValueError:
-        listed = ", ".join(f"{argument.name} {shape}" for argument, shape in zip(inputs, shapes, strict=True))
-        raise BatchError(f"{program.name}: the batch shapes do not broadcast together: {listed}.") from None
+        listed = ", ".join(
+            f"{argument.name} {shape}" for argument, shape in zip(inputs, shapes, strict=True)
+        )
+        raise BatchError(
+            f"{program.name}: the batch shapes do not broadcast together: {listed}."
+        ) from None
 
 
 def _common(program: Program, arrays: Sequence[Any]) -> Any:
-    """float64 or float32, as JAX promotes the arrays; of whole numbers the type that JAX gives floats."""
+    """float64 or float32, as JAX promotes the arrays; of whole numbers the type that JAX gives
+    floats."""
     import jax.numpy as jnp
 
     for x, argument in zip(arrays, program.inputs, strict=True):
         if not (
-            jnp.issubdtype(x.dtype, jnp.floating) or jnp.issubdtype(x.dtype, jnp.integer) or x.dtype == bool
+            jnp.issubdtype(x.dtype, jnp.floating)
+            or jnp.issubdtype(x.dtype, jnp.integer)
+            or x.dtype == bool
         ):
             raise KernelError(
                 f"{program.name}: {argument.name} holds {x.dtype} values, expected real numbers."

@@ -25,18 +25,21 @@ def to_torch(
     dtype: str | None = None,
     **options: Any,
 ) -> TorchFunction:
-    """What `fb.kernel` computes as a function of PyTorch tensors, differentiable to any order. Needs PyTorch.
+    """What `fb.kernel` computes as a function of PyTorch tensors, differentiable to any order.
+    Needs PyTorch.
 
-    what: a model and `names` of quantities, or a kernel of fb.kernel or fb.compile. options: as for `fb.kernel` (frame,
-    reference, wrench_frames, rows, inputs, by, target). dtype: "float64" or "float32", of the results, which is also
-    computed with; None: that of the tensors (of both kinds float64), of a kernel the kernel's own.
-    Returns f(q, qd, …), one tensor or a tuple: arguments (..., *core) as of the kernel, on the CPU; leading axes
-    broadcast. Python's numbers may stand for constants. With inputs=, p (..., k) comes last, or is given as
-    p={name: number or tensor}, the rest being the model's; f.parameters are its names.
-    Derivatives are of the numbers that come in: of a quaternion by its four entries as they stand. They have kernels of
-    their own, compiled when first asked for, by those inputs alone that require a gradient. torch.autograd,
-    torch.func (grad, vjp, jvp, jacrev, jacfwd, hessian, vmap), torch.compile and torch.export all know them.
-    NaN goes through, as in kernels; names and limits are not checked. Raises as `fb.kernel` does, FreebodyError.
+    what: a model and `names` of quantities, or a kernel of fb.kernel or fb.compile. options: as for
+    `fb.kernel` (frame, reference, wrench_frames, rows, inputs, by, target). dtype: "float64" or
+    "float32", of the results, which is also computed with; None: that of the tensors (of both kinds
+    float64), of a kernel the kernel's own. Returns f(q, qd, …), one tensor or a tuple: arguments
+    (..., *core) as of the kernel, on the CPU; leading axes broadcast. Python's numbers may stand
+    for constants. With inputs=, p (..., k) comes last, or is given as p={name: number or tensor},
+    the rest being the model's; f.parameters are its names. Derivatives are of the numbers that come
+    in: of a quaternion by its four entries as they stand. They have kernels of their own, compiled
+    when first asked for, by those inputs alone that require a gradient. torch.autograd, torch.func
+    (grad, vjp, jvp, jacrev, jacfwd, hessian, vmap), torch.compile and torch.export all know them.
+    NaN goes through, as in kernels; names and limits are not checked. Raises as `fb.kernel` does,
+    FreebodyError.
     """
     if isinstance(what, Kernel | InputKernel):
         if names is not None or options:
@@ -50,7 +53,8 @@ def to_torch(
     made = kernel(what, names, **options)
     if not isinstance(made, Kernel | InputKernel):
         raise FreebodyError(
-            f"fb.to_torch: of {what.nv} coordinates these matrices are made column by column, not by one program, "
+            f"fb.to_torch: of {what.nv} coordinates these matrices are made column by column, not "
+            f"by one program, "
             "which alone can be differentiated; ask for vectors, such as 'inverse_dynamics'."
         )
     return TorchFunction(made, dtype)
@@ -76,28 +80,35 @@ class TorchFunction:
             ) from None
         known = {name: kind for kind, name in in_torch.DTYPES.items()}
         if dtype is not None and dtype not in known:
-            raise KernelError(f"fb.to_torch: dtype={dtype!r}; it can be {' or '.join(map(repr, known))}.")
+            raise KernelError(
+                f"fb.to_torch: dtype={dtype!r}; it can be {' or '.join(map(repr, known))}."
+            )
         self._kernel, self._dtype = kernel, dtype
         self._fixed = None if dtype is None else known[dtype]
         self.program = kernel.program
-        self.parameters: tuple[str, ...] = kernel.parameters if isinstance(kernel, InputKernel) else ()
+        self.parameters: tuple[str, ...] = (
+            kernel.parameters if isinstance(kernel, InputKernel) else ()
+        )
         self.values = kernel.values if isinstance(kernel, InputKernel) else np.zeros(0)
         own = kernel.kernel if isinstance(kernel, InputKernel) else kernel
         if not target_named(own.target).host:
             raise FreebodyError(
-                f"fb.to_torch: tensors are computed with on the CPU, not by target {own.target!r}, whose kernels take "
-                "PyTorch's tensors there themselves, without gradients: call what fb.kernel returns."
+                f"fb.to_torch: tensors are computed with on the CPU, not by target {own.target!r}, "
+                f"whose kernels take "
+                "PyTorch's tensors there themselves, without gradients: call what fb.kernel "
+                "returns."
             )
         self._of: dict[Any, TensorProgram] = {
-            kind: in_torch.TensorProgram.of(kernel.program, own.target, kind) for kind in known.values()
+            kind: in_torch.TensorProgram.of(kernel.program, own.target, kind)
+            for kind in known.values()
         }
         self._torch, self._evaluate = torch, in_torch.evaluate
 
     def __call__(self, *tensors: Tensor, p: Any = None) -> Any:
         """The output, or the tuple of outputs.
 
-        tensors: one for each input, (..., *core). p: the last of them by its name, or {name: number or tensor}.
-        Raises ShapeError, BatchError, KernelError.
+        tensors: one for each input, (..., *core). p: the last of them by its name, or {name: number
+        or tensor}. Raises ShapeError, BatchError, KernelError.
         """
         named = p.values() if isinstance(p, Mapping) else () if p is None else (p,)
         kind = self._fixed or self._common((*tensors, *named))
@@ -107,7 +118,8 @@ class TorchFunction:
         if len(values) != len(self.program.inputs):
             wanted = ", ".join(map(str, self.program.inputs))
             raise KernelError(
-                f"{self.program.name}: {len(values)} arguments given, expected {len(self.program.inputs)}: {wanted}."
+                f"{self.program.name}: {len(values)} arguments given, expected "
+                f"{len(self.program.inputs)}: {wanted}."
             )
         made = self._evaluate(self._of[kind], values)
         return made[0] if len(made) == 1 else made
@@ -124,21 +136,26 @@ class TorchFunction:
         if not isinstance(x, torch.Tensor):
             if type(x) in (int, float):
                 return torch.tensor(x, dtype=kind)
-            raise KindError(self.program.name, "an argument", x, "a tensor", "torch.as_tensor makes one.")
+            raise KindError(
+                self.program.name, "an argument", x, "a tensor", "torch.as_tensor makes one."
+            )
         if x.dtype not in self._of:
             raise KernelError(
-                f"{self.program.name}: a tensor of {x.dtype}; kernels compute with torch.float64 and torch.float32: "
+                f"{self.program.name}: a tensor of {x.dtype}; kernels compute with torch.float64 "
+                f"and torch.float32: "
                 "convert it with .to(...)."
             )
         if not x.is_cpu and not x.is_meta:
             raise KernelError(
-                f"{self.program.name}: a tensor on {str(x.device)!r}; these kernels run on the CPU: move it there "
+                f"{self.program.name}: a tensor on {str(x.device)!r}; these kernels run on the "
+                f"CPU: move it there "
                 "with .cpu()."
             )
         return x if x.dtype is kind else x.to(kind)
 
     def _numbers(self, p: Any, kind: Any) -> Tensor:
-        """p (..., k): a tensor as it is, of {name: value} the rest the model's own, without it all of them."""
+        """p (..., k): a tensor as it is, of {name: value} the rest the model's own, without it all
+        of them."""
         torch = self._torch
         if not isinstance(self._kernel, InputKernel):
             raise KernelError(

@@ -44,20 +44,25 @@ class InputReader(Reader):
 
 @dataclass(frozen=True)
 class Inputs:
-    """Names of the numbers that a kernel is given, in the order of `fb.parameters`, and a model with tokens in them."""
+    """Names of the numbers that a kernel is given, in the order of `fb.parameters`, and a model
+    with tokens in them."""
 
     names: tuple[str, ...]
     values: Array
-    """(..., k): the model's own, NaN where a symbol has none; of a family its shape stands in front."""
+    """(..., k): the model's own, NaN where a symbol has none; of a family its shape stands in
+    front."""
     model: Model
 
     def tree(self, scalars: Sequence[Scalar]) -> Tree:
-        """The model's tree over scalars in the place of these numbers; refuses other symbols that it needs."""
+        """The model's tree over scalars in the place of these numbers; refuses other symbols that
+        it needs."""
         try:
             return lower(self.model, InputReader(scalars))
         except ModelError:
             left = {
-                x.name for x in each_parameter(self.model) if x.value is None and not isinstance(x, Token)
+                x.name
+                for x in each_parameter(self.model)
+                if x.value is None and not isinstance(x, Token)
             }
             if left:
                 raise MissingValueError(
@@ -67,7 +72,8 @@ class Inputs:
 
 
 def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> Inputs:
-    """The numbers that names and patterns mean, and all those that members of a family have each their own of."""
+    """The numbers that names and patterns mean, and all those that members of a family have each
+    their own of."""
     records = Parameters(model)
     meant = {record.name for pattern in wanted for record in records.matching(pattern)}
     for record in records:
@@ -76,7 +82,9 @@ def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> Inputs:
                 f"{function}: {record.name!r} is a limit, which no kernel reads; bind it instead."
             )
     varied = {r.name for r in records if isinstance(r.value, np.ndarray) and not r.limit}
-    if model.family and not meant | varied:  # only limits differ: one number tells the family's shape
+    if (
+        model.family and not meant | varied
+    ):  # only limits differ: one number tells the family's shape
         varied = {next(record.name for record in records if not record.limit)}
     chosen = [record for record in records if record.name in meant | varied]
     names = tuple(record.name for record in chosen)
@@ -84,7 +92,9 @@ def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> Inputs:
     columns = [np.nan if record.value is None else record.value for record in chosen]
     shape = (*model.family, len(names))
     values = (
-        np.stack([np.broadcast_to(x, model.family) for x in columns], axis=-1) if columns else np.zeros(shape)
+        np.stack([np.broadcast_to(x, model.family) for x in columns], axis=-1)
+        if columns
+        else np.zeros(shape)
     )
     values.flags.writeable = False
     return Inputs(names, values, written(model, tokens))
@@ -93,7 +103,8 @@ def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> Inputs:
 class InputKernel:
     """A kernel to which numbers of the model are given: its last argument is p (..., k).
 
-    Called with p, with p={name: value}, where other numbers are the model's, or without, with the model's own numbers.
+    Called with p, with p={name: value}, where other numbers are the model's, or without, with the
+    model's own numbers.
 
     Attributes:
         model: whose numbers these are.
@@ -108,13 +119,21 @@ class InputKernel:
         self.model = model
         self._count = len(kernel.program.inputs)
         self._at = {name: k for k, name in enumerate(names)}
-        self._missing = tuple(name for k, name in enumerate(names) if np.isnan(values[..., k]).any())
+        self._missing = tuple(
+            name for k, name in enumerate(names) if np.isnan(values[..., k]).any()
+        )
         self._held = values if values.ndim == 1 and not self._missing else None
 
     def __call__(
-        self, *arrays: ArrayLike, p: Any = None, out: Any = None, threads: int | None = None, **options: Any
+        self,
+        *arrays: ArrayLike,
+        p: Any = None,
+        out: Any = None,
+        threads: int | None = None,
+        **options: Any,
     ) -> Any:
-        """The output, or the tuple of outputs; see `Kernel`. A named p is an array, or {name: value or array}.
+        """The output, or the tuple of outputs; see `Kernel`. A named p is an array, or {name: value
+        or array}.
 
         options: what else the kernel takes where it runs, such as a GPU's `stream`.
         """
@@ -125,7 +144,8 @@ class InputKernel:
         return self.kernel(*arrays, out=out, threads=threads, **options)
 
     def numbers(self, given: Any = None) -> Any:
-        """p (..., k): an array as it is, of {name: value} the rest the model's own, without it all of them."""
+        """p (..., k): an array as it is, of {name: value} the rest the model's own, without it all
+        of them."""
         if given is None and not self._missing:
             return self.values
         if type(given) is dict and self._held is not None:
@@ -142,7 +162,9 @@ class InputKernel:
         if not columns:
             return self.values
         try:
-            shape = np.broadcast_shapes(self.values.shape[:-1], *(x.shape for x in columns.values()))
+            shape = np.broadcast_shapes(
+                self.values.shape[:-1], *(x.shape for x in columns.values())
+            )
         except ValueError:
             listed = ", ".join(f"{name!r} {value.shape}" for name, value in columns.items())
             family = f", model.family {self.model.family}" if self.model.family else ""
@@ -155,7 +177,8 @@ class InputKernel:
         return numbers
 
     def _of_floats(self, given: dict[Name, Any]) -> Array | None:
-        """The same of names in full with a number each, which is not to take microseconds; None for others."""
+        """The same of names in full with a number each, which is not to take microseconds; None for
+        others."""
         numbers = self.values.copy()
         for name, value in given.items():
             at = self._at.get(name)  # type: ignore[arg-type]
@@ -175,7 +198,8 @@ class InputKernel:
         return self._at[name]
 
     def require(self, given: Container[int]) -> None:
-        """Raise MissingValueError where an entry of p is not given and has no value in the model."""
+        """Raise MissingValueError where an entry of p is not given and has no value in the
+        model."""
         missing = {name for name in self._missing if self._at[name] not in given}
         if missing:
             raise MissingValueError(f"the inputs of a kernel of {self.model.name!r}", missing)
@@ -189,7 +213,8 @@ class InputKernel:
 
 
 class _QuickInputKernel(InputKernel):
-    """One whose calls with plain arrays, p among them, go to the kernel's C function: Python finds it in the slot."""
+    """One whose calls with plain arrays, p among them, go to the kernel's C function: Python finds
+    it in the slot."""
 
     __slots__ = ("__call__",)
 
@@ -198,7 +223,9 @@ class _QuickInputKernel(InputKernel):
         self.__call__ = call  # type: ignore[method-assign]
 
 
-def input_kernel(kernel: Kernel, names: tuple[str, ...], values: Array, model: Model) -> InputKernel:
+def input_kernel(
+    kernel: Kernel, names: tuple[str, ...], values: Array, model: Model
+) -> InputKernel:
     """A kernel whose last input is p, to be called in all the ways of an `InputKernel`."""
     plain = InputKernel(kernel, names, values, model)
     call = kernel.quick(plain.__call__, plain._held)

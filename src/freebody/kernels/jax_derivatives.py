@@ -1,9 +1,9 @@
 """Programs as functions of JAX, with derivatives of every order.
 
-The derivative along tangents is an operation of JAX's own, `freebody_linear`, which is linear in these and knows its
-transpose. One tangent, or one cotangent, is what a kernel of the derivative along a direction takes, or one of the
-gradient; where there are many for the same values, as in `jacfwd` and `jacrev`, whole Jacobians are computed once and
-multiplied by them.
+The derivative along tangents is an operation of JAX's own, `freebody_linear`, which is linear in
+these and knows its transpose. One tangent, or one cotangent, is what a kernel of the derivative
+along a direction takes, or one of the gradient; where there are many for the same values, as in
+`jacfwd` and `jacrev`, whole Jacobians are computed once and multiplied by them.
 """
 
 from __future__ import annotations
@@ -54,13 +54,17 @@ class Function:
 
     def _rule(self, primals: Arrays, tangents: Arrays) -> tuple[Arrays, Arrays]:
         results = self.call(*primals)  # itself, so that it is differentiated again by this rule
-        by = tuple(k for k, x in enumerate(tangents) if type(x) is not jax.custom_derivatives.SymbolicZero)
+        by = tuple(
+            k for k, x in enumerate(tangents) if type(x) is not jax.custom_derivatives.SymbolicZero
+        )
         if not by:
             return results, tuple(map(jnp.zeros_like, results))
         given = level(self.program.inputs, primals)
         rates = [tangents[k].reshape(given[k].shape) for k in by]
         every = tuple(range(len(results)))
-        changes = _linear.bind(*given, *rates, function=self, by=by, of=every, back=None, matrix=False)
+        changes = _linear.bind(
+            *given, *rates, function=self, by=by, of=every, back=None, matrix=False
+        )
         return results, tuple(changes)
 
     def _along(self, by: Positions) -> Function:
@@ -72,12 +76,14 @@ class Function:
         return Function(Differentiable(gradient(self.program, by, of)), self.way)
 
     def _applied(self, by: Positions, of: Positions, count: int, back: bool) -> Function | None:
-        """Of the Jacobian, or its transpose, times so many vectors, which come last; None if it would be too long."""
+        """Of the Jacobian, or its transpose, times so many vectors, which come last; None if it
+        would be too long."""
         made = self.what.applied(by, of, count, back)
         return made and Function(made, self.way)
 
     def _matrices(self, by: Positions) -> Callable[..., Arrays]:
-        """A function of the inputs: the derivatives of each output by each of the inputs `by`, (*output, *input)."""
+        """A function of the inputs: the derivatives of each output by each of the inputs `by`,
+        (*output, *input)."""
         found = self.what.jacobian(by)
         call = Function(found.function, self.way).call
         return call if found.whole else lambda *arrays: self._columns(by, arrays)
@@ -88,14 +94,17 @@ class Function:
         ends = np.cumsum([prod(shape) for shape in shapes]).tolist()
         given = level(self.program.inputs, arrays)
         axis = max(
-            (x.ndim - len(a.shape) for x, a in zip(given, self.program.inputs, strict=True)), default=0
+            (x.ndim - len(a.shape) for x, a in zip(given, self.program.inputs, strict=True)),
+            default=0,
         )
         units = np.split(np.eye(ends[-1], dtype=given[0].dtype), ends[:-1], axis=1)
         rates = [jnp.asarray(x.reshape(-1, *shape)) for x, shape in zip(units, shapes, strict=True)]
         found = []
         for y in self.along(by).call(*(jnp.expand_dims(x, axis) for x in given), *rates):
             parts = jnp.split(jnp.moveaxis(y, axis, -1), ends[:-1], axis=-1)
-            found += [x.reshape(*x.shape[:-1], *shape) for x, shape in zip(parts, shapes, strict=True)]
+            found += [
+                x.reshape(*x.shape[:-1], *shape) for x, shape in zip(parts, shapes, strict=True)
+            ]
         return tuple(found)
 
 
@@ -107,9 +116,10 @@ def level(inputs: Sequence[Argument], arrays: Sequence[Any]) -> list[Any]:
 
 
 _linear = Primitive("freebody_linear")
-"""Operands: the inputs of a function; then, if `back` is None, rates of the inputs `by`, and the results are those of
-the outputs `of`. Else cotangents of the outputs `of`, and the results are those of the inputs `by`, with the leading
-axes `back`. All operands have equally many leading axes. matrix: whether through whole Jacobians."""
+"""Operands: the inputs of a function; then, if `back` is None, rates of the inputs `by`, and the
+results are those of the outputs `of`. Else cotangents of the outputs `of`, and the results are
+those of the inputs `by`, with the leading axes `back`. All operands have equally many leading axes.
+matrix: whether through whole Jacobians."""
 _linear.multiple_results = True
 
 
@@ -126,7 +136,8 @@ def _evaluate(
         slopes = function.gradient(by, of).call(*primals, *given)
         inputs = [function.program.inputs[k].shape for k in by]
         return tuple(
-            summed(x, (*batch, *shape)) for x, batch, shape in zip(slopes, back, inputs, strict=True)
+            summed(x, (*batch, *shape))
+            for x, batch, shape in zip(slopes, back, inputs, strict=True)
         )
     how = function, by, of, back
     results = _shared(*how, primals, given)
@@ -136,10 +147,12 @@ def _evaluate(
 def _shared(
     function: Function, by: Positions, of: Positions, back: Any, primals: Arrays, given: Arrays
 ) -> Arrays | None:
-    """Of vectors that are the same for all samples, by a kernel that multiplies with them itself; None where others
-    come, or too many."""
+    """Of vectors that are the same for all samples, by a kernel that multiplies with them itself;
+    None where others come, or too many."""
     sizes = _batches(function.program, by, of, back, (*primals, *given))
-    values, vectors = (np.broadcast_shapes(*some) for some in (sizes[: len(primals)], sizes[len(primals) :]))
+    values, vectors = (
+        np.broadcast_shapes(*some) for some in (sizes[: len(primals)], sizes[len(primals) :])
+    )
     many = [k for k, n in enumerate(vectors) if n > 1]
     if any(values[k] > 1 for k in many):
         return None
@@ -157,7 +170,9 @@ def _shared(
     if back is None:
         cores = [function.program.outputs[k].shape for k in of]
         return tuple(
-            placed(y.reshape(*sizes_of[0], *core, *sizes_of[1]), [*one, *range(-len(core), 0), *many])
+            placed(
+                y.reshape(*sizes_of[0], *core, *sizes_of[1]), [*one, *range(-len(core), 0), *many]
+            )
             for y, core in zip(results, cores, strict=True)
         )
     cores = [function.program.inputs[k].shape for k in by]
@@ -165,7 +180,9 @@ def _shared(
         placed(y.reshape(*sizes_of[0], *sizes_of[1], *core), [*one, *many, *range(-len(core), 0)])
         for y, core in zip(results, cores, strict=True)
     ]
-    return tuple(summed(x, (*batch, *core)) for x, batch, core in zip(made, back, cores, strict=True))
+    return tuple(
+        summed(x, (*batch, *core)) for x, batch, core in zip(made, back, cores, strict=True)
+    )
 
 
 def _multiplied(
@@ -178,7 +195,10 @@ def _multiplied(
     tables = [every[k * len(by) : (k + 1) * len(by)] for k in of]
     if back is None:
         return tuple(
-            sum(product(False, x, y, out, shape) for x, y, shape in zip(row, given, inputs, strict=True))
+            sum(
+                product(False, x, y, out, shape)
+                for x, y, shape in zip(row, given, inputs, strict=True)
+            )
             for row, out in zip(tables, outputs, strict=True)
         )
     return tuple(
@@ -193,7 +213,9 @@ def _multiplied(
     )
 
 
-def _batches(program: Any, by: Positions, of: Positions, back: Any, operands: Sequence[Any]) -> list[Any]:
+def _batches(
+    program: Any, by: Positions, of: Positions, back: Any, operands: Sequence[Any]
+) -> list[Any]:
     """The leading axes of each operand."""
     last = [program.inputs[k] for k in by] if back is None else [program.outputs[k] for k in of]
     arguments = (*program.inputs, *last)
@@ -201,7 +223,9 @@ def _batches(program: Any, by: Positions, of: Positions, back: Any, operands: Se
 
 
 @_linear.def_abstract_eval
-def _shapes(*operands: Any, function: Function, by: Positions, of: Positions, back: Any, matrix: bool) -> Any:
+def _shapes(
+    *operands: Any, function: Function, by: Positions, of: Positions, back: Any, matrix: bool
+) -> Any:
     program, dtype = function.program, operands[0].dtype
     if back is None:
         batch = np.broadcast_shapes(*_batches(program, by, of, back, operands))
@@ -216,7 +240,8 @@ def _mapped(operands: Sequence[Any], axes: Sequence[int | None], **params: Any) 
     count = len(params["function"].program.inputs)
     size = next(x.shape[axis] for x, axis in zip(operands, axes, strict=True) if axis is not None)
     moved = [
-        x[None] if axis is None else jnp.moveaxis(x, axis, 0) for x, axis in zip(operands, axes, strict=True)
+        x[None] if axis is None else jnp.moveaxis(x, axis, 0)
+        for x, axis in zip(operands, axes, strict=True)
     ]
     if all(axis is None for axis in axes[:count]):
         params["matrix"] = True

@@ -13,18 +13,23 @@ Shape = tuple[int, ...]
 
 
 def product(back: bool, table: Any, vector: Any, out: Shape, shape: Shape) -> Any:
-    """A matrix (*batch, *output, *input) times a vector (*batch, *input); back: its transpose times (*batch, *output).
+    """A matrix (*batch, *output, *input) times a vector (*batch, *input); back: its transpose times
+    (*batch, *output).
 
     Axes of size 1 are left out: XLA would copy the other factor along them.
     """
     taken, made = (out, shape) if back else (shape, out)
-    sizes = table.shape[: table.ndim - len(out) - len(shape)], vector.shape[: vector.ndim - len(taken)]
+    sizes = (
+        table.shape[: table.ndim - len(out) - len(shape)],
+        vector.shape[: vector.ndim - len(taken)],
+    )
     batch = np.broadcast_shapes(*sizes)
     rows, columns = len(batch), len(batch) + 1
     axes = [[k for k, n in enumerate(own) if n > 1] for own in sizes]
     matrix = table.reshape(*(sizes[0][k] for k in axes[0]), prod(out), prod(shape))
     given = vector.reshape(*(sizes[1][k] for k in axes[1]), prod(taken))
-    # the matrix first, whatever order is wanted: another order costs XLA a copy, which it finds out itself otherwise
+    # the matrix first, whatever order is wanted: another order costs XLA a copy, which it finds out
+    # itself otherwise
     shared = [k for k in axes[0] if k in axes[1]]
     contracted, kept = (rows, columns) if back else (columns, rows)
     labels = [*axes[0], rows, columns], [*axes[1], contracted]
@@ -42,7 +47,9 @@ def product(back: bool, table: Any, vector: Any, out: Shape, shape: Shape) -> An
 
 def summed(x: Any, shape: Shape) -> Any:
     """The sum over axes along which an array of this shape was broadcast."""
-    axes = tuple(k for k, (n, m) in enumerate(zip(x.shape, shape, strict=True)) if m == 1 and n != 1)
+    axes = tuple(
+        k for k, (n, m) in enumerate(zip(x.shape, shape, strict=True)) if m == 1 and n != 1
+    )
     return x.sum(axes, keepdims=True) if axes else x
 
 

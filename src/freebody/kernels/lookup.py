@@ -67,30 +67,32 @@ def kernel(
 ) -> Kernel | ColumnKernel | KernelList | InputKernel:
     """The compiled function for one quantity, or for several that share their work.
 
-    model: with all values. names: among "inverse_dynamics", "forward_dynamics", "mass_matrix", "jacobian", … or a list.
-    frame: for kinematic quantities (default: the tip). reference: "world" or "body" axes (for joint wrenches "child").
-    rows: of operational space, among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy", "w"; default all).
-    wrench_frames: frames that carry external wrenches; each becomes a further input (..., 6): wrench0, wrench1, … in
-    their order.
-    target: where it runs: "cpu" (machine code by LLVM), "numpy" (node by node, without a compiler) or "cuda" (NVIDIA's
-    GPUs; it takes arrays in their memory); None: what FREEBODY_TARGET says, else the CPU. width: samples in a CPU
-    vector; None: as many as suit it.
-    dtype: "float32" computes with numbers of 32 bits, about twice as quick in batches, to about 6 digits of a sample's
-    largest entry; arrays of other real types are rounded to it, and so are the robot's numbers.
-    inputs: numbers of the model that are to be given, by names and patterns of `fb.parameters` ("link*.mass"; patterns
-    leave out exact zeros and right angles of placements, names in full take them): they are gathered, in the order of
-    `fb.parameters`, in one last argument p (..., k), or given as p={name: value}; without p they are the model's own.
-    k.parameters are their names, k.values the model's own. Of a family all numbers with members are inputs; where
-    its members differ in limits alone, the size of gravity.
-    by: inputs by which each output is differentiated as well (exactly, in forward mode), "p" among them: after the
-    outputs come their derivatives, dtau_dp (*output, k) and so on, output by output; those by
-    positions are on the tangent space (nv).
-    Returns k(q, qd, …, out=None, threads=None), which broadcasts like a NumPy ufunc, lets NaN through and checks no
-    names; its inputs are those of the quantities, in the order q, qd, qdd, tau, wrenches, and its outputs in the order
-    of `names`. Kernels of a closed chain assume that its loops are closed; at singular positions the drives' torques
-    are NaN, where the public functions of the same names still answer. One step of a simulation is a quantity
-    too: "rk4_step", "semi_implicit_step", "implicit_step" and "implicit_feedback_step", with the step's length h after
-    tau, return (q1, qd1); see docs/stepping.md. Raises UnknownNameError, SingularError where the drives of a closed
+    model: with all values. names: among "inverse_dynamics", "forward_dynamics", "mass_matrix",
+    "jacobian", … or a list. frame: for kinematic quantities (default: the tip). reference: "world"
+    or "body" axes (for joint wrenches "child"). rows: of operational space, among "vx", "vy", "vz",
+    "wx", "wy", "wz" (plane "vx", "vy", "w"; default all). wrench_frames: frames that carry external
+    wrenches; each becomes a further input (..., 6): wrench0, wrench1, … in their order.
+    target: where it runs: "cpu" (machine code by LLVM), "numpy" (node by node, without a compiler)
+    or "cuda" (NVIDIA's GPUs; it takes arrays in their memory); None: what FREEBODY_TARGET says,
+    else the CPU. width: samples in a CPU vector; None: as many as suit it.
+    dtype: "float32" computes with numbers of 32 bits, about twice as quick in batches, to about 6
+    digits of a sample's largest entry; arrays of other real types are rounded to it, and so are the
+    robot's numbers. inputs: numbers of the model that are to be given, by names and patterns of
+    `fb.parameters` ("link*.mass"; patterns leave out exact zeros and right angles of placements,
+    names in full take them): they are gathered, in the order of `fb.parameters`, in one last
+    argument p (..., k), or given as p={name: value}; without p they are the model's own.
+    k.parameters are their names, k.values the model's own. Of a family all numbers with members are
+    inputs; where its members differ in limits alone, the size of gravity.
+    by: inputs by which each output is differentiated as well (exactly, in forward mode), "p" among
+    them: after the outputs come their derivatives, dtau_dp (*output, k) and so on, output by
+    output; those by positions are on the tangent space (nv). Returns k(q, qd, …, out=None,
+    threads=None), which broadcasts like a NumPy ufunc, lets NaN through and checks no names; its
+    inputs are those of the quantities, in the order q, qd, qdd, tau, wrenches, and its outputs in
+    the order of `names`. Kernels of a closed chain assume that its loops are closed; at singular
+    positions the drives' torques are NaN, where the public functions of the same names still
+    answer. One step of a simulation is a quantity too: "rk4_step", "semi_implicit_step",
+    "implicit_step" and "implicit_feedback_step", with the step's length h after tau, return (q1,
+    qd1); see docs/stepping.md. Raises UnknownNameError, SingularError where the drives of a closed
     chain do not force its motion.
     """
     listed, option = chosen_option(
@@ -125,7 +127,8 @@ def fetch(
         large = _large(model, names)
         if large and dtype != "float64":
             raise FreebodyError(
-                f"fb.kernel: {large[0]} of {model.nv} coordinates is made column by column, which is there in float64 "
+                f"fb.kernel: {large[0]} of {model.nv} coordinates is made column by column, which "
+                f"is there in float64 "
                 f"only (dtype={dtype!r} up to {LARGEST} coordinates)."
             )
         if inputs or by or model.family:
@@ -137,7 +140,9 @@ def fetch(
                 option,
                 lambda part: fetch(model, (part,), Option(), target, width),
                 lambda some: fetch(model, some, option, target, width),
-            ) or compile_program(program(model, names, option), target=target, width=width, dtype=dtype)
+            ) or compile_program(
+                program(model, names, option), target=target, width=width, dtype=dtype
+            )
         model.compiled[key] = found
     return found
 
@@ -149,9 +154,11 @@ def in_columns(
     fetch_product: Callable[[str], Any],
     fetch_some: Callable[[tuple[str, ...]], Any],
 ) -> ColumnKernel | KernelList | None:
-    """Of a large robot, the matrices among the quantities by columns; None where all are one program.
+    """Of a large robot, the matrices among the quantities by columns; None where all are one
+    program.
 
-    fetch_product: the kernel of a formula that columns come from; fetch_some: of some of the quantities.
+    fetch_product: the kernel of a formula that columns come from; fetch_some: of some of the
+    quantities.
     """
     if not _large(model, names):
         return None
@@ -179,11 +186,14 @@ def _with_inputs(
     large = _large(model, names)
     if large:
         raise FreebodyError(
-            f"fb.kernel: {large[0]} of {model.nv} coordinates is made column by column, which takes no inputs=, by= or "
+            f"fb.kernel: {large[0]} of {model.nv} coordinates is made column by column, which "
+            f"takes no inputs=, by= or "
             f"family (up to {LARGEST} coordinates they do)."
         )
     if not wanted and not model.family:
-        return compile_program(program(model, names, option, by=by), target=target, width=width, dtype=dtype)
+        return compile_program(
+            program(model, names, option, by=by), target=target, width=width, dtype=dtype
+        )
     given = inputs_of("fb.kernel", model, wanted)
     # a family's numbers never stand still along the batch
     p = Argument("p", (len(given.names),), uniform=not model.family)
@@ -193,7 +203,10 @@ def _with_inputs(
 
 
 def _in_parts(
-    model: Model, names: tuple[str, ...], option: Option, fetch_some: Callable[[tuple[str, ...]], Any]
+    model: Model,
+    names: tuple[str, ...],
+    option: Option,
+    fetch_some: Callable[[tuple[str, ...]], Any],
 ) -> KernelList:
     """Quantities by columns each alone, all others in one program that shares their work."""
     large = _large(model, names)

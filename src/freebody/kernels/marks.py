@@ -1,7 +1,8 @@
 """What the nodes of a program are in the recursion: names for whoever reads its text.
 
-The recursion is traced once more, with its intermediates as results; a node of the program that computes the same from
-the same inputs has their name. So no algorithm knows that its scalars are named, and the program is the kernel's own.
+The recursion is traced once more, with its intermediates as results; a node of the program that
+computes the same from the same inputs has their name. So no algorithm knows that its scalars are
+named, and the program is the kernel's own.
 """
 
 from __future__ import annotations
@@ -49,7 +50,8 @@ LARGEST = 64
 
 
 def marks(program: Program, option: Option, tree_over: Callable[[Any], Tree]) -> dict[int, str]:
-    """Node -> word, of those that the recursion has a name for: w3_x, the x of the angular velocity of body 3.
+    """Node -> word, of those that the recursion has a name for: w3_x, the x of the angular velocity
+    of body 3.
 
     tree_over: the tree over the scalars of p.
     """
@@ -75,13 +77,19 @@ def marks(program: Program, option: Option, tree_over: Callable[[Any], Tree]) ->
         node = at.get(known[named])
         if node is None:
             node, word = at.get(_opposite(recursion, named, known, numbers)), f"minus_{word}"
-        if node is None or program.op[node] in _SEEN or (node in results and argument.name[0] in _LESS):
+        if (
+            node is None
+            or program.op[node] in _SEEN
+            or (node in results and argument.name[0] in _LESS)
+        ):
             continue
         found.setdefault(node, word)
     return found
 
 
-def _opposite(program: Program, node: int, known: list[int], numbers: dict[tuple[Any, ...], int]) -> int:
+def _opposite(
+    program: Program, node: int, known: list[int], numbers: dict[tuple[Any, ...], int]
+) -> int:
     """The number of what computes the negative of a node; -1 where that is nothing known."""
     op, operands = program.op[node], [known[i] for i in program.operands(node)]
     if op == "neg":
@@ -90,7 +98,8 @@ def _opposite(program: Program, node: int, known: list[int], numbers: dict[tuple
 
 
 def _numbered(program: Program, numbers: dict[tuple[Any, ...], int]) -> list[int]:
-    """For each node a number; nodes of two programs that compute the same from the same inputs have the same."""
+    """For each node a number; nodes of two programs that compute the same from the same inputs have
+    the same."""
     made: list[int] = []
     for index, op in enumerate(program.op):
         if record := OPERATIONS.get(op):
@@ -106,7 +115,9 @@ def _named(tree: Tree, option: Option, given: dict[str, Any]) -> Iterator[tuple[
     """Words and scalars of inverse dynamics, of the poses, and of the mass matrix."""
     zeros = (0.0,) * tree.nv
     q, qd, qdd = given["q"], given.get("qd", zeros), given.get("qdd", zeros)
-    wrenches = tuple(given[f"wrench{k}"] for k in range(len(option.wrench_frames)) if f"wrench{k}" in given)
+    wrenches = tuple(
+        given[f"wrench{k}"] for k in range(len(option.wrench_frames)) if f"wrench{k}" in given
+    )
     loads = external(tree, option, q, wrenches) if wrenches else []
     recursion = rnea(tree, q, qd, qdd, loads)
     motion, world = recursion.motion, world_poses(tree, recursion.motion.joints)
@@ -119,7 +130,16 @@ def _named(tree: Tree, option: Option, given: dict[str, Any]) -> Iterator[tuple[
     for joint, i in enumerate(tree.body_of):
         R, p = world[i]
         _, h, inertia = gathered[i]
-        values = R, p, motion.w[i], motion.wd[i], motion.v[i], motion.vd[i], recursion.f[i], recursion.n[i]
+        values = (
+            R,
+            p,
+            motion.w[i],
+            motion.wd[i],
+            motion.v[i],
+            motion.vd[i],
+            recursion.f[i],
+            recursion.n[i],
+        )
         for letter, value in zip(MEANINGS, (*values, h, inertia), strict=False):
             yield from _entries(f"{letter}{joint + 1}", value)
 

@@ -1,4 +1,5 @@
-"""Options of `fb.kernel`: checked against the formulas that are asked for, and put together as one record."""
+"""Options of `fb.kernel`: checked against the formulas that are asked for, and put together as one
+record."""
 
 from __future__ import annotations
 
@@ -44,11 +45,14 @@ def chosen_option(
             model.require_tree(f"{function}: {name}")
         if FORMULAS[name].chains == "closed" and not model.loops:
             raise FreebodyError(
-                f"{function}: {name}: {model.name!r} has no loops; add one with model.with_loop(...)."
+                f"{function}: {name}: {model.name!r} has no loops; add one with "
+                f"model.with_loop(...)."
             )
     if not listed:
         raise FreebodyError(f"{function}: give at least one quantity.")
-    _require_used(function, listed, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows)
+    _require_used(
+        function, listed, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows
+    )
     _require_axes(listed, reference)
     option = Option(
         model.frame(frame).name if any(FORMULAS[name].of_frame for name in listed) else None,
@@ -60,14 +64,17 @@ def chosen_option(
 
 
 def _near_home(function: str, model: Model, listed: tuple[str, ...], option: Option) -> Option:
-    """Of a closed chain's equations and coordinates those that tell all near its home, whatever positions will come."""
+    """Of a closed chain's equations and coordinates those that tell all near its home, whatever
+    positions will come."""
     if any(FORMULAS[name].settled == "equations" for name in listed):
         option = option._replace(equations=closed("independent_rows")(model))
     for name in listed:
         settled = FORMULAS[name].settled
         if settled in ("partition", "loops"):
             # one by the drives does for what the loops do, too
-            by_drives = settled == "partition" or any(FORMULAS[x].settled == "partition" for x in listed)
+            by_drives = settled == "partition" or any(
+                FORMULAS[x].settled == "partition" for x in listed
+            )
             chosen = closed("require_partition")(model, f"{function}: {name}", by_drives)
             option = option._replace(partition=chosen)
     return option
@@ -76,18 +83,26 @@ def _near_home(function: str, model: Model, listed: tuple[str, ...], option: Opt
 def _require_used(function: str, listed: Sequence[str], **given: Any) -> None:
     """Refuse an option that none of the quantities uses."""
     for name, value in given.items():
-        asked = value is not None and value != "world" and not (name == "wrench_frames" and not len(value))
+        asked = (
+            value is not None
+            and value != "world"
+            and not (name == "wrench_frames" and not len(value))
+        )
         if asked and not any(FORMULAS[x].uses(name) for x in listed):
             used = ", ".join(x for x, formula in FORMULAS.items() if formula.uses(name))
             raise FreebodyError(
-                f"{function}: {name}={value!r} has no meaning for {', '.join(listed)}; it is for {used}."
+                f"{function}: {name}={value!r} has no meaning for {', '.join(listed)}; it is for "
+                f"{used}."
             )
 
 
 def _require_axes(listed: Sequence[str], reference: str) -> None:
     """Refuse axes that not all of the quantities that have a choice can be given in."""
     offered = [FORMULAS[name].axes for name in listed if FORMULAS[name].axes]
-    common = ("world", *(x for x in dict.fromkeys(sum(offered, ())) if all(x in axes for axes in offered)))
+    common = (
+        "world",
+        *(x for x in dict.fromkeys(sum(offered, ())) if all(x in axes for axes in offered)),
+    )
     if reference not in common:
         raise UnknownNameError("reference", reference, "reference=", common)
 
@@ -96,7 +111,9 @@ def motion_rows(model: Model, rows: Sequence[str] | None) -> tuple[int, ...]:
     """Indices of rows of a frame's motion by name; None is all of them."""
     names = ("vx", "vy", "vz", "wx", "wy", "wz") if model.dim == 3 else ("vx", "vy", "w")
     if rows is not None and (isinstance(rows, str) or not len(rows) or len(set(rows)) < len(rows)):
-        raise FreebodyError(f"rows is {rows!r}, expected one or several of {', '.join(names)}, each once.")
+        raise FreebodyError(
+            f"rows is {rows!r}, expected one or several of {', '.join(names)}, each once."
+        )
     for row in rows or ():
         if row not in names:
             raise UnknownNameError("row", row, "rows=", names)

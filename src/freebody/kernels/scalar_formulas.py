@@ -25,14 +25,16 @@ def formula(
 ) -> Callable[..., Any]:
     """A quantity of a model as a function of scalars, to be called inside what `fb.compile` takes.
 
-    model, name, frame, reference, wrench_frames, rows: as for `fb.kernel`, of one quantity. The model's numbers are
-    constants of what is compiled.
-    Returns f(q, qd, …), with the inputs of the kernel of that name: sequences of its core shapes, of traced scalars,
-    floats, or arrays with an entry for each sample; its output as a nested tuple, or the tuple of its outputs. States
-    of closed chains have to be closed. Raises what `fb.kernel` does.
+    model, name, frame, reference, wrench_frames, rows: as for `fb.kernel`, of one quantity. The
+    model's numbers are constants of what is compiled. Returns f(q, qd, …), with the inputs of the
+    kernel of that name: sequences of its core shapes, of traced scalars, floats, or arrays with an
+    entry for each sample; its output as a nested tuple, or the tuple of its outputs. States of
+    closed chains have to be closed. Raises what `fb.kernel` does.
     """
     if not isinstance(name, str):
-        raise FreebodyError("fb.formula: give the name of one quantity; of several, make several functions.")
+        raise FreebodyError(
+            "fb.formula: give the name of one quantity; of several, make several functions."
+        )
     listed, option = chosen_option(
         model,
         name,
@@ -47,13 +49,18 @@ def formula(
     def function(*values: Any) -> Any:
         if len(values) != len(inputs):
             raise FreebodyError(
-                f"{name}: {len(values)} arguments given, expected {len(inputs)}: {', '.join(map(str, inputs))}."
+                f"{name}: {len(values)} arguments given, expected {len(inputs)}: "
+                f"{', '.join(map(str, inputs))}."
             )
-        given = {x.name: _nested(name, x.name, v, x.shape) for x, v in zip(inputs, values, strict=True)}
+        given = {
+            x.name: _nested(name, x.name, v, x.shape) for x, v in zip(inputs, values, strict=True)
+        }
         try:
             results = record.evaluate(tree, option, **chosen(name, given, option))
         except ZeroDivisionError:
-            raise SingularError(f"{name} of {model.name!r} divides by zero at this state.") from None
+            raise SingularError(
+                f"{name} of {model.name!r} divides by zero at this state."
+            ) from None
         results = tuple(map(_tuples, results))
         return results[0] if len(results) == 1 else results
 
@@ -66,7 +73,9 @@ def _nested(function: str, name: str, value: Any, shape: tuple[int, ...]) -> Any
     """Sequences or an array as nested tuples of a shape."""
     if not shape:
         return value
-    is_sequence = isinstance(value, tuple | list) or (isinstance(value, np.ndarray) and value.ndim > 0)
+    is_sequence = isinstance(value, tuple | list) or (
+        isinstance(value, np.ndarray) and value.ndim > 0
+    )
     if not is_sequence or len(value) != shape[0]:
         raise ShapeError(function, name, (len(value),) if is_sequence else (), str(shape))
     return tuple(_nested(function, name, entry, shape[1:]) for entry in value)

@@ -1,4 +1,5 @@
-"""Derivatives of what a formula computes, by any of its inputs: scalars with slopes in the trace."""
+"""Derivatives of what a formula computes, by any of its inputs: scalars with slopes in the
+trace."""
 
 from __future__ import annotations
 
@@ -17,8 +18,8 @@ from freebody.spatial import identity
 
 
 def directions(model: Model, inputs: Sequence[Argument], by: Sequence[str]) -> dict[str, int]:
-    """How many directions there are of each input by which is differentiated: of positions nv, tangent ones; 0 stands
-    for the one of a bare number."""
+    """How many directions there are of each input by which is differentiated: of positions nv,
+    tangent ones; 0 stands for the one of a bare number."""
     sizes = {a.name: model.nv if a.name in POSITIONS else a.size if a.shape else 0 for a in inputs}
     for name in by:
         if name not in sizes:
@@ -68,7 +69,10 @@ def with_slopes(
     if not sizes:
         return results
     count = sum(size or 1 for size in sizes.values())
-    found = [_each(x, len(a.shape), lambda s: value(s, Outer)) for x, a in zip(results, outputs, strict=True)]
+    found = [
+        _each(x, len(a.shape), lambda s: value(s, Outer))
+        for x, a in zip(results, outputs, strict=True)
+    ]
     for x, a in zip(results, outputs, strict=True):
         start = 0
         for size in sizes.values():

@@ -1,7 +1,8 @@
 """Kernels of a model's structure, and how a model's own numbers go with them.
 
-The numbers are one more input p, of which a kernel takes what it reads. So robots that differ in numbers share what is
-compiled, and a changed number compiles nothing. What is compiled lives as long as some model of the structure.
+The numbers are one more input p, of which a kernel takes what it reads. So robots that differ in
+numbers share what is compiled, and a changed number compiles nothing. What is compiled lives as
+long as some model of the structure.
 """
 
 from __future__ import annotations
@@ -32,7 +33,8 @@ from freebody.targets.sound import sound
 
 @dataclass(frozen=True)
 class Compiled:
-    """A kernel of a structure, which of the numbers it reads, in order, and where it is given quaternions."""
+    """A kernel of a structure, which of the numbers it reads, in order, and where it is given
+    quaternions."""
 
     kernel: Kernel
     read: slice | NDArray[np.intp]
@@ -51,7 +53,8 @@ class Bound:
         numbers: tuple[Array, ...] = (),
         quaternions: tuple[tuple[int, int], ...] = (),
     ):
-        """numbers: the one array of them that is the kernel's last argument; none where its parts have them.
+        """numbers: the one array of them that is the kernel's last argument; none where its parts
+        have them.
 
         quaternions: see `Compiled`.
         """
@@ -67,8 +70,9 @@ class Bound:
         return Bound(self.kernel, tuple(p[..., None, :] if p.ndim > 1 else p for p in self.numbers))
 
     def checked(self, every: bool = False) -> Callable[..., Any]:
-        """A function of what the kernel takes besides the numbers; it returns None where something is not surely
-        `sound`, quaternions among it. every: whether all that comes out must be finite, whatever went in."""
+        """A function of what the kernel takes besides the numbers; it returns None where something
+        is not surely `sound`, quaternions among it. every: whether all that comes out must be
+        finite, whatever went in."""
         general = self._finite if every else self._sound
         if isinstance(self.kernel, Kernel):
             held = self.numbers[0] if self.numbers else None
@@ -83,7 +87,8 @@ class Bound:
 
 
 def fetch(model: Model, names: tuple[str, ...], option: Option) -> Bound:
-    """The kernel of the model's structure, compiled when it is first asked for, with the model's numbers."""
+    """The kernel of the model's structure, compiled when it is first asked for, with the model's
+    numbers."""
     found = known(model, names, option)
     if found is None:
         large = in_columns(
@@ -123,7 +128,8 @@ def ready(model: Model, names: tuple[str, ...], option: Option) -> Bound | None:
 
 
 def _key(model: Model, names: tuple[str, ...], option: Option) -> tuple[Any, ...]:
-    """Of a kernel among those of a structure: the option with the frames' places instead of their names."""
+    """Of a kernel among those of a structure: the option with the frames' places instead of their
+    names."""
     if option == PLAIN and True not in map(_shows_drives, names):
         return names
     frames = tuple([frame_form(model, name) for name in _frames(option)])
@@ -150,12 +156,17 @@ def _shows_drives(name: str) -> bool:
 
 
 def _numbers(model: Model, option: Option, read: slice | NDArray[np.intp]) -> Array:
-    """Those that a kernel reads, of a family (*family, k) also where its members have these in common."""
+    """Those that a kernel reads, of a family (*family, k) also where its members have these in
+    common."""
     numbers, frames = model.numbers, _frames(option)
     if frames:
-        numbers = joined([numbers, *(pose_part(model.frame(f).placement, model.dim).numbers for f in frames)])
+        numbers = joined(
+            [numbers, *(pose_part(model.frame(f).placement, model.dim).numbers for f in frames)]
+        )
     chosen = numbers[..., read]
-    if chosen.ndim > 1 and chosen.strides[-1] != chosen.itemsize:  # a kernel reads rows twice as quickly
+    if (
+        chosen.ndim > 1 and chosen.strides[-1] != chosen.itemsize
+    ):  # a kernel reads rows twice as quickly
         chosen = np.ascontiguousarray(chosen)
     if chosen.shape[:-1] != model.family:
         chosen = np.broadcast_to(chosen, (*model.family, chosen.shape[-1]))
@@ -163,8 +174,11 @@ def _numbers(model: Model, option: Option, read: slice | NDArray[np.intp]) -> Ar
 
 
 def _compiled(model: Model, names: tuple[str, ...], option: Option) -> Compiled:
-    """Traced over scalars in the place of the numbers, of which those that nothing needs are left out again."""
-    count = sum(pose_part(model.frame(f).placement, model.dim).numbers.shape[-1] for f in _frames(option))
+    """Traced over scalars in the place of the numbers, of which those that nothing needs are left
+    out again."""
+    count = sum(
+        pose_part(model.frame(f).placement, model.dim).numbers.shape[-1] for f in _frames(option)
+    )
     p = Argument("p", (model.numbers.shape[-1] + count,), uniform=True)
     drives_shown = _shown_drives(model, names)
 
@@ -180,4 +194,6 @@ def _compiled(model: Model, names: tuple[str, ...], option: Option) -> Compiled:
 def _in_one_piece(read: tuple[int, ...]) -> slice | NDArray[np.intp]:
     """A slice where the indices follow one another, since what it takes out is not copied."""
     first, last = read[0], read[-1]
-    return slice(first, last + 1) if last - first + 1 == len(read) else np.array(read, dtype=np.intp)
+    return (
+        slice(first, last + 1) if last - first + 1 == len(read) else np.array(read, dtype=np.intp)
+    )

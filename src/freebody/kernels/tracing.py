@@ -28,7 +28,8 @@ def program(
     over: Callable[[Sequence[Scalar]], Tree] | None = None,
     by: tuple[str, ...] = (),
 ) -> Program:
-    """What the formulas do to scalars, for this model; with p, some of its numbers, as a last input.
+    """What the formulas do to scalars, for this model; with p, some of its numbers, as a last
+    input.
 
     over: the tree over the scalars of p. by: inputs by which the outputs are differentiated.
     """
@@ -38,7 +39,9 @@ def program(
     inputs = arguments(model, names, option) if p is None else (*arguments(model, names, option), p)
     labels = [a.name for a in inputs]
     outputs = tuple(
-        Argument(f"{name}_{label}" if len(names) > 1 else label, shape(model, output.dims, option, fixed))
+        Argument(
+            f"{name}_{label}" if len(names) > 1 else label, shape(model, output.dims, option, fixed)
+        )
         for name in names
         for label, output in FORMULAS[name].outputs.items()
     )
@@ -47,7 +50,9 @@ def program(
     def traced(ways: dict[str, Callable[..., tuple[Any, ...]]]) -> Program:
         def evaluate(*values: Any) -> tuple[Any, ...]:
             given, tree = lifted(dict(zip(labels, values, strict=True)), sizes, fixed, over)
-            if all(FORMULAS[name].by_motion for name in names):  # no output shows the links one by one
+            if all(
+                FORMULAS[name].by_motion for name in names
+            ):  # no output shows the links one by one
                 tree = lightened(tree)
             results = tuple(
                 x for name in names for x in ways[name](tree, option, **chosen(name, given, option))
@@ -55,10 +60,13 @@ def program(
             return with_slopes(results, outputs, sizes)
 
         try:
-            return trace("_".join(names), evaluate, inputs, (*outputs, *slope_arguments(outputs, sizes)))
+            return trace(
+                "_".join(names), evaluate, inputs, (*outputs, *slope_arguments(outputs, sizes))
+            )
         except ZeroDivisionError:
             raise SingularError(
-                f"{', '.join(names)} of {model.name!r} divides by zero in every state: a joint moves no mass and no "
+                f"{', '.join(names)} of {model.name!r} divides by zero in every state: a joint "
+                f"moves no mass and no "
                 "inertia, or a loop does not hold anything."
             ) from None
 

@@ -1,4 +1,5 @@
-"""Numbers to test exported text with: random inputs, and what they give in arithmetic of more digits."""
+"""Numbers to test exported text with: random inputs, and what they give in arithmetic of more
+digits."""
 
 from __future__ import annotations
 
@@ -28,8 +29,9 @@ _MARGIN = 16.0
 def vectors(
     program: Program, dtype: str, model: Model | None = None, numbers: Array | None = None
 ) -> Vectors:
-    """Inputs at which all outputs are finite, what they give in extended precision, and how far off the text may be:
-    sixteen times what NumPy in `dtype` is off here, at least 1e-13 (float32: 1e-5).
+    """Inputs at which all outputs are finite, what they give in extended precision, and how far off
+    the text may be: sixteen times what NumPy in `dtype` is off here, at least 1e-13 (float32:
+    1e-5).
 
     numbers: (k,) the model's own values of p, which is tried within a tenth of them.
     Raises FreebodyError where none are found.
@@ -48,7 +50,8 @@ def vectors(
     fine = np.logical_and.reduce([np.isfinite(x).all(axis=1) for x in exact])
     if not fine.any():
         raise FreebodyError(
-            f"{program.name}: outputs are infinite or NaN at all of {_TRIES} random inputs; there is nothing to test "
+            f"{program.name}: outputs are infinite or NaN at all of {_TRIES} random inputs; there "
+            f"is nothing to test "
             "an export with. Is the robot singular everywhere (a joint that moves no mass)?"
         )
     chosen = np.flatnonzero(fine)[:COUNT]
@@ -65,7 +68,9 @@ def vectors(
     )
 
 
-def _samples(name: str, shape: tuple[int, ...], model: Model | None, rng: np.random.Generator) -> Array:
+def _samples(
+    name: str, shape: tuple[int, ...], model: Model | None, rng: np.random.Generator
+) -> Array:
     """(tries, size): positions about home, anything else of size 1."""
     size = int(np.prod(shape))
     values = rng.uniform(-1.0, 1.0, size=(_TRIES, size))
@@ -88,20 +93,27 @@ def _unit_quaternions(model: Model, positions: Array) -> Array:
         start = body.kind.quaternion
         if start is not None:
             quaternion = positions[:, at.q[start:]]
-            positions[:, at.q[start:]] = quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)
+            positions[:, at.q[start:]] = quaternion / np.linalg.norm(
+                quaternion, axis=1, keepdims=True
+            )
     return positions
 
 
 def _near(own: Array, rng: np.random.Generator) -> Array:
-    """(tries, k): the numbers themselves and others near; of what has no value near 1, of zeros near 0."""
+    """(tries, k): the numbers themselves and others near; of what has no value near 1, of zeros
+    near 0."""
     known = np.where(np.isnan(own), 1.0, own)
-    return known + rng.uniform(-0.1, 0.1, size=(_TRIES, own.size)) * np.where(known == 0.0, 0.1, known)
+    return known + rng.uniform(-0.1, 0.1, size=(_TRIES, own.size)) * np.where(
+        known == 0.0, 0.1, known
+    )
 
 
 def _closed(model: Model, names: list[str], given: list[Array]) -> list[Array]:
-    """Positions at which the loops are closed, and rates that keep them so; as given where there are none near.
+    """Positions at which the loops are closed, and rates that keep them so; as given where there
+    are none near.
 
-    Every second is a little off: where all loops are closed their equations are rounding, and say nothing.
+    Every second is a little off: where all loops are closed their equations are rounding, and say
+    nothing.
     """
     found = dict(zip(names, given, strict=True))
     with contextlib.suppress(LoopError):

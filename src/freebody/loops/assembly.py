@@ -36,11 +36,13 @@ _NEARLY = 0.02  # gap, relative to the length, that rounded numbers may be the r
 
 
 def assemble(model: Model, q: Vector | None = None, free: Sequence[str] | None = None) -> Array:
-    """q (..., nq) near the guess q (default: the model's home) at which every loop is closed, to rounding.
+    """q (..., nq) near the guess q (default: the model's home) at which every loop is closed, to
+    rounding.
 
-    free: names of the coordinates (`model.velocity_names`) or joints that may move; the others keep the values given.
-    None: all may. Where the way from the guess ends in a gap, other starts are tried and the nearest closed position is
-    taken. Raises LoopError with the loop and the gap when none is found. Levenberg-Marquardt on Φ (5.21).
+    free: names of the coordinates (`model.velocity_names`) or joints that may move; the others keep
+    the values given. None: all may. Where the way from the guess ends in a gap, other starts are
+    tried and the nearest closed position is taken. Raises LoopError with the loop and the gap when
+    none is found. Levenberg-Marquardt on Φ (5.21).
     """
     require_loops(model, "assemble")
     guess = finite_vector("assemble", model, "q", home_guess(model) if q is None else q)
@@ -54,13 +56,17 @@ def assemble(model: Model, q: Vector | None = None, free: Sequence[str] | None =
     return closed.reshape(guess.shape)
 
 
-def assembly_modes(model: Model, q: Vector, free: Sequence[str] | None = None, starts: int = 200) -> Array:
-    """All closed positions (k, nq) that were found with the fixed coordinates of q (nq,), nearest to q first.
+def assembly_modes(
+    model: Model, q: Vector, free: Sequence[str] | None = None, starts: int = 200
+) -> Array:
+    """All closed positions (k, nq) that were found with the fixed coordinates of q (nq,), nearest
+    to q first.
 
-    free: as for `assemble`; the coordinates that differ from mode to mode. Planar mechanisms that come apart into dyads
-    (two unknown joints a loop) are solved in closed form, and these are all. Others by Newton's method from `starts`
-    starts spread over the free coordinates' whole range, so completeness is likely, not proved. Where the mechanism can
-    move with the fixed coordinates held, there are infinitely many and FreebodyError is raised.
+    free: as for `assemble`; the coordinates that differ from mode to mode. Planar mechanisms that
+    come apart into dyads (two unknown joints a loop) are solved in closed form, and these are all.
+    Others by Newton's method from `starts` starts spread over the free coordinates' whole range, so
+    completeness is likely, not proved. Where the mechanism can move with the fixed coordinates
+    held, there are infinitely many and FreebodyError is raised.
     """
     require_loops(model, "assembly_modes")
     guess = finite_vector("assembly_modes", model, "q", q)
@@ -83,7 +89,8 @@ def assembly_modes(model: Model, q: Vector, free: Sequence[str] | None = None, s
         J = scaled_jacobian(model, modes[0])[:, moving]
         if np.linalg.matrix_rank(J, tol=1e-9) < len(moving):
             raise FreebodyError(
-                f"assembly_modes: {model.name!r} still moves with the other coordinates held, so it has infinitely "
+                f"assembly_modes: {model.name!r} still moves with the other coordinates held, so "
+                f"it has infinitely "
                 "many positions; free fewer coordinates."
             )
     return np.array(modes).reshape(-1, model.nq)
@@ -91,10 +98,14 @@ def assembly_modes(model: Model, q: Vector, free: Sequence[str] | None = None, s
 
 # ---------------------------------------------------------------- positions
 def _is_closed(model: Model, q: Array, left: Array) -> NDArray[np.bool_]:
-    return (left < EXACT) & within_tolerance(model, q).all(axis=-1) & ~backward(model, q).any(axis=-1)
+    return (
+        (left < EXACT) & within_tolerance(model, q).all(axis=-1) & ~backward(model, q).any(axis=-1)
+    )
 
 
-def _restarted(model: Model, guess: Array, moving: Sequence[int], best: Array, sample: str) -> Array:
+def _restarted(
+    model: Model, guess: Array, moving: Sequence[int], best: Array, sample: str
+) -> Array:
     """The closed position nearest to the guess among those reached from starts around it."""
     found = _solutions(model, guess, moving, _RESTARTS)
     if len(found):
@@ -104,25 +115,32 @@ def _restarted(model: Model, guess: Array, moving: Sequence[int], best: Array, s
     name = model.loops[worst].name
     if gap[worst] < CLOSED * length(model) and backward(model, best).any():
         raise LoopError(
-            f"assemble: loop {name!r} of {model.name!r} closes only the wrong way round{sample}: its frames face "
+            f"assemble: loop {name!r} of {model.name!r} closes only the wrong way round{sample}: "
+            f"its frames face "
             "opposite ways. Start from another guess, or turn one frame."
         )
     if gap[worst] < _NEARLY * length(model):
         raise LoopError(
-            f"assemble: loop {name!r} of {model.name!r} stays open by {gap[worst]:.3g} m{sample}, at the nearest "
-            "position found. Start from another guess, check lengths and frames, or, where redundant equations "
-            "contradict each other because numbers are rounded, state by how much: loop_tolerance=(metres, radians)."
+            f"assemble: loop {name!r} of {model.name!r} stays open by {gap[worst]:.3g} m{sample}, "
+            f"at the nearest "
+            "position found. Start from another guess, check lengths and frames, or, where "
+            "redundant equations "
+            "contradict each other because numbers are rounded, state by how much: "
+            "loop_tolerance=(metres, radians)."
         )
     fixed = [name for k, name in enumerate(model.velocity_names) if k not in moving]
     remedy = f"let one of {', '.join(fixed)} move too" if fixed else "check lengths and frames"
     raise LoopError(
-        f"assemble: loop {name!r} of {model.name!r} stays open by {gap[worst]:.3g} m{sample}, at the nearest position "
-        f"found; its links may be too short or too long to meet. Start from another guess, or {remedy}."
+        f"assemble: loop {name!r} of {model.name!r} stays open by {gap[worst]:.3g} m{sample}, at "
+        f"the nearest position "
+        f"found; its links may be too short or too long to meet. Start from another guess, or "
+        f"{remedy}."
     )
 
 
 def _by_dyads(model: Model, guess: Array, moving: Sequence[int]) -> Array | None:
-    """Closed positions (k, nq) in closed form, the nearest first; None where the mechanism is no row of dyads."""
+    """Closed positions (k, nq) in closed form, the nearest first; None where the mechanism is no
+    row of dyads."""
     plan = decomposed(model, moving) if model.nq == model.nv else None
     found = None if plan is None else plan.solve(guess[None])
     if found is None:
@@ -144,5 +162,7 @@ def _solutions(model: Model, guess: Array, moving: Sequence[int], starts: int) -
     begun = integrate(model, np.broadcast_to(guess, (starts, model.nq)), spread * rate_scale(model))
     closed, left = closing(model, begun, moving)
     good = closed[_is_closed(model, closed, left)]
-    distance = np.linalg.norm(shortest_way(model, np.broadcast_to(guess, good.shape), good), axis=-1)
+    distance = np.linalg.norm(
+        shortest_way(model, np.broadcast_to(guess, good.shape), good), axis=-1
+    )
     return good[np.argsort(distance)]

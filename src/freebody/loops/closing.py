@@ -12,7 +12,8 @@ from freebody.model.model import Model
 from freebody.trees.states import integrate
 
 Telling = Callable[[Array], Array]
-"""Φ_q (N, m, nv) -> P (N, m, m): the combinations of the equations that count, see `scaled.telling`."""
+"""Φ_q (N, m, nv) -> P (N, m, m): the combinations of the equations that count, see
+`scaled.telling`."""
 
 _STEP = 0.6  # rad: the longest step towards closure
 _ITERATIONS = 60
@@ -21,7 +22,8 @@ _ITERATIONS = 60
 def closed_from(
     model: Model, q: Array, moving: Sequence[int], projector: Telling | None
 ) -> tuple[Array, Array]:
-    """(positions (N, nq) as closed as they get from q (N, nq), largest scaled equation left (N,))."""
+    """(positions (N, nq) as closed as they get from q (N, nq), largest scaled equation left
+    (N,))."""
 
     def at(q: Array) -> tuple[Array, Array]:
         phi, J = every_residual(model, q), every_jacobian(model, q)
@@ -39,7 +41,9 @@ def closed_from(
         active = np.flatnonzero((size > 1e-15) & (damping < 1e6))
         if not len(active):
             break
-        step = _levenberg(J[active], phi[active], damping[active] * np.linalg.norm(phi[active], axis=-1))
+        step = _levenberg(
+            J[active], phi[active], damping[active] * np.linalg.norm(phi[active], axis=-1)
+        )
         full = np.zeros((len(active), model.nv))
         full[:, list(moving)] = step
         trial = integrate(model, q[active], full * stretch)
@@ -47,7 +51,9 @@ def closed_from(
         better = np.linalg.norm(left, axis=-1) < np.linalg.norm(phi[active], axis=-1)
         at_better = active[better]
         q[at_better], phi[at_better], J[at_better] = trial[better], left[better], slope[better]
-        damping[active] = np.where(better, np.maximum(damping[active] * 0.1, 1e-12), damping[active] * 10.0)
+        damping[active] = np.where(
+            better, np.maximum(damping[active] * 0.1, 1e-12), damping[active] * 10.0
+        )
     return q, np.abs(phi).max(axis=-1, initial=0.0)
 
 

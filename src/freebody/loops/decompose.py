@@ -1,4 +1,5 @@
-"""A planar mechanism taken apart into dyads: loop after loop whose unknown joints follow from what is known by then."""
+"""A planar mechanism taken apart into dyads: loop after loop whose unknown joints follow from what
+is known by then."""
 
 from __future__ import annotations
 
@@ -36,9 +37,11 @@ class Decomposition:
     steps: tuple[Step, ...]
 
     def solve(self, q: Array, target: Array | None = None) -> Array | None:
-        """All solutions (N, K, nq) with the known coordinates of q (N, nq), NaN where a branch has none.
+        """All solutions (N, K, nq) with the known coordinates of q (N, nq), NaN where a branch has
+        none.
 
-        target: poses (N, 3, 3) of the frame that is held. None where pins of a dyad coincide: no angle is singled out.
+        target: poses (N, 3, 3) of the frame that is held. None where pins of a dyad coincide: no
+        angle is singled out.
         """
         at = self._posture(q[:, None, :], target)
         try:
@@ -52,7 +55,8 @@ class Decomposition:
         return at.q
 
     def branches(self, q: Array, target: Array | None = None) -> list[str]:
-        """Names of the solutions q (k, nq) of one sample: on which side elbows lie, which way slides reach."""
+        """Names of the solutions q (k, nq) of one sample: on which side elbows lie, which way
+        slides reach."""
         at = self._posture(q[None], target)
         columns = []
         for step in self.steps:
@@ -60,7 +64,9 @@ class Decomposition:
             if label is not None:
                 words = [f"{step.called} {way}" for way in (*step.ways, "straight")]
                 columns.append([side_of(float(x), 1.0, *words) for x in label[0]])
-        return [", ".join(names) for names in zip(*columns, strict=True)] if columns else [""] * len(q)
+        return (
+            [", ".join(names) for names in zip(*columns, strict=True)] if columns else [""] * len(q)
+        )
 
     def obstacles(self, q: Array, target: Array | None = None) -> list[str]:
         """Sentences: which dyads cannot close, by how much, for one sample q (nq,)."""
@@ -96,7 +102,10 @@ class Decomposition:
             return Posture(self.model.tree, q)
         point = target[:, 0, 2] + 1j * target[:, 1, 2]
         return Posture(
-            self.model.tree, q, point[:, None], np.arctan2(target[:, 1, 0], target[:, 0, 0])[:, None]
+            self.model.tree,
+            q,
+            point[:, None],
+            np.arctan2(target[:, 1, 0], target[:, 0, 0])[:, None],
         )
 
 
@@ -104,7 +113,8 @@ def _obstacle(one: str, two: str, apart: Array, low: Array, high: Array) -> str:
     away, least, most = (float(x[0, 0]) for x in (apart, low, high))
     gap = away - most if away > most else least - away
     return (
-        f"{one} and {two} would be {away:.6g} m apart; the links between them span {least:.6g} to {most:.6g} m, which "
+        f"{one} and {two} would be {away:.6g} m apart; the links between them span {least:.6g} to "
+        f"{most:.6g} m, which "
         f"is {gap:.3g} m too {'short' if away > most else 'long'}."
     )
 
@@ -112,7 +122,8 @@ def _obstacle(one: str, two: str, apart: Array, low: Array, high: Array) -> str:
 def decomposed(
     model: Model, unknown: Sequence[int], held: str | None = None, oriented: bool = False
 ) -> Decomposition | None:
-    """How the unknown coordinates (indices in q) follow from the others; None where the mechanism is no row of dyads.
+    """How the unknown coordinates (indices in q) follow from the others; None where the mechanism
+    is no row of dyads.
 
     held: a frame that is held at a target, its direction too where `oriented`.
     """
@@ -132,12 +143,16 @@ def decomposed(
     return None if steps is None else Decomposition(model, tuple(steps))
 
 
-def _found(model: Model, left: set[int], pending: list[Chain], held: str | None) -> list[Step] | None:
+def _found(
+    model: Model, left: set[int], pending: list[Chain], held: str | None
+) -> list[Step] | None:
     """Steps for all coordinates in `left`, or None."""
     steps: list[Step] = []
     if held is not None:
         turns = [
-            c for c in pending[0].path if coordinate(model.tree, c) in left and is_turning(model.tree, c)
+            c
+            for c in pending[0].path
+            if coordinate(model.tree, c) in left and is_turning(model.tree, c)
         ]
         if len(turns) > 1:
             return None
@@ -156,7 +171,9 @@ def _found(model: Model, left: set[int], pending: list[Chain], held: str | None)
         pending = [c for c in pending if c not in used]
 
 
-def _next(model: Model, left: set[int], pending: list[Chain]) -> tuple[Step, tuple[Chain, ...]] | None:
+def _next(
+    model: Model, left: set[int], pending: list[Chain]
+) -> tuple[Step, tuple[Chain, ...]] | None:
     """The next step, and the chains that it closes."""
     tree = model.tree
 

@@ -35,7 +35,9 @@ from freebody.trees.states import difference, integrate
 
 _REGULAR = 1e-2  # of the same, from which stages of an integration need no care
 _SHORT = 0.01  # rad: a motion that shows where accelerations lead
-_ASIDE = 0.03  # part of what accelerations add to it by which it may miss the closed positions: terms of third order
+# part of what accelerations add to it by which it may miss the closed positions: terms of third
+# order
+_ASIDE = 0.03
 WOULD_OPEN = "would open{} under these accelerations; make them consistent with fb.loop_acceleration(model, q, qd, qdd)"
 STUCK = "cannot stay closed at these rates{}: the mechanism is stuck"
 """What `require_consistent` says of accelerations that were given, and of those that were found."""
@@ -48,14 +50,23 @@ def forward(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches
         found = attempt("forward_dynamics", model, (q, qd, tau), option, wrenches)
         if found is not None:
             return found
-    frames, arrays = checked_inputs("forward_dynamics", model, {"q": q, "qd": qd, "tau": tau}, wrenches)
+    frames, arrays = checked_inputs(
+        "forward_dynamics", model, {"q": q, "qd": qd, "tau": tau}, wrenches
+    )
     return definite_accelerations("forward_dynamics", model, frames, *arrays)
 
 
 def definite_accelerations(
-    function: str, model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
+    function: str,
+    model: Model,
+    frames: tuple[str, ...],
+    q: Array,
+    qd: Array,
+    tau: Array,
+    *loads: Array,
 ) -> Array:
-    """q̈ (..., nv); refuses states that the loops do not allow, and singular positions from which no way leads on."""
+    """q̈ (..., nv); refuses states that the loops do not allow, and singular positions from which
+    no way leads on."""
     qdd = _by_kernel(model, "state", frames, q, qd, tau, *loads)
     with_care = np.isnan(qdd).any(axis=-1)
     if with_care.any():
@@ -71,14 +82,16 @@ def definite_accelerations(
 def accelerations(
     model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
 ) -> Array:
-    """q̈ (..., nv), of states taken as closed: the stages of a motion, which by themselves do not tell where it goes."""
+    """q̈ (..., nv), of states taken as closed: the stages of a motion, which by themselves do not
+    tell where it goes."""
     qdd = _by_kernel(model, "solution", frames, q, qd, tau, *loads)
     _complete(model, frames, qdd, q, qd, tau, *loads)
     return qdd
 
 
 def _solution(model: Model, checks: str) -> Option | None:
-    """How the quick solution takes the model's equations; None where no fixed choice of them does."""
+    """How the quick solution takes the model's equations; None where no fixed choice of them
+    does."""
     if redundancy(model).rank is not None:
         return None
     return Option(equations=independent_rows(model), checks=checks)
@@ -120,7 +133,9 @@ def _smallest(model: Model, kept: tuple[int, ...], pivots: Array) -> Array:
     return scaled.min(axis=-1) / scaled.max(axis=-1)
 
 
-def careful(model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array) -> Array:
+def careful(
+    model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
+) -> Array:
     """q̈ (nv,) of one state, whatever the rank."""
     option = Option(wrench_frames=frames)
     M, c = fetch(model, ("mass_matrix", "constraint_bias"), Option())(q, qd)
@@ -140,20 +155,24 @@ def careful(model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Arr
 
 
 def require_way(model: Model, q: Array, qd: Array, qdd: Array) -> None:
-    """Refuse a singular position (nq,) from which the rates and accelerations found (nv,) lead nowhere."""
+    """Refuse a singular position (nq,) from which the rates and accelerations found (nv,) lead
+    nowhere."""
     _, loose = null_space(scaled_jacobian(model, q), BLURRED)
     lost = mechanism(model).constraints - loose.shape[1] < len(independent_rows(model))
     if lost and not _leads_on(model, q, qd, qdd):
         worst = int(np.argmax(np.linalg.norm(loose, axis=1)))
         name = model.loops[loop_of_row(model)[worst]].name
         raise SingularError(
-            f"forward_dynamics: {model.name!r} is at a singular position, where loop {name!r} no longer tells how the "
-            "motion goes on. Start a little beside this position, or with velocities along the branch it shall follow."
+            f"forward_dynamics: {model.name!r} is at a singular position, where loop {name!r} no "
+            f"longer tells how the "
+            "motion goes on. Start a little beside this position, or with velocities along the "
+            "branch it shall follow."
         )
 
 
 def _leads_on(model: Model, q: Array, qd: Array, qdd: Array) -> bool:
-    """Whether a short motion with these accelerations stays closed, but for terms of third order."""
+    """Whether a short motion with these accelerations stays closed, but for terms of third
+    order."""
     rates = rate_scale(model)
     first, second = qd / rates, qdd / rates
     speed, change = (float(np.abs(x).max(initial=0.0)) for x in (first, second))
@@ -168,7 +187,9 @@ def _leads_on(model: Model, q: Array, qd: Array, qdd: Array) -> bool:
 
 def _jerk(model: Model, q: Array, qd: Array) -> Jerk:
     def at(x: Array) -> Array:
-        return counting(model, q, row_scale(model) * fetch(model, ("constraint_jerk",), Option())(q, qd, x))
+        return counting(
+            model, q, row_scale(model) * fetch(model, ("constraint_jerk",), Option())(q, qd, x)
+        )
 
     return at
 
@@ -185,7 +206,9 @@ def inverse(
     found = _attempted("inverse_dynamics", model, (q, qd, qdd), wrenches, actuated)
     if found is not None:
         return found
-    frames, arrays = checked_inputs("inverse_dynamics", model, {"q": q, "qd": qd, "qdd": qdd}, wrenches)
+    frames, arrays = checked_inputs(
+        "inverse_dynamics", model, {"q": q, "qd": qd, "qdd": qdd}, wrenches
+    )
     return motion_torques("inverse_dynamics", model, frames, *arrays, actuated=actuated)
 
 
@@ -199,7 +222,8 @@ def motion_torques(
     *loads: Array,
     actuated: Sequence[str] | None = None,
 ) -> Array:
-    """Torques (..., nv) of the drives; refuses states and accelerations that the loops do not allow."""
+    """Torques (..., nv) of the drives; refuses states and accelerations that the loops do not
+    allow."""
     driven = drives(function, model, actuated)
     arrays = q, qd, qdd, *loads
     tau = _by_drives("inverse_dynamics", model, driven, frames, arrays)
@@ -256,17 +280,18 @@ def _by_drives(
 
 
 def torques(model: Model, q: Array, qd: Array, qdd: Array) -> Array:
-    """`inverse` (..., nv) of states taken as closed: those between the samples of a motion, which its curve leaves open
-    by as little as it is off."""
+    """`inverse` (..., nv) of states taken as closed: those between the samples of a motion, which
+    its curve leaves open by as little as it is off."""
     needed = fetch(model.opened, ("inverse_dynamics",), Option())(q, qd, qdd)
     return drive_torques("inverse_dynamics", model, q, needed)
 
 
 def drive_torques(function: str, model: Model, q: Array, needed: Array) -> Array:
-    """Torques (..., nv) of the driven joints, zero elsewhere, with the power of `needed` in every motion that the loops
-    allow.
+    """Torques (..., nv) of the driven joints, zero elsewhere, with the power of `needed` in every
+    motion that the loops allow.
 
-    needed (..., nv): torques of the tree that is left when all loops are cut. Least norm where too many drive.
+    needed (..., nv): torques of the tree that is left when all loops are cut. Least norm where too
+    many drive.
     """
     chosen = partition(model)
     if chosen is None:
@@ -288,9 +313,15 @@ def _complete_torques(
 
 
 def _careful_torques(
-    function: str, model: Model, q: Array, needed: Array, driven: Sequence[int], chosen: NDArray[np.bool_]
+    function: str,
+    model: Model,
+    q: Array,
+    needed: Array,
+    driven: Sequence[int],
+    chosen: NDArray[np.bool_],
 ) -> Array:
-    """The same at the chosen samples of a batch, (N, nv), whatever the rank; refuses what the drives cannot do."""
+    """The same at the chosen samples of a batch, (N, nv), whatever the rank; refuses what the
+    drives cannot do."""
     rates, driven = rate_scale(model), list(driven)
     asked = rates * needed[chosen]
     tau = np.zeros_like(asked)
@@ -308,8 +339,10 @@ def _careful_torques(
             names = ", ".join(model.velocity_names[k] for k in driven) or "none"
             where = at_sample(tuple(map(int, np.argwhere(chosen)[at[bad[0]]])))
             raise SingularError(
-                f"{function}: the driven joints of {model.name!r} ({names}) cannot force this motion{where}: it moves "
-                "though they stand still (too few drives, or a singular position of the second type). "
+                f"{function}: the driven joints of {model.name!r} ({names}) cannot force this "
+                f"motion{where}: it moves "
+                "though they stand still (too few drives, or a singular position of the second "
+                "type). "
                 "Drive another joint: actuated=[...]."
             )
         tau[at[:, None], driven] = found / rates[driven]
@@ -317,7 +350,8 @@ def _careful_torques(
 
 
 def _left(model: Model, q: Array, qd: Array, qdd: Array) -> Array:
-    """(...): the largest equation, scaled to angles, that accelerations leave unsatisfied, relative to its terms."""
+    """(...): the largest equation, scaled to angles, that accelerations leave unsatisfied, relative
+    to its terms."""
     left, c = missed(model, q, qd, qdd)
     size = 1.0 + np.abs(qdd / rate_scale(model)).max(axis=-1, initial=0.0) + np.abs(c).max(axis=-1)
     return np.abs(left).max(axis=-1) / size
@@ -331,10 +365,15 @@ def missed(model: Model, q: Array, qd: Array, qdd: Array) -> tuple[Array, Array]
     return telling_much(model, q, left), rows * c
 
 
-def require_consistent(function: str, model: Model, q: Array, qd: Array, qdd: Array, problem: str) -> None:
-    """Refuse accelerations that would open a loop, with a problem that has a place for the sample."""
+def require_consistent(
+    function: str, model: Model, q: Array, qd: Array, qdd: Array, problem: str
+) -> None:
+    """Refuse accelerations that would open a loop, with a problem that has a place for the
+    sample."""
     bad = np.argwhere(_left(model, q, qd, qdd) > max(LEFT, redundancy(model).slack))
     if len(bad):
         at = tuple(map(int, bad[0]))
         q, qd, qdd = (x[at] for x in (q, qd, qdd))
-        refuse_inconsistent(function, model, missed(model, q, qd, qdd)[0], problem.format(at_sample(at)))
+        refuse_inconsistent(
+            function, model, missed(model, q, qd, qdd)[0], problem.format(at_sample(at))
+        )

@@ -1,6 +1,8 @@
-"""The loop equations of a model as they count, scaled; how far they are from holding, and what is said of it.
+"""The loop equations of a model as they count, scaled; how far they are from holding, and what is
+said of it.
 
-Where numbers are rounded and equations redundant, what counts are combinations of them: see `redundancy`.
+Where numbers are rounded and equations redundant, what counts are combinations of them: see
+`redundancy`.
 """
 
 from __future__ import annotations
@@ -37,7 +39,9 @@ from freebody.model.model import Model
 def require_loops(model: Model, function: str) -> None:
     """Refuse a model without loops."""
     if not model.loops:
-        raise FreebodyError(f"{function}: {model.name!r} has no loops; add one with model.with_loop(...).")
+        raise FreebodyError(
+            f"{function}: {model.name!r} has no loops; add one with model.with_loop(...)."
+        )
 
 
 def _projector(model: Model) -> Telling | None:
@@ -47,7 +51,8 @@ def _projector(model: Model) -> Telling | None:
 
 
 def counting(model: Model, q: Array, scaled: Array) -> Array:
-    """Of scaled equations (..., m), or derivatives of them, at q (..., nq) the combinations that count (..., m)."""
+    """Of scaled equations (..., m), or derivatives of them, at q (..., nq) the combinations that
+    count (..., m)."""
     project = _projector(model)
     return (
         scaled
@@ -57,8 +62,9 @@ def counting(model: Model, q: Array, scaled: Array) -> Array:
 
 
 def blurred(model: Model) -> float:
-    """Singular values of Φ_q, relative to the largest, that count as zero where accelerations are sought: rounding of
-    size ε is divided by their square, and near a singular position they say as much about it as about the motion."""
+    """Singular values of Φ_q, relative to the largest, that count as zero where accelerations are
+    sought: rounding of size ε is divided by their square, and near a singular position they say as
+    much about it as about the motion."""
     return max(BLURRED, redundancy(model).blur ** (1.0 / 3.0))
 
 
@@ -78,7 +84,8 @@ def scaled_residual(model: Model, q: Array) -> Array:
 
 
 def scaled_jacobian(model: Model, q: Array) -> Array:
-    """Φ_q (..., m, nv) over angular rates, in angles, as far as it counts; rows of nothing but rounding are zero."""
+    """Φ_q (..., m, nv) over angular rates, in angles, as far as it counts; rows of nothing but
+    rounding are zero."""
     A = every_jacobian(model, q)
     project = _projector(model)
     return A if project is None else project(A) @ A
@@ -87,25 +94,29 @@ def scaled_jacobian(model: Model, q: Array) -> Array:
 def scaled_rate(model: Model, q: Array, qd: Array) -> Array:
     """Φ_q q̇ (..., m) in angles, as far as it counts."""
     return counting(
-        model, q, row_scale(model) * fetch(first_member(model), ("constraint_rate",), Option())(q, qd)
+        model,
+        q,
+        row_scale(model) * fetch(first_member(model), ("constraint_rate",), Option())(q, qd),
     )
 
 
 def closing(model: Model, q: Array, moving: Sequence[int]) -> tuple[Array, Array]:
-    """(positions (N, nq) as closed as they get from q (N, nq), largest scaled equation left (N,))."""
+    """(positions (N, nq) as closed as they get from q (N, nq), largest scaled equation left
+    (N,))."""
     return closed_from(model, q, moving, _projector(model))
 
 
 def within_tolerance(model: Model, q: Array) -> NDArray[np.bool_]:
-    """(..., m): whether an equation that does not count by itself is open by no more than rounding at q (..., nq)."""
+    """(..., m): whether an equation that does not count by itself is open by no more than rounding
+    at q (..., nq)."""
     if redundancy(model).rank is None:
         return np.ones((*q.shape[:-1], len(row_scale(model))), dtype=bool)
     return np.abs(every_residual(model, q)) <= scales(model).tolerance
 
 
 def gaps(model: Model, phi: Array) -> Array:
-    """How far each loop is open (..., loops), from scaled Φ (..., m): metres and sines together, the latter times the
-    length."""
+    """How far each loop is open (..., loops), from scaled Φ (..., m): metres and sines together,
+    the latter times the length."""
     size = phi * length(model)
     of_row = np.array(loop_of_row(model))
     parts = [np.linalg.norm(size[..., of_row == i], axis=-1) for i in range(len(model.loops))]
@@ -124,7 +135,8 @@ def require_closed(function: str, model: Model, q: Array, qd: Array | None = Non
     require_within_tolerance(function, model, q)
     for _, name, sample in _marked(model, backward(model, q)):
         raise LoopError(
-            f"{function}: loop {name!r} of {model.name!r} is closed the wrong way round{sample}: its frames face "
+            f"{function}: loop {name!r} of {model.name!r} is closed the wrong way round{sample}: "
+            f"its frames face "
             "opposite ways; start fb.assemble from another guess, or turn one frame."
         )
     if qd is not None:
@@ -132,7 +144,8 @@ def require_closed(function: str, model: Model, q: Array, qd: Array | None = Non
         speed = reach * (1.0 + np.abs(qd / rate_scale(model)).max(axis=-1, initial=0.0))
         for at, name, sample in _marked(model, rate > least * speed[..., None]):
             raise LoopError(
-                f"{function}: loop {name!r} of {model.name!r} would open at {rate[at]:.3g} m/s{sample}; "
+                f"{function}: loop {name!r} of {model.name!r} would open at {rate[at]:.3g} "
+                f"m/s{sample}; "
                 "make the rates consistent with fb.loop_velocity(model, q, qd)."
             )
 
@@ -143,11 +156,16 @@ def require_within_tolerance(function: str, model: Model, q: Array) -> None:
     if len(bad):
         at, row = tuple(map(int, bad[0][:-1])), int(bad[0][-1])
         gap = abs(float(every_residual(model, q)[(*at, row)]))
-        open_by, allowed = (in_units(model, row, x) for x in (gap, float(scales(model).tolerance[row])))
+        open_by, allowed = (
+            in_units(model, row, x) for x in (gap, float(scales(model).tolerance[row]))
+        )
         raise LoopError(
-            f"{function}: loop {model.loops[loop_of_row(model)[row]].name!r} of {model.name!r} is open by {open_by}"
-            f"{at_sample(at)}, more than its loop_tolerance of {allowed}: there its redundant equations contradict "
-            "each other. Correct the numbers, or state how far they are rounded: loop_tolerance=(metres, radians)."
+            f"{function}: loop {model.loops[loop_of_row(model)[row]].name!r} of {model.name!r} is "
+            f"open by {open_by}"
+            f"{at_sample(at)}, more than its loop_tolerance of {allowed}: there its redundant "
+            f"equations contradict "
+            "each other. Correct the numbers, or state how far they are rounded: "
+            "loop_tolerance=(metres, radians)."
         )
 
 
@@ -164,7 +182,8 @@ def _marked(model: Model, bad: NDArray[np.bool_]) -> Iterator[tuple[tuple[int, .
 
 
 def refuse_inconsistent(function: str, model: Model, left: Array, what: str) -> NoReturn:
-    """Raise for scaled equations (m,) that cannot hold together, naming the loop that misses most."""
+    """Raise for scaled equations (m,) that cannot hold together, naming the loop that misses
+    most."""
     worst = int(np.argmax(np.abs(left)))
     name = model.loops[loop_of_row(model)[worst]].name
     raise LoopError(f"{function}: loop {name!r} of {model.name!r} {what}.")

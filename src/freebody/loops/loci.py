@@ -1,8 +1,9 @@
 """Where a parallel robot is singular: curves of positions, followed step by step.
 
-With Φ_p the columns of passive joints, det Φ_p = 0 where the mechanism gives way though its drives stand still (second
-type), and det [Φ_q; J_tip] = 0 where its tip stands still though the drives turn (first type). Together with Φ = 0 such
-a condition leaves a curve of positions of a mechanism of two degrees of freedom, points of one of a single degree.
+With Φ_p the columns of passive joints, det Φ_p = 0 where the mechanism gives way though its drives
+stand still (second type), and det [Φ_q; J_tip] = 0 where its tip stands still though the drives
+turn (first type). Together with Φ = 0 such a condition leaves a curve of positions of a mechanism
+of two degrees of freedom, points of one of a single degree.
 """
 
 from __future__ import annotations
@@ -62,10 +63,11 @@ def singularity_loci(
 ) -> tuple[Locus, ...]:
     """Curves of singular positions of a planar parallel robot, all that random starts lead to.
 
-    kind: "first" (the tip's freedom is lost) or "second" (the drives' hold). frame, rows: of the tip's motion, as for
-    `input_output`. hold: values that coordinates keep, {name: value}, for mechanisms of more than two degrees of
-    freedom: what is left must be a curve. Raises FreebodyError otherwise. Positions of both types are on both; those
-    where curves that were not found otherwise only touch are left out.
+    kind: "first" (the tip's freedom is lost) or "second" (the drives' hold). frame, rows: of the
+    tip's motion, as for `input_output`. hold: values that coordinates keep, {name: value}, for
+    mechanisms of more than two degrees of freedom: what is left must be a curve. Raises
+    FreebodyError otherwise. Positions of both types are on both; those where curves that were not
+    found otherwise only touch are left out.
     """
     require_loops(model, "singularity_loci")
     if kind not in ("first", "second"):
@@ -95,20 +97,23 @@ def _problem(
     freedom = model.nv - len(kept)
     if len(driven) != freedom:
         raise FreebodyError(
-            f"singularity_loci: {model.name!r} has {freedom} degrees of freedom and {len(driven)} driven joints; "
+            f"singularity_loci: {model.name!r} has {freedom} degrees of freedom and {len(driven)} "
+            f"driven joints; "
             "name as many with model.replace(actuated=[...])."
         )
     held = [free_coordinates(model, (name,), "singularity_loci") for name in hold]
     if freedom - len(hold) not in (1, 2) or any(len(k) != 1 for k in held):
         spare = max(freedom - 2, 0)
         raise FreebodyError(
-            f"singularity_loci: {model.name!r} has {freedom} degrees of freedom; hold {spare} coordinate"
+            f"singularity_loci: {model.name!r} has {freedom} degrees of freedom; hold {spare} "
+            f"coordinate"
             f"{'' if spare == 1 else 's'} with hold={{name: value}}, so that a curve is left."
         )
     chosen = list(motion_rows(model, rows))[: freedom if rows is None else None]
     if len(chosen) != freedom:
         raise FreebodyError(
-            f"singularity_loci: {len(chosen)} rows are chosen and {model.name!r} has {freedom} degrees of freedom; "
+            f"singularity_loci: {len(chosen)} rows are chosen and {model.name!r} has {freedom} "
+            f"degrees of freedom; "
             "these must be equal."
         )
     for name, value in hold.items():
@@ -146,7 +151,9 @@ class _Problem:
         """(m + 1 + h,): what q (nq,) leaves unsatisfied, scaled."""
         model = self.model
         phi = scaled_residual(model, q)[self.kept]
-        off = (difference(model, neutral(model), q)[self.held] - self.values) / rate_scale(model)[self.held]
+        off = (difference(model, neutral(model), q)[self.held] - self.values) / rate_scale(model)[
+            self.held
+        ]
         return np.concatenate([phi, [float(self.measure(q))], off])
 
     def slope(self, q: Array) -> Array:
@@ -165,7 +172,9 @@ class _Problem:
                 return None if backward(self.model, q).any() else q
             step = -np.linalg.pinv(self.slope(q), rcond=1e-9) @ left
             longest = np.abs(step).max()
-            q = integrate(self.model, q, step * min(1.0, 0.5 / max(longest, 1e-300)) * rate_scale(self.model))
+            q = integrate(
+                self.model, q, step * min(1.0, 0.5 / max(longest, 1e-300)) * rate_scale(self.model)
+            )
         return None
 
     def isolated(self, start: Array) -> bool:
@@ -189,7 +198,9 @@ class _Problem:
         done: list[Array] = []
         while len(done) < _MOST and step > 1e-3 * _STEP:
             tangent = np.linalg.svd(self.slope(q))[2][-1]
-            tangent = tangent * (sense if not direction.any() else 1.0 if tangent @ direction > 0.0 else -1.0)
+            tangent = tangent * (
+                sense if not direction.any() else 1.0 if tangent @ direction > 0.0 else -1.0
+            )
             there = self.reached(integrate(model, q, step * tangent * rates), rounds=8)
             if (
                 there is None

@@ -17,9 +17,8 @@ from freebody.trees.calls import Vector, finite_vector
 from freebody.trees.states import difference, integrate
 from freebody.values import ByValue
 
-_RANK = (
-    1e-8  # singular values of the scaled Φ_q, relative to the largest, that count as zero at positions found
-)
+# singular values of the scaled Φ_q, relative to the largest, that count as zero at positions found
+_RANK = 1e-8
 _STEPS = (0.05, 0.13, 0.31)  # rad: lengths of the ways along which the neighbourhood is explored
 
 
@@ -38,12 +37,14 @@ class Mobility(Titled, ByValue):
     rank: int
     """Of Φ_q in general."""
     redundant: tuple[str, ...]
-    """Equations that follow from those before them, in general: without them the mechanism moves the same."""
+    """Equations that follow from those before them, in general: without them the mechanism moves
+    the same."""
     independent: tuple[str, ...]
-    """A well-conditioned choice of coordinates that determine the others here; driven joints are preferred."""
+    """A well-conditioned choice of coordinates that determine the others here; driven joints are
+    preferred."""
     misfit: tuple[float, float] = (0.0, 0.0)
-    """(m, rad): how far rounded numbers keep the redundant equations from holding, at most, where that was looked at;
-    0 where they hold but for rounding in the computation."""
+    """(m, rad): how far rounded numbers keep the redundant equations from holding, at most, where
+    that was looked at; 0 where they hold but for rounding in the computation."""
 
     def _title(self) -> str:
         return f"Mobility of {self.model!r}: {counted(self.generic, 'degree')} of freedom, {self.instantaneous} here"
@@ -57,7 +58,11 @@ class Mobility(Titled, ByValue):
     def _misfit(self) -> str:
         metres, radians = self.misfit
         parts = [f"{metres:.2g} m"] * (metres > 0.0) + [f"{radians:.2g} rad"] * (radians > 0.0)
-        return f"; numbers are rounded, and leave them open by up to {' and '.join(parts)}" if parts else ""
+        return (
+            f"; numbers are rounded, and leave them open by up to {' and '.join(parts)}"
+            if parts
+            else ""
+        )
 
     def __str__(self) -> str:
         lines = [
@@ -73,14 +78,18 @@ class Mobility(Titled, ByValue):
 
 
 def mobility(model: Model, q: Vector) -> Mobility:
-    """Mobility at the closed position q (nq,), and in general: at positions reached from it by finite motions.
+    """Mobility at the closed position q (nq,), and in general: at positions reached from it by
+    finite motions.
 
-    A mechanism without loops has nv everywhere. Generic mobility comes from following the motion a little in many
-    directions; where no direction leads anywhere, it is 0. Raises LoopError when q is not closed.
+    A mechanism without loops has nv everywhere. Generic mobility comes from following the motion a
+    little in many directions; where no direction leads anywhere, it is 0. Raises LoopError when q
+    is not closed.
     """
     at = finite_vector("mobility", model, "q", q)
     if at.shape != (model.nq,):
-        raise FreebodyError(f"mobility: q has shape {at.shape}, expected ({model.nq},): one position.")
+        raise FreebodyError(
+            f"mobility: q has shape {at.shape}, expected ({model.nq},): one position."
+        )
     if not model.loops:
         n = model.nv
         return Mobility(model.name, n, n, n, 0, 0, (), model.velocity_names)
@@ -90,7 +99,9 @@ def mobility(model: Model, q: Vector) -> Mobility:
     finite = model.nv - rank(regular) if moves else 0
     names, known = row_names(model), redundancy(model)
     rounded = known.rank is not None
-    redundant = sorted(set(range(len(names))) - set(known.rows)) if rounded else dependent_rows(regular)
+    redundant = (
+        sorted(set(range(len(names))) - set(known.rows)) if rounded else dependent_rows(regular)
+    )
     return Mobility(
         model.name,
         here.shape[1],
@@ -105,7 +116,8 @@ def mobility(model: Model, q: Vector) -> Mobility:
 
 
 def regular_jacobian(model: Model, q: Array) -> tuple[Array, bool]:
-    """(the scaled Φ_q (m, nv) of largest rank at q (nq,) and at positions reached from it, whether any is reached)."""
+    """(the scaled Φ_q (m, nv) of largest rank at q (nq,) and at positions reached from it, whether
+    any is reached)."""
     J = scaled_jacobian(model, q)
     reached = _neighbours(model, q, null_space(J, _RANK)[0])
     return max([J, *(scaled_jacobian(model, p) for p in reached)], key=rank), len(reached) > 0
@@ -118,8 +130,8 @@ def rank(J: Array) -> int:
 
 
 def _neighbours(model: Model, q: Array, directions: Array) -> Array:
-    """Closed positions (k, nq) that a finite motion leads to from q: steps along null directions that closing does not
-    undo."""
+    """Closed positions (k, nq) that a finite motion leads to from q: steps along null directions
+    that closing does not undo."""
     rng = np.random.default_rng(2)
     n = directions.shape[1]
     if n == 0:
@@ -152,12 +164,14 @@ def dependent_rows(J: Array) -> tuple[int, ...]:
 
 
 def independent_coordinates(model: Model, directions: Array) -> tuple[str, ...]:
-    """Names of coordinates whose rates tell all others: rows of the null space (nv, f) picked by pivoting."""
+    """Names of coordinates whose rates tell all others: rows of the null space (nv, f) picked by
+    pivoting."""
     names = model.velocity_names
     driven = model.driven if model.passive else ()
     # a driven joint wins over a passive one that would do little better
     left = (
-        directions * np.array([1.0 if k in driven or not driven else 0.1 for k in range(model.nv)])[:, None]
+        directions
+        * np.array([1.0 if k in driven or not driven else 0.1 for k in range(model.nv)])[:, None]
     )
     chosen: list[int] = []
     for _ in range(directions.shape[1]):

@@ -1,4 +1,5 @@
-"""Parallel robots: how the tip moves with the driven joints (2.35-2.40), and where that breaks down."""
+"""Parallel robots: how the tip moves with the driven joints (2.35-2.40), and where that breaks
+down."""
 
 from __future__ import annotations
 
@@ -23,10 +24,12 @@ from freebody.values import ByValue
 
 @dataclass(frozen=True, eq=False, repr=False)
 class InputOutput(Titled, ByValue):
-    """J_a ẋ + J_b θ̇ = 0 between the tip's motion ẋ (r,) and the driven rates θ̇ (r,), at one position.
+    """J_a ẋ + J_b θ̇ = 0 between the tip's motion ẋ (r,) and the driven rates θ̇ (r,), at one
+    position.
 
-    The equations are combined and scaled so that [J_a J_b] has orthonormal rows over angular rates; `first`, `second`
-    are the smallest singular values of J_b and J_a then: 0 at a singular position of that type.
+    The equations are combined and scaled so that [J_a J_b] has orthonormal rows over angular rates;
+    `first`, `second` are the smallest singular values of J_b and J_a then: 0 at a singular position
+    of that type.
     """
 
     J_a: Array
@@ -34,7 +37,8 @@ class InputOutput(Titled, ByValue):
     driven: tuple[str, ...]
     rows: tuple[str, ...]
     first: float
-    """Type 1, 0 where J_b is singular: the tip loses a motion though the drives may turn; limits of the workspace."""
+    """Type 1, 0 where J_b is singular: the tip loses a motion though the drives may turn; limits of
+    the workspace."""
     second: float
     """Type 2, 0 where J_a is singular: the tip gives way though the drives stand still."""
 
@@ -49,7 +53,8 @@ class InputOutput(Titled, ByValue):
         """-J_a⁻¹ J_b (2.36): ẋ = J θ̇. Raises at a singular position of the second type."""
         if self.second < 1e-9:
             raise FreebodyError(
-                "J = -J_a⁻¹ J_b does not exist at a singular position of the second type: the tip moves though the "
+                "J = -J_a⁻¹ J_b does not exist at a singular position of the second type: the tip "
+                "moves though the "
                 "driven joints stand still."
             )
         return -np.linalg.solve(self.J_a, self.J_b).astype(float, copy=False)
@@ -58,7 +63,9 @@ class InputOutput(Titled, ByValue):
     def kind(self) -> str:
         """ "regular", or the type of the singular position: "first", "second" or "third" (both)."""
         first, second = self.first < 1e-7, self.second < 1e-7
-        return "third" if first and second else "first" if first else "second" if second else "regular"
+        return (
+            "third" if first and second else "first" if first else "second" if second else "regular"
+        )
 
 
 def input_output(
@@ -71,14 +78,17 @@ def input_output(
 ) -> InputOutput:
     """J_a and J_b of a parallel robot at the closed position q (nq,).
 
-    frame: the tip. rows: of its motion, among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy", "w"), as many as
-    there are driven joints (`actuated`, default those not passive) and degrees of freedom; default the first ones.
-    Raises LoopError, and FreebodyError where the numbers do not match. Source: (2.35)-(2.40); Gosselin, Angeles 1990.
+    frame: the tip. rows: of its motion, among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy",
+    "w"), as many as there are driven joints (`actuated`, default those not passive) and degrees of
+    freedom; default the first ones. Raises LoopError, and FreebodyError where the numbers do not
+    match. Source: (2.35)-(2.40); Gosselin, Angeles 1990.
     """
     require_loops(model, "input_output")
     at = finite_vector("input_output", model, "q", q)
     if at.shape != (model.nq,):
-        raise FreebodyError(f"input_output: q has shape {at.shape}, expected ({model.nq},): one position.")
+        raise FreebodyError(
+            f"input_output: q has shape {at.shape}, expected ({model.nq},): one position."
+        )
     require_closed("input_output", model, at)
     driven = list(drives("input_output", model, actuated))
     chosen = motion_rows(model, rows)
@@ -86,25 +96,29 @@ def input_output(
     N, _ = null_space(scaled_jacobian(model, at), RANK)
     if len(chosen) != len(driven):
         raise FreebodyError(
-            f"input_output: {len(driven)} joints are driven and {len(chosen)} rows chosen; these must be equal."
+            f"input_output: {len(driven)} joints are driven and {len(chosen)} rows chosen; these "
+            f"must be equal."
         )
     names = ("vx", "vy", "vz", "wx", "wy", "wz") if model.dim == 3 else ("vx", "vy", "w")
     unit = np.array([length(model) if names[k][0] == "v" else 1.0 for k in chosen])
     rates = rate_scale(model)
     tip = jacobian(model, at, frame)[list(chosen)] * rates / unit[:, None]
-    # all (ẋ, θ̇) that the loops allow, and what is orthogonal to them: the equations between ẋ and θ̇
+    # all (ẋ, θ̇) that the loops allow, and what is orthogonal to them: the equations between ẋ and
+    # θ̇
     allowed = np.vstack([tip @ N, N[driven]])
     U, s, _ = np.linalg.svd(allowed)
     freedom = int((s > 1e-9).sum())
     n = len(driven)
     if freedom != n:
         raise FreebodyError(
-            f"input_output: {n} joints are driven, but they and the {n} rows move in {freedom} ways; drive as many "
+            f"input_output: {n} joints are driven, but they and the {n} rows move in {freedom} "
+            f"ways; drive as many "
             "joints, and choose as many rows, as the mechanism has degrees of freedom."
         )
     equations = U[:, freedom:].T
     smallest = [
-        float(np.linalg.svd(part, compute_uv=False)[-1]) for part in (equations[:, n:], equations[:, :n])
+        float(np.linalg.svd(part, compute_uv=False)[-1])
+        for part in (equations[:, n:], equations[:, :n])
     ]
     return InputOutput(
         equations[:, :n] / unit,

@@ -1,7 +1,9 @@
-"""Which loop equations and coordinates compiled kernels take as independent: chosen once a geometry, near its home.
+"""Which loop equations and coordinates compiled kernels take as independent: chosen once a
+geometry, near its home.
 
-A kernel is straight-line arithmetic and cannot choose at a position. Where the choice does not hold it returns NaN, or
-says by its pivots how good it is, and the functions of closed chains take those samples with care.
+A kernel is straight-line arithmetic and cannot choose at a position. Where the choice does not hold
+it returns NaN, or says by its pivots how good it is, and the functions of closed chains take those
+samples with care.
 """
 
 from __future__ import annotations
@@ -31,8 +33,8 @@ _NOTHING = 1e-12  # an entry of a scaled Φ_q that is rounding
 def independent_rows(model: Model) -> tuple[int, ...]:
     """Equations that do not follow from others near the model's home; found once a geometry.
 
-    Where the loops cannot be closed from home, near the first of some fixed starts from which they can; all, where
-    there is none.
+    Where the loops cannot be closed from home, near the first of some fixed starts from which they
+    can; all, where there is none.
     """
     known = redundancy(model)
     if known.rank is not None:
@@ -44,7 +46,8 @@ def independent_rows(model: Model) -> tuple[int, ...]:
 
 @geometric_fact
 def _regular(model: Model) -> Array | None:
-    """Φ_q (m, nv), scaled, at a regular position near home; None where no closed position was found."""
+    """Φ_q (m, nv), scaled, at a regular position near home; None where no closed position was
+    found."""
     at = _anywhere(model)
     if at is None:
         return None
@@ -60,7 +63,8 @@ def idle_coordinates(model: Model) -> tuple[int, ...]:
 
 
 def _anywhere(model: Model) -> Array | None:
-    """A closed position (nq,), the same whatever was asked before: home's, else the first found from fixed starts."""
+    """A closed position (nq,), the same whatever was asked before: home's, else the first found
+    from fixed starts."""
     for start in (None, *generic_state(model, seed=5, batch=_SEEDS)[0]):
         try:
             return assemble(model, start)
@@ -72,8 +76,8 @@ def _anywhere(model: Model) -> Array | None:
 def partition(model: Model, driven: Sequence[int] | None = None) -> Partition | None:
     """The partition for drives in the coordinates `driven` (default: the model's own).
 
-    None where no fixed choice does: too few drives, numbers that are rounded (`redundancy`), no closed position near
-    home, or nothing that moves.
+    None where no fixed choice does: too few drives, numbers that are rounded (`redundancy`), no
+    closed position near home, or nothing that moves.
     """
     return _partitions(model, model.driven if driven is None else tuple(driven))
 
@@ -84,13 +88,16 @@ def partition_of_loops(model: Model) -> Partition | None:
 
 
 def require_partition(model: Model, function: str, by_drives: bool) -> Partition:
-    """The same, for the model's own drives or for the loops alone; SingularError where there is none."""
+    """The same, for the model's own drives or for the loops alone; SingularError where there is
+    none."""
     found = partition(model) if by_drives else partition_of_loops(model)
     if found is None:
         drives = "the drives do not force every motion, or " if by_drives else "nothing moves, or "
         raise SingularError(
-            f"{function}: no choice of equations and coordinates of {model.name!r} holds near its home, which a "
-            f"compiled kernel needs: {drives}redundant equations are rounded. Use the functions of closed chains, "
+            f"{function}: no choice of equations and coordinates of {model.name!r} holds near its "
+            f"home, which a "
+            f"compiled kernel needs: {drives}redundant equations are rounded. Use the functions of "
+            f"closed chains, "
             "fb.inverse_dynamics or fb.reactions, which choose at each position."
         )
     return found
@@ -133,8 +140,8 @@ def _along(columns: Array, chosen: list[int]) -> Array:
 
 
 def _pivoted(columns: Array, among: list[int], count: int) -> list[int] | None:
-    """`count` of the columns (n, m) that are well independent, the largest first, ties to the first; None where there
-    are fewer."""
+    """`count` of the columns (n, m) that are well independent, the largest first, ties to the
+    first; None where there are fewer."""
     if count < 0:
         return None
     left, chosen = columns.copy(), []

@@ -1,4 +1,5 @@
-"""Rates and accelerations that keep every loop closed: the nearest to those given, or what a few of them mean."""
+"""Rates and accelerations that keep every loop closed: the nearest to those given, or what a few of
+them mean."""
 
 from __future__ import annotations
 
@@ -28,11 +29,12 @@ _LOOSE = 1e-9  # singular values of Φ_q from which coordinates are told by the 
 
 
 def loop_velocity(model: Model, q: Vector, rates: Vector) -> Array:
-    """Rates qd (..., nv) that keep every loop closed at the closed position q (..., nq) (2.35, 5.22).
+    """Rates qd (..., nv) that keep every loop closed at the closed position q (..., nq) (2.35,
+    5.22).
 
-    rates: {coordinate: value} for the independent coordinates, or a whole vector (..., nv), from which the nearest
-    consistent one is taken. Raises LoopError when the values given contradict the loops, FreebodyError when they leave
-    the motion open.
+    rates: {coordinate: value} for the independent coordinates, or a whole vector (..., nv), from
+    which the nearest consistent one is taken. Raises LoopError when the values given contradict the
+    loops, FreebodyError when they leave the motion open.
     """
     require_loops(model, "loop_velocity")
     found = _attempted("loop_velocity", model, q, rates)
@@ -44,8 +46,8 @@ def loop_velocity(model: Model, q: Vector, rates: Vector) -> Array:
 
 
 def loop_acceleration(model: Model, q: Vector, qd: Vector, accelerations: Vector) -> Array:
-    """Accelerations qdd (..., nv) consistent with the loops at the closed state q, qd (5.28); arguments as for
-    `loop_velocity`."""
+    """Accelerations qdd (..., nv) consistent with the loops at the closed state q, qd (5.28);
+    arguments as for `loop_velocity`."""
     require_loops(model, "loop_acceleration")
     found = _attempted("loop_acceleration", model, q, qd, accelerations)
     if found is not None:
@@ -66,8 +68,8 @@ def _attempted(function: str, model: Model, *inputs: Vector) -> Array | None:
 def _given(
     function: str, model: Model, given: ArrayLike | Mapping[str, ArrayLike]
 ) -> tuple[tuple[int, ...] | None, Array]:
-    """(coordinates that are held to their values, None where a whole vector is given; the values (..., nv), 0 for
-    coordinates that are not given)."""
+    """(coordinates that are held to their values, None where a whole vector is given; the values
+    (..., nv), 0 for coordinates that are not given)."""
     if not isinstance(given, Mapping) or hasattr(given, "to_dataarray"):
         return None, finite_vector(function, model, "rates", given)
     names, columns = model.velocity_names, {}
@@ -76,7 +78,9 @@ def _given(
             raise UnknownNameError("coordinate", name, f"{function}: {model.name!r}", names)
         columns[name] = as_floats(function, f"rates[{name!r}]", value)
         refuse_not_finite(function, f"rates[{name!r}]", columns[name], 0)
-    values = np.zeros((*common_batch(function, {n: x[..., None] for n, x in columns.items()}), model.nv))
+    values = np.zeros(
+        (*common_batch(function, {n: x[..., None] for n, x in columns.items()}), model.nv)
+    )
     for name, column in columns.items():
         values[..., names.index(name)] = column
     return tuple(sorted(map(names.index, columns))), values
@@ -85,7 +89,8 @@ def _given(
 def _consistent(
     function: str, model: Model, state: dict[str, Array], given: ArrayLike | Mapping[str, ArrayLike]
 ) -> Array:
-    """x (..., nv) with Φ_q x = right at a closed state: with the values given, or nearest to the vector given."""
+    """x (..., nv) with Φ_q x = right at a closed state: with the values given, or nearest to the
+    vector given."""
     held, x = _given(function, model, given)
     arrays = state | {"rates": x}
     batch = common_batch(function, arrays)
@@ -98,8 +103,11 @@ def _consistent(
     return result
 
 
-def _by_kernel(function: str, model: Model, held: tuple[int, ...] | None, arrays: dict[str, Array]) -> Array:
-    """NaN where no fixed choice of equations and coordinates does, or where no loop feels one that is not told."""
+def _by_kernel(
+    function: str, model: Model, held: tuple[int, ...] | None, arrays: dict[str, Array]
+) -> Array:
+    """NaN where no fixed choice of equations and coordinates does, or where no loop feels one that
+    is not told."""
     chosen = partition_of_loops(model)
     told = range(model.nv) if held is None else held
     if chosen is None or not set(idle_coordinates(model)) <= set(told):
@@ -115,10 +123,14 @@ def _carefully(
     arrays: dict[str, Array],
     samples: NDArray[np.intp],
 ) -> Array:
-    """The same by singular values, of arrays (N, …) which are those samples of a batch; refuses what contradicts the
-    loops, or leaves them free to move."""
+    """The same by singular values, of arrays (N, …) which are those samples of a batch; refuses
+    what contradicts the loops, or leaves them free to move."""
     q, x = arrays["q"], arrays["rates"]
-    right = fetch(model, ("constraint_bias",), Option())(q, arrays["qd"]) if "qd" in arrays else np.zeros(1)
+    right = (
+        fetch(model, ("constraint_bias",), Option())(q, arrays["qd"])
+        if "qd" in arrays
+        else np.zeros(1)
+    )
     J = scaled_jacobian(model, q)
     right, stretch = counting(model, q, row_scale(model) * right), rate_scale(model)
     result = x / stretch
@@ -135,7 +147,8 @@ def _carefully(
             function,
             model,
             left[bad[0]],
-            f"does not allow the values given{sample}: they contradict its equations; give fewer of them"
+            f"does not allow the values given{sample}: they contradict its equations; give fewer "
+            f"of them"
             if held
             else f"cannot stay closed{sample}, whatever the values: the mechanism is stuck",
         )
@@ -143,6 +156,7 @@ def _carefully(
         names = ", ".join(model.velocity_names[k] for k in held) or "nothing"
         raise FreebodyError(
             f"{function}: the values given for {names} leave {model.name!r} free to move; "
-            "give one for every independent coordinate: fb.mobility(model, q).independent names a choice."
+            "give one for every independent coordinate: fb.mobility(model, q).independent names a "
+            "choice."
         )
     return result * stretch

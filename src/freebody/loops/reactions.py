@@ -1,4 +1,5 @@
-"""Every reaction of a mechanism, of joints and of loops: which components are determined, and whether all balance."""
+"""Every reaction of a mechanism, of joints and of loops: which components are determined, and
+whether all balance."""
 
 from __future__ import annotations
 
@@ -16,7 +17,14 @@ from freebody.kernels.structural import fetch
 from freebody.loops.dynamics import definite_accelerations, motion_torques
 from freebody.loops.equations import scaled_jacobian
 from freebody.loops.partition import partition_of_loops
-from freebody.loops.scaled import every_jacobian, length, mechanism, null_space, rate_scale, row_scale
+from freebody.loops.scaled import (
+    every_jacobian,
+    length,
+    mechanism,
+    null_space,
+    rate_scale,
+    row_scale,
+)
 from freebody.loops.solving import RANK
 from freebody.model.geometry import first_member
 from freebody.model.model import Model
@@ -28,7 +36,9 @@ from freebody.trees.passive import refuse_passive
 from freebody.values import ByValue
 
 _ADDED = 20.0  # times what rounding changes in the equations, for what it may change in wrenches
-_DETERMINED = 1e-7  # part of a wrench, relative to the largest, that undetermined multipliers may add
+_DETERMINED = (
+    1e-7  # part of a wrench, relative to the largest, that undetermined multipliers may add
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -38,12 +48,12 @@ class Reactions(Tabled, ByValue):
     names: tuple[str, ...]
     """Joints, then loops."""
     wrenches: Array
-    """(..., k, six): force, then moment. Of a joint on its child by its parent at the child's joint origin; of a loop
-    on the second frame's body by the first's, at the second frame's origin. World axes, or those of child and second
-    frame."""
+    """(..., k, six): force, then moment. Of a joint on its child by its parent at the child's joint
+    origin; of a loop on the second frame's body by the first's, at the second frame's origin. World
+    axes, or those of child and second frame."""
     determined: NDArray[np.bool_]
-    """(..., k, six) bool: whether the equations determine the component, in the axes of `wrenches`; others are the
-    smallest possible."""
+    """(..., k, six) bool: whether the equations determine the component, in the axes of `wrenches`;
+    others are the smallest possible."""
     multipliers: Array
     """λ (..., m) of (5.23), one a loop equation; -Φ_qᵀ λ is what the loops do."""
     qdd: Array
@@ -51,8 +61,9 @@ class Reactions(Tabled, ByValue):
     tau: Array
     """(..., nv): of the drives."""
     balance: float
-    """Largest of ΣF - m a (N) and (ΣM - Ḣ) / length (N; of a family the first member's) over all bodies, relative to
-    the largest force: it checks the wrenches against accelerations found from the poses alone."""
+    """Largest of ΣF - m a (N) and (ΣM - Ḣ) / length (N; of a family the first member's) over all
+    bodies, relative to the largest force: it checks the wrenches against accelerations found from
+    the poses alone."""
 
     def _title(self) -> str:
         return f"Reactions at {', '.join(self.names)}, of shape {self.wrenches.shape}"
@@ -60,14 +71,25 @@ class Reactions(Tabled, ByValue):
     def _table(self) -> Table:
         if self.wrenches.ndim > 2:
             return Table(
-                (), (), (f"At one instant: wrenches[{', '.join(['k'] * (self.wrenches.ndim - 2))}].",)
+                (),
+                (),
+                (f"At one instant: wrenches[{', '.join(['k'] * (self.wrenches.ndim - 2))}].",),
             )
-        axes = ("fx", "fy", "fz", "mx", "my", "mz") if self.wrenches.shape[-1] == 6 else ("fx", "fy", "m")
+        axes = (
+            ("fx", "fy", "fz", "mx", "my", "mz")
+            if self.wrenches.shape[-1] == 6
+            else ("fx", "fy", "m")
+        )
         rows = [
-            (name, *(f"{x:.4g}{'' if known else ' *'}" for x, known in zip(wrench, told, strict=True)))
+            (
+                name,
+                *(f"{x:.4g}{'' if known else ' *'}" for x, known in zip(wrench, told, strict=True)),
+            )
             for name, wrench, told in zip(self.names, self.wrenches, self.determined, strict=True)
         ]
-        undetermined = () if self.determined.all() else ("* not determined: the smallest possible.",)
+        undetermined = (
+            () if self.determined.all() else ("* not determined: the smallest possible.",)
+        )
         return Table(("N, N m", *axes), rows, undetermined)
 
     def __getitem__(self, name: str) -> Array:
@@ -90,14 +112,16 @@ def reactions(
 ) -> Reactions:
     """All reactions of a tree or closed chain at the state q (..., nq), qd (..., nv).
 
-    Give tau (..., nv), the drives' torques, and the motion follows; or qdd (..., nv), and the torques of the driven
-    joints (`actuated`) follow. wrenches: as for `inverse_dynamics`. Raises LoopError for a state that the loops do not
-    allow, PassiveJointError for a torque at a joint that nothing drives.
+    Give tau (..., nv), the drives' torques, and the motion follows; or qdd (..., nv), and the
+    torques of the driven joints (`actuated`) follow. wrenches: as for `inverse_dynamics`. Raises
+    LoopError for a state that the loops do not allow, PassiveJointError for a torque at a joint
+    that nothing drives.
     Source: (5.23), (5.29); Newton and Euler body by body (3.1, 3.2, 6.1, 6.2).
     """
     if actuated is not None and not model.loops:
         raise FreebodyError(
-            f"reactions: actuated= chooses among the joints of a closed chain; {model.name!r} has no loops."
+            f"reactions: actuated= chooses among the joints of a closed chain; {model.name!r} has "
+            f"no loops."
         )
     if (tau is None) == (qdd is None):
         raise FreebodyError("reactions: give either tau=, the torques, or qdd=, the accelerations.")
@@ -141,7 +165,9 @@ def _found(
     multipliers = np.zeros((*q.shape[:-1], 0))
     determined = np.ones((*q.shape[:-1], *_shape(model)), dtype=bool)
     if model.loops:
-        needed = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))(q, qd, qdd, *loads)
+        needed = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))(
+            q, qd, qdd, *loads
+        )
         multipliers, determined = _multipliers(first_member(model), q, tau - needed, reference)
     world = wrenches_in("world")
     left = _miss(model, q, qd, qdd, world, frames, loads)
@@ -154,19 +180,28 @@ def _shape(model: Model) -> tuple[int, int]:
     return len(model.bodies) + len(model.loops), 6 if model.dim == 3 else 3
 
 
-def _multipliers(model: Model, q: Array, force: Array, reference: str) -> tuple[Array, NDArray[np.bool_]]:
-    """λ (..., m) with Φ_qᵀ λ = force (..., nv), what the drives do and the motion does not need; which components of
-    the wrenches they determine (..., k, six)."""
+def _multipliers(
+    model: Model, q: Array, force: Array, reference: str
+) -> tuple[Array, NDArray[np.bool_]]:
+    """λ (..., m) with Φ_qᵀ λ = force (..., nv), what the drives do and the motion does not need;
+    which components of the wrenches they determine (..., k, six)."""
     batch, chosen = q.shape[:-1], partition_of_loops(model)
     determined = np.ones((*batch, *_shape(model)), dtype=bool)
     if chosen is None:
-        multipliers, with_care = np.zeros((*batch, mechanism(model).constraints)), np.ones(batch, dtype=bool)
+        multipliers, with_care = (
+            np.zeros((*batch, mechanism(model).constraints)),
+            np.ones(batch, dtype=bool),
+        )
     else:
         multipliers = fetch(model, ("loop_multipliers",), Option(partition=chosen))(q, force)
         with_care = np.isnan(multipliers).any(axis=-1)
         if len(chosen.rows) < mechanism(model).constraints:
-            change = fetch(model, ("loose_wrenches",), Option(reference=reference, partition=chosen))(q)
-            determined = _undisturbed(model, np.abs(change).max(axis=-3), np.full(batch, _DETERMINED))
+            change = fetch(
+                model, ("loose_wrenches",), Option(reference=reference, partition=chosen)
+            )(q)
+            determined = _undisturbed(
+                model, np.abs(change).max(axis=-3), np.full(batch, _DETERMINED)
+            )
     for index in np.argwhere(with_care):
         at = tuple(index)
         multipliers[at], determined[at] = _careful_multipliers(model, q[at], force[at], reference)
@@ -183,7 +218,10 @@ def _careful_multipliers(
     combinations = rows[:, None] * null_space(A, RANK)[1]
     if not combinations.shape[1]:
         return multipliers, np.ones(_shape(model), dtype=bool)
-    kernel, still = fetch(model, ("closed_wrenches",), Option(reference=reference)), np.zeros(model.nv)
+    kernel, still = (
+        fetch(model, ("closed_wrenches",), Option(reference=reference)),
+        np.zeros(model.nv),
+    )
     rest = kernel(q, still, still, np.zeros(mechanism(model).constraints))
     change = np.abs(kernel(q, still, still, combinations.T) - rest).max(axis=0)
     doubt = max(_DETERMINED, _doubt(A, every_jacobian(model, q)))
@@ -191,9 +229,11 @@ def _careful_multipliers(
 
 
 def _undisturbed(model: Model, change: Array, doubt: Array) -> NDArray[np.bool_]:
-    """(..., k, six): which components of the wrenches combinations of multipliers that no motion feels leave alone.
+    """(..., k, six): which components of the wrenches combinations of multipliers that no motion
+    feels leave alone.
 
-    change (..., k, six): what they do, at most; doubt (...): relative to the largest of them, what is nothing.
+    change (..., k, six): what they do, at most; doubt (...): relative to the largest of them, what
+    is nothing.
     """
     size = change.copy()
     size[..., model.dim :] /= length(model)  # forces and moments compare
@@ -202,8 +242,8 @@ def _undisturbed(model: Model, change: Array, doubt: Array) -> NDArray[np.bool_]
 
 
 def _doubt(counting: Array, every: Array) -> float:
-    """What rounding in the model's numbers adds to a wrench that is determined, relative to what is not: equations
-    (m, nv) that do not count against the least of those that do."""
+    """What rounding in the model's numbers adds to a wrench that is determined, relative to what is
+    not: equations (m, nv) that do not count against the least of those that do."""
     s = np.linalg.svd(counting, compute_uv=False)
     least = float(s[s > RANK * s.max(initial=1e-300)].min(initial=1.0))
     return _ADDED * float(np.abs(every - counting).max(initial=0.0)) / least
@@ -218,7 +258,8 @@ def _miss(
     frames: tuple[str, ...],
     loads: list[Array],
 ) -> float:
-    """Largest miss of ΣF = m a and ΣM = Ḣ over all bodies, relative to the largest force that enters."""
+    """Largest miss of ΣF = m a and ΣM = Ḣ over all bodies, relative to the largest force that
+    enters."""
     found = balance(model, q, qd, qdd, wrenches, dict(zip(frames, loads, strict=True)))
     force, moment = (float(np.abs(x).max(initial=0.0)) for x in (found.force, found.moment))
     return max(force, moment / length(first_member(model))) / (found.largest_force or 1.0)

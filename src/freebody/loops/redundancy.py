@@ -1,15 +1,17 @@
 """Which loop equations are redundant for the mechanism that a model's rounded numbers mean.
 
-A real machine often has more equations than its motion needs, and numbers with a few digits, by which they contradict
-each other a little. What tells such a machine from one that is stuck is that it moves: along a way of half a radian
-and more every loop stays closed within `loop_tolerance`. There the singular values of Φ_q that rounding makes out of
-zeros show, and how many are left is the rank of the mechanism. It is found at regular positions on that way, from
-fixed starts, so it depends on the geometry alone, never on a position that is asked about.
+A real machine often has more equations than its motion needs, and numbers with a few digits, by
+which they contradict each other a little. What tells such a machine from one that is stuck is that
+it moves: along a way of half a radian and more every loop stays closed within `loop_tolerance`.
+There the singular values of Φ_q that rounding makes out of zeros show, and how many are left is the
+rank of the mechanism. It is found at regular positions on that way, from fixed starts, so it
+depends on the geometry alone, never on a position that is asked about.
 
-Where that is so, the combinations of equations that tell most count, as many as the rank: P = U_r U_rᵀ of the singular
-value decomposition of Φ_q. No fixed choice of equations would do: in a parallelogram with a third crank either
-equation of the third is singular twice a turn, P is only where the mechanism is. What P leaves out stays open by the
-misfit, which must not exceed the tolerance.
+Where that is so, the combinations of equations that tell most count, as many as the rank: P = U_r
+U_rᵀ of the singular value decomposition of Φ_q. No fixed choice of equations would do: in a
+parallelogram with a third crank either equation of the third is singular twice a turn, P is only
+where the mechanism is. What P leaves out stays open by the misfit, which must not exceed the
+tolerance.
 """
 
 from __future__ import annotations
@@ -43,7 +45,8 @@ _SOFT = 8.0  # tolerances: a singular value below moves an eighth of a radian wi
 _STEPS = (0.13, 0.31)  # rad: lengths of the ways to regular positions
 _STRIDE, _WAY = 0.1, 0.5  # rad: of the way that shows a motion, each step and the whole
 _STARTS = 16
-_SLACK = 30.0  # misfits: what is left out turns with the motion, the faster the nearer a singular position
+# misfits: what is left out turns with the motion, the faster the nearer a singular position
+_SLACK = 30.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,9 +54,11 @@ class Redundancy:
     """What of the loop equations counts."""
 
     rank: int | None
-    """The number of combinations that count; None where all equations hold together, to rounding in the computation."""
+    """The number of combinations that count; None where all equations hold together, to rounding in
+    the computation."""
     rows: tuple[int, ...] = ()
-    """Where rank is not None, equations, as many, that tell everything near the positions that were looked at."""
+    """Where rank is not None, equations, as many, that tell everything near the positions that were
+    looked at."""
     misfit: tuple[float, float] = (0.0, 0.0)
     """(m, rad): by how much the others were open there, at most."""
     blur: float = 0.0
@@ -61,7 +66,8 @@ class Redundancy:
 
     @property
     def slack(self) -> float:
-        """What rounding of the model's numbers may add to a gap, its rate, a balance, all relative."""
+        """What rounding of the model's numbers may add to a gap, its rate, a balance, all
+        relative."""
         return _SLACK * self.blur
 
 
@@ -87,7 +93,8 @@ def redundancy(model: Model) -> Redundancy:
     rank = int((s > soft).sum())
     if rank == mechanism(model).constraints:
         return _NONE
-    # singular values between rounding in the computation and rounding in the file: do they let it move?
+    # singular values between rounding in the computation and rounding in the file: do they let it
+    # move?
     doubtful = [k for k in range(rank, len(s)) if s[k] > _ZERO * s[0]]
     ways = [search.way(at, Vt[k], rank) for k in doubtful]
     seen = np.concatenate([at[None], *(way for way in ways if way is not None)])
@@ -114,7 +121,8 @@ def _weighed(model: Model, seen: Array, rank: int) -> Redundancy:
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """Positions at which all loops are closed within the tolerance; singular values below `soft` may be rounding."""
+    """Positions at which all loops are closed within the tolerance; singular values below `soft`
+    may be rounding."""
 
     model: Model
     soft: float
@@ -124,8 +132,13 @@ class _Search:
         model = self.model
         guess = home_guess(model)
         rng = np.random.default_rng(4)
-        spread = rng.uniform(-np.pi, np.pi, (_STARTS, model.nv)) * np.geomspace(0.02, 1.0, _STARTS)[:, None]
-        away = integrate(model, np.broadcast_to(guess, (_STARTS, model.nq)), spread * rate_scale(model))
+        spread = (
+            rng.uniform(-np.pi, np.pi, (_STARTS, model.nv))
+            * np.geomspace(0.02, 1.0, _STARTS)[:, None]
+        )
+        away = integrate(
+            model, np.broadcast_to(guess, (_STARTS, model.nq)), spread * rate_scale(model)
+        )
         for begun in (guess[None], away, generic_state(model, seed=4, batch=_STARTS)[0]):
             q, good = self.closed(begun)
             if good.any():
@@ -134,7 +147,8 @@ class _Search:
         return None
 
     def closed(self, q: Array, rank: int | None = None) -> tuple[Array, NDArray[np.bool_]]:
-        """(positions (N, nq) near q at which all that tells holds, whether the rest does within the tolerance (N,))."""
+        """(positions (N, nq) near q at which all that tells holds, whether the rest does within the
+        tolerance (N,))."""
         model = self.model
         soft = 0.0 if rank is not None else self.soft
         q, left = closed_from(model, q, range(model.nv), lambda A: telling(A, rank, soft))
@@ -158,14 +172,15 @@ class _Search:
         return found[good & (moved > 0.3 * np.linalg.norm(ways, axis=-1))]
 
     def regularity(self, q: Array) -> tuple[int, float]:
-        """(how many combinations of equations tell something at q (nq,), how much the last of them)."""
+        """(how many combinations of equations tell something at q (nq,), how much the last of
+        them)."""
         s = np.linalg.svd(every_jacobian(self.model, q), compute_uv=False)
         clear = s[s > self.soft]
         return len(clear), float(clear.min(initial=1.0))
 
     def way(self, start: Array, direction: Array, rank: int) -> Array | None:
-        """Positions (k, nq) on the motion that starts along a direction (nv,), with `rank` combinations held; None
-        where it leaves the tolerance at once."""
+        """Positions (k, nq) on the motion that starts along a direction (nv,), with `rank`
+        combinations held; None where it leaves the tolerance at once."""
         model = self.model
         found: list[Array] = []
         for sense in (1.0, -1.0):
@@ -185,8 +200,8 @@ class _Search:
 
 
 def _telling_rows(A: Array, rank: int) -> tuple[int, ...]:
-    """`rank` rows of Φ_q = A (k, m, nv) that tell as much as all together at every one of k positions, as far as any
-    do; of equals the first."""
+    """`rank` rows of Φ_q = A (k, m, nv) that tell as much as all together at every one of k
+    positions, as far as any do; of equals the first."""
     left = np.linalg.svd(A, full_matrices=False)[0][..., :rank]  # (k, m, r)
     chosen: list[int] = []
     for _ in range(rank):

@@ -1,4 +1,5 @@
-"""The loop equations of a model as arrays, every one of them, scaled so that lengths and angles compare."""
+"""The loop equations of a model as arrays, every one of them, scaled so that lengths and angles
+compare."""
 
 from __future__ import annotations
 
@@ -28,7 +29,8 @@ _NOTHING = 1e-13  # an equation that holds wherever the mechanism goes
 _OF_LENGTH = 1e-3
 """What rounding may do to a loop, relative to its size: files print three digits at least."""
 _MOST = (1e-3, 1e-3)
-"""(m, rad): files print metres to four digits and angles to three, and a loop adds up a few of them."""
+"""(m, rad): files print metres to four digits and angles to three, and a loop adds up a few of
+them."""
 
 
 class _Places(Pieces):
@@ -49,7 +51,8 @@ class _Places(Pieces):
 
 @geometric_fact
 def mechanism(model: Model) -> Tree:
-    """The tree of a geometry, without inertias, drives and gravity; names in it may be those of another model."""
+    """The tree of a geometry, without inertias, drives and gravity; names in it may be those of
+    another model."""
     return tree_of(model, _Places(of_dimension(model.dim), VALUES))
 
 
@@ -66,16 +69,19 @@ def row_names(model: Model) -> tuple[str, ...]:
 def loop_of_row(model: Model) -> tuple[int, ...]:
     """For each equation the index of its loop."""
     tree = mechanism(model)
-    return tuple(i for i, loop in enumerate(tree.loops) for _ in range(loop.closure.size(tree.space)))
+    return tuple(
+        i for i, loop in enumerate(tree.loops) for _ in range(loop.closure.size(tree.space))
+    )
 
 
 @dataclass(frozen=True)
 class Scales:
-    """What makes lengths and angles compare: equations and rates become angles when multiplied by `rows`, divided by
-    `rates`."""
+    """What makes lengths and angles compare: equations and rates become angles when multiplied by
+    `rows`, divided by `rates`."""
 
     length: float
-    """The mechanism's length (m): the farthest that a joint or frame is placed from the one before."""
+    """The mechanism's length (m): the farthest that a joint or frame is placed from the one
+    before."""
     rows: Array
     """(m,): 1 / length for equations in metres, 1 for sines of angles."""
     metres: NDArray[np.bool_]
@@ -85,7 +91,8 @@ class Scales:
     turns: NDArray[np.bool_]
     """(nv,): whether a whole turn of the coordinate changes nothing."""
     tolerance: Array
-    """(m,): of the scaled equations: what counts as rounding of the model's numbers (`loop_tolerance`)."""
+    """(m,): of the scaled equations: what counts as rounding of the model's numbers
+    (`loop_tolerance`)."""
 
 
 @geometric_fact
@@ -105,7 +112,9 @@ def scales(model: Model) -> Scales:
         ratio = body.coordinates.ratio
         whole[list(body.coordinates.v)] &= ratio == round(ratio)
     lengths, rates = np.array(equations_of_lengths(tree), dtype=bool), np.where(along, reach, 1.0)
-    return Scales(reach, np.where(lengths, 1.0 / reach, 1.0), lengths, rates, whole, np.array(tolerance))
+    return Scales(
+        reach, np.where(lengths, 1.0 / reach, 1.0), lengths, rates, whole, np.array(tolerance)
+    )
 
 
 def tolerance_of_loop(model: Model, index: int) -> tuple[float, float]:
@@ -149,7 +158,8 @@ def every_residual(model: Model, q: Array) -> Array:
 
 
 def every_jacobian(model: Model, q: Array) -> Array:
-    """Φ_q (..., m, nv) over angular rates, in angles; rows that hold nothing but rounding are zero."""
+    """Φ_q (..., m, nv) over angular rates, in angles; rows that hold nothing but rounding are
+    zero."""
     phi = fetch(first_member(model), ("constraint_jacobian",), Option())(q)
     A = row_scale(model)[:, None] * phi * rate_scale(model)
     A[np.abs(A).max(axis=-1, initial=0.0) < _NOTHING] = 0.0
@@ -157,8 +167,8 @@ def every_jacobian(model: Model, q: Array) -> Array:
 
 
 def backward(model: Model, q: Array) -> NDArray[np.bool_]:
-    """(..., loops): whether a loop is closed the wrong way round: turned by a half, or where three axes are held, by a
-    third, from which its equations cannot tell it."""
+    """(..., loops): whether a loop is closed the wrong way round: turned by a half, or where three
+    axes are held, by a third, from which its equations cannot tell it."""
     tree = mechanism(model)
     space = tree.space
     if not any(loop.closure.turns for loop in tree.loops):
@@ -174,8 +184,8 @@ def backward(model: Model, q: Array) -> NDArray[np.bool_]:
 
 
 def null_space(A: Array, tolerance: float) -> tuple[Array, Array]:
-    """(orthonormal basis of what A (m, n) maps to zero (n, k), of what Aᵀ does (m, l)); singular values below tolerance
-    times the largest are zero."""
+    """(orthonormal basis of what A (m, n) maps to zero (n, k), of what Aᵀ does (m, l)); singular
+    values below tolerance times the largest are zero."""
     if A.shape[0] == 0:
         return np.eye(A.shape[1]), np.zeros((0, 0))
     U, s, Vt = np.linalg.svd(A)
@@ -184,8 +194,8 @@ def null_space(A: Array, tolerance: float) -> tuple[Array, Array]:
 
 
 def telling(A: Array, rank: int | None = None, above: float | Array = 0.0) -> Array:
-    """P (..., m, m) that takes the equations to their combinations which tell most: those of the `rank` largest
-    singular values of Φ_q = A (..., m, nv), or of all above a bound."""
+    """P (..., m, m) that takes the equations to their combinations which tell most: those of the
+    `rank` largest singular values of Φ_q = A (..., m, nv), or of all above a bound."""
     U, s, _ = np.linalg.svd(A, full_matrices=False)
     kept = s > above
     if rank is not None:

@@ -1,12 +1,14 @@
-"""Lagrange's equations of the first kind (5.29) solved where equations depend on one another, or lose rank.
+"""Lagrange's equations of the first kind (5.29) solved where equations depend on one another, or
+lose rank.
 
     M q̈ + Φ_qᵀ λ = n,   Φ_q q̈ = c
 
-Singular values tell the rank of Φ_q. What it leaves open is found in its null space N, where λ does no work:
-Nᵀ M q̈ = Nᵀ n. Links without mass are welcome, as long as no motion that the loops allow moves nothing but them.
+Singular values tell the rank of Φ_q. What it leaves open is found in its null space N, where λ does
+no work: Nᵀ M q̈ = Nᵀ n. Links without mass are welcome, as long as no motion that the loops allow
+moves nothing but them.
 
-Where Φ_q has lost rank and the mechanism moves, Φ's third derivative must vanish too; what that asks of q̈ is solved
-besides, so that a motion through a singular position stays on its branch.
+Where Φ_q has lost rank and the mechanism moves, Φ's third derivative must vanish too; what that
+asks of q̈ is solved besides, so that a motion through a singular position stays on its branch.
 """
 
 from __future__ import annotations
@@ -38,12 +40,20 @@ Jerk = Callable[[Array], Array]
 
 
 def solve(
-    M: Array, n: Array, A: Array, c: Array, rates: Array, jerk: Jerk, speed: float, blurred: float = BLURRED
+    M: Array,
+    n: Array,
+    A: Array,
+    c: Array,
+    rates: Array,
+    jerk: Jerk,
+    speed: float,
+    blurred: float = BLURRED,
 ) -> Array:
     """q̈ (nv,) of one state. Raises Idle.
 
-    M (nv, nv), n (nv,); A (m, nv), c (m,): scaled as in `equations`, over rates scaled by `rates` (nv,); speed: of the
-    fastest scaled rate; blurred: singular values, relative to the largest, that count as zero.
+    M (nv, nv), n (nv,); A (m, nv), c (m,): scaled as in `equations`, over rates scaled by `rates`
+    (nv,); speed: of the fastest scaled rate; blurred: singular values, relative to the largest,
+    that count as zero.
     """
     mass, force = rates[:, None] * M * rates, rates * n
     U, s, Vt = np.linalg.svd(A)
@@ -66,8 +76,11 @@ def _unit_root(null: Array, mass: Array) -> Array:
     return vectors / np.sqrt(sizes)
 
 
-def _onto_branch(x: Array, ways: Array, loose: Array, rates: Array, jerk: Jerk, speed: float) -> Array:
-    """Weights (k,) of the ways (nv, k) that must be added so that Φ's third derivative can vanish."""
+def _onto_branch(
+    x: Array, ways: Array, loose: Array, rates: Array, jerk: Jerk, speed: float
+) -> Array:
+    """Weights (k,) of the ways (nv, k) that must be added so that Φ's third derivative can
+    vanish."""
     values = jerk(rates * np.concatenate([x[None], x + ways.T]))
     at, slopes = loose @ values[0], loose @ (values[1:] - values[0]).T
     U, s, Vt = np.linalg.svd(slopes, full_matrices=False)

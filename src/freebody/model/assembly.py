@@ -60,7 +60,9 @@ def assemble(
 class _Assembly:
     """One assembly: the description, what was found on the way, and its refusals."""
 
-    def __init__(self, description: Description, physical: Policy, mimic: MimicPolicy, base: BasePolicy):
+    def __init__(
+        self, description: Description, physical: Policy, mimic: MimicPolicy, base: BasePolicy
+    ):
         self.description = description
         self.physical, self.mimic, self.base = physical, mimic, base
         self.notices = list(description.notices)
@@ -118,20 +120,24 @@ class _Assembly:
         dim = self.description.dim
         if dim not in kind.dimensions:
             self.refuse(
-                f"{where}: a {kind.name} joint needs a model in space, this one is planar.", joint.line
+                f"{where}: a {kind.name} joint needs a model in space, this one is planar.",
+                joint.line,
             )
         for role, name in (("parent", joint.parent), ("child", joint.child)):
             if name not in self.links:
                 self.refuse(
-                    f"{where}: {UnknownNameError(f'{role} link', name, 'the file', self.links)}", joint.line
+                    f"{where}: {UnknownNameError(f'{role} link', name, 'the file', self.links)}",
+                    joint.line,
                 )
         if joint.parent == joint.child:
             self.refuse(
-                f"{where}: link {joint.child!r} cannot be its own parent; name another parent.", joint.line
+                f"{where}: link {joint.child!r} cannot be its own parent; name another parent.",
+                joint.line,
             )
         if kind.nv != 1 and joint.drive != Drive():
             self.refuse(
-                f"{where}: friction, rotors and springs belong to one-axis joints, not a {kind.name} one; remove them.",
+                f"{where}: friction, rotors and springs belong to one-axis joints, not a "
+                f"{kind.name} one; remove them.",
                 joint.line,
             )
         self.check_limits(joint, where)
@@ -143,7 +149,8 @@ class _Assembly:
         axis = np.array(joint.axis, dtype=float)
         if axis.shape != (expected,) or not np.isfinite(axis).all() or not axis.any():
             self.refuse(
-                f"{where}: axis {joint.axis} must be {expected} finite numbers, not all zero.", joint.line
+                f"{where}: axis {joint.axis} must be {expected} finite numbers, not all zero.",
+                joint.line,
             )
         return unit(axis)
 
@@ -153,12 +160,14 @@ class _Assembly:
             self.refuse(f"{where}: {problem}.", joint.line)
 
     def check_inertia(self, link: Link) -> None:
-        """The policy on inertias that no rigid body has: the numbers are used as given, or refused."""
+        """The policy on inertias that no rigid body has: the numbers are used as given, or
+        refused."""
         if link.inertia is None or self.physical == "ignore":
             return
         if link.inertia.dim != self.description.dim:
             self.refuse(
-                f"link {link.name!r}: its inertia is {link.inertia.dim}D, the model {self.description.dim}D.",
+                f"link {link.name!r}: its inertia is {link.inertia.dim}D, the model "
+                f"{self.description.dim}D.",
                 link.line,
             )
         fault = link.inertia.fault()
@@ -179,7 +188,8 @@ class _Assembly:
             if other is not joint:
                 self.refuse(
                     f"link {joint.child!r} hangs on two joints, {other.name!r} and {joint.name!r}; "
-                    "a tree allows one: write the other as a loop between two frames, or remove it.",
+                    "a tree allows one: write the other as a loop between two frames, or remove "
+                    "it.",
                     joint.line,
                 )
         return above
@@ -205,7 +215,8 @@ class _Assembly:
             rooted.update(path)
         if len(roots) > 1:
             self.refuse(
-                f"links {', '.join(map(repr, roots[:6]))} have no joint above them; only one link can be the base: "
+                f"links {', '.join(map(repr, roots[:6]))} have no joint above them; only one link "
+                f"can be the base: "
                 "connect the others to it by joints.",
                 self.links[roots[1]].line,
             )
@@ -219,7 +230,8 @@ class _Assembly:
         index: dict[str, int],
         carrier: dict[str, tuple[int, Placement]],
     ) -> None:
-        """Notes the body that a link is part of, and the link's frame in it: found by walking its parents."""
+        """Notes the body that a link is part of, and the link's frame in it: found by walking its
+        parents."""
         walked = []
         while link not in carrier:
             if link not in above:
@@ -239,7 +251,8 @@ class _Assembly:
         placement = outer.then(inner).folded(of_dimension(self.description.dim))
         if len(placement.steps) > _MOST_STEPS:
             self.refuse(
-                f"{name!r} hangs on more than {_MOST_STEPS} fixed steps with names for numbers; give them values."
+                f"{name!r} hangs on more than {_MOST_STEPS} fixed steps with names for numbers; "
+                f"give them values."
             )
         return placement
 
@@ -248,17 +261,22 @@ class _Assembly:
         named = {joint.name: joint for joint in joints}
         resolved: dict[str, Mimic] = {}
         for joint in joints:
-            path: dict[str, Joint] = {}  # followers on the way to what is known, in the order walked
+            path: dict[
+                str, Joint
+            ] = {}  # followers on the way to what is known, in the order walked
             leader = joint
             while leader.mimic is not None and leader.name not in resolved:
                 path[leader.name] = leader
                 name = leader.mimic.joint
                 if name not in named:
-                    problem = UnknownNameError("joint", name, f"the mimic of {leader.name!r}", named)
+                    problem = UnknownNameError(
+                        "joint", name, f"the mimic of {leader.name!r}", named
+                    )
                     self.refuse(f"{problem} Correct it, or load with mimic='free'.", leader.line)
                 if name in path:
                     self.refuse(
-                        f"joint {joint.name!r}: its mimics go round in a circle; remove one.", joint.line
+                        f"joint {joint.name!r}: its mimics go round in a circle; remove one.",
+                        joint.line,
                     )
                 leader = named[name]
             for follower in reversed(path.values()):
@@ -267,11 +285,14 @@ class _Assembly:
         return resolved
 
     def follower(self, joint: Joint, above: Joint, of: Mimic | None) -> Mimic:
-        """The mimic of an independent joint that a joint is: it follows `above`, which may be a follower itself."""
+        """The mimic of an independent joint that a joint is: it follows `above`, which may be a
+        follower itself."""
         given = joint.mimic
         assert given is not None
         if KINDS[above.kind].nv != 1 or KINDS[joint.kind].nv != 1:
-            self.refuse(f"joint {joint.name!r}: only one-axis joints can mimic or be mimicked.", joint.line)
+            self.refuse(
+                f"joint {joint.name!r}: only one-axis joints can mimic or be mimicked.", joint.line
+            )
         if of is None:
             return Mimic(above.name, given.ratio, given.offset)
         try:
@@ -292,11 +313,15 @@ class _Assembly:
         for link in d.links:
             body, placement = carrier[link.name]
             if link.inertia is not None:
-                parts[body].append(Attached(link.name, link.inertia, placement.then(link.placement)))
+                parts[body].append(
+                    Attached(link.name, link.inertia, placement.then(link.placement))
+                )
         frames = self.frames(joints, carrier)
         for load in d.payloads:
             if load.frame not in carrier:
-                self.refuse(str(UnknownNameError("frame", load.frame, f"payload {load.name!r}", carrier)))
+                self.refuse(
+                    str(UnknownNameError("frame", load.frame, f"payload {load.name!r}", carrier))
+                )
             body, placement = carrier[load.frame]
             try:
                 parts[body].append(
@@ -334,13 +359,18 @@ class _Assembly:
         return model if chosen is None else model.replace(tip=chosen)
 
     def frames(self, joints: list[Joint], carrier: dict[str, tuple[int, Placement]]) -> list[Frame]:
-        """The frames of links, then those mounted on them, which the carriers are completed with."""
+        """The frames of links, then those mounted on them, which the carriers are completed
+        with."""
         d = self.description
         fixed_to = {joint.child: joint.parent for joint in joints if not KINDS[joint.kind].nv}
-        frames = [Frame(link.name, *carrier[link.name], fixed_to.get(link.name, "")) for link in d.links]
+        frames = [
+            Frame(link.name, *carrier[link.name], fixed_to.get(link.name, "")) for link in d.links
+        ]
         for mount in d.mounts:
             if mount.link not in carrier:
-                self.refuse(str(UnknownNameError("link", mount.link, f"frame {mount.name!r}", carrier)))
+                self.refuse(
+                    str(UnknownNameError("link", mount.link, f"frame {mount.name!r}", carrier))
+                )
             if mount.name in carrier:
                 self.refuse(f"frame {mount.name!r}: the name is taken; rename it.")
             body, placement = carrier[mount.link]
@@ -348,7 +378,9 @@ class _Assembly:
             frames.append(Frame(mount.name, *carrier[mount.name], mount.link, mounted=True))
         return frames
 
-    def loops(self, joints: list[Joint], carrier: dict[str, tuple[int, Placement]]) -> tuple[Loop, ...]:
+    def loops(
+        self, joints: list[Joint], carrier: dict[str, tuple[int, Placement]]
+    ) -> tuple[Loop, ...]:
         """The loops, each checked."""
         body_of = {name: body for name, (body, _) in carrier.items()}
         taken = {joint.name for joint in joints if KINDS[joint.kind].nv}

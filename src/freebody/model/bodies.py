@@ -17,8 +17,8 @@ from freebody.values import ByValue
 class Frame:
     """A named frame fixed to a body (index; -1 is the base), placed in the body's frame.
 
-    `parent` is the frame it is fixed to, empty for the frame of a body's first link or of the base. It belongs to a
-    link unless it is `mounted`.
+    `parent` is the frame it is fixed to, empty for the frame of a body's first link or of the base.
+    It belongs to a link unless it is `mounted`.
     """
 
     name: str
@@ -30,10 +30,12 @@ class Frame:
 
 @dataclass(frozen=True)
 class Body(Keeps):
-    """A movable rigid body: the joint that carries it, the body it hangs on (-1: the base), and its mass.
+    """A movable rigid body: the joint that carries it, the body it hangs on (-1: the base), and its
+    mass.
 
-    The body's frame is its joint's: the link frame of the joint's child at the joint. `joint.placement` is given in
-    the parent body's frame. `inertias` keeps every link that is lumped here under its own name.
+    The body's frame is its joint's: the link frame of the joint's child at the joint.
+    `joint.placement` is given in the parent body's frame. `inertias` keeps every link that is
+    lumped here under its own name.
     """
 
     name: str
@@ -49,7 +51,8 @@ class Body(Keeps):
 
 @dataclass(frozen=True, eq=False)
 class JointLimits(ByValue):
-    """For each entry of q̇ its joint's limits, infinite for joints of several axes: arrays (nv,); rad or m, N m or N."""
+    """For each entry of q̇ its joint's limits, infinite for joints of several axes: arrays (nv,);
+    rad or m, N m or N."""
 
     lower: Array
     upper: Array

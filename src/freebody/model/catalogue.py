@@ -1,4 +1,5 @@
-"""Names of all numbers that a model is made of: what `fb.parameters` lists, `bind` sets and kernels take as inputs."""
+"""Names of all numbers that a model is made of: what `fb.parameters` lists, `bind` sets and kernels
+take as inputs."""
 
 from __future__ import annotations
 
@@ -36,7 +37,8 @@ PAYLOAD = "payload"
 
 @dataclass(frozen=True)
 class Row:
-    """One number of a model: its name in parts, what it belongs to, and the editor and field that hold it."""
+    """One number of a model: its name in parts, what it belongs to, and the editor and field that
+    hold it."""
 
     parts: tuple[str, ...]
     owner: str
@@ -91,7 +93,8 @@ def catalogue(model: Model) -> Catalogue:
 
 
 def _leaf(own: tuple[str, ...], paths: list[Path], row: Row | None) -> Row:
-    """A symbol, or an entry of a DH table; unit and meaning are those of the first place that it stands in."""
+    """A symbol, or an entry of a DH table; unit and meaning are those of the first place that it
+    stands in."""
     editor = Leaves(tuple(paths))
     if len(own) > 1:
         angle = own[1] in ("theta", "alpha")
@@ -102,7 +105,8 @@ def _leaf(own: tuple[str, ...], paths: list[Path], row: Row | None) -> Row:
 
 
 def _by_name(rows: list[Row], told: dict[str, str]) -> Catalogue:
-    """Rows whose names are taken twice say what they belong to, and are counted where that does not do."""
+    """Rows whose names are taken twice say what they belong to, and are counted where that does not
+    do."""
     sharing: dict[str, list[Row]] = {}
     for row in rows:
         sharing.setdefault(row.name, []).append(row)
@@ -153,8 +157,13 @@ def _places(model: Model, space: AnySpace) -> Iterator[tuple[Row, Path]]:
                 Attributes(path, {"distance": "distance"}),
                 f"between the frames of loop {loop.name!r}",
             )
-            yield Row((loop.name, "distance"), "loop", editor, "distance", "m", what), (*path, "distance")
-    if model.tip is not None and not any(part.link == PAYLOAD and part.load for part in _loads(model)):
+            yield (
+                Row((loop.name, "distance"), "loop", editor, "distance", "m", what),
+                (*path, "distance"),
+            )
+    if model.tip is not None and not any(
+        part.link == PAYLOAD and part.load for part in _loads(model)
+    ):
         editor = Load(PAYLOAD, model.tip, space)
         yield from _mass(PAYLOAD, "load", editor, (), space, f"load in frame {model.tip!r}")
 
@@ -166,7 +175,8 @@ def _loads(model: Model) -> Iterator[Attached]:
 
 
 def _outer(model: Model, name: str, steps: tuple[object, ...]) -> str | None:
-    """The frame of that name, if a placement's steps lead by way of it; long rows of them are put together."""
+    """The frame of that name, if a placement's steps lead by way of it; long rows of them are put
+    together."""
     outer = model.frame(name).placement.steps
     return name if steps[: len(outer)] == outer else None
 
@@ -198,7 +208,9 @@ def _joint(model: Model, body: Body, path: Path, space: AnySpace) -> Iterator[tu
     for attribute, unit in _LIMITS[turns].items():
         editor = Attributes((*path, "joint", "limits"), {attribute: attribute})
         what = f"{attribute} limit of joint {joint.name!r}"
-        row = Row((joint.name, "limits", attribute), "joint", editor, attribute, unit, what, "limit")
+        row = Row(
+            (joint.name, "limits", attribute), "joint", editor, attribute, unit, what, "limit"
+        )
         yield row, (*editor.path, attribute)
 
 
@@ -225,17 +237,30 @@ def _part(model: Model, part: Attached, path: Path, space: AnySpace) -> Iterator
     steps = part.placement.steps
     owner = "load" if part.load else "link"
     editor = Mass(path, None if part.load else _outer(model, part.link, steps), space)
-    yield from _mass(part.link, owner, editor, path, space, f"{owner} {part.link!r}", is_plain(part.inertia))
+    yield from _mass(
+        part.link, owner, editor, path, space, f"{owner} {part.link!r}", is_plain(part.inertia)
+    )
 
 
 def _mass(
-    name: str, owner: str, editor: Editor, path: Path, space: AnySpace, what: str, scales: bool = False
+    name: str,
+    owner: str,
+    editor: Editor,
+    path: Path,
+    space: AnySpace,
+    what: str,
+    scales: bool = False,
 ) -> Iterator[tuple[Row, Path]]:
-    """mass, com, inertia; `scale` only of what is there, and whose numbers have no names of their own."""
+    """mass, com, inertia; `scale` only of what is there, and whose numbers have no names of their
+    own."""
     fields = [("mass", "kg", ("mass",), f"mass of {what}")]
-    fields += [(f"com.{x}", "m", ("com", k), f"centre of mass of {what}") for k, x in enumerate(space.axes)]
+    fields += [
+        (f"com.{x}", "m", ("com", k), f"centre of mass of {what}") for k, x in enumerate(space.axes)
+    ]
     about = f"inertia of {what} about its centre of mass"
-    fields += [(f"inertia.{x}", "kg m²", ("tensor", k), about) for k, x in enumerate(TENSOR[space.dim])]
+    fields += [
+        (f"inertia.{x}", "kg m²", ("tensor", k), about) for k, x in enumerate(TENSOR[space.dim])
+    ]
     for field, unit, leaf, text in fields:
         row = Row((name, *field.split(".")), owner, editor, field, unit, text, "inertia")
         yield row, (*path, "inertia", *leaf) if path else ()

@@ -1,4 +1,5 @@
-"""Changed copies of a model: without some feature, with a load, a frame or a loop more, as its twin in space."""
+"""Changed copies of a model: without some feature, with a load, a frame or a loop more, as its twin
+in space."""
 
 from __future__ import annotations
 
@@ -49,7 +50,8 @@ def without(model: Model, features: Sequence[str]) -> Model:
 
 
 def actuated(model: Model, names: Sequence[str]) -> tuple[Body, ...]:
-    """The bodies, their joints passive but for those named; what follows another joint is neither."""
+    """The bodies, their joints passive but for those named; what follows another joint is
+    neither."""
     names = (names,) if isinstance(names, str) else names
     free = [body.joint.name for body in model.bodies if body.joint.mimic is None]
     for name in names:
@@ -57,7 +59,10 @@ def actuated(model: Model, names: Sequence[str]) -> tuple[Body, ...]:
             raise UnknownNameError("joint", name, f"{model.name!r}", free)
     return tuple(
         replace(
-            body, joint=replace(body.joint, passive=body.joint.name in free and body.joint.name not in names)
+            body,
+            joint=replace(
+                body.joint, passive=body.joint.name in free and body.joint.name not in names
+            ),
         )
         for body in model.bodies
     )
@@ -82,7 +87,8 @@ def load(inertia: Any, mass: Any, com: Any, dim: int) -> Inertia:
 
 
 def _entries(com: Any, dim: int) -> tuple[Quantity, ...]:
-    """The entries of a centre of mass (..., dim), or of dim entries some of which are arrays over the members."""
+    """The entries of a centre of mass (..., dim), or of dim entries some of which are arrays over
+    the members."""
     if is_nested(com):  # a list of centres is what its array is
         centres = members(com, "with_payload: com", LARGEST).array
         if centres.shape[-1] != dim:
@@ -119,10 +125,14 @@ def with_payload(model: Model, inertia: Inertia, frame: str | None, name: str) -
     at = model.frame(frame)
     added = attached(inertia, at.placement, name, at.name, model.dim, model.name)
     path = ("base_inertias",) if at.body < 0 else ("bodies", at.body, "inertias")
-    return one_family(made_from(put(model, path, (*get(model, path), added)), model), model, inertia)
+    return one_family(
+        made_from(put(model, path, (*get(model, path), added)), model), model, inertia
+    )
 
 
-def attached(inertia: Inertia, placement: Placement, name: str, frame: str, dim: int, owner: str) -> Attached:
+def attached(
+    inertia: Inertia, placement: Placement, name: str, frame: str, dim: int, owner: str
+) -> Attached:
     """A load in a frame at a place in a body; refuses one that no rigid body is."""
     if inertia.dim != dim:
         raise ModelError(f"with_payload: the inertia is {inertia.dim}D but {owner!r} is {dim}D.")
@@ -143,19 +153,26 @@ def with_frame(
     """See `Model.with_frame`; errors name the function."""
     at = model.frame(frame)
     if name in model.frame_names:
-        raise ModelError(f"{function}: {model.name!r} already has a frame {name!r}; choose another name.")
+        raise ModelError(
+            f"{function}: {model.name!r} already has a frame {name!r}; choose another name."
+        )
     placement = at.placement
     if position is not None:
         if len(position) != model.dim:
-            raise ModelError(f"{function}: position has {len(position)} entries, expected {model.dim}.")
+            raise ModelError(
+                f"{function}: position has {len(position)} entries, expected {model.dim}."
+            )
         placement = placement.then(shift(*(finite(x, f"{function}: position") for x in position)))
     if rotation is not None:
         if np.shape(rotation) != (model.dim, model.dim):
             raise ModelError(
-                f"{function}: rotation has shape {np.shape(rotation)}, expected {(model.dim, model.dim)}."
+                f"{function}: rotation has shape {np.shape(rotation)}, expected "
+                f"{(model.dim, model.dim)}."
             )
         placement = placement.then(rotate(rotation, function))
-    return replace(model, frames=(*model.frames, Frame(name, at.body, placement, at.name, mounted=True)))
+    return replace(
+        model, frames=(*model.frames, Frame(name, at.body, placement, at.name, mounted=True))
+    )
 
 
 def with_loop(model: Model, loop: Loop) -> Model:

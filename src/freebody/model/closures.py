@@ -1,8 +1,11 @@
-"""What a loop holds together: the kinds of joint that close a chain, each as the motions it forbids.
+"""What a loop holds together: the kinds of joint that close a chain, each as the motions it
+forbids.
 
-A loop joins frame A and frame B. Every kind is made of three things, and an algorithm knows no others:
+A loop joins frame A and frame B. Every kind is made of three things, and an algorithm knows no
+others:
 
-- the origins coincide (as many equations as the space has dimensions), or stay a fixed distance apart (one);
+- the origins coincide (as many equations as the space has dimensions), or stay a fixed distance
+  apart (one);
 - directions n fixed in A along which the origin of B does not leave that of A: n · (p_B - p_A) = 0;
 - pairs (n fixed in A, u fixed in B) that stay perpendicular: n · u = 0, the sine of an angle.
 """
@@ -21,7 +24,8 @@ Pair = tuple[Vector, Vector]
 
 @dataclass(frozen=True)
 class Closure:
-    """The equations of a loop: see the module. `turns` are ordered and signed so that u × n is an axis of frame A."""
+    """The equations of a loop: see the module. `turns` are ordered and signed so that u × n is an
+    axis of frame A."""
 
     point: bool = False
     distance: bool = False
@@ -34,11 +38,16 @@ class Closure:
 
     def row_names(self, space: AnySpace) -> tuple[str, ...]:
         """What each equation's multiplier is: a force, or a moment."""
-        forces = [f"f{x}" for x in space.axes] if self.point else ["tension"] if self.distance else []
+        forces = (
+            [f"f{x}" for x in space.axes] if self.point else ["tension"] if self.distance else []
+        )
         forces += [f"f{_letter(n, k)}" for k, n in enumerate(self.slides)]
         if space.dim == 2:
             return (*forces, *["m"] * len(self.turns))
-        return (*forces, *(f"m{_letter(space.moment(u, n), k)}" for k, (n, u) in enumerate(self.turns)))
+        return (
+            *forces,
+            *(f"m{_letter(space.moment(u, n), k)}" for k, (n, u) in enumerate(self.turns)),
+        )
 
 
 def _letter(direction: Vector, k: int) -> str:
@@ -70,7 +79,8 @@ class LoopKind:
 
 
 def normals(axis: Vector) -> tuple[Vector, ...]:
-    """Unit vectors that span what is perpendicular to a unit axis: one in the plane; in space t1 × t2 = axis."""
+    """Unit vectors that span what is perpendicular to a unit axis: one in the plane; in space t1 ×
+    t2 = axis."""
     if len(axis) == 2:
         return ((-axis[1], axis[0]),)
     along = [i for i, x in enumerate(axis) if abs(x) == 1.0]
@@ -105,9 +115,14 @@ LOOP_KINDS: dict[str, LoopKind] = {
     kind.name: kind
     for kind in (
         LoopKind(
-            "revolute", lambda s, a: Closure(point=True, turns=_parallel(s, a)), axis_in=(3,), pins=True
+            "revolute",
+            lambda s, a: Closure(point=True, turns=_parallel(s, a)),
+            axis_in=(3,),
+            pins=True,
         ),
-        LoopKind("prismatic", lambda s, a: Closure(slides=normals(a), turns=_aligned(s)), axis_in=(2, 3)),
+        LoopKind(
+            "prismatic", lambda s, a: Closure(slides=normals(a), turns=_aligned(s)), axis_in=(2, 3)
+        ),
         LoopKind("spherical", lambda s, a: Closure(point=True), (3,), elsewhere="point", pins=True),
         LoopKind("point", lambda s, a: Closure(point=True), (2,), elsewhere="spherical", pins=True),
         LoopKind("fixed", lambda s, a: Closure(point=True, turns=_aligned(s))),

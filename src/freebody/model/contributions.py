@@ -1,4 +1,5 @@
-"""What each piece of a model contributes to its structure and its numbers; found once, and kept with the piece."""
+"""What each piece of a model contributes to its structure and its numbers; found once, and kept
+with the piece."""
 
 from __future__ import annotations
 
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
     from freebody.model.model import Model
     from freebody.model.parts import Drive, Joint
 
-_SAME = 1e-15  # by how much rounding may part the two cosines, and sines, of a turn about a coordinate axis
+# by how much rounding may part the two cosines, and sines, of a turn about a coordinate axis
+_SAME = 1e-15
 
 Entry = float | tuple[int, float]
 """An exact entry, or which number stands there and its sign."""
@@ -65,7 +67,8 @@ def _form(content: Any) -> Form:
 
 
 class Part(NamedTuple):
-    """What a constant pose contributes, its structure and its numbers (..., k), and the pose itself."""
+    """What a constant pose contributes, its structure and its numbers (..., k), and the pose
+    itself."""
 
     form: Form
     numbers: Array
@@ -73,7 +76,8 @@ class Part(NamedTuple):
 
 
 class JointPart(NamedTuple):
-    """What a joint contributes: structure, numbers of its placement, and of a one-axis joint those of its drive."""
+    """What a joint contributes: structure, numbers of its placement, and of a one-axis joint those
+    of its drive."""
 
     form: Form
     placed: Array
@@ -114,8 +118,12 @@ def joint_part(body: Body, dim: int) -> JointPart:
 
 def _joint_part(joint: Joint, one_axis: bool, dim: int) -> JointPart:
     placed = pose_part(joint.placement, dim)
-    drive, driven = kept(joint.drive, "part", _drive_part, joint.drive) if one_axis else (None, False)
-    return JointPart(_joint_form(joint.kind, joint.axis, placed.form), placed.numbers, drive, driven)
+    drive, driven = (
+        kept(joint.drive, "part", _drive_part, joint.drive) if one_axis else (None, False)
+    )
+    return JointPart(
+        _joint_form(joint.kind, joint.axis, placed.form), placed.numbers, drive, driven
+    )
 
 
 @lru_cache(maxsize=1024)
@@ -126,7 +134,9 @@ def _joint_form(kind: str, axis: tuple[float, ...], placed: Form) -> Form:
 def _drive_part(drive: Drive) -> tuple[Array, bool]:
     """Its numbers, and whether friction, a rotor or a spring acts."""
     scalars = drive_of(drive, VALUES)
-    return as_row(scalars), any(x.any() if isinstance(x, np.ndarray) else x != 0.0 for x in scalars[:4])
+    return as_row(scalars), any(
+        x.any() if isinstance(x, np.ndarray) else x != 0.0 for x in scalars[:4]
+    )
 
 
 def pose_part(placement: Placement, dim: int) -> Part:
@@ -147,7 +157,8 @@ def _pose_part(placement: Placement, dim: int) -> Part:
 
 
 def _pose_form(R: Matrix, zeros: tuple[bool, ...]) -> tuple[Form, tuple[Scalar, ...]]:
-    """The form of a pose, given which entries of its position are zero, and the numbers of its rotation."""
+    """The form of a pose, given which entries of its position are zero, and the numbers of its
+    rotation."""
     rows, turning = _rotation(R)
     place = count(len(turning))
     shift = tuple([0.0 if zero else (next(place), 1.0) for zero in zeros])
@@ -175,13 +186,16 @@ def _rotation(R: Matrix) -> tuple[tuple[tuple[Entry, ...], ...], tuple[Scalar, .
 
 
 def _coordinate_turn(R: Matrix) -> tuple[tuple[tuple[Entry, ...], ...], tuple[Scalar, ...]] | None:
-    """A rotation that maps one coordinate axis to one, otherwise by a cosine and a sine, which are its two numbers."""
+    """A rotation that maps one coordinate axis to one, otherwise by a cosine and a sine, which are
+    its two numbers."""
     n = len(R)
     exact = [(i, j) for i in range(n) for j in range(n) if is_exactly(R[i][j], 1.0, -1.0)]
     if len(exact) != n - 2:
         return None
     i, j = exact[0] if exact else (n, n)
-    if any(not is_exactly(R[r][k], 0.0) for r in range(n) for k in range(n) if (r == i) != (k == j)):
+    if any(
+        not is_exactly(R[r][k], 0.0) for r in range(n) for k in range(n) if (r == i) != (k == j)
+    ):
         return None
     (a, b), (c, d) = ([R[r][k] for k in range(n) if k != j] for r in range(n) if r != i)
     turn = 1.0 if not exact else float((-1) ** (i + j)) * R[i][j]  # the determinant of what is left
@@ -189,14 +203,18 @@ def _coordinate_turn(R: Matrix) -> tuple[tuple[tuple[Entry, ...], ...], tuple[Sc
         return None
     left: Iterator[Entry] = iter(((0, 1.0), (1, -turn), (1, 1.0), (0, turn)))
     rows = tuple(
-        tuple(R[r][k] if (r, k) == (i, j) else 0.0 if r == i or k == j else next(left) for k in range(n))
+        tuple(
+            R[r][k] if (r, k) == (i, j) else 0.0 if r == i or k == j else next(left)
+            for k in range(n)
+        )
         for r in range(n)
     )
     return rows, (a, c)
 
 
 def inertial(parts: tuple[Attached, ...], dim: int) -> Array:
-    """Mass, first moment and inertia about the body's origin (..., 10), or (..., 4) in the plane, of all its parts."""
+    """Mass, first moment and inertia about the body's origin (..., 10), or (..., 4) in the plane,
+    of all its parts."""
     if not parts:
         return _NOTHING[dim]
     total = _linear(parts[0], dim)
@@ -245,11 +263,14 @@ def rows_of(part: tuple[JointPart, Array], driven: bool) -> list[Array]:
 
 
 def joined(parts: Sequence[Array]) -> Array:
-    """Numbers one after the other, (..., k); those of a family broadcast against those of one robot."""
+    """Numbers one after the other, (..., k); those of a family broadcast against those of one
+    robot."""
     if max([part.ndim for part in parts]) == 1:
         return np.concatenate(parts)
     shape = np.broadcast_shapes(*(part.shape[:-1] for part in parts))
-    return np.concatenate([np.broadcast_to(part, (*shape, part.shape[-1])) for part in parts], axis=-1)
+    return np.concatenate(
+        [np.broadcast_to(part, (*shape, part.shape[-1])) for part in parts], axis=-1
+    )
 
 
 def is_exactly(x: Scalar, *exact: float) -> bool:

@@ -1,9 +1,9 @@
 """Serial arms from Denavit-Hartenberg tables, standard or modified: the caller says which.
 
-standard:  T_{i-1,i} = Rz(θ_i) Tz(d_i) Tx(a_i) Rx(α_i); joint i acts along z_{i-1}, frame i sits at the far
-end of link i.
-modified:  T_{i-1,i} = Rx(α_i) Tx(a_i) Rz(θ_i) Tz(d_i), α_i and a_i being those of the row; joint i acts
-along z_i (6.16-6.29).
+standard:  T_{i-1,i} = Rz(θ_i) Tz(d_i) Tx(a_i) Rx(α_i); joint i acts along z_{i-1}, frame i sits at
+the far end of link i.
+modified:  T_{i-1,i} = Rx(α_i) Tx(a_i) Rz(θ_i) Tz(d_i), α_i and a_i being those of the row; joint i
+acts along z_i (6.16-6.29).
 """
 
 from __future__ import annotations
@@ -41,13 +41,15 @@ def dh(
 ) -> Model:
     """A serial arm from rows of a DH table.
 
-    Row keys: joint ("R" by default, or "P"), theta, d (constants; the joint variable's one is its offset), a, alpha
-    (m, rad), m (kg), com (3) and I (6: ixx, ixy, ixz, iyy, iyz, izz, or 3×3; about the com), both in DH frame i of the
-    convention, rotor (kg m²) and gear, friction (viscous, or (viscous, coulomb)), limits (lower, upper) or
-    Limits, passive (True: nothing drives the joint), name.
-    A name instead of a number is a parameter. Raises ModelError naming the row.
+    Row keys: joint ("R" by default, or "P"), theta, d (constants; the joint variable's one is its
+    offset), a, alpha (m, rad), m (kg), com (3) and I (6: ixx, ixy, ixz, iyy, iyz, izz, or 3×3;
+    about the com), both in DH frame i of the convention, rotor (kg m²) and gear, friction (viscous,
+    or (viscous, coulomb)), limits (lower, upper) or Limits, passive (True: nothing drives the
+    joint), name. A name instead of a number is a parameter. Raises ModelError naming the row.
     """
-    return assemble(describe(rows, convention=convention, gravity=gravity, name=name), physical=physical)
+    return assemble(
+        describe(rows, convention=convention, gravity=gravity, name=name), physical=physical
+    )
 
 
 def describe(
@@ -61,7 +63,8 @@ def describe(
     lines: Sequence[int] | None = None,
     joint_names: Sequence[str | None] = (),
 ) -> Description:
-    """The links and joints of a DH table; for a file also its name, the line of each row, and names of joints."""
+    """The links and joints of a DH table; for a file also its name, the line of each row, and names
+    of joints."""
     if convention not in ("standard", "modified"):
         raise UnknownNameError("convention", convention, "dh", ("standard", "modified"))
     if not isinstance(rows, Sequence) or not all(isinstance(row, Mapping) for row in rows):
@@ -122,7 +125,10 @@ def _row(
     along_x, about_x = Placement((Shift((a, 0.0, 0.0)),)), Placement((Turn("x", alpha),))
     link_shape = along_x.then(about_x)
     if convention == "modified":
-        placement, frame = behind.then(about_x).then(along_x).then(about_z).then(along_z), Placement()
+        placement, frame = (
+            behind.then(about_x).then(along_x).then(about_z).then(along_z),
+            Placement(),
+        )
     elif letter == "R":
         placement, frame = behind.then(about_z), along_z.then(link_shape)
     else:
@@ -174,7 +180,9 @@ def _drive(row: Mapping[str, Any], where: str) -> Drive:
     if not isinstance(friction, tuple | list):
         friction = (friction, 0.0)
     if len(friction) != 2:
-        raise ModelError(f"{where}: friction must be viscous, or (viscous, coulomb); got {friction!r}.")
+        raise ModelError(
+            f"{where}: friction must be viscous, or (viscous, coulomb); got {friction!r}."
+        )
     viscous, coulomb = friction
 
     def read(key: str, value: object) -> Quantity:

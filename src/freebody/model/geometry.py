@@ -1,8 +1,9 @@
-"""The geometry of a model: its structure, with the numbers that say where things are, and how its loops are taken.
+"""The geometry of a model: its structure, with the numbers that say where things are, and how its
+loops are taken.
 
-Masses, gravity, friction, springs and limits are no part of it. Models of equal geometry share one object, and with it
-what follows from the geometry alone: how a closed chain can move, which of its equations count. So another payload
-finds nothing anew.
+Masses, gravity, friction, springs and limits are no part of it. Models of equal geometry share one
+object, and with it what follows from the geometry alone: how a closed chain can move, which of its
+equations count. So another payload finds nothing anew.
 """
 
 from __future__ import annotations
@@ -22,7 +23,8 @@ T = TypeVar("T")
 
 
 class Geometry:
-    """What models have in common that differ in other numbers than lengths and angles; equal ones are one object."""
+    """What models have in common that differ in other numbers than lengths and angles; equal ones
+    are one object."""
 
     __slots__ = ("__weakref__", "facts")
 
@@ -35,7 +37,8 @@ _known: WeakValueDictionary[Any, Geometry] = WeakValueDictionary()
 
 
 def geometry_of(model: Model) -> Geometry:
-    """The geometry of a model with all values; refuses a family whose members are not all of one."""
+    """The geometry of a model with all values; refuses a family whose members are not all of
+    one."""
     numbers = model.numbers.take(model.structure.geometric, axis=-1) + 0.0  # -0.0 is 0.0
     if numbers.ndim > 1:
         numbers = numbers.reshape(-1, numbers.shape[-1])
@@ -50,7 +53,8 @@ def geometry_of(model: Model) -> Geometry:
 
 
 def geometric_fact(find: Callable[[Model], T]) -> Callable[[Model], T]:
-    """`find`, done once a geometry: it looks at nothing else of a model, and of a family at its first member."""
+    """`find`, done once a geometry: it looks at nothing else of a model, and of a family at its
+    first member."""
     key = f"{find.__module__}.{find.__qualname__}"
 
     @wraps(find)

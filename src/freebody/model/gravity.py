@@ -23,10 +23,11 @@ def gravity_of(
     direction: tuple[Any, ...] | None = None,
     name: str | None = None,
 ) -> tuple[Quantity, tuple[Any, ...]]:
-    """(size, unit direction) from a vector, a size or a name; a size keeps `direction` (default: down).
+    """(size, unit direction) from a vector, a size or a name; a size keeps `direction` (default:
+    down).
 
-    Vectors (..., dim) are those of a family. A size becomes the value of the parameter `name`, so that equations can
-    show a letter.
+    Vectors (..., dim) are those of a family. A size becomes the value of the parameter `name`, so
+    that equations can show a letter.
     """
     down = (0.0,) * (dim - 1) + (-1.0,)
     direction = direction or down
@@ -43,12 +44,17 @@ def gravity_of(
         )
     vector = np.array([finite(x, "gravity") for x in given])
     if vector.shape != (dim,):
-        raise ModelError(f"gravity: a vector of {dim} entries in world axes is needed, not {len(vector)}.")
+        raise ModelError(
+            f"gravity: a vector of {dim} entries in world axes is needed, not {len(vector)}."
+        )
     return (math.hypot(*vector), unit(vector)) if vector.any() else (0.0, direction)
 
 
-def _of_members(given: object, dim: int, direction: tuple[Any, ...]) -> tuple[Quantity, tuple[Any, ...]]:
-    """Gravity of a family: a size for each member, and the direction that they share, or each its own."""
+def _of_members(
+    given: object, dim: int, direction: tuple[Any, ...]
+) -> tuple[Quantity, tuple[Any, ...]]:
+    """Gravity of a family: a size for each member, and the direction that they share, or each its
+    own."""
     vectors = members(given, "gravity", LARGEST).array
     if vectors.shape[-1] != dim:
         raise ModelError(
@@ -67,7 +73,8 @@ def _of_members(given: object, dim: int, direction: tuple[Any, ...]) -> tuple[Qu
 
 
 def direction_fault(direction: tuple[Any, ...]) -> str | None:
-    """What is wrong with a direction of the field: its length; None if nothing is, or where a kernel reads it."""
+    """What is wrong with a direction of the field: its length; None if nothing is, or where a
+    kernel reads it."""
     if any(isinstance(x, Parameter) for x in direction):
         return None
     length = np.sqrt(sum(np.square(VALUES.quantity(x)) for x in direction))

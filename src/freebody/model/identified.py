@@ -1,7 +1,9 @@
-"""Inertial parameters π: names and order of the numbers that inverse dynamics is linear in, and a model made of them.
+"""Inertial parameters π: names and order of the numbers that inverse dynamics is linear in, and a
+model made of them.
 
-Of each body its mass m, first moment h = m c and inertia I about its joint's origin, in its axes; of each joint with a
-drive viscous and Coulomb friction, reflected rotor inertia J gear², stiffness, and stiffness times rest position.
+Of each body its mass m, first moment h = m c and inertia I about its joint's origin, in its axes;
+of each joint with a drive viscous and Coulomb friction, reflected rotor inertia J gear², stiffness,
+and stiffness times rest position.
 """
 
 from __future__ import annotations
@@ -30,7 +32,8 @@ if TYPE_CHECKING:
 DRIVE = ("viscous", "coulomb", "rotor", "stiffness", "stiffness_rest")
 
 _ROUNDED = 1e-14
-"""Of a body's inertia: entries about its centre that are smaller are what rounding leaves of a particle's."""
+"""Of a body's inertia: entries about its centre that are smaller are what rounding leaves of a
+particle's."""
 
 
 def body_parameters(space: AnySpace) -> tuple[str, ...]:
@@ -41,7 +44,8 @@ def body_parameters(space: AnySpace) -> tuple[str, ...]:
 
 
 def parameter_names(model: Model) -> tuple[str, ...]:
-    """Names of a model's inertial parameters, in order: of bodies, then of the joints that have a drive."""
+    """Names of a model's inertial parameters, in order: of bodies, then of the joints that have a
+    drive."""
     own = body_parameters(of_dimension(model.dim))
     joints = [b.joint.name for b, driven in zip(model.bodies, drives(model), strict=True) if driven]
     return (
@@ -83,7 +87,8 @@ def _quantity(x: Array) -> Quantity:
 
 
 def _inertia(row: Array, dim: int, owner: str) -> Inertia:
-    """Mass, centre and inertia about it, of mass, first moment and inertia about the origin (..., 10) or (..., 4)."""
+    """Mass, centre and inertia about it, of mass, first moment and inertia about the origin (...,
+    10) or (..., 4)."""
     m, h, about = row[..., 0], row[..., 1 : 1 + dim], row[..., 1 + dim :]
     if np.any((m == 0.0)[..., None] & (h != 0.0)):
         raise ModelError(f"{owner}: a first moment h without a mass m; no rigid body has that.")
@@ -93,14 +98,18 @@ def _inertia(row: Array, dim: int, owner: str) -> Inertia:
         steiner = square[..., None]
     else:
         pairs = [(i, j) for i in range(3) for j in range(i, 3)]
-        steiner = np.stack([(square if i == j else 0.0) - h[..., i] * c[..., j] for i, j in pairs], axis=-1)
+        steiner = np.stack(
+            [(square if i == j else 0.0) - h[..., i] * c[..., j] for i, j in pairs], axis=-1
+        )
     tensor = about - steiner
     tensor[np.abs(tensor) <= _ROUNDED * np.abs(about).max(axis=-1, keepdims=True)] = 0.0
     columns = [np.moveaxis(x, -1, 0) for x in (c, tensor)]
     inertia = Inertia(_quantity(m), *(tuple(map(_quantity, x)) for x in columns))
     fault = faults(inertia)
     if fault:
-        raise ModelError(f"{owner}: {fault}. Estimate under the constraint that each body is physical.")
+        raise ModelError(
+            f"{owner}: {fault}. Estimate under the constraint that each body is physical."
+        )
     return inertia
 
 

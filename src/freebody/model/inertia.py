@@ -1,4 +1,5 @@
-"""Mass, centre of mass and moment of inertia of a rigid body, and the shapes of textbooks (notes, 1.15-1.20)."""
+"""Mass, centre of mass and moment of inertia of a rigid body, and the shapes of textbooks (notes,
+1.15-1.20)."""
 
 from __future__ import annotations
 
@@ -11,24 +12,32 @@ import numpy as np
 from freebody.elementary import Scalar
 from freebody.errors import MissingValueError, ModelError
 from freebody.model.members import Members, arrays_in, common_shape, members, of_member, taken
-from freebody.model.parameters import LARGEST, Parameter, Product, Quantity, each_parameter, finite, quantity
+from freebody.model.parameters import (
+    LARGEST,
+    Parameter,
+    Product,
+    Quantity,
+    each_parameter,
+    finite,
+    quantity,
+)
 from freebody.model.placement import rotation_matrix
 from freebody.model.reading import VALUES, Reader
 from freebody.spatial import Vector
 
-_TOLERANCE = (
-    1e-9  # of the largest eigenvalue: how negative a pseudo-inertia may be before it is called not physical
-)
+# of the largest eigenvalue: how negative a pseudo-inertia may be before it is called not physical
+_TOLERANCE = 1e-9
 _MARGIN = 1e-12  # of minors, far above their rounding
 
 
 @dataclass(frozen=True)
 class Inertia:
-    """Mass properties in some frame: `mass` (kg), `com` (m), `tensor` about the com (kg m²), axes of the frame.
+    """Mass properties in some frame: `mass` (kg), `com` (m), `tensor` about the com (kg m²), axes
+    of the frame.
 
-    In space `tensor` holds ixx, ixy, ixz, iyy, iyz, izz (symmetric matrix entries, no sign convention of products of
-    inertia); in the plane one number. Entries are numbers, parameters, or arrays with a number for each member of a
-    family.
+    In space `tensor` holds ixx, ixy, ixz, iyy, iyz, izz (symmetric matrix entries, no sign
+    convention of products of inertia); in the plane one number. Entries are numbers, parameters, or
+    arrays with a number for each member of a family.
     """
 
     mass: Quantity
@@ -38,10 +47,13 @@ class Inertia:
     def __post_init__(self) -> None:
         if (len(self.com), len(self.tensor)) not in ((3, 6), (2, 1)):
             raise ModelError(
-                f"Inertia: com has {len(self.com)} and tensor {len(self.tensor)} entries; give 3 and 6 "
+                f"Inertia: com has {len(self.com)} and tensor {len(self.tensor)} entries; give 3 "
+                f"and 6 "
                 "(ixx, ixy, ixz, iyy, iyz, izz) in space, 2 and 1 in the plane."
             )
-        if type(self.com) is type(self.tensor) is tuple and _are_plain((self.mass, *self.com, *self.tensor)):
+        if type(self.com) is type(self.tensor) is tuple and _are_plain(
+            (self.mass, *self.com, *self.tensor)
+        ):
             return
         for name, values in (("mass", (self.mass,)), ("com", self.com), ("tensor", self.tensor)):
             cleaned = tuple([_number(x, f"Inertia: {name}") for x in values])
@@ -64,7 +76,8 @@ class Inertia:
         com: Sequence[Quantity | str],
         tensor: Quantity | str | Sequence[Quantity | str] | Sequence[Sequence[float]] | np.ndarray,
     ) -> Inertia:
-        """From a mass, a com and a tensor about it: a number (plane), 6 entries ixx, ixy, ixz, iyy, iyz, izz or 3×3."""
+        """From a mass, a com and a tensor about it: a number (plane), 6 entries ixx, ixy, ixz, iyy,
+        iyz, izz or 3×3."""
         entries: tuple[object, ...]
         if isinstance(tensor, str | Parameter) or np.ndim(tensor) == 0:  # type: ignore[arg-type]
             entries = (tensor,)
@@ -110,9 +123,13 @@ class Inertia:
     def box(mass: Any, size: Sequence[float]) -> Inertia:
         """Uniform box with sides along the axes; two sides make a planar rectangle."""
         if len(size) not in (2, 3):
-            raise ModelError(f"Inertia.box: size has {len(size)} entries, expected 3, or 2 in the plane.")
+            raise ModelError(
+                f"Inertia.box: size has {len(size)} entries, expected 3, or 2 in the plane."
+            )
         x, y, z = (side * side for side in (*size, 0.0)[:3])
-        return _shape(mass, len(size), mass * (y + z) / 12, mass * (x + z) / 12, mass * (x + y) / 12)
+        return _shape(
+            mass, len(size), mass * (y + z) / 12, mass * (x + z) / 12, mass * (x + y) / 12
+        )
 
     @staticmethod
     def cylinder(mass: float, radius: float, length: float) -> Inertia:
@@ -133,9 +150,15 @@ class Inertia:
         if missing:
             raise MissingValueError("Inertia", missing)
         if self.is_family:
-            raise ModelError("Inertia: it holds numbers of several members; ask each member of the model.")
+            raise ModelError(
+                "Inertia: it holds numbers of several members; ask each member of the model."
+            )
         m, c, t = self.lower(VALUES)
-        return float(m), np.array(c, dtype=float), np.array(t if self.dim == 3 else [[t]], dtype=float)
+        return (
+            float(m),
+            np.array(c, dtype=float),
+            np.array(t if self.dim == 3 else [[t]], dtype=float),
+        )
 
     def lower(self, reader: Reader) -> tuple[Scalar, Vector, Scalar]:
         """(mass, com, tensor) in scalars: a 3×3 matrix in space, a number in the plane."""
@@ -147,12 +170,16 @@ class Inertia:
         return m, (x, y, z), ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
 
     def about(self, point: Sequence[float]) -> np.ndarray:
-        """Tensor (3, 3), or (1, 1) in the plane, about a point of the frame: parallel axis theorem (1.19)."""
+        """Tensor (3, 3), or (1, 1) in the plane, about a point of the frame: parallel axis theorem
+        (1.19)."""
         m, c, tensor = self.numbers()
         return tensor + _steiner(m, np.asarray(point, dtype=float) - c)
 
-    def placed(self, rotation: np.ndarray | Sequence[Sequence[float]], position: Sequence[float]) -> Inertia:
-        """The same body in frame A, given the pose R_AB (dim, dim), p_AB (dim,) in m of its own frame B."""
+    def placed(
+        self, rotation: np.ndarray | Sequence[Sequence[float]], position: Sequence[float]
+    ) -> Inertia:
+        """The same body in frame A, given the pose R_AB (dim, dim), p_AB (dim,) in m of its own
+        frame B."""
         m, c, tensor = self.numbers()
         R = rotation_matrix(rotation, "Inertia.placed")
         turned = R @ tensor @ R.T if self.dim == 3 else tensor
@@ -167,7 +194,8 @@ class Inertia:
         return combined((self, other))
 
     def fault(self) -> str | None:
-        """Why no rigid body has this inertia, or None. Inertias with parameters without value pass."""
+        """Why no rigid body has this inertia, or None. Inertias with parameters without value
+        pass."""
         if self._is_surely_physical():
             return None
         if any(p.value is None for p in each_parameter(self)):
@@ -176,7 +204,11 @@ class Inertia:
         if m < 0:
             return f"mass {m:g} kg is negative"
         if self.dim == 2:
-            return f"moment of inertia {tensor[0, 0]:g} kg m² is negative" if tensor[0, 0] < 0 else None
+            return (
+                f"moment of inertia {tensor[0, 0]:g} kg m² is negative"
+                if tensor[0, 0] < 0
+                else None
+            )
         principal = np.sort(np.linalg.eigvalsh(tensor))
         sigma = principal.sum() / 2 - principal
         if sigma.min() >= -_TOLERANCE * max(abs(sigma).max(), m):
@@ -187,7 +219,8 @@ class Inertia:
         return f"principal moments {a:g}, {b:g}, {c:g} kg m² break the triangle inequality ({a:g} + {b:g} < {c:g})"
 
     def _is_surely_physical(self) -> bool:
-        """Whether the second moments are positive by a margin or diagonal, found without their eigenvalues."""
+        """Whether the second moments are positive by a margin or diagonal, found without their
+        eigenvalues."""
         if type(self.mass) is not float or self.mass < 0.0 or {float} != {*map(type, self.tensor)}:
             return False
         if self.dim == 2:
@@ -249,7 +282,8 @@ def _doubtful(inertia: Inertia, shape: tuple[int, ...]) -> list[tuple[int, ...]]
 
 
 def combined(parts: Sequence[Inertia]) -> Inertia:
-    """Several bodies in one frame as one rigid body: centre of mass (1.15) and parallel axes (1.19)."""
+    """Several bodies in one frame as one rigid body: centre of mass (1.15) and parallel axes
+    (1.19)."""
     if not parts:
         raise ModelError("combined: give at least one Inertia.")
     numbers = [part.numbers() for part in parts]
@@ -275,11 +309,14 @@ def _upper(tensor: np.ndarray) -> tuple[float, ...]:
     """Entries of a symmetric matrix in stored order."""
     if tensor.shape == (1, 1):
         return (float(tensor[0, 0]),)
-    if not np.allclose(tensor, tensor.T, rtol=0, atol=1e-12 * max(1e-300, float(abs(tensor).max()))):
+    if not np.allclose(
+        tensor, tensor.T, rtol=0, atol=1e-12 * max(1e-300, float(abs(tensor).max()))
+    ):
         raise ModelError("Inertia: the 3×3 tensor is not symmetric.")
     return tuple(float(tensor[i, j]) for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)))
 
 
-# squares above are products: a product that overflows is infinite and refused as such, a power raises OverflowError
+# squares above are products: a product that overflows is infinite and refused as such, a power
+# raises OverflowError
 def _shape(mass: float, dim: int, xx: float, yy: float, zz: float) -> Inertia:
     return Inertia(mass, (0.0,) * dim, (xx, 0.0, 0.0, yy, 0.0, zz) if dim == 3 else (zz,))

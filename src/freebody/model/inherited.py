@@ -1,11 +1,19 @@
-"""What a changed copy of a model takes over from what it was made from, so that it costs what was changed."""
+"""What a changed copy of a model takes over from what it was made from, so that it costs what was
+changed."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from freebody.arrays import Array
-from freebody.model.contributions import JointPart, gravity_part, inertial, joint_part, part_of, rows_of
+from freebody.model.contributions import (
+    JointPart,
+    gravity_part,
+    inertial,
+    joint_part,
+    part_of,
+    rows_of,
+)
 
 if TYPE_CHECKING:
     from freebody.model.bodies import Body
@@ -20,9 +28,9 @@ def made_from(new: Model, old: Model) -> Model:
 
 
 _SOURCE = "made from"
-"""Under this name a model without `numbers` keeps one that it shares pieces with: what it was made from, or where
-numbers were found of neither that nor anything else, the first copy of it of which they were. Never a row of models:
-who has numbers keeps none."""
+"""Under this name a model without `numbers` keeps one that it shares pieces with: what it was made
+from, or where numbers were found of neither that nor anything else, the first copy of it of which
+they were. Never a row of models: who has numbers keeps none."""
 
 
 def _source(model: Model) -> Model | None:
@@ -34,8 +42,8 @@ def _source(model: Model) -> Model | None:
 
 
 def inherited(model: Model) -> tuple[Structure, Array] | None:
-    """Structure and numbers of the model that this one is made from, the numbers of what is other put in; None where
-    more than numbers may be other, or a family's numbers come in."""
+    """Structure and numbers of the model that this one is made from, the numbers of what is other
+    put in; None where more than numbers may be other, or a family's numbers come in."""
     source = _source(model)
     if (
         source is None
@@ -56,9 +64,13 @@ def inherited(model: Model) -> tuple[Structure, Array] | None:
         joint = before.joint if new.joint is old.joint else joint_part(new, model.dim)
         if not _moves_alike(new, old, joint, before.joint):
             return None
-        inertia = before.inertia if new.inertias is old.inertias else inertial(new.inertias, model.dim)
+        inertia = (
+            before.inertia if new.inertias is old.inertias else inertial(new.inertias, model.dim)
+        )
         end = structure.starts[i]
-        for row, known in zip(rows_of((joint, inertia), driven), rows_of(before, driven), strict=True):
+        for row, known in zip(
+            rows_of((joint, inertia), driven), rows_of(before, driven), strict=True
+        ):
             start, end = end, end + row.shape[-1]
             if row is known:
                 continue
@@ -78,7 +90,8 @@ def inherited(model: Model) -> tuple[Structure, Array] | None:
 
 
 def _moves_alike(new: Body, old: Body, a: JointPart, b: JointPart) -> bool:
-    """Whether the structure of two bodies is surely the same, a and b being the parts of their joints."""
+    """Whether the structure of two bodies is surely the same, a and b being the parts of their
+    joints."""
     if new.joint is old.joint:
         return new.parent == old.parent
     return (
@@ -96,7 +109,8 @@ def let_go(model: Model) -> Model | None:
 
 
 def hand_on(model: Model, numbers: Array) -> None:
-    """The model has found its numbers: what it was made from takes it as a source if it has no other."""
+    """The model has found its numbers: what it was made from takes it as a source if it has no
+    other."""
     source, origin = _source(model), let_go(model)
     if source is None and origin is not None and numbers.ndim == 1:
         origin.__dict__.setdefault(_SOURCE, model)

@@ -1,4 +1,5 @@
-"""Mass properties by integration over a shape, and from an inertia about some other point (notes, 1.16, 1.18, 1.19)."""
+"""Mass properties by integration over a shape, and from an inertia about some other point (notes,
+1.16, 1.18, 1.19)."""
 
 from __future__ import annotations
 
@@ -14,7 +15,8 @@ from freebody.labels import refuse_labelled
 from freebody.model.inertia import Inertia
 
 _POINTS = 32
-"""Gauss-Legendre points a parameter; exact for polynomials, and to rounding for a full turn of sine and cosine."""
+"""Gauss-Legendre points a parameter; exact for polynomials, and to rounding for a full turn of sine
+and cosine."""
 
 _STEP = 1e-30
 """Of the complex step: far below rounding, and nothing is subtracted."""
@@ -23,19 +25,24 @@ _STEP = 1e-30
 def integrated_inertia(
     points: Callable[..., Sequence[Any]], bounds: Sequence[tuple[float, float]], mass: float = 1.0
 ) -> Inertia:
-    """A uniform body from a map of parameters to its points: r_G = ∫ r dm / m (1.16) and I_G = ∫ ρ² dm (1.18).
+    """A uniform body from a map of parameters to its points: r_G = ∫ r dm / m (1.16) and I_G = ∫ ρ²
+    dm (1.18).
 
-    points: a function of one to three parameters that returns the coordinates (2 or 3, in m) by NumPy's functions.
-    bounds: the range of each parameter. One parameter makes a wire, two a plate, three a solid. mass: kg.
-    integrated_inertia(lambda r, a: (r*np.cos(a), r*np.sin(a)), [(0, 0.3), (0, 2*np.pi)], 2.0) is a disc.
+    points: a function of one to three parameters that returns the coordinates (2 or 3, in m) by
+    NumPy's functions. bounds: the range of each parameter. One parameter makes a wire, two a plate,
+    three a solid. mass: kg. integrated_inertia(lambda r, a: (r*np.cos(a), r*np.sin(a)), [(0, 0.3),
+    (0, 2*np.pi)], 2.0) is a disc.
     """
     u, w = _nodes(bounds)
     r = _at(points, u).real
-    tangents = np.stack([_at(points, _shifted(u, k)).imag / _STEP for k in range(len(bounds))], axis=-1)
+    tangents = np.stack(
+        [_at(points, _shifted(u, k)).imag / _STEP for k in range(len(bounds))], axis=-1
+    )
     dm = w * np.sqrt(np.linalg.det(np.swapaxes(tangents, -1, -2) @ tangents))
     if not np.all(np.isfinite(dm)) or dm.sum() <= 0.0:
         raise ModelError(
-            "integrated_inertia: the map covers nothing; give it as many independent directions as parameters."
+            "integrated_inertia: the map covers nothing; give it as many independent directions as "
+            "parameters."
         )
     dm *= mass / dm.sum()
     com = dm @ r / mass
@@ -45,22 +52,26 @@ def integrated_inertia(
 def inertia_from(
     mass: float, com: Sequence[float] | Array, tensor: Any, about: Sequence[float] | Array
 ) -> Inertia:
-    """The body whose inertia about a point is `tensor`, a number in the plane: I_G = I_O - m d² (1.19).
+    """The body whose inertia about a point is `tensor`, a number in the plane: I_G = I_O - m d²
+    (1.19).
 
-    com, about: (2,) or (3,), m. Raises ModelError where what is left is no inertia: (1.19) leads from the centre of
-    mass to other points, not from any point to any other.
+    com, about: (2,) or (3,), m. Raises ModelError where what is left is no inertia: (1.19) leads
+    from the centre of mass to other points, not from any point to any other.
     """
     for name, given in (("com", com), ("tensor", tensor), ("about", about)):
         refuse_labelled(f"inertia_from: {name}", given)
     d = np.asarray(com, dtype=float) - np.asarray(about, dtype=float)
     shift = _second(d[None], np.array([mass]))
     body = Inertia.of(
-        mass, tuple(com), np.asarray(tensor, dtype=float) - shift if len(d) == 3 else float(tensor) - shift
+        mass,
+        tuple(com),
+        np.asarray(tensor, dtype=float) - shift if len(d) == 3 else float(tensor) - shift,
     )
     fault = body.fault()
     if fault is not None:
         raise ModelError(
-            f"inertia_from: the inertia given about {list(map(float, about))} is too small: {fault}."
+            f"inertia_from: the inertia given about {list(map(float, about))} is too small: "
+            f"{fault}."
         )
     return body
 

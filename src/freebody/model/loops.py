@@ -27,7 +27,9 @@ def checked_loop(loop: Loop, dim: int, body_of: Mapping[str, int], taken: Contai
         raise UnknownNameError("loop kind", loop.kind, where, LOOP_KINDS)
     kind = LOOP_KINDS[loop.kind]
     if dim not in kind.dimensions:
-        raise ModelError(f"{where}: {kind.name} is no loop of dimension {dim}; write {kind.elsewhere}.")
+        raise ModelError(
+            f"{where}: {kind.name} is no loop of dimension {dim}; write {kind.elsewhere}."
+        )
     if len(loop.frames) != 2:
         raise ModelError(f"{where}: frames must be the names of two frames.")
     for name in loop.frames:
@@ -35,11 +37,15 @@ def checked_loop(loop: Loop, dim: int, body_of: Mapping[str, int], taken: Contai
             raise UnknownNameError("frame", name, where, body_of)
     if body_of[loop.frames[0]] == body_of[loop.frames[1]]:
         raise ModelError(
-            f"{where}: frames {loop.frames[0]!r} and {loop.frames[1]!r} are on the same body, so the loop closes "
+            f"{where}: frames {loop.frames[0]!r} and {loop.frames[1]!r} are on the same body, so "
+            f"the loop closes "
             "nothing; name frames of two bodies."
         )
     return replace(
-        loop, frames=tuple(loop.frames), axis=_axis(loop, dim, where), distance=checked_distance(loop)
+        loop,
+        frames=tuple(loop.frames),
+        axis=_axis(loop, dim, where),
+        distance=checked_distance(loop),
     )
 
 
@@ -51,7 +57,8 @@ def checked_tolerance(given: object, where: str) -> tuple[float, float]:
         values = np.zeros(0)
     if values.shape != (2,) or not np.isfinite(values).all() or (values < 0.0).any():
         raise ModelError(
-            f"{where}: loop_tolerance is {given!r}, expected (metres, radians), two finite numbers not below 0."
+            f"{where}: loop_tolerance is {given!r}, expected (metres, radians), two finite numbers "
+            f"not below 0."
         )
     return float(values[0]), float(values[1])
 
@@ -72,7 +79,8 @@ def _axis(loop: Loop, dim: int, where: str) -> tuple[float, ...]:
 
 
 def checked_distance(loop: Loop) -> Quantity | None:
-    """The distance of a loop, refused where its kind has none, where it is missing, or not above 0."""
+    """The distance of a loop, refused where its kind has none, where it is missing, or not above
+    0."""
     where = f"loop {loop.name!r}"
     if not LOOP_KINDS[loop.kind].needs_distance:
         if loop.distance is not None:
@@ -85,6 +93,7 @@ def checked_distance(loop: Loop) -> Quantity | None:
     smallest = value.array.min() if isinstance(value, Members) else value
     if smallest is not None and smallest <= 0.0:
         raise ModelError(
-            f"{where}: distance is {smallest:g} m, expected more than 0; for 0 hold the origins together instead."
+            f"{where}: distance is {smallest:g} m, expected more than 0; for 0 hold the origins "
+            f"together instead."
         )
     return distance

@@ -1,4 +1,5 @@
-"""Numbers of many robots at once: a model some of whose numbers hold one value for each member is a *family*."""
+"""Numbers of many robots at once: a model some of whose numbers hold one value for each member is a
+*family*."""
 
 from __future__ import annotations
 
@@ -17,9 +18,11 @@ from freebody.values import ByValue
 
 @dataclass(frozen=True, eq=False)
 class Members(ByValue):
-    """One number of a model for each member of a family: an array of the family's shape, or one that broadcasts to it.
+    """One number of a model for each member of a family: an array of the family's shape, or one
+    that broadcasts to it.
 
-    Equal by value, hashable, read-only; it has no truth and no order of its own, so that nothing is decided from it.
+    Equal by value, hashable, read-only; it has no truth and no order of its own, so that nothing is
+    decided from it.
     """
 
     array: Array
@@ -30,7 +33,8 @@ class Members(ByValue):
 
 
 class Entry(float):
-    """A number of placements that has a name of its own: an entry of a DH table, wherever it is used."""
+    """A number of placements that has a name of its own: an entry of a DH table, wherever it is
+    used."""
 
     __slots__ = ("name",)
     name: tuple[str, str]
@@ -45,12 +49,14 @@ class Entry(float):
 
 
 def is_array(value: object) -> bool:
-    """Whether something is given as one number for each member: an array, or nested sequences, of at least one axis."""
+    """Whether something is given as one number for each member: an array, or nested sequences, of
+    at least one axis."""
     return isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim > 0)
 
 
 def is_nested(value: Any) -> bool:
-    """Whether something is given as an array of more than one axis, or as sequences that all hold sequences."""
+    """Whether something is given as an array of more than one axis, or as sequences that all hold
+    sequences."""
     if isinstance(value, (list, tuple)):
         return bool(value) and all(map(is_array, value))
     return isinstance(value, np.ndarray) and value.ndim > 1
@@ -64,16 +70,21 @@ def members(value: Any, owner: str, largest: float) -> Members:
     except ValueError:
         array = np.array(None)
     if array.dtype.kind not in "iufb":
-        raise ModelError(f"{owner}: {shown(value)} is not an array of real numbers, one for each member.")
+        raise ModelError(
+            f"{owner}: {shown(value)} is not an array of real numbers, one for each member."
+        )
     array = array.astype(float)
     if not array.size:
         raise ModelError(
-            f"{owner}: an array of shape {array.shape} holds no number; a family needs at least one member."
+            f"{owner}: an array of shape {array.shape} holds no number; a family needs at least "
+            f"one member."
         )
     wrong = np.argwhere(~(np.abs(array) <= largest))
     if len(wrong):
         at = tuple(map(int, wrong[0]))
-        raise ModelError(f"{owner}: {array[at]:g}{of_member(at)} must be a finite number below {largest:g}.")
+        raise ModelError(
+            f"{owner}: {array[at]:g}{of_member(at)} must be a finite number below {largest:g}."
+        )
     return Members(array)
 
 
@@ -106,7 +117,11 @@ def _collect(thing: Any, found: list[Members]) -> None:
 @cache
 def fields_of(kind: type) -> tuple[str, ...]:
     """The names of a dataclass's fields, of anything else none."""
-    return tuple(field.name for field in dataclasses.fields(kind)) if dataclasses.is_dataclass(kind) else ()
+    return (
+        tuple(field.name for field in dataclasses.fields(kind))
+        if dataclasses.is_dataclass(kind)
+        else ()
+    )
 
 
 def common_shape(arrays: list[Members], owner: str) -> tuple[int, ...]:
@@ -117,31 +132,40 @@ def common_shape(arrays: list[Members], owner: str) -> tuple[int, ...]:
     except ValueError:
         listed = ", ".join(map(str, dict.fromkeys(shapes)))
         raise ModelError(
-            f"{owner}: arrays of shapes {listed} do not broadcast to one family; give one number a member."
+            f"{owner}: arrays of shapes {listed} do not broadcast to one family; give one number a "
+            f"member."
         ) from None
 
 
 def one_family(model: Any, old: Any, *new: Any) -> Any:
-    """A changed copy of `old`, whose arrays broadcast together; refuses it where those among what is new do not."""
+    """A changed copy of `old`, whose arrays broadcast together; refuses it where those among what
+    is new do not."""
     if {*map(type, new)} != {float} and arrays_in(new):
         common_shape(arrays_in(model), repr(model.name))
-    elif not old.family:  # known at once: to look for arrays everywhere takes longer than many a change
+    elif (
+        not old.family
+    ):  # known at once: to look for arrays everywhere takes longer than many a change
         model.__dict__["family"] = ()
     return model
 
 
 def member_at(model: Any, sample: tuple[int, ...]) -> Any:
-    """Which member of a family a sample of a batch is of, whose last axes are the family's; of one robot itself."""
+    """Which member of a family a sample of a batch is of, whose last axes are the family's; of one
+    robot itself."""
     shape = model.family
     if not shape:
         return model
     return model[
-        tuple(k if n > 1 else 0 for k, n in zip(sample[len(sample) - len(shape) :], shape, strict=True))
+        tuple(
+            k if n > 1 else 0
+            for k, n in zip(sample[len(sample) - len(shape) :], shape, strict=True)
+        )
     ]
 
 
 def taken(thing: Any, shape: tuple[int, ...], index: Any) -> Any:
-    """A tree of dataclasses and tuples with the members that `index` picks out of a family of that shape."""
+    """A tree of dataclasses and tuples with the members that `index` picks out of a family of that
+    shape."""
     if isinstance(thing, Members):
         picked = np.broadcast_to(thing.array, shape)[index]
         number = float(picked) if np.ndim(picked) == 0 else None
@@ -159,8 +183,9 @@ def taken(thing: Any, shape: tuple[int, ...], index: Any) -> Any:
 
 
 def changed(thing: Any, new: dict[str, Any]) -> Any:
-    """A copy of a frozen dataclass with some fields other, unchecked: for numbers that have been checked where they
-    came in. What the old one has found out since it was made is not carried over."""
+    """A copy of a frozen dataclass with some fields other, unchecked: for numbers that have been
+    checked where they came in. What the old one has found out since it was made is not carried
+    over."""
     copy = copied(thing)
     copy.__dict__.update(new)
     return copy
@@ -186,7 +211,8 @@ class FamilyError(FreebodyError, TypeError):
     def __init__(self, function: str, name: str, shape: tuple[int, ...]):
         example = ", ".join("0" for _ in shape)
         super().__init__(
-            f"{function}: {name!r} is a family of robots, shape {shape}, and one robot is needed here: "
+            f"{function}: {name!r} is a family of robots, shape {shape}, and one robot is needed "
+            f"here: "
             f"take a member, model[{example}]."
         )
 
@@ -198,7 +224,9 @@ class LengthsDiffer(FamilyError):
         example = ", ".join("0" for _ in shape)
         FreebodyError.__init__(
             self,
-            f"{name!r} is a family of robots, shape {shape}, whose lengths or placements differ, and robots of one "
-            f"geometry are needed here: take a member, model[{example}]. Members may differ in masses, inertias, "
+            f"{name!r} is a family of robots, shape {shape}, whose lengths or placements differ, "
+            f"and robots of one "
+            f"geometry are needed here: take a member, model[{example}]. Members may differ in "
+            f"masses, inertias, "
             "friction and gravity.",
         )

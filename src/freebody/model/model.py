@@ -1,4 +1,5 @@
-"""`Model`: a robot, frozen. Bodies are what moves; links that are fixed to one another are one body."""
+"""`Model`: a robot, frozen. Bodies are what moves; links that are fixed to one another are one
+body."""
 
 from __future__ import annotations
 
@@ -32,7 +33,8 @@ from freebody.values import ByValue
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Model(Tabled, ByValue):
-    """A robot: bodies in the file's order of their joints, named frames, gravity. Made by `load`, `planar`, `dh`."""
+    """A robot: bodies in the file's order of their joints, named frames, gravity. Made by `load`,
+    `planar`, `dh`."""
 
     name: str
     dim: int
@@ -48,14 +50,15 @@ class Model(Tabled, ByValue):
     source: str = ""
     notices: tuple[Notice, ...] = ()
     loop_tolerance: tuple[float, float] | None = None
-    """(m, rad): by how much rounded numbers may keep loops from closing; None: the default, 1 mm or a thousandth of
-    the loop's size, and 1 mrad."""
+    """(m, rad): by how much rounded numbers may keep loops from closing; None: the default, 1 mm or
+    a thousandth of the loop's size, and 1 mrad."""
     _aside = ("name", "source", "notices")  # a file's name, or what somebody called the robot
 
     # ------------------------------------------------------------ sizes and names
     @cached_property
     def coordinates(self) -> tuple[Coordinates, ...]:
-        """For each body, where its joint's q and q̇ stand in the vectors; a mimic joint shares its leader's."""
+        """For each body, where its joint's q and q̇ stand in the vectors; a mimic joint shares its
+        leader's."""
         own: dict[str, Coordinates] = {}
         iq = iv = 0
         for body in self.bodies:
@@ -145,7 +148,9 @@ class Model(Tabled, ByValue):
     def actuated(self) -> tuple[str, ...]:
         """Names of the independent joints that are driven: all that are not passive."""
         return tuple(
-            body.joint.name for body in self.bodies if body.joint.mimic is None and not body.joint.passive
+            body.joint.name
+            for body in self.bodies
+            if body.joint.mimic is None and not body.joint.passive
         )
 
     @property
@@ -159,14 +164,19 @@ class Model(Tabled, ByValue):
 
     @cached_property
     def leaves(self) -> tuple[str, ...]:
-        """The movable frames at the ends of the tree: links that carry nothing, or what is mounted on them."""
-        carry = {body.joint.parent for body in self.bodies} | {f.parent for f in self.frames if not f.mounted}
+        """The movable frames at the ends of the tree: links that carry nothing, or what is mounted
+        on them."""
+        carry = {body.joint.parent for body in self.bodies} | {
+            f.parent for f in self.frames if not f.mounted
+        }
 
         mounted: dict[str, list[str]] = {}
         for frame in self.frames:
             if frame.mounted:
                 mounted.setdefault(frame.parent, []).append(frame.name)
-        links = [f.name for f in self.frames if not f.mounted and f.body >= 0 and f.name not in carry]
+        links = [
+            f.name for f in self.frames if not f.mounted and f.body >= 0 and f.name not in carry
+        ]
         ends, waiting = [], links[::-1]
         while waiting:  # depth first, in the order of the file
             name = waiting.pop()
@@ -224,17 +234,22 @@ class Model(Tabled, ByValue):
 
     @cached_property
     def family(self) -> tuple[int, ...]:
-        """The shape of the family of robots that the model is, where some of its numbers are arrays; () for one robot.
+        """The shape of the family of robots that the model is, where some of its numbers are
+        arrays; () for one robot.
 
-        Results of numeric functions have this shape, broadcast with that of the samples, whatever numbers differ.
-        Exceptions are those that use no number of a model: neutral, random_state, integrate, difference.
+        Results of numeric functions have this shape, broadcast with that of the samples, whatever
+        numbers differ. Exceptions are those that use no number of a model: neutral, random_state,
+        integrate, difference.
         """
         return numbers.family(self)
 
     def __getitem__(self, index: Any) -> Model:
-        """A member of a family, or by slices some of them; indices are those of an array of its shape."""
+        """A member of a family, or by slices some of them; indices are those of an array of its
+        shape."""
         if not self.family:
-            raise MemberError(f"{self.name!r} is one robot, no family: it has no member {shown(index)}.")
+            raise MemberError(
+                f"{self.name!r} is one robot, no family: it has no member {shown(index)}."
+            )
         try:
             picked = np.empty(self.family)[index].size
         except (IndexError, ValueError, TypeError):
@@ -259,7 +274,8 @@ class Model(Tabled, ByValue):
 
     @cached_property
     def structure(self) -> Structure:
-        """What remains of the model without its numbers, and what is compiled for it: shared by all like it."""
+        """What remains of the model without its numbers, and what is compiled for it: shared by all
+        like it."""
         try:
             return structure_of(self)
         except ModelError:
@@ -273,7 +289,8 @@ class Model(Tabled, ByValue):
 
     @cached_property
     def geometry(self) -> Geometry:
-        """Its structure and lengths, and what follows from these alone: shared by all models that have the same."""
+        """Its structure and lengths, and what follows from these alone: shared by all models that
+        have the same."""
         return geometry_of(self)
 
     @cached_property
@@ -293,8 +310,14 @@ class Model(Tabled, ByValue):
 
     @cached_property
     def mass(self) -> Any:
-        """Total mass (kg) of all links, those fixed to the base included; of a family an array of its shape."""
-        missing = [p.name for a in self._attached for p in each_parameter(a.inertia.mass) if p.value is None]
+        """Total mass (kg) of all links, those fixed to the base included; of a family an array of
+        its shape."""
+        missing = [
+            p.name
+            for a in self._attached
+            for p in each_parameter(a.inertia.mass)
+            if p.value is None
+        ]
         if missing:
             raise MissingValueError(f"the mass of {self.name!r}", missing)
         total = sum(VALUES.quantity(a.inertia.mass) for a in self._attached)
@@ -302,7 +325,8 @@ class Model(Tabled, ByValue):
 
     @property
     def is_estimated(self) -> bool:
-        """Whether inertias were estimated from shapes (`load`, estimate_inertia=); how stands in `notices`."""
+        """Whether inertias were estimated from shapes (`load`, estimate_inertia=); how stands in
+        `notices`."""
         return any(notice.kind == ESTIMATED for notice in self.notices)
 
     @property
@@ -317,7 +341,8 @@ class Model(Tabled, ByValue):
 
     @property
     def limits(self) -> JointLimits:
-        """Limits of the coordinates, arrays (nv,), of a family (*family, nv), as written; infinite where none."""
+        """Limits of the coordinates, arrays (nv,), of a family (*family, nv), as written; infinite
+        where none."""
         rows: list[tuple[Any, ...]] = []
         for body in self.bodies:
             if body.joint.mimic is None:
@@ -341,12 +366,14 @@ class Model(Tabled, ByValue):
 
     # ------------------------------------------------------------ changed copies
     def bind(self, values: Mapping[Any, Any] | None = None, /, **symbols: Any) -> Model:
-        """The model with other numbers: model.bind(l1=0.4, m1=2), model.bind({"forearm.mass": 3.0}).
+        """The model with other numbers: model.bind(l1=0.4, m1=2), model.bind({"forearm.mass":
+        3.0}).
 
-        values: by the names that `fb.parameters` lists; a name that holds a dot itself is given as a tuple of its
-        parts, ("a.b", "mass"). link.mass keeps centre and inertia, link.scale scales mass and inertia together. An
-        array gives each member of a family its own (`family`); arrays broadcast together. Raises UnknownNameError,
-        ModelError for what no rigid body is, naming the member.
+        values: by the names that `fb.parameters` lists; a name that holds a dot itself is given as
+        a tuple of its parts, ("a.b", "mass"). link.mass keeps centre and inertia, link.scale scales
+        mass and inertia together. An array gives each member of a family its own (`family`); arrays
+        broadcast together. Raises UnknownNameError, ModelError for what no rigid body is, naming
+        the member.
         """
         return numbers.bind(self, {**(values or {}), **symbols})
 
@@ -359,11 +386,12 @@ class Model(Tabled, ByValue):
         actuated: Sequence[str] | None = None,
         loop_tolerance: tuple[float, float] | None = None,
     ) -> Model:
-        """The model with another name, tip, gravity, choice of driven joints, or tolerance of its loops.
+        """The model with another name, tip, gravity, choice of driven joints, or tolerance of its
+        loops.
 
-        gravity: a size (0 for none), a name, or a vector in world axes; vectors (..., dim) are those of a
-        family (sizes of a family: bind({"gravity": sizes})). actuated: names; all other joints are passive.
-        loop_tolerance: (m, rad), see `with_loop`.
+        gravity: a size (0 for none), a name, or a vector in world axes; vectors (..., dim) are
+        those of a family (sizes of a family: bind({"gravity": sizes})). actuated: names; all other
+        joints are passive. loop_tolerance: (m, rad), see `with_loop`.
         """
         changes: dict[str, object] = {}
         if name is not None:
@@ -391,25 +419,29 @@ class Model(Tabled, ByValue):
         stiffness: Any = None,
         rest: Any = None,
     ) -> Model:
-        """The model with another rotor (kg m², before the gear), gear, friction (N m s/rad, N m) or spring (N m/rad,
-        rad) in a joint of one axis; of a prismatic joint kg, N s/m, N, N/m, m. What is not given stays. Numbers, names,
-        or arrays with a number for each member of a family."""
+        """The model with another rotor (kg m², before the gear), gear, friction (N m s/rad, N m) or
+        spring (N m/rad, rad) in a joint of one axis; of a prismatic joint kg, N s/m, N, N/m, m.
+        What is not given stays. Numbers, names, or arrays with a number for each member of a
+        family."""
         given = {
             "rotor": rotor, "gear": gear, "viscous": viscous, "coulomb": coulomb, "stiffness": stiffness, "rest": rest,
         }  # fmt: skip
         return changed.with_drive(self, joint, given)
 
     def with_inertial_parameters(self, pi: Any) -> Model:
-        """The model with other inertial parameters π (..., k), in the order and units of `fb.inertial_parameters`.
+        """The model with other inertial parameters π (..., k), in the order and units of
+        `fb.inertial_parameters`.
 
-        An array, or what carries their names (that function's dict, a pandas Series); arrays with axes in front make a
-        family. A body's links and the loads on it become one, in its name, since π knows no parts of a body; gears
-        and what is fixed to the base stay. Raises ModelError for a body that no rigid body is, by name.
+        An array, or what carries their names (that function's dict, a pandas Series); arrays with
+        axes in front make a family. A body's links and the loads on it become one, in its name,
+        since π knows no parts of a body; gears and what is fixed to the base stay. Raises
+        ModelError for a body that no rigid body is, by name.
         """
         return identified.with_inertial_parameters(self, pi)
 
     def without(self, *features: str) -> Model:
-        """The model without "friction", "rotors", "springs", or "loops" (the tree that is left when they are cut)."""
+        """The model without "friction", "rotors", "springs", or "loops" (the tree that is left when
+        they are cut)."""
         return changed.without(self, features)
 
     def with_payload(
@@ -423,10 +455,10 @@ class Model(Tabled, ByValue):
     ) -> Model:
         """The model carrying a rigid load in `frame` (default: the tip).
 
-        inertia: an Inertia in the frame's axes, or a number: the mass (kg) of a particle, as `mass` is. com: (dim,) m,
-        where the load's centre of mass is in the frame; default the Inertia's own, of a particle the origin. Arrays of
-        masses, and of centres (..., dim), give each member of a family its own. Raises ModelError for a load that no
-        rigid body is.
+        inertia: an Inertia in the frame's axes, or a number: the mass (kg) of a particle, as `mass`
+        is. com: (dim,) m, where the load's centre of mass is in the frame; default the Inertia's
+        own, of a particle the origin. Arrays of masses, and of centres (..., dim), give each member
+        of a family its own. Raises ModelError for a load that no rigid body is.
         """
         return changed.with_payload(self, changed.load(inertia, mass, com, self.dim), frame, name)
 
@@ -438,7 +470,8 @@ class Model(Tabled, ByValue):
         *,
         frame: str | None = None,
     ) -> Model:
-        """The model with one frame more, at `position` (m) and `rotation` (matrix) in `frame` (default: the tip)."""
+        """The model with one frame more, at `position` (m) and `rotation` (matrix) in `frame`
+        (default: the tip)."""
         return changed.with_frame(self, name, position, rotation, frame, "with_frame")
 
     def with_tool(
@@ -468,12 +501,13 @@ class Model(Tabled, ByValue):
     ) -> Model:
         """The model with two frames, on different bodies, held together: a closed chain.
 
-        kind: "revolute" or "prismatic" (about, along `axis`, given in the axes of both frames; no axis for revolute in
-        the plane), "spherical" (space), "point" (plane), "fixed", or "distance" (the origins stay `distance` m apart).
-        loop_tolerance: (m, rad), of all loops of the model: by how much rounded numbers may keep them from closing.
-        Equations that hold within it wherever the mechanism goes are redundant, and `mobility` names them. Default:
-        1 mm or a thousandth of the loop's size, the smaller, and 1 mrad; (0, 0) takes the numbers at their word.
-        Raises ModelError, UnknownNameError.
+        kind: "revolute" or "prismatic" (about, along `axis`, given in the axes of both frames; no
+        axis for revolute in the plane), "spherical" (space), "point" (plane), "fixed", or
+        "distance" (the origins stay `distance` m apart). loop_tolerance: (m, rad), of all loops of
+        the model: by how much rounded numbers may keep them from closing. Equations that hold
+        within it wherever the mechanism goes are redundant, and `mobility` names them. Default: 1
+        mm or a thousandth of the loop's size, the smaller, and 1 mrad; (0, 0) takes the numbers at
+        their word. Raises ModelError, UnknownNameError.
         """
         along = tuple(np.atleast_1d(axis).tolist())
         looped = changed.with_loop(self, Loop(name, kind, frames, along, distance))  # type: ignore[arg-type]
@@ -485,7 +519,9 @@ class Model(Tabled, ByValue):
 
     def _title(self) -> str:
         loops = f", {counted(len(self.loops), 'loop')}" if self.loops else ""
-        sizes = f"{counted(len(self.bodies), 'body')}, nq = {self.nq}, nv = {self.nv}, dim {self.dim}"
+        sizes = (
+            f"{counted(len(self.bodies), 'body')}, nq = {self.nq}, nv = {self.nv}, dim {self.dim}"
+        )
         members = f"; a family of shape {self.family}" if self.family else ""
         return f"Model {self.name!r}: {sizes}{loops}{members}"
 

@@ -1,4 +1,5 @@
-"""The numbers of a model by name: listed (`fb.parameters`), found by name or pattern, and changed (`Model.bind`)."""
+"""The numbers of a model by name: listed (`fb.parameters`), found by name or pattern, and changed
+(`Model.bind`)."""
 
 from __future__ import annotations
 
@@ -35,9 +36,9 @@ Name = str | tuple[str, ...]
 class ModelParameter(ByValue):
     """One number that a model is made of.
 
-    value: None where a symbol has none yet; of a family an array where members differ. structural: an exact zero or
-    right angle of a placement, or of gravity's direction, which patterns leave out, as they do limits; a name in full
-    takes them.
+    value: None where a symbol has none yet; of a family an array where members differ. structural:
+    an exact zero or right angle of a placement, or of gravity's direction, which patterns leave
+    out, as they do limits; a name in full takes them.
     """
 
     name: str
@@ -50,7 +51,8 @@ class ModelParameter(ByValue):
 
 
 class Parameters(Sequence[ModelParameter]):
-    """All numbers of a model, in order: a sequence of records that is also asked by name, as text or as its parts."""
+    """All numbers of a model, in order: a sequence of records that is also asked by name, as text
+    or as its parts."""
 
     def __init__(self, model: Model):
         self._catalogue = known(model)
@@ -65,13 +67,17 @@ class Parameters(Sequence[ModelParameter]):
 
     @property
     def values(self) -> Array:
-        """Values (..., k) in order, NaN where there is none; of a family its shape stands in front."""
+        """Values (..., k) in order, NaN where there is none; of a family its shape stands in
+        front."""
         columns = [np.nan if record.value is None else record.value for record in self._records]
         return np.stack(np.broadcast_arrays(*columns), axis=-1) if columns else np.zeros(0)
 
     def matching(self, pattern: Name) -> tuple[ModelParameter, ...]:
-        """Those that a name in full, or a pattern of the shell (`*`, `?`, `[ab]`), means; see `fb.kernel`, inputs=."""
-        return tuple(self._at[name] for name in matching(self._catalogue, self, pattern, self._model))
+        """Those that a name in full, or a pattern of the shell (`*`, `?`, `[ab]`), means; see
+        `fb.kernel`, inputs=."""
+        return tuple(
+            self._at[name] for name in matching(self._catalogue, self, pattern, self._model)
+        )
 
     def __getitem__(self, index: Any) -> Any:
         if isinstance(index, (str, tuple)):
@@ -121,19 +127,21 @@ def _what(record: ModelParameter) -> str:
 def parameters(model: Model) -> Parameters:
     """Every number that a model is made of, by name, with its value, unit and what it is.
 
-    Names: forearm.mass, forearm.com.x, forearm.inertia.xx (about the centre of mass, in the link's axes), forearm.scale
-    (a factor on mass and inertia); elbow.placement.x … yaw (where the joint sits in its parent link);
-    elbow.friction.viscous, elbow.rotor.gear, elbow.spring.stiffness, elbow.limits.upper; elbow.a, elbow.alpha of a DH
-    table; gravity (the field's size), gravity.direction.z; loop.distance; tool.placement.z of frames; payload.mass at
-    the tip, zero where there is no load; and the model's own symbols (l1), by which the places are known where they
-    stand. Joints' axes and mimic ratios are structure and have no name.
+    Names: forearm.mass, forearm.com.x, forearm.inertia.xx (about the centre of mass, in the link's
+    axes), forearm.scale (a factor on mass and inertia); elbow.placement.x … yaw (where the joint
+    sits in its parent link); elbow.friction.viscous, elbow.rotor.gear, elbow.spring.stiffness,
+    elbow.limits.upper; elbow.a, elbow.alpha of a DH table; gravity (the field's size),
+    gravity.direction.z; loop.distance; tool.placement.z of frames; payload.mass at the tip, zero
+    where there is no load; and the model's own symbols (l1), by which the places are known where
+    they stand. Joints' axes and mimic ratios are structure and have no name.
     Names shared by two things are told apart by what they belong to: "joint:elbow.placement.x".
     """
     return Parameters(model)
 
 
 def known(model: Model) -> Catalogue:
-    """The model's catalogue, made once and handed on to copies in which other numbers stand at the same places."""
+    """The model's catalogue, made once and handed on to copies in which other numbers stand at the
+    same places."""
     kept = model.__dict__.get("_catalogue")
     if kept is None:
         kept = model.__dict__.setdefault("_catalogue", catalogue(model))
@@ -150,7 +158,9 @@ def _records(model: Model, names: Catalogue) -> Iterator[ModelParameter]:
         structural = (row.sort == "placement" and _is_structural(value, row.unit)) or (
             row.sort == "direction" and isinstance(value, float) and value in (0.0, 1.0, -1.0)
         )
-        yield ModelParameter(name, row.parts, value, row.unit, row.what, structural, row.sort == "limit")
+        yield ModelParameter(
+            name, row.parts, value, row.unit, row.what, structural, row.sort == "limit"
+        )
 
 
 def _plain(value: Quantity | None) -> float | Array | None:
@@ -172,7 +182,8 @@ def _is_structural(value: float | Array | None, unit: str) -> bool:
 
 # ---------------------------------------------------------------- names
 def found(names: Catalogue, given: Name, model: Model) -> str:
-    """The name of a number, by its text or parts, or by the place where its symbol stands; else an error."""
+    """The name of a number, by its text or parts, or by the place where its symbol stands; else an
+    error."""
     name = given
     if isinstance(given, tuple) and given and all(isinstance(part, str) for part in given):
         name = ".".join(given)
@@ -183,13 +194,17 @@ def found(names: Catalogue, given: Name, model: Model) -> str:
             return names.told[name]
         if name in names.several:
             longer = listed(map(repr, names.several[name]))
-            raise ModelError(f"{model.name!r}: several things have a number {name!r}; write {longer}.")
+            raise ModelError(
+                f"{model.name!r}: several things have a number {name!r}; write {longer}."
+            )
     symbols = model.parameters
     meant = isinstance(name, str) and "." not in name and likely(name, symbols)
     raise UnknownNameError("parameter", given, repr(model.name), symbols if meant else names.rows)
 
 
-def matching(names: Catalogue, records: Sequence[ModelParameter], pattern: Name, model: Model) -> list[str]:
+def matching(
+    names: Catalogue, records: Sequence[ModelParameter], pattern: Name, model: Model
+) -> list[str]:
     """Names that one name in full or one pattern means, in the model's order."""
     if (
         isinstance(pattern, tuple)
@@ -205,7 +220,10 @@ def matching(names: Catalogue, records: Sequence[ModelParameter], pattern: Name,
     meant |= {name for told, name in names.told.items() if fnmatchcase(told, pattern)} & set(usual)
     if not meant:
         bare = pattern.translate({ord(c): None for c in "*?[]"})
-        near = likely(bare, usual, 3) or [x for x in usual if bare.strip(".") and bare.strip(".") in x][:3]
+        near = (
+            likely(bare, usual, 3)
+            or [x for x in usual if bare.strip(".") and bare.strip(".") in x][:3]
+        )
         hint = f" Near it: {', '.join(near)}." if near else ""
         left = [r.name for r in records if r.structural and fnmatchcase(r.name, pattern)]
         if left:
@@ -214,7 +232,8 @@ def matching(names: Catalogue, records: Sequence[ModelParameter], pattern: Name,
         if limits and not left:
             hint = f" {limits[0]!r} is a limit, which no kernel reads: bind it instead."
         raise ModelError(
-            f"no parameter of {model.name!r} matches {shown(pattern)}.{hint} fb.parameters(model).names lists them."
+            f"no parameter of {model.name!r} matches {shown(pattern)}.{hint} "
+            f"fb.parameters(model).names lists them."
         )
     return [name for name in usual if name in meant]
 
@@ -275,7 +294,9 @@ def _check(old: Model, new: Model) -> None:
         if before is None or before.inertia is not after.inertia:
             fault = faults(after.inertia)
             if fault:
-                raise ModelError(f"{new.name!r}: link {after.link!r}: {fault}. Bind a physical value.")
+                raise ModelError(
+                    f"{new.name!r}: link {after.link!r}: {fault}. Bind a physical value."
+                )
     if new.gravity_direction is not old.gravity_direction:
         fault = direction_fault(new.gravity_direction)
         if fault:
@@ -293,7 +314,8 @@ def _check(old: Model, new: Model) -> None:
 
 
 def _pairs(old: Model, new: Model, bodies: list[tuple[Any, Any]]) -> Iterable[tuple[Any, Any]]:
-    """Inertias of both models, and of these bodies of theirs, side by side; a load that is new beside nothing."""
+    """Inertias of both models, and of these bodies of theirs, side by side; a load that is new
+    beside nothing."""
     if new.base_inertias is not old.base_inertias:
         yield from _beside(old.base_inertias, new.base_inertias)
     for b, a in bodies:

@@ -23,7 +23,8 @@ class Parameter:
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.isidentifier():
             raise ModelError(
-                f"parameter name {self.name!r} must be a word of letters, digits and _, such as 'l1'."
+                f"parameter name {self.name!r} must be a word of letters, digits and _, such as "
+                f"'l1'."
             )
         if self.value is not None and not isinstance(self.value, Members):
             object.__setattr__(self, "value", finite(self.value, f"parameter {self.name!r}"))
@@ -39,7 +40,8 @@ class Product:
 Quantity = float | Parameter | Members
 
 LARGEST = 1e60
-"""No number of a robot is larger, in any unit; some products of five such numbers would overflow."""
+"""No number of a robot is larger, in any unit; some products of five such numbers would
+overflow."""
 
 
 def real(value: object, owner: str) -> float:
@@ -62,15 +64,17 @@ def finite(value: object, owner: str) -> float:
     if not math.isfinite(number):
         raise ModelError(f"{owner}: {number} is not a finite number.")
     if abs(number) > LARGEST:
-        raise ModelError(f"{owner}: {number:g} is too large; numbers of a robot stay below {LARGEST:g}.")
+        raise ModelError(
+            f"{owner}: {number:g} is too large; numbers of a robot stay below {LARGEST:g}."
+        )
     return number
 
 
 def quantity(value: object, owner: str, default_name: str | None = None) -> Quantity:
     """A number, a name, a Parameter or None as a Quantity.
 
-    A name becomes a parameter without value, None the parameter `default_name`; with a `default_name` a number
-    becomes that parameter's value.
+    A name becomes a parameter without value, None the parameter `default_name`; with a
+    `default_name` a number becomes that parameter's value.
     """
     if isinstance(value, (Parameter, Members)):
         return value
@@ -102,7 +106,11 @@ def with_parameters(thing: Any, change: Callable[[Parameter], Any]) -> Any:
     if isinstance(thing, Parameter):
         return change(thing)
     if dataclasses.is_dataclass(thing) and not isinstance(thing, type):
-        old = {field.name: getattr(thing, field.name) for field in dataclasses.fields(thing) if field.init}
+        old = {
+            field.name: getattr(thing, field.name)
+            for field in dataclasses.fields(thing)
+            if field.init
+        }
         new = {name: with_parameters(value, change) for name, value in old.items()}
         if all(new[name] is old[name] for name in old):
             return thing

@@ -1,4 +1,5 @@
-"""The parts of a robot, as data: what files and builders describe, and what a `Model` is made of."""
+"""The parts of a robot, as data: what files and builders describe, and what a `Model` is made
+of."""
 
 from __future__ import annotations
 
@@ -39,7 +40,8 @@ class Limits:
                 object.__setattr__(self, name, real(value, f"Limits: {name}"))
 
     def fault(self) -> str | None:
-        """Why no joint has these limits, or None; of a family, of the first member that has none."""
+        """Why no joint has these limits, or None; of a family, of the first member that has
+        none."""
         given = (
             x.array if isinstance(x, Members) else x
             for x in (self.lower, self.upper, self.velocity, self.effort)
@@ -60,8 +62,8 @@ class Limits:
 
     @property
     def meant(self) -> Limits:
-        """The limits as whatever uses them takes them: files write 0 for "not given", so a position range of no width
-        and a speed or effort of 0 are none."""
+        """The limits as whatever uses them takes them: files write 0 for "not given", so a position
+        range of no width and a speed or effort of 0 are none."""
         none = self.lower == self.upper
         return Limits(
             -INFINITE if none else self.lower,
@@ -84,8 +86,8 @@ class Limits:
 class Drive(Keeps):
     """What acts along a one-axis joint besides the motor.
 
-    Friction: viscous d q̇ + coulomb sign(q̇). Rotor: inertia J seen through a gear as J gear². Spring:
-    stiffness (q - rest).
+    Friction: viscous d q̇ + coulomb sign(q̇). Rotor: inertia J seen through a gear as J gear².
+    Spring: stiffness (q - rest).
     """
 
     viscous: Quantity = 0.0
@@ -127,8 +129,8 @@ class Mimic:
 
 @dataclass(frozen=True)
 class Joint(Keeps):
-    """A joint between two links; its frame is placed in the parent link's frame, and is the child link's
-    frame at q = 0."""
+    """A joint between two links; its frame is placed in the parent link's frame, and is the child
+    link's frame at q = 0."""
 
     name: str
     kind: str
@@ -141,7 +143,8 @@ class Joint(Keeps):
     mimic: Mimic | None = None
     line: int | None = None
     passive: bool = False
-    """Nothing drives it: it is moved by the others, and no torque acts there but friction and a spring."""
+    """Nothing drives it: it is moved by the others, and no torque acts there but friction and a
+    spring."""
 
 
 @dataclass(frozen=True)
@@ -175,9 +178,11 @@ class Payload:
 
 @dataclass(frozen=True)
 class Loop:
-    """A closed chain: frames A and B, on two bodies, held together by a kind of joint (`LOOP_KINDS`).
+    """A closed chain: frames A and B, on two bodies, held together by a kind of joint
+    (`LOOP_KINDS`).
 
-    axis: of revolute (space) and prismatic loops, the same in the axes of A and of B. distance: of distance loops, m.
+    axis: of revolute (space) and prismatic loops, the same in the axes of A and of B. distance: of
+    distance loops, m.
     """
 
     name: str
@@ -196,7 +201,8 @@ MASS_NOTICES = {"masses_doubtful": DOUBTFUL, "masses_estimated": ESTIMATED}
 
 @dataclass(frozen=True)
 class Notice:
-    """Something worth knowing about how a model was read: snapped angles, ignored tags, doubtful inertias."""
+    """Something worth knowing about how a model was read: snapped angles, ignored tags, doubtful
+    inertias."""
 
     kind: str
     text: str
@@ -205,7 +211,11 @@ class Notice:
 
     def __str__(self) -> str:
         place = (
-            f"{self.file}:{self.line}: " if self.file and self.line else f"{self.file}: " if self.file else ""
+            f"{self.file}:{self.line}: "
+            if self.file and self.line
+            else f"{self.file}: "
+            if self.file
+            else ""
         )
         return f"{place}{self.text}"
 
@@ -231,6 +241,7 @@ class Description:
     notices: tuple[Notice, ...] = field(default=())
     file: str | None = None
     real: bool = False
-    """Whether it is to describe a machine that exists, so that its masses are held against lengths and shapes."""
+    """Whether it is to describe a machine that exists, so that its masses are held against lengths
+    and shapes."""
     loop_tolerance: tuple[float, float] | None = None
     """(m, rad): by how much rounded numbers may keep loops from closing; None: the default."""

@@ -16,8 +16,8 @@ from freebody.model.reading import EXACT, VALUES, Reader, exact_sin_cos
 from freebody.spatial import AnySpace, Matrix, Vector, add, identity, product, times
 
 _LONGEST = 24
-"""Steps that a placement keeps one by one. Links fixed to one another in a row would otherwise, each with all the steps
-to it, take time and memory that grow with their number squared."""
+"""Steps that a placement keeps one by one. Links fixed to one another in a row would otherwise,
+each with all the steps to it, take time and memory that grow with their number squared."""
 
 
 @dataclass(frozen=True)
@@ -49,13 +49,15 @@ class Placement(Keeps):
     steps: tuple[Shift | Turn | Rotate, ...] = ()
 
     def then(self, other: Placement) -> Placement:
-        """T_AB T_BC; where one of them has no steps the other itself, which keeps what is known of it."""
+        """T_AB T_BC; where one of them has no steps the other itself, which keeps what is known of
+        it."""
         if not (self.steps and other.steps):
             return self if self.steps else other
         return Placement(self.steps + other.steps)
 
     def folded(self, space: AnySpace) -> Placement:
-        """The same pose in few steps: where there are many, numbers in a row become one shift and one rotation."""
+        """The same pose in few steps: where there are many, numbers in a row become one shift and
+        one rotation."""
         if len(self.steps) <= _LONGEST:
             return self
         steps: list[Shift | Turn | Rotate] = []
@@ -66,7 +68,9 @@ class Placement(Keeps):
 
     def lower(self, space: AnySpace, reader: Reader) -> tuple[Matrix, Vector]:
         """(R_AB, p_AB) in scalars."""
-        R: Matrix | None = None  # most placements turn once at most, and a changed length is to cost little
+        R: Matrix | None = (
+            None  # most placements turn once at most, and a changed length is to cost little
+        )
         p: Vector = space.zero
         for step in self.steps:
             if isinstance(step, Shift):
@@ -111,7 +115,8 @@ def turn(axis: str, angle: Quantity) -> Placement:
 
 
 def rotate(matrix: Sequence[Sequence[float]] | np.ndarray, owner: str = "rotation") -> Placement:
-    """A given rotation matrix, nothing at all where it is the unit one; refuses what is not a rotation."""
+    """A given rotation matrix, nothing at all where it is the unit one; refuses what is not a
+    rotation."""
     R = rotation_matrix(matrix, owner)
     if np.array_equal(R, np.eye(len(R))):
         return Placement()
@@ -131,7 +136,8 @@ def rotation_matrix(matrix: Sequence[Sequence[float]] | np.ndarray, owner: str) 
 
 
 def rpy(roll: float, pitch: float, yaw: float, snap: float = EXACT) -> Placement:
-    """URDF's fixed-axis roll, pitch, yaw: R = Rz(yaw) Ry(pitch) Rx(roll); right angles within `snap` are exact."""
+    """URDF's fixed-axis roll, pitch, yaw: R = Rz(yaw) Ry(pitch) Rx(roll); right angles within
+    `snap` are exact."""
     R: Matrix = identity(3)
     for axis, angle in (("z", yaw), ("y", pitch), ("x", roll)):
         R = product(R, about(axis, *exact_sin_cos(angle, snap)))

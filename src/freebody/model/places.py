@@ -1,8 +1,9 @@
-"""Where each number of a model stands, and how another is put there: one mechanism for names, values and inputs.
+"""Where each number of a model stands, and how another is put there: one mechanism for names,
+values and inputs.
 
-An *editor* knows one piece of the model (a placement, the inertia of a link, a drive): it reads the numbers that the
-piece is made of, by field, and writes some of them. What is written may be a number, one for each member of a family,
-or a parameter that a kernel reads as an input.
+An *editor* knows one piece of the model (a placement, the inertia of a link, a drive): it reads the
+numbers that the piece is made of, by field, and writes some of them. What is written may be a
+number, one for each member of a family, or a parameter that a kernel reads as an input.
 """
 
 from __future__ import annotations
@@ -86,7 +87,9 @@ def _grown(paths: tuple[Path, ...], known: dict[tuple[Path, ...], _Branch]) -> _
         behind: dict[Any, list[Path]] = {}
         for path in paths:
             behind.setdefault(path[0], []).append(path[1:])
-        known[paths] = _Branch(tuple((step, _grown(tuple(rest), known)) for step, rest in behind.items()))
+        known[paths] = _Branch(
+            tuple((step, _grown(tuple(rest), known)) for step, rest in behind.items())
+        )
     return known[paths]
 
 
@@ -97,7 +100,9 @@ def _mark(branch: _Branch) -> None:
             _mark(rest)
 
 
-def _put(thing: Any, branch: _Branch | None, piece: Any, made: dict[tuple[int, _Branch] | None, Any]) -> Any:
+def _put(
+    thing: Any, branch: _Branch | None, piece: Any, made: dict[tuple[int, _Branch] | None, Any]
+) -> Any:
     """made: copies made so far, where there may be others."""
     if branch is None:
         return piece
@@ -209,7 +214,9 @@ class Attributes:
 
     def write(self, model: Model, values: Fields) -> Model:
         piece = get(model, self.path)
-        return put(model, self.path, changed(piece, {self.attributes[f]: x for f, x in values.items()}))
+        return put(
+            model, self.path, changed(piece, {self.attributes[f]: x for f, x in values.items()})
+        )
 
 
 @dataclass(frozen=True)
@@ -233,10 +240,11 @@ class Items:
 
 @dataclass(frozen=True)
 class Mass:
-    """The inertia of a link, about its centre of mass and in the axes of the link; `scale` is a factor on all of it.
+    """The inertia of a link, about its centre of mass and in the axes of the link; `scale` is a
+    factor on all of it.
 
-    frame: the link's, where the steps of the placement lead by way of it. Without, the numbers stay in the frame in
-    which they are given.
+    frame: the link's, where the steps of the placement lead by way of it. Without, the numbers stay
+    in the frame in which they are given.
     """
 
     path: Path
@@ -261,7 +269,9 @@ class Mass:
         if len(values) > 1 or "mass" not in values:
             fields = self._fields(inertia) | dict(values)
             other["com"] = tuple([fields[label] for label in _CENTRE[self.space.dim]])
-            other["tensor"] = tuple([_times(fields[label], factor) for label in _TENSOR[self.space.dim]])
+            other["tensor"] = tuple(
+                [_times(fields[label], factor) for label in _TENSOR[self.space.dim]]
+            )
         return put(model, self.path, changed(part, {"inertia": changed(inertia, other)}))
 
     def _fields(self, inertia: Inertia) -> dict[str, Quantity]:
@@ -278,7 +288,9 @@ class Mass:
         R, p = inner.lower(self.space, VALUES)
         m, c, tensor = part.inertia.lower(VALUES)
         turned = self.space.inertia_matrix(self.space.turned_inertia(R, tensor))
-        com = tuple(x + sum(a * b for a, b in zip(row, c, strict=True)) for x, row in zip(p, R, strict=True))
+        com = tuple(
+            x + sum(a * b for a, b in zip(row, c, strict=True)) for x, row in zip(p, R, strict=True)
+        )
         entries = tuple(turned[i][j] for i in range(len(turned)) for j in range(i, len(turned)))
         inertia = changed(
             part.inertia,
@@ -311,8 +323,8 @@ class Load:
 
 @dataclass(frozen=True)
 class Pose:
-    """A placement: x, y, z (m), then roll, pitch, yaw (rad) about the axes of the frame that it is told in,
-    R = Rz(yaw) Ry(pitch) Rx(roll).
+    """A placement: x, y, z (m), then roll, pitch, yaw (rad) about the axes of the frame that it is
+    told in, R = Rz(yaw) Ry(pitch) Rx(roll).
 
     outer: the frame that its first steps lead to, and that it is told in; None: the body's.
     frame: its name, where it is a frame's: all that is fixed to that frame moves with it.
@@ -354,15 +366,19 @@ class Pose:
         names = ANGLES[self.space.dim]
         if not values.keys().isdisjoint(names):
             angles = self._fields(by, turns) | dict(values)
-            turns = tuple(step for x in reversed(names) for step in turn(_ABOUT[x], angles[x]).steps)
+            turns = tuple(
+                step for x in reversed(names) for step in turn(_ABOUT[x], angles[x]).steps
+            )
         new = Placement((*outer, *shift(*by).steps, *turns))
         model = put(model, self.path, new)
         for path in _riders(model, self.frame) if self.frame else ():
             ridden = get(model, path).steps
             if ridden[: len(old.steps)] != old.steps:
                 raise ModelError(
-                    f"{model.name!r}: frame {self.frame!r} carries a long row of fixed links, whose placements have "
-                    "been put together; it cannot be moved any more. Give the number before the model is made."
+                    f"{model.name!r}: frame {self.frame!r} carries a long row of fixed links, "
+                    f"whose placements have "
+                    "been put together; it cannot be moved any more. Give the number before the "
+                    "model is made."
                 )
             model = put(model, path, Placement((*new.steps, *ridden[len(old.steps) :])))
         return model
@@ -371,7 +387,9 @@ class Pose:
         """One shift, and the turns behind it, that come to the same as the steps."""
         steps = tuple(own)
         first, rest = (
-            (steps[0].by, steps[1:]) if steps and isinstance(steps[0], Shift) else (self.space.zero, steps)
+            (steps[0].by, steps[1:])
+            if steps and isinstance(steps[0], Shift)
+            else (self.space.zero, steps)
         )
         if not any(isinstance(step, Shift) for step in rest):
             return first, rest
@@ -380,16 +398,22 @@ class Pose:
             turns: tuple[Any, ...] = (Rotate(R),)
         else:  # a member each: as angles, which have numbers for members
             angles = _angles_of(R)
-            turns = tuple(Turn(_ABOUT[x], _kept(angles[x])) for x in reversed(ANGLES[self.space.dim]))
+            turns = tuple(
+                Turn(_ABOUT[x], _kept(angles[x])) for x in reversed(ANGLES[self.space.dim])
+            )
         return tuple(map(_kept, p)), turns
 
     def _fields(self, by: Vector, turns: tuple[Any, ...]) -> dict[str, Quantity]:
         fields: dict[str, Quantity] = dict(zip(self.space.axes, by, strict=True))
         order = [_LETTER[step.axis] for step in turns if isinstance(step, Turn)]
         names = ANGLES[self.space.dim]
-        if len(order) == len(turns) and order == sorted(set(order), reverse=True):  # already such turns
+        if len(order) == len(turns) and order == sorted(
+            set(order), reverse=True
+        ):  # already such turns
             told = {_ABOUT[x]: x for x in names}
-            return fields | dict.fromkeys(names, 0.0) | {told[step.axis]: step.angle for step in turns}
+            return (
+                fields | dict.fromkeys(names, 0.0) | {told[step.axis]: step.angle for step in turns}
+            )
         if not is_plain(turns):
             return fields
         R, _ = Placement(turns).lower(self.space, VALUES)
@@ -402,7 +426,8 @@ def _length(model: Model, frame: str) -> int:
 
 
 def _riders(model: Model, name: str) -> list[Path]:
-    """Paths of the placements that begin with that of a frame: of frames, inertias, loads and joints fixed to it."""
+    """Paths of the placements that begin with that of a frame: of frames, inertias, loads and
+    joints fixed to it."""
     on: dict[str, list[str]] = {}
     for frame in model.frames:
         on.setdefault(frame.parent, []).append(frame.name)
@@ -412,7 +437,9 @@ def _riders(model: Model, name: str) -> list[Path]:
         reached.update(below)
         waiting += below
     paths: list[Path] = [
-        ("frames", k, "placement") for k, f in enumerate(model.frames) if f.name in reached and f.name != name
+        ("frames", k, "placement")
+        for k, f in enumerate(model.frames)
+        if f.name in reached and f.name != name
     ]
     parts = [("base_inertias", k) for k in range(len(model.base_inertias))]
     for i, body in enumerate(model.bodies):

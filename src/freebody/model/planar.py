@@ -1,7 +1,7 @@
 """Planar arms from a word over R and P, with the notes' names and geometry.
 
-Frame i is fixed to link i at joint i, x along the link; the next joint sits at x = l_i, the centre of mass at
-x = lc_i. R turns by θ_i. P slides by d_i along its own x.
+Frame i is fixed to link i at joint i, x along the link; the next joint sits at x = l_i, the centre
+of mass at x = lc_i. R turns by θ_i. P slides by d_i along its own x.
 """
 
 from __future__ import annotations
@@ -40,12 +40,13 @@ def planar(
 ) -> Model:
     """A planar serial arm: planar("RR") is the notes' 2R, planar("PR") a cart with a pendulum.
 
-    word: letters R and P from the base outward. l, lc (m), m (kg), I (kg m² about the com): one entry a link, a
-    number, a name or None; without them parameters l1, lc1, m1, I1, … that have no value yet (a P link has l = 0
-    unless given). g: gravity along -y (m/s²), a name, or a vector. angles: constant turn of each joint's frame from the
-    frame before (rad); default 0 for R, 0 for P after an R or at the base, +π/2 for P after a P.
-    limits: (lower, upper) or Limits a joint. drives: friction, rotors and springs a joint. passive: names of the joints
-    that nothing drives, such as ["joint2"] of a cart with a pendulum.
+    word: letters R and P from the base outward. l, lc (m), m (kg), I (kg m² about the com): one
+    entry a link, a number, a name or None; without them parameters l1, lc1, m1, I1, … that have no
+    value yet (a P link has l = 0 unless given). g: gravity along -y (m/s²), a name, or a vector.
+    angles: constant turn of each joint's frame from the frame before (rad); default 0 for R, 0 for
+    P after an R or at the base, +π/2 for P after a P. limits: (lower, upper) or Limits a joint.
+    drives: friction, rotors and springs a joint. passive: names of the joints that nothing drives,
+    such as ["joint2"] of a cart with a pendulum.
     """
     description = describe(
         word,
@@ -80,7 +81,8 @@ def describe(
     """The links and joints of a planar word; arguments as in `planar`."""
     if not isinstance(word, str) or not word or set(word) - set("RP"):
         raise ModelError(
-            f"planar: the word {shown(word)} must be made of the letters R and P, such as 'RR' or 'RP'."
+            f"planar: the word {shown(word)} must be made of the letters R and P, such as 'RR' or "
+            f"'RP'."
         )
     if len(word) > MOST_LINKS:
         raise ModelError(
@@ -149,8 +151,10 @@ def _optional(name: str, given: Sequence | None, n: int) -> list:
 def _constant_turns(word: str, angles: Sequence[float] | None) -> list[float]:
     if angles is not None:
         return [
-            finite(a, f"planar: angles[{i}]") for i, a in enumerate(_optional("angles", angles, len(word)))
+            finite(a, f"planar: angles[{i}]")
+            for i, a in enumerate(_optional("angles", angles, len(word)))
         ]
     return [
-        math.pi / 2 if letter == "P" and i and word[i - 1] == "P" else 0.0 for i, letter in enumerate(word)
+        math.pi / 2 if letter == "P" and i and word[i - 1] == "P" else 0.0
+        for i, letter in enumerate(word)
     ]

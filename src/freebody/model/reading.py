@@ -1,4 +1,5 @@
-"""How the quantities of a model become scalars: as values here, in other ways by readers elsewhere."""
+"""How the quantities of a model become scalars: as values here, in other ways by readers
+elsewhere."""
 
 from __future__ import annotations
 
@@ -19,7 +20,8 @@ EXACT = 1e-12
 
 
 class Reader:
-    """Reads numbers as they are and parameters as their values; a subclass may read them as anything else."""
+    """Reads numbers as they are and parameters as their values; a subclass may read them as
+    anything else."""
 
     combines = True
     """Whether the inertias of links that are lumped may be added up as numbers."""
@@ -72,7 +74,8 @@ VALUES = Values()
 
 
 def exact_sin_cos(angle: float, tolerance: float = EXACT) -> tuple[float, float]:
-    """sin and cos, exactly 0 and ±1 within `tolerance` (rad) of a multiple of π/2; with 0 as computed."""
+    """sin and cos, exactly 0 and ±1 within `tolerance` (rad) of a multiple of π/2; with 0 as
+    computed."""
     if angle == 0.0:  # most are
         return 0.0, 1.0
     quarter = round(angle / (math.pi / 2))
@@ -86,4 +89,6 @@ def _exact_each(angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     quarter = np.round(angles / (math.pi / 2))
     right = np.abs(angles - quarter * (math.pi / 2)) <= EXACT
     table = np.array([(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)])[quarter.astype(int) % 4]
-    return np.where(right, table[..., 0], np.sin(angles)), np.where(right, table[..., 1], np.cos(angles))
+    return np.where(right, table[..., 0], np.sin(angles)), np.where(
+        right, table[..., 1], np.cos(angles)
+    )

@@ -13,7 +13,8 @@ from freebody.model.model import Model
 
 
 def require_model(name: str, model: object) -> None:
-    """Refuse what is no model; functions that are called a million times a second say so themselves."""
+    """Refuse what is no model; functions that are called a million times a second say so
+    themselves."""
     if not isinstance(model, Model):
         raise KindError(name, "the first argument", model, "a Model", _advice(name, model))
 
@@ -30,8 +31,8 @@ _OF_FAMILIES = ("parameters", "kernel", "reactions")
 
 
 def takes_model(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function under its public name, which refuses a first argument that is no model, or a family where it is
-    about one robot."""
+    """The function under its public name, which refuses a first argument that is no model, or a
+    family where it is about one robot."""
     require = require_model if name in _OF_FAMILIES else require_one
 
     @wraps(function)

@@ -1,4 +1,5 @@
-"""Shapes of links as a file gives them. No dynamics depends on them: masses are held against them, or estimated."""
+"""Shapes of links as a file gives them. No dynamics depends on them: masses are held against them,
+or estimated."""
 
 from __future__ import annotations
 
@@ -16,7 +17,8 @@ DENSEST, LIGHTEST = 20e3, 5.0
 
 @dataclass(frozen=True)
 class Shape:
-    """A box, cylinder or sphere, or the mesh in a file, placed in the link's frame; boxes and cylinders are centred."""
+    """A box, cylinder or sphere, or the mesh in a file, placed in the link's frame; boxes and
+    cylinders are centred."""
 
     kind: Literal["box", "cylinder", "sphere", "mesh"]
     size: tuple[float, ...]
@@ -38,7 +40,8 @@ class Shape:
 
     @property
     def radius(self) -> float:
-        """How far its farthest point is from its centre (m); of a mesh 0, it is not opened for this."""
+        """How far its farthest point is from its centre (m); of a mesh 0, it is not opened for
+        this."""
         if self.kind == "box":
             return 0.5 * float(np.linalg.norm(self.size))
         if self.kind == "cylinder":

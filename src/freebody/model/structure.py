@@ -1,13 +1,16 @@
-"""The structure of a model: what remains when its numbers are taken out. Code is compiled for a structure.
+"""The structure of a model: what remains when its numbers are taken out. Code is compiled for a
+structure.
 
-Structure: the tree, the kinds, axes and mimic ratios of joints, the kinds of loops, and of placements and of gravity's
-direction the entries that are exactly 0 or ±1 (of positions and gravity: exactly 0). Names are not part of it.
+Structure: the tree, the kinds, axes and mimic ratios of joints, the kinds of loops, and of
+placements and of gravity's direction the entries that are exactly 0 or ±1 (of positions and
+gravity: exactly 0). Names are not part of it.
 
-Numbers, in the order of `numbers`: of each body, parents first, the entries of its joint's placement that are not
-exact (of a rotation about a coordinate axis its cosine and sine), its mass, first moment and inertia about its origin,
-and, if any joint of the model has a drive, friction, rotor and spring; then gravity, the loops' distances and the
-mass of the base, and of closed chains the frames' poses. They are numbers whether zero or not. What each piece of a
-model contributes is found once and kept with the piece, so that a changed copy of a model costs what was changed.
+Numbers, in the order of `numbers`: of each body, parents first, the entries of its joint's
+placement that are not exact (of a rotation about a coordinate axis its cosine and sine), its mass,
+first moment and inertia about its origin, and, if any joint of the model has a drive, friction,
+rotor and spring; then gravity, the loops' distances and the mass of the base, and of closed chains
+the frames' poses. They are numbers whether zero or not. What each piece of a model contributes is
+found once and kept with the piece, so that a changed copy of a model costs what was changed.
 """
 
 from __future__ import annotations
@@ -58,7 +61,8 @@ _RECENT = 16
 
 
 class Structure:
-    """What models have in common that differ in numbers and names alone; equal structures are one object."""
+    """What models have in common that differ in numbers and names alone; equal structures are one
+    object."""
 
     def __init__(self, key: tuple[Any, ...], model: Model):
         self.key = key
@@ -82,7 +86,8 @@ class Structure:
         self.geometric = np.flatnonzero(
             [placed for row, placed in _pieces(model, self) for _ in range(row.shape[-1])]
         )
-        """Which of the numbers say where something is, or how far: the others are inertias, drives and gravity."""
+        """Which of the numbers say where something is, or how far: the others are inertias, drives
+        and gravity."""
 
 
 def structure_of(model: Model) -> Structure:
@@ -121,7 +126,8 @@ _recent: deque[Structure] = deque(maxlen=_RECENT)
 
 
 def numbers_of(model: Model) -> Array:
-    """The numbers (..., k) of a model with all values, in the order in which `Inputs` asks for them."""
+    """The numbers (..., k) of a model with all values, in the order in which `Inputs` asks for
+    them."""
     structure = model.structure
     found = model.__dict__.get("numbers")  # they may have come with it
     if found is None:
@@ -146,13 +152,14 @@ def _pieces(model: Model, structure: Structure) -> Iterator[tuple[Array, bool]]:
 
 
 def _own_frames(model: Model) -> tuple[str, ...]:
-    """The frames that belong to the structure: of a tree none, since a call brings along those that it asks for."""
+    """The frames that belong to the structure: of a tree none, since a call brings along those that
+    it asks for."""
     return model.frame_names if model.loops else ()
 
 
 class Inputs(Pieces):
-    """The pieces of a model with scalars in the place of its numbers, as they come in `numbers_of` and then those of
-    the poses of `frames`."""
+    """The pieces of a model with scalars in the place of its numbers, as they come in `numbers_of`
+    and then those of the poses of `frames`."""
 
     def __init__(
         self,
@@ -162,7 +169,9 @@ class Inputs(Pieces):
         shown: Sequence[bool] | None,
     ):
         super().__init__(of_dimension(model.dim), VALUES)
-        self.idle = {id(b) for b, s in zip(model.bodies, shown, strict=True) if not s} if shown else set()
+        self.idle = (
+            {id(b) for b, s in zip(model.bodies, shown, strict=True) if not s} if shown else set()
+        )
         self.scalars, self.chosen = scalars, frames
         self.driven = model.structure.driven
         self.used = 0
@@ -211,8 +220,9 @@ def tree_over(
 ) -> Tree:
     """The tree of a model's structure over scalars in the place of its numbers.
 
-    It holds `frames`, and of closed chains all others; the former's numbers stand at the end, one after the other.
-    shown: the bodies whose joints have a drive, where that counts; else all have one, or none.
+    It holds `frames`, and of closed chains all others; the former's numbers stand at the end, one
+    after the other. shown: the bodies whose joints have a drive, where that counts; else all have
+    one, or none.
     """
     return tree_of(model, Inputs(model, scalars, (*_own_frames(model), *frames), shown))
 

@@ -1,7 +1,7 @@
 """The model in scalars: what the algorithms run on.
 
-`lower` turns names and placements into numbers, or into whatever a reader makes of them. Joints become chains of
-primitives, in an order where parents come first.
+`lower` turns names and placements into numbers, or into whatever a reader makes of them. Joints
+become chains of primitives, in an order where parents come first.
 """
 
 from __future__ import annotations
@@ -57,8 +57,8 @@ class Coordinates:
 class Mass:
     """Mass m, with first moment h and inertia about a point c of the body, in its axes.
 
-    In the central form c is the centre of mass and h None. In the linear form c is the body's origin: there masses add
-    up entry by entry, and without mass nothing is divided by it.
+    In the central form c is the centre of mass and h None. In the linear form c is the body's
+    origin: there masses add up entry by entry, and without mass nothing is divided by it.
     """
 
     m: Scalar
@@ -104,12 +104,15 @@ class TreeBody:
     def rates(self, qd: Vector) -> Vector:
         """The joint's own rates, first or second."""
         at = self.coordinates
-        return tuple(qd[k] for k in at.v) if at.ratio == 1.0 else tuple(at.ratio * qd[k] for k in at.v)
+        return (
+            tuple(qd[k] for k in at.v) if at.ratio == 1.0 else tuple(at.ratio * qd[k] for k in at.v)
+        )
 
 
 @dataclass(frozen=True)
 class TreeLoop:
-    """A loop: its equations, its two frames, and how far apart their origins stay where it is a distance."""
+    """A loop: its equations, its two frames, and how far apart their origins stay where it is a
+    distance."""
 
     name: str
     closure: Closure
@@ -190,7 +193,8 @@ def lower(model: Model, reader: Reader) -> Tree:
 
 
 def tree_of(model: Model, pieces: Pieces) -> Tree:
-    """The model's tree, its pieces asked for in a fixed order: bodies, parents first; gravity; loops; base; frames."""
+    """The model's tree, its pieces asked for in a fixed order: bodies, parents first; gravity;
+    loops; base; frames."""
     space = pieces.space
     bodies: list[TreeBody] = []
     body_of: dict[int, int] = {-1: -1}
@@ -215,7 +219,10 @@ def tree_of(model: Model, pieces: Pieces) -> Tree:
                     R,
                     p,
                     Coordinates(
-                        at.q[iq : iq + primitive.nq], at.v[iv : iv + primitive.nv], at.ratio, at.offset
+                        at.q[iq : iq + primitive.nq],
+                        at.v[iv : iv + primitive.nv],
+                        at.ratio,
+                        at.offset,
                     ),
                     masses if last else (),
                     drive,
@@ -266,7 +273,9 @@ def _masses(space: AnySpace, parts: tuple[Attached, ...], reader: Reader) -> tup
     """Masses in the body's axes; those with numbers alone are made one."""
     varied = [any(each_parameter(a)) or bool(arrays_in(a)) for a in parts]
     plain = [
-        a for a, x in zip(parts, varied, strict=True) if not x and any((a.inertia.mass, *a.inertia.tensor))
+        a
+        for a, x in zip(parts, varied, strict=True)
+        if not x and any((a.inertia.mass, *a.inertia.tensor))
     ]
     named = [a for a, x in zip(parts, varied, strict=True) if x]
     # negative masses may add up to a first moment without mass, which has no centre
@@ -315,7 +324,10 @@ def about_origin(space: AnySpace, masses: Iterable[Mass]) -> Composite:
     total = None
     for mass in masses:
         about = space.zero if mass.h is None else mass.h
-        m, h = mass.m, scale(mass.m, mass.c) if mass.h is None else add(scale(mass.m, mass.c), mass.h)
+        m, h = (
+            mass.m,
+            scale(mass.m, mass.c) if mass.h is None else add(scale(mass.m, mass.c), mass.h),
+        )
         inertia = space.plus_inertia(mass.inertia, space.steiner(mass.m, about, mass.c))
         if total is not None:
             m, h, inertia = total[0] + m, add(total[1], h), space.plus_inertia(total[2], inertia)
@@ -328,7 +340,8 @@ def _is_nothing(mass: Mass) -> bool:
 
 
 def _is_zero(inertia: Scalar) -> bool:
-    """Whether all entries are the number 0, and none a parameter's scalar or an array of a family."""
+    """Whether all entries are the number 0, and none a parameter's scalar or an array of a
+    family."""
     for row in inertia if isinstance(inertia, tuple) else ((inertia,),):
         for x in row:
             if not isinstance(x, float) or x != 0.0:

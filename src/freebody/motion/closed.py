@@ -1,7 +1,8 @@
 """Integration of closed chains without drift: every step ends on the loops.
 
-The state is that of all joints, its acceleration from (5.29). Stages and steps of an explicit Runge-Kutta method leave
-the loops by their local error; they are moved back, positions and rates, by the shortest way.
+The state is that of all joints, its acceleration from (5.29). Stages and steps of an explicit
+Runge-Kutta method leave the loops by their local error; they are moved back, positions and rates,
+by the shortest way.
 """
 
 from __future__ import annotations
@@ -26,27 +27,29 @@ from freebody.trees.states import integrate
 
 EXPLICIT = ("DOP853", "RK45")
 _LEAST = 1e-13  # relative tolerance: rounding
-_SEEN = 1e-7  # singular values, relative to the largest, that a correction acts on where nothing is rounded
+# singular values, relative to the largest, that a correction acts on where nothing is rounded
+_SEEN = 1e-7
 _STRAIGHT = 0.1  # of a singular value: how far a position may be corrected along its direction
 
 
 def closed_scheme(system: System, tolerance: float, max_step: float) -> Scheme:
-    """Of a closed chain, tolerance being that of a step: every step is brought back onto the loops."""
+    """Of a closed chain, tolerance being that of a step: every step is brought back onto the
+    loops."""
 
     def rate(drive: Drive) -> Callable[[float, Array], Array]:
         def at(now: float, y: Array) -> Array:
-            # near a singular position the loops would pull back a stage that has left them, with great force
+            # near a singular position the loops would pull back a stage that has left them, with
+            # great force
             on = y if regular(system.model, system.split(y)[0]) else settled(system, y)
             return system.rate(np.asarray(now), on, drive(np.asarray(now), *system.split(on)))
 
         return at
 
-    # an angle of many turns is worth no less than a small one, so errors are not relative to the positions
+    # an angle of many turns is worth no less than a small one, so errors are not relative to the
+    # positions
     scale = np.concatenate([np.ones(system.layout.nq), rate_scale(system.model)])
     settings = {"rtol": _LEAST, "atol": tolerance * scale, "max_step": max_step}
-    reason = (
-        "The motion runs away, or the mechanism reaches a position from which its loops let it go no further."
-    )
+    reason = "The motion runs away, or the mechanism reaches a position from which its loops let it go no further."
 
     def require(drive: Drive, t: float, y0: Array) -> None:
         now, state = np.asarray(t), system.split(y0)
@@ -69,7 +72,8 @@ def settled(system: System, y: Array) -> Array:
     for _ in range(2):
         U, s, Vt = np.linalg.svd(scaled_jacobian(model, q), full_matrices=False)
         way = _divided(U.T @ scaled_residual(model, q), s, seen)
-        # a way longer than the singular value has left the neighbourhood in which the equation is straight
+        # a way longer than the singular value has left the neighbourhood in which the equation is
+        # straight
         way[np.abs(way) > _STRAIGHT * s] = 0.0
         q = integrate(model, q, -rates * (Vt.T @ way))
     J = scaled_jacobian(model, q)

@@ -30,8 +30,8 @@ _GOOD = 0.15  # regularity at which a home is as good as any
 
 
 def leaders(model: Model, q: Array) -> list[int]:
-    """Coordinates that determine all others near the closed position q (nq,): the driven joints' if they do, else the
-    choice of `mobility`."""
+    """Coordinates that determine all others near the closed position q (nq,): the driven joints' if
+    they do, else the choice of `mobility`."""
     N, _ = null_space(scaled_jacobian(model, q), RANK)
     driven = list(model.driven)
     if len(driven) == N.shape[1] and np.linalg.matrix_rank(N[driven], tol=1e-6) == len(driven):
@@ -40,8 +40,8 @@ def leaders(model: Model, q: Array) -> list[int]:
 
 
 def home(model: Model) -> Array:
-    """The closed position (nq,) next to the model's home; without one, a position within the limits from which the
-    mechanism moves well: the first good one, else the best."""
+    """The closed position (nq,) next to the model's home; without one, a position within the limits
+    from which the mechanism moves well: the first good one, else the best."""
     if model.home:
         return assemble(model)
     starts = [neutral(model), *(random_state(model, seed=k)[0] for k in range(_SEEDS))]
@@ -54,7 +54,9 @@ def home(model: Model) -> Array:
         if mobility(model, q).singular:
             continue
         N, _ = null_space(scaled_jacobian(model, q), RANK)
-        moving = int((np.linalg.norm(N, axis=1) > 1e-6).sum())  # in a folded position parts stand still
+        moving = int(
+            (np.linalg.norm(N, axis=1) > 1e-6).sum()
+        )  # in a folded position parts stand still
         found = -outside(model, q), moving, min(regularity(model, q, leaders(model, q)), _GOOD)
         if found > quality:
             best, quality = q, found
@@ -62,7 +64,8 @@ def home(model: Model) -> Array:
             break
     if best is None:
         raise LoopError(
-            f"no closed position of {model.name!r} was found from {len(starts)} starts; give a motion, or close it "
+            f"no closed position of {model.name!r} was found from {len(starts)} starts; give a "
+            f"motion, or close it "
             "with fb.assemble(model, q) from a better guess."
         )
     return best
@@ -84,7 +87,8 @@ def regularity(model: Model, q: Array, leading: Sequence[int]) -> float:
 
 
 def followed(model: Model, start: Array, leading: Sequence[int], way: Array) -> Array:
-    """Closed positions (T, nq) from the closed start (nq,), the leading coordinates moved by way (T, len(leading)).
+    """Closed positions (T, nq) from the closed start (nq,), the leading coordinates moved by way
+    (T, len(leading)).
 
     Raises LoopError with the sample where the loops let them go no further.
     """
@@ -105,7 +109,8 @@ def followed(model: Model, start: Array, leading: Sequence[int], way: Array) -> 
         moved = np.abs(difference(model, before, closed[0]) / rate_scale(model)).max()
         if left[0] > 1e-11 or moved > _JUMP or backward(model, closed).any():
             raise LoopError(
-                f"the loops of {model.name!r} let the driven joints go no further at sample {k}; make the motion "
+                f"the loops of {model.name!r} let the driven joints go no further at sample {k}; "
+                f"make the motion "
                 "smaller, or its samples closer."
             )
         before, done = closed[0], reached
@@ -121,10 +126,11 @@ def _missing(model: Model, start: Array, q: Array, leading: Sequence[int], reach
 
 
 def completed(model: Model, t: Array, columns: Mapping[str, Array], source: str) -> Motion:
-    """The motion (T samples) in which the positions named follow their columns (T,) and the loops lead the others.
+    """The motion (T samples) in which the positions named follow their columns (T,) and the loops
+    lead the others.
 
-    The positions named must determine the others; those that they do not need are held against what the loops say.
-    Raises LoopError.
+    The positions named must determine the others; those that they do not need are held against what
+    the loops say. Raises LoopError.
     """
     given = [name for name in model.position_names if name in columns]
     iq, iv = position_columns(model)
@@ -143,7 +149,8 @@ def completed(model: Model, t: Array, columns: Mapping[str, Array], source: str)
     start = assemble(model, start, free=others)
     if regularity(model, start, leading) < _TELLING:
         raise LoopError(
-            f"the positions of {', '.join(names)} do not determine those of the other joints of {model.name!r}; give "
+            f"the positions of {', '.join(names)} do not determine those of the other joints of "
+            f"{model.name!r}; give "
             f"those of {', '.join(model.driven_names)}."
         )
     way = np.stack([columns[name] - columns[name][0] for name in names], axis=-1)
@@ -153,8 +160,10 @@ def completed(model: Model, t: Array, columns: Mapping[str, Array], source: str)
         if off.max() > _AGREE * length(model):
             k = int(np.argmax(off))
             raise LoopError(
-                f"{name!r} is {columns[name][k]:.6g} at t = {t[k]:.6g} s, where the loops of {model.name!r} and "
-                f"{', '.join(names)} put it at {q[k, model.position_names.index(name)]:.6g}; leave the column out."
+                f"{name!r} is {columns[name][k]:.6g} at t = {t[k]:.6g} s, where the loops of "
+                f"{model.name!r} and "
+                f"{', '.join(names)} put it at {q[k, model.position_names.index(name)]:.6g}; leave "
+                f"the column out."
             )
     text = f"{source}; {', '.join(names)} as given, the others by the loops, rates by a spline through the positions"
     states = consistent_rates(model, t, q, at_rest=False)
@@ -162,7 +171,8 @@ def completed(model: Model, t: Array, columns: Mapping[str, Array], source: str)
 
 
 def consistent_rates(model: Model, t: Array, q: Array, at_rest: bool) -> tuple[Array, Array, Array]:
-    """(q, qd, qdd) of closed positions q (T, nq) at times t: differentiated, then made consistent with the loops."""
+    """(q, qd, qdd) of closed positions q (T, nq) at times t: differentiated, then made consistent
+    with the loops."""
     where = layout(model)
     q, qd, qdd = state_of(where, q, *derivatives(t, continuous(where, q), at_rest=at_rest))
     if redundancy(model).rank is not None:

@@ -1,4 +1,5 @@
-"""A motion for a robot of which nothing else is known: smooth, modest, within the limits, every joint at once."""
+"""A motion for a robot of which nothing else is known: smooth, modest, within the limits, every
+joint at once."""
 
 from __future__ import annotations
 
@@ -30,9 +31,10 @@ _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 def default_motion(model: Model, duration: float = DURATION, samples: int = SAMPLES) -> Motion:
     """A motion of every coordinate, from rest to rest, the same every time.
 
-    duration: s. samples: number of them. Each coordinate swings about a middle with its own phase and one to two
-    periods, under a window that brings rate and acceleration to zero at both ends; at most 0.7 rad or 0.15 m,
-    8 % clear of the limits and at 60 % of the speed limit. Free and spherical joints do likewise.
+    duration: s. samples: number of them. Each coordinate swings about a middle with its own phase
+    and one to two periods, under a window that brings rate and acceleration to zero at both ends;
+    at most 0.7 rad or 0.15 m, 8 % clear of the limits and at 60 % of the speed limit. Free and
+    spherical joints do likewise.
     """
     if duration <= 0:
         raise FreebodyError(f"default_motion: duration is {duration}, expected seconds above 0.")
@@ -56,12 +58,14 @@ def default_motion(model: Model, duration: float = DURATION, samples: int = SAMP
 
 
 def _of_closed_chain(model: Model, t: Array) -> Motion:
-    """The driven joints swing about a position from which the mechanism moves well, as far as its loops let them."""
+    """The driven joints swing about a position from which the mechanism moves well, as far as its
+    loops let them."""
     start = home(model)
     leading = leaders(model, start)
     if not leading:
         raise FreebodyError(
-            f"default_motion: the loops of {model.name!r} let nothing move; fb.mobility(model, q) counts its freedom."
+            f"default_motion: the loops of {model.name!r} let nothing move; fb.mobility(model, q) "
+            f"counts its freedom."
         )
     least = _CLEAR * regularity(model, start, leading)
     waves, _ = _waves(len(leading), len(t))
@@ -77,7 +81,8 @@ def _of_closed_chain(model: Model, t: Array) -> Motion:
         amplitude = 0.6 * amplitude
     else:
         raise LoopError(
-            f"default_motion: {model.name!r} hardly moves from {start}; give a motion of its driven joints."
+            f"default_motion: {model.name!r} hardly moves from {start}; give a motion of its "
+            f"driven joints."
         )
     names = ", ".join(model.velocity_names[k] for k in leading)
     swing = "swings" if len(leading) == 1 else "swing"
@@ -104,13 +109,16 @@ def _waves(n: int, samples: int) -> tuple[Array, Array]:
 
 
 def _swing(allowed: Ranges, speeds: Array) -> tuple[Array, Array]:
-    """Middle and amplitude (n,) of the coordinates; `speeds` are the largest of waves of amplitude 1 (1/s)."""
+    """Middle and amplitude (n,) of the coordinates; `speeds` are the largest of waves of amplitude
+    1 (1/s)."""
     lower, upper = allowed.lower, allowed.upper
     span = upper - lower
     modest = np.where(allowed.turns, *_MODEST)
     amplitude = np.minimum(modest, np.where(np.isfinite(span), (0.5 - _MARGIN) * span, np.inf))
     amplitude = np.minimum(amplitude, _SPEED * allowed.velocity / speeds)
-    clear = np.where(np.isfinite(span), _MARGIN * span, np.where(allowed.turns, 0.1, 0.02)) + amplitude
+    clear = (
+        np.where(np.isfinite(span), _MARGIN * span, np.where(allowed.turns, 0.1, 0.02)) + amplitude
+    )
     low, high = lower + clear, upper - clear
     n = len(lower)
     off = np.where(allowed.turns, *_OFF) * np.where(np.arange(n) % 2 == 0, 1.0, -1.0)

@@ -16,17 +16,22 @@ _SLOW = 1.0, 100  # s between samples, and so many of them
 
 
 def doubts(model: Model, t: Array, q: Array, told: frozenset[str], where: str) -> list[str]:
-    """Sentences on positions q (T, nq) and times t that are in SI units only if the motion is a strange one.
+    """Sentences on positions q (T, nq) and times t that are in SI units only if the motion is a
+    strange one.
 
-    told: columns whose unit was stated, which are believed. where: what the unit is written in, with a place for a name
-    and a unit.
+    told: columns whose unit was stated, which are believed. where: what the unit is written in,
+    with a place for a name and a unit.
     """
     iq, iv = position_columns(model)
     allowed = ranges(model)
     found: dict[bool, list[str]] = {True: [], False: []}
     words: dict[bool, str] = {}
     for a, k in zip(iq.tolist(), iv.tolist(), strict=True):
-        name, turns, far = model.position_names[a], bool(allowed.turns[k]), float(np.abs(q[:, a]).max())
+        name, turns, far = (
+            model.position_names[a],
+            bool(allowed.turns[k]),
+            float(np.abs(q[:, a]).max()),
+        )
         bound = max(abs(float(allowed.lower[k])), abs(float(allowed.upper[k])))
         ranged = np.isfinite(bound)
         limit = _BEYOND * bound if ranged else 2 * np.pi * _TURNS if turns else _FAR
@@ -35,10 +40,14 @@ def doubts(model: Model, t: Array, q: Array, told: frozenset[str], where: str) -
         found[turns].append(name)
         if turns not in words:
             size = f"{far:.3g} rad, {far / (2 * np.pi):.3g} turns" if turns else f"{far:.3g} m"
-            ends = f", where its range ends at {bound:.3g} {'rad' if turns else 'm'}" if ranged else ""
+            ends = (
+                f", where its range ends at {bound:.3g} {'rad' if turns else 'm'}" if ranged else ""
+            )
             words[turns] = f"{size}{ends}"
     sentences = [
-        _position(found[turns], words[turns], turns, where) for turns in (True, False) if found[turns]
+        _position(found[turns], words[turns], turns, where)
+        for turns in (True, False)
+        if found[turns]
     ]
     if "t" not in told and len(t) >= _SLOW[1] and np.median(np.diff(t)) >= _SLOW[0]:
         sentences.append(
@@ -52,4 +61,6 @@ def _position(names: list[str], reached: str, turns: bool, where: str) -> str:
     name, others = names[0], names[1:]
     rest = f" ({listed(others, 6)} likewise)" if others else ""
     unit, short = ("degrees", "deg") if turns else ("millimetres", "mm")
-    return f"{name} goes to {reached}{rest}. If these are {unit}, write {where.format(name, short)}."
+    return (
+        f"{name} goes to {reached}{rest}. If these are {unit}, write {where.format(name, short)}."
+    )

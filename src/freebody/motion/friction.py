@@ -35,7 +35,11 @@ class SmoothFriction:
         """What the drives must give to overcome it (..., nv), at rates qd (..., nv)."""
         if not self.acts:
             return np.zeros(qd.shape)
-        each = self.ratio * self.coulomb * np.tanh(qd[..., self.coordinate] * (self.ratio / self.width))
+        each = (
+            self.ratio
+            * self.coulomb
+            * np.tanh(qd[..., self.coordinate] * (self.ratio / self.width))
+        )
         return each @ self._sum
 
     @cached_property

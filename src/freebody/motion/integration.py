@@ -38,7 +38,8 @@ def step_tolerance(method: str, tolerance: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Scheme:
-    """How the states of a system move on: its rate under a torque, and what becomes of a state that was reached."""
+    """How the states of a system move on: its rate under a torque, and what becomes of a state that
+    was reached."""
 
     rate: Callable[[Drive], Callable[[float, Array], Array]]
     settled: Callable[[Array], Array]
@@ -56,17 +57,22 @@ def open_scheme(system: System, tolerance: float, max_step: float) -> Scheme:
     """Of a tree, tolerance being that of a step: quaternions are brought back to unit length."""
 
     def rate(drive: Drive) -> Callable[[float, Array], Array]:
-        return lambda now, y: system.rate(np.asarray(now), y, drive(np.asarray(now), *system.split(y)))
+        return lambda now, y: system.rate(
+            np.asarray(now), y, drive(np.asarray(now), *system.split(y))
+        )
 
     settings = {"rtol": tolerance, "atol": tolerance / 100, "max_step": max_step}
     reason = (
-        "The motion may run away or pass a state without finite acceleration; shorten the time, or check torques and "
+        "The motion may run away or pass a state without finite acceleration; shorten the time, or "
+        "check torques and "
         "masses."
     )
     return Scheme(rate, system.normalised, settings, lambda drive, t, y: None, False, reason)
 
 
-def integrated(system: System, scheme: Scheme, schedule: Schedule, t: Array, y0: Array, method: str) -> Array:
+def integrated(
+    system: System, scheme: Scheme, schedule: Schedule, t: Array, y0: Array, method: str
+) -> Array:
     """States (T, nq + nv) at the times t (T,), the first of them y0.
 
     The solver begins anew at each edge of the schedule, with the step that it had reached.
@@ -119,4 +125,6 @@ def _solver(
 
 def _refuse(scheme: Scheme, method: str, before: float, message: str | None) -> None:
     told = f" ({message.rstrip('.')})" if message else ""
-    raise FreebodyError(f"simulate: {method} stopped after t = {before:.6g} s{told}. {scheme.stopped}")
+    raise FreebodyError(
+        f"simulate: {method} stopped after t = {before:.6g} s{told}. {scheme.stopped}"
+    )

@@ -1,4 +1,5 @@
-"""Measured motions: whether noise makes their accelerations meaningless, and the motion without it."""
+"""Measured motions: whether noise makes their accelerations meaningless, and the motion without
+it."""
 
 from __future__ import annotations
 
@@ -20,10 +21,13 @@ from freebody.trees.coordinates import continuous, state_of
 REST = 1e-6
 """Of the fastest rate of its kind (turning, sliding): what is slower is at rest."""
 LOUD = 0.05
-"""Noise in an acceleration, as RMS over the largest acceleration of the motion, from which it is worth a word."""
+"""Noise in an acceleration, as RMS over the largest acceleration of the motion, from which it is
+worth a word."""
 _STILL = 3.0  # standard deviations of a rate's noise that are rest
 _GENTLE = 1e-2  # rad/s², m/s²: what a noise is held against where nothing accelerates more
-_ROUNDED = 64.0 * float(np.finfo(float).eps)  # of the largest position, over a step: a rate that is rounding
+_ROUNDED = 64.0 * float(
+    np.finfo(float).eps
+)  # of the largest position, over a step: a rate that is rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,13 +51,15 @@ class Noise:
 
 
 def smoothed(model: Model, motion: Motion, cutoff: float | None = None) -> Motion:
-    """The motion without what is faster than `cutoff` (Hz), without delay: for measured positions or rates.
+    """The motion without what is faster than `cutoff` (Hz), without delay: for measured positions
+    or rates.
 
-    The filter is the quintic smoothing spline: of a frequency f it passes 1 / (1 + (f / cutoff)⁶), the zero-phase
-    Butterworth filter of order 3. It acts on the positions; where rates were given, on the rates, which positions then
-    follow. cutoff: default by the residual analysis of Winter. Of a closed chain the positions of the driven joints are
-    smoothed and the loops lead the others. A rate within three standard deviations of the noise left in it is rest.
-    Raises FreebodyError where no noise is recognised and no cutoff given.
+    The filter is the quintic smoothing spline: of a frequency f it passes 1 / (1 + (f / cutoff)⁶),
+    the zero-phase Butterworth filter of order 3. It acts on the positions; where rates were given,
+    on the rates, which positions then follow. cutoff: default by the residual analysis of Winter.
+    Of a closed chain the positions of the driven joints are smoothed and the loops lead the others.
+    A rate within three standard deviations of the noise left in it is rest. Raises FreebodyError
+    where no noise is recognised and no cutoff given.
     """
     samples = _samples(motion)
     chosen = cutoff
@@ -61,14 +67,16 @@ def smoothed(model: Model, motion: Motion, cutoff: float | None = None) -> Motio
         sigma = noise(motion.t, samples)
         if not motion.differentiated or not sigma.any():
             raise FreebodyError(
-                "smoothed: no noise is recognised in the motion, which would tell a cutoff; name one (Hz), or leave "
+                "smoothed: no noise is recognised in the motion, which would tell a cutoff; name "
+                "one (Hz), or leave "
                 "the motion as it is."
             )
         chosen = best_cutoff(motion.t, samples, sigma)
     highest = 0.5 * (len(motion.t) - 1) / motion.duration
     if not 0.0 < chosen < highest:
         raise FreebodyError(
-            f"smoothed: the cutoff is {chosen:g} Hz, expected more than 0 and less than half the sampling rate, "
+            f"smoothed: the cutoff is {chosen:g} Hz, expected more than 0 and less than half the "
+            f"sampling rate, "
             f"{highest:.4g} Hz."
         )
     source = f"{motion.source}; smoothed: {chosen:.3g} Hz, without delay"
@@ -100,7 +108,8 @@ def recognised(model: Model, motion: Motion) -> Noise | None:
         return None
     cutoff = best_cutoff(motion.t, samples, sigma)
     clean = smoothed(model, motion, cutoff)
-    # what the filter takes away may be a vibration, or a corner of the path: no more than such noise explains counts
+    # what the filter takes away may be a vibration, or a corner of the path: no more than such
+    # noise explains counts
     rms = np.sqrt(((motion.qdd - clean.qdd) ** 2).mean(axis=0))
     rms = np.minimum(rms, _amplified(motion) * (sigma if motion.layout.flat else 2.0 * sigma.max()))
     turns = angular(model)
@@ -113,26 +122,30 @@ def recognised(model: Model, motion: Motion) -> Noise | None:
     of, unit = motion.differentiated, "rad" if turns[k] else "m"
     size = float(sigma[k]) if motion.layout.flat else float(sigma.max())
     text = (
-        f"The {of} carry noise (about {size:.2g} {unit}{'/s' if of == 'rates' else ''}), which differentiated gives "
+        f"The {of} carry noise (about {size:.2g} {unit}{'/s' if of == 'rates' else ''}), which "
+        f"differentiated gives "
         f"{model.velocity_names[k]} {rms[k]:.2g} {unit}/s² RMS of acceleration that is none, "
-        f"{f'{100 * share:.0f} % of the largest' if share < 10.0 else 'far above any'} of the motion."
+        f"{f'{100 * share:.0f} % of the largest' if share < 10.0 else 'far above any'} of the "
+        f"motion."
     )
     return Noise(of, size, model.velocity_names[k], float(rms[k]), share, cutoff, text)
 
 
 def _amplified(motion: Motion) -> float:
-    """RMS that white noise of unit size has in the accelerations, measured on some; of positions or of rates."""
+    """RMS that white noise of unit size has in the accelerations, measured on some; of positions or
+    of rates."""
     white = np.random.default_rng(0).normal(size=(len(motion.t), 8))
     found = derivatives(motion.t, white)[0 if motion.differentiated == "rates" else 1]
     return float(np.sqrt((found**2).mean()))
 
 
 def along_rates(t: Array, q: Array, rates: Array) -> tuple[Array, Array]:
-    """(positions, slope), each (T, n), of positions with noise brought in line with given rates, both (T, n).
+    """(positions, slope), each (T, n), of positions with noise brought in line with given rates,
+    both (T, n).
 
-    The rates are integrated, and the slow difference from the positions is added: what remains of it at the cutoff that
-    its noise asks for. The slope is that of the result. Positions without noise are left as they are, their slope being
-    differentiated.
+    The rates are integrated, and the slow difference from the positions is added: what remains of
+    it at the cutoff that its noise asks for. The slope is that of the result. Positions without
+    noise are left as they are, their slope being differentiated.
     """
     spline = make_interp_spline(t, rates, k=5 if len(t) >= 6 else 3)
     travelled = spline.antiderivative()(t)
@@ -148,11 +161,12 @@ def along_rates(t: Array, q: Array, rates: Array) -> tuple[Array, Array]:
 
 
 def rested(model: Model, motion: Motion, speed: Array | float = 0.0) -> Motion:
-    """The motion in which a coordinate slower than `speed`, or than a millionth of the fastest of its kind, is at rest.
+    """The motion in which a coordinate slower than `speed`, or than a millionth of the fastest of
+    its kind, is at rest.
 
-    A rate of 1e-14, such as differentiation leaves, would feel the whole Coulomb friction. Where nothing moves, what
-    the rounding of the positions leaves is rest, and in a coordinate that rests all along no acceleration either. Of a
-    closed chain all coordinates are at rest, or none is.
+    A rate of 1e-14, such as differentiation leaves, would feel the whole Coulomb friction. Where
+    nothing moves, what the rounding of the positions leaves is rest, and in a coordinate that rests
+    all along no acceleration either. Of a closed chain all coordinates are at rest, or none is.
     """
     turns, size = angular(model), np.abs(motion.qd)
     fastest = np.array([size[:, turns == kind].max() for kind in turns])
@@ -167,8 +181,8 @@ def rested(model: Model, motion: Motion, speed: Array | float = 0.0) -> Motion:
 
 
 def _rate_noise(motion: Motion, samples: Array, cutoff: float) -> Array | float:
-    """Standard deviation (nv,) of the noise that smoothing leaves in the rates; 0 with quaternions, which feel no
-    friction."""
+    """Standard deviation (nv,) of the noise that smoothing leaves in the rates; 0 with quaternions,
+    which feel no friction."""
     if not motion.layout.flat:
         return 0.0
     sigma, step = noise(motion.t, samples), motion.duration / (len(motion.t) - 1)

@@ -31,9 +31,11 @@ FEWEST = 4
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Motion(Tabled, ByValue):
-    """Samples of a motion, and between them the quintic through position, rate and acceleration at both ends.
+    """Samples of a motion, and between them the quintic through position, rate and acceleration at
+    both ends.
 
-    t: (T,) increasing, s. q: (T, nq). qd, qdd: (T, nv). rad and m. The curve has continuous accelerations.
+    t: (T,) increasing, s. q: (T, nq). qd, qdd: (T, nv). rad and m. The curve has continuous
+    accelerations.
     """
 
     t: Array
@@ -51,18 +53,22 @@ class Motion(Tabled, ByValue):
 
     def _title(self) -> str:
         return (
-            f"Motion: {counted(len(self.t), 'sample')}, {self.t[0]:.4g} to {self.t[-1]:.4g} s, {self.layout.nq} "
+            f"Motion: {counted(len(self.t), 'sample')}, {self.t[0]:.4g} to {self.t[-1]:.4g} s, "
+            f"{self.layout.nq} "
             f"positions; {self.source}"
         )
 
     def _table(self) -> Table:
         rows = [(f"q[{k}]", f"{x.min():.4g} … {x.max():.4g}") for k, x in enumerate(self.q.T)]
         rates = [
-            (f"{abs(v).max():.4g}", f"{abs(a).max():.4g}") for v, a in zip(self.qd.T, self.qdd.T, strict=True)
+            (f"{abs(v).max():.4g}", f"{abs(a).max():.4g}")
+            for v, a in zip(self.qd.T, self.qdd.T, strict=True)
         ]
         if self.layout.flat:
             rows = [(*row, *rate) for row, rate in zip(rows, rates, strict=True)]
-            return Table(("position", "range", "largest rate", "largest acceleration"), rows, self.notices)
+            return Table(
+                ("position", "range", "largest rate", "largest acceleration"), rows, self.notices
+            )
         return Table(("position", "range"), rows, self.notices)
 
     @property
@@ -96,10 +102,11 @@ def motion_of(
     source: str = "given as arrays",
     notices: tuple[str, ...] = (),
 ) -> Motion:
-    """A motion from samples t (T,), q (T, nq); rates and accelerations that are not given are differentiated.
+    """A motion from samples t (T,), q (T, nq); rates and accelerations that are not given are
+    differentiated.
 
-    Missing rates are those of the quintic spline through q (cubic below 6 samples); missing accelerations are those of
-    the same spline, or where qd is given, of the spline through qd.
+    Missing rates are those of the quintic spline through q (cubic below 6 samples); missing
+    accelerations are those of the same spline, or where qd is given, of the spline through qd.
     """
     times = vector_of_times(t)
     positions = vector("motion", model, "q", q)
@@ -121,7 +128,8 @@ def motion_of(
 
 
 def derivatives(t: Array, x: Array, at_rest: bool = False) -> tuple[Array, Array]:
-    """First and second derivative of samples x (T, n): of the quintic spline through them, cubic below 6 samples.
+    """First and second derivative of samples x (T, n): of the quintic spline through them, cubic
+    below 6 samples.
 
     at_rest: with rate and acceleration zero at both ends; otherwise not-a-knot.
     """
@@ -141,7 +149,9 @@ def vector_of_times(t: ArrayLike) -> Array:
     late = np.flatnonzero(np.diff(times) <= 0)
     if len(late):
         k = int(late[0]) + 1
-        raise FreebodyError(f"motion: t must increase; t[{k}] = {times[k]:g} follows {times[k - 1]:g}.")
+        raise FreebodyError(
+            f"motion: t must increase; t[{k}] = {times[k]:g} follows {times[k - 1]:g}."
+        )
     return times
 
 

@@ -20,10 +20,12 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Ranges:
-    """Per velocity coordinate, arrays (nv,): limits that allow motion, infinite where there are none.
+    """Per velocity coordinate, arrays (nv,): limits that allow motion, infinite where there are
+    none.
 
-    A speed or effort limit of 0 and a position range of no width count as absent (`Limits.meant`), and `notices` say
-    so. The range of a joint that others follow is narrowed to theirs, where they meet.
+    A speed or effort limit of 0 and a position range of no width count as absent (`Limits.meant`),
+    and `notices` say so. The range of a joint that others follow is narrowed to theirs, where they
+    meet.
     """
 
     lower: Array
@@ -34,7 +36,8 @@ class Ranges:
     """Whether the coordinate is an angle."""
     notices: tuple[str, ...]
     apart: tuple[str, ...] = ()
-    """Joints that follow another and whose range has nothing in common with that one's, in words."""
+    """Joints that follow another and whose range has nothing in common with that one's, in
+    words."""
 
     @property
     def middle(self) -> Array:
@@ -44,7 +47,8 @@ class Ranges:
 
     @property
     def width(self) -> Array:
-        """(nv,) range of each coordinate as a yardstick: upper - lower, or where that is infinite 2π rad, 1 m."""
+        """(nv,) range of each coordinate as a yardstick: upper - lower, or where that is infinite
+        2π rad, 1 m."""
         width = self.upper - self.lower
         return np.where(np.isfinite(width), width, np.where(self.turns, 2 * np.pi, 1.0))
 
@@ -61,7 +65,8 @@ def ranges(model: Model) -> Ranges:
     apart = tuple(_narrow(model, lower, upper, velocity))
     names = model.velocity_names
     notices = [
-        f"{what} of {listed(compress(names, bad), 6)} is zero in the model and is taken as not given."
+        f"{what} of {listed(compress(names, bad), 6)} is zero in the model and is taken as not "
+        f"given."
         for what, bad in (
             ("the position range", limits.lower == limits.upper),
             ("the speed limit", limits.velocity == 0),
@@ -87,7 +92,8 @@ def with_drive(model: Model) -> Flags:
 
 
 def position_columns(model: Model) -> tuple[Index, Index]:
-    """(iq, iv): entries of q and of q̇ that belong together, for coordinates that are not part of a quaternion."""
+    """(iq, iv): entries of q and of q̇ that belong together, for coordinates that are not part of a
+    quaternion."""
     iq: list[int] = []
     iv: list[int] = []
     for body, at in zip(model.bodies, model.coordinates, strict=True):
@@ -98,12 +104,15 @@ def position_columns(model: Model) -> tuple[Index, Index]:
 
 
 def _narrow(model: Model, lower: Array, upper: Array, velocity: Array) -> Iterator[str]:
-    """Bring the limits of followers to their leaders, where the ranges meet; yields who does not meet whom."""
+    """Bring the limits of followers to their leaders, where the ranges meet; yields who does not
+    meet whom."""
     for body, at in zip(model.bodies, model.coordinates, strict=True):
         limits, k = body.joint.limits.meant, at.v[0] if at.v else -1
         if body.joint.mimic is None or at.ratio == 0.0:
             continue
-        low, high = sorted(((limits.lower - at.offset) / at.ratio, (limits.upper - at.offset) / at.ratio))
+        low, high = sorted(
+            ((limits.lower - at.offset) / at.ratio, (limits.upper - at.offset) / at.ratio)
+        )
         low, high = max(low, lower[k]), min(high, upper[k])
         if low < high:
             lower[k], upper[k] = low, high

@@ -1,8 +1,8 @@
 """A motion's table as a CSV file holds it: columns by name, in SI units.
 
-A header names the columns, with a unit where it is not the SI's: `t` or `time`, `joint1 (deg)`, `joint1.v [deg/s]`.
-Columns are separated by commas, semicolons or tabs, whichever the header has; with the latter two a comma may be the
-decimal sign. What follows # is a comment.
+A header names the columns, with a unit where it is not the SI's: `t` or `time`, `joint1 (deg)`,
+`joint1.v [deg/s]`. Columns are separated by commas, semicolons or tabs, whichever the header has;
+with the latter two a comma may be the decimal sign. What follows # is a comment.
 """
 
 from __future__ import annotations
@@ -23,7 +23,10 @@ from freebody.motion.ranges import angular
 from freebody.outputs.text import as_meant
 
 TIMES = ("t", "time")
-_LARGEST, _MOST_VALUES = 256 * 2**20, 10_000_000  # bytes and cells of a file: hours of a robot's log
+_LARGEST, _MOST_VALUES = (
+    256 * 2**20,
+    10_000_000,
+)  # bytes and cells of a file: hours of a robot's log
 _DEGREE = math.pi / 180.0
 _UNITS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9},
@@ -75,13 +78,18 @@ def kinds(model: Model) -> dict[str, str]:
 
 
 def factor(column: str, unit: str, quantities: Mapping[str, str]) -> float | str:
-    """What a column in that unit is multiplied with to be in SI units; or what is wrong, as a sentence."""
+    """What a column in that unit is multiplied with to be in SI units; or what is wrong, as a
+    sentence."""
     ending = column[-2:] if column[-2:] in (".v", ".a") and column not in quantities else ""
     kind = "time" if column == "t" else quantities.get(column.removesuffix(ending), "number")
     known = {name + per: size for name, size in _UNITS[kind].items() for per in _PER[ending]}
     if unit in known:
         return known[unit]
-    what = {"": f"a{'n' if kind == 'angle' else ''} {kind}", ".v": "this rate", ".a": "this acceleration"}
+    what = {
+        "": f"a{'n' if kind == 'angle' else ''} {kind}",
+        ".v": "this rate",
+        ".a": "this acceleration",
+    }
     return f"{shown(unit)} is no unit of {what[ending]}; units: {', '.join(known)}."
 
 
@@ -92,7 +100,9 @@ def read_sheet(model: Model, path: Path) -> Sheet:
     rows = [(line, row) for line, row in lines if row.split("#")[0].strip(" ,;\t")]
     if not rows:
         raise FileError(
-            path, None, "the file is empty; a motion has a header, t and joint names, and a row a time."
+            path,
+            None,
+            "the file is empty; a motion has a header, t and joint names, and a row a time.",
         )
     line, first = rows[0]
     separator = next((mark for mark in (";", "\t") if mark in first), ",")
@@ -104,7 +114,9 @@ def read_sheet(model: Model, path: Path) -> Sheet:
     return Sheet(path, *_header(model, path, line, cells), separator, rows)
 
 
-def _header(model: Model, path: Path, line: int, cells: list[str]) -> tuple[list[str], Array, frozenset[str]]:
+def _header(
+    model: Model, path: Path, line: int, cells: list[str]
+) -> tuple[list[str], Array, frozenset[str]]:
     """Names, factors to SI units, and the names whose units are told."""
     quantities = kinds(model)
     header: dict[str, str] = {}  # name -> its cell
@@ -132,7 +144,9 @@ def _header(model: Model, path: Path, line: int, cells: list[str]) -> tuple[list
         told |= set() if unit is None else {name}
     if "t" not in header:
         raise FileError(
-            path, line, f"the header has no column 't' (time in s); it has {quoted(cells)}{_hint(cells)}."
+            path,
+            line,
+            f"the header has no column 't' (time in s); it has {quoted(cells)}{_hint(cells)}.",
         )
     return list(header), np.array(factors), frozenset(told)
 
@@ -146,12 +160,16 @@ def _hint(cells: list[str]) -> str:
     return ""
 
 
-def _numbers(path: Path, line: int, header: list[str], cells: list[str], separator: str) -> list[float]:
+def _numbers(
+    path: Path, line: int, header: list[str], cells: list[str], separator: str
+) -> list[float]:
     if len(cells) != len(header):
         hint = ""
         if separator == "," and len(cells) in (2 * len(header), 2 * len(header) - 1):
             hint = "; with decimal commas, separate the columns by semicolons"
-        raise FileError(path, line, f"{len(cells)} values, the header names {len(header)} columns{hint}.")
+        raise FileError(
+            path, line, f"{len(cells)} values, the header names {len(header)} columns{hint}."
+        )
     values = []
     for name, cell in zip(header, cells, strict=True):
         value = numbers.number(cell if separator == "," else cell.replace(",", ".", 1))

@@ -41,29 +41,35 @@ def simulate(
 ) -> xr.Dataset:
     """The motion over the times t (T,) from the state q (nq,), qd (nv,) at t[0].
 
-    torque: of the drives (N m, N): None for none; (nv,) constant; (T, nv) at the times t, straight lines between them,
-    integrated from row to row; or a function f(t, q, qd) -> (nv,). A function must be smooth but at its `breakpoints`
-    (s), where the integration is halted, so that no jump or bend is stepped over; max_step (s) bounds the steps
-    elsewhere. With sample_time (s) the function is a controller: called once at t[0], t[0] + sample_time, …, with the
-    state there, its torque held until the next. wrenches: constant, as for `inverse_dynamics`. method: one of scipy's
-    integrators; "auto" takes DOP853, or Radau (implicit) where friction makes the system stiff: where M⁻¹ times the
-    slope of the friction has an eigenvalue above 1000 over the duration. tolerance: how near the end is to be, relative
-    to the motion: the relative error of a step is a hundredth of it (of implicit methods, for what damps errors, as
-    much), the absolute one a hundredth of that. friction_width: Coulomb friction acts as c tanh(q̇ / width), rad/s or
-    m/s, so that a joint at rest creeps instead of sticking.
+    torque: of the drives (N m, N): None for none; (nv,) constant; (T, nv) at the times t, straight
+    lines between them, integrated from row to row; or a function f(t, q, qd) -> (nv,). A function
+    must be smooth but at its `breakpoints` (s), where the integration is halted, so that no jump or
+    bend is stepped over; max_step (s) bounds the steps elsewhere. With sample_time (s) the function
+    is a controller: called once at t[0], t[0] + sample_time, …, with the state there, its torque
+    held until the next. wrenches: constant, as for `inverse_dynamics`. method: one of scipy's
+    integrators; "auto" takes DOP853, or Radau (implicit) where friction makes the system stiff:
+    where M⁻¹ times the slope of the friction has an eigenvalue above 1000 over the duration.
+    tolerance: how near the end is to be, relative to the motion: the relative error of a step is a
+    hundredth of it (of implicit methods, for what damps errors, as much), the absolute one a
+    hundredth of that. friction_width: Coulomb friction acts as c tanh(q̇ / width), rad/s or m/s, so
+    that a joint at rest creeps instead of sticking.
 
-    Closed chains: the state must satisfy the loops; explicit methods only, each step projected back onto the loops
-    (positions and rates), so that there is no drift; loop_gap (m) and loop_rate (m/s) are part of the result.
+    Closed chains: the state must satisfy the loops; explicit methods only, each step projected back
+    onto the loops (positions and rates), so that there is no drift; loop_gap (m) and loop_rate
+    (m/s) are part of the result.
 
-    Returns a dataset over `time` with q, qd, qdd, tau, energies and powers, units as attributes; what was used stands
-    in its attributes. Raises SingularError for joints without inertia, PassiveJointError for a torque at a joint that
-    nothing drives, FreebodyError when the integration cannot go on.
+    Returns a dataset over `time` with q, qd, qdd, tau, energies and powers, units as attributes;
+    what was used stands in its attributes. Raises SingularError for joints without inertia,
+    PassiveJointError for a torque at a joint that nothing drives, FreebodyError when the
+    integration cannot go on.
     """
     times = _times(t)
     start = vector("simulate", model, "q", q), vector("simulate", model, "qd", qd)
     for name, value, size in (("q", start[0], model.nq), ("qd", start[1], model.nv)):
         if value.shape != (size,):
-            raise ShapeError("simulate", name, value.shape, f"({size},)", "one state is simulated at a time")
+            raise ShapeError(
+                "simulate", name, value.shape, f"({size},)", "one state is simulated at a time"
+            )
         refuse_not_finite("simulate", name, value, 1)
     known, of = (EXPLICIT, "simulate of a closed chain") if model.loops else (METHODS, "simulate")
     if method != "auto" and method not in known:
@@ -79,7 +85,8 @@ def simulate(
     if model.loops:
         require_closed("simulate", model, *start)
         chosen = "DOP853" if method == "auto" else method
-        # near a singular position accelerations are known to ten digits, and finer steps would chase their rounding
+        # near a singular position accelerations are known to ten digits, and finer steps would
+        # chase their rounding
         scheme = closed_scheme(whole, tolerance, max_step)
     else:
         chosen = method
@@ -131,7 +138,12 @@ def _dataset(
             "J",
             "kinetic energy, rotors included",
         ),
-        "potential_energy": (("time",), dynamics.potential_energy(model, q), "J", "of gravity and springs"),
+        "potential_energy": (
+            ("time",),
+            dynamics.potential_energy(model, q),
+            "J",
+            "of gravity and springs",
+        ),
         "power": (at, tau * qd, "W", "mechanical power of the drive"),
     }
     if model.loops:
@@ -142,7 +154,10 @@ def _dataset(
             variables[name] = (("time", "loop"), gaps(model, value), unit, text)
     friction = system.friction
     return xr.Dataset(
-        {name: (d, v, {"units": u, "long_name": text}) for name, (d, v, u, text) in variables.items()},
+        {
+            name: (d, v, {"units": u, "long_name": text})
+            for name, (d, v, u, text) in variables.items()
+        },
         {
             "time": ("time", t, {"units": "s", "long_name": "time"}),
             "position": list(model.position_names),

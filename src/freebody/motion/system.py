@@ -1,4 +1,5 @@
-"""A model as a system of first-order differential equations, ẏ = f(t, y) with y = (q, q̇), on compiled kernels."""
+"""A model as a system of first-order differential equations, ẏ = f(t, y) with y = (q, q̇), on
+compiled kernels."""
 
 from __future__ import annotations
 
@@ -51,11 +52,13 @@ class System:
     def rate(self, t: Array, y: Array, tau: Array) -> Array:
         """ẏ (..., nq + nv) under drive torques tau (..., nv).
 
-        A quaternion's rate is linear in it, so its length, which the integrator does not keep exactly, never affects
-        the rotation; kernels normalise.
+        A quaternion's rate is linear in it, so its length, which the integrator does not keep
+        exactly, never affects the rotation; kernels normalise.
         """
         q, qd = self.split(y)
-        return np.concatenate([position_rate(self.layout, q, qd), self.acceleration(t, q, qd, tau)], axis=-1)
+        return np.concatenate(
+            [position_rate(self.layout, q, qd), self.acceleration(t, q, qd, tau)], axis=-1
+        )
 
     def acceleration(self, t: Array, q: Array, qd: Array, tau: Array) -> Array:
         """q̈ (..., nv)."""
@@ -84,9 +87,13 @@ class System:
 
 
 def system(
-    model: Model, width: float = WIDTH, wrench_frames: tuple[str, ...] = (), loads: Loads | None = None
+    model: Model,
+    width: float = WIDTH,
+    wrench_frames: tuple[str, ...] = (),
+    loads: Loads | None = None,
 ) -> System:
-    """The system of a model; Coulomb friction is smoothed over `width`. Raises SingularError if M is singular."""
+    """The system of a model; Coulomb friction is smoothed over `width`. Raises SingularError if M
+    is singular."""
     smooth, friction = smooth_friction(model, width)
     if model.loops:
         forward: Callable[..., Array] = partial(accelerations, smooth, wrench_frames)
@@ -98,7 +105,8 @@ def system(
 
 
 def decay_rate(model: Model, friction: SmoothFriction, q: Array) -> float:
-    """The fastest rate (1/s) at which friction damps a motion at q (..., nq): largest eigenvalue of M⁻¹ D."""
+    """The fastest rate (1/s) at which friction damps a motion at q (..., nq): largest eigenvalue of
+    M⁻¹ D."""
     damping = friction.steepest()
     for body in model.tree.bodies:
         if body.drive is not None:
@@ -112,7 +120,8 @@ def decay_rate(model: Model, friction: SmoothFriction, q: Array) -> float:
 
 
 def suited_method(model: Model, friction: SmoothFriction, q: Array, duration: float) -> str:
-    """ "Radau" (implicit) where friction makes the system stiff over the duration, else "DOP853" (explicit)."""
+    """ "Radau" (implicit) where friction makes the system stiff over the duration, else "DOP853"
+    (explicit)."""
     return "Radau" if decay_rate(model, friction, q) * duration > _IMPLICIT_FROM else "DOP853"
 
 

@@ -1,8 +1,9 @@
 """Motions from CSV files and xarray datasets.
 
-A header names the columns: `t` or `time` and the coordinates of the positions as the model names them; `name.v` and
-`name.a` give rates and accelerations of a coordinate, which are otherwise differentiated (see `motion_of`). Units are
-the SI's and radians unless the header says `joint1 (deg)`, or the variable of a dataset has the attribute `units`.
+A header names the columns: `t` or `time` and the coordinates of the positions as the model names
+them; `name.v` and `name.a` give rates and accelerations of a coordinate, which are otherwise
+differentiated (see `motion_of`). Units are the SI's and radians unless the header says `joint1
+(deg)`, or the variable of a dataset has the attribute `units`.
 """
 
 from __future__ import annotations
@@ -30,16 +31,19 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _UNIT = 1e-3  # how far a quaternion of a file, printed with few digits, may be off unit length
-_DISAGREE = 0.05  # given rates this far from the differentiated ones, over the largest, are worth a word
+_DISAGREE = (
+    0.05  # given rates this far from the differentiated ones, over the largest, are worth a word
+)
 
 
 def read_motion(model: Model, path: str | os.PathLike[str]) -> Motion:
-    """The motion in a CSV file: a header with `t` and the model's position names, then a row a time.
+    """The motion in a CSV file: a header with `t` and the model's position names, then a row a
+    time.
 
-    SI units and radians, or the unit that stands behind a name: `joint1 (deg)`, `t [ms]`. Separated by commas, or by
-    semicolons or tabs with decimal points or commas; what follows # is a comment. Positions with noise beside rates are
-    brought in line with these; a rate below a millionth of the fastest of its kind is rest. Raises FileError with the
-    line.
+    SI units and radians, or the unit that stands behind a name: `joint1 (deg)`, `t [ms]`. Separated
+    by commas, or by semicolons or tabs with decimal points or commas; what follows # is a comment.
+    Positions with noise beside rates are brought in line with these; a rate below a millionth of
+    the fastest of its kind is rest. Raises FileError with the line.
     """
     file = Path(path)
     sheet = read_sheet(model, file)
@@ -63,7 +67,8 @@ def read_motion(model: Model, path: str | os.PathLike[str]) -> Motion:
 
 
 def motion_from_dataset(model: Model, data: xr.Dataset) -> Motion:
-    """The motion in a dataset with a coordinate `time` (or `t`) and a variable for each position name."""
+    """The motion in a dataset with a coordinate `time` (or `t`) and a variable for each position
+    name."""
     named = {str(name): data[name] for name in data.variables}
     times = named.pop("time", None)
     times = named.pop("t", times) if times is None else times
@@ -72,7 +77,9 @@ def motion_from_dataset(model: Model, data: xr.Dataset) -> Motion:
     header = ["t", *(name for name, value in named.items() if value.dims == times.dims)]
 
     def problem(text: str, row: int | None = None) -> FreebodyError:
-        return FreebodyError(f"motion: the dataset: {text}" + ("" if row is None else f" (sample {row})"))
+        return FreebodyError(
+            f"motion: the dataset: {text}" + ("" if row is None else f" (sample {row})")
+        )
 
     _check_names(model, header, problem)
     columns = {"t": np.asarray(times.values, dtype=float)}
@@ -80,7 +87,9 @@ def motion_from_dataset(model: Model, data: xr.Dataset) -> Motion:
     told = set()
     for name, column in columns.items():
         if not np.isfinite(column).all():
-            raise problem(f"{name!r} holds a value that is not finite.", int(np.argmax(~np.isfinite(column))))
+            raise problem(
+                f"{name!r} holds a value that is not finite.", int(np.argmax(~np.isfinite(column)))
+            )
         unit = (times if name == "t" else named[name]).attrs.get("units")
         if isinstance(unit, str):
             size = factor(name, unit.strip(), kinds(model))
@@ -96,7 +105,8 @@ def motion_from_dataset(model: Model, data: xr.Dataset) -> Motion:
 def _doubted(
     model: Model, motion: Motion, columns: Mapping[str, Array], told: frozenset[str], where: str
 ) -> Motion:
-    """The motion with a notice on what looks like another unit; positions that were not given are not looked at."""
+    """The motion with a notice on what looks like another unit; positions that were not given are
+    not looked at."""
     found = told | {name for name in model.position_names if name not in columns}
     said = doubts(model, motion.t, motion.q, found, where)
     return replace(motion, notices=(*said, *motion.notices))
@@ -115,9 +125,13 @@ def _check_names(model: Model, header: list[str], problem: Any) -> None:
     for name in header:
         if name in listed:
             continue
-        if name[-2:] in (".v", ".a") and name[:-2] in (*model.position_names, *model.velocity_names):
+        if name[-2:] in (".v", ".a") and name[:-2] in (
+            *model.position_names,
+            *model.velocity_names,
+        ):
             raise problem(
-                f"column {name!r}: rates of a joint with a quaternion are differentiated; remove the column."
+                f"column {name!r}: rates of a joint with a quaternion are differentiated; remove "
+                f"the column."
             )
         unknown = str(UnknownNameError("column", name, f"a motion of {model.name!r}", known))
         raise problem(f"{unknown[:-1]}; a column that is no part of the motion must be removed.")
@@ -127,27 +141,35 @@ def _check_names(model: Model, header: list[str], problem: Any) -> None:
         _check_leaders(model, header, problem)
     elif missing:
         raise problem(
-            f"there is no column for {quoted(missing)}; a motion gives every position of {model.name!r}."
+            f"there is no column for {quoted(missing)}; a motion gives every position of "
+            f"{model.name!r}."
         )
 
 
 def _check_leaders(model: Model, header: list[str], problem: Any) -> None:
     """Of a closed chain some positions suffice; rates follow from the loops."""
-    rates = [name for name in header if name[-2:] in (".v", ".a") and name not in model.position_names]
+    rates = [
+        name for name in header if name[-2:] in (".v", ".a") and name not in model.position_names
+    ]
     if rates:
         raise problem(
-            f"column {rates[0]!r}: the rates of a closed chain are found from its positions; remove the column."
+            f"column {rates[0]!r}: the rates of a closed chain are found from its positions; "
+            f"remove the column."
         )
     if not set(header) & set(model.position_names):
         drives = ", ".join(model.driven_names)
-        raise problem(f"there is no position; a motion gives at least those of the driven joints: {drives}.")
+        raise problem(
+            f"there is no position; a motion gives at least those of the driven joints: {drives}."
+        )
 
 
 def _motion(model: Model, t: Array, columns: dict[str, Array], source: str, problem: Any) -> Motion:
     return rested(model, _as_given(model, t, columns, source, problem))
 
 
-def _as_given(model: Model, t: Array, columns: dict[str, Array], source: str, problem: Any) -> Motion:
+def _as_given(
+    model: Model, t: Array, columns: dict[str, Array], source: str, problem: Any
+) -> Motion:
     if len(t) < FEWEST:
         raise problem(f"{len(t)} samples; a motion needs at least {FEWEST}.")
     if model.loops:
@@ -178,7 +200,8 @@ def _as_given(model: Model, t: Array, columns: dict[str, Array], source: str, pr
             qdd[:, kv] = columns[f"{name}.a"]
     if off:
         notices.append(
-            f"The rates given for {quoted(off)} differ from the slope of the positions by more than 5 %."
+            f"The rates given for {quoted(off)} differ from the slope of the positions by more "
+            f"than 5 %."
         )
     accelerated = all(f"{name}.a" in columns for name in model.position_names)
     return replace(
@@ -202,7 +225,8 @@ def _in_line(model: Model, moved: Array) -> list[str]:
     k = int(np.argmax(moved.max(axis=0)))
     unit = "rad" if angular(model)[k] else "m"
     return [
-        f"The positions carry noise and were brought in line with the rates given, by at most {moved.max():.2g} {unit} "
+        f"The positions carry noise and were brought in line with the rates given, by at most "
+        f"{moved.max():.2g} {unit} "
         f"({model.position_names[k]})."
     ]
 
@@ -216,7 +240,9 @@ def _unit(model: Model, q: Array, problem: Any) -> Array:
             row = int(np.argmax(off > _UNIT))
             size = float(np.linalg.norm(q[row, iq]))
             raise problem(
-                f"the quaternion {quoted(model.position_names[iq])} has length {size:.4g}, expected 1.", row
+                f"the quaternion {quoted(model.position_names[iq])} has length {size:.4g}, "
+                f"expected 1.",
+                row,
             )
     return state_of(where, q, np.zeros_like(q), np.zeros_like(q))[0]
 

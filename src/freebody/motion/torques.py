@@ -1,4 +1,5 @@
-"""The torque of a simulation over time: the times between which it is smooth, and what it is there."""
+"""The torque of a simulation over time: the times between which it is smooth, and what it is
+there."""
 
 from __future__ import annotations
 
@@ -35,7 +36,11 @@ class Schedule:
 
 
 def schedule(
-    model: Model, t: Array, torque: Torque, breakpoints: ArrayLike = (), sample_time: float | None = None
+    model: Model,
+    t: Array,
+    torque: Torque,
+    breakpoints: ArrayLike = (),
+    sample_time: float | None = None,
 ) -> Schedule:
     """The schedule of what `simulate` was given; t (T,) are its times."""
     ends = t[[0, -1]]
@@ -43,7 +48,9 @@ def schedule(
     if callable(torque):
         function = _checked(model, torque)
         if sample_time is None:
-            return _of_function(function, np.concatenate([ends, jumps[(jumps > t[0]) & (jumps < t[-1])]]))
+            return _of_function(
+                function, np.concatenate([ends, jumps[(jumps > t[0]) & (jumps < t[-1])]])
+            )
         if len(jumps):
             raise FreebodyError(
                 "simulate: breakpoints= and sample_time= exclude each other; give one of them."
@@ -52,7 +59,8 @@ def schedule(
     for name, told in (("breakpoints", bool(len(jumps))), ("sample_time", sample_time is not None)):
         if told:
             raise FreebodyError(
-                f"simulate: {name}= is about a torque that is a function f(t, q, qd); a table is stepped from row to "
+                f"simulate: {name}= is about a torque that is a function f(t, q, qd); a table is "
+                f"stepped from row to "
                 "row as it is. Leave it out."
             )
     table = np.zeros(model.nv) if torque is None else _table(model, t, torque)
@@ -75,7 +83,8 @@ def _of_table(t: Array, table: Array) -> Schedule:
 
 
 def _of_function(function: Drive, edges: Array) -> Schedule:
-    """A function that is smooth between the edges, on either side of which its value at an edge may count."""
+    """A function that is smooth between the edges, on either side of which its value at an edge may
+    count."""
     edges = np.unique(edges)
     first, last = edges[:-1].copy(), edges[1:].copy()
     first[1:], last[:-1] = np.nextafter(first[1:], np.inf), np.nextafter(last[:-1], -np.inf)
@@ -95,7 +104,8 @@ def _sampled(function: Drive, start: float, end: float, sample_time: float) -> S
     count = (end - start) / sample_time
     if count > _MOST:
         raise FreebodyError(
-            f"simulate: sample_time is {sample_time:g} s, {count:.3g} instants in this run; {_MOST} are the most."
+            f"simulate: sample_time is {sample_time:g} s, {count:.3g} instants in this run; "
+            f"{_MOST} are the most."
         )
     instants = start + sample_time * np.arange(max(1, int(np.ceil(count - _SAME))))
     held: list[Array] = []
@@ -114,7 +124,9 @@ def _sampled(function: Drive, start: float, end: float, sample_time: float) -> S
 def _breakpoints(given: ArrayLike) -> Array:
     times = as_floats("simulate", "breakpoints", given)
     if times.ndim != 1:
-        raise FreebodyError(f"simulate: breakpoints has shape {times.shape}, expected a list of times.")
+        raise FreebodyError(
+            f"simulate: breakpoints has shape {times.shape}, expected a list of times."
+        )
     refuse_not_finite("simulate", "breakpoints", times, 0)
     return times
 
@@ -126,14 +138,19 @@ def _table(model: Model, t: Array, torque: ArrayLike) -> Array:
         torque = vector("simulate", model, "tau", torque)
     table = as_floats("simulate", "torque", torque)
     if table.shape not in ((model.nv,), (len(t), model.nv)):
-        check_core("simulate", "torque", table, (model.nv,), f"model {model.name!r} has nv = {model.nv}")
+        check_core(
+            "simulate", "torque", table, (model.nv,), f"model {model.name!r} has nv = {model.nv}"
+        )
         raise FreebodyError(
-            f"simulate: torque has shape {table.shape}, expected ({model.nv},), ({len(t)}, {model.nv}) or a function."
+            f"simulate: torque has shape {table.shape}, expected ({model.nv},), ({len(t)}, "
+            f"{model.nv}) or a function."
         )
     if table.ndim == 2 and rows is not None and np.abs(rows - t).max() > _SAME * (t[-1] - t[0]):
         raise FreebodyError(
-            f"simulate: the rows of torque are labelled {rows[0]:g} to {rows[-1]:g}, which are not the times t, "
-            f"{t[0]:g} to {t[-1]:g} s. Interpolate the table at t, or give its plain array if its rows are those at t."
+            f"simulate: the rows of torque are labelled {rows[0]:g} to {rows[-1]:g}, which are not "
+            f"the times t, "
+            f"{t[0]:g} to {t[-1]:g} s. Interpolate the table at t, or give its plain array if its "
+            f"rows are those at t."
         )
     refuse_not_finite("simulate", "torque", table, 1, model.velocity_names)
     refuse_passive("simulate", model, table)
@@ -149,7 +166,13 @@ def _checked(model: Model, function: Callable[[float, Array, Array], ArrayLike])
             tau = vector("simulate", model, "tau", tau)
         tau = np.array(tau, dtype=float)
         if tau.shape != (model.nv,):
-            check_core("simulate", "what torque(t, q, qd) returns", tau, (model.nv,), f"model {model.name!r}")
+            check_core(
+                "simulate",
+                "what torque(t, q, qd) returns",
+                tau,
+                (model.nv,),
+                f"model {model.name!r}",
+            )
         if model.passive and np.isfinite(tau).all():
             refuse_passive("simulate", model, tau)
         return tau

@@ -1,4 +1,5 @@
-"""Ways to execute an item: as an answer to be checked, as a relation, against printed digits, by a function."""
+"""Ways to execute an item: as an answer to be checked, as a relation, against printed digits, by a
+function."""
 
 from __future__ import annotations
 
@@ -66,22 +67,29 @@ class Answer:
             return Outcome(False, (_sentence(problem.problem.removeprefix("check: ")),))
         lines = []
         for equation in verdict.equations:
-            lines += [*equation.causes, *(f"{equation.name}: {x.message}" for x in equation.findings)]
+            lines += [
+                *equation.causes,
+                *(f"{equation.name}: {x.message}" for x in equation.findings),
+            ]
         lines = lines or [
-            f"{equation.name}, {equation.title}: equal, term by term." for equation in verdict.equations
+            f"{equation.name}, {equation.title}: equal, term by term."
+            for equation in verdict.equations
         ]
         example = next((e.example_text for e in verdict.equations if e.example_text), "")
-        example = example.replace("For example, at", "At").replace("yours is", "the printed form gives")
+        example = example.replace("For example, at", "At").replace(
+            "yours is", "the printed form gives"
+        )
         return Outcome(bool(verdict), tuple(lines), example)
 
 
 # ---------------------------------------------------------------- as a relation
 @dataclass(frozen=True)
 class Related:
-    """The form is a relation between quantities; `values` is the call that gives them, or a function without arguments.
+    """The form is a relation between quantities; `values` is the call that gives them, or a
+    function without arguments.
 
-    links: the form holds for link i, and is tried at each of these. also: a further relation that has to hold, which
-    proves the form in another way, such as by differentiation.
+    links: the form holds for link i, and is tried at each of these. also: a further relation that
+    has to hold, which proves the form in another way, such as by differentiation.
     """
 
     values: str | Callable[[], Mapping[str, Any]] = f"fb.quantities({ARM})"
@@ -137,7 +145,9 @@ class Related:
         if not one_of_many or len(name) > SHORT:
             return outcome
         first, *rest = outcome.lines
-        return Outcome(outcome.holds, (f"{name}: {first[0].lower()}{first[1:]}", *rest), outcome.example)
+        return Outcome(
+            outcome.holds, (f"{name}: {first[0].lower()}{first[1:]}", *rest), outcome.example
+        )
 
     def _one(self, form: str) -> Outcome:
         values = self._values
@@ -145,21 +155,31 @@ class Related:
             try:
                 found = relation(values, form, link=n)
             except UnknownNameError as problem:
-                return Outcome(False, (str(problem).split(".")[0] + ": it is used, and defined nowhere.",))
+                return Outcome(
+                    False, (str(problem).split(".")[0] + ": it is used, and defined nowhere.",)
+                )
             except FormulaError as problem:
                 return Outcome(False, (_sentence(str(problem)),))
             outcome = told(found, values)
             if not outcome.holds:
-                return outcome if not n else Outcome(False, (f"i = {n}:", *outcome.lines), outcome.example)
+                return (
+                    outcome
+                    if not n
+                    else Outcome(False, (f"i = {n}:", *outcome.lines), outcome.example)
+                )
         if self.links:
-            return Outcome(True, (f"{outcome.lines[0]} (for i = {_listed(self.links)})", *outcome.lines[1:]))
+            return Outcome(
+                True, (f"{outcome.lines[0]} (for i = {_listed(self.links)})", *outcome.lines[1:])
+            )
         return outcome
 
 
 def _vectors(values: Mapping[str, Any]) -> Collection[str]:
     """Names of vectors and matrices, also of those given for each of several bodies."""
     made_plain = {name: plain(x) for name, x in values.items()}
-    return frozenset(name for name, x in made_plain.items() if rank(x[0] if isinstance(x, Each) else x))
+    return frozenset(
+        name for name, x in made_plain.items() if rank(x[0] if isinstance(x, Each) else x)
+    )
 
 
 def _listed(numbers: tuple[int, ...]) -> str:
@@ -167,7 +187,8 @@ def _listed(numbers: tuple[int, ...]) -> str:
 
 
 LONGEST, MOST_TERMS, SHORT = 160, 24, 70
-"""Letters and terms of a value that is shown in a line of evidence; letters of an equation that stands before it."""
+"""Letters and terms of a value that is shown in a line of evidence; letters of an equation that
+stands before it."""
 
 
 def told(found: Relation, values: Mapping[str, Any]) -> Outcome:
@@ -178,7 +199,11 @@ def told(found: Relation, values: Mapping[str, Any]) -> Outcome:
         how = "the same polynomials" if found.exact else "the same numbers"
         return Outcome(True, (f"Both sides are {how}{_shown(found.sides[0], values)}.",))
     difference = tuple(x for x in found.differences if not _nothing(x))
-    text = "; ".join(str(form(x, values)) for x in difference) if _terms(difference) <= MOST_TERMS else ""
+    text = (
+        "; ".join(str(form(x, values)) for x in difference)
+        if _terms(difference) <= MOST_TERMS
+        else ""
+    )
     line = "The sides differ" + (f" by {text}" if 0 < len(text) <= LONGEST else "") + "."
     example = found.example()
     if example is None:
@@ -203,7 +228,11 @@ def form(x: Any, values: Mapping[str, Any]) -> Any:
 
 
 def _nothing(x: Any) -> bool:
-    return x.is_zero if hasattr(x, "is_zero") else bool(np.all(np.abs(np.asarray(x, dtype=float)) < 1e-12))
+    return (
+        x.is_zero
+        if hasattr(x, "is_zero")
+        else bool(np.all(np.abs(np.asarray(x, dtype=float)) < 1e-12))
+    )
 
 
 def _terms(x: Any) -> int:
@@ -233,7 +262,8 @@ def number(x: Any, digits: int = 6) -> str:
 # ---------------------------------------------------------------- against printed digits
 @dataclass(frozen=True)
 class Digits:
-    """The left side is computed, the right side are numbers as printed: equal to one unit of their last digit."""
+    """The left side is computed, the right side are numbers as printed: equal to one unit of their
+    last digit."""
 
     values: Callable[[], Mapping[str, Any]]
 
@@ -248,7 +278,8 @@ class Digits:
     def run(self, form: str) -> Outcome:
         outcomes = [self._one(part) for part in parts(form)]
         return Outcome(
-            bool(outcomes) and all(o.holds for o in outcomes), tuple(x for o in outcomes for x in o.lines)
+            bool(outcomes) and all(o.holds for o in outcomes),
+            tuple(x for o in outcomes for x in o.lines),
         )
 
     def _one(self, form: str) -> Outcome:
@@ -280,7 +311,8 @@ class Run:
 # ---------------------------------------------------------------- by reading
 @dataclass(frozen=True)
 class Reading:
-    """Words that nothing executes: the form is held against what has to stand there, for the reason given."""
+    """Words that nothing executes: the form is held against what has to stand there, for the reason
+    given."""
 
     right: str
     reason: str
@@ -303,4 +335,6 @@ def source(function: Callable[..., Any]) -> str:
             k for k in range(start + 1, len(lines)) if '"""' in lines[k]
         )  # fmt: skip
         lines = lines[:start] + lines[end + 1 :]
-    return "\n".join(line.replace("  # fmt: skip", "") for line in lines if not line.startswith("@"))
+    return "\n".join(
+        line.replace("  # fmt: skip", "") for line in lines if not line.startswith("@")
+    )

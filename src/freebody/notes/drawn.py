@@ -1,4 +1,5 @@
-"""A figure executed: drawn from a model, and what has to be in it looked for in the drawing's data."""
+"""A figure executed: drawn from a model, and what has to be in it looked for in the drawing's
+data."""
 
 from __future__ import annotations
 
@@ -63,7 +64,8 @@ class Panel:
 
 @dataclass(frozen=True)
 class Drawn:
-    """needs: names of what has to be in each drawing; the form relates the facts that are read off the drawing."""
+    """needs: names of what has to be in each drawing; the form relates the facts that are read off
+    the drawing."""
 
     number: str
     needs: tuple[tuple[str, ...], ...]
@@ -84,7 +86,9 @@ class Drawn:
             return Outcome(False, (str(problem),))
         outcome = Related(lambda: self.facts(Panel(figure))).run(form)
         listed = [", ".join(names) for names in self.needs]
-        return Outcome(outcome.holds, (f"Drawn, with {'; '.join(listed)}.", *outcome.lines), outcome.example)
+        return Outcome(
+            outcome.holds, (f"Drawn, with {'; '.join(listed)}.", *outcome.lines), outcome.example
+        )
 
 
 @dataclass(frozen=True)
@@ -106,5 +110,7 @@ class Caption:
             if words in form:
                 missing = [name for name in names if name not in there]
                 holds = holds and not missing
-                lines.append(f"“{words}”: {'no ' + ', '.join(missing) if missing else 'all is there'}.")
+                lines.append(
+                    f"“{words}”: {'no ' + ', '.join(missing) if missing else 'all is there'}."
+                )
         return Outcome(holds and bool(lines), tuple(lines))

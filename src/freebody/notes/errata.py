@@ -17,7 +17,8 @@ _WORDS = {
 
 
 def errata(findings: Sequence[Finding]) -> str:
-    """The list: place, what is printed, what is wrong with it and how that was found, what it should be."""
+    """The list: place, what is printed, what is wrong with it and how that was found, what it
+    should be."""
     wrong = [finding for finding in findings if finding.verdict != "holds"]
     counts = {verdict: sum(f.verdict == verdict for f in wrong) for verdict in _WORDS}
     lines = [
@@ -27,10 +28,14 @@ def errata(findings: Sequence[Finding]) -> str:
         "",
         "With thanks for notes that are a pleasure to compute with.",
         "",
-        "Every numbered equation, formula, worked example and figure of chapters 1 to 6 was executed with freebody: "
-        f"{len(findings)} items, of which {len(findings) - len(wrong)} hold as printed. The other {len(wrong)} are "
-        f"listed here in the order of the notes: {counts['misprint']} misprints, {counts['inconsistent']} places where "
-        f"the notes are at odds with themselves, and {counts['incomplete']} where something is left unsaid, exercises "
+        "Every numbered equation, formula, worked example and figure of chapters 1 to 6 was "
+        "executed with freebody: "
+        f"{len(findings)} items, of which {len(findings) - len(wrong)} hold as printed. The other "
+        f"{len(wrong)} are "
+        f"listed here in the order of the notes: {counts['misprint']} misprints, "
+        f"{counts['inconsistent']} places where "
+        f"the notes are at odds with themselves, and {counts['incomplete']} where something is "
+        f"left unsaid, exercises "
         "included. "
         "`freebody notes ID` repeats each finding.",
     ]
@@ -46,7 +51,11 @@ def errata(findings: Sequence[Finding]) -> str:
 def _entry(number: int, finding: Finding) -> list[str]:
     item = finding.item
     place = item.number[0].upper() + item.number[1:]
-    kind = "Left to the reader" if not item.printed and item.id.startswith("ex-") else _WORDS[finding.verdict]
+    kind = (
+        "Left to the reader"
+        if not item.printed and item.id.startswith("ex-")
+        else _WORDS[finding.verdict]
+    )
     rows = [
         f"### {number}. {place}: {item.title}",
         "",
@@ -61,7 +70,8 @@ def _entry(number: int, finding: Finding) -> list[str]:
     if finding.printed.example:
         rows.append(f"- Counterexample: {finding.printed.example}")
     rows.append(
-        f"- {'Should be' if item.printed else 'Could be added'}: {_form(finding, item.corrected) or 'deleted.'}"
+        f"- {'Should be' if item.printed else 'Could be added'}: "
+        f"{_form(finding, item.corrected) or 'deleted.'}"
     )
     return rows
 
@@ -69,4 +79,6 @@ def _entry(number: int, finding: Finding) -> list[str]:
 def _form(finding: Finding, form: str) -> str:
     """Formulas between dollar signs, words as they are."""
     nodes = shown(finding.item, form)
-    return "; ".join(node.text if isinstance(node, Words) else f"${node.latex()}$" for node in nodes)
+    return "; ".join(
+        node.text if isinstance(node, Words) else f"${node.latex()}$" for node in nodes
+    )

@@ -40,7 +40,10 @@ def _paragraph(text: str) -> str:
 
 def _values(values: Quantities, *names: str) -> str:
     """name = value for vectors and scalars of a model."""
-    lines = [eq(symbol(name, isinstance(values[name], tuple)), values.form(values[name])) for name in names]
+    lines = [
+        eq(symbol(name, isinstance(values[name], tuple)), values.form(values[name]))
+        for name in names
+    ]
     return page.html([lines])
 
 
@@ -59,14 +62,21 @@ def point_acceleration() -> str:
     free = as_vectors()
     left = eq(parse("d_dt(d_dt(r_A))", ["r_A"]), free.form(free["v_A_d"]))
     right = parse(
-        "v_B_d + cross(omega_d, s) + cross(omega, cross(omega, s))", ["v_B_d", "omega", "omega_d", "s"]
+        "v_B_d + cross(omega_d, s) + cross(omega, cross(omega, s))",
+        ["v_B_d", "omega", "omega_d", "s"],
     )
     holds = bool(
-        fb.relation(free, "d_dt(d_dt(r_A)) = v_B_d + cross(omega_d, s) + cross(omega, cross(omega, s))")
+        fb.relation(
+            free, "d_dt(d_dt(r_A)) = v_B_d + cross(omega_d, s) + cross(omega, cross(omega, s))"
+        )
     )
     proof = "Both are the same polynomials, term by term." if holds else "They differ."
     said = "Write A by lengths and angles and differentiate twice; then put the geometric parts together:"
-    return _paragraph(said) + page.html([[left], [eq(right, free.form(free["v_A_d"]))]]) + _paragraph(proof)
+    return (
+        _paragraph(said)
+        + page.html([[left], [eq(right, free.form(free["v_A_d"]))]])
+        + _paragraph(proof)
+    )
 
 
 def five_bar() -> str:
@@ -76,7 +86,8 @@ def five_bar() -> str:
     limbs_ = {side: fb.planar("RR", l=[lengths[x] for x in l], lc=[0, 0], m=[0, 0], I=[0, 0])
               for side, l in ((-1, ("l1", "l3")), (1, ("l2", "l4")))}  # fmt: skip
     cranks = [
-        fb.inverse_kinematics(arm, q[2:] - [side * lengths["b"], 0]).q[:, 0] for side, arm in limbs_.items()
+        fb.inverse_kinematics(arm, q[2:] - [side * lengths["b"], 0]).q[:, 0]
+        for side, arm in limbs_.items()
     ]
     pairs = [f"θ₁ = {a:.4f}, θ₂ = {b:.4f}".replace("-", "−") for a in cranks[0] for b in cranks[1]]
     modes = fb.assembly_modes(model, q, free=["x", "y"])[:, 2:]
@@ -151,7 +162,9 @@ def bar_on_a_pin() -> str:
 
 def sliding_joint() -> str:
     chain = fb.dh(ROWS[1:], convention="modified", name="RP")
-    return _steps(fb.derive(chain, "recursive"), "A turning joint, then a sliding one, in modified frames.")
+    return _steps(
+        fb.derive(chain, "recursive"), "A turning joint, then a sliding one, in modified frames."
+    )
 
 
 EXERCISES = (

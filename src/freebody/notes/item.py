@@ -6,17 +6,21 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
-Kind = Literal["definition", "derivation", "identity", "algorithm", "worked-example", "figure", "text"]
+Kind = Literal[
+    "definition", "derivation", "identity", "algorithm", "worked-example", "figure", "text"
+]
 
 VERDICTS = ("holds", "misprint", "inconsistent", "incomplete")
-"""As printed: true; a slip of the pen; at odds with the rest of the notes; true only with what is not said."""
+"""As printed: true; a slip of the pen; at odds with the rest of the notes; true only with what is
+not said."""
 
 SOURCE = "S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019"
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one form: whether it holds, what was computed, and numbers at which it fails."""
+    """What became of one form: whether it holds, what was computed, and numbers at which it
+    fails."""
 
     holds: bool
     lines: tuple[str, ...] = ()
@@ -42,7 +46,8 @@ class Test(Protocol):
 
 @dataclass(frozen=True)
 class Item:
-    """One item of the notes. `printed` and `corrected` are formulas (see `derivations.formula`) or words."""
+    """One item of the notes. `printed` and `corrected` are formulas (see `derivations.formula`) or
+    words."""
 
     id: str
     section: str

@@ -1,4 +1,5 @@
-"""The notes as one HTML page: every item with its verdict, figures drawn, solutions folded; nothing is fetched."""
+"""The notes as one HTML page: every item with its verdict, figures drawn, solutions folded; nothing
+is fetched."""
 
 from __future__ import annotations
 
@@ -134,7 +135,8 @@ def card(finding: Finding) -> Card:
 
 
 def _form(item: Item, form: str) -> Markup:
-    """A form as MathML, words as they are; the facts read off a drawing are no formula of the notes."""
+    """A form as MathML, words as they are; the facts read off a drawing are no formula of the
+    notes."""
     nodes = shown(item, form)
     if item.kind == "figure" and not any(isinstance(node, Words) for node in nodes):
         return Markup()

@@ -1,4 +1,5 @@
-"""Items executed: the verdict comes out of the printed form, and of the corrected one where that fails."""
+"""Items executed: the verdict comes out of the printed form, and of the corrected one where that
+fails."""
 
 from __future__ import annotations
 
@@ -16,21 +17,28 @@ class NotesError(FreebodyError):
 def run(item: Item) -> Finding:
     """Execute one item.
 
-    Where the printed form holds so does the item; where it fails the corrected form has to hold by the same check.
+    Where the printed form holds so does the item; where it fails the corrected form has to hold by
+    the same check.
     """
     start = time.perf_counter()
     printed = item.test.run(item.printed)
     if printed.holds:
         return Finding(item, "holds", printed, seconds=time.perf_counter() - start)
     if item.flaw not in VERDICTS[1:]:
-        raise NotesError(f"{item.id}: the printed form {item.printed!r} fails: {'; '.join(printed.lines)}")
+        raise NotesError(
+            f"{item.id}: the printed form {item.printed!r} fails: {'; '.join(printed.lines)}"
+        )
     corrected = item.test.run(item.corrected)
     if not corrected.holds:
-        raise NotesError(f"{item.id}: the correction {item.corrected!r} fails: {'; '.join(corrected.lines)}")
+        raise NotesError(
+            f"{item.id}: the correction {item.corrected!r} fails: {'; '.join(corrected.lines)}"
+        )
     return Finding(item, item.flaw, printed, corrected, time.perf_counter() - start)
 
 
-def run_all(items: Iterable[Item], told: Callable[[str, float], None] | None = None) -> list[Finding]:
+def run_all(
+    items: Iterable[Item], told: Callable[[str, float], None] | None = None
+) -> list[Finding]:
     """Execute items in order; `told` hears which one comes next and how much is done."""
     rows = list(items)
     found = []

@@ -1,1 +1,2 @@
-"""What leaves freebody: files that are whole or not there, and texts in which a name is only a name."""
+"""What leaves freebody: files that are whole or not there, and texts in which a name is only a
+name."""

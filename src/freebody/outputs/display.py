@@ -27,11 +27,17 @@ class Table:
         """As elements of HTML without a style; names in it stay text."""
         above = f"<p><b>{_text(title)}</b></p>" if title else ""
         head = "".join(f"<th>{_text(x)}</th>" for x in self.head)
-        rows = "".join(f"<tr>{''.join(f'<td>{_text(x)}</td>' for x in row)}</tr>" for row in self.rows[:most])
+        rows = "".join(
+            f"<tr>{''.join(f'<td>{_text(x)}</td>' for x in row)}</tr>" for row in self.rows[:most]
+        )
         left = len(self.rows) - most
         notes = [*([f"… and {left} more"] if left > 0 else []), *self.notes]
         below = "".join(f"<p>{_text(note)}</p>" for note in notes)
-        table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>" if self.rows else ""
+        table = (
+            f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+            if self.rows
+            else ""
+        )
         return above + table + below
 
 

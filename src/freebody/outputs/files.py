@@ -1,7 +1,8 @@
-"""The one writer of files: beside its place, flushed, renamed. A file is the old or the new one, never a part of it.
+"""The one writer of files: beside its place, flushed, renamed. A file is the old or the new one,
+never a part of it.
 
-A link is followed to the file that it names. A pipe or a terminal has no place to rename to: what is written goes
-straight into it.
+A link is followed to the file that it names. A pipe or a terminal has no place to rename to: what
+is written goes straight into it.
 """
 
 from __future__ import annotations
@@ -20,7 +21,9 @@ from freebody.errors import FileError
 LEFTOVER = re.compile(r"\.freebody-[0-9a-f]{16}\.tmp")
 """Name of a file that is being written; one stays behind where the program was killed."""
 
-_NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
+_NEW = (
+    os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
+)
 _REASONS = {
     errno.ENOSPC: "the disk is full",
     errno.EDQUOT: "the disk's quota is used up",
@@ -85,12 +88,14 @@ def reason(failure: Exception) -> str:
 
 
 def encoded(content: str | bytes) -> bytes:
-    """UTF-8; half a surrogate pair, as a file name outside UTF-8 has them, becomes a question mark."""
+    """UTF-8; half a surrogate pair, as a file name outside UTF-8 has them, becomes a question
+    mark."""
     return content if isinstance(content, bytes) else content.encode("utf-8", "replace")
 
 
 def stem(name: str) -> str:
-    """A file's name, without suffix, made of a robot's: it stays in its folder, whatever the robot is called."""
+    """A file's name, without suffix, made of a robot's: it stays in its folder, whatever the robot
+    is called."""
     return re.sub(r"[^\w.-]+", "_", name).strip("._")[:60] or "robot"
 
 
@@ -122,7 +127,8 @@ def _send(target: Path, content: bytes) -> None:
 
 
 def _permitted(target: Path) -> None:
-    """A rename asks the folder only; a folder in the way and a write-protected file are respected all the same."""
+    """A rename asks the folder only; a folder in the way and a write-protected file are respected
+    all the same."""
     try:
         mode = os.lstat(target).st_mode
     except FileNotFoundError:

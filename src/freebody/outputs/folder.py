@@ -1,9 +1,11 @@
-"""A folder of results: every file whole, a manifest that says which run each is of, files of others untouched.
+"""A folder of results: every file whole, a manifest that says which run each is of, files of others
+untouched.
 
-`manifest.json` is written twice. First, before any file is touched, with `complete: false`, the checksums of what is
-about to be written under `files`, and those of what lies there under `earlier`. Last, when all is in its place, with
-`complete: true` or with what `failed`. So a file whose SHA-256 stands under `files` is of the run that the manifest
-names, one under `earlier` of a run before it, and any other is not freebody's, or was changed since.
+`manifest.json` is written twice. First, before any file is touched, with `complete: false`, the
+checksums of what is about to be written under `files`, and those of what lies there under
+`earlier`. Last, when all is in its place, with `complete: true` or with what `failed`. So a file
+whose SHA-256 stands under `files` is of the run that the manifest names, one under `earlier` of a
+run before it, and any other is not freebody's, or was changed since.
 """
 
 from __future__ import annotations
@@ -35,7 +37,9 @@ PATIENCE = 20.0
 
 _FORMAT = "freebody results 1"
 _LARGEST = 2**20  # bytes; a manifest has about one hundred a file
-_FOREIGN = "what has this name here is not freebody's, or was changed; move it, or name another folder"
+_FOREIGN = (
+    "what has this name here is not freebody's, or was changed; move it, or name another folder"
+)
 
 _NAME, _SHA256 = re.compile(r"\w[\w.-]*"), re.compile("[0-9a-f]{64}")
 
@@ -63,7 +67,8 @@ class _Manifest:
 
 
 def prepare(directory: str | os.PathLike[str]) -> None:
-    """Make the folder, and raise FileError if nothing could be written into it: before the work, not after it."""
+    """Make the folder, and raise FileError if nothing could be written into it: before the work,
+    not after it."""
     folder = Path(directory)
     try:
         os.makedirs(folder, exist_ok=True)
@@ -78,11 +83,13 @@ def prepare(directory: str | os.PathLike[str]) -> None:
     _known(folder)
 
 
-def write_folder(directory: str | os.PathLike[str], makers: Makers, about: Mapping[str, str]) -> list[Path]:
+def write_folder(
+    directory: str | os.PathLike[str], makers: Makers, about: Mapping[str, str]
+) -> list[Path]:
     """Write files of one run into a folder; their paths and last the manifest's.
 
-    about: what the manifest says of the run. What cannot be made or written does not keep the others from it: in the
-    end OutputError names it. A file of another origin is left as it is.
+    about: what the manifest says of the run. What cannot be made or written does not keep the
+    others from it: in the end OutputError names it. A file of another origin is left as it is.
     """
     folder = Path(directory)
     prepare(folder)
@@ -90,7 +97,9 @@ def write_folder(directory: str | os.PathLike[str], makers: Makers, about: Mappi
     with _alone(folder):
         paths, failed = _put_all(folder, contents, problems, about, list(makers))
     if failed:
-        raise OutputError(folder, failed, [path.name for path in paths]) from next(iter(problems.values()))
+        raise OutputError(folder, failed, [path.name for path in paths]) from next(
+            iter(problems.values())
+        )
     return [*paths, folder / MANIFEST]
 
 
@@ -101,7 +110,8 @@ def _put_all(
     about: Mapping[str, str],
     names: list[str],
 ) -> tuple[list[Path], dict[str, str]]:
-    """Write what was made, the manifest before and after it: paths of the files, and why others are not there."""
+    """Write what was made, the manifest before and after it: paths of the files, and why others are
+    not there."""
     known = _known(folder)
     lies_here = {name: _digest(folder / name) for name in known.keys() | contents.keys()}
     for name in sorted(contents.keys() & lies_here.keys()):
@@ -109,7 +119,9 @@ def _put_all(
             del contents[name]
             problems[name] = FreebodyError(_FOREIGN)
     manifest = _Manifest(secrets.token_hex(8), dict(about))
-    manifest.files = {name: hashlib.sha256(content).hexdigest() for name, content in contents.items()}
+    manifest.files = {
+        name: hashlib.sha256(content).hexdigest() for name, content in contents.items()
+    }
     manifest.earlier = {
         name: sha for name, sha in sorted(lies_here.items()) if sha and sha in known.get(name, ())
     }
@@ -131,9 +143,11 @@ def _put_all(
 
 @contextlib.contextmanager
 def _alone(folder: Path) -> Iterator[None]:
-    """One run at a time writes into a folder: another waits for it, and is refused where that takes too long.
+    """One run at a time writes into a folder: another waits for it, and is refused where that takes
+    too long.
 
-    Where the system has no such locks, nothing keeps two runs apart. The lock ends with the process, however it ends.
+    Where the system has no such locks, nothing keeps two runs apart. The lock ends with the
+    process, however it ends.
     """
     try:
         descriptor = os.open(folder, os.O_RDONLY) if fcntl else None
@@ -146,7 +160,8 @@ def _alone(folder: Path) -> Iterator[None]:
                 raise FileError(
                     folder,
                     None,
-                    "another run is writing into this folder; wait for it, or name another with --out.",
+                    "another run is writing into this folder; wait for it, or name another with "
+                    "--out.",
                 )
             time.sleep(0.02)
         yield
@@ -193,7 +208,8 @@ def _why(problem: Exception) -> str:
 
 
 def _digest(path: Path) -> str | None:
-    """SHA-256 of a file; None where there is nothing, and a word that no checksum is for anything but a file."""
+    """SHA-256 of a file; None where there is nothing, and a word that no checksum is for anything
+    but a file."""
     try:
         if not stat.S_ISREG(os.lstat(path).st_mode):
             return "not a file"
@@ -206,7 +222,8 @@ def _digest(path: Path) -> str | None:
 
 
 def _known(folder: Path) -> dict[str, set[str]]:
-    """Checksums that the folder's manifest lists, by name. Raises FileError for a manifest of something else."""
+    """Checksums that the folder's manifest lists, by name. Raises FileError for a manifest of
+    something else."""
     path = folder / MANIFEST
     try:
         if not stat.S_ISREG(os.lstat(path).st_mode) or os.path.getsize(path) > _LARGEST:
@@ -223,7 +240,9 @@ def _known(folder: Path) -> dict[str, set[str]]:
         raise FileError(path, None, f"cannot be read: {reason(failure)}.") from None
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         raise FileError(
-            path, None, "this is not a manifest of freebody's results; name another folder with --out."
+            path,
+            None,
+            "this is not a manifest of freebody's results; name another folder with --out.",
         ) from None
     known: dict[str, set[str]] = {}
     for name, sha in pairs:

@@ -1,4 +1,5 @@
-"""Text of others inside our own: characters that no page or drawing may hold, cells that no spreadsheet may run."""
+"""Text of others inside our own: characters that no page or drawing may hold, cells that no
+spreadsheet may run."""
 
 from __future__ import annotations
 
@@ -17,20 +18,24 @@ _QUOTED = re.compile("""[",;\t\r\n]|^ | $""")
 
 
 def legal(text: str) -> str:
-    """The text of a page or drawing with � for what is not well-formed there or turns the direction of writing.
+    """The text of a page or drawing with � for what is not well-formed there or turns the direction
+    of writing.
 
-    A name keeps such characters wherever it is data; what is shown must not change what stands beside it.
+    A name keeps such characters wherever it is data; what is shown must not change what stands
+    beside it.
     """
     return _UNSEEN.sub("\ufffd", text)
 
 
 def encodable(text: str) -> str:
-    """The text with ? for halves of surrogate pairs, which file names outside UTF-8 have and no file can hold."""
+    """The text with ? for halves of surrogate pairs, which file names outside UTF-8 have and no
+    file can hold."""
     return text.encode("utf-8", "replace").decode("utf-8")
 
 
 def harmless(cell: str) -> str:
-    """A cell that a spreadsheet takes for text: what begins like a formula has an apostrophe in front."""
+    """A cell that a spreadsheet takes for text: what begins like a formula has an apostrophe in
+    front."""
     return f"'{cell}" if _RUN.match(cell) else cell
 
 
@@ -40,7 +45,8 @@ def as_meant(cell: str) -> str:
 
 
 def csv_text(rows: Iterable[Iterable[Any]]) -> str:
-    """Rows as CSV: texts harmless, floats to the last bit and empty where NaN, truths as yes and no."""
+    """Rows as CSV: texts harmless, floats to the last bit and empty where NaN, truths as yes and
+    no."""
     listed = (row.tolist() if isinstance(row, np.ndarray) else row for row in rows)
     return "".join(",".join(map(_cell, row)) + "\r\n" for row in listed)
 

@@ -1,4 +1,5 @@
-"""From a function over scalars to a program: straight-line arithmetic as data, that passes and targets read.
+"""From a function over scalars to a program: straight-line arithmetic as data, that passes and
+targets read.
 
 trace -> Program -> passes -> segments.
 """

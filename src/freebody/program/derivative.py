@@ -1,7 +1,8 @@
-"""Programs of the derivatives of a program: its nodes run over scalars with slopes, in a trace of their own.
+"""Programs of the derivatives of a program: its nodes run over scalars with slopes, in a trace of
+their own.
 
-Derivatives are the ordinary partial ones by every entry of an input. A derivative is a program again, so it has
-derivatives too.
+Derivatives are the ordinary partial ones by every entry of an input. A derivative is a program
+again, so it has derivatives too.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ from freebody.scalars.dual import Outer, slopes
 def jacobian(program: Program, by: Sequence[int]) -> Program:
     """The derivatives of each output by each of some inputs, at the same inputs.
 
-    by: positions among the inputs. Outputs: of each output in turn one for each of these inputs, (*output, *input).
+    by: positions among the inputs. Outputs: of each output in turn one for each of these inputs,
+    (*output, *input).
     """
     inputs = [program.inputs[k] for k in by]
     sizes = [argument.size for argument in inputs]
@@ -33,7 +35,8 @@ def jacobian(program: Program, by: Sequence[int]) -> Program:
                 [Outer(x, {next(number): 1.0}) for x in flat(given[k])], program.inputs[k].shape
             )
         tables = [
-            [slopes(x, sum(sizes), Outer) for x in flat(result)] for result in evaluated(program, lifted)
+            [slopes(x, sum(sizes), Outer) for x in flat(result)]
+            for result in evaluated(program, lifted)
         ]
         found = []
         for table, output in zip(tables, program.outputs, strict=True):
@@ -50,7 +53,8 @@ def jacobian(program: Program, by: Sequence[int]) -> Program:
 def directional(program: Program, by: Sequence[int]) -> Program:
     """The rates of the outputs where some inputs change at given rates, which are the last inputs.
 
-    by: positions of those that change. The length is in proportion to that of the program, whatever their sizes.
+    by: positions of those that change. The length is in proportion to that of the program, whatever
+    their sizes.
     """
     first, prefix = len(program.inputs), free_prefix("along", program.inputs)
     rates = tuple(Argument(f"{prefix}{k}", program.inputs[k].shape) for k in by)
@@ -69,10 +73,14 @@ def directional(program: Program, by: Sequence[int]) -> Program:
     return trace(f"{program.name}_along", evaluate, (*program.inputs, *rates), outputs)
 
 
-def applied(table: Program, program: Program, by: Sequence[int], of: Sequence[int], count: int) -> Program:
-    """A Jacobian times so many vectors, which are the last inputs: rates of the inputs `by`, (count, *input), uniform.
+def applied(
+    table: Program, program: Program, by: Sequence[int], of: Sequence[int], count: int
+) -> Program:
+    """A Jacobian times so many vectors, which are the last inputs: rates of the inputs `by`,
+    (count, *input), uniform.
 
-    table: as `jacobian` of the program by these gives it. Outputs: those of the outputs `of`, (*output, count).
+    table: as `jacobian` of the program by these gives it. Outputs: those of the outputs `of`,
+    (*output, count).
     """
     first, inputs = len(program.inputs), [program.inputs[k] for k in by]
     vectors = _vectors(program, inputs, count)
@@ -95,7 +103,8 @@ def applied(table: Program, program: Program, by: Sequence[int], of: Sequence[in
 def applied_back(
     table: Program, program: Program, by: Sequence[int], of: Sequence[int], count: int
 ) -> Program:
-    """The transpose of a Jacobian times so many vectors, weights of the outputs `of`, (count, *output).
+    """The transpose of a Jacobian times so many vectors, weights of the outputs `of`, (count,
+    *output).
 
     As `applied`; outputs: those of the inputs `by`, (count, *input).
     """
@@ -122,10 +131,14 @@ def applied_back(
 def _vectors(program: Program, arguments: Sequence[Argument], count: int) -> list[Argument]:
     """So many of each of the arguments, as uniform inputs."""
     prefix = free_prefix("vectors", program.inputs)
-    return [Argument(f"{prefix}{k}", (count, *x.shape), uniform=True) for k, x in enumerate(arguments)]
+    return [
+        Argument(f"{prefix}{k}", (count, *x.shape), uniform=True) for k, x in enumerate(arguments)
+    ]
 
 
-def _rows(table: Program, program: Program, by: Sequence[int], given: Sequence[Any]) -> list[list[Any]]:
+def _rows(
+    table: Program, program: Program, by: Sequence[int], given: Sequence[Any]
+) -> list[list[Any]]:
     """Of each output the rows of its Jacobian, by all inputs `by` one after the other."""
     found = iter(evaluated(table, given))
     rows = []

@@ -1,4 +1,5 @@
-"""The program of a program's gradient: in reverse mode, a few times as long as the program whatever it has inputs."""
+"""The program of a program's gradient: in reverse mode, a few times as long as the program whatever
+it has inputs."""
 
 from __future__ import annotations
 
@@ -14,10 +15,11 @@ from freebody.scalars.operations import OPERATIONS
 
 
 def gradient(program: Program, by: Sequence[int], of: Sequence[int]) -> Program:
-    """The ordinary partial derivatives of Σ w·y, over outputs y with weights w, which are the last inputs.
+    """The ordinary partial derivatives of Σ w·y, over outputs y with weights w, which are the last
+    inputs.
 
-    by: positions of the inputs by which is differentiated; of: of the outputs that have weights, of their shapes.
-    Outputs: one for each of the inputs `by`, of its shape.
+    by: positions of the inputs by which is differentiated; of: of the outputs that have weights, of
+    their shapes. Outputs: one for each of the inputs `by`, of its shape.
     """
     wanted = [program.inputs[k] for k in by]
     first, prefix = len(program.inputs), free_prefix("weight", program.inputs)
@@ -28,7 +30,8 @@ def gradient(program: Program, by: Sequence[int], of: Sequence[int]) -> Program:
         seeds = dict(zip(of, map(flat, given[first:]), strict=True))
         rest = iter(_gradient(program, found, by, seeds))
         return tuple(
-            nested([next(rest) for _ in range(argument.size)], argument.shape) for argument in wanted
+            nested([next(rest) for _ in range(argument.size)], argument.shape)
+            for argument in wanted
         )
 
     outputs = tuple(Argument(f"slope{k}", program.inputs[k].shape) for k in by)
@@ -64,10 +67,11 @@ def _gradient(
 def _partials(
     program: Program, index: int, found: list[Scalar], moves: list[bool], counts: Scalar
 ) -> list[tuple[int, Scalar, Scalar]]:
-    """Of a node: the operands that move, the derivative by each, and whether it counts (1, or a scalar that is 0 or 1).
+    """Of a node: the operands that move, the derivative by each, and whether it counts (1, or a
+    scalar that is 0 or 1).
 
-    Behind a choice only what was chosen counts: the derivative of what was not may be infinite, and 0 times that is no
-    number. So derivatives are chosen, not weighted.
+    Behind a choice only what was chosen counts: the derivative of what was not may be infinite, and
+    0 times that is no number. So derivatives are chosen, not weighted.
     """
     operands = program.operands(index)
     chooses = OPERATIONS[program.op[index]].chooses
@@ -82,7 +86,9 @@ def _partials(
     return [
         (
             i,
-            partial if _is(counts, 1.0) or isinstance(partial, float) else where(counts, partial, 0.0),
+            partial
+            if _is(counts, 1.0) or isinstance(partial, float)
+            else where(counts, partial, 0.0),
             counts,
         )
         for i, partial in zip(operands, partials, strict=True)

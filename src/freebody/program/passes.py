@@ -1,7 +1,8 @@
-"""Passes over a program: each takes a program and returns one that computes the same, up to rounding.
+"""Passes over a program: each takes a program and returns one that computes the same, up to
+rounding.
 
-Measured and not kept: flattening sums into chains of fused multiply-adds (longer waits, 10-25 % slower at 32
-joints) and depth-first order (no gain).
+Measured and not kept: flattening sums into chains of fused multiply-adds (longer waits, 10-25 %
+slower at 32 joints) and depth-first order (no gain).
 """
 
 from __future__ import annotations
@@ -15,8 +16,9 @@ from freebody.program.program import Program, verify
 from freebody.scalars.operations import ARITY
 
 SHORT = 700
-"""Nodes of a program that a processor nearly has in view at once: it waits for the longest chain. There, an order that
-looks at chains takes 0-8 % less time in batches, and up to 13 % less a call; in long programs of trees 20 % more."""
+"""Nodes of a program that a processor nearly has in view at once: it waits for the longest chain.
+There, an order that looks at chains takes 0-8 % less time in batches, and up to 13 % less a call;
+in long programs of trees 20 % more."""
 
 STRIDE = 4
 """Nodes of a chain that make no difference."""
@@ -35,7 +37,8 @@ def drop_dead(program: Program) -> Program:
 
 
 def without_unread(program: Program, name: str) -> tuple[Program, tuple[int, ...]]:
-    """The program whose input of that name, a vector, holds only the scalars that it reads; and which they are.
+    """The program whose input of that name, a vector, holds only the scalars that it reads; and
+    which they are.
 
     Where it reads none, the first stays: the input has a say in the shape of what comes out.
     """
@@ -49,14 +52,17 @@ def without_unread(program: Program, name: str) -> tuple[Program, tuple[int, ...
     read = sorted({place - before for place in places if before <= place < last}) or [0]
     new = {before + place: before + k for k, place in enumerate(read)}
     new |= {place: place - argument.size + len(read) for place in places if place >= last}
-    a = tuple(new.get(x, x) if op == "input" else x for op, x in zip(program.op, program.a, strict=True))
+    a = tuple(
+        new.get(x, x) if op == "input" else x for op, x in zip(program.op, program.a, strict=True)
+    )
     shorter = replace(argument, shape=(len(read),))
     inputs = tuple(shorter if x.name == name else x for x in program.inputs)
     return verify(replace(program, inputs=inputs, a=a)), tuple(read)
 
 
 def share_reciprocals(program: Program) -> Program:
-    """Quotients by one denominator become products with its reciprocal; a quotient by a uniform one does.
+    """Quotients by one denominator become products with its reciprocal; a quotient by a uniform one
+    does.
 
     A division costs as much as ten products.
     """
@@ -91,7 +97,9 @@ def gather_factors(program: Program) -> Program:
         return program
     uniform, nodes = program.uniform, _Nodes()
     products: dict[tuple[int, int], int] = {}
-    factors: dict[int, tuple[int, int]] = {}  # product -> its uniform factor and the other, as new nodes
+    factors: dict[
+        int, tuple[int, int]
+    ] = {}  # product -> its uniform factor and the other, as new nodes
     for index, op in enumerate(program.op):
         operands = program.operands(index)
         once = [i for i in operands if uniform[i]]
@@ -114,13 +122,16 @@ def gather_factors(program: Program) -> Program:
 def schedule(program: Program) -> Program:
     """An order in which few values are alive at a time, so that they fit the registers.
 
-    Of the nodes whose operands are there, the next is the one that is the last reader of most operands; among
-    equals, in a short program, the one on which the longest chain rests; then the one with the youngest operand.
-    Inputs and constants do not count: they can be read again from where they are.
+    Of the nodes whose operands are there, the next is the one that is the last reader of most
+    operands; among equals, in a short program, the one on which the longest chain rests; then the
+    one with the youngest operand. Inputs and constants do not count: they can be read again from
+    where they are.
     """
     count = len(program)
     leaf = [ARITY[op] == 0 for op in program.op]
-    operands = [tuple({i for i in program.operands(index) if not leaf[i]}) for index in range(count)]
+    operands = [
+        tuple({i for i in program.operands(index) if not leaf[i]}) for index in range(count)
+    ]
     readers: list[list[int]] = [[] for _ in range(count)]
     for index, those in enumerate(operands):
         for operand in those:

@@ -1,4 +1,5 @@
-"""A program: straight-line arithmetic from named arrays to named arrays, as data that can be checked and printed."""
+"""A program: straight-line arithmetic from named arrays to named arrays, as data that can be
+checked and printed."""
 
 from __future__ import annotations
 
@@ -24,8 +25,9 @@ class ProgramError(FreebodyError, ValueError):
 class Argument:
     """Name and core shape of an input or output; () is a scalar.
 
-    The name is a word of freebody's own, never one from a file: it stands in generated text.
-    A uniform input is one value for the whole batch: it is read, and what follows from it alone computed, once a call.
+    The name is a word of freebody's own, never one from a file: it stands in generated text. A
+    uniform input is one value for the whole batch: it is read, and what follows from it alone
+    computed, once a call.
     """
 
     name: str
@@ -47,11 +49,13 @@ class Argument:
 
 @dataclass(frozen=True)
 class Program:
-    """Nodes (op, a, b, c) in an order in which operands precede, and the nodes that are the results.
+    """Nodes (op, a, b, c) in an order in which operands precede, and the nodes that are the
+    results.
 
-    `a`, `b` and `c` index nodes, -1 where there is no operand; `c` may be left out where no operation has three.
-    An "input" has in `a` its position among the scalars of all inputs (C order), a "const" its position in
-    `constants`. `results` lists the node of each scalar of all outputs, in C order.
+    `a`, `b` and `c` index nodes, -1 where there is no operand; `c` may be left out where no
+    operation has three. An "input" has in `a` its position among the scalars of all inputs (C
+    order), a "const" its position in `constants`. `results` lists the node of each scalar of all
+    outputs, in C order.
     """
 
     name: str
@@ -90,12 +94,15 @@ class Program:
 
     @cached_property
     def uniform(self) -> tuple[bool, ...]:
-        """For each node whether it follows from uniform inputs and constants alone: the same for the whole batch."""
+        """For each node whether it follows from uniform inputs and constants alone: the same for
+        the whole batch."""
         scalars = [argument.uniform for argument in self.inputs for _ in range(argument.size)]
         found: list[bool] = []
         for index, op in enumerate(self.op):
             found.append(
-                scalars[self.a[index]] if op == "input" else all(found[i] for i in self.operands(index))
+                scalars[self.a[index]]
+                if op == "input"
+                else all(found[i] for i in self.operands(index))
             )
         return tuple(found)
 
@@ -136,7 +143,8 @@ class Program:
                 text = " ".join([op, *(f"%{i}" for i in self.operands(index))])
             lines.append(f"  %{index} = {text}")
         lines += [
-            f"  {name} = %{i}" for name, i in zip(scalar_names(self.outputs), self.results, strict=True)
+            f"  {name} = %{i}"
+            for name, i in zip(scalar_names(self.outputs), self.results, strict=True)
         ]
         return "\n".join(lines)
 
@@ -169,12 +177,18 @@ def verify(program: Program) -> Program:
 
     for name in (program.name, *(argument.name for argument in program.inputs + program.outputs)):
         if not is_identifier(name):
-            raise ProgramError(f"the name {name!r} in a program is no word of letters a-z, digits and _.")
+            raise ProgramError(
+                f"the name {name!r} in a program is no word of letters a-z, digits and _."
+            )
     for kind, arguments in (("inputs", program.inputs), ("outputs", program.outputs)):
         names = [argument.name for argument in arguments]
-        demand(len(set(names)) == len(names), f"the names of {kind} are used once: {', '.join(names)}")
+        demand(
+            len(set(names)) == len(names), f"the names of {kind} are used once: {', '.join(names)}"
+        )
     demand(len(program.outputs) > 0, "a program has at least one output")
-    demand(not any(argument.uniform for argument in program.outputs), "an output belongs to a sample")
+    demand(
+        not any(argument.uniform for argument in program.outputs), "an output belongs to a sample"
+    )
     for argument in program.inputs + program.outputs:
         demand(all(size >= 0 for size in argument.shape), f"{argument} has a negative size")
     count = len(program.op)
@@ -199,10 +213,18 @@ def _fault(program: Program, index: int) -> str:
         return f"%{index}: unknown operation {op!r}; known: {', '.join(ARITY)}"
     arity = ARITY[op]
     if not arity:
-        what, most = ("input", program.input_size) if op == "input" else ("constant", len(program.constants))
-        return "" if 0 <= row[0] < most and row[1:] == (-1, -1) else f"%{index}: {what} {row[0]} of {most}"
+        what, most = (
+            ("input", program.input_size) if op == "input" else ("constant", len(program.constants))
+        )
+        return (
+            ""
+            if 0 <= row[0] < most and row[1:] == (-1, -1)
+            else f"%{index}: {what} {row[0]} of {most}"
+        )
     if not 0 <= min(row[:arity]) <= max(row[:arity]) < index:
-        return f"%{index} = {op} {' '.join(f'%{i}' for i in row[:arity])}: an operand precedes its use"
+        return (
+            f"%{index} = {op} {' '.join(f'%{i}' for i in row[:arity])}: an operand precedes its use"
+        )
     if row[arity:].count(-1) < len(row) - arity:
         return f"%{index} = {op}: it has {arity} operands, what is left of (a, b, c) = {row} is -1"
     return ""

@@ -1,10 +1,11 @@
-"""Cut a program into segments: pieces of straight-line code, with the sines and cosines between them.
+"""Cut a program into segments: pieces of straight-line code, with the sines and cosines between
+them.
 
-Code generation grows faster than linearly with the length of a function, so long programs are cut; values
-that cross a cut live in slots of a tile, one vector of lanes each. Constants and uniform inputs are at hand
-everywhere, without a slot. Sines and cosines are computed by a
-routine that reads and writes slots, so they stand between segments too: first what leads to their arguments,
-then they, then the rest.
+Code generation grows faster than linearly with the length of a function, so long programs are cut;
+values that cross a cut live in slots of a tile, one vector of lanes each. Constants and uniform
+inputs are at hand everywhere, without a slot. Sines and cosines are computed by a
+routine that reads and writes slots, so they stand between segments too: first what leads to their
+arguments, then they, then the rest.
 """
 
 from __future__ import annotations
@@ -45,7 +46,8 @@ class SinCos:
 class Layout:
     """Steps in order, and what lies where.
 
-    Inputs come first, but for the uniform ones, then each different result once, then what crosses cuts.
+    Inputs come first, but for the uniform ones, then each different result once, then what crosses
+    cuts.
     """
 
     steps: tuple[Segment | SinCos, ...]
@@ -59,13 +61,17 @@ def segment(program: Program, longest: int = LONGEST) -> Layout:
     stage = _stages(program)
     last = max(stage, default=0)
     stores = Counter(program.results)
-    steps: list[list[int]] = []  # nodes of each step; a step of sines and cosines holds those of one argument
+    steps: list[
+        list[int]
+    ] = []  # nodes of each step; a step of sines and cosines holds those of one argument
     for k in range(last + 1):
         steps += _trigonometric(
             program, [i for i, s in enumerate(stage) if s == k and program.op[i] in _TRIG]
         )
         plain = [
-            i for i, s in enumerate(stage) if s == k and ARITY[program.op[i]] and program.op[i] not in _TRIG
+            i
+            for i, s in enumerate(stage)
+            if s == k and ARITY[program.op[i]] and program.op[i] not in _TRIG
         ]
         steps += _cut(plain, stores, longest)
     if not steps or program.op[steps[-1][0]] in _TRIG:
@@ -79,8 +85,8 @@ _TRIG = ("sin", "cos")
 def _stages(program: Program) -> list[int]:
     """Stage of each node. Stage k is the k-th round of sines and cosines, then arithmetic.
 
-    Sines and cosines come as early as they can, arithmetic as late: before the round that needs it, else at
-    the end.
+    Sines and cosines come as early as they can, arithmetic as late: before the round that needs it,
+    else at the end.
     """
     depth = [0] * len(program)  # rounds of sines and cosines behind a node
     for index, op in enumerate(program.op):
@@ -115,7 +121,8 @@ def _allocate(program: Program, steps: list[list[int]]) -> Layout:
     """Give slots to values that cross steps, reusing those whose last reader is done."""
     sampled = program.sampled_size
     at_hand = [
-        op == "const" or (op == "input" and program.a[i] >= sampled) for i, op in enumerate(program.op)
+        op == "const" or (op == "input" and program.a[i] >= sampled)
+        for i, op in enumerate(program.op)
     ]
     producer = {index: number for number, nodes in enumerate(steps) for index in nodes}
     readers: dict[int, set[int]] = {}
@@ -154,10 +161,14 @@ def _allocate(program: Program, steps: list[list[int]]) -> Layout:
             by_kind = {program.op[index]: take(number, index) for index in nodes}
             unused = -1 if len(by_kind) == 2 else take(number, -1)
             argument = program.a[nodes[0]]
-            done.append(SinCos(slot[argument], by_kind.get("sin", unused), by_kind.get("cos", unused)))
+            done.append(
+                SinCos(slot[argument], by_kind.get("sin", unused), by_kind.get("cos", unused))
+            )
         else:
             step = Segment(nodes)
-            for index in {i for node in nodes for i in program.operands(node)} | set(storing.get(number, [])):
+            for index in {i for node in nodes for i in program.operands(node)} | set(
+                storing.get(number, [])
+            ):
                 if producer.get(index, -1) != number and not at_hand[index]:
                     step.loads[index] = slot[index]
             for index in nodes:

@@ -38,9 +38,14 @@ def trace(
         outputs = [Argument(label, array.shape) for label, array in returned.items()]
         returned = tuple(returned.values())
     if not isinstance(returned, (tuple, list)) or len(returned) != len(outputs):
-        given = f"{len(returned)} values" if isinstance(returned, (tuple, list)) else type(returned).__name__
+        given = (
+            f"{len(returned)} values"
+            if isinstance(returned, (tuple, list))
+            else type(returned).__name__
+        )
         raise ProgramError(
-            f"{name}: the traced function returned {given}, expected a tuple with one entry for each output: "
+            f"{name}: the traced function returned {given}, expected a tuple with one entry for "
+            f"each output: "
             f"{', '.join(map(str, outputs))}."
         )
     results: list[int] = []
@@ -67,19 +72,27 @@ def _nested(graph: Graph, name: str, shape: tuple[int, ...], index: tuple[int, .
 
 
 def _flatten(
-    graph: Graph, name: str, argument: Argument, shape: tuple[int, ...], value: Any, results: list[int]
+    graph: Graph,
+    name: str,
+    argument: Argument,
+    shape: tuple[int, ...],
+    value: Any,
+    results: list[int],
 ) -> None:
     if isinstance(value, np.ndarray):
         value = value.tolist()  # of no axes: its one entry
     if not shape:
         index = graph.operand(value)
         if index < 0:
-            raise ProgramError(f"{name}: output {argument} holds {_kind(value)} where a scalar was expected.")
+            raise ProgramError(
+                f"{name}: output {argument} holds {_kind(value)} where a scalar was expected."
+            )
         results.append(index)
         return
     if isinstance(value, Expr) or not hasattr(value, "__len__") or len(value) != shape[0]:
         raise ProgramError(
-            f"{name}: output {argument} holds {_kind(value)} where a sequence of {shape[0]} was expected."
+            f"{name}: output {argument} holds {_kind(value)} where a sequence of {shape[0]} was "
+            f"expected."
         )
     for entry in value:
         _flatten(graph, name, argument, shape[1:], entry, results)

@@ -1,7 +1,8 @@
-"""What a bearing or a guide carries, apart from what the drive gives: reactions in the axes of their joint.
+"""What a bearing or a guide carries, apart from what the drive gives: reactions in the axes of
+their joint.
 
-About (along) the axis of a joint the parent exerts on the child what the drive gives, less what friction, spring and
-rotor take; all else is carried by the bearing, or the guide.
+About (along) the axis of a joint the parent exerts on the child what the drive gives, less what
+friction, spring and rotor take; all else is carried by the bearing, or the guide.
 """
 
 from __future__ import annotations
@@ -27,11 +28,15 @@ LOADS = {
 
 
 def bearing_loads(model: Model, force: Array, moment: Array) -> dict[str, Any]:
-    """Variables (time, joint) from the reactions in the child's axes, (T, joints, dim) and (T, joints, 3 or 1)."""
+    """Variables (time, joint) from the reactions in the child's axes, (T, joints, dim) and (T,
+    joints, 3 or 1)."""
     found = {name: np.full(force.shape[:2], np.nan) for name in LOADS}
     for k, body in enumerate(model.bodies):
         if body.kind.turns and model.dim == 2:
-            parts = {"radial_force": _size(force[:, k]), "drive_load": body.joint.axis[0] * moment[:, k, 0]}
+            parts = {
+                "radial_force": _size(force[:, k]),
+                "drive_load": body.joint.axis[0] * moment[:, k, 0],
+            }
         elif body.kind.turns:
             axial, radial = _split(force[:, k], body.joint.axis)
             driving, tilting = _split(moment[:, k], body.joint.axis)
@@ -47,7 +52,9 @@ def bearing_loads(model: Model, force: Array, moment: Array) -> dict[str, Any]:
             if model.dim == 2:
                 parts["tilting_moment"] = np.abs(moment[:, k, 0])
             else:
-                parts["guide_moment"], parts["tilting_moment"] = _split(moment[:, k], body.joint.axis)
+                parts["guide_moment"], parts["tilting_moment"] = _split(
+                    moment[:, k], body.joint.axis
+                )
         else:
             continue
         for name, value in parts.items():

@@ -32,7 +32,9 @@ _STRETCH = 0.4, 0.5  # of the duration: errors of a longer simulation grow too f
 _PARTS = ("inertial", "coriolis", "gravity", "friction", "springs", "rotors")
 
 
-def checks(model: Model, motion: Motion, data: xr.Dataset, replay: Replay | None) -> tuple[Check, ...]:
+def checks(
+    model: Model, motion: Motion, data: xr.Dataset, replay: Replay | None
+) -> tuple[Check, ...]:
     """All checks of a study."""
     found = [_parts(data), _energy(data), *_bodies(model, motion, data)]
     found += _closed(model, motion) if model.loops else _along_axes(model, data)
@@ -45,7 +47,8 @@ def checks(model: Model, motion: Motion, data: xr.Dataset, replay: Replay | None
 
 
 def _with_slack(model: Model, found: Iterable[Check]) -> Iterator[Check]:
-    """Bars of a closed chain whose numbers are rounded so far that its redundant equations contradict each other."""
+    """Bars of a closed chain whose numbers are rounded so far that its redundant equations
+    contradict each other."""
     slack = redundancy(model).slack
     for each in found:
         if each.passed or slack <= each.bar:
@@ -75,14 +78,17 @@ def _parts(data: xr.Dataset) -> Check:
         "equation of motion",
         relative(parts - tau, np.array([size])),
         1e-10,
-        "M q̈ + C q̇ + g + friction + springs + rotors against the recursive Newton-Euler torque, over the largest part.",
+        "M q̈ + C q̇ + g + friction + springs + rotors against the recursive Newton-Euler torque, "
+        "over the largest part.",
     )
 
 
 def _energy(data: xr.Dataset) -> Check:
     total = data["kinetic_energy"].values + data["potential_energy"].values
     turned_over = max(
-        np.ptp(total), np.ptp(data["kinetic_energy"].values), np.ptp(data["potential_energy"].values)
+        np.ptp(total),
+        np.ptp(data["kinetic_energy"].values),
+        np.ptp(data["potential_energy"].values),
     )
     return check(
         "energy balance",
@@ -93,7 +99,9 @@ def _energy(data: xr.Dataset) -> Check:
 
 
 def _bodies(model: Model, motion: Motion, data: xr.Dataset) -> list[Check]:
-    wrenches = np.concatenate([data["reaction_force"].values, data["reaction_moment"].values], axis=-1)
+    wrenches = np.concatenate(
+        [data["reaction_force"].values, data["reaction_moment"].values], axis=-1
+    )
     found = balance(model, motion.q, motion.qd, motion.qdd, wrenches, {})
     how = "accelerations from the poses differentiated twice, not from the recursion"
     return [
@@ -101,21 +109,27 @@ def _bodies(model: Model, motion: Motion, data: xr.Dataset) -> list[Check]:
             "forces on each body",
             relative(found.force, np.array([found.largest_force])),
             1e-10,
-            f"Joint reactions and weight against mass times acceleration of every body; {how}; over the largest force.",
+            f"Joint reactions and weight against mass times acceleration of every body; {how}; "
+            f"over the largest force.",
         ),
         check(
             "moments on each body",
             relative(found.moment, np.array([found.largest_moment])),
             1e-10,
-            f"The same for moments and the rate of angular momentum; {how}; over the largest moment.",
+            f"The same for moments and the rate of angular momentum; {how}; over the largest "
+            f"moment.",
         ),
     ]
 
 
 def _closed(model: Model, motion: Motion) -> list[Check]:
-    """How well the motion keeps the loops closed, and whether the torques of a stretch of it simulate back to it."""
+    """How well the motion keeps the loops closed, and whether the torques of a stretch of it
+    simulate back to it."""
     gap = gaps(model, scaled_residual(model, motion.q)).max()
-    start, end = motion.t[0] + _STRETCH[0] * motion.duration, motion.t[0] + _STRETCH[1] * motion.duration
+    start, end = (
+        motion.t[0] + _STRETCH[0] * motion.duration,
+        motion.t[0] + _STRETCH[1] * motion.duration,
+    )
     q, qd, _ = motion.at(start)
     q = assemble(model, q)
     back = simulate(
@@ -137,7 +151,8 @@ def _closed(model: Model, motion: Motion) -> list[Check]:
             "simulation",
             np.abs(miss).max(),
             1e-6,
-            f"Where the torques drive the model from t = {start:.3g} s to {end:.3g} s, from the motion, over the joint "
+            f"Where the torques drive the model from t = {start:.3g} s to {end:.3g} s, from the "
+            f"motion, over the joint "
             "range.",
         ),
     ]
@@ -149,7 +164,9 @@ def _along_axes(model: Model, data: xr.Dataset) -> list[Check]:
     along = data["tau_friction"].values + data["tau_springs"].values + data["tau_rotors"].values
     counted = np.ones(model.nv, dtype=bool)
     force, moment = data["reaction_force_child"].values, data["reaction_moment_child"].values
-    for k, (body, at, i) in enumerate(zip(model.bodies, model.coordinates, model.tree.body_of, strict=True)):
+    for k, (body, at, i) in enumerate(
+        zip(model.bodies, model.coordinates, model.tree.body_of, strict=True)
+    ):
         columns = model.tree.bodies[i].columns
         if (
             len(columns) != body.kind.nv
@@ -163,12 +180,18 @@ def _along_axes(model: Model, data: xr.Dataset) -> list[Check]:
         return []
     text = "Reactions along the axes with friction, springs and rotors against the torques, over the largest torque."
     return [
-        check("reactions along the axes", relative((along - tau)[:, counted], tau[:, counted]), 1e-10, text)
+        check(
+            "reactions along the axes",
+            relative((along - tau)[:, counted], tau[:, counted]),
+            1e-10,
+            text,
+        )
     ]
 
 
 def _forward(model: Model, motion: Motion, data: xr.Dataset) -> Check | None:
-    """Forward dynamics of the torques against the accelerations; None where the mass matrix is singular."""
+    """Forward dynamics of the torques against the accelerations; None where the mass matrix is
+    singular."""
     try:
         back = dynamics.forward_dynamics(all_driven(model), motion.q, motion.qd, data["tau"].values)
     except SingularError:
@@ -180,7 +203,8 @@ def _forward(model: Model, motion: Motion, data: xr.Dataset) -> Check | None:
         "forward dynamics",
         relative(back - motion.qdd, np.array([max(scale, np.abs(motion.qdd).max())])),
         max(1e-10, 1e3 * np.finfo(float).eps * condition),
-        f"Accelerations from the torques against those of the motion; the bar follows cond M = {condition:.3g}.",
+        f"Accelerations from the torques against those of the motion; the bar follows cond M = "
+        f"{condition:.3g}.",
     )
 
 
@@ -190,5 +214,6 @@ def _replayed(replay: Replay) -> Check:
         "replay",
         run.max(),
         1e-6,
-        f"Where the torques drive the model in {len(run)} pieces, from the reference, over the joint range.",
+        f"Where the torques drive the model in {len(run)} pieces, from the reference, over the "
+        f"joint range.",
     )

@@ -20,8 +20,8 @@ _MOST_PARTS = 64
 def energies(model: Model, motion: Motion) -> dict[str, Any]:
     """Kinetic and potential energy, and what is left of the energy balance.
 
-    The residual is ∫ (τ - τ_friction) · q̇ dt - (E(t) - E(0)), the integral by Gauss's rule with 6 points in each
-    interval of the motion's curve, or in parts of it.
+    The residual is ∫ (τ - τ_friction) · q̇ dt - (E(t) - E(0)), the integral by Gauss's rule with 6
+    points in each interval of the motion's curve, or in parts of it.
     """
     kinetic = dynamics.kinetic_energy(model, motion.q, motion.qd)
     potential = dynamics.potential_energy(model, motion.q)
@@ -41,7 +41,8 @@ def energies(model: Model, motion: Motion) -> dict[str, Any]:
 
 
 def supplied_work(model: Model, motion: Motion) -> Array:
-    """∫ (τ - τ_friction) · q̇ dt up to each sample (T,); intervals are halved until the integral no longer changes."""
+    """∫ (τ - τ_friction) · q̇ dt up to each sample (T,); intervals are halved until the integral no
+    longer changes."""
     smooth = model.without("friction")  # τ - τ_friction, free of the jumps of sign(q̇)
     parts, coarse = 1, _integral(smooth, motion, 1)
     while parts < _MOST_PARTS:
@@ -65,7 +66,8 @@ def _integral(model: Model, motion: Motion, parts: int) -> Array:
 
 
 def powers(model: Model, variables: dict[str, Any], motion: Motion) -> dict[str, Any]:
-    """Mechanical power of each drive and their sum, and what friction takes; joints without a drive give none."""
+    """Mechanical power of each drive and their sum, and what friction takes; joints without a drive
+    give none."""
     power = np.where(with_drive(model), variables["tau"][1] * motion.qd, 0.0)
     friction = np.sum(variables["tau_friction"][1] * motion.qd, axis=-1)
     return {

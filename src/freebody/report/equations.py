@@ -22,7 +22,8 @@ class Shown:
 
 
 def shown(model: Model) -> Shown | None:
-    """The equations of a small arm, by base parameters where only that is short; None where neither is."""
+    """The equations of a small arm, by base parameters where only that is short; None where neither
+    is."""
     if not _has_closed_form(model):
         return None
     closed = equations(model)
@@ -36,4 +37,9 @@ def _has_closed_form(model: Model) -> bool:
     """Whether there are few joints of one axis each, none that follows another, and no loop."""
     bodies = model.bodies
     simple = all(body.kind.turns or body.kind.slides for body in bodies)
-    return len(bodies) <= JOINTS and simple and all(b.joint.mimic is None for b in bodies) and not model.loops
+    return (
+        len(bodies) <= JOINTS
+        and simple
+        and all(b.joint.mimic is None for b in bodies)
+        and not model.loops
+    )

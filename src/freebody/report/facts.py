@@ -1,4 +1,5 @@
-"""What a report prints besides time series and summary, as a dataset: masses, limits, worst poses, checks."""
+"""What a report prints besides time series and summary, as a dataset: masses, limits, worst poses,
+checks."""
 
 from __future__ import annotations
 
@@ -15,10 +16,10 @@ if TYPE_CHECKING:
 
 
 def facts(study: Study) -> xr.Dataset:
-    """(body,): body_mass. (body, axis): body_com_local, body_weight. (coordinate,): lower_limit, upper_limit,
-    velocity_limit, effort_limit (infinite without), worst_gravity_torque, worst_gravity_fraction and (coordinate,
-    position): worst_gravity_pose, NaN where gravity loads nothing. (check,): check_value, check_bar, check_passed
-    (1 or 0)."""
+    """(body,): body_mass. (body, axis): body_com_local, body_weight. (coordinate,): lower_limit,
+    upper_limit, velocity_limit, effort_limit (infinite without), worst_gravity_torque,
+    worst_gravity_fraction and (coordinate, position): worst_gravity_pose, NaN where gravity loads
+    nothing. (check,): check_value, check_bar, check_passed (1 or 0)."""
     import xarray as xr
 
     model, axes = study.model, list(study.data["axis"].values)
@@ -29,14 +30,24 @@ def facts(study: Study) -> xr.Dataset:
     poses = np.array([p.q if p else np.full(model.nq, np.nan) for p in found])
     body, joint, check = ("body",), ("coordinate",), ("check",)
     rows = {
-        "body_mass": (body, masses, "kg", f"mass of the body{', estimated' if model.is_estimated else ''}"),
+        "body_mass": (
+            body,
+            masses,
+            "kg",
+            f"mass of the body{', estimated' if model.is_estimated else ''}",
+        ),
         "body_com_local": (
             ("body", "axis"),
             centres,
             "m",
             "centre of mass from the joint, the body's axes at its joint",
         ),
-        "body_weight": (("body", "axis"), masses[:, None] * model.gravity, "N", "weight, world axes"),
+        "body_weight": (
+            ("body", "axis"),
+            masses[:, None] * model.gravity,
+            "N",
+            "weight, world axes",
+        ),
         "lower_limit": (joint, allowed.lower, "rad|m", "lower limit of the position"),
         "upper_limit": (joint, allowed.upper, "rad|m", "upper limit of the position"),
         "velocity_limit": (joint, allowed.velocity, "rad/s|m/s", "speed limit"),
@@ -61,7 +72,12 @@ def facts(study: Study) -> xr.Dataset:
         ),
         "check_value": (check, [c.value for c in study.checks], "1", "value of the check"),
         "check_bar": (check, [c.bar for c in study.checks], "1", "largest value that passes"),
-        "check_passed": (check, [c.passed for c in study.checks], "1", "1 if the check passed, else 0"),
+        "check_passed": (
+            check,
+            [c.passed for c in study.checks],
+            "1",
+            "1 if the check passed, else 0",
+        ),
     }
     return xr.Dataset(
         {
@@ -86,5 +102,7 @@ def _inertias(study: Study) -> tuple[np.ndarray, np.ndarray]:
         parts = model.tree.bodies[at].masses
         masses[k] = sum(float(part.m) for part in parts)
         if masses[k]:
-            centres[k] = sum(float(part.m) * np.asarray(part.c, dtype=float) for part in parts) / masses[k]
+            centres[k] = (
+                sum(float(part.m) * np.asarray(part.c, dtype=float) for part in parts) / masses[k]
+            )
     return masses, centres

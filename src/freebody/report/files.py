@@ -51,8 +51,8 @@ def save(study: Study, directory: Path, report: bool) -> list[Path]:
 
 
 def makers(study: Study, report: bool) -> Makers:
-    """What makes study.nc, motion.csv, torques.csv, reactions.csv, summary.csv, reactions_summary.csv, checks.csv, and
-    report.html if asked for."""
+    """What makes study.nc, motion.csv, torques.csv, reactions.csv, summary.csv,
+    reactions_summary.csv, checks.csv, and report.html if asked for."""
     tables: dict[str, Callable[[], _Table]] = {
         "motion.csv": lambda: _motion(study),
         "torques.csv": lambda: _torques(study),
@@ -71,7 +71,9 @@ def dataset(study: Study) -> xr.Dataset:
     import xarray as xr
 
     whole = xr.merge(
-        [study.data, study.summary, facts(study)], compat="no_conflicts", combine_attrs="drop_conflicts"
+        [study.data, study.summary, facts(study)],
+        compat="no_conflicts",
+        combine_attrs="drop_conflicts",
     )
     whole.attrs.update(study.data.attrs)
     whole.attrs["verdict"] = study.verdict.text
@@ -105,7 +107,8 @@ def dataset(study: Study) -> xr.Dataset:
 def netcdf(study: Study) -> bytes:
     """The dataset as NetCDF 3: read everywhere, written without HDF5.
 
-    Names of joints stand in it as values, never as names of its own, which could not hold all of them.
+    Names of joints stand in it as values, never as names of its own, which could not hold all of
+    them.
     """
     whole = dataset(study)
     for held in (whole, *whole.variables.values()):
@@ -124,7 +127,8 @@ def _csv(table: Callable[[], _Table]) -> str:
 
 
 def _motion(study: Study) -> _Table:
-    """The motion as the command reads it: positions, and rates and accelerations where they have a column."""
+    """The motion as the command reads it: positions, and rates and accelerations where they have a
+    column."""
     model, motion = study.model, study.motion
     iq, iv = position_columns(model)
     names = [model.position_names[k] for k in iq]

@@ -1,4 +1,5 @@
-"""The study as one HTML file: no script or font is fetched, figures are inline SVG, every number knows its source."""
+"""The study as one HTML file: no script or font is fetched, figures are inline SVG, every number
+knows its source."""
 
 from __future__ import annotations
 
@@ -72,7 +73,9 @@ def page(study: Study) -> str:
                     "drift",
                 )
             },
-            free_bodies=list(zip(diagrams, (tables.loads(study, body) for body in loads), strict=True)),
+            free_bodies=list(
+                zip(diagrams, (tables.loads(study, body) for body in loads), strict=True)
+            ),
             versions=_versions(),
             colours=(theme.page_colours(dark=False), theme.page_colours(dark=True)),
             figure_style=Markup(theme.style("@media screen and (prefers-color-scheme:dark)")),
@@ -119,14 +122,17 @@ def _facts(study: Study) -> dict[str, Any]:
 
 
 def _notices(study: Study) -> dict[str, list[str]]:
-    """Findings about the motion, inertias that no body has, and how the file was read, without the file's folder."""
+    """Findings about the motion, inertias that no body has, and how the file was read, without the
+    file's folder."""
     read = study.model.notices
     short = {str(n): str(replace(n, file=Path(n.file).name if n.file else None)) for n in read}
     doubtful = [str(n) for n in read if n.kind in ("physical", DOUBTFUL, ESTIMATED)]
     return {
         "findings": [text for text in study.notices if text not in short],
         "doubtful": [short[text] for text in study.notices if text in doubtful],
-        "reading": [short[text] for text in study.notices if text in short and text not in doubtful],
+        "reading": [
+            short[text] for text in study.notices if text in short and text not in doubtful
+        ],
     }
 
 

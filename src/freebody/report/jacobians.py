@@ -26,8 +26,8 @@ SINGULAR = 1e-3
 def task(model: Model, tip: str, q: Array) -> tuple[int, str]:
     """How many rows of the Jacobian are counted along q (T, nq), and their name.
 
-    All of them if the tip has that many coordinates to move it; else the rows of position alone, unless the tip's
-    position leaves some coordinate unseen all the time (a tip on the last axis).
+    All of them if the tip has that many coordinates to move it; else the rows of position alone,
+    unless the tip's position leaves some coordinate unseen all the time (a tip on the last axis).
     """
     six, d = (6, 3) if model.dim == 3 else (3, 2)
     columns = coordinates_before(model, tip)
@@ -42,10 +42,13 @@ def task(model: Model, tip: str, q: Array) -> tuple[int, str]:
 
 
 def characteristic_length(model: Model, tip: str, q: Array) -> float:
-    """Root mean square of the tip's distance from the first joint's origin over q (T, nq) (m); 1 where that is zero."""
+    """Root mean square of the tip's distance from the first joint's origin over q (T, nq) (m); 1
+    where that is zero."""
     d = model.dim
     T = kinematics.forward_kinematics(model, q, tip)[..., :d, d]
-    first = model.bodies[coordinates_first(model, tip)].name if coordinates_before(model, tip) else tip
+    first = (
+        model.bodies[coordinates_first(model, tip)].name if coordinates_before(model, tip) else tip
+    )
     base = kinematics.forward_kinematics(model, q[:1], first)[..., :d, d]
     length = float(np.sqrt(np.mean(np.sum((T - base) ** 2, axis=-1))))
     return length if length > 1e-9 else 1.0
@@ -62,8 +65,8 @@ def coordinates_first(model: Model, tip: str) -> int:
 def scaled(model: Model, tip: str, q: Array) -> Array:
     """The counted rows of J (..., rows, n), without units: lengths over the characteristic length.
 
-    Columns are those that move the tip; sliding ones are multiplied by the length, so that all are per radian. Of a
-    closed chain they are the motions that the loops allow.
+    Columns are those that move the tip; sliding ones are multiplied by the length, so that all are
+    per radian. Of a closed chain they are the motions that the loops allow.
     """
     rows, _ = task(model, tip, q)
     length = characteristic_length(model, tip, q)
@@ -81,7 +84,8 @@ def scaled(model: Model, tip: str, q: Array) -> Array:
 
 
 def measures(model: Model, tip: str, q: Array) -> dict[str, Any]:
-    """Singular values of the scaled Jacobian along q (T, nq), and their product (Yoshikawa's manipulability)."""
+    """Singular values of the scaled Jacobian along q (T, nq), and their product (Yoshikawa's
+    manipulability)."""
     J = scaled(model, tip, q) if coordinates_before(model, tip) else np.zeros((len(q), 1, 0))
     values = np.linalg.svd(J, compute_uv=False) if J.shape[-1] else np.zeros((len(q), 1))
     what = "singular value of the tip's Jacobian, lengths over the characteristic length"

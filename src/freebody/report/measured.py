@@ -13,7 +13,8 @@ from freebody.report.results import percent
 from freebody.report.series import torque_parts
 
 Smooth = bool | float | None
-"""False or None: as it is; True: at the cutoff that the noise asks for; a number: at that cutoff (Hz)."""
+"""False or None: as it is; True: at the cutoff that the noise asks for; a number: at that cutoff
+(Hz)."""
 
 _TELL = 0.01  # of the largest peak: a change by less is not told
 _MOST = 3  # joints, those whose peaks change most
@@ -24,7 +25,9 @@ def filtered(model: Model, motion: Motion, smooth: Smooth) -> tuple[Motion, tupl
     if smooth is not None and smooth is not False:
         clean = smoothed(model, motion, None if smooth is True else smooth)
         peaks = _compared(model, clean, motion, "as it was measured")
-        return clean, (f"The motion was smoothed. {peaks or 'Peak torques are the same within 1 %.'}",)
+        return clean, (
+            f"The motion was smoothed. {peaks or 'Peak torques are the same within 1 %.'}",
+        )
     found = recognised(model, motion)
     if found is None:
         return motion, ()
@@ -35,8 +38,11 @@ def filtered(model: Model, motion: Motion, smooth: Smooth) -> tuple[Motion, tupl
 
 
 def _compared(model: Model, studied: Motion, other: Motion, how: str) -> str:
-    """The peak torques of both motions where they differ, the most changed first; empty where none does."""
-    mine, theirs = (np.abs(torque_parts(model, m)["tau"].values).max(axis=0) for m in (studied, other))
+    """The peak torques of both motions where they differ, the most changed first; empty where none
+    does."""
+    mine, theirs = (
+        np.abs(torque_parts(model, m)["tau"].values).max(axis=0) for m in (studied, other)
+    )
     turns = angular(model)
     driven, largest = with_drive(model), np.maximum(mine, theirs)
     scale = np.array([largest[driven & (turns == kind)].max(initial=1e-300) for kind in turns])

@@ -4,9 +4,10 @@ Run k times as fast, the same path has rates k q̇ and accelerations k² q̈, an
 
     τ(k) = a k² + b k + c,   a = M q̈ + C q̇ + rotors,   b = viscous friction,   c = gravity + springs + Coulomb friction,
 
-a, b, c being the parts at k = 1 (Hollerbach 1984, "Dynamic scaling of manipulator trajectories", with friction added).
-Of closed chains too: what the drives feel of each part depends on the position alone. Friction at rest (k = 0) is not
-asked about. Between the samples of the motion nothing is said.
+a, b, c being the parts at k = 1 (Hollerbach 1984, "Dynamic scaling of manipulator trajectories",
+with friction added). Of closed chains too: what the drives feel of each part depends on the
+position alone. Friction at rest (k = 0) is not asked about. Between the samples of the motion
+nothing is said.
 """
 
 from __future__ import annotations
@@ -26,24 +27,30 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Pace:
-    """factor: the motion, run `factor` times as fast, reaches its first limit, of those that depend on speed.
+    """factor: the motion, run `factor` times as fast, reaches its first limit, of those that depend
+    on speed.
 
-    Above 1 it may be sped up so far, and at every speed between; below 1 it must be slowed down, `factor` being the
-    largest that is within all. 0: no slowing helps. Infinite: no limit is ever reached.
+    Above 1 it may be sped up so far, and at every speed between; below 1 it must be slowed down,
+    `factor` being the largest that is within all. 0: no slowing helps. Infinite: no limit is ever
+    reached.
     """
 
     factor: float
     held: Array
-    """(nv,) the largest |c| over the torque limit: what slowing down does not take away; NaN without a limit."""
+    """(nv,) the largest |c| over the torque limit: what slowing down does not take away; NaN
+    without a limit."""
     held_time: Array
     """(nv,) when (s)."""
 
 
 def pace(data: xr.Dataset, velocity: Array, effort: Array) -> Pace:
-    """How fast the motion of `data` (`Study.data`) may be run under limits (nv,), infinite where there are none."""
+    """How fast the motion of `data` (`Study.data`) may be run under limits (nv,), infinite where
+    there are none."""
     fast = np.abs(data["qd"].values).max(axis=0)
     with np.errstate(divide="ignore"):
-        quickest = float(np.min(np.where(fast > 0, velocity * (1 + CLOSE) / fast, np.inf), initial=np.inf))
+        quickest = float(
+            np.min(np.where(fast > 0, velocity * (1 + CLOSE) / fast, np.inf), initial=np.inf)
+        )
     a, b, c = parts(data)
     limited = np.isfinite(effort)
     bound = np.where(limited, effort * (1 + CLOSE), 0.0)
@@ -55,17 +62,23 @@ def pace(data: xr.Dataset, velocity: Array, effort: Array) -> Pace:
 
 
 def parts(data: xr.Dataset) -> tuple[Array, Array, Array]:
-    """(a, b, c), arrays (T, nv): the torques' parts that grow with the square of the pace, with it, and not."""
+    """(a, b, c), arrays (T, nv): the torques' parts that grow with the square of the pace, with it,
+    and not."""
     get = {name: data[f"tau_{name}"].values for name in _PARTS}
     square = get["inertial"] + get["coriolis"] + get["rotors"]
-    return square, get["viscous"], get["gravity"] + get["springs"] + get["friction"] - get["viscous"]
+    return (
+        square,
+        get["viscous"],
+        get["gravity"] + get["springs"] + get["friction"] - get["viscous"],
+    )
 
 
 _PARTS = ("inertial", "coriolis", "rotors", "viscous", "friction", "gravity", "springs")
 
 
 def at_pace(motion: Motion, factor: float, words: str) -> Motion:
-    """The same path run `factor` times as fast, from the same start; `words` are added to its source."""
+    """The same path run `factor` times as fast, from the same start; `words` are added to its
+    source."""
     start = motion.t[0]
     return replace(
         motion,
@@ -77,7 +90,8 @@ def at_pace(motion: Motion, factor: float, words: str) -> Motion:
 
 
 def _broken(a: Array, b: Array, c: Array, bound: Array) -> tuple[Array, Array]:
-    """Open intervals of k > 0, arrays (n,) of their ends, in which |a k² + b k + c| is above its bound somewhere."""
+    """Open intervals of k > 0, arrays (n,) of their ends, in which |a k² + b k + c| is above its
+    bound somewhere."""
     ends: list[tuple[Array, Array]] = []
     for sign in (1.0, -1.0):
         ends += _positive(sign * a, sign * b, sign * c - bound)
@@ -88,7 +102,8 @@ def _broken(a: Array, b: Array, c: Array, bound: Array) -> tuple[Array, Array]:
 
 
 def _positive(a: Array, b: Array, c: Array) -> list[tuple[Array, Array]]:
-    """Where a k² + b k + c > 0, as two intervals for each entry; an empty one ends before it starts."""
+    """Where a k² + b k + c > 0, as two intervals for each entry; an empty one ends before it
+    starts."""
     b, c = np.broadcast_arrays(b, c)
     straight = np.abs(a) <= 1e-14 * (np.abs(b) + np.abs(c))
     with np.errstate(all="ignore"):
@@ -115,7 +130,8 @@ def _positive(a: Array, b: Array, c: Array) -> list[tuple[Array, Array]]:
 
 
 def _within(low: Array, high: Array, quickest: float) -> float:
-    """From k = 1 outwards the end of what is in no interval and not above `quickest`; see `Pace`."""
+    """From k = 1 outwards the end of what is in no interval and not above `quickest`; see
+    `Pace`."""
     order = np.argsort(low)
     low, high = low[order], np.maximum.accumulate(high[order]) if len(high) else high
     inside = bool(np.any((low < 1.0) & (high > 1.0)))

@@ -54,7 +54,9 @@ def robot(study: Study) -> Figure:
     ghosts = [q[k] for k in sorted(others - {study.worst.index})]
     path = study.data["tip_position"].values
     step = max(1, count // 240)
-    svg = picture(robot_drawing(model, q[study.worst.index], ghosts, path[::step]), 640, 540).text(css=False)
+    svg = picture(robot_drawing(model, q[study.worst.index], ghosts, path[::step]), 640, 540).text(
+        css=False
+    )
     return Figure(
         svg,
         f"At the worst instant, t = {study.worst.time:.3g} s; fainter: other poses of the motion. "
@@ -109,7 +111,12 @@ def powers(study: Study) -> Iterator[Figure]:
         curves = {short: data["power"].sel(coordinate=name).values for name, short in group}
         yield _plot(study, "Power of each drive", curves, "W")
     yield _plot(
-        study, "Power of all drives", {"all": data["motor_power"].values}, "W", legend=False, peaks=True
+        study,
+        "Power of all drives",
+        {"all": data["motor_power"].values},
+        "W",
+        legend=False,
+        peaks=True,
     )
 
 
@@ -149,7 +156,9 @@ def kinematics(study: Study) -> Iterator[Figure]:
     yield _plot(study, f"Speed of {study.tip}", {"speed": speed}, "m/s", legend=False, peaks=True)
     smallest = data["smallest_singular_value"]
     curve = {"smallest singular value": smallest.values}
-    yield _plot(study, "Smallest singular value", curve, "1/rad", legend=False, now=study.singularity.time)
+    yield _plot(
+        study, "Smallest singular value", curve, "1/rad", legend=False, now=study.singularity.time
+    )
 
 
 def gravity(study: Study) -> Iterator[Figure]:
@@ -179,7 +188,12 @@ def drift(study: Study) -> Iterator[Figure]:
     floor = max(float(off[off > 0].min(initial=1e-16)), 1e-16)
     curve = {"largest of all coordinates": np.maximum(off, floor)}
     what = Plot(
-        "Open loop: distance from the motion", replay.drift_time, curve, "rad, m", legend=False, log=True
+        "Open loop: distance from the motion",
+        replay.drift_time,
+        curve,
+        "rad, m",
+        legend=False,
+        log=True,
     )
     yield Figure(plot(what).text(css=False))
 
@@ -199,9 +213,13 @@ def _overlays(
             yield _plot(study, what, curves, unit + suffix)
 
 
-def _units(study: Study, array: xr.DataArray, dim: str, unit_name: str) -> Iterator[tuple[str, str]]:
+def _units(
+    study: Study, array: xr.DataArray, dim: str, unit_name: str
+) -> Iterator[tuple[str, str]]:
     """(name, unit) along a dimension; entries of quaternions have none."""
-    known = dict(zip(study.model.velocity_names, (str(u) for u in study.data[unit_name].values), strict=True))
+    known = dict(
+        zip(study.model.velocity_names, (str(u) for u in study.data[unit_name].values), strict=True)
+    )
     for name in (str(n) for n in array[dim].values):
         yield name, known.get(name, "1" if ".quat_" in name else "m")
 

@@ -28,7 +28,8 @@ Column = tuple[Head, Sequence[Cell]]
 
 @dataclass(frozen=True)
 class Printed:
-    """A column of numbers: a variable of the data along one dimension, `at` fixed labels of its others.
+    """A column of numbers: a variable of the data along one dimension, `at` fixed labels of its
+    others.
 
     unit: of all, or one a row. A share is printed in percent with a bar.
     """
@@ -64,17 +65,23 @@ def drives(study: Study) -> Table:
     """What motors and gears are chosen by."""
     names = study.model.driven_names
     at = [study.model.velocity_names.index(name) for name in names]
-    efforts, rates = ([units[k] for k in at] for units in (_units(study, "effort_unit"), _rates(study)))
+    efforts, rates = (
+        [units[k] for k in at] for units in (_units(study, "effort_unit"), _rates(study))
+    )
     title = _EFFORTS.get(efforts[0], "") if len(set(efforts)) == 1 else "Peak torque, force"
     columns = [
         Printed(title, "peak_torque", efforts, "largest in magnitude, with its sign"),
         Printed("at", "peak_torque_time", "s", "when it occurs"),
-        Printed("RMS", "rms_torque", efforts, "root mean square over the motion: what heats a motor"),
+        Printed(
+            "RMS", "rms_torque", efforts, "root mean square over the motion: what heats a motor"
+        ),
         Printed("Peak / limit", "effort_fraction", "", _USE, share=True),
         Printed("RMS / limit", "rms_fraction", "", _USE, share=True),
         Printed("Peak speed", "peak_speed", rates, "largest in magnitude"),
         Printed("Speed / limit", "velocity_fraction", "", _USE, share=True),
-        Printed("Peak power", "peak_power", "W", "torque times speed; negative where the drive brakes"),
+        Printed(
+            "Peak power", "peak_power", "W", "torque times speed; negative where the drive brakes"
+        ),
     ]
     return _by_coordinate("What each drive must give", study, names, columns)
 
@@ -84,14 +91,20 @@ def work(study: Study) -> Table:
     columns = [
         Printed("Work done", "work_done", "J", "where torque and speed have the same sign"),
         Printed("Work braked", "work_braked", "J", "where the drive holds the motion back"),
-        Printed("Net", "net_work", "J", "work done less work braked: of a cycle what friction takes"),
+        Printed(
+            "Net", "net_work", "J", "work done less work braked: of a cycle what friction takes"
+        ),
         Printed("Braked / done", "regenerated_share", "%", "what could be fed back", scale=100.0),
         Printed("Peak power", "peak_power", "W", "negative where the drive brakes"),
         Printed("at", "peak_power_time", "s"),
         Printed("Mean power", "mean_power", "W", "braking counted as negative"),
-        Printed("Power / limits", "power_fraction", "", "of effort limit times speed limit", share=True),
+        Printed(
+            "Power / limits", "power_fraction", "", "of effort limit times speed limit", share=True
+        ),
     ]
-    return _by_coordinate("Work of each drive over the motion", study, study.model.driven_names, columns)
+    return _by_coordinate(
+        "Work of each drive over the motion", study, study.model.driven_names, columns
+    )
 
 
 def ranges(study: Study) -> Table | None:
@@ -105,7 +118,11 @@ def ranges(study: Study) -> Table | None:
         Printed("Lower limit", "lower_limit", units),
         Printed("Upper limit", "upper_limit", units),
         Printed(
-            "Range used", "position_fraction", "", "distance from the middle; 100 % at a limit", share=True
+            "Range used",
+            "position_fraction",
+            "",
+            "distance from the middle; 100 % at a limit",
+            share=True,
         ),
         Printed("Speed limit", "velocity_limit", _rates(study)),
         Printed("Effort limit", "effort_limit", _units(study, "effort_unit")),
@@ -134,14 +151,22 @@ def bodies(study: Study) -> Table:
 
 
 def gravity(study: Study) -> Table | None:
-    """The worst poses at rest, and the largest gravity load along the motion; None where gravity loads nothing."""
+    """The worst poses at rest, and the largest gravity load along the motion; None where gravity
+    loads nothing."""
     names = [pose.coordinate for pose in study.static]
     if not names:
         return None
     units = [pose.unit for pose in study.static]
     columns = [
-        Printed("During the motion", "gravity_torque_peak", units, "largest gravity part of the torque"),
-        Printed("Worst pose", "worst_gravity_torque", units, "largest found in any pose within the limits"),
+        Printed(
+            "During the motion", "gravity_torque_peak", units, "largest gravity part of the torque"
+        ),
+        Printed(
+            "Worst pose",
+            "worst_gravity_torque",
+            units,
+            "largest found in any pose within the limits",
+        ),
         Printed("Worst / limit", "worst_gravity_fraction", "", _USE, share=True),
     ]
     positions = study.model.position_names
@@ -173,7 +198,10 @@ def reactions(study: Study) -> Table:
     columns: list[Column] = []
     for title, variable, unit, tip in loads:
         if np.isfinite(study.summary[variable].values).any():
-            for printed in (Printed(title, variable, unit, tip), Printed("at", f"{variable}_time", "s")):
+            for printed in (
+                Printed(title, variable, unit, tip),
+                Printed("at", f"{variable}_time", "s"),
+            ):
                 columns.append(printed.column(study.summary, "joint", names))
     return _listed("What each bearing and guide carries at most, and when", "Joint", names, columns)
 
@@ -188,7 +216,8 @@ def checks(study: Study) -> Table:
     """Each check with its value and bar."""
     names, book = [c.name for c in study.checks], facts(study)
     results = [
-        Text("passed" if c.passed else "failed", css="ok" if c.passed else "bad") for c in study.checks
+        Text("passed" if c.passed else "failed", css="ok" if c.passed else "bad")
+        for c in study.checks
     ]
     columns: list[Column] = [(Head("Result", number=False), results)]
     for printed in (
@@ -198,7 +227,10 @@ def checks(study: Study) -> Table:
         head, cells = printed.column(book, "check", names)
         columns.append((head, [alone(cell, 2) for cell in cells if isinstance(cell, Number)]))
     columns.append(
-        (Head("What is compared", number=False), [Text(typeset(c.text), css="wide") for c in study.checks])
+        (
+            Head("What is compared", number=False),
+            [Text(typeset(c.text), css="wide") for c in study.checks],
+        )
     )
     return _listed("Two ways to the same quantity", "Check", names, columns)
 
@@ -210,9 +242,13 @@ def loads(study: Study, body: BodyLoads) -> Table:
         Markup(html(load.name) + (f", {html(load.moment_name)}" if load.moment_name else ""))
         for load in body.loads
     ]
-    columns: list[Column] = [(Head("exerted by", number=False), [Text(load.other) for load in body.loads])]
+    columns: list[Column] = [
+        (Head("exerted by", number=False), [Text(load.other) for load in body.loads])
+    ]
     for j, axis in enumerate(forces):
-        columns.append((Head(f"F{axis}", "N"), [_force(study, body, load, axis, j) for load in body.loads]))
+        columns.append(
+            (Head(f"F{axis}", "N"), [_force(study, body, load, axis, j) for load in body.loads])
+        )
     for j, axis in enumerate(moments):
         head = Head(f"M{axis}", "N m", "about the place where the force acts")
         columns.append((head, [_moment(study, load, axis, j) for load in body.loads]))
@@ -232,7 +268,9 @@ def _moment(study: Study, load: Load, axis: str, j: int) -> Cell:
     return _reaction(study, "reaction_moment", load, {"moment_axis": axis}, float(load.moment[j]))
 
 
-def _reaction(study: Study, variable: str, load: Load, axis: dict[str, str | int], value: float) -> Number:
+def _reaction(
+    study: Study, variable: str, load: Load, axis: dict[str, str | int], value: float
+) -> Number:
     """On the child as in the data; on the parent its opposite."""
     sign = -1.0 if load.role == "counter" else 1.0
     assert load.joint is not None
@@ -248,10 +286,15 @@ def _kind(joint: Joint) -> str:
     return joint.kind if joint.mimic is None else f"{joint.kind}, follows {joint.mimic.joint}"
 
 
-def _by_coordinate(caption: str, study: Study, names: Sequence[str], columns: Sequence[Printed]) -> Table:
-    """Rows are coordinates, numbered as in the drawings; columns without any finite number are left out."""
+def _by_coordinate(
+    caption: str, study: Study, names: Sequence[str], columns: Sequence[Printed]
+) -> Table:
+    """Rows are coordinates, numbered as in the drawings; columns without any finite number are left
+    out."""
     book = xr.merge([study.summary, facts(study)], compat="no_conflicts", combine_attrs="drop")
-    shown = [p for p in columns if np.isfinite(book[p.variable].sel(coordinate=list(names)).values).any()]
+    shown = [
+        p for p in columns if np.isfinite(book[p.variable].sel(coordinate=list(names)).values).any()
+    ]
     numbers = [study.model.velocity_names.index(name) + 1 for name in names]
     return _listed(
         caption, "Coordinate", names, [p.column(book, "coordinate", names) for p in shown], numbers

@@ -1,8 +1,9 @@
 """The replay: the torques of a motion drive the model back along it.
 
-Open loop, errors grow as the linearised dynamics let them, often a factor e every 0.1 s for an arm held upright, so a
-whole motion cannot be followed to the last digit by any integrator. In pieces that amplify an error by at most 1e4 it
-can, and a wrong term in torques or dynamics would show in the first of them.
+Open loop, errors grow as the linearised dynamics let them, often a factor e every 0.1 s for an arm
+held upright, so a whole motion cannot be followed to the last digit by any integrator. In pieces
+that amplify an error by at most 1e4 it can, and a wrong term in torques or dynamics would show in
+the first of them.
 """
 
 from __future__ import annotations
@@ -29,20 +30,26 @@ from freebody.trees.states import difference
 BOUND = 1e4
 """Amplification that a piece may have at most."""
 TOLERANCE = {"DOP853": 1e-12, "BDF": 1e-11, "Radau": 1e-8}
-"""Relative error per step of the integrators, absolute a hundredth of it; what is stiff also damps its errors."""
+"""Relative error per step of the integrators, absolute a hundredth of it; what is stiff also damps
+its errors."""
 
 _GRID = 400
 _HALVINGS = 14
 _MOST_PIECES = 400
-_MOST_SAMPLES = 401  # of the motion, within the pieces that are run: each may cost three hundred evaluations
-_EVALUATIONS = 30_000  # of the open-loop run, which might otherwise follow a tumbling robot for minutes
+_MOST_SAMPLES = (
+    401  # of the motion, within the pieces that are run: each may cost three hundred evaluations
+)
+_EVALUATIONS = (
+    30_000  # of the open-loop run, which might otherwise follow a tumbling robot for minutes
+)
 _MOST_EVALUATIONS = 150_000  # of the pieces together
 
 
 def replayed(model: Model, motion: Motion) -> Replay:
     """The replay of a motion in pieces and open loop.
 
-    Raises SingularError if the mass matrix is singular, or so nearly along the motion that pieces would be too many.
+    Raises SingularError if the mass matrix is singular, or so nearly along the motion that pieces
+    would be too many.
     """
     whole, allowed = system(model), ranges(model)
     method = _method(model, whole, motion)
@@ -67,7 +74,8 @@ def replayed(model: Model, motion: Motion) -> Replay:
         drift,
         growth,
         whole.friction.width if whole.friction.acts else 0.0,
-        f"{_landed(edges, factors, misses)} {_drifted(model, allowed, drift_time, drift, ended, growth)}",
+        f"{_landed(edges, factors, misses)} "
+        f"{_drifted(model, allowed, drift_time, drift, ended, growth)}",
     )
 
 
@@ -76,7 +84,8 @@ def _refuse(model: Model, motion: Motion, edges: Array) -> NoReturn:
     k = int(np.argmin(np.diff(edges)))
     condition = float(np.linalg.cond(mass_matrix(model, motion.at(edges[k])[0])))
     raise SingularError(
-        f"Near t = {edges[k]:.3g} s the linearised dynamics amplify errors so fast, with a mass matrix of condition "
+        f"Near t = {edges[k]:.3g} s the linearised dynamics amplify errors so fast, with a mass "
+        f"matrix of condition "
         f"{condition:.1g}, that following the torques would take {len(edges) - 1} pieces."
     )
 
@@ -97,7 +106,8 @@ class _Reference:
 
 
 def scaling(model: Model, allowed: Ranges) -> Array:
-    """What each entry of (q, q̇) is measured in (nq + nv,): the range, and the range per second; quaternions 1."""
+    """What each entry of (q, q̇) is measured in (nq + nv,): the range, and the range per second;
+    quaternions 1."""
     position = np.ones(model.nq)
     iq, iv = position_columns(model)
     position[iq] = allowed.width[iv]
@@ -106,21 +116,28 @@ def scaling(model: Model, allowed: Ranges) -> Array:
 
 # ---------------------------------------------------------------- how errors grow
 def _transitions(whole: System, motion: Motion, scale: Array) -> tuple[Array, Array]:
-    """Grid times (k + 1,) and the scaled state-transition matrices (k, n, n) of its steps along the motion.
+    """Grid times (k + 1,) and the scaled state-transition matrices (k, n, n) of its steps along the
+    motion.
 
-    Each is the exponential of the linearised dynamics at the step's middle. Steps are halved until none alone amplifies
-    by more than a tenth of the bound: near poses where the mass matrix is all but singular they become very short.
+    Each is the exponential of the linearised dynamics at the step's middle. Steps are halved until
+    none alone amplifies by more than a tenth of the bound: near poses where the mass matrix is all
+    but singular they become very short.
     """
     times = np.linspace(motion.t[0], motion.t[-1], _GRID + 1)
     steps = _steps(whole, motion, scale, times[:-1], times[1:])
     for _ in range(_HALVINGS):
-        wild = np.flatnonzero(~(np.abs(steps).sum(axis=-1).max(axis=-1) <= 0.1 * BOUND))  # infinite ones, too
+        wild = np.flatnonzero(
+            ~(np.abs(steps).sum(axis=-1).max(axis=-1) <= 0.1 * BOUND)
+        )  # infinite ones, too
         if not len(wild):
             break
         middles = 0.5 * (times[wild] + times[wild + 1])
         second = _steps(whole, motion, scale, middles, times[wild + 1])
         steps[wild] = _steps(whole, motion, scale, times[wild], middles)
-        times, steps = np.insert(times, wild + 1, middles), np.insert(steps, wild + 1, second, axis=0)
+        times, steps = (
+            np.insert(times, wild + 1, middles),
+            np.insert(steps, wild + 1, second, axis=0),
+        )
     return times, steps
 
 
@@ -150,7 +167,8 @@ def exponentials(A: Array) -> Array:
 
 
 def pieces(times: Array, steps: Array) -> tuple[Array, Array]:
-    """(edges, factors): the longest pieces of the grid whose products of steps have norm at most `BOUND`.
+    """(edges, factors): the longest pieces of the grid whose products of steps have norm at most
+    `BOUND`.
 
     A factor is the largest norm on the way through the piece, at least 1.
     """
@@ -169,7 +187,8 @@ def pieces(times: Array, steps: Array) -> tuple[Array, Array]:
 
 
 def amplification(steps: Array) -> float:
-    """log10 of the norm of the product of all steps, or of its largest part from the start, whichever is larger."""
+    """log10 of the norm of the product of all steps, or of its largest part from the start,
+    whichever is larger."""
     product, exponent, largest = np.eye(steps.shape[-1]), 0.0, 0.0
     for step in steps:
         product = step @ product
@@ -182,7 +201,8 @@ def amplification(steps: Array) -> float:
 
 # ---------------------------------------------------------------- driving the model
 def _followed(motion: Motion, edges: Array) -> Index:
-    """Which pieces are run: all, or so many of a long log, evenly spread, that they hold `_MOST_SAMPLES` samples.
+    """Which pieces are run: all, or so many of a long log, evenly spread, that they hold
+    `_MOST_SAMPLES` samples.
 
     Between samples the reference is a polynomial; each sample costs an integrator steps.
     """
@@ -191,8 +211,11 @@ def _followed(motion: Motion, edges: Array) -> Index:
     return np.unique(np.linspace(0, pieces - 1, min(count, pieces)).round().astype(int))
 
 
-def _land(whole: System, motion: Motion, start: Array, end: Array, allowed: Ranges, method: str) -> Array:
-    """(pieces,) distance from the reference at each piece's end over the joint range; all run side by side."""
+def _land(
+    whole: System, motion: Motion, start: Array, end: Array, allowed: Ranges, method: str
+) -> Array:
+    """(pieces,) distance from the reference at each piece's end over the joint range; all run side
+    by side."""
     reference = _Reference(whole, motion)
     length = end - start
     count, n = len(length), whole.size
@@ -248,8 +271,11 @@ def _limited(rate: Callable[[float, Array], Array], most: int) -> Callable[[floa
     return counted
 
 
-def _open_loop(whole: System, motion: Motion, allowed: Ranges, method: str) -> tuple[Array, Array, str]:
-    """(times, distance from the reference (k, nv), why it ended early) of one run over the whole motion.
+def _open_loop(
+    whole: System, motion: Motion, allowed: Ranges, method: str
+) -> tuple[Array, Array, str]:
+    """(times, distance from the reference (k, nv), why it ended early) of one run over the whole
+    motion.
 
     It ends where a joint has gone astray by its whole range, or when its evaluations are spent.
     """
@@ -308,7 +334,11 @@ def _method(model: Model, whole: System, motion: Motion) -> str:
     """Implicit where friction is stiff at some of a few poses of the motion."""
     samples = motion.q[:: max(1, len(motion.t) // 8)]
     stiffest = max(samples, key=lambda q: decay_rate(model, whole.friction, q))
-    return "BDF" if suited_method(model, whole.friction, stiffest, motion.duration) != "DOP853" else "DOP853"
+    return (
+        "BDF"
+        if suited_method(model, whole.friction, stiffest, motion.duration) != "DOP853"
+        else "DOP853"
+    )
 
 
 def _landed(edges: Array, factors: Array, misses: Array) -> str:
@@ -318,13 +348,17 @@ def _landed(edges: Array, factors: Array, misses: Array) -> str:
         return "The replay in pieces was broken off: it needs too many steps."
     some = f"{run} of {count}" if run < count else f"{count}"
     return (
-        f"Driven by its torques in {some} piece{'' if count == 1 else 's'} of at most {np.diff(edges).max():.3g} s, "
-        f"each started anew on the motion, the model ends each piece within {np.nanmax(misses):.1g} of the joint "
+        f"Driven by its torques in {some} piece{'' if count == 1 else 's'} of at most "
+        f"{np.diff(edges).max():.3g} s, "
+        f"each started anew on the motion, the model ends each piece within "
+        f"{np.nanmax(misses):.1g} of the joint "
         f"range. In a piece an error grows at most {factors.max():.3g}-fold."
     )
 
 
-def _drifted(model: Model, allowed: Ranges, t: Array, drift: Array, ended: str, growth: float) -> str:
+def _drifted(
+    model: Model, allowed: Ranges, t: Array, drift: Array, ended: str, growth: float
+) -> str:
     """A sentence on the open-loop run, and what its drift comes from."""
     share = drift / allowed.width
     k, j = np.unravel_index(int(np.argmax(share)), share.shape)
@@ -337,7 +371,5 @@ def _drifted(model: Model, allowed: Ranges, t: Array, drift: Array, ended: str, 
     if growth < 1:
         cause = "errors hardly grow on the way"
     else:
-        cause = (
-            f"on the way any error, even of rounding, grows up to 10^{growth:.1f}-fold (linearised dynamics)"
-        )
+        cause = f"on the way any error, even of rounding, grows up to 10^{growth:.1f}-fold (linearised dynamics)"
     return f"Over the whole motion without a new start it {found}; {cause}."

@@ -1,4 +1,5 @@
-"""What a study finds besides time series: checks, worst instant, worst pose, singularities, the replay."""
+"""What a study finds besides time series: checks, worst instant, worst pose, singularities, the
+replay."""
 
 from __future__ import annotations
 
@@ -50,7 +51,8 @@ class Use:
 
 @dataclass(frozen=True, repr=False)
 class Verdict(Tabled):
-    """Whether the robot can make the motion, as far as its description tells; the first line of a study."""
+    """Whether the robot can make the motion, as far as its description tells; the first line of a
+    study."""
 
     outcome: Outcome
     reason: str
@@ -58,15 +60,17 @@ class Verdict(Tabled):
     uses: tuple[Use, ...]
     """Every limit that is given, with what the motion uses of it; most used first."""
     missing: tuple[str, ...]
-    """What would have to be given, in words, such as "an effort limit of elbow"; empty if all is there."""
+    """What would have to be given, in words, such as "an effort limit of elbow"; empty if all is
+    there."""
     masses: tuple[str, ...]
-    """What is wrong with the masses: links whose inertia is missing, a placeholder, or implausible."""
+    """What is wrong with the masses: links whose inertia is missing, a placeholder, or
+    implausible."""
     estimated: str
     """How inertias were estimated; empty if they are the description's own."""
     factor: float
-    """Run so many times as fast the motion reaches its first limit of speed or torque: above 1 it can be sped up so
-    far, below 1 it must be slowed down to that. 0: no slowing helps; infinite: no limit depends on it; NaN: unknown,
-    or passive joints would not follow."""
+    """Run so many times as fast the motion reaches its first limit of speed or torque: above 1 it
+    can be sped up so far, below 1 it must be slowed down to that. 0: no slowing helps; infinite: no
+    limit depends on it; NaN: unknown, or passive joints would not follow."""
 
     def _title(self) -> str:
         return f"Verdict: {self.text}"
@@ -100,7 +104,8 @@ class Verdict(Tabled):
 
     @property
     def good(self) -> bool:
-        """Whether there is nothing to mend: no limit is exceeded and the masses are known, or estimated on demand."""
+        """Whether there is nothing to mend: no limit is exceeded and the masses are known, or
+        estimated on demand."""
         return self.outcome != "not feasible" and not self.masses
 
     @property
@@ -179,8 +184,8 @@ class Singularity:
 class Replay:
     """The torques of the motion drive the model; does it follow?
 
-    In pieces, each restarted on the reference and short enough that the linearised dynamics amplify an error by at most
-    `bound`; and once open loop from the start to the end.
+    In pieces, each restarted on the reference and short enough that the linearised dynamics amplify
+    an error by at most `bound`; and once open loop from the start to the end.
     """
 
     edges: Array
@@ -188,8 +193,8 @@ class Replay:
     factors: Array
     """(pieces,) how much the linearised dynamics amplify an error within each piece, at most."""
     misses: Array
-    """(pieces,) largest distance from the reference at the piece's end, over the joint range; NaN for pieces of a long
-    log that were not run, infinite where the run was broken off."""
+    """(pieces,) largest distance from the reference at the piece's end, over the joint range; NaN
+    for pieces of a long log that were not run, infinite where the run was broken off."""
     bound: float
     method: str
     """Integrator."""
@@ -198,9 +203,11 @@ class Replay:
     drift: Array
     """(k, nv) distance from the reference, open loop (rad, m)."""
     amplification: float
-    """Decimal logarithm of the factor by which the linearised dynamics amplify an error over the whole motion."""
+    """Decimal logarithm of the factor by which the linearised dynamics amplify an error over the
+    whole motion."""
     friction_width: float
-    """Rate (rad/s, m/s) over which Coulomb friction is smoothed, c tanh(q̇ / width), in torque and model; 0: none."""
+    """Rate (rad/s, m/s) over which Coulomb friction is smoothed, c tanh(q̇ / width), in torque and
+    model; 0: none."""
     text: str
     """What happened, and what the drift comes from."""
 

@@ -61,7 +61,9 @@ def coordinates(model: Model, t: Array | None = None) -> dict[str, Any]:
         "unit": ("coordinate", np.where(turns, "rad", "m")),
         "effort_unit": ("coordinate", np.where(turns, "N m", "N")),
     }
-    return named if t is None else {"time": ("time", t, {"units": "s", "long_name": "time"}), **named}
+    return (
+        named if t is None else {"time": ("time", t, {"units": "s", "long_name": "time"}), **named}
+    )
 
 
 def torque_parts(model: Model, motion: Motion) -> xr.Dataset:
@@ -116,11 +118,15 @@ def torques(model: Model, motion: Motion) -> dict[str, Any]:
             for name, (value, text) in parts.items()
             if name != "tau"
         }
-    return {name: (("time", "coordinate"), value, _TORQUE, text) for name, (value, text) in parts.items()}
+    return {
+        name: (("time", "coordinate"), value, _TORQUE, text)
+        for name, (value, text) in parts.items()
+    }
 
 
 def drive_arrays(model: Model) -> tuple[Array, Array, Array]:
-    """Viscous and Coulomb friction and rotor inertia of each coordinate (nv,); what followers add is included.
+    """Viscous and Coulomb friction and rotor inertia of each coordinate (nv,); what followers add
+    is included.
 
     The Coulomb entry is the largest that the coordinate can feel.
     """
@@ -128,7 +134,11 @@ def drive_arrays(model: Model) -> tuple[Array, Array, Array]:
     for body in model.tree.bodies:
         if body.drive is not None:
             at, d = body.coordinates, body.drive
-            arrays[:, at.v[0]] += d.viscous * at.ratio**2, d.coulomb * abs(at.ratio), d.rotor * at.ratio**2
+            arrays[:, at.v[0]] += (
+                d.viscous * at.ratio**2,
+                d.coulomb * abs(at.ratio),
+                d.rotor * at.ratio**2,
+            )
     return arrays[0], arrays[1], arrays[2]
 
 
@@ -139,7 +149,10 @@ def _coulomb(model: Model, qd: Array) -> Array:
 
 def _reactions(model: Model, motion: Motion) -> dict[str, Any]:
     found: dict[str, Any] = {}
-    for reference, suffix, axes in (("world", "", "world axes"), ("child", "_child", "axes of the child")):
+    for reference, suffix, axes in (
+        ("world", "", "world axes"),
+        ("child", "_child", "axes of the child"),
+    ):
         w = dynamics.joint_wrenches(model, motion.q, motion.qd, motion.qdd, reference=reference)  # type: ignore[arg-type]
         for name, dim, part, units in (
             ("reaction_force", "axis", w[..., : model.dim], "N"),
@@ -188,5 +201,10 @@ def _tip(model: Model, tip: str, motion: Motion) -> dict[str, Any]:
     return {
         "tip_position": (("time", "axis"), T[..., :d, d], "m", f"position of {tip}"),
         "tip_velocity": (("time", "axis"), V[..., :d], "m/s", f"velocity of {tip}"),
-        "tip_angular_velocity": (("time", "moment_axis"), V[..., d:], "rad/s", f"angular velocity of {tip}"),
+        "tip_angular_velocity": (
+            ("time", "moment_axis"),
+            V[..., d:],
+            "rad/s",
+            f"angular velocity of {tip}",
+        ),
     }

@@ -18,8 +18,8 @@ _ROUNDS, _TRIES = 24, 128
 def worst_poses(model: Model) -> tuple[StaticPose, ...]:
     """For each coordinate the pose, within the limits, of the largest gravity torque found.
 
-    4096 random poses (the same every time); the best of each coordinate is then improved by random steps of shrinking
-    size. Coordinates that gravity never loads are left out.
+    4096 random poses (the same every time); the best of each coordinate is then improved by random
+    steps of shrinking size. Coordinates that gravity never loads are left out.
     """
     q, _, _ = random_state(model, seed=0, batch=SAMPLES)
     load = np.abs(dynamics.gravity_torque(model, q))
@@ -34,7 +34,9 @@ def worst_poses(model: Model) -> tuple[StaticPose, ...]:
             best[k],
             float(torques[k]),
             "N m" if turns[k] else "N",
-            float(abs(torques[k]) / allowed.effort[k]) if np.isfinite(allowed.effort[k]) else float("nan"),
+            float(abs(torques[k]) / allowed.effort[k])
+            if np.isfinite(allowed.effort[k])
+            else float("nan"),
         )
         for k, name in enumerate(model.velocity_names)
         if abs(torques[k]) > floor

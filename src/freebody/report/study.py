@@ -1,4 +1,5 @@
-"""`study`: the main job. A robot and a motion in; kinematics, loads, energies, checks and a replay out, as data."""
+"""`study`: the main job. A robot and a motion in; kinematics, loads, energies, checks and a replay
+out, as data."""
 
 from __future__ import annotations
 
@@ -33,7 +34,9 @@ from freebody.values import ByValue
 if TYPE_CHECKING:
     import xarray as xr
 
-_SLOWEST = 0.05  # pace; a default motion that must be slower yet hardly moves, and is studied as it is
+_SLOWEST = (
+    0.05  # pace; a default motion that must be slower yet hardly moves, and is studied as it is
+)
 _CLEARANCE = 0.95  # of the pace at which a limit is reached
 
 Progress = Callable[[str, float], None]
@@ -44,11 +47,12 @@ Progress = Callable[[str, float], None]
 class Study(Tabled, ByValue):
     """A robot's dynamic study: everything a report shows, as data.
 
-    Names of dimensions: `time` (T samples), `coordinate` (nv; model.velocity_names), `position` (nq; position_names),
-    `joint` (model.joint_names; joint i carries body i; then the loops), `body` (names of the bodies), `axis` (x, y, z;
-    x, y in the plane), `moment_axis` (x, y, z; z in the plane). Every variable has the attributes `units` and
-    `long_name`; where units differ by coordinate they are "rad|m" and the like, and the coordinate arrays `unit`
-    (rad or m) and `effort_unit` (N m or N) along `coordinate` say which.
+    Names of dimensions: `time` (T samples), `coordinate` (nv; model.velocity_names), `position`
+    (nq; position_names), `joint` (model.joint_names; joint i carries body i; then the loops),
+    `body` (names of the bodies), `axis` (x, y, z; x, y in the plane), `moment_axis` (x, y, z; z in
+    the plane). Every variable has the attributes `units` and `long_name`; where units differ by
+    coordinate they are "rad|m" and the like, and the coordinate arrays `unit` (rad or m) and
+    `effort_unit` (N m or N) along `coordinate` say which.
     """
 
     model: Model
@@ -60,25 +64,28 @@ class Study(Tabled, ByValue):
     data: xr.Dataset
     """Time series.
 
-    (time, position): q. (time, coordinate): qd, qdd, tau and its parts tau_inertial (M q̈ of the bodies), tau_coriolis,
-    tau_gravity, tau_friction, tau_springs, tau_rotors, which sum to tau; tau_viscous, part of the friction; power.
-    (time, joint, axis | moment_axis): reaction_force, reaction_moment (world axes, on the child, by the parent, at the
-    child's joint origin), and with suffix _child in the child's axes. (time, joint): axial_force, radial_force,
-    tilting_moment, guide_moment, drive_load (`report.bearings`). (time, body, axis): body_origin, body_com.
-    (time, axis | moment_axis): tip_position, tip_velocity, tip_angular_velocity. (time,): kinetic_energy,
-    potential_energy, motor_power, friction_power, supplied_work, energy_residual, smallest_singular_value,
-    largest_singular_value, manipulability.
+    (time, position): q. (time, coordinate): qd, qdd, tau and its parts tau_inertial (M q̈ of the
+    bodies), tau_coriolis, tau_gravity, tau_friction, tau_springs, tau_rotors, which sum to tau;
+    tau_viscous, part of the friction; power. (time, joint, axis | moment_axis): reaction_force,
+    reaction_moment (world axes, on the child, by the parent, at the child's joint origin), and with
+    suffix _child in the child's axes. (time, joint): axial_force, radial_force, tilting_moment,
+    guide_moment, drive_load (`report.bearings`). (time, body, axis): body_origin, body_com. (time,
+    axis | moment_axis): tip_position, tip_velocity, tip_angular_velocity. (time,): kinetic_energy,
+    potential_energy, motor_power, friction_power, supplied_work, energy_residual,
+    smallest_singular_value, largest_singular_value, manipulability.
     """
     summary: xr.Dataset
     """Peaks and means.
 
-    (coordinate,): peak_torque, peak_torque_time, rms_torque, peak_speed, peak_speed_time, peak_power, peak_power_time,
-    mean_power, work_done, work_braked, net_work, regenerated_share, lowest, highest, gravity_torque_peak, and with NaN
-    where there is no limit: effort_fraction, velocity_fraction, position_fraction (how far from the middle of the
-    range, 1 at a limit), rms_fraction, power_fraction (over effort times speed limit). (joint,): peak_force,
-    peak_moment, the magnitudes of the reaction, and peak_axial_force, peak_radial_force, peak_tilting_moment,
-    peak_guide_moment, peak_drive_load, each with its time. Of all drives: total_work_done, total_work_braked,
-    total_net_work, total_regenerated_share, total_peak_power, shared_work_done, shared_work_braked.
+    (coordinate,): peak_torque, peak_torque_time, rms_torque, peak_speed, peak_speed_time,
+    peak_power, peak_power_time, mean_power, work_done, work_braked, net_work, regenerated_share,
+    lowest, highest, gravity_torque_peak, and with NaN where there is no limit: effort_fraction,
+    velocity_fraction, position_fraction (how far from the middle of the range, 1 at a limit),
+    rms_fraction, power_fraction (over effort times speed limit). (joint,): peak_force, peak_moment,
+    the magnitudes of the reaction, and peak_axial_force, peak_radial_force, peak_tilting_moment,
+    peak_guide_moment, peak_drive_load, each with its time. Of all drives: total_work_done,
+    total_work_braked, total_net_work, total_regenerated_share, total_peak_power, shared_work_done,
+    shared_work_braked.
     """
     worst: Worst
     static: tuple[StaticPose, ...]
@@ -94,16 +101,15 @@ class Study(Tabled, ByValue):
     notices: tuple[str, ...]
     """What a reader must know: how the file was read, doubtful inertias, and all `warnings`."""
     warnings: tuple[str, ...] = ()
-    """About the motion: limits that it leaves, limits that the model does not give, a base that nothing drives."""
+    """About the motion: limits that it leaves, limits that the model does not give, a base that
+    nothing drives."""
     seconds: dict[str, float] = field(default_factory=dict)
     """How long each part took (s)."""
     _aside = ("seconds",)
 
     def _title(self) -> str:
         samples = counted(len(self.motion.t), "sample")
-        return (
-            f"Study of {self.model.name!r}: {samples} in {self.motion.duration:.4g} s; {self.verdict.heading}"
-        )
+        return f"Study of {self.model.name!r}: {samples} in {self.motion.duration:.4g} s; {self.verdict.heading}"
 
     def _table(self) -> Table:
         s = self.summary
@@ -131,21 +137,24 @@ class Study(Tabled, ByValue):
 
     @property
     def passed(self) -> bool:
-        """Whether the motion is feasible, masses known or estimated on demand, and all `checks` passed."""
+        """Whether the motion is feasible, masses known or estimated on demand, and all `checks`
+        passed."""
         return self.checked and self.verdict.good and self.verdict.outcome == "feasible"
 
     @property
     def finding(self) -> bool:
-        """Whether there is something to mend (the command then exits with 1): a limit exceeded, masses missing or
-        doubtful, a check failed. Limits that are not given are none."""
+        """Whether there is something to mend (the command then exits with 1): a limit exceeded,
+        masses missing or doubtful, a check failed. Limits that are not given are none."""
         return not (self.checked and self.verdict.good)
 
     def save(self, directory: str | os.PathLike[str], *, report: bool = False) -> list[Path]:
-        """Write study.nc (time series and summary), CSV tables and manifest.json into a folder; the files written.
+        """Write study.nc (time series and summary), CSV tables and manifest.json into a folder; the
+        files written.
 
-        report: report.html as well. Units stand in the headers. Each file is whole; the manifest, which comes last,
-        lists their checksums. Raises FileError for a folder that cannot be written, OutputError naming the files that
-        could not be, when the others are there; files of another origin are left alone.
+        report: report.html as well. Units stand in the headers. Each file is whole; the manifest,
+        which comes last, lists their checksums. Raises FileError for a folder that cannot be
+        written, OutputError naming the files that could not be, when the others are there; files of
+        another origin are left alone.
         """
         from freebody.report.files import save
 
@@ -168,15 +177,18 @@ def study(
 ) -> Study:
     """The dynamic study of a robot along a motion.
 
-    model: with all values. motion: a Motion, a CSV file or a dataset (see `read_motion`); default a smooth one within
-    the joint limits, run as slowly as the limits of speed and torque ask. tip: frame; default the model's own, else the
-    leaf behind the most movable joints. smooth: True, or a cutoff (Hz), for a measured motion (see `smoothed`); noise
-    that spoils the torques is told in any case, with the torques with and without it. progress: called with a text and
-    the fraction done.
-    Raises FreebodyError for a robot without movable joints, MissingValueError for one with open parameters.
+    model: with all values. motion: a Motion, a CSV file or a dataset (see `read_motion`); default a
+    smooth one within the joint limits, run as slowly as the limits of speed and torque ask. tip:
+    frame; default the model's own, else the leaf behind the most movable joints. smooth: True, or a
+    cutoff (Hz), for a measured motion (see `smoothed`); noise that spoils the torques is told in
+    any case, with the torques with and without it. progress: called with a text and the fraction
+    done. Raises FreebodyError for a robot without movable joints, MissingValueError for one with
+    open parameters.
     """
     if model.nv == 0:
-        raise FreebodyError(f"study: {model.name!r} has no movable joint; there is no motion to study.")
+        raise FreebodyError(
+            f"study: {model.name!r} has no movable joint; there is no motion to study."
+        )
     model.require_values("the study")
     clock = _Clock(progress)
     frame, reason = chosen_tip(model, tip)
@@ -220,7 +232,8 @@ def _driven(model: Model) -> tuple[str, ...]:
     if not free:
         return ()
     return (
-        f"Joint {', '.join(map(repr, free))} has no motor of its own: its torques and forces here are what something "
+        f"Joint {', '.join(map(repr, free))} has no motor of its own: its torques and forces here "
+        f"are what something "
         "else must exert to make the motion happen.",
     )
 
@@ -231,7 +244,8 @@ def _motion(model: Model, motion: Motion | xr.Dataset | str | os.PathLike[str] |
     if isinstance(motion, Motion):
         if motion.q.shape[-1] != model.nq or motion.qd.shape[-1] != model.nv:
             raise FreebodyError(
-                f"study: the motion has {motion.q.shape[-1]} positions and {motion.qd.shape[-1]} rates, "
+                f"study: the motion has {motion.q.shape[-1]} positions and {motion.qd.shape[-1]} "
+                f"rates, "
                 f"{model.name!r} has nq = {model.nq} and nv = {model.nv}."
             )
         return motion
@@ -250,7 +264,8 @@ def _motion(model: Model, motion: Motion | xr.Dataset | str | os.PathLike[str] |
 
 
 def _unhurried(model: Model, motion: Motion) -> Motion:
-    """The default motion, slowed down where that brings it within the limits of speed and torque."""
+    """The default motion, slowed down where that brings it within the limits of speed and
+    torque."""
     allowed = ranges(model)
     data = torque_parts(model, motion)
     factor = pace(data, allowed.velocity, effort_limits(model, allowed)).factor
@@ -266,7 +281,8 @@ def _replay(model: Model, motion: Motion) -> tuple[Replay | None, str]:
     if model.loops:
         return (
             None,
-            "There is no replay of a closed chain; a stretch of the motion is simulated among the checks.",
+            "There is no replay of a closed chain; a stretch of the motion is simulated among the "
+            "checks.",
         )
     try:
         return replayed(model, motion), ""

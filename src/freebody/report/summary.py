@@ -33,7 +33,9 @@ def summary(model: Model, motion: Motion, data: xr.Dataset) -> xr.Dataset:
         for name, (dim, value, units, text) in found.items()
     }
     named = {
-        k: v for k, v in coordinates(model).items() if k in ("coordinate", "joint", "unit", "effort_unit")
+        k: v
+        for k, v in coordinates(model).items()
+        if k in ("coordinate", "joint", "unit", "effort_unit")
     }
     return xr.Dataset(variables, named, {"robot": model.name, "motion": motion.source})
 
@@ -56,7 +58,12 @@ def _drives(data: xr.Dataset, t: Array) -> dict[str, Any]:
         "peak_speed_time": (dim, _peak(t, qd)[1], "s", "when the speed is largest"),
         "peak_power": (dim, most, "W", "largest mechanical power, with its sign"),
         "peak_power_time": (dim, most_time, "s", "when the power is largest"),
-        "mean_power": (dim, mean(t, power), "W", "mean mechanical power, braking counted as negative"),
+        "mean_power": (
+            dim,
+            mean(t, power),
+            "W",
+            "mean mechanical power, braking counted as negative",
+        ),
         "gravity_torque_peak": (
             dim,
             _peak(t, data["tau_gravity"].values)[0],
@@ -73,7 +80,8 @@ def _peak(t: Array, x: Array) -> tuple[Array, Array]:
 
 
 def works(data: xr.Dataset, t: Array) -> dict[str, Any]:
-    """Work done and braked (J), per coordinate and of all; on one supply, drives that brake feed those that drive."""
+    """Work done and braked (J), per coordinate and of all; on one supply, drives that brake feed
+    those that drive."""
     power = data["power"].values
     done, braked = parted(t, power)
     shared = [x[0] for x in parted(t, power.sum(axis=1, keepdims=True))]
@@ -81,16 +89,36 @@ def works(data: xr.Dataset, t: Array) -> dict[str, Any]:
     return {
         "work_done": (dim, done, "J", "work that the drive does"),
         "work_braked": (dim, braked, "J", "work that the drive takes up in braking"),
-        "net_work": (dim, done - braked, "J", "work done less work braked: of a cycle what friction takes"),
+        "net_work": (
+            dim,
+            done - braked,
+            "J",
+            "work done less work braked: of a cycle what friction takes",
+        ),
         "regenerated_share": (
             dim,
             _share(braked, done),
             "1",
             "work braked over work done: what could be fed back",
         ),
-        "total_work_done": (none, done.sum(), "J", "work done, each drive with a supply of its own"),
-        "total_work_braked": (none, braked.sum(), "J", "work braked, each drive with a supply of its own"),
-        "total_net_work": (none, (done - braked).sum(), "J", "work done less work braked, all drives"),
+        "total_work_done": (
+            none,
+            done.sum(),
+            "J",
+            "work done, each drive with a supply of its own",
+        ),
+        "total_work_braked": (
+            none,
+            braked.sum(),
+            "J",
+            "work braked, each drive with a supply of its own",
+        ),
+        "total_net_work": (
+            none,
+            (done - braked).sum(),
+            "J",
+            "work done less work braked, all drives",
+        ),
         "shared_work_done": (none, shared[0], "J", "work done, all drives on one supply"),
         "shared_work_braked": (none, shared[1], "J", "work braked, all drives on one supply"),
         "total_regenerated_share": (
@@ -109,7 +137,8 @@ def works(data: xr.Dataset, t: Array) -> dict[str, Any]:
 
 
 def parted(t: Array, power: Array) -> tuple[Array, Array]:
-    """Integrals (n,) of the positive and of the negative part, sign turned, of samples (T, n), straight between."""
+    """Integrals (n,) of the positive and of the negative part, sign turned, of samples (T, n),
+    straight between."""
     h = np.diff(t)[:, None]
     p0, p1 = power[:-1], power[1:]
     size = np.abs(p0) + np.abs(p1)
@@ -137,8 +166,10 @@ def energy_text(found: xr.Dataset, duration: float) -> str:
         return "The drives do no work."
     kept = 0.0 if abs(net) < _CANCELLED * done else net
     return (
-        f"In {duration:.3g} s the drives do {done:.4g} J of work and take up {braked:.4g} J in braking "
-        f"({100 * braked / done:.0f} %): net {kept:.4g} J. From a supply that they share they draw {shared:.4g} J. "
+        f"In {duration:.3g} s the drives do {done:.4g} J of work and take up {braked:.4g} J in "
+        f"braking "
+        f"({100 * braked / done:.0f} %): net {kept:.4g} J. From a supply that they share they draw "
+        f"{shared:.4g} J. "
         f"Peak power of all together: {peak:.4g} W."
     )
 
@@ -157,7 +188,12 @@ def _use(model: Model, motion: Motion, data: xr.Dataset) -> dict[str, Any]:
     return {
         "lowest": (dim, lowest, "rad|m", "least position"),
         "highest": (dim, highest, "rad|m", "greatest position"),
-        "position_fraction": (dim, position, "1", "distance from the middle of the range, 1 at a limit"),
+        "position_fraction": (
+            dim,
+            position,
+            "1",
+            "distance from the middle of the range, 1 at a limit",
+        ),
         "velocity_fraction": (
             dim,
             _fraction(qd.max(axis=0), allowed.velocity),
@@ -170,7 +206,12 @@ def _use(model: Model, motion: Motion, data: xr.Dataset) -> dict[str, Any]:
             "1",
             "peak torque over its limit",
         ),
-        "rms_fraction": (dim, _fraction(rms, allowed.effort), "1", "RMS torque over the effort limit"),
+        "rms_fraction": (
+            dim,
+            _fraction(rms, allowed.effort),
+            "1",
+            "RMS torque over the effort limit",
+        ),
         "power_fraction": (
             dim,
             _fraction(power, allowed.effort * allowed.velocity),
@@ -185,13 +226,16 @@ def _fraction(value: Array, limit: Array) -> Array:
 
 
 def _excursion(model: Model, motion: Motion, allowed: Ranges) -> tuple[Array, Array, Array]:
-    """Least and greatest position and the used part of the range (nv,); NaN where a coordinate has no position."""
+    """Least and greatest position and the used part of the range (nv,); NaN where a coordinate has
+    no position."""
     lowest, highest = np.full(model.nv, np.nan), np.full(model.nv, np.nan)
     iq, iv = position_columns(model)
     lowest[iv], highest[iv] = motion.q[:, iq].min(axis=0), motion.q[:, iq].max(axis=0)
     half = 0.5 * (allowed.upper - allowed.lower)
     bounded = np.isfinite(half)
-    used = np.maximum(highest - allowed.middle, allowed.middle - lowest) / np.where(bounded, half, 1.0)
+    used = np.maximum(highest - allowed.middle, allowed.middle - lowest) / np.where(
+        bounded, half, 1.0
+    )
     return lowest, highest, np.where(bounded, used, np.nan)
 
 
@@ -225,7 +269,8 @@ def _reactions(data: xr.Dataset, t: Array) -> dict[str, Any]:
 
 
 def worst(model: Model, data: xr.Dataset) -> Worst:
-    """The instant of the largest torque relative to the effort limits; without limits, of the largest torque."""
+    """The instant of the largest torque relative to the effort limits; without limits, of the
+    largest torque."""
     allowed = ranges(model)
     tau, t = data["tau"].values, data["time"].values
     units = np.asarray(data["effort_unit"].values)
@@ -256,20 +301,25 @@ def limit_notices(model: Model, found: xr.Dataset) -> list[str]:
     unit, effort_unit = found["unit"].values, found["effort_unit"].values
     for k, name in enumerate(model.velocity_names):
         value = {
-            key: float(found[key].values[k]) for key in found.data_vars if "coordinate" in found[key].dims
+            key: float(found[key].values[k])
+            for key in found.data_vars
+            if "coordinate" in found[key].dims
         }
         if value["lowest"] < allowed.lower[k] or value["highest"] > allowed.upper[k]:
             sentences.append(
-                f"{name} leaves its range: the motion spans {value['lowest']:.4g} to {value['highest']:.4g} {unit[k]}, "
+                f"{name} leaves its range: the motion spans {value['lowest']:.4g} to "
+                f"{value['highest']:.4g} {unit[k]}, "
                 f"the limits are {allowed.lower[k]:.4g} and {allowed.upper[k]:.4g}."
             )
         if value["velocity_fraction"] > 1:
             sentences.append(
-                f"{name} is too fast: {value['peak_speed']:.4g} {unit[k]}/s, the limit is {allowed.velocity[k]:.4g}."
+                f"{name} is too fast: {value['peak_speed']:.4g} {unit[k]}/s, the limit is "
+                f"{allowed.velocity[k]:.4g}."
             )
         if value["effort_fraction"] > 1:
             sentences.append(
                 f"{name} needs {abs(value['peak_torque']):.4g} {effort_unit[k]} at "
-                f"t = {value['peak_torque_time']:.3g} s, the effort limit is {allowed.effort[k]:.4g}."
+                f"t = {value['peak_torque_time']:.3g} s, the effort limit is "
+                f"{allowed.effort[k]:.4g}."
             )
     return sentences

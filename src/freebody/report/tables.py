@@ -1,4 +1,5 @@
-"""Tables of a report as data: every number knows its full value and where in the data it comes from."""
+"""Tables of a report as data: every number knows its full value and where in the data it comes
+from."""
 
 from __future__ import annotations
 
@@ -17,7 +18,8 @@ _NOISE = 1e-9  # of the largest in a column: rounding, printed as 0
 
 @dataclass(frozen=True)
 class Number:
-    """A printed number: the entry `at` (labels; for time the sample's index) of an array `variable` of the data file.
+    """A printed number: the entry `at` (labels; for time the sample's index) of an array `variable`
+    of the data file.
 
     Printed is `sign · scale · value`; NaN is printed as a dash.
     """
@@ -81,7 +83,8 @@ def table(caption: str, heads: Sequence[Head], columns: Sequence[Sequence[Cell]]
 
 
 def aligned(column: Sequence[Cell]) -> list[Cell]:
-    """Cells with text: as many decimals as show three digits of a typical number, and no more than five of any."""
+    """Cells with text: as many decimals as show three digits of a typical number, and no more than
+    five of any."""
     sizes = sorted(
         abs(cell.value * cell.scale)
         for cell in column
@@ -120,7 +123,8 @@ def alone(number: Number, digits: int = 3) -> Number:
 
 
 def _printed(cell: Cell, decimals: int, noise: float) -> Cell:
-    """With so many decimals; with digits of its own where that would print 0, unless it is lost in `noise`."""
+    """With so many decimals; with digits of its own where that would print 0, unless it is lost in
+    `noise`."""
     if isinstance(cell, Text) or cell.text:
         return cell
     size = cell.value * cell.scale

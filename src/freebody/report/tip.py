@@ -6,7 +6,8 @@ from freebody.model.model import Model
 
 
 def chosen_tip(model: Model, tip: str | None) -> tuple[str, str]:
-    """(frame, one sentence why): the one asked for, the model's own, else the leaf behind the most movable joints.
+    """(frame, one sentence why): the one asked for, the model's own, else the leaf behind the most
+    movable joints.
 
     Among equals the first in the file's order. Raises UnknownNameError.
     """
@@ -22,7 +23,9 @@ def chosen_tip(model: Model, tip: str | None) -> tuple[str, str]:
     n = depths[best]
     joints = f"{n} movable joint{'' if n == 1 else 's'}"
     if len(equals) > 1:
-        why = f"the first in the file of the {len(equals)} ends behind {joints} ({', '.join(equals)})"
+        why = (
+            f"the first in the file of the {len(equals)} ends behind {joints} ({', '.join(equals)})"
+        )
     else:
         why = f"the end behind the most joints, {joints} (ends: {', '.join(leaves)})"
     return best, f"The tip is {best!r}, {why}; another is chosen with --tip or tip=."

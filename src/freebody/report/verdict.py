@@ -1,9 +1,10 @@
 """The verdict of a study: feasible, not feasible, or not judged, and by which limit.
 
-A verdict is never kinder than the truth. What the description does not tell is named, and nothing is then called
-feasible; masses that are missing, placeholders or implausible make every torque, and so the verdict, void. A limit of 0
-counts as not given (`motion.ranges`). Files give no continuous rating and no power, so that the RMS torque is held
-against the effort limit and the power against effort times speed.
+A verdict is never kinder than the truth. What the description does not tell is named, and nothing
+is then called feasible; masses that are missing, placeholders or implausible make every torque, and
+so the verdict, void. A limit of 0 counts as not given (`motion.ranges`). Files give no continuous
+rating and no power, so that the RMS torque is held against the effort limit and the power against
+effort times speed.
 """
 
 from __future__ import annotations
@@ -26,7 +27,9 @@ if TYPE_CHECKING:
 
     from freebody.model.bodies import Body
 
-_UNDRIVEN = 1e-2  # of what acts at a passive joint: what differentiating a file's digits leaves there
+_UNDRIVEN = (
+    1e-2  # of what acts at a passive joint: what differentiating a file's digits leaves there
+)
 _NAMES = 4  # in a list of joints
 _TIGHT = 1.001  # a pace below it is called "as fast as it goes"
 
@@ -34,7 +37,8 @@ _TIGHT = 1.001  # a pace below it is called "as fast as it goes"
 def verdict(
     model: Model, motion: Motion, data: xr.Dataset, found: xr.Dataset, noisy: bool = False
 ) -> Verdict:
-    """Judge a motion by `Study.data` and `Study.summary`; noisy: the motion's noise is part of its torques."""
+    """Judge a motion by `Study.data` and `Study.summary`; noisy: the motion's noise is part of its
+    torques."""
     allowed = ranges(model)
     uses = tuple(sorted(_uses(model, motion, allowed, found), key=lambda use: -use.fraction))
     masses = tuple(notice.text for notice in model.notices if notice.kind == DOUBTFUL)
@@ -60,12 +64,14 @@ def verdict(
         sentences += _paces(model, run, uses, over, bool(undriven), bool(missing))
     if noisy and not masses:
         sentences.append(
-            "The noise of the motion counts as torque here; --smooth auto (smooth=True) takes it out."
+            "The noise of the motion counts as torque here; --smooth auto (smooth=True) takes it "
+            "out."
         )
     unphysical = sum(notice.kind == "physical" for notice in model.notices)
     if unphysical and not masses:
         sentences.append(
-            f"{unphysical} inertia{'s that no rigid body has are' if unphysical > 1 else ' that no rigid body has is'} "
+            f"{unphysical} "
+            f"inertia{'s that no rigid body has are' if unphysical > 1 else ' that no rigid body has is'} "
             "used as given."
         )
     if estimated:
@@ -86,7 +92,9 @@ def _uses(model: Model, motion: Motion, allowed: Ranges, found: xr.Dataset) -> I
     column = dict(zip(iv.tolist(), iq.tolist(), strict=True))
     for k, name in enumerate(model.velocity_names):
         of = {
-            key: float(found[key].values[k]) for key in found.data_vars if found[key].dims == ("coordinate",)
+            key: float(found[key].values[k])
+            for key in found.data_vars
+            if found[key].dims == ("coordinate",)
         }
         unit, effort_unit = str(found["unit"].values[k]), str(found["effort_unit"].values[k])
         what = "torque" if effort_unit == "N m" else "force"
@@ -99,9 +107,23 @@ def _uses(model: Model, motion: Motion, allowed: Ranges, found: xr.Dataset) -> I
         if name not in driven or not np.isfinite(most):
             continue
         yield Use(
-            what, name, of["peak_torque"], most, of["effort_fraction"], of["peak_torque_time"], effort_unit
+            what,
+            name,
+            of["peak_torque"],
+            most,
+            of["effort_fraction"],
+            of["peak_torque_time"],
+            effort_unit,
         )
-        yield Use(f"RMS {what}", name, of["rms_torque"], most, of["rms_fraction"], float("nan"), effort_unit)
+        yield Use(
+            f"RMS {what}",
+            name,
+            of["rms_torque"],
+            most,
+            of["rms_fraction"],
+            float("nan"),
+            effort_unit,
+        )
         if np.isfinite(top):
             fraction, when = of["power_fraction"], of["peak_power_time"]
             yield Use("power", name, of["peak_power"], most * top, fraction, when, "W")
@@ -110,7 +132,8 @@ def _uses(model: Model, motion: Motion, allowed: Ranges, found: xr.Dataset) -> I
 def _position(
     motion: Motion, allowed: Ranges, k: int, column: int, name: str, unit: str, fraction: float
 ) -> Iterator[Use]:
-    """The nearest approach to, or the farthest excess of, a position limit; one-sided ranges count when left."""
+    """The nearest approach to, or the farthest excess of, a position limit; one-sided ranges count
+    when left."""
     q, lower, upper = motion.q[:, column], float(allowed.lower[k]), float(allowed.upper[k])
     low, high = int(np.argmin(q)), int(np.argmax(q))
     to_lower, to_upper = q[low] - lower, upper - q[high]
@@ -127,14 +150,17 @@ def _position(
 
 # ------------------------------------------------------------ what is not there
 def _missing(model: Model, allowed: Ranges) -> tuple[str, ...]:
-    """Limits that the description does not give, and joints of which nothing tells what moves them."""
+    """Limits that the description does not give, and joints of which nothing tells what moves
+    them."""
     single = [
         (body, at.v[0])
         for body, at in zip(model.bodies, model.coordinates, strict=True)
         if body.joint.mimic is None and body.kind.nv == 1
     ]
     driven = [(body, k) for body, k in single if not body.joint.passive]
-    absent: dict[tuple[str, ...], list[str]] = {}  # names of joints, and all that is not given of them
+    absent: dict[
+        tuple[str, ...], list[str]
+    ] = {}  # names of joints, and all that is not given of them
     for what, names in (
         ("an effort limit", _named(driven, lambda b, k: not np.isfinite(allowed.effort[k]))),
         ("a speed limit", _named(driven, lambda b, k: not np.isfinite(allowed.velocity[k]))),
@@ -144,7 +170,9 @@ def _missing(model: Model, allowed: Ranges) -> tuple[str, ...]:
         ),
     ):
         absent.setdefault(names, []).append(what)
-    found = [f"{listed(parts)} of {listed(names, _NAMES)}" for names, parts in absent.items() if names]
+    found = [
+        f"{listed(parts)} of {listed(names, _NAMES)}" for names, parts in absent.items() if names
+    ]
     if allowed.apart:
         found.append(f"a range that suits {listed(allowed.apart, _NAMES)}")
     several = [b.joint.name for b in model.bodies if b.kind.nv > 1 and not b.joint.passive]
@@ -153,7 +181,9 @@ def _missing(model: Model, allowed: Ranges) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _named(joints: Sequence[tuple[Body, int]], absent: Callable[[Body, int], bool]) -> tuple[str, ...]:
+def _named(
+    joints: Sequence[tuple[Body, int]], absent: Callable[[Body, int], bool]
+) -> tuple[str, ...]:
     return tuple(body.joint.name for body, k in joints if absent(body, k))
 
 
@@ -176,18 +206,22 @@ def _undriven(model: Model, data: xr.Dataset) -> tuple[str, ...]:
 
 
 def _own_pace(model: Model, data: xr.Dataset) -> tuple[str, ...]:
-    """Passive joints of an open chain that gravity, springs or friction move: at another pace they would not follow."""
+    """Passive joints of an open chain that gravity, springs or friction move: at another pace they
+    would not follow."""
     if model.loops:
         return ()
     _, viscous, held = (np.abs(part).max(axis=0) for part in parts(data))
     acting = _acting(model, data)
     return tuple(
-        model.velocity_names[k] for k in model.passive if max(viscous[k], held[k]) > _UNDRIVEN * acting[k]
+        model.velocity_names[k]
+        for k in model.passive
+        if max(viscous[k], held[k]) > _UNDRIVEN * acting[k]
     )
 
 
 def _acting(model: Model, data: xr.Dataset) -> np.ndarray:
-    """(nv,) the size of what acts at a coordinate: the parts of its torque, or its joint's load on its body's arm."""
+    """(nv,) the size of what acts at a coordinate: the parts of its torque, or its joint's load on
+    its body's arm."""
     size = np.sum([np.abs(part) for part in parts(data)], axis=0).max(axis=0)
     load = np.linalg.norm(data["reaction_force"].values, axis=-1).max(axis=0)
     arm = np.linalg.norm(data["body_com"].values - data["body_origin"].values, axis=-1).max(axis=0)
@@ -242,7 +276,8 @@ def _paces(
         what = "gravity" if not _holds_more(model) else "gravity, springs and friction"
         return [
             f"Slowing down does not help: {what} alone ask{'s' if what == 'gravity' else ''} "
-            f"{percent(float(held[k]))} of {model.velocity_names[k]}'s limit at t = {run.held_time[k]:.3g} s."
+            f"{percent(float(held[k]))} of {model.velocity_names[k]}'s limit at t = "
+            f"{run.held_time[k]:.3g} s."
         ]
     if fast:
         rest = "; what else is wrong stays" if out or undriven else ""

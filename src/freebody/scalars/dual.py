@@ -1,7 +1,9 @@
-"""Scalars with derivatives: a value and its slopes along numbered directions, over any other scalar.
+"""Scalars with derivatives: a value and its slopes along numbered directions, over any other
+scalar.
 
-Fed to an algorithm, a `Dual` over floats gives numbers, over traced scalars a program, of the function's derivatives
-(forward mode). Slopes that are zero by structure are absent and cost nothing.
+Fed to an algorithm, a `Dual` over floats gives numbers, over traced scalars a program, of the
+function's derivatives (forward mode). Slopes that are zero by structure are absent and cost
+nothing.
 """
 
 from __future__ import annotations
@@ -17,8 +19,9 @@ Slopes = dict[int, Scalar]
 class Dual:
     """value + Σ slopes[k] ε_k, with ε_j ε_k = 0.
 
-    Those of a higher level are made of those of a lower one, which they take for plain scalars, so that the two kinds
-    of slopes are never mixed up where a function that differentiates is itself differentiated.
+    Those of a higher level are made of those of a lower one, which they take for plain scalars, so
+    that the two kinds of slopes are never mixed up where a function that differentiates is itself
+    differentiated.
     """
 
     __slots__ = ("slopes", "value")
@@ -58,7 +61,9 @@ class Dual:
                 _sum(_scaled(other.value, self.slopes), _scaled(self.value, other.slopes)),
             )
         return (
-            NotImplemented if self._made_of(other) else kind(self.value * other, _scaled(other, self.slopes))
+            NotImplemented
+            if self._made_of(other)
+            else kind(self.value * other, _scaled(other, self.slopes))
         )
 
     __rmul__ = __mul__
@@ -68,7 +73,10 @@ class Dual:
         if type(other) is kind:
             ratio = self.value / other.value
             inverse = 1.0 / other.value
-            return kind(ratio, _sum(_scaled(inverse, self.slopes), _scaled(-(ratio * inverse), other.slopes)))
+            return kind(
+                ratio,
+                _sum(_scaled(inverse, self.slopes), _scaled(-(ratio * inverse), other.slopes)),
+            )
         return (
             NotImplemented
             if self._made_of(other)
@@ -83,7 +91,9 @@ class Dual:
         kind = type(self)
         if exponent == 0:
             return kind(self.value**exponent, {})
-        return kind(self.value**exponent, _scaled(exponent * self.value ** (exponent - 1), self.slopes))
+        return kind(
+            self.value**exponent, _scaled(exponent * self.value ** (exponent - 1), self.slopes)
+        )
 
     def __bool__(self) -> bool:
         return bool(self.value)
@@ -109,7 +119,8 @@ class Dual:
         return self.elementary("absolute", (self,))
 
     def elementary(self, name: str, operands: tuple[Any, ...]) -> Any:
-        """An elementary function and its slopes; a plain scalar where it is constant wherever it has a derivative."""
+        """An elementary function and its slopes; a plain scalar where it is constant wherever it
+        has a derivative."""
         kind = max((type(x) for x in operands if isinstance(x, Dual)), key=lambda kind: kind.level)
         operation, values = OPERATIONS[name], [value(x, kind) for x in operands]
         result = FUNCTIONS[name](*values)
@@ -149,9 +160,13 @@ def _scaled(s: Scalar, by: Slopes) -> Slopes:
 
 
 def _chosen(kind: type[Dual], condition: Scalar, a: Scalar, b: Scalar) -> Slopes:
-    """The slopes of one of two scalars; chosen, not weighted: what is not chosen may be infinite."""
+    """The slopes of one of two scalars; chosen, not weighted: what is not chosen may be
+    infinite."""
     of_a, of_b = (x.slopes if type(x) is kind else {} for x in (a, b))
-    return {k: where(condition, of_a.get(k, 0.0), of_b.get(k, 0.0)) for k in dict.fromkeys((*of_a, *of_b))}
+    return {
+        k: where(condition, of_a.get(k, 0.0), of_b.get(k, 0.0))
+        for k in dict.fromkeys((*of_a, *of_b))
+    }
 
 
 def _sum(a: Slopes, b: Slopes) -> Slopes:

@@ -1,8 +1,8 @@
 """Scalars that record what is done to them: interned nodes of a graph, folded as they are made.
 
-A node is a row (op, a, b, c) of its graph. Equal rows are one node, so common subexpressions are found by
-construction. An `Expr` is only a handle on a row. Nodes are folded by the rules of `folding` and of the records of
-`operations`.
+A node is a row (op, a, b, c) of its graph. Equal rows are one node, so common subexpressions are
+found by construction. An `Expr` is only a handle on a row. Nodes are folded by the rules of
+`folding` and of the records of `operations`.
 """
 
 from __future__ import annotations
@@ -34,11 +34,13 @@ class Graph(Nodes):
         return Expr(self, self.number(_float(value)))
 
     def operand(self, value: Any) -> int:
-        """Index of the node that stands for an Expr of this graph or a number; -1 for anything else."""
+        """Index of the node that stands for an Expr of this graph or a number; -1 for anything
+        else."""
         if type(value) is Expr:
             if value.graph is not self:
                 raise GraphError(
-                    "scalars of two traces were mixed: a graph belongs to one trace. Do not keep traced scalars in "
+                    "scalars of two traces were mixed: a graph belongs to one trace. Do not keep "
+                    "traced scalars in "
                     "globals, closures or caches; pass them as arguments."
                 )
             return value.index
@@ -60,17 +62,21 @@ class Graph(Nodes):
 def _float(value: Any) -> float:
     try:
         return float(value)
-    except OverflowError:  # a whole number or a fraction, which may have too many digits to be shown
+    except (
+        OverflowError
+    ):  # a whole number or a fraction, which may have too many digits to be shown
         raise GraphError(
-            "a constant beyond 1.8e308 in a traced computation: constants must be finite numbers of 64 bits."
+            "a constant beyond 1.8e308 in a traced computation: constants must be finite numbers "
+            "of 64 bits."
         ) from None
 
 
 class Expr:
-    """Handle on one node of a graph; behaves as a number under `+ - * / **` and the functions of `elementary`.
+    """Handle on one node of a graph; behaves as a number under `+ - * / **` and the functions of
+    `elementary`.
 
-    A handle equals one of the same node. Comparing values is refused: what a trace does may depend on the structure of
-    the robot, never on the value of a scalar.
+    A handle equals one of the same node. Comparing values is refused: what a trace does may depend
+    on the structure of the robot, never on the value of a scalar.
     """
 
     __slots__ = ("graph", "index")
@@ -122,9 +128,14 @@ class Expr:
         return self
 
     def __pow__(self, exponent: Any) -> Expr:
-        if not isinstance(exponent, (int, float)) or exponent != int(exponent) or abs(exponent) > 64:
+        if (
+            not isinstance(exponent, (int, float))
+            or exponent != int(exponent)
+            or abs(exponent) > 64
+        ):
             raise GraphError(
-                f"x ** {exponent!r}: the exponent of a traced scalar is a whole number from -64 to 64; else "
+                f"x ** {exponent!r}: the exponent of a traced scalar is a whole number from -64 to "
+                f"64; else "
                 "there are sqrt(x) and exp(exponent * log(x)) of freebody.math."
             )
         if exponent < 0:
@@ -142,7 +153,8 @@ class Expr:
         return self.elementary("absolute", (self,))
 
     def elementary(self, name: str, operands: tuple[Any, ...]) -> Expr:
-        """The node of an elementary function of traced scalars and numbers; NotImplemented of anything else."""
+        """The node of an elementary function of traced scalars and numbers; NotImplemented of
+        anything else."""
         graph = self.graph
         indices = [graph.operand(x) for x in operands]
         if min(indices) < 0:
@@ -174,7 +186,9 @@ class Expr:
 
 def _branch(what: str) -> GraphError:
     return GraphError(
-        f"{what} of a traced scalar: it has no value yet. Branch on structure (joint kinds, the tree, a constant "
-        "parameter), never on values; freebody.math chooses by value, with where(less(a, b), x, y), minimum, maximum, "
+        f"{what} of a traced scalar: it has no value yet. Branch on structure (joint kinds, the "
+        f"tree, a constant "
+        "parameter), never on values; freebody.math chooses by value, with where(less(a, b), x, "
+        "y), minimum, maximum, "
         "absolute, and has the functions that Python's math and NumPy have for numbers."
     )

@@ -1,14 +1,15 @@
 """The folding rules of arithmetic, one a line of each function; the last line makes the node.
 
 The normal form that they keep:
-- a negation is pulled out of products, quotients and odd functions, and vanishes into the next sum, so that
-  common subexpressions are found across signs; constant factors are positive, `x - y` has the older node
-  first;
+- a negation is pulled out of products, quotients and odd functions, and vanishes into the next sum,
+  so that
+  common subexpressions are found across signs; constant factors are positive, `x - y` has the older
+  node first;
 - the operands of `+` and `*` are ordered, a constant first;
 - `-0.0` is `0.0`, and constants are finite.
 
-Folding `0 * x`, `0 / x` and `x - x` to 0 holds for finite values only; compiled kernels return NaN for every output of
-a sample with an input that is not finite, whatever was folded away.
+Folding `0 * x`, `0 / x` and `x - x` to 0 holds for finite values only; compiled kernels return NaN
+for every output of a sample with an input that is not finite, whatever was folded away.
 """
 
 from __future__ import annotations
@@ -97,7 +98,9 @@ def div(g: Nodes, i: int, j: int) -> int:
             return g.number(value[i] / c)
         if c < 0.0:
             return neg(g, div(g, i, g.number(-c)))
-        if math.frexp(c)[0] == 0.5 and 1e-300 < c < 1e300:  # a power of two: the reciprocal is exact
+        if (
+            math.frexp(c)[0] == 0.5 and 1e-300 < c < 1e300
+        ):  # a power of two: the reciprocal is exact
             return mul(g, i, g.number(1.0 / c))
     elif i in value and value[i] < 0.0:
         return neg(g, div(g, g.number(-value[i]), j))

@@ -1,7 +1,8 @@
-"""Scalars that carry their first and second time derivative, so that kinematics can be differentiated along a motion.
+"""Scalars that carry their first and second time derivative, so that kinematics can be
+differentiated along a motion.
 
-An algorithm over any scalar, fed with `Jet`s of q(t), returns poses with their exact rates and accelerations; nothing
-of the velocity and acceleration recursions goes into them.
+An algorithm over any scalar, fed with `Jet`s of q(t), returns poses with their exact rates and
+accelerations; nothing of the velocity and acceleration recursions goes into them.
 """
 
 from __future__ import annotations

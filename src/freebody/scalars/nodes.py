@@ -16,7 +16,8 @@ class GraphError(FreebodyError, TypeError):
 
 
 class Nodes:
-    """Rows (op, a, b, c): an operation and its operands by index, -1 where there is none. Equal rows are one node.
+    """Rows (op, a, b, c): an operation and its operands by index, -1 where there is none. Equal
+    rows are one node.
 
     An input has in `a` its position among the inputs, a constant its position in `values`.
     """
@@ -54,7 +55,9 @@ class Nodes:
         index = self.interned.get(value)
         if index is None:
             if not math.isfinite(value):
-                raise GraphError(f"the constant {value} in a traced computation: constants must be finite.")
+                raise GraphError(
+                    f"the constant {value} in a traced computation: constants must be finite."
+                )
             value += 0.0  # -0.0 becomes 0.0
             index = self.interned[value] = self.node("const", len(self.values))
             self.values.append(value)

@@ -1,7 +1,7 @@
 """The operations of a program: one record each.
 
-A target adds what is its own: how it computes or writes the operation, in a table by the same names, which a test holds
-to be complete.
+A target adds what is its own: how it computes or writes the operation, in a table by the same
+names, which a test holds to be complete.
 """
 
 from __future__ import annotations
@@ -22,8 +22,9 @@ class Operation:
     """What one operation is, whatever computes it.
 
     number: of floats; folds constants.
-    partials: (value, *operands) -> the partial derivative by each operand; None: constant wherever it has a derivative.
-    chooses: (*operands) -> condition, of an operation that returns its last operand but one where the condition is
+    partials: (value, *operands) -> the partial derivative by each operand; None: constant wherever
+    it has a derivative. chooses: (*operands) -> condition, of an operation that returns its last
+    operand but one where the condition is
         not 0, else its last; its derivative is that of the one returned.
     fold: (nodes, *operands) -> the node of something simpler; None: there is nothing simpler.
     symmetry: odd, f(-x) = -f(x), or even, f(-x) = f(x), in the first operand.
@@ -60,7 +61,8 @@ class Operation:
         except (ValueError, OverflowError):
             given = ", ".join(map(repr, values))
             raise GraphError(
-                f"{self.name}({given}) has no finite value: constants of a traced computation must have one."
+                f"{self.name}({given}) has no finite value: constants of a traced computation must "
+                f"have one."
             ) from None
 
 
@@ -102,7 +104,12 @@ _RECORDS = (
     Operation("tanh", 1, math.tanh, lambda y, x: (1.0 - y * y,), symmetry="odd", cost=25.0),
     Operation("atan2", 2, math.atan2, _of_angle, symmetry="odd", cost=30.0),
     Operation(
-        "asin", 1, math.asin, lambda y, x: (1.0 / sqrt((1.0 - x) * (1.0 + x)),), symmetry="odd", cost=15.0
+        "asin",
+        1,
+        math.asin,
+        lambda y, x: (1.0 / sqrt((1.0 - x) * (1.0 + x)),),
+        symmetry="odd",
+        cost=15.0,
     ),
     Operation("acos", 1, math.acos, lambda y, x: (-1.0 / sqrt((1.0 - x) * (1.0 + x)),), cost=15.0),
     Operation("sign", 1, lambda x: (x > 0.0) - (x < 0.0), symmetry="odd"),
@@ -112,11 +119,15 @@ _RECORDS = (
     Operation("equal", 2, operator.eq, fold=_alike(ONE), commutes=True),
     Operation("where", 3, lambda c, a, b: a if c else b, chooses=lambda c, a, b: c, fold=_where),
     Operation("minimum", 2, min, chooses=less_equal, fold=_alike(None), commutes=True),
-    Operation("maximum", 2, max, chooses=lambda a, b: less_equal(b, a), fold=_alike(None), commutes=True),
+    Operation(
+        "maximum", 2, max, chooses=lambda a, b: less_equal(b, a), fold=_alike(None), commutes=True
+    ),
 )
 
 OPERATIONS: dict[str, Operation] = {record.name: record for record in _RECORDS}
 """Every operation by its name."""
 
-ARITY: dict[str, int] = {"input": 0, "const": 0} | {name: record.arity for name, record in OPERATIONS.items()}
+ARITY: dict[str, int] = {"input": 0, "const": 0} | {
+    name: record.arity for name, record in OPERATIONS.items()
+}
 """Number of operands of each kind of node."""

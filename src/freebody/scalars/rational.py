@@ -1,4 +1,5 @@
-"""Rational numbers next to given ones that keep what is exact: points on the circle, rotations, unit vectors."""
+"""Rational numbers next to given ones that keep what is exact: points on the circle, rotations,
+unit vectors."""
 
 from __future__ import annotations
 
@@ -12,7 +13,9 @@ import numpy as np
 
 from freebody.model.reading import EXACT
 
-_HALF_TURN_PARTS = 10**9  # denominators of rational points on the circle: angles are met within 1e-18
+_HALF_TURN_PARTS = (
+    10**9
+)  # denominators of rational points on the circle: angles are met within 1e-18
 
 
 def exactly(number: float | Rational) -> Fraction:
@@ -21,7 +24,8 @@ def exactly(number: float | Rational) -> Fraction:
 
 
 def rational_sin_cos(angle: float) -> tuple[Any, Any]:
-    """(s, c) with s² + c² = 1 exactly: 0 and ±1 at right angles, else the nearest rational point by the half angle."""
+    """(s, c) with s² + c² = 1 exactly: 0 and ±1 at right angles, else the nearest rational point by
+    the half angle."""
     quarter = round(angle / (math.pi / 2))
     rest = angle - quarter * (math.pi / 2)
     if abs(rest) <= EXACT:
@@ -35,11 +39,13 @@ def rational_sin_cos(angle: float) -> tuple[Any, Any]:
 
 
 def rational_rotation(matrix: Sequence[Sequence[float]]) -> tuple[tuple[Any, ...], ...]:
-    """An exactly orthogonal rational matrix next to a rotation: its quaternion rounded to rationals."""
+    """An exactly orthogonal rational matrix next to a rotation: its quaternion rounded to
+    rationals."""
     if all(x in (0.0, 1.0, -1.0) for row in matrix for x in row):
         return tuple(tuple(row) for row in matrix)
     w, x, y, z = (
-        Fraction(v).limit_denominator(_HALF_TURN_PARTS) for v in _quaternion(np.asarray(matrix, dtype=float))
+        Fraction(v).limit_denominator(_HALF_TURN_PARTS)
+        for v in _quaternion(np.asarray(matrix, dtype=float))
     )
     n = w * w + x * x + y * y + z * z
     return (
@@ -56,7 +62,9 @@ def rational_axis(axis: Sequence[float]) -> tuple[Any, ...]:
     k = max(range(3), key=lambda i: abs(axis[i]))
     pole = 1 if axis[k] > 0 else -1
     u, v = (
-        Fraction(axis[i] / (1 + abs(axis[k]))).limit_denominator(_HALF_TURN_PARTS) for i in range(3) if i != k
+        Fraction(axis[i] / (1 + abs(axis[k]))).limit_denominator(_HALF_TURN_PARTS)
+        for i in range(3)
+        if i != k
     )
     square = u * u + v * v
     plane = iter((2 * u / (1 + square), 2 * v / (1 + square)))
@@ -64,7 +72,8 @@ def rational_axis(axis: Sequence[float]) -> tuple[Any, ...]:
 
 
 def _quaternion(R: np.ndarray) -> tuple[float, float, float, float]:
-    """Quaternion w, x, y, z of a rotation, scaled so that its largest entry is 1 (simple fractions stay simple)."""
+    """Quaternion w, x, y, z of a rotation, scaled so that its largest entry is 1 (simple fractions
+    stay simple)."""
     xx, yy, zz = R[0, 0], R[1, 1], R[2, 2]
     squares = np.array([1 + xx + yy + zz, 1 + xx - yy - zz, 1 - xx + yy - zz, 1 - xx - yy + zz])
     outer = np.array(

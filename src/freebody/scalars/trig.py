@@ -1,7 +1,8 @@
-"""Exact polynomials in sines, cosines, coordinates, rates and parameters, in a normal form: equal means identical.
+"""Exact polynomials in sines, cosines, coordinates, rates and parameters, in a normal form: equal
+means identical.
 
-For each angle x the ring has generators sin x, cos x and x itself; s² is always written 1 - c². Coefficients are
-rational; a float is read as its shortest decimal. The arithmetic is FLINT's.
+For each angle x the ring has generators sin x, cos x and x itself; s² is always written 1 - c².
+Coefficients are rational; a float is read as its shortest decimal. The arithmetic is FLINT's.
 """
 
 from __future__ import annotations
@@ -20,11 +21,14 @@ from freebody.scalars.rational import exactly, rational_sin_cos
 
 LARGEST = 2 * 10**8
 """Of a polynomial: terms times generators, which is about the bytes that it takes."""
-_MOST_WORK = 2 * 10**9  # the same of a product before its terms are collected; FLINT aborts where memory ends
+_MOST_WORK = (
+    2 * 10**9
+)  # the same of a product before its terms are collected; FLINT aborts where memory ends
 
 
 class TrigRing:
-    """The ring of one derivation: `angles` have sines and cosines, `others` (lengths, rates, parameters) do not."""
+    """The ring of one derivation: `angles` have sines and cosines, `others` (lengths, rates,
+    parameters) do not."""
 
     def __init__(self, angles: Sequence[str], others: Sequence[str]):
         names = [*angles, *others]
@@ -33,19 +37,25 @@ class TrigRing:
         generators = [f"{f}_{x}" for x in angles for f in ("sin", "cos")] + names
         twice = [name for name, times in Counter(generators).items() if times > 1]
         if twice:
-            raise FreebodyError(f"the name {min(twice)!r} stands for two quantities; rename one parameter.")
+            raise FreebodyError(
+                f"the name {min(twice)!r} stands for two quantities; rename one parameter."
+            )
         ascii_names = [name.encode("ascii", "backslashreplace").decode() for name in generators]
         self.context = flint.fmpq_mpoly_ctx.get(ascii_names, "lex")
         self.generators = self.context.gens()
         self.index = {name: i for i, name in enumerate(generators)}
         self.relations = [
-            self.generators[2 * k] ** 2 + self.generators[2 * k + 1] ** 2 - 1 for k in range(len(angles))
+            self.generators[2 * k] ** 2 + self.generators[2 * k + 1] ** 2 - 1
+            for k in range(len(angles))
         ]
         self._constants: dict[Any, Any] = {}
 
     def __eq__(self, other: object) -> bool:
         """Rings of the same generators are one: their polynomials can be compared and added."""
-        return isinstance(other, TrigRing) and (self.angles, self.names) == (other.angles, other.names)
+        return isinstance(other, TrigRing) and (self.angles, self.names) == (
+            other.angles,
+            other.names,
+        )
 
     def __hash__(self) -> int:
         return hash((self.angles, self.names))
@@ -77,7 +87,8 @@ class TrigRing:
         return found
 
     def polynomial(self, terms: Iterable[tuple[Mapping[str, int], Fraction]]) -> Trig:
-        """The polynomial with these terms, {generator: exponent} and coefficient: the inverse of `Trig.terms`."""
+        """The polynomial with these terms, {generator: exponent} and coefficient: the inverse of
+        `Trig.terms`."""
         rows: dict[tuple[int, ...], Any] = {}
         for powers, coefficient in terms:
             exponents = [0] * len(self.index)
@@ -114,8 +125,10 @@ class TrigRing:
 
 def _too_large() -> FreebodyError:
     return FreebodyError(
-        "the closed form of this robot is too large to be worked out: its terms multiply with every joint. "
-        "Derive it with fewer joints; for numbers there are fb.inverse_dynamics and its kin, of any size."
+        "the closed form of this robot is too large to be worked out: its terms multiply with "
+        "every joint. "
+        "Derive it with fewer joints; for numbers there are fb.inverse_dynamics and its kin, of "
+        "any size."
     )
 
 
@@ -123,13 +136,16 @@ def _flint(number: Fraction) -> Any:
     return flint.fmpq(number.numerator, number.denominator)
 
 
-def _again(ring: TrigRing, terms: tuple[tuple[Mapping[str, int], Fraction], ...], mask: int) -> Trig:
+def _again(
+    ring: TrigRing, terms: tuple[tuple[Mapping[str, int], Fraction], ...], mask: int
+) -> Trig:
     """The element that was pickled."""
     return Trig(ring, ring.polynomial(terms).poly, mask)
 
 
 class Trig:
-    """An element of a `TrigRing`; a scalar for the algorithms. `mask` marks the angles whose sine may occur."""
+    """An element of a `TrigRing`; a scalar for the algorithms. `mask` marks the angles whose sine
+    may occur."""
 
     __slots__ = ("mask", "poly", "ring")
     __array_ufunc__ = None
@@ -146,14 +162,22 @@ class Trig:
     def __add__(self, other: Any) -> Trig:
         if isinstance(other, Trig):
             return Trig(self.ring, self.poly + other.poly, self.mask | other.mask)
-        return self if other == 0 else Trig(self.ring, self.poly + self.ring.constant(other), self.mask)
+        return (
+            self
+            if other == 0
+            else Trig(self.ring, self.poly + self.ring.constant(other), self.mask)
+        )
 
     __radd__ = __add__
 
     def __sub__(self, other: Any) -> Trig:
         if isinstance(other, Trig):
             return Trig(self.ring, self.poly - other.poly, self.mask | other.mask)
-        return self if other == 0 else Trig(self.ring, self.poly - self.ring.constant(other), self.mask)
+        return (
+            self
+            if other == 0
+            else Trig(self.ring, self.poly - self.ring.constant(other), self.mask)
+        )
 
     def __rsub__(self, other: Any) -> Trig:
         return -self + other
@@ -167,7 +191,11 @@ class Trig:
             return Trig(self.ring, poly, self.mask | other.mask)
         if other == 0:
             return 0.0
-        return self if other == 1 else Trig(self.ring, self.poly * self.ring.constant(other), self.mask)
+        return (
+            self
+            if other == 1
+            else Trig(self.ring, self.poly * self.ring.constant(other), self.mask)
+        )
 
     __rmul__ = __mul__
 
@@ -179,7 +207,8 @@ class Trig:
         quotient, rest = divmod(self.poly, other.poly)
         if (
             rest != 0
-            or self.ring.reduced(quotient * other.poly, (1 << len(self.ring.angles)) - 1) != self.poly
+            or self.ring.reduced(quotient * other.poly, (1 << len(self.ring.angles)) - 1)
+            != self.poly
         ):
             raise FreebodyError(
                 "a quotient of polynomials is no polynomial: this quantity has no such closed form."
@@ -201,7 +230,9 @@ class Trig:
 
     def __hash__(self) -> int:
         return hash(
-            self.fraction if self.is_constant else (self.poly.degrees(), self.leading_coefficient, len(self))
+            self.fraction
+            if self.is_constant
+            else (self.poly.degrees(), self.leading_coefficient, len(self))
         )
 
     # ------------------------------------------------------------ angles
@@ -209,7 +240,8 @@ class Trig:
         """An elementary function, as far as its values are polynomials."""
         if name not in ("sin", "cos", "sign"):
             raise FreebodyError(
-                f"{name} of {self}: closed forms are polynomials in sines and cosines. For numbers, use a kernel."
+                f"{name} of {self}: closed forms are polynomials in sines and cosines. For "
+                f"numbers, use a kernel."
             )
         return getattr(self, name)()
 
@@ -233,10 +265,14 @@ class Trig:
                 continue
             name = self._angle(monomial)
             if name is None or exact.denominator != 1:
-                raise FreebodyError(f"sin and cos need a sum of angles with whole factors, not {self}.")
+                raise FreebodyError(
+                    f"sin and cos need a sum of angles with whole factors, not {self}."
+                )
             a, b = self.ring.sin(name), self.ring.cos(name)
             for _ in range(abs(exact.numerator)):
-                s, c = (s * b + c * a, c * b - s * a) if exact > 0 else (s * b - c * a, c * b + s * a)
+                s, c = (
+                    (s * b + c * a, c * b - s * a) if exact > 0 else (s * b - c * a, c * b + s * a)
+                )
         return s, c
 
     def _angle(self, monomial: tuple[int, ...]) -> str | None:
@@ -247,7 +283,8 @@ class Trig:
         return name if name in self.ring.angles else None
 
     def sign(self) -> Trig:
-        """Sign of a multiple of a single rate: an opaque generator sgn_…, negated where the factor is negative."""
+        """Sign of a multiple of a single rate: an opaque generator sgn_…, negated where the factor
+        is negative."""
         factor = self.leading_coefficient
         name = str(self.poly / _flint(factor)) if factor else "0"
         if f"sgn_{name}" not in self.ring.index:
@@ -322,7 +359,11 @@ class Trig:
     def evaluate(self, values: Mapping[str, Any]) -> Any:
         """The value at numbers or arrays for coordinates, rates and parameters."""
         n = 2 * len(self.ring.angles)
-        used = [i for i, degree in enumerate(self.poly.degrees()) if degree > 0] if len(self.poly) else []
+        used = (
+            [i for i, degree in enumerate(self.poly.degrees()) if degree > 0]
+            if len(self.poly)
+            else []
+        )
         point = {}
         for i in used:
             name = self.ring.angles[i // 2] if i < n else self.ring.names[i - n]

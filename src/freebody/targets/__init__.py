@@ -1,4 +1,5 @@
-"""Where programs run: this CPU through LLVM, NumPy or JAX node by node, and text in other languages.
+"""Where programs run: this CPU through LLVM, NumPy or JAX node by node, and text in other
+languages.
 
 LLVM is imported when the first kernel is compiled.
 """

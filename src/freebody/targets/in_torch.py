@@ -1,8 +1,10 @@
-"""Programs on PyTorch's tensors: an autograd function and a custom operator, both over the compiled kernels.
+"""Programs on PyTorch's tensors: an autograd function and a custom operator, both over the compiled
+kernels.
 
-PyTorch calls the autograd function, which knows gradients, directions, `vmap` and whatever is nested of them. Where
-PyTorch makes a graph (torch.compile, torch.export) the operator `freebody::evaluate` stands in it, and finds its
-program by a key. Tensors are read where they lie, and results handed over without a copy.
+PyTorch calls the autograd function, which knows gradients, directions, `vmap` and whatever is
+nested of them. Where PyTorch makes a graph (torch.compile, torch.export) the operator
+`freebody::evaluate` stands in it, and finds its program by a key. Tensors are read where they lie,
+and results handed over without a copy.
 """
 
 from __future__ import annotations
@@ -60,7 +62,9 @@ class TensorProgram:
         """Inputs and directions of those `by` to the change of the outputs."""
         return self._derivative((by,), directional)
 
-    def _derivative(self, which: tuple[Positions, ...], made: Callable[..., Program]) -> TensorProgram:
+    def _derivative(
+        self, which: tuple[Positions, ...], made: Callable[..., Program]
+    ) -> TensorProgram:
         if which not in self._derivatives:
             program = made(self.program, *which)
             self._derivatives[which] = TensorProgram.of(program, self.target, self.dtype)
@@ -115,16 +119,20 @@ _PLAIN = (torch.Tensor, torch.nn.Parameter)
 
 
 def _watched() -> bool:
-    """Whether a transform (`vmap`, `jvp`, …) may be under way, which sees what is done through PyTorch alone."""
+    """Whether a transform (`vmap`, `jvp`, …) may be under way, which sees what is done through
+    PyTorch alone."""
     try:
         nested = torch._C._functorch.peek_interpreter_stack()  # pyright: ignore[reportAttributeAccessIssue]
         return nested is not None or forward_ad._current_level >= 0
-    except AttributeError:  # another PyTorch, where they have other names: the longer way is always right
+    except (
+        AttributeError
+    ):  # another PyTorch, where they have other names: the longer way is always right
         return True
 
 
 def _graphed() -> bool:
-    """Whether tensors may stand for others, so that their memory tells nothing; the operator is then called."""
+    """Whether tensors may stand for others, so that their memory tells nothing; the operator is
+    then called."""
     try:
         return torch._C._len_torch_dispatch_stack() > 0 or torch._C._get_tracing_state() is not None
     except AttributeError:
@@ -141,11 +149,17 @@ def _computed(function: TensorProgram, tensors: Sequence[Tensor]) -> tuple[Tenso
 def _run(function: TensorProgram, tensors: Sequence[Tensor]) -> tuple[Tensor, ...]:
     """The outputs, by the kernel from the tensors' memory."""
     try:
-        arrays = [x.numpy(force=True) if x.requires_grad or x.is_neg() else x.numpy() for x in tensors]
+        arrays = [
+            x.numpy(force=True) if x.requires_grad or x.is_neg() else x.numpy() for x in tensors
+        ]
     except (TypeError, RuntimeError) as problem:  # sparse ones, say
-        raise KernelError(f"{function.program.name}: a tensor that is no plain array: {problem}") from None
+        raise KernelError(
+            f"{function.program.name}: a tensor that is no plain array: {problem}"
+        ) from None
     made = function.kernel(*arrays)
-    return tuple([torch.from_numpy(np.asarray(y)) for y in (made if type(made) is tuple else (made,))])
+    return tuple(
+        [torch.from_numpy(np.asarray(y)) for y in (made if type(made) is tuple else (made,))]
+    )
 
 
 def _gradients(
@@ -183,7 +197,9 @@ class _Evaluate(torch.autograd.Function):
 
     @staticmethod
     def backward(ctx: Any, *weights: Tensor | None) -> Any:
-        return None, *_gradients(ctx.function, evaluate, ctx.saved_tensors, ctx.needs_input_grad[1:], weights)
+        return None, *_gradients(
+            ctx.function, evaluate, ctx.saved_tensors, ctx.needs_input_grad[1:], weights
+        )
 
     @staticmethod
     def jvp(ctx: Any, _: None, *directions: Tensor | None) -> Any:
@@ -192,7 +208,9 @@ class _Evaluate(torch.autograd.Function):
         return made[0] if len(made) == 1 else made
 
     @staticmethod
-    def vmap(info: Any, in_dims: Sequence[int | None], function: TensorProgram, *tensors: Tensor) -> Any:
+    def vmap(
+        info: Any, in_dims: Sequence[int | None], function: TensorProgram, *tensors: Tensor
+    ) -> Any:
         """One axis more in front of all others."""
         made = evaluate(function, _in_front(function.program, tensors, in_dims[1:]))
         return (made[0], 0) if len(made) == 1 else (made, (0,) * len(made))
@@ -212,8 +230,11 @@ class _Recorded(torch.autograd.Function):
     backward = _Evaluate.backward
 
 
-def _in_front(program: Program, tensors: Sequence[Tensor], dims: Sequence[int | None]) -> list[Tensor]:
-    """Tensors with the mapped axis in front of all axes of batches, however many of these each has."""
+def _in_front(
+    program: Program, tensors: Sequence[Tensor], dims: Sequence[int | None]
+) -> list[Tensor]:
+    """Tensors with the mapped axis in front of all axes of batches, however many of these each
+    has."""
     moved = [x if d is None else x.movedim(d, 0) for x, d in zip(tensors, dims, strict=True)]
     axes = [
         x.ndim - len(argument.shape) - (d is not None)
@@ -231,7 +252,8 @@ def _named(key: str) -> TensorProgram:
     function = _KNOWN.get(key)
     if function is None:
         raise KernelError(
-            f"freebody::evaluate: no program {key[:200]!r} in this process. A graph holds its name, not the program: "
+            f"freebody::evaluate: no program {key[:200]!r} in this process. A graph holds its "
+            f"name, not the program: "
             "call fb.to_torch as where the graph was made, and keep what it returns."
         )
     return function
@@ -263,7 +285,9 @@ def _backward(ctx: Any, weights: Sequence[Tensor | None]) -> Any:
     def call(function: TensorProgram, tensors: Sequence[Tensor]) -> Sequence[Tensor]:
         return _operator(function.key, list(tensors))
 
-    return None, _gradients(_named(ctx.key), call, ctx.saved_tensors, ctx.needs_input_grad[1], weights)
+    return None, _gradients(
+        _named(ctx.key), call, ctx.saved_tensors, ctx.needs_input_grad[1], weights
+    )
 
 
 def _vmap(info: Any, in_dims: Any, key: str, inputs: Sequence[Tensor]) -> Any:

@@ -1,9 +1,10 @@
-"""A program run node by node by NumPy: the fallback where llvmlite is missing, and a second opinion in tests.
+"""A program run node by node by NumPy: the fallback where llvmlite is missing, and a second opinion
+in tests.
 
 No text is made, so none is executed.
 
-Each node is one operation over arrays; registers are reused as soon as their value is no longer read, so that a
-block of samples stays in the cache.
+Each node is one operation over arrays; registers are reused as soon as their value is no longer
+read, so that a block of samples stays in the cache.
 """
 
 from __future__ import annotations
@@ -35,7 +36,8 @@ class Interpreter:
     registers: tuple[float | None, ...]
     """What they hold at first: the constants."""
     inputs: tuple[tuple[int, int], ...]
-    """Registers of the inputs that are read, with their positions among the scalars of all inputs."""
+    """Registers of the inputs that are read, with their positions among the scalars of all
+    inputs."""
     results: tuple[int, ...]
 
     @classmethod
@@ -62,10 +64,13 @@ class Interpreter:
                 held.append(None)
             place.append(free.pop())
             steps.append((FUNCTION[op], place[index], tuple(place[i] for i in operands)))
-        return cls(tuple(steps), tuple(held), tuple(inputs), tuple(place[i] for i in program.results))
+        return cls(
+            tuple(steps), tuple(held), tuple(inputs), tuple(place[i] for i in program.results)
+        )
 
     def __call__(self, scalars: Sequence[Any] | np.ndarray) -> list[Any]:
-        """The scalars of all outputs from those of all inputs, each an array or a number, in C order."""
+        """The scalars of all outputs from those of all inputs, each an array or a number, in C
+        order."""
         held: list[Any] = list(self.registers)
         for register, position in self.inputs:
             held[register] = scalars[position]
@@ -88,8 +93,8 @@ def _last_reader(program: Program) -> list[int]:
 class BlockedFunction:
     """Behaves as the generalized ufunc of a program would, block by block in NumPy.
 
-    Called with one array for each input: core shape last, any leading shapes that broadcast. Returns the
-    output, or the tuple of outputs.
+    Called with one array for each input: core shape last, any leading shapes that broadcast.
+    Returns the output, or the tuple of outputs.
     """
 
     def __init__(self, program: Program, dtype: str = "float64"):
@@ -102,7 +107,9 @@ class BlockedFunction:
             raise TypeError(f"{self.__name__}() takes {len(self.inputs)} arrays, got {len(arrays)}")
         values = [_real(array, self.dtype) for array in arrays]
         batch = np.broadcast_shapes(*map(_batch_shape, values, self.inputs))
-        given = out if isinstance(out, tuple) else (out,) * len(self.outputs) if out is None else (out,)
+        given = (
+            out if isinstance(out, tuple) else (out,) * len(self.outputs) if out is None else (out,)
+        )
         results = [
             np.empty(batch + argument.shape, self.dtype) if array is None else array
             for array, argument in zip(given, self.outputs, strict=True)

@@ -27,7 +27,8 @@ _WORTH = 4e6
 """Operations (per vector lane) that a thread is woken for: about 0.1 ms."""
 
 _SLICE = 50 * _WORTH
-"""Operations that one call of the compiled loop may take: milliseconds, so that an interrupt does not wait for long."""
+"""Operations that one call of the compiled loop may take: milliseconds, so that an interrupt does
+not wait for long."""
 
 _MOVE = 4.0
 """What an entry read or written costs where a batch does not fit into the processor's caches."""
@@ -38,9 +39,11 @@ class BatchError(FreebodyError, ValueError):
 
 
 class Loop(NamedTuple):
-    """A function of C's `void loop(char **args, intptr_t *dimensions, intptr_t *steps, void *data)` over a batch.
+    """A function of C's `void loop(char **args, intptr_t *dimensions, intptr_t *steps, void *data)`
+    over a batch.
 
-    address: valid as long as `code` lives. content: a digest of all that the machine code depends on.
+    address: valid as long as `code` lives. content: a digest of all that the machine code depends
+    on.
     """
 
     address: int
@@ -51,10 +54,10 @@ class Loop(NamedTuple):
 class Kernel:
     """A program ready to run on arrays.
 
-    Each argument has its core shape last; leading batch shapes broadcast; any strides. Numbers of another real type
-    are converted to the kernel's, complex numbers and objects refused. Where a uniform input has leading axes,
-    `per_sample` answers. A sample with an input that is not finite has NaN in all outputs; no other sample is touched.
-    The GIL is released.
+    Each argument has its core shape last; leading batch shapes broadcast; any strides. Numbers of
+    another real type are converted to the kernel's, complex numbers and objects refused. Where a
+    uniform input has leading axes, `per_sample` answers. A sample with an input that is not finite
+    has NaN in all outputs; no other sample is touched. The GIL is released.
 
     Attributes:
         program: what was traced.
@@ -69,7 +72,12 @@ class Kernel:
     loop: Loop | None = None
 
     def __init__(
-        self, program: Program, target: str, width: int, ufunc: Callable[..., Any], dtype: str = "float64"
+        self,
+        program: Program,
+        target: str,
+        width: int,
+        ufunc: Callable[..., Any],
+        dtype: str = "float64",
     ):
         self.program = program
         self.target = target
@@ -79,13 +87,18 @@ class Kernel:
         self.signature = signature(program.inputs, program.outputs)
         self._loops = target_named(target).loops
         # what is no loop broadcasts them as any others
-        self._uniform = [(k, len(x.shape)) for k, x in enumerate(program.inputs) if x.uniform and self._loops]
+        self._uniform = [
+            (k, len(x.shape)) for k, x in enumerate(program.inputs) if x.uniform and self._loops
+        ]
         every = hoist(program)[1] if self._uniform else program
-        self._cost = sum(OPERATIONS[op].cost * count for op, count in every.operations.items()) + 1.0
+        self._cost = (
+            sum(OPERATIONS[op].cost * count for op, count in every.operations.items()) + 1.0
+        )
         self._cores = [len(argument.shape) for argument in program.inputs + program.outputs]
         moved = _MOVE * (program.sampled_size + program.output_size)
         self._longest = max(1, int(_SLICE / (self._cost + moved)))
-        # samples that are surely not worth threads, and of these those whose results need no memory from the store
+        # samples that are surely not worth threads, and of these those whose results need no memory
+        # from the store
         largest = max((argument.size for argument in program.outputs), default=1) or 1
         self._few = min(int(2 * _WORTH / self._cost), self._longest)
         self._small = min(self._few, memory.SMALLEST // (self.dtype.itemsize * largest))
@@ -120,7 +133,8 @@ class Kernel:
 
     @cached_property
     def per_sample(self) -> Kernel:
-        """The kernel of the same program with no input uniform: what answers where one has a value for every sample."""
+        """The kernel of the same program with no input uniform: what answers where one has a value
+        for every sample."""
         inputs = tuple(replace(argument, uniform=False) for argument in self.program.inputs)
         return compile_program(
             replace(self.program, inputs=inputs),
@@ -130,7 +144,8 @@ class Kernel:
         )
 
     def quick(self, general: Callable[..., Any], held: Any = None) -> Callable[..., Any] | None:
-        """A function that is called as this kernel where all is plain, and else calls `general`; None without one.
+        """A function that is called as this kernel where all is plain, and else calls `general`;
+        None without one.
 
         held: the last argument of calls that do not give it.
         """
@@ -139,11 +154,13 @@ class Kernel:
     def quick_checked(
         self, general: Callable[..., Any], held: Any = None, units: Sequence[tuple[int, int]] = ()
     ) -> Callable[..., Any] | None:
-        """The same where all is sound too, see `sound.sound`, the four entries at each of `units` of unit length."""
+        """The same where all is sound too, see `sound.sound`, the four entries at each of `units`
+        of unit length."""
         return None
 
     def _at_most(self, count: int, arrays: tuple[ArrayLike, ...]) -> bool:
-        """Whether the batch surely has at most so many samples, by a look at the arrays: a call takes a microsecond."""
+        """Whether the batch surely has at most so many samples, by a look at the arrays: a call
+        takes a microsecond."""
         for array, core in zip(arrays, self._cores, strict=False):
             if type(array) is float and not core:
                 continue
@@ -155,7 +172,8 @@ class Kernel:
         return True
 
     def _long(self, arrays: tuple[ArrayLike, ...], out: Any, threads: int | None) -> Any:
-        """Call part by part, so that an interrupt need not wait, the parts shared among threads where it is worth it.
+        """Call part by part, so that an interrupt need not wait, the parts shared among threads
+        where it is worth it.
 
         At once where there is no batch, or where NumPy has something to say about the arrays.
         """
@@ -173,7 +191,9 @@ class Kernel:
             memory.empty(batch + argument.shape, self.dtype) for argument in self.program.outputs
         )
         if given:  # of what is written over, a copy is read, as NumPy does
-            values = [x.copy() if any(np.may_share_memory(x, y) for y in given) else x for x in values]
+            values = [
+                x.copy() if any(np.may_share_memory(x, y) for y in given) else x for x in values
+            ]
         if threads == 1 and count <= self._longest:
             self.ufunc(*values, out=outs)
         else:
@@ -182,16 +202,22 @@ class Kernel:
 
     def _require_threads(self, threads: int | None) -> None:
         if threads is not None and (not isinstance(threads, int) or threads < 1):
-            raise KernelError(f"{self.program.name}: threads={threads!r}, expected a whole number from 1 up.")
+            raise KernelError(
+                f"{self.program.name}: threads={threads!r}, expected a whole number from 1 up."
+            )
 
     def _converted(self, array: np.ndarray) -> np.ndarray:
-        """As the kernel's own numbers, where that is another real type; what cannot be is left for NumPy to refuse."""
+        """As the kernel's own numbers, where that is another real type; what cannot be is left for
+        NumPy to refuse."""
         if array.dtype == self.dtype or not np.can_cast(array.dtype, self.dtype, "same_kind"):
             return array
         return array.astype(self.dtype)
 
-    def _fits(self, values: list[np.ndarray], outs: tuple[Any, ...], batch: tuple[int, ...]) -> bool:
-        """Whether arrays have the core shapes, and those to write to the whole shape and no memory in common."""
+    def _fits(
+        self, values: list[np.ndarray], outs: tuple[Any, ...], batch: tuple[int, ...]
+    ) -> bool:
+        """Whether arrays have the core shapes, and those to write to the whole shape and no memory
+        in common."""
         inputs, outputs = self.program.inputs, self.program.outputs
         if len(values) != len(inputs) or len(outs) not in (0, len(outputs)):
             return False
@@ -222,7 +248,8 @@ class Kernel:
 
     @cached_property
     def source(self) -> str:
-        """What runs, as text: LLVM on the CPU; with NumPy the program's own listing, which runs node by node."""
+        """What runs, as text: LLVM on the CPU; with NumPy the program's own listing, which runs
+        node by node."""
         return target_named(self.target).source(self.program, self.width, self.dtype.name)
 
     def _explained(self, arrays: tuple[ArrayLike, ...], problem: Exception) -> Exception:
@@ -230,7 +257,9 @@ class Kernel:
         name, inputs = self.program.name, self.program.inputs
         if len(arrays) != len(inputs):
             wanted = ", ".join(map(str, inputs))
-            return KernelError(f"{name}: {len(arrays)} arguments given, expected {len(inputs)}: {wanted}.")
+            return KernelError(
+                f"{name}: {len(arrays)} arguments given, expected {len(inputs)}: {wanted}."
+            )
         for array, argument in zip(arrays, inputs, strict=True):
             given = np.asarray(array)
             if not np.can_cast(given.dtype, self.dtype, "same_kind"):
@@ -253,12 +282,16 @@ def signature(inputs: Sequence[Argument], outputs: Sequence[Argument]) -> str:
     return f"{side(inputs)}->{side(outputs)}"
 
 
-def _batch_error(name: str, inputs: tuple[Argument, ...], arrays: tuple[ArrayLike, ...]) -> BatchError | None:
+def _batch_error(
+    name: str, inputs: tuple[Argument, ...], arrays: tuple[ArrayLike, ...]
+) -> BatchError | None:
     shapes = [np.shape(x)[: np.ndim(x) - len(i.shape)] for x, i in zip(arrays, inputs, strict=True)]
     try:
         np.broadcast_shapes(*shapes)
     except ValueError:
-        listed = ", ".join(f"{argument.name} {shape}" for argument, shape in zip(inputs, shapes, strict=True))
+        listed = ", ".join(
+            f"{argument.name} {shape}" for argument, shape in zip(inputs, shapes, strict=True)
+        )
         return BatchError(f"{name}: the batch shapes do not broadcast together: {listed}.")
     return None
 
@@ -308,7 +341,9 @@ def _in_range(program: Program, dtype: str) -> Program:
         rounded = np.array(program.constants, dtype=dtype)
     for value, number in zip(program.constants, rounded, strict=True):
         if isinf(number) and not isinf(value):
-            raise KernelError(f"{program.name}: the constant {value!r} is beyond the range of {dtype}.")
+            raise KernelError(
+                f"{program.name}: the constant {value!r} is beyond the range of {dtype}."
+            )
     return program
 
 

@@ -1,7 +1,8 @@
 """Memory for long results: that of results which are gone is used again.
 
-The system hands out memory page by page, when a page is first written, and that takes up to five times as long as the
-arithmetic that fills it. So what a result leaves behind is kept for the next one of about its size.
+The system hands out memory page by page, when a page is first written, and that takes up to five
+times as long as the arithmetic that fills it. So what a result leaves behind is kept for the next
+one of about its size.
 """
 
 from __future__ import annotations
@@ -41,7 +42,8 @@ def empty(shape: tuple[int, ...], dtype: np.dtype = _FLOAT64) -> np.ndarray:
 class _Piece:
     """Memory that lives as long as an array that lies in it, and is then kept.
 
-    No lock guards what is kept: this may happen at any moment of any thread, and each step is one operation.
+    No lock guards what is kept: this may happen at any moment of any thread, and each step is one
+    operation.
     """
 
     __slots__ = ("__array_interface__", "address", "memory")

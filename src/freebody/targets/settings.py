@@ -1,4 +1,5 @@
-"""What the environment says of targets, read once: what answers a call does not change while a process runs."""
+"""What the environment says of targets, read once: what answers a call does not change while a
+process runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Whether numbers went in and came out: what a public function asks before it looks at its inputs one by one."""
+"""Whether numbers went in and came out: what a public function asks before it looks at its inputs
+one by one."""
 
 from __future__ import annotations
 
@@ -23,17 +24,21 @@ def sound(
     units: Sequence[tuple[int, int]] = (),
     every: bool = False,
 ) -> Any:
-    """What the kernel makes of the arrays; None where one is no plain array or list, or an entry may have overflowed.
+    """What the kernel makes of the arrays; None where one is no plain array or list, or an entry
+    may have overflowed.
 
-    Outputs are looked at, or inputs where those are fewer: of inputs below `HUGE` no output overflows, and one that is
-    not finite all the same is the answer (at a singular position, say). units: (array, entry) where four entries begin
-    that are to be of unit length; None also where they are not. every: whether outputs are looked at in any case.
+    Outputs are looked at, or inputs where those are fewer: of inputs below `HUGE` no output
+    overflows, and one that is not finite all the same is the answer (at a singular position, say).
+    units: (array, entry) where four entries begin that are to be of unit length; None also where
+    they are not. every: whether outputs are looked at in any case.
     """
     if not all(map(_plain, arrays)):
         return None
     result = kernel(*arrays)
     outputs = result if type(result) is tuple else (result,)
-    fine = _finite(outputs, () if every else arrays) and all(_is_unit(arrays[i], start) for i, start in units)
+    fine = _finite(outputs, () if every else arrays) and all(
+        _is_unit(arrays[i], start) for i, start in units
+    )
     return result if fine else None
 
 

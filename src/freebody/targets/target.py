@@ -1,4 +1,5 @@
-"""What a target is: a record of how programs run somewhere; the table of all, and what is chosen of it."""
+"""What a target is: a record of how programs run somewhere; the table of all, and what is chosen of
+it."""
 
 from __future__ import annotations
 
@@ -32,11 +33,12 @@ class KernelError(FreebodyError, TypeError):
 class Target:
     """Where programs run: emits, compiles, loads, and makes what is called.
 
-    build: the kernel of a verified program, for a width (None: what suits) and a type of number. source: what runs, as
-    text, for a width. widths: for each type of number that it computes with, the samples in a vector that may be asked
-    for; none where it has no vectors. variant: what else the code of a program depends on, from the environment.
-    loops: whether what it makes is a loop that releases the GIL and reads uniform inputs once a call. Long batches are
-    then cut, and shared among threads. missing: what this machine lacks to run it, in words; empty if nothing.
+    build: the kernel of a verified program, for a width (None: what suits) and a type of number.
+    source: what runs, as text, for a width. widths: for each type of number that it computes with,
+    the samples in a vector that may be asked for; none where it has no vectors. variant: what else
+    the code of a program depends on, from the environment. loops: whether what it makes is a loop
+    that releases the GIL and reads uniform inputs once a call. Long batches are then cut, and
+    shared among threads. missing: what this machine lacks to run it, in words; empty if nothing.
     host: whether its kernels compute with the host's memory, which tensors of the CPU are.
     """
 
@@ -56,7 +58,8 @@ def target_named(name: str) -> Target:
 
 
 def chosen_target(name: str | None) -> str:
-    """The name itself; for None FREEBODY_TARGET, else "cpu", or "numpy" where LLVM is not installed.
+    """The name itself; for None FREEBODY_TARGET, else "cpu", or "numpy" where LLVM is not
+    installed.
 
     Raises KernelError where there is no such target.
     """
@@ -70,7 +73,8 @@ def chosen_target(name: str | None) -> str:
 
 
 def chosen_width(target: str, width: int | None, dtype: str) -> int | None:
-    """The width itself; for None FREEBODY_WIDTH, where the target has vectors. None: what suits the machine.
+    """The width itself; for None FREEBODY_WIDTH, where the target has vectors. None: what suits the
+    machine.
 
     Raises KernelError where the target has no such type of number or width.
     """
@@ -86,5 +90,7 @@ def chosen_width(target: str, width: int | None, dtype: str) -> int | None:
         return None
     if given not in map(str, widths[dtype]):
         listed = ", ".join(map(str, widths[dtype]))
-        raise KernelError(f"no width {given} of {dtype}. Widths: {listed} (argument or FREEBODY_WIDTH).")
+        raise KernelError(
+            f"no width {given} of {dtype}. Widths: {listed} (argument or FREEBODY_WIDTH)."
+        )
     return int(given)

@@ -1,8 +1,8 @@
 """Share a batch among threads, which a process starts when first needed and a forked child anew.
 
-The batch is cut along its longest axis. Every sample is computed by the same code whatever its place in the
-batch, so the result does not depend on the cut. Parts wait in a queue from which the caller and the helpers
-take them: who comes late finds it empty.
+The batch is cut along its longest axis. Every sample is computed by the same code whatever its
+place in the batch, so the result does not depend on the cut. Parts wait in a queue from which the
+caller and the helpers take them: who comes late finds it empty.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ from typing import Any
 import numpy as np
 
 GRAIN = 16
-"""Parts begin at multiples of this many samples, so that all but the last consist of whole vectors."""
+"""Parts begin at multiples of this many samples, so that all but the last consist of whole
+vectors."""
 
 _Jobs = SimpleQueue[Callable[[], None]]
 _lock = threading.RLock()  # a signal's handler may come while its thread starts helpers
@@ -45,10 +46,11 @@ def run_split(
     threads: int,
     longest: int = sys.maxsize,
 ) -> None:
-    """Run `ufunc` on parts of the batch, by several threads at a time; what a part raises is raised when all are done.
+    """Run `ufunc` on parts of the batch, by several threads at a time; what a part raises is raised
+    when all are done.
 
-    An interrupt drops the parts that nobody has begun, and waits no longer than a part takes; what is being computed
-    keeps its arrays.
+    An interrupt drops the parts that nobody has begun, and waits no longer than a part takes; what
+    is being computed keeps its arrays.
 
     Args:
         ufunc: releases the GIL.
@@ -76,7 +78,10 @@ def run_split(
                 return
             problem = None
             try:
-                cut = [_cut(x, x.ndim - core, part) for x, core in zip((*arrays, *outs), cores, strict=True)]
+                cut = [
+                    _cut(x, x.ndim - core, part)
+                    for x, core in zip((*arrays, *outs), cores, strict=True)
+                ]
                 ufunc(*cut[:inputs], out=tuple(cut[inputs:]))
             except BaseException as raised:
                 problem = raised
@@ -97,9 +102,11 @@ def run_split(
 
 
 def _parts(batch: tuple[int, ...], threads: int, longest: int) -> Iterator[tuple[slice, ...]]:
-    """Pieces of the batch, cut along its longest axis; of what is too long there, further along the others.
+    """Pieces of the batch, cut along its longest axis; of what is too long there, further along the
+    others.
 
-    One part a thread where that is short enough: a part more costs its thread ten microseconds, as it asks for the GIL.
+    One part a thread where that is short enough: a part more costs its thread ten microseconds, as
+    it asks for the GIL.
     """
     axis = batch.index(max(batch))
     others = prod(batch) // batch[axis]
@@ -121,7 +128,9 @@ def _whole(batch: tuple[int, ...]) -> tuple[slice, ...]:
 def _cut(array: np.ndarray, axes: int, part: tuple[slice, ...]) -> np.ndarray:
     """The piece of an array whose first `axes` axes broadcast to the last ones of the batch."""
     own = part[len(part) - axes :]
-    return array[tuple(slice(None) if n == 1 else s for n, s in zip(array.shape, own, strict=False))]
+    return array[
+        tuple(slice(None) if n == 1 else s for n, s in zip(array.shape, own, strict=False))
+    ]
 
 
 def _start(wanted: int) -> int:
@@ -132,7 +141,9 @@ def _start(wanted: int) -> int:
             while _helpers < wanted:
                 threading.Thread(target=_serve, args=(_jobs,), name="freebody", daemon=True).start()
                 _helpers += 1
-        except RuntimeError:  # no more threads, or the interpreter is ending: the caller does the rest
+        except (
+            RuntimeError
+        ):  # no more threads, or the interpreter is ending: the caller does the rest
             pass
         return min(_helpers, wanted)
 

@@ -13,14 +13,17 @@ from freebody.model.placement import about, rotation_matrix
 
 
 def rotation(axes: str, angles: Sequence[float] | ArrayLike) -> Array:
-    """R_WB (3, 3) of turns about the body's own axes: rotation("ZXZ", [a, b, c]) is Rz(a) Rx(b) Rz(c).
+    """R_WB (3, 3) of turns about the body's own axes: rotation("ZXZ", [a, b, c]) is Rz(a) Rx(b)
+    Rz(c).
 
-    axes: letters X, Y, Z, one an angle (rad). It takes components in the turned frame to those in the first (6.8).
+    axes: letters X, Y, Z, one an angle (rad). It takes components in the turned frame to those in
+    the first (6.8).
     """
     given = as_floats("rotation", "angles", angles)
     if not axes or set(axes.upper()) - set("XYZ") or given.shape != (len(axes),):
         raise FreebodyError(
-            f"rotation: axes {axes!r} and {given.size} angles; give one angle for each of the letters X, Y, Z."
+            f"rotation: axes {axes!r} and {given.size} angles; give one angle for each of the "
+            f"letters X, Y, Z."
         )
     R = np.eye(3)
     for axis, angle in zip(axes.lower(), given, strict=True):
@@ -29,9 +32,10 @@ def rotation(axes: str, angles: Sequence[float] | ArrayLike) -> Array:
 
 
 def quat_wxyz(R: ArrayLike) -> Array:
-    """The unit quaternion w, x, y, z (w >= 0) of a rotation matrix (3, 3), as spherical and free joints take it."""
+    """The unit quaternion w, x, y, z (w >= 0) of a rotation matrix (3, 3), as spherical and free
+    joints take it."""
     from scipy.spatial.transform import Rotation
 
-    return Rotation.from_matrix(rotation_matrix(as_floats("quat_wxyz", "R", R), "quat_wxyz")).as_quat(
-        canonical=True, scalar_first=True
-    )
+    return Rotation.from_matrix(
+        rotation_matrix(as_floats("quat_wxyz", "R", R), "quat_wxyz")
+    ).as_quat(canonical=True, scalar_first=True)

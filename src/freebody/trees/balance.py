@@ -13,8 +13,8 @@ from freebody.model.model import Model
 
 @dataclass(frozen=True)
 class Balance:
-    """ΣF - m a (..., nj, dim) and ΣM - Ḣ (..., nj, 3 or 1) of every body, and the largest force and moment that
-    entered."""
+    """ΣF - m a (..., nj, dim) and ΣM - Ḣ (..., nj, 3 or 1) of every body, and the largest force and
+    moment that entered."""
 
     force: Array
     moment: Array
@@ -25,9 +25,11 @@ class Balance:
 def balance(
     model: Model, q: Array, qd: Array, qdd: Array, wrenches: Array, external: Mapping[str, Array]
 ) -> Balance:
-    """How well reactions and external wrenches, world axes, explain a motion q (..., nq), qd, qdd (..., nv).
+    """How well reactions and external wrenches, world axes, explain a motion q (..., nq), qd, qdd
+    (..., nv).
 
-    wrenches: (..., joints and loops, six), as `reactions` gives them; external: {frame: (..., six)}.
+    wrenches: (..., joints and loops, six), as `reactions` gives them; external: {frame: (...,
+    six)}.
     """
     kernel = fetch(model, ("balance",), Option(wrench_frames=tuple(external)))
     force, moment, largest = kernel(q, qd, qdd, wrenches, *external.values())

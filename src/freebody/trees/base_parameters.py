@@ -1,4 +1,5 @@
-"""Base parameters in numbers: the combinations of masses and inertias that a robot's motion depends on."""
+"""Base parameters in numbers: the combinations of masses and inertias that a robot's motion depends
+on."""
 
 from __future__ import annotations
 
@@ -19,15 +20,18 @@ from freebody.trees.states import generic_state
 from freebody.values import ByValue
 
 TOLERANCE = 1e-8
-"""Relative rest below which a column of the regressor counts as a combination of those before it."""
+"""Relative rest below which a column of the regressor counts as a combination of those before
+it."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BaseParameters(Titled, ByValue):
-    """The combinations of inertial parameters that inverse dynamics depends on: tau = Y[..., columns] values.
+    """The combinations of inertial parameters that inverse dynamics depends on: tau = Y[...,
+    columns] values.
 
-    names: of the inertial parameter that leads each combination. columns: its place in `fb.regressor`'s last axis.
-    matrix: (b, p), the combinations: values = matrix π, π = `fb.inertial_parameters(model)`. values: (b,).
+    names: of the inertial parameter that leads each combination. columns: its place in
+    `fb.regressor`'s last axis. matrix: (b, p), the combinations: values = matrix π, π =
+    `fb.inertial_parameters(model)`. values: (b,).
     """
 
     names: tuple[str, ...]
@@ -56,9 +60,11 @@ class BaseParameters(Titled, ByValue):
 
 
 def base_parameters(model: Model) -> BaseParameters:
-    """The fewest combinations of inertial parameters that tau depends on: regrouped along the tree, then by rank.
+    """The fewest combinations of inertial parameters that tau depends on: regrouped along the tree,
+    then by rank.
 
-    In symbols: `fb.equations(model).text("base")`. Raises MissingValueError where a parameter has no value.
+    In symbols: `fb.equations(model).text("base")`. Raises MissingValueError where a parameter has
+    no value.
     """
     model.require_tree("base_parameters")
     values = inertial_parameters(model)
@@ -71,7 +77,9 @@ def base_parameters(model: Model) -> BaseParameters:
     combined = weights @ matrix
     combined[np.abs(combined) < TOLERANCE * max(1.0, np.abs(combined).max(initial=0.0))] = 0.0
     found = tuple(names[column] for column in columns)
-    return BaseParameters(found, columns, combined, combined @ np.array(list(values.values())), names)
+    return BaseParameters(
+        found, columns, combined, combined @ np.array(list(values.values())), names
+    )
 
 
 def _regrouped(tree: Tree, count: int) -> tuple[list[int], Array]:
@@ -87,13 +95,16 @@ def _regrouped(tree: Tree, count: int) -> tuple[list[int], Array]:
     full = np.eye(count)
     for column in range(len(bodies) * size):
         unit = [
-            _composite(tree, [float(n * size + k == column) for k in range(size)]) for n in range(len(bodies))
+            _composite(tree, [float(n * size + k == column) for k in range(size)])
+            for n in range(len(bodies))
         ]
         of_tree: list[Composite] = [_composite(tree, [0.0] * size)] * len(tree.bodies)
         for n, i in enumerate(tree.body_of):
             of_tree[i] = unit[n]
         moved = regroup(tree, of_tree)
-        full[: len(bodies) * size, column] = [x for i in tree.body_of for x in _entries(tree, moved[i])]
+        full[: len(bodies) * size, column] = [
+            x for i in tree.body_of for x in _entries(tree, moved[i])
+        ]
     drives = list(range(len(bodies) * size, len(bodies) * size + len(DRIVE) * len(driven(tree))))
     candidates = staying + drives
     return candidates, full[candidates]
@@ -122,12 +133,16 @@ def _samples(model: Model, columns: list[int]) -> Array:
     q, qd, qdd = (np.moveaxis(x, -1, 0) for x in generic_state(model, seed=0, batch=batch))
     rows = regressor(model.tree, tuple(q), tuple(qd), tuple(qdd))
     return np.concatenate(
-        [np.stack([np.broadcast_to(row[column], batch) for column in columns], axis=-1) for row in rows]
+        [
+            np.stack([np.broadcast_to(row[column], batch) for column in columns], axis=-1)
+            for row in rows
+        ]
     )
 
 
 def _independent(samples: Array) -> tuple[list[int], Array]:
-    """Columns that are no combination of those before, and the weights (chosen, all) that make all of them."""
+    """Columns that are no combination of those before, and the weights (chosen, all) that make all
+    of them."""
     size = np.linalg.norm(samples, axis=0)
     chosen: list[int] = []
     weights = np.zeros((0, samples.shape[1]))

@@ -1,4 +1,5 @@
-"""What every public function does around its kernel: take vectors and dicts, check shapes, blame what is not finite."""
+"""What every public function does around its kernel: take vectors and dicts, check shapes, blame
+what is not finite."""
 
 from __future__ import annotations
 
@@ -22,7 +23,8 @@ Wrenches = ArrayLike | Mapping[str, ArrayLike] | None
 
 
 Key = str | tuple[Any, ...]
-"""Name of a formula, or that and what else was chosen, such as a frame's name: under it a model keeps what answers."""
+"""Name of a formula, or that and what else was chosen, such as a frame's name: under it a model
+keeps what answers."""
 
 
 def evaluate(
@@ -35,10 +37,10 @@ def evaluate(
 ) -> Any:
     """The kernel of a formula on inputs in its order: an array, or a tuple of its outputs.
 
-    What was called before under the key is tried at once: it refuses wrong shapes and types by itself, and tells of
-    inputs that carry names, of quaternions that are not of unit length, and of results that are not finite. There, and
-    on the first call, `otherwise` answers, by default `careful`, with the same arguments: every call gives the same
-    answer, or the same refusal.
+    What was called before under the key is tried at once: it refuses wrong shapes and types by
+    itself, and tells of inputs that carry names, of quaternions that are not of unit length, and of
+    results that are not finite. There, and on the first call, `otherwise` answers, by default
+    `careful`, with the same arguments: every call gives the same answer, or the same refusal.
     """
     try:
         if wrenches is None:
@@ -59,13 +61,18 @@ def evaluate(
 def attempt(
     key: Key, model: Model, inputs: tuple[Any, ...], option: Option, wrenches: Wrenches = None
 ) -> Any:
-    """What `evaluate` finds with the kernel of an option that says NaN where there is something to look at; None there.
+    """What `evaluate` finds with the kernel of an option that says NaN where there is something to
+    look at; None there.
 
     The kernel is the one that it will try under this key from now on.
     """
     function = key if isinstance(key, str) else key[0]
     try:
-        frames = () if wrenches is None else tuple(model.frame(name).name for name in _given(wrenches)[0])
+        frames = (
+            ()
+            if wrenches is None
+            else tuple(model.frame(name).name for name in _given(wrenches)[0])
+        )
     except FreebodyError:  # said in its turn
         return None
     if len(set(frames)) < len(frames):
@@ -108,7 +115,9 @@ def careful(
         return evaluate(key, model, inputs, option, wrenches)
     names = _input_names(function, chosen)
     refuse_other_times(function, dict(zip(names, inputs, strict=True)))
-    arrays = [vector(function, model, name, value) for name, value in zip(names, inputs, strict=True)]
+    arrays = [
+        vector(function, model, name, value) for name, value in zip(names, inputs, strict=True)
+    ]
     loads = wrenches_by_frame(function, model, wrenches)
     bound = structural.fetch(model, (function,), chosen._replace(wrench_frames=tuple(loads)))
     wrenched = [f"wrenches[{frame!r}]" for frame in loads]
@@ -124,9 +133,14 @@ def careful(
 
 
 def _is_known(function: str, model: Model, option: Option, wrenches: Wrenches, place: Any) -> bool:
-    """Whether the kernel has been compiled for another model of the same structure; it is then kept at the place."""
+    """Whether the kernel has been compiled for another model of the same structure; it is then kept
+    at the place."""
     try:
-        frames = () if wrenches is None else tuple(model.frame(name).name for name in _given(wrenches)[0])
+        frames = (
+            ()
+            if wrenches is None
+            else tuple(model.frame(name).name for name in _given(wrenches)[0])
+        )
         loaded = option._replace(wrench_frames=frames) if frames else option
         bound = structural.ready(model, (function,), loaded)
     except FreebodyError:  # said in its turn
@@ -155,8 +169,8 @@ def _given(wrenches: Wrenches) -> tuple[tuple[str | None, ...], tuple[ArrayLike,
 def checked_inputs(
     function: str, model: Model, given: Mapping[str, Any], wrenches: Wrenches
 ) -> tuple[tuple[str, ...], list[Array]]:
-    """(frames with wrenches, arrays of the inputs and then the wrenches), all finite and of one batch shape, which ends
-    in that of a family."""
+    """(frames with wrenches, arrays of the inputs and then the wrenches), all finite and of one
+    batch shape, which ends in that of a family."""
     refuse_other_times(function, given)
     arrays = {name: vector(function, model, name, value) for name, value in given.items()}
     loads = wrenches_by_frame(function, model, wrenches)
@@ -164,7 +178,9 @@ def checked_inputs(
     for name, array in named.items():
         refuse_not_finite(function, name, array, 1, labels(model, name))
     batch = common_batch(function, named | _of_family(model))
-    return tuple(loads), [np.broadcast_to(array, (*batch, array.shape[-1])) for array in named.values()]
+    return tuple(loads), [
+        np.broadcast_to(array, (*batch, array.shape[-1])) for array in named.values()
+    ]
 
 
 def _of_family(model: Model) -> dict[str, Array]:
@@ -183,9 +199,12 @@ def _refuse_overflow(function: str, named: Mapping[str, Array]) -> None:
 
 
 def vector(function: str, model: Model, name: str, value: Any) -> Array:
-    """q, qd, qdd, tau or a point as a checked array; one whose entries carry names (`labels`) is put in order."""
+    """q, qd, qdd, tau or a point as a checked array; one whose entries carry names (`labels`) is
+    put in order."""
     dimension, names = _dimension(name), labels(model, name)
-    array = as_floats(function, name, aligned(function, name, value, names, _VECTORS[dimension].dims))
+    array = as_floats(
+        function, name, aligned(function, name, value, names, _VECTORS[dimension].dims)
+    )
     size = len(names)
     if array.shape[-1:] != (size,):
         check_core(function, name, array, (size,), f"model {model.name!r} has {dimension} = {size}")
@@ -214,7 +233,8 @@ _VECTORS = {
 
 
 def _dimension(name: str) -> str:
-    """Of an argument: inputs of formulas have theirs in the table, all others are along the rates."""
+    """Of an argument: inputs of formulas have theirs in the table, all others are along the
+    rates."""
     if name.startswith("wrenches"):
         return "six"
     given = INPUTS.get("point" if name == "about" else name)
@@ -242,7 +262,9 @@ def common_batch(function: str, named: Mapping[str, Array]) -> tuple[int, ...]:
         return np.broadcast_shapes(*(array.shape[:-1] for array in named.values()))
     except ValueError:
         batches = ", ".join(f"{name} {array.shape[:-1]}" for name, array in named.items())
-        raise FreebodyError(f"{function}: the batch shapes do not broadcast together: {batches}.") from None
+        raise FreebodyError(
+            f"{function}: the batch shapes do not broadcast together: {batches}."
+        ) from None
 
 
 def labels(model: Model, name: str) -> tuple[str, ...]:
@@ -259,7 +281,8 @@ def _check_quaternions(function: str, model: Model, q: Array) -> None:
             if len(off):
                 sample = tuple(map(int, off[0]))
                 raise FreebodyError(
-                    f"{function}: the quaternion of joint {body.joint.name!r}{at_sample(sample)} has length "
+                    f"{function}: the quaternion of joint {body.joint.name!r}{at_sample(sample)} "
+                    f"has length "
                     f"{length[sample]:.6g}; "
                     "it must be 1 within 1e-6: divide it by its length."
                 )
@@ -268,7 +291,8 @@ def _check_quaternions(function: str, model: Model, q: Array) -> None:
 def wrenches_by_frame(
     function: str, model: Model, wrenches: Wrenches, single: bool = False
 ) -> dict[str, Array]:
-    """External wrenches (..., six) by frame, one by names fx, fy, … put in order; `single`: no batch."""
+    """External wrenches (..., six) by frame, one by names fx, fy, … put in order; `single`: no
+    batch."""
     if wrenches is None:
         return {}
     names = labels(model, "wrenches")
@@ -277,7 +301,9 @@ def wrenches_by_frame(
     for frame, value in given.items():
         name = model.frame(frame).name
         if name in loads:
-            raise FreebodyError(f"{function}: wrenches holds frame {name!r} twice; add the two wrenches up.")
+            raise FreebodyError(
+                f"{function}: wrenches holds frame {name!r} twice; add the two wrenches up."
+            )
         argument = f"wrenches[{name!r}]"
         loads[name] = as_floats(
             function, argument, aligned(function, argument, value, names, _VECTORS["six"].dims)

@@ -1,7 +1,7 @@
 """How positions move with rates: q̇ = N(q) v for joints whose q is not simply the integral of v.
 
-Quaternions p = w, x, y, z with the angular velocity ω in body axes: ṗ = ½ p (0, ω) and p̈ = ½ p (0, ω̇) - ¼ |ω|² p;
-a free joint's position ẋ = R v, ẍ = R (v̇ + ω × v).
+Quaternions p = w, x, y, z with the angular velocity ω in body axes: ṗ = ½ p (0, ω) and p̈ = ½ p (0,
+ω̇) - ¼ |ω|² p; a free joint's position ẋ = R v, ẍ = R (v̇ + ω × v).
 """
 
 from __future__ import annotations
@@ -20,10 +20,11 @@ Index = NDArray[np.intp]
 
 @dataclass(frozen=True)
 class Layout:
-    """Where a model's coordinates stand: plain ones (q̇ = v), quaternions, and positions of free joints.
+    """Where a model's coordinates stand: plain ones (q̇ = v), quaternions, and positions of free
+    joints.
 
-    plain: (iq, iv) index arrays. turns: slices (q of the quaternion, v of ω). shifts: slices (q of x, q of the
-    quaternion, v of the linear velocity, v of ω) of free joints.
+    plain: (iq, iv) index arrays. turns: slices (q of the quaternion, v of ω). shifts: slices (q of
+    x, q of the quaternion, v of the linear velocity, v of ω) of free joints.
     """
 
     nq: int
@@ -86,13 +87,17 @@ def position_acceleration(where: Layout, q: Array, v: Array, a: Array) -> Array:
 
 
 def state_of(where: Layout, x: Array, xd: Array, xdd: Array) -> tuple[Array, Array, Array]:
-    """(q, v, v̇) of position coordinates x with their time derivatives; quaternions of any length are normalised."""
+    """(q, v, v̇) of position coordinates x with their time derivatives; quaternions of any length
+    are normalised."""
     if where.flat:
         return x, xd, xdd
     q = x.copy()
     v = np.empty((*x.shape[:-1], where.nv))
     a = np.empty_like(v)
-    v[..., where.plain[1]], a[..., where.plain[1]] = xd[..., where.plain[0]], xdd[..., where.plain[0]]
+    v[..., where.plain[1]], a[..., where.plain[1]] = (
+        xd[..., where.plain[0]],
+        xdd[..., where.plain[0]],
+    )
     for iq, iv in where.turns:
         p, pd, pdd = x[..., iq], xd[..., iq], xdd[..., iq]
         E, size = _body_map(p), _dot(p, p)
@@ -130,8 +135,8 @@ def continuous(where: Layout, q: Array) -> Array:
     return q
 
 
-# ---------------------------------------------------------------- quaternion maps
-# With p a unit quaternion and E, G (3, 4): ω = 2 E ṗ in body axes, ω = 2 G ṗ in world axes, ṗ = ½ Eᵀ ω, R = G Eᵀ.
+# ---------------------------------------------------------------- quaternion maps With p a unit
+# quaternion and E, G (3, 4): ω = 2 E ṗ in body axes, ω = 2 G ṗ in world axes, ṗ = ½ Eᵀ ω, R = G Eᵀ.
 _ENTRY = np.array([[1, 0, 3, 2], [2, 3, 0, 1], [3, 2, 1, 0]])
 _BODY = np.array([[-1.0, 1, 1, -1], [-1, -1, 1, 1], [-1, 1, -1, 1]])
 _WORLD = np.array([[-1.0, 1, -1, 1], [-1, 1, 1, -1], [-1, -1, 1, 1]])

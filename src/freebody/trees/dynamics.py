@@ -15,7 +15,15 @@ from freebody.kernels.closed_chains import closed
 from freebody.kernels.formulas import Option
 from freebody.model.model import Model
 from freebody.model.required import require_model
-from freebody.trees.calls import Key, Vector, Wrenches, careful, common_batch, evaluate, finite_vector
+from freebody.trees.calls import (
+    Key,
+    Vector,
+    Wrenches,
+    careful,
+    common_batch,
+    evaluate,
+    finite_vector,
+)
 from freebody.trees.kinematics import checked_reference, jacobian
 from freebody.trees.massless import refuse_massless
 from freebody.trees.passive import refuse_passive
@@ -29,19 +37,21 @@ def inverse_dynamics(
     wrenches: Wrenches = None,
     actuated: Sequence[str] | None = None,
 ) -> Array:
-    """tau (..., nv): M q̈ + c + g + friction + springs + rotors - Σ Jᵀ w (N m, N), by recursive Newton-Euler.
+    """tau (..., nv): M q̈ + c + g + friction + springs + rotors - Σ Jᵀ w (N m, N), by recursive
+    Newton-Euler.
 
-    q: (..., nq); qd, qdd: (..., nv), rad or m and s. wrenches: {frame: (..., 6)} or one array for the tip: force,
-    then moment, that act on the arm at the frame's origin, world axes ((..., 3): fx, fy, m in the plane). Raises
-    ShapeError, NotFiniteError, UnknownNameError, MissingValueError. Source: Luh, Walker, Paul 1980; notes 4.6-4.15,
-    6.16-6.29.
+    q: (..., nq); qd, qdd: (..., nv), rad or m and s. wrenches: {frame: (..., 6)} or one array for
+    the tip: force, then moment, that act on the arm at the frame's origin, world axes ((..., 3):
+    fx, fy, m in the plane). Raises ShapeError, NotFiniteError, UnknownNameError, MissingValueError.
+    Source: Luh, Walker, Paul 1980; notes 4.6-4.15, 6.16-6.29.
 
-    Of an open chain the entries of passive joints (`model.passive`) are what is missing: the torque that would be
-    needed there; the motion is possible where they are zero.
+    Of an open chain the entries of passive joints (`model.passive`) are what is missing: the torque
+    that would be needed there; the motion is possible where they are zero.
 
-    Closed chains: the torques of the driven joints (`actuated`: names; default those not passive), zero elsewhere; of
-    more drives than the mechanism needs, the smallest torques. Raises LoopError for a state that its loops do not
-    allow, SingularError where the drives do not determine the motion.
+    Closed chains: the torques of the driven joints (`actuated`: names; default those not passive),
+    zero elsewhere; of more drives than the mechanism needs, the smallest torques. Raises LoopError
+    for a state that its loops do not allow, SingularError where the drives do not determine the
+    motion.
     """
     if actuated is None:
         return evaluate("inverse_dynamics", model, (q, qd, qdd), None, wrenches, _of_any_chain)
@@ -49,7 +59,8 @@ def inverse_dynamics(
     if model.loops:
         return closed("inverse_dynamics")(model, q, qd, qdd, wrenches, actuated)
     raise FreebodyError(
-        f"inverse_dynamics: actuated= chooses among the joints of a closed chain; {model.name!r} has no loops."
+        f"inverse_dynamics: actuated= chooses among the joints of a closed chain; {model.name!r} "
+        f"has no loops."
     )
 
 
@@ -63,12 +74,15 @@ def _of_any_chain(
     return careful(function, model, inputs, None, wrenches)
 
 
-def forward_dynamics(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches = None) -> Array:
-    """q̈ (..., nv) under joint torques tau (..., nv); other arguments as for `inverse_dynamics` (3.29).
+def forward_dynamics(
+    model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches = None
+) -> Array:
+    """q̈ (..., nv) under joint torques tau (..., nv); other arguments as for `inverse_dynamics`
+    (3.29).
 
-    Closed chains: (5.29), with dependent equations and at singular positions, where a motion keeps its branch. Raises
-    SingularError naming the joint that moves no inertia, LoopError for a state that the loops do not allow,
-    PassiveJointError for a torque at a joint that nothing drives.
+    Closed chains: (5.29), with dependent equations and at singular positions, where a motion keeps
+    its branch. Raises SingularError naming the joint that moves no inertia, LoopError for a state
+    that the loops do not allow, PassiveJointError for a torque at a joint that nothing drives.
     """
     if isinstance(model, Model) and model.passive:
         refuse_passive("forward_dynamics", model, tau)
@@ -110,10 +124,11 @@ def _refuse_singular(function: str, model: Model, accelerations: Array) -> None:
 def inverse_dynamics_derivatives(
     model: Model, q: Vector, qd: Vector, qdd: Vector
 ) -> tuple[Array, Array, Array]:
-    """(∂tau/∂q, ∂tau/∂q̇, M), each (..., nv, nv), rows tau; friction (Coulomb's is constant), springs, rotors included.
+    """(∂tau/∂q, ∂tau/∂q̇, M), each (..., nv, nv), rows tau; friction (Coulomb's is constant),
+    springs, rotors included.
 
-    q: (..., nq); qd, qdd: (..., nv). With free, spherical and quaternion coordinates ∂/∂q is on the tangent space:
-    along `fb.integrate(model, q, v)`. Source: Singh, Russell, Wensing 2022.
+    q: (..., nq); qd, qdd: (..., nv). With free, spherical and quaternion coordinates ∂/∂q is on the
+    tangent space: along `fb.integrate(model, q, v)`. Source: Singh, Russell, Wensing 2022.
     """
     return evaluate("inverse_dynamics_derivatives", model, (q, qd, qdd))
 
@@ -121,10 +136,12 @@ def inverse_dynamics_derivatives(
 def inverse_dynamics_second_derivatives(
     model: Model, q: Vector, qd: Vector, qdd: Vector
 ) -> tuple[Array, Array, Array, Array]:
-    """Second derivatives of tau, each (..., nv, nv, nv), the last axis the last direction of differentiation.
+    """Second derivatives of tau, each (..., nv, nv, nv), the last axis the last direction of
+    differentiation.
 
-    (∂²tau/∂q∂q, ∂²tau/∂q̇∂q, ∂²tau/∂q̇∂q̇, ∂M/∂q); those with respect to q̈ and q̇, and to q̈ twice, are zero. On the tangent
-    space, the derivative along q of what `inverse_dynamics_derivatives` returns.
+    (∂²tau/∂q∂q, ∂²tau/∂q̇∂q, ∂²tau/∂q̇∂q̇, ∂M/∂q); those with respect to q̈ and q̇, and to q̈
+    twice, are zero. On the tangent space, the derivative along q of what
+    `inverse_dynamics_derivatives` returns.
     """
     return evaluate("inverse_dynamics_second_derivatives", model, (q, qd, qdd))
 
@@ -132,13 +149,17 @@ def inverse_dynamics_second_derivatives(
 def forward_dynamics_derivatives(
     model: Model, q: Vector, qd: Vector, tau: Vector
 ) -> tuple[Array, Array, Array]:
-    """(∂q̈/∂q, ∂q̈/∂q̇, ∂q̈/∂tau = M⁻¹), each (..., nv, nv), on the tangent space; arguments as for `forward_dynamics`.
+    """(∂q̈/∂q, ∂q̈/∂q̇, ∂q̈/∂tau = M⁻¹), each (..., nv, nv), on the tangent space; arguments as for
+    `forward_dynamics`.
 
-    Raises SingularError naming the joint that moves no inertia, PassiveJointError for a torque at a passive joint.
+    Raises SingularError naming the joint that moves no inertia, PassiveJointError for a torque at a
+    passive joint.
     """
     if isinstance(model, Model) and model.passive:
         refuse_passive("forward_dynamics_derivatives", model, tau)
-    return evaluate("forward_dynamics_derivatives", model, (q, qd, tau), None, None, _forward_derivatives)
+    return evaluate(
+        "forward_dynamics_derivatives", model, (q, qd, tau), None, None, _forward_derivatives
+    )
 
 
 def _forward_derivatives(
@@ -157,7 +178,8 @@ def mass_matrix(model: Model, q: Vector) -> Array:
 def coriolis_matrix(model: Model, q: Vector, qd: Vector) -> Array:
     """C (..., nv, nv): C q̇ is the velocity term and Ṁ - 2C is skew-symmetric (Christoffel).
 
-    q: (..., nq); qd: (..., nv). With free or spherical joints the matrix of Echeandia and Wensing 2021.
+    q: (..., nq); qd: (..., nv). With free or spherical joints the matrix of Echeandia and Wensing
+    2021.
     """
     return evaluate("coriolis_matrix", model, (q, qd))
 
@@ -175,25 +197,29 @@ def gravity_torque(model: Model, q: Vector) -> Array:
 def static_torque(model: Model, q: Vector, wrenches: Wrenches = None) -> Array:
     """g + springs - Σ Jᵀ w (..., nv): the torque that holds the arm still (2.41-2.49).
 
-    wrenches act on the arm, as for `inverse_dynamics`; the notes' (2.52) prints the torque that exerts f, its negative.
-    An open chain rests where the entries of its passive joints are zero; elsewhere they are the holding torque that is
-    missing. Closed chains: the torques of the driven joints, as for `inverse_dynamics`.
+    wrenches act on the arm, as for `inverse_dynamics`; the notes' (2.52) prints the torque that
+    exerts f, its negative. An open chain rests where the entries of its passive joints are zero;
+    elsewhere they are the holding torque that is missing. Closed chains: the torques of the driven
+    joints, as for `inverse_dynamics`.
     """
     return evaluate("static_torque", model, (q,), None, wrenches, _of_any_chain)
 
 
 def tip_wrench(model: Model, q: Vector, tau: Vector, frame: str | None = None) -> Array:
-    """Wrench (..., 6) that the arm exerts on its surroundings with torques tau (..., nv): J⁻ᵀ tau (2.51).
+    """Wrench (..., 6) that the arm exerts on its surroundings with torques tau (..., nv): J⁻ᵀ tau
+    (2.51).
 
-    In the plane (..., 3). With fewer joints than rows the least-squares solution is not taken: a planar arm of two
-    joints returns the force alone (moment 0). Gravity and springs are not counted. Raises SingularError at a singular
-    Jacobian, PassiveJointError for a torque at a joint that nothing drives.
+    In the plane (..., 3). With fewer joints than rows the least-squares solution is not taken: a
+    planar arm of two joints returns the force alone (moment 0). Gravity and springs are not
+    counted. Raises SingularError at a singular Jacobian, PassiveJointError for a torque at a joint
+    that nothing drives.
     """
     require_model("tip_wrench", model)
     refuse_passive("tip_wrench", model, tau)
     if model.loops:
         raise FreebodyError(
-            f"tip_wrench: {model.name!r} is a closed chain; with J = fb.input_output(model, q).J it is J⁻ᵀ tau."
+            f"tip_wrench: {model.name!r} is a closed chain; with J = fb.input_output(model, q).J "
+            f"it is J⁻ᵀ tau."
         )
     J = jacobian(model, q, frame)
     rows = J.shape[-2] if model.nv >= J.shape[-2] else model.dim
@@ -208,7 +234,8 @@ def tip_wrench(model: Model, q: Vector, tau: Vector, frame: str | None = None) -
     if len(singular):
         raise SingularError(
             f"tip_wrench: the Jacobian of {model.name!r} is singular{at_sample(singular[0])}: "
-            "some wrench at its frame needs no torque, and torques do not tell it. Choose another q."
+            "some wrench at its frame needs no torque, and torques do not tell it. Choose another "
+            "q."
         )
     torque = finite_vector("tip_wrench", model, "tau", tau)
     batch = common_batch("tip_wrench", {"q": J[..., 0], "tau": torque})
@@ -225,11 +252,13 @@ def joint_wrenches(
     wrenches: Wrenches = None,
     reference: Literal["world", "child"] = "world",
 ) -> Array:
-    """Reaction wrench (..., nj, 6) of every joint: force (N), then moment (N m); (..., nj, 3) in the plane.
+    """Reaction wrench (..., nj, 6) of every joint: force (N), then moment (N m); (..., nj, 3) in
+    the plane.
 
-    Row i belongs to joint_names[i]: all that the parent does to the child, at the child's joint origin, world axes or
-    the child's. Arguments as for `inverse_dynamics`. Closed chains: a row for each loop follows, on the second frame's
-    body by the first's; `reactions` also says which components are determined.
+    Row i belongs to joint_names[i]: all that the parent does to the child, at the child's joint
+    origin, world axes or the child's. Arguments as for `inverse_dynamics`. Closed chains: a row for
+    each loop follows, on the second frame's body by the first's; `reactions` also says which
+    components are determined.
     """
     key = "joint_wrenches", reference
     return evaluate(key, model, (q, qd, qdd), _in_axes, wrenches, _joint_wrenches)
@@ -262,7 +291,8 @@ def potential_energy(model: Model, q: Vector) -> Array:
 
 
 def momentum(model: Model, q: Vector, qd: Vector, about: ArrayLike | None = None) -> Array:
-    """Linear (kg m/s), then angular momentum (kg m²/s), (..., 6), about a point of the world (default its origin).
+    """Linear (kg m/s), then angular momentum (kg m²/s), (..., 6), about a point of the world
+    (default its origin).
 
     (..., 3) in the plane. Momentum of the bodies; rotors are not counted.
     """

@@ -29,10 +29,11 @@ def forward_kinematics(model: Model, q: Vector, frame: str | None = None) -> Arr
 def velocity(
     model: Model, q: Vector, qd: Vector, frame: str | None = None, point: ArrayLike | None = None
 ) -> Array:
-    """Velocity (..., 6) of a frame: linear (m/s) of its origin or of `point`, then angular (rad/s), world axes.
+    """Velocity (..., 6) of a frame: linear (m/s) of its origin or of `point`, then angular (rad/s),
+    world axes.
 
-    In the plane (..., 3): ẋ, ẏ, ω. q: (..., nq); qd: (..., nv); point: (..., dim), fixed to the frame, in its axes (m).
-    Source: (2.16-2.18), (4.3), (6.16-6.19).
+    In the plane (..., 3): ẋ, ẏ, ω. q: (..., nq); qd: (..., nv); point: (..., dim), fixed to the
+    frame, in its axes (m). Source: (2.16-2.18), (4.3), (6.16-6.19).
     """
     if point is None:
         return evaluate(("velocity", frame), model, (q, qd), _of_frame)
@@ -40,12 +41,18 @@ def velocity(
 
 
 def acceleration(
-    model: Model, q: Vector, qd: Vector, qdd: Vector, frame: str | None = None, point: ArrayLike | None = None
+    model: Model,
+    q: Vector,
+    qd: Vector,
+    qdd: Vector,
+    frame: str | None = None,
+    point: ArrayLike | None = None,
 ) -> Array:
-    """Acceleration (..., 6): time derivative of `velocity`, linear (m/s²) then angular (rad/s²), world axes.
+    """Acceleration (..., 6): time derivative of `velocity`, linear (m/s²) then angular (rad/s²),
+    world axes.
 
-    It is the acceleration of the point itself, not a spatial (Plücker) one. Arguments as for `velocity`;
-    qdd: (..., nv).
+    It is the acceleration of the point itself, not a spatial (Plücker) one. Arguments as for
+    `velocity`; qdd: (..., nv).
     Source: (2.24), (4.5), (6.20-6.22).
     """
     if point is None:
@@ -53,10 +60,14 @@ def acceleration(
     return evaluate(("acceleration", frame, "world", True), model, (q, qd, qdd, point), _of_frame)
 
 
-def jacobian(model: Model, q: Vector, frame: str | None = None, reference: Reference = "world") -> Array:
-    """Jacobian (..., 6, nv), (..., 3, nv) in the plane: rows linear velocity of the frame's origin, then angular.
+def jacobian(
+    model: Model, q: Vector, frame: str | None = None, reference: Reference = "world"
+) -> Array:
+    """Jacobian (..., 6, nv), (..., 3, nv) in the plane: rows linear velocity of the frame's origin,
+    then angular.
 
-    q: (..., nq). reference: "world" axes, or those of the frame ("body"). The notes' planar J (2.19) is [..., :2, :].
+    q: (..., nq). reference: "world" axes, or those of the frame ("body"). The notes' planar J
+    (2.19) is [..., :2, :].
     """
     return evaluate(("jacobian", frame, reference), model, (q,), _of_frame)
 
@@ -64,14 +75,16 @@ def jacobian(model: Model, q: Vector, frame: str | None = None, reference: Refer
 def jacobian_dot(
     model: Model, q: Vector, qd: Vector, frame: str | None = None, reference: Reference = "world"
 ) -> Array:
-    """Time derivative (..., 6, nv) of `jacobian` along qd (..., nv): acceleration = J qdd + J̇ qd (2.24)."""
+    """Time derivative (..., 6, nv) of `jacobian` along qd (..., nv): acceleration = J qdd + J̇ qd
+    (2.24)."""
     return evaluate(("jacobian_dot", frame, reference), model, (q, qd), _of_frame)
 
 
 def jacobian_derivatives(
     model: Model, q: Vector, frame: str | None = None, reference: Reference = "world"
 ) -> Array:
-    """∂J/∂q (..., 6, nv, nv), (..., 3, nv, nv) in the plane, the last axis the direction, on the tangent space.
+    """∂J/∂q (..., 6, nv, nv), (..., 3, nv, nv) in the plane, the last axis the direction, on the
+    tangent space.
 
     Arguments as for `jacobian`; `jacobian_dot` is its product with qd.
     """
@@ -91,11 +104,15 @@ def _center_of_mass(function: str, model: Model, inputs: tuple[Vector, ...], *_:
     nothing = np.argwhere(np.asarray(model.mass) == 0.0)
     if len(nothing):
         member = of_member(tuple(map(int, nothing[0])))
-        raise SingularError(f"center_of_mass: {model.name!r} has no mass{member}; give its links an inertia.")
+        raise SingularError(
+            f"center_of_mass: {model.name!r} has no mass{member}; give its links an inertia."
+        )
     return careful(function, model, inputs)
 
 
-def _of_frame(model: Model, frame: str | None, reference: str = "world", point: bool = False) -> Option:
+def _of_frame(
+    model: Model, frame: str | None, reference: str = "world", point: bool = False
+) -> Option:
     return Option(model.frame(frame).name, checked_reference(reference), point=point)
 
 

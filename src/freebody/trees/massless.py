@@ -1,7 +1,7 @@
 """Joints that move no inertia make the mass matrix singular; found once a model, and named.
 
-Most robots are seen to be sound by what their bodies weigh, each alone; that takes microseconds, so that a new payload
-does too. Only of others is the mass matrix looked at.
+Most robots are seen to be sound by what their bodies weigh, each alone; that takes microseconds, so
+that a new payload does too. Only of others is the mass matrix looked at.
 """
 
 from __future__ import annotations
@@ -28,7 +28,9 @@ from freebody.trees.states import generic_state
 _NOTHING = 1e-13  # a pivot this small, relative to what it was subtracted from, is rounding
 _SAMPLES = 4  # configurations that are looked at
 _CLEAR = 1e-11  # a pivot this large, relative to the largest entry that M can have, is no rounding
-_TRAVEL = 6.0  # m, more than joints that translate are moved in the configurations that are looked at
+_TRAVEL = (
+    6.0  # m, more than joints that translate are moved in the configurations that are looked at
+)
 _BLOCK = 1024  # members of a family that are looked at together
 
 
@@ -41,13 +43,15 @@ def refuse_massless(model: Model, function: str) -> None:
         raise SingularError(
             f"{function}: the mass matrix of {model.name!r}{of_member(member)} is singular: "
             f"joint{'s' if several else ''} {joints} move{'' if several else 's'} no inertia. "
-            f"Give what {'each' if several else 'it'} carries a mass and inertia, or the joint a rotor inertia, or fix "
+            f"Give what {'each' if several else 'it'} carries a mass and inertia, or the joint a "
+            f"rotor inertia, or fix "
             "it."
         )
 
 
 def massless(model: Model) -> tuple[str, ...]:
-    """Coordinates that move no inertia, the loops of a closed chain being cut; of a family of the first such member."""
+    """Coordinates that move no inertia, the loops of a closed chain being cut; of a family of the
+    first such member."""
     return _found(model)[0]
 
 
@@ -71,7 +75,8 @@ class _Alone(NamedTuple):
     """A body and its joint, without the rest."""
 
     least: float
-    """What the smallest eigenvalue of its inertia at its origin, of translations (m/s) and turns (rad/s), surely is."""
+    """What the smallest eigenvalue of its inertia at its origin, of translations (m/s) and turns
+    (rad/s), surely is."""
     mass: float
     inertia: float
     """Trace of the inertia about its origin."""
@@ -84,10 +89,12 @@ _UNSURE = _Alone(-math.inf, 0.0, 0.0, 0.0, 0.0)
 
 
 def _all_sound(model: Model) -> bool:
-    """Whether each pivot of M is far above rounding, by what each body weighs alone; no other answer is sure.
+    """Whether each pivot of M is far above rounding, by what each body weighs alone; no other
+    answer is sure.
 
-    A pivot is twice the least kinetic energy at unit rate of its joint, while all that carries the joint rests; the
-    energy of the joint's own body is a part of it, and that of the others is not negative.
+    A pivot is twice the least kinetic energy at unit rate of its joint, while all that carries the
+    joint rests; the energy of the joint's own body is a part of it, and that of the others is not
+    negative.
     """
     if [body for body in model.bodies if body.joint.mimic is not None]:
         return False
@@ -128,10 +135,12 @@ def _alone(body: Body, dim: int) -> _Alone:
 
 
 def _least(inertia: list[float]) -> tuple[float, float]:
-    """(bound from below of the smallest eigenvalue, trace of the inertia about the origin) of a body's inertia.
+    """(bound from below of the smallest eigenvalue, trace of the inertia about the origin) of a
+    body's inertia.
 
-    With the centre of mass c and T = (1, -c×; 0, 1) the inertia is Tᵀ diag(m 1, I_c) T, so that its eigenvalues are at
-    least min(m, those of I_c) / (1 + |c|)². Of three positive eigenvalues the smallest is at least det / (trace / 2)².
+    With the centre of mass c and T = (1, -c×; 0, 1) the inertia is Tᵀ diag(m 1, I_c) T, so that its
+    eigenvalues are at least min(m, those of I_c) / (1 + |c|)². Of three positive eigenvalues the
+    smallest is at least det / (trace / 2)².
     """
     m, *rest = inertia
     dim = 2 if len(rest) == 3 else 3
@@ -168,7 +177,9 @@ def _idle(model: Model, members: tuple[int, ...]) -> tuple[tuple[str, ...], int]
         return tuple(model.velocity_names[k] for k in range(model.nv) if not some[k]), member
     with np.errstate(all="ignore"):
         pivots = _pivots(tree, M)
-        largest = np.abs(np.einsum("kk...->k...", M)).max(axis=(0, -1), keepdims=True, initial=0.0)[0]
+        largest = np.abs(np.einsum("kk...->k...", M)).max(axis=(0, -1), keepdims=True, initial=0.0)[
+            0
+        ]
     for k, pivot in pivots.items():
         floor = np.maximum(_NOTHING * np.abs(M[k, k]), 1e-16 * largest)
         bad = np.argwhere(~(pivot > floor).all(axis=-1))
@@ -178,7 +189,8 @@ def _idle(model: Model, members: tuple[int, ...]) -> tuple[tuple[str, ...], int]
 
 
 def _pivots(tree: Tree, M: Array) -> dict[int, Array]:
-    """Sizes of D in M = Lᵀ D L, the leaves' first; by whole rows, since a long chain has cubically many products."""
+    """Sizes of D in M = Lᵀ D L, the leaves' first; by whole rows, since a long chain has cubically
+    many products."""
     order = list(supports(tree))
     left = M[np.ix_(order, order)]
     pivots = {}

@@ -1,4 +1,5 @@
-"""Quantities for control and identification: operational space, the centre of mass, linear parameters."""
+"""Quantities for control and identification: operational space, the centre of mass, linear
+parameters."""
 
 from __future__ import annotations
 
@@ -27,17 +28,20 @@ from freebody.trees.passive import refuse_passive
 
 
 def mass_matrix_inverse(model: Model, q: Vector) -> Array:
-    """M⁻¹ (..., nv, nv). q: (..., nq). Raises SingularError naming the joint that moves no inertia."""
+    """M⁻¹ (..., nv, nv). q: (..., nq). Raises SingularError naming the joint that moves no
+    inertia."""
     return evaluate("mass_matrix_inverse", model, (q,), None, None, where_all_move_mass)
 
 
 def operational_space_inertia(
     model: Model, q: Vector, frame: str | None = None, rows: Sequence[str] | None = None
 ) -> Array:
-    """Λ = (J M⁻¹ Jᵀ)⁻¹ (..., r, r) of a frame's motion, rows linear then angular, world axes (Khatib 1987).
+    """Λ = (J M⁻¹ Jᵀ)⁻¹ (..., r, r) of a frame's motion, rows linear then angular, world axes
+    (Khatib 1987).
 
-    q: (..., nq). frame: name, default the tip. rows: which of "vx", "vy", "vz", "wx", "wy", "wz" (plane: "vx", "vy",
-    "w"); default all. Raises SingularError where the arm cannot move the frame along all of them.
+    q: (..., nq). frame: name, default the tip. rows: which of "vx", "vy", "vz", "wx", "wy", "wz"
+    (plane: "vx", "vy", "w"); default all. Raises SingularError where the arm cannot move the frame
+    along all of them.
     """
     require_model("operational_space_inertia", model)
     option = _operational(model, frame, rows, "operational_space_inertia")
@@ -49,7 +53,8 @@ def operational_space_inertia(
 def operational_space_bias(
     model: Model, q: Vector, qd: Vector, frame: str | None = None, rows: Sequence[str] | None = None
 ) -> Array:
-    """μ (..., r) with Λ ẍ + μ = the wrench at the frame that moves the arm so: velocity, gravity, friction, springs.
+    """μ (..., r) with Λ ẍ + μ = the wrench at the frame that moves the arm so: velocity, gravity,
+    friction, springs.
 
     qd: (..., nv); other arguments and errors as for `operational_space_inertia`.
     """
@@ -60,7 +65,9 @@ def operational_space_bias(
     return result
 
 
-def _operational(model: Model, frame: str | None, rows: Sequence[str] | None, function: str) -> Option:
+def _operational(
+    model: Model, frame: str | None, rows: Sequence[str] | None, function: str
+) -> Option:
     refuse_massless(model, function)
     option = Option(model.frame(frame).name, rows=motion_rows(model, rows))
     if len(option.rows) > model.nv:
@@ -82,21 +89,27 @@ def _refuse_dependent_rows(function: str, model: Model, q: Vector, option: Optio
     singular = np.argwhere(values[..., -1] <= 1e-10 * values[..., 0])
     if len(singular):
         raise SingularError(
-            f"{function}: frame {option.frame!r} of {model.name!r} is at a singularity{at_sample(singular[0])}: "
+            f"{function}: frame {option.frame!r} of {model.name!r} is at a "
+            f"singularity{at_sample(singular[0])}: "
             "the rows of its Jacobian depend. Choose fewer rows, or another q."
         )
 
 
 def centroidal_momentum_matrix(model: Model, q: Vector) -> Array:
-    """A (..., 6, nv): A q̇ is the momentum about the centre of mass of what moves, linear then angular, world axes.
+    """A (..., 6, nv): A q̇ is the momentum about the centre of mass of what moves, linear then
+    angular, world axes.
 
-    (..., 3, nv) in the plane. q: (..., nq). Raises SingularError where nothing that moves has a mass. Source: Orin,
-    Goswami, Lee 2013.
+    (..., 3, nv) in the plane. q: (..., nq). Raises SingularError where nothing that moves has a
+    mass. Source: Orin, Goswami, Lee 2013.
     """
-    return evaluate("centroidal_momentum_matrix", model, (q,), None, None, _centroidal_momentum_matrix)
+    return evaluate(
+        "centroidal_momentum_matrix", model, (q,), None, None, _centroidal_momentum_matrix
+    )
 
 
-def _centroidal_momentum_matrix(function: str, model: Model, inputs: tuple[Vector, ...], *_: None) -> Array:
+def _centroidal_momentum_matrix(
+    function: str, model: Model, inputs: tuple[Vector, ...], *_: None
+) -> Array:
     require_model(function, model)
     if not _moves_mass(model):
         raise SingularError(NO_CENTRE.format("no link that moves"))
@@ -117,21 +130,25 @@ def regressor(model: Model, q: Vector, qd: Vector, qdd: Vector) -> Array:
 
 
 def energy_regressor(model: Model, q: Vector, qd: Vector) -> Array:
-    """(..., 2, p): kinetic and potential energy (without the springs' constants) as linear functions of π."""
+    """(..., 2, p): kinetic and potential energy (without the springs' constants) as linear
+    functions of π."""
     return evaluate("energy_regressor", model, (q, qd))
 
 
 def inertial_parameters(model: Model) -> dict[str, Any]:
-    """π by name: of each body m, hx, hy, hz (first moment), Ixx, Ixy, Ixz, Iyy, Iyz, Izz about its joint's origin, in
-    its axes (plane: m, hx, hy, I); then of each joint with a drive viscous, coulomb, rotor, stiffness,
-    stiffness_rest. Of a family arrays where members differ."""
+    """π by name: of each body m, hx, hy, hz (first moment), Ixx, Ixy, Ixz, Iyy, Iyz, Izz about its
+    joint's origin, in its axes (plane: m, hx, hy, I); then of each joint with a drive viscous,
+    coulomb, rotor, stiffness, stiffness_rest. Of a family arrays where members differ."""
     require_model("inertial_parameters", model)
     values = (x if isinstance(x, np.ndarray) else float(x) for x in parameter_values(model.tree))
     return dict(zip(parameter_names(model), values, strict=True))
 
 
-def forward_dynamics_parameter_derivatives(model: Model, q: Vector, qd: Vector, tau: Vector) -> Array:
-    """∂q̈/∂π (..., nv, p) = -M⁻¹ Y, π in the order of `fb.inertial_parameters`; the regressor Y is ∂tau/∂π.
+def forward_dynamics_parameter_derivatives(
+    model: Model, q: Vector, qd: Vector, tau: Vector
+) -> Array:
+    """∂q̈/∂π (..., nv, p) = -M⁻¹ Y, π in the order of `fb.inertial_parameters`; the regressor Y is
+    ∂tau/∂π.
 
     Raises as `forward_dynamics_derivatives` does.
     """

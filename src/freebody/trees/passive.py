@@ -1,4 +1,5 @@
-"""Joints that nothing drives: where a torque is given for one, it is refused; what one would need, it lacks."""
+"""Joints that nothing drives: where a torque is given for one, it is refused; what one would need,
+it lacks."""
 
 from __future__ import annotations
 
@@ -25,8 +26,10 @@ def refuse_passive(function: str, model: Model, tau: Vector) -> None:
         *sample, k = map(int, bad[0])
         value, name = float(given[tuple(bad[0])]), model.velocity_names[model.passive[k]]
         raise PassiveJointError(
-            f"{function}: the torque of {name!r} is {value:g}{at_sample(sample)}, but the joint of {model.name!r} is "
-            "passive: nothing drives it. Give 0 there, or name it among model.replace(actuated=[...])."
+            f"{function}: the torque of {name!r} is {value:g}{at_sample(sample)}, but the joint of "
+            f"{model.name!r} is "
+            "passive: nothing drives it. Give 0 there, or name it among "
+            "model.replace(actuated=[...])."
         )
 
 

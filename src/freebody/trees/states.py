@@ -1,4 +1,5 @@
-"""Positions as points of a manifold: neutral, random, moving along a velocity, and the velocity between two."""
+"""Positions as points of a manifold: neutral, random, moving along a velocity, and the velocity
+between two."""
 
 from __future__ import annotations
 
@@ -44,7 +45,8 @@ def _neutral(model: Model) -> Array:
 
 
 def home_guess(model: Model) -> Array:
-    """q (nq,) from which a closed chain is assembled: neutral, but for what the model's `home` says."""
+    """q (nq,) from which a closed chain is assembled: neutral, but for what the model's `home`
+    says."""
     q = neutral(model)
     for name, value in model.home:
         q[model.position_names.index(name)] = value
@@ -56,8 +58,8 @@ def random_state(
 ) -> tuple[Array, Array, Array]:
     """(q, qd, qdd) of shapes (*batch, nq), (*batch, nv), (*batch, nv), reproducible with a seed.
 
-    q lies within the limits, or within ±π (rad) and ±1 (m) where there are none (a range of no width is none);
-    quaternions are uniform; rates and accelerations are normal with deviation 1.
+    q lies within the limits, or within ±π (rad) and ±1 (m) where there are none (a range of no
+    width is none); quaternions are uniform; rates and accelerations are normal with deviation 1.
     """
     require_model("random_state", model)
     if arrays_in(tuple(body.joint.limits for body in model.bodies)):
@@ -68,7 +70,8 @@ def random_state(
 def generic_state(
     model: Model, seed: int | None = None, batch: int | tuple[int, ...] = ()
 ) -> tuple[Array, Array, Array]:
-    """A `random_state` regardless of limits, for what depends on the mechanism alone, such as ranks.
+    """A `random_state` regardless of limits, for what depends on the mechanism alone, such as
+    ranks.
 
     A range, be it narrow, may hold only states that are special.
     """
@@ -105,16 +108,18 @@ def _states(
 
 
 def integrate(model: Model, q: ArrayLike, v: ArrayLike) -> Array:
-    """The position (..., nq) reached from q (..., nq) by the constant velocity v (..., nv) in unit time.
+    """The position (..., nq) reached from q (..., nq) by the constant velocity v (..., nv) in unit
+    time.
 
-    Free joints move along their screw (exponential of SE(3)), spherical ones turn by ω; the others add.
+    Free joints move along their screw (exponential of SE(3)), spherical ones turn by ω; the others
+    add.
     """
     return evaluate("integrate", model, (q, v), None, None, _moved)
 
 
 def difference(model: Model, q0: ArrayLike, q1: ArrayLike) -> Array:
-    """The velocity (..., nv) that leads from q0 to q1 (..., nq) in unit time: integrate(q0, difference(q0,
-    q1)) = q1."""
+    """The velocity (..., nv) that leads from q0 to q1 (..., nq) in unit time: integrate(q0,
+    difference(q0, q1)) = q1."""
     return evaluate("difference", model, (q0, q1), None, None, _between)
 
 
@@ -144,15 +149,19 @@ def _has_numbers(model: Model) -> bool:
 def _joint_by_joint(
     model: Model, size: int, way: Callable[[Primitive], Callable[..., Any]], given: list[Array]
 ) -> Array:
-    """What each joint makes of its entries, over arrays: for models whose numbers are not all known."""
+    """What each joint makes of its entries, over arrays: for models whose numbers are not all
+    known."""
     result, space = np.empty((*given[0].shape[:-1], size)), of_dimension(model.dim)
     for body, at in zip(model.bodies, model.coordinates, strict=True):
         if body.joint.mimic is None:
-            # kinds of several primitives are those whose positions add, as those of any one primitive of theirs do
+            # kinds of several primitives are those whose positions add, as those of any one
+            # primitive of theirs do
             joint = body.kind.primitives(space, space.zero)[0][0]
             entries = (at.q if x.shape[-1] == model.nq else at.v for x in given)
             columns = [tuple(x[..., k] for k in ks) for x, ks in zip(given, entries, strict=True)]
-            result[..., at.q if size == model.nq else at.v] = np.stack(way(joint)(space, *columns), axis=-1)
+            result[..., at.q if size == model.nq else at.v] = np.stack(
+                way(joint)(space, *columns), axis=-1
+            )
     return result
 
 

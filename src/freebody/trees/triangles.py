@@ -1,4 +1,5 @@
-"""The two solutions of a triangle, and words for them: what postures of arms and of closed chains have in common."""
+"""The two solutions of a triangle, and words for them: what postures of arms and of closed chains
+have in common."""
 
 from __future__ import annotations
 
@@ -7,13 +8,15 @@ import numpy as np
 from freebody.arrays import Array
 
 LOOSE = 1e-7
-"""How far (relative) a root may be negative and still be taken as 0: what is found is verified later."""
+"""How far (relative) a root may be negative and still be taken as 0: what is found is verified
+later."""
 
 _FLAT = 1e-6  # angles (rad) below which two branches count as one
 
 
 def by_triangle(above: Array, below: Array, scale: Array) -> Array:
-    """ψ = 2 atan √(above / below), the half-angle formula of a triangle; NaN where one is below 0."""
+    """ψ = 2 atan √(above / below), the half-angle formula of a triangle; NaN where one is below
+    0."""
     loose = -LOOSE * scale
     with np.errstate(invalid="ignore"):
         good = (above >= loose) & (below >= loose)

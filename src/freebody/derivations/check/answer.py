@@ -1,4 +1,5 @@
-"""An answer's text as equations: which quantity each line is about, and the expression given for it."""
+"""An answer's text as equations: which quantity each line is about, and the expression given for
+it."""
 
 from __future__ import annotations
 
@@ -47,10 +48,13 @@ def claims(setting: Setting, text: str, names: Mapping[str, str]) -> list[Claim]
     lines = [_sides(source, line) for line in _lines(source, tokens(source, vocabulary))]
     if not lines:
         raise AnswerError(
-            "the answer is empty; write an equation such as H12 = m2*(lc2^2 + l1*lc2*cos(theta2)) + I2"
+            "the answer is empty; write an equation such as H12 = m2*(lc2^2 + l1*lc2*cos(theta2)) "
+            "+ I2"
         )
     if len(lines) > MOST_EQUATIONS:
-        raise AnswerError(f"the answer has {len(lines)} equations; at most {MOST_EQUATIONS} are read")
+        raise AnswerError(
+            f"the answer has {len(lines)} equations; at most {MOST_EQUATIONS} are read"
+        )
     reading = _Reading(source, vocabulary, targets)
     own = reading.definitions(lines)
     found: list[Claim] = []
@@ -61,7 +65,8 @@ def claims(setting: Setting, text: str, names: Mapping[str, str]) -> list[Claim]
         names_given = dict.fromkeys(source[line[0][0].span] for line in own)
         taken = "are taken for names" if len(names_given) > 1 else "is taken for a name"
         raise AnswerError(
-            f"{listed(names_given, 8)} {taken} of your own, none of the robot's quantities; write what is to be "
+            f"{listed(names_given, 8)} {taken} of your own, none of the robot's quantities; write "
+            f"what is to be "
             "checked, such as tau1 = …"
         )
     refuse_circles(source, found)
@@ -70,7 +75,8 @@ def claims(setting: Setting, text: str, names: Mapping[str, str]) -> list[Claim]
 
 # ---------------------------------------------------------------- names
 def _rename(vocabulary: Vocabulary, targets: Targets, name: str, meaning: str) -> None:
-    """A name of the user's own, for a symbol (and its rates), for a family of them, or for an expression."""
+    """A name of the user's own, for a symbol (and its rates), for a family of them, or for an
+    expression."""
     plain = _plain(name)
     target = _plain(meaning) if re.fullmatch(r"[\w\\{}']+", meaning) else ""
     if target in (*FAMILIES, "theta", "d", "q") and target not in vocabulary.symbols:
@@ -126,7 +132,8 @@ Line = tuple[tuple[Token, ...], ...]
 
 
 def _lines(source: Source, found: Sequence[Token]) -> list[list[Token]]:
-    """Tokens by equation: a line that begins with an operator, or stands behind one, continues the one before.
+    """Tokens by equation: a line that begins with an operator, or stands behind one, continues the
+    one before.
 
     A minus may begin an equation of its own, -a = b.
     """
@@ -143,7 +150,9 @@ def _lines(source: Source, found: Sequence[Token]) -> list[list[Token]]:
         if not piece:
             continue
         own = piece[0].text == "-" and any(token.kind == "equals" for token in piece)
-        continues = (piece[0].kind in ("operator", "equals") and not own) or (lines and _is_open(lines[-1]))
+        continues = (piece[0].kind in ("operator", "equals") and not own) or (
+            lines and _is_open(lines[-1])
+        )
         if lines and continues:
             lines[-1] += piece
         else:
@@ -152,7 +161,8 @@ def _lines(source: Source, found: Sequence[Token]) -> list[list[Token]]:
 
 
 def _in_matrix(found: Sequence[Token], token: Token) -> bool:
-    """Whether a token inside brackets separates entries of a matrix: & always, a ; but no line break."""
+    """Whether a token inside brackets separates entries of a matrix: & always, a ; but no line
+    break."""
     return token.kind == "amp" or token.text == ";"
 
 
@@ -216,11 +226,14 @@ class _Reading:
         return Claim(label, target, node, self.value(node), self.source, used)
 
     def definitions(self, lines: Sequence[Line]) -> list[Line]:
-        """Lines that introduce a name of the user's own, or an h that other lines use: their values are noted."""
+        """Lines that introduce a name of the user's own, or an h that other lines use: their values
+        are noted."""
         found = []
         for line in lines:
             name = (
-                line[0][0].text if len(line) == 2 and len(line[0]) == 1 and line[0][0].kind == "name" else ""
+                line[0][0].text
+                if len(line) == 2 and len(line[0]) == 1 and line[0][0].kind == "name"
+                else ""
             )
             if not name or (name in self.targets.names and not self._is_own_h(name, line, lines)):
                 continue
@@ -230,7 +243,8 @@ class _Reading:
                 or not self.vocabulary.symbols.get(name, self.setting.zero).is_zero
             ):
                 self.source.fail(
-                    f"{self.source[line[0][0].span]} is a symbol of the model, not a result to be checked",
+                    f"{self.source[line[0][0].span]} is a symbol of the model, not a result to be "
+                    f"checked",
                     line[0][0].span,
                 )
             node = self.parse(line[1])
@@ -244,7 +258,11 @@ class _Reading:
         if self.targets.single.get(name) is None or self.targets.single[name].family != "h":
             return False
         return any(
-            t.kind == "name" and t.text == name for other in lines if other != line for s in other for t in s
+            t.kind == "name" and t.text == name
+            for other in lines
+            if other != line
+            for s in other
+            for t in s
         )
 
     def claims(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
@@ -274,13 +292,17 @@ class _Reading:
         single, table = self.targets.single.get(name.text), self.targets.tables.get(name.text)
         if not isinstance(node, Table):
             if single is None:
-                self.source.fail(f"{label} is a vector or matrix: write it as [[…, …], […, …]]", name.span)
+                self.source.fail(
+                    f"{label} is a vector or matrix: write it as [[…, …], […, …]]", name.span
+                )
             return [self._claim(label, single, node)]
         if table is None and single is not None:
             table = [[single]]
         return self._entries(label, name, node, table or [])
 
-    def _entries(self, label: str, name: Token, node: Table, table: list[list[Target]]) -> list[Claim]:
+    def _entries(
+        self, label: str, name: Token, node: Table, table: list[list[Target]]
+    ) -> list[Claim]:
         rows = [list(row) for row in node.rows]
         if len(rows) == 1 and table and len(table[0]) == 1:
             rows = [[entry] for entry in rows[0]]  # a vector written as a row
@@ -297,11 +319,21 @@ class _Reading:
 
     # ------------------------------------------------------------ torques inside an equation
     def _implicit(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
-        """An equation that holds one τ_i somewhere, solved for it; without any, that of a passive joint."""
+        """An equation that holds one τ_i somewhere, solved for it; without any, that of a passive
+        joint."""
         span = (line[0][0].start, line[-1][-1].end)
-        inside = {t.text for side in line for t in side if t.kind == "name" and t.text in self.targets.single}
+        inside = {
+            t.text
+            for side in line
+            for t in side
+            if t.kind == "name" and t.text in self.targets.single
+        }
         inside -= set(self.vocabulary.symbols)
-        torques = {self.targets.single[name] for name in inside if self.targets.single[name].family == "tau"}
+        torques = {
+            self.targets.single[name]
+            for name in inside
+            if self.targets.single[name].family == "tau"
+        }
         torques = {target for target in torques if not target.idle}
         if len(line) == 2 and not torques and self.targets.passive:
             return [self._unpowered(line, before)]
@@ -330,7 +362,11 @@ class _Reading:
         for side, value in ((right, values[0]), (left, values[1])):
             if value.is_zero:
                 node = side
-        taken = [claim.target.index for claim in before if claim.target.family == "0" or claim.target.idle]
+        taken = [
+            claim.target.index
+            for claim in before
+            if claim.target.family == "0" or claim.target.idle
+        ]
         target = idle.equation(self.targets, self.value(node), taken)
         return self._claim(f"The equation of joint {target.index[0]}", target, node)
 
@@ -339,7 +375,9 @@ class _Reading:
         values = []
         for k in range(3):
             self.replaced = {
-                name: self.setting.zero + k for name, other in self.targets.single.items() if other == target
+                name: self.setting.zero + k
+                for name, other in self.targets.single.items()
+                if other == target
             }
             left, right = (self.value(self.parse(side)) for side in line)
             values.append(left - right)

@@ -1,6 +1,7 @@
 """What a user may have thought: a single misconception that explains the whole difference.
 
-Each is the right answer under that thought, at a point of a finite field, to be compared with the user's.
+Each is the right answer under that thought, at a point of a finite field, to be compared with the
+user's.
 """
 
 from __future__ import annotations
@@ -59,7 +60,9 @@ class Causes:
                 total += self.point.term(powers, coefficient * factor)
         return total % PRIME
 
-    def _at(self, values: Mapping[str, int] | None = None, turns: Mapping[str, Turn] | None = None) -> int:
+    def _at(
+        self, values: Mapping[str, int] | None = None, turns: Mapping[str, Turn] | None = None
+    ) -> int:
         return self.point.changed(values, turns).of(self.right)
 
     def _others(self) -> Iterator[Thought]:
@@ -73,15 +76,21 @@ class Causes:
         if not g or not any(g in powers for powers, _ in self.right.terms()):
             return
         opposite = (
-            "Everything is right but the sign of gravity: the weights pull along −y, so V = + m g y, "
+            "Everything is right but the sign of gravity: the weights pull along −y, so V = + m g "
+            "y, "
             "and the drive must hold them up: g_i = + ∂V/∂q_i."
         )
         yield opposite, self._weighted(lambda p: -1 if g in p else 1)
-        yield "Gravity is missing; everything else is right.", self._weighted(lambda p: 0 if g in p else 1)
+        yield (
+            "Gravity is missing; everything else is right.",
+            self._weighted(lambda p: 0 if g in p else 1),
+        )
 
     def _velocity(self) -> Iterator[Thought]:
         """Mistakes in all terms with products of rates."""
-        if not any(_rates(powers) for powers, _ in self.right.terms()) or self.target.family not in (
+        if not any(
+            _rates(powers) for powers, _ in self.right.terms()
+        ) or self.target.family not in (
             "tau",
             "c",
         ):
@@ -113,7 +122,9 @@ class Causes:
         own = self.target.index[0] - 1 if self.target.family == "tau" else None
         if own is not None:
             for name in self.setting.symbols.coordinates:
-                missing = f"The terms with {sym(name + '_dd')} are missing; everything else is right."
+                missing = (
+                    f"The terms with {sym(name + '_dd')} are missing; everything else is right."
+                )
                 yield missing, self._weighted(lambda p, x=name + "_dd": 0 if x in p else 1)
         inertial = self.setting.order.inertial
         bodies = {body for body, _ in inertial.values()}
@@ -124,7 +135,8 @@ class Causes:
             yield text, self._weighted(lambda p, own=names: 0 if own & set(p) else 1)
         moments = {name for name, (_, kind) in inertial.items() if kind == 1}
         yield (
-            "The moments of inertia about the centres of mass are missing: right for point masses only.",
+            "The moments of inertia about the centres of mass are missing: right for point masses "
+            "only.",
             self._weighted(lambda p: 0 if moments & set(p) else 1),
         )
         if self.setting.is_planar:
@@ -161,7 +173,8 @@ class Causes:
             which = " and ".join(f"lc{k}" for k in group)
             wrong = ", ".join(f"l{k} for lc{k}" for k in group)
             yield (
-                f"You wrote {wrong}: masses and weights act at the centre of mass, {which} from the joint, "
+                f"You wrote {wrong}: masses and weights act at the centre of mass, {which} from "
+                f"the joint, "
                 "not at the end of the link.",
                 self._at({f"lc{k}": v[f"l{k}"] for k in group}),
             )
@@ -175,7 +188,13 @@ class Causes:
                 yield (
                     f"l and lc are exchanged: l{group[0]} is the whole link, "
                     f"lc{group[0]} reaches to the centre of mass.",
-                    self._at({x: v[y] for k in group for x, y in ((f"lc{k}", f"l{k}"), (f"l{k}", f"lc{k}"))}),
+                    self._at(
+                        {
+                            x: v[y]
+                            for k in group
+                            for x, y in ((f"lc{k}", f"l{k}"), (f"l{k}", f"lc{k}"))
+                        }
+                    ),
                 )
         yield from self._axes(v)
 
@@ -190,9 +209,13 @@ class Causes:
         links = [k for k in self._links("I{}") if f"m{k}" in ring and f"lc{k}" in ring]
         for group in [links, *([k] for k in links)] if len(links) > 1 else [links] * bool(links):
             steiner = {k: v[f"m{k}"] * v[f"lc{k}"] ** 2 % PRIME for k in group}
-            names, lacking = " and ".join(f"I{k}" for k in group), " and ".join(f"m{k} lc{k}²" for k in group)
+            names, lacking = (
+                " and ".join(f"I{k}" for k in group),
+                " and ".join(f"m{k} lc{k}²" for k in group),
+            )
             yield (
-                "The parallel-axis theorem is forgotten: this is right for moments of inertia about the joints; "
+                "The parallel-axis theorem is forgotten: this is right for moments of inertia "
+                "about the joints; "
                 f"here {names} {'is' if len(group) == 1 else 'are'} about the centre of mass, "
                 f"and {lacking} must be added.",
                 self._at({f"I{k}": (v[f"I{k}"] - x) % PRIME for k, x in steiner.items()}),
@@ -259,7 +282,11 @@ def related(targets: Targets, target: Target) -> dict[str, Trig]:
     letter = {"tau": "tau", "M": "H", "c": "v", "g": "G", "J": "J"}.get(target.family)
     found = {}
     for name, other in targets.single.items():
-        if other.family == target.family and other.index != target.index and name.startswith(letter or "\0"):
+        if (
+            other.family == target.family
+            and other.index != target.index
+            and name.startswith(letter or "\0")
+        ):
             found[name] = other.compute()
     return found
 

@@ -21,24 +21,28 @@ MOST_EXPLAINED = 12
 def check(model: Model, answer: Any, names: Mapping[str, str] | None = None) -> Verdict:
     """Whether an answer is equal to the model's own equations, and if not, where and why.
 
-    answer: equations as text or LaTeX, one a line, for any of τ_i, H_ij (M_ij), c_i, G_i (g_i), J_ij, T, V, the tip's x
-    and y, or for whole vectors and matrices: "H12 = m2*(lc2^2 + l1*lc2*cos(theta2)) + I2"; a SymPy equation; or a dict
-    {"H12": expression}. In the notes' symbols: theta1, θ₁, q1; θ̇₁, theta1_d, dtheta1; l1, lc1, m1, I1, g;
-    on the right c12 is cos(θ1+θ2). names: what names of the user's own stand for, {"L1": "l1"}.
+    answer: equations as text or LaTeX, one a line, for any of τ_i, H_ij (M_ij), c_i, G_i (g_i),
+    J_ij, T, V, the tip's x and y, or for whole vectors and matrices: "H12 = m2*(lc2^2 +
+    l1*lc2*cos(theta2)) + I2"; a SymPy equation; or a dict {"H12": expression}. In the notes'
+    symbols: theta1, θ₁, q1; θ̇₁, theta1_d, dtheta1; l1, lc1, m1, I1, g; on the right c12 is
+    cos(θ1+θ2). names: what names of the user's own stand for, {"L1": "l1"}.
 
-    Where joints are passive, "0 = …" is the equation of one of them (up to a factor that does not move) and "u = …" the
-    only drive. C may be any matrix with C q̇ = c, given by whole rows. Where the model has values, a term may be in
-    numbers: each is read to half a unit of its last digit.
+    Where joints are passive, "0 = …" is the equation of one of them (up to a factor that does not
+    move) and "u = …" the only drive. C may be any matrix with C q̇ = c, given by whole rows. Where
+    the model has values, a term may be in numbers: each is read to half a unit of its last digit.
 
-    The text is parsed, never run; raises AnswerError, which points at the place, for what cannot be read, and for a
-    quantity that is given by itself. The comparison is exact: forms that are equal are found equal. The verdict is
-    true when all equations are; `.text` says it in words, `.findings` lists the mistakes.
+    The text is parsed, never run; raises AnswerError, which points at the place, for what cannot be
+    read, and for a quantity that is given by itself. The comparison is exact: forms that are equal
+    are found equal. The verdict is true when all equations are; `.text` says it in words,
+    `.findings` lists the mistakes.
     """
     model.require_tree("check")
     zeros = [name for name, value in model.parameters.items() if value == 0]
     where = setting(equations(model), zeros)
     found = claims(where, text_of(answer), names or {})
-    judge = Judge(where, Targets(where, velocity=any(claim.target.family == "h" for claim in found)), found)
+    judge = Judge(
+        where, Targets(where, velocity=any(claim.target.family == "h" for claim in found)), found
+    )
     judged, wrong = [], 0
     for claim in found:
         judged.append(judge.verdict(claim, explain=wrong < MOST_EXPLAINED))
@@ -47,7 +51,8 @@ def check(model: Model, answer: Any, names: Mapping[str, str] | None = None) -> 
 
 
 def text_of(answer: Any) -> str:
-    """An answer as text: strings as they are, SymPy's objects as SymPy prints them, one equation a line."""
+    """An answer as text: strings as they are, SymPy's objects as SymPy prints them, one equation a
+    line."""
     if isinstance(answer, str):
         return answer
     if isinstance(answer, Mapping):

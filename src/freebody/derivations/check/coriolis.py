@@ -1,4 +1,5 @@
-"""Rows of a Coriolis matrix: every C with C q̇ = c is right; Christoffel's is the one that is computed here."""
+"""Rows of a Coriolis matrix: every C with C q̇ = c is right; Christoffel's is the one that is
+computed here."""
 
 from __future__ import annotations
 
@@ -8,15 +9,18 @@ from freebody.derivations.check.answer import Claim
 from freebody.derivations.check.setting import Setting
 from freebody.scalars.trig import Trig
 
-_ALONE = (
-    "Many matrices C have C q̇ = c: compared with Christoffel's; give the whole row to have C q̇ = c looked at."
-)
+_ALONE = "Many matrices C have C q̇ = c: compared with Christoffel's; give the whole row to have C q̇ = c looked at."
 
 
 def notes(setting: Setting, claims: Sequence[Claim]) -> Mapping[tuple[int, ...], str]:
-    """What is to be said of entries that differ from Christoffel's, by their indices, where C q̇ = c holds."""
+    """What is to be said of entries that differ from Christoffel's, by their indices, where C q̇ =
+    c holds."""
     rows = _rows(setting, claims)
-    right = {i for i, row in rows.items() if _along(setting, row) == setting.element(setting.equations.c[i])}
+    right = {
+        i
+        for i, row in rows.items()
+        if _along(setting, row) == setting.element(setting.equations.c[i])
+    }
     if not right:
         return {}
     whole = len(right) == len(setting.symbols.coordinates)

@@ -1,4 +1,5 @@
-"""Two polynomials term by term, in sines and cosines of sums of angles, where every difference shows once."""
+"""Two polynomials term by term, in sines and cosines of sums of angles, where every difference
+shows once."""
 
 from __future__ import annotations
 
@@ -21,7 +22,8 @@ Key = tuple[Monomial, Wave]
 
 @dataclass(frozen=True)
 class Difference:
-    """A term that has one number in the answer and another in the right one; `instead`: it stands for that term."""
+    """A term that has one number in the answer and another in the right one; `instead`: it stands
+    for that term."""
 
     key: Key
     yours: Fraction
@@ -39,12 +41,14 @@ def is_too_long(x: Trig) -> bool:
     """Whether a polynomial would have too many terms to be compared one by one."""
     waves = [name for name in x.ring.index if name.startswith(("sin_", "cos_"))]
     return (
-        sum(math.prod(p.get(name, 0) + 1 for name in waves if name in p) for p, _ in x.terms()) > MOST_TERMS
+        sum(math.prod(p.get(name, 0) + 1 for name in waves if name in p) for p, _ in x.terms())
+        > MOST_TERMS
     )
 
 
 def differences(setting: Setting, yours: Trig, right: Trig) -> list[Difference]:
-    """All terms that differ; one too many and one missing that differ in one symbol or in the angle are paired."""
+    """All terms that differ; one too many and one missing that differ in one symbol or in the angle
+    are paired."""
     a, b = terms(setting, yours), terms(setting, right)
     rows = [
         Difference(key, a.get(key, Fraction(0)), b.get(key, Fraction(0)))
@@ -62,7 +66,8 @@ def _paired(rows: list[Difference]) -> Iterator[Difference]:
         partner = None
         if row.yours == 0:
             partner = next(
-                (x for x in extra if abs(x.yours) == abs(row.right) and _alike(x.key, row.key)), None
+                (x for x in extra if abs(x.yours) == abs(row.right) and _alike(x.key, row.key)),
+                None,
             )
         if partner is None:
             yield row

@@ -94,7 +94,8 @@ class Reader:
             return self._checked(above / below, node)
         except FreebodyError:
             self.source.fail(
-                f"division by {self.source[node.below.span]}: the answer must be a polynomial in the symbols, "
+                f"division by {self.source[node.below.span]}: the answer must be a polynomial in "
+                f"the symbols, "
                 "with numbers only below a fraction bar",
                 node.below.span,
             )
@@ -109,14 +110,17 @@ class Reader:
         if self.work > MOST_WORK:
             self.source.fail("multiplied out, this has too many terms to compare", node.span)
         product = a * b
-        return self._checked(product if isinstance(product, Trig) else self.constant(Fraction(0)), node)
+        return self._checked(
+            product if isinstance(product, Trig) else self.constant(Fraction(0)), node
+        )
 
     def _checked(self, x: Trig, node: Node) -> Trig:
         if len(x) > MOST_TERMS:
             self.source.fail("multiplied out, this has too many terms to compare", node.span)
         if (
             len(x)
-            and max(abs(x.leading_coefficient.numerator), x.leading_coefficient.denominator) >> MOST_BITS
+            and max(abs(x.leading_coefficient.numerator), x.leading_coefficient.denominator)
+            >> MOST_BITS
         ):
             self.source.fail("this number is too large", node.span)
         return x
@@ -137,7 +141,9 @@ class Reader:
                     node.span,
                 )
             if coefficient.denominator != 1:
-                self.source.fail("sin and cos of a fraction of an angle are not used here", node.span)
+                self.source.fail(
+                    "sin and cos of a fraction of an angle are not used here", node.span
+                )
             multiples.append((name, int(coefficient)))
         if sum(abs(k) for _, k in multiples) > MOST_TURNS or abs(turn) > 1000:
             self.source.fail("a multiple of an angle this large is not read", node.span)

@@ -33,7 +33,9 @@ def example(setting: Setting, yours: Trig, right: Trig) -> Example | None:
     return Example(values, a, b) if used and not math.isclose(a, b, rel_tol=1e-12) else None
 
 
-def typical(names: Sequence[str], given: Mapping[str, float | None] | None = None) -> dict[str, float]:
+def typical(
+    names: Sequence[str], given: Mapping[str, float | None] | None = None
+) -> dict[str, float]:
     """A usual value for each symbol; those given stay."""
     return {name: _value(name, (given or {}).get(name), 0, k) for k, name in enumerate(names)}
 
@@ -59,6 +61,12 @@ def _value(name: str, given: float | None, shift: int, k: int) -> float:
 def sentence(found: Example) -> str:
     """For example, with θ₁ = 0.4, l₁ = 0.5: yours 1.2, right 1.3."""
     at = ", ".join(f"{sym(name)} = {value:g}" for name, value in found.values.items())
-    digits = next((d for d in (4, 6, 9, 15) if f"{found.yours:.{d}g}" != f"{found.right:.{d}g}"), 17)
-    numbers = f"yours is {found.yours:.{digits}g}, the right one {found.right:.{digits}g}".replace("-", "−")
-    return f"For example, at {at.replace('-', '−')}: {numbers}." if at else f"In numbers: {numbers}."
+    digits = next(
+        (d for d in (4, 6, 9, 15) if f"{found.yours:.{d}g}" != f"{found.right:.{d}g}"), 17
+    )
+    numbers = f"yours is {found.yours:.{digits}g}, the right one {found.right:.{digits}g}".replace(
+        "-", "−"
+    )
+    return (
+        f"For example, at {at.replace('-', '−')}: {numbers}." if at else f"In numbers: {numbers}."
+    )

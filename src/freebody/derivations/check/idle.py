@@ -12,7 +12,8 @@ from freebody.scalars.trig import Trig
 
 
 def equation(targets: Targets, x: Trig, taken: Collection[tuple[int, ...]]) -> Target:
-    """The passive joint's equation that x = 0 states, or else should: the first that no other line has given."""
+    """The passive joint's equation that x = 0 states, or else should: the first that no other line
+    has given."""
     own = [targets.single[f"tau{i}"] for i in targets.passive]
     right = next((target for target in own if is_same(targets.setting, x, target.compute())), None)
     if right is not None:
@@ -34,7 +35,9 @@ def _alike(setting: Setting, x: Trig, y: Trig) -> Trig:
     """y times the number with which it has most parts in common with x."""
     first, second = parts(setting, x), parts(setting, y)
     votes = [ratio for k in first.keys() & second.keys() for ratio in _ratio(first[k], second[k])]
-    best = max(votes, key=lambda ratio: (votes.count(ratio), ratio > 0, -abs(ratio)), default=Fraction(1))
+    best = max(
+        votes, key=lambda ratio: (votes.count(ratio), ratio > 0, -abs(ratio)), default=Fraction(1)
+    )
     return y * best
 
 

@@ -1,4 +1,5 @@
-"""One equation of an answer against the right one: equal, or the simplest explanation of the difference."""
+"""One equation of an answer against the right one: equal, or the simplest explanation of the
+difference."""
 
 from __future__ import annotations
 
@@ -8,7 +9,13 @@ from dataclasses import dataclass
 from freebody.derivations.check import coriolis, example, idle
 from freebody.derivations.check.answer import Claim
 from freebody.derivations.check.causes import Causes, related
-from freebody.derivations.check.differences import Difference, differences, is_too_long, printed, terms
+from freebody.derivations.check.differences import (
+    Difference,
+    differences,
+    is_too_long,
+    printed,
+    terms,
+)
 from freebody.derivations.check.lexer import tokens
 from freebody.derivations.check.notation import misread
 from freebody.derivations.check.parser import Parser
@@ -31,7 +38,8 @@ from freebody.scalars.trig import Trig
 
 MOST_FINDINGS = 6
 _MISSING, _REVERSE = 1.9, 0.3
-"""Cost of a missing term, and what an explanation costs that does not point into the answer itself."""
+"""Cost of a missing term, and what an explanation costs that does not point into the answer
+itself."""
 
 
 @dataclass(frozen=True)
@@ -60,9 +68,7 @@ class Judge:
         if claim.value == right:
             return Equation(claim.label, title, True, note=self._zeros(claim))
         if claim.target.family in ("V", "L", "Vi") and self._is_constant(claim.value - right):
-            note = (
-                f"It differs by the constant {self.setting.form(claim.value - right)}: the zero of V is free."
-            )
+            note = f"It differs by the constant {self.setting.form(claim.value - right)}: the zero of V is free."
             return Equation(claim.label, title, True, note=note)
         return (
             self._other_ways(claim, right)
@@ -81,12 +87,17 @@ class Judge:
     ) -> Equation:
         shown = example.example(self.setting, claim.value, right)
         text = example.sentence(shown) if shown else ""
-        return Equation(claim.label, claim.target.title, False, tuple(findings), tuple(causes), shown, text)
+        return Equation(
+            claim.label, claim.target.title, False, tuple(findings), tuple(causes), shown, text
+        )
 
     def _other_ways(self, claim: Claim, right: Trig) -> Equation | None:
-        """The verdict on what is right though it is not the same: torques of passive joints, other matrices C."""
+        """The verdict on what is right though it is not the same: torques of passive joints, other
+        matrices C."""
         note = self.coriolis.get(claim.target.index, "") if claim.target.family == "C" else ""
-        if claim.target.idle and (claim.value.is_zero or idle.is_same(self.setting, claim.value, right)):
+        if claim.target.idle and (
+            claim.value.is_zero or idle.is_same(self.setting, claim.value, right)
+        ):
             joint = claim.target.index[0]
             note = f"Nothing drives joint {joint}: {sym(f'tau{joint}')} = 0."
         return Equation(claim.label, claim.target.title, True, note=note) if note else None
@@ -98,7 +109,8 @@ class Judge:
 
     # ------------------------------------------------------------ numbers
     def _in_numbers(self, claim: Claim, right: Trig) -> Equation | None:
-        """The verdict on an answer in numbers, or of a model that has measured ones; None of an answer in symbols."""
+        """The verdict on an answer in numbers, or of a model that has measured ones; None of an
+        answer in symbols."""
         model = self.setting.symbols.model
         values = {name: value for name, value in model.parameters.items() if value is not None}
         decimal = self.setting.order.decimal
@@ -125,7 +137,8 @@ class Judge:
         if not rounded.is_mixed:
             return None
         text = (
-            f"With the values of {self.setting.symbols.model.name!r} the number is right, but symbols and numbers "
+            f"With the values of {self.setting.symbols.model.name!r} the number is right, but "
+            f"symbols and numbers "
             "stand in one term, which may be right by chance: write it in symbols, or in numbers."
         )
         return self._with_example(claim, rounded.right, (), [text])
@@ -149,7 +162,9 @@ class Judge:
         finding, doubt = misread(self.setting, self.targets, claim, work, value)
         if finding is not None:
             return [finding], []
-        causes = Causes(self.setting, self.targets, claim.target, right, self.point).explaining(work.value)
+        causes = Causes(self.setting, self.targets, claim.target, right, self.point).explaining(
+            work.value
+        )
         findings = _Explanation(self, claim, right, work, value).findings(bool(causes))
         return findings, [doubt] * bool(doubt) + causes + self._units(claim.value, right)
 
@@ -198,7 +213,11 @@ class _Explanation:
         if several and len(several) <= len(self.rows):
             return several
         found = [self.wording.of_difference(row) for row in self.rows]
-        return found if len(found) <= MOST_FINDINGS + 1 else [*found[:MOST_FINDINGS], self._more(found)]
+        return (
+            found
+            if len(found) <= MOST_FINDINGS + 1
+            else [*found[:MOST_FINDINGS], self._more(found)]
+        )
 
     def _unexplained(self) -> Finding:
         return Finding("term", "The answers have too many terms to be compared one by one.")
@@ -208,7 +227,8 @@ class _Explanation:
 
     # ------------------------------------------------------------ one change
     def _single(self) -> Finding | None:
-        """The cheapest of: a change of the answer, a change of the right answer that gives it, a missing term."""
+        """The cheapest of: a change of the answer, a change of the right answer that gives it, a
+        missing term."""
         own = self.forward.single()
         missing = self._missing_cost()
         best = min(own.cost if own else 99.0, missing)
@@ -250,7 +270,10 @@ class _Explanation:
             source = Source.of(text)
             try:
                 parser = Parser(
-                    source, tokens(source, self.judge.vocabulary)[:-1], self.judge.vocabulary, _nothing
+                    source,
+                    tokens(source, self.judge.vocabulary)[:-1],
+                    self.judge.vocabulary,
+                    _nothing,
                 )
                 work = Workspace(parser.side(), self.judge.point)
             except FreebodyError:
@@ -265,7 +288,10 @@ class _Explanation:
     def _printed(self) -> list[str]:
         """The right answer as it prints, and term by term."""
         layout = self.setting.layout
-        flat = [str(printed(layout, self.setting, *row)) for row in terms(self.setting, self.right).items()]
+        flat = [
+            str(printed(layout, self.setting, *row))
+            for row in terms(self.setting, self.right).items()
+        ]
         return [self.setting.form(self.right), " + ".join(f"({term})" for term in flat)]
 
     # ------------------------------------------------------------ several changes
@@ -289,7 +315,9 @@ class _Explanation:
 
     def _said(self, repair: Repair) -> Finding:
         if repair.kind == "missing" and repair.node is self.work.root:
-            row = next(row for row in self.rows if self.judge.point.of(self._term(row)) == repair.change)
+            row = next(
+                row for row in self.rows if self.judge.point.of(self._term(row)) == repair.change
+            )
             return self.wording.of_difference(row)
         return self.wording.of_repair(repair, self.work)
 

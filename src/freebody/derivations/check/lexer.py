@@ -1,4 +1,5 @@
-"""Characters into tokens: names as the vocabulary knows them, numbers, operators, brackets, LaTeX left behind."""
+"""Characters into tokens: names as the vocabulary knows them, numbers, operators, brackets, LaTeX
+left behind."""
 
 from __future__ import annotations
 
@@ -14,7 +15,8 @@ from freebody.derivations.check.source import Source, Span
 
 @dataclass(frozen=True)
 class Token:
-    """kind: number name function power operator open close fraction comma equals line amp row begin end stop."""
+    """kind: number name function power operator open close fraction comma equals line amp row begin
+    end stop."""
 
     kind: str
     text: str
@@ -43,12 +45,16 @@ class Names(Protocol):
         ...
 
 
-_NUMBER = re.compile(r"(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)  # no digits of other scripts
+_NUMBER = re.compile(
+    r"(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII
+)  # no digits of other scripts
 _LONGEST_NUMBER, _LARGEST_EXPONENT = 40, 30
 _COMMAND = re.compile(r"\\([A-Za-z]+\*?|.)", re.DOTALL)
 _ENVIRONMENT = re.compile(r"\s*\{([A-Za-z]+\*?)\}(\{[clr|\s]*\})?")
 _OPERATORS = {"+": "+", "^": "^"}
-_OPERATORS |= dict.fromkeys("*·⋅×∗∙•", "*") | dict.fromkeys("-−–—‐", "-") | dict.fromkeys("/÷∕⁄", "/")
+_OPERATORS |= (
+    dict.fromkeys("*·⋅×∗∙•", "*") | dict.fromkeys("-−–—‐", "-") | dict.fromkeys("/÷∕⁄", "/")
+)
 _OPENING, _CLOSING = {"(": ")", "[": "]", "{": "}"}, frozenset(")]}")
 _VULGAR = {
     "½": (1, 2), "⅓": (1, 3), "⅔": (2, 3), "¼": (1, 4), "¾": (3, 4), "⅕": (1, 5), "⅙": (1, 6), "⅛": (1, 8), "⅜": (3, 8),

@@ -31,7 +31,8 @@ class Reading:
 def misread(
     setting: Setting, targets: Targets, claim: Claim, work: Workspace, right: int
 ) -> tuple[Finding | None, str]:
-    """A finding where another reading makes the answer right; else what is to be said about a doubtful one."""
+    """A finding where another reading makes the answer right; else what is to be said about a
+    doubtful one."""
     doubt = ""
     readings = (
         *_velocity_terms(targets, claim, work),
@@ -56,7 +57,9 @@ def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator
         return
     found: dict[Node, Node] = {}
     for node in work.values:
-        index = re.fullmatch(r"c_?\{?(\d+)\}?", claim.source[node.span].replace("₁", "1").replace("₂", "2"))
+        index = re.fullmatch(
+            r"c_?\{?(\d+)\}?", claim.source[node.span].replace("₁", "1").replace("₂", "2")
+        )
         parent = work.parents.get(node)
         if (
             isinstance(node, Wave)
@@ -73,7 +76,9 @@ def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator
         yield Reading(found, text, name.name)
 
 
-def _cosines(setting: Setting, targets: Targets, claim: Claim, work: Workspace) -> Iterator[Reading]:
+def _cosines(
+    setting: Setting, targets: Targets, claim: Claim, work: Workspace
+) -> Iterator[Reading]:
     """C2, C12 on the right: read as quantities of the dynamics, where cosines may be meant."""
     found: dict[Node, Node] = {}
     for node in work.values:
@@ -100,7 +105,11 @@ def _slides(setting: Setting, targets: Targets, work: Workspace) -> Iterator[Rea
     (slide,), found = slides, {}
     for node in work.values:
         target = targets.single.get(node.name) if isinstance(node, Symbol) else None
-        if target is not None and isinstance(node, Symbol) and re.fullmatch(r"[˙'d]*x[˙'dot]*", node.name):
+        if (
+            target is not None
+            and isinstance(node, Symbol)
+            and re.fullmatch(r"[˙'d]*x[˙'dot]*", node.name)
+        ):
             name = slide + {"tip": "", "tip_d": RATE, "tip_dd": SECOND}[target.family]
             found[node] = Symbol(*node.span, name, setting.ring[name])
     if found:

@@ -1,4 +1,5 @@
-"""Tokens into a tree, by recursive descent with implied products, 2 l1 lc2 cos θ2; nothing is run."""
+"""Tokens into a tree, by recursive descent with implied products, 2 l1 lc2 cos θ2; nothing is
+run."""
 
 from __future__ import annotations
 
@@ -36,10 +37,16 @@ _STARTS = ("name", "function", "open", "fraction")
 
 
 class Parser:
-    """Reads one side of an equation. `quantity(name)` gives the right value of τ1, H12, … where one stands for it."""
+    """Reads one side of an equation. `quantity(name)` gives the right value of τ1, H12, … where one
+    stands for it."""
 
     def __init__(self, source: Source, tokens: Sequence[Token], vocabulary: Vocabulary, quantity):
-        self.source, self.tokens, self.vocabulary, self.quantity = source, tokens, vocabulary, quantity
+        self.source, self.tokens, self.vocabulary, self.quantity = (
+            source,
+            tokens,
+            vocabulary,
+            quantity,
+        )
         self.reader = Reader(source, vocabulary.setting.ring)
         self.at = 0
         self.depth = 0
@@ -84,7 +91,9 @@ class Parser:
 
     def _is_table(self) -> bool:
         token = self.token
-        if token.kind == "begin" or (token.kind == "function" and self._function(token) == "Matrix"):
+        if token.kind == "begin" or (
+            token.kind == "function" and self._function(token) == "Matrix"
+        ):
             return True
         if token.kind != "open" or token.text != "[":
             return False
@@ -185,7 +194,8 @@ class Parser:
     def _number_behind(self, token: Token) -> None:
         before = self.source[self.tokens[self.at - 1].span]
         self.source.fail(
-            f"the number {token.text} stands behind {before!r}: write {before}^{token.text} for a power, "
+            f"the number {token.text} stands behind {before!r}: write {before}^{token.text} for a "
+            f"power, "
             f"{before}*{token.text} for a product",
             token.span,
         )
@@ -205,7 +215,9 @@ class Parser:
                 start = node.start
                 exponent = self._exponent()
                 end = self.tokens[self.at - 1].end
-                node = replace(node, end=end) if exponent == 1 else Power(start, end, node, exponent)
+                node = (
+                    replace(node, end=end) if exponent == 1 else Power(start, end, node, exponent)
+                )
             elif self.token.kind == "degree":
                 end = self.take().end
                 node = Product(node.start, end, (node, Number(node.start, end, _PI / 180)))
@@ -282,7 +294,9 @@ class Parser:
     def _fraction(self) -> Node:
         """\\frac{above}{below}, \\frac12."""
         start = self.take().start
-        above, below = (self.bracket() if self.token.kind == "open" else self.primary() for _ in range(2))
+        above, below = (
+            self.bracket() if self.token.kind == "open" else self.primary() for _ in range(2)
+        )
         return replace(_quotient(above, below), start=start)
 
     # ------------------------------------------------------------ names and functions
@@ -325,7 +339,9 @@ class Parser:
         argument = self._argument(token)
         end = self.tokens[self.at - 1].end
         if function == "sgn":
-            node: Node = Symbol(token.start, end, self.source[token.start, end], self._sign(argument))
+            node: Node = Symbol(
+                token.start, end, self.source[token.start, end], self._sign(argument)
+            )
         else:
             node = Wave(token.start, end, function, *self.reader.angle(argument))
         return node if exponent == 1 else Power(token.start, end, node, exponent)
@@ -351,7 +367,8 @@ class Parser:
         if self.token.kind == "power" or self.is_operator("^"):
             angle = self.source[factors[0].start, factors[-1].end]
             self.source.fail(
-                f"this power may belong to the angle or to {function.text}: write {function.text}^2({angle})",
+                f"this power may belong to the angle or to {function.text}: write "
+                f"{function.text}^2({angle})",
                 self.token.span,
             )
         return _product(factors)
@@ -382,14 +399,20 @@ class Parser:
             order += times
         end = self._expect("close", "')'").end
         if not 1 <= order <= 2:
-            self.source.fail("a derivative must be the first or second one by t", (token.start, end))
+            self.source.fail(
+                "a derivative must be the first or second one by t", (token.start, end)
+            )
         for _ in range(order):
             value = value.along(self.vocabulary.setting.symbols.rates)
         return Symbol(token.start, end, self.source[token.start, end], value)
 
 
 def _product(factors: list[Node]) -> Node:
-    return factors[0] if len(factors) == 1 else Product(factors[0].start, factors[-1].end, tuple(factors))
+    return (
+        factors[0]
+        if len(factors) == 1
+        else Product(factors[0].start, factors[-1].end, tuple(factors))
+    )
 
 
 def _quotient(above: Node, below: Node) -> Node:

@@ -1,4 +1,5 @@
-"""What an answer is given by: quantities that stand for their right values. One given by itself says nothing."""
+"""What an answer is given by: quantities that stand for their right values. One given by itself
+says nothing."""
 
 from __future__ import annotations
 
@@ -49,13 +50,16 @@ def refuse_circles(source: Source, claims: Sequence[Claim]) -> None:
             through = [label[target] for target in way if target != claim.target]
             by = f" by way of {', '.join(through)}" if through else ""
             source.fail(
-                f"{claim.label} is given by itself{by}: whatever it is, that holds, and says nothing to be checked",
+                f"{claim.label} is given by itself{by}: whatever it is, that holds, and says "
+                f"nothing to be checked",
                 use.span,
                 "Write it in the model's symbols.",
             )
 
 
-def _way(start: Target, goal: Target, given: Mapping[Target, Iterable[Target]]) -> list[Target] | None:
+def _way(
+    start: Target, goal: Target, given: Mapping[Target, Iterable[Target]]
+) -> list[Target] | None:
     """The quantities by which one leads to another; None where it does not."""
     before: dict[Target, Target | None] = {start: None}
     waiting = [start]

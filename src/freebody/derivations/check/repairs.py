@@ -1,7 +1,9 @@
-"""Small changes of an answer that make it right: each names a mistake, where it stands and what should be there.
+"""Small changes of an answer that make it right: each names a mistake, where it stands and what
+should be there.
 
-All single changes are tried, and then pairs: a sign, a factor, a term too many or missing, sin for cos, an angle, a
-length, an index, a power. Each has a cost, small for what people get wrong often; the cheapest that explains wins.
+All single changes are tried, and then pairs: a sign, a factor, a term too many or missing, sin for
+cos, an angle, a length, an index, a power. Each has a cost, small for what people get wrong often;
+the cheapest that explains wins.
 """
 
 from __future__ import annotations
@@ -78,7 +80,8 @@ class Repairs:
         return min(found, key=lambda r: (r.cost, size[r.node]), default=None)
 
     def several(self, insertions: Iterable[tuple[Trig, int]] = ()) -> tuple[Repair, ...]:
-        """The cheapest two or three changes that together make it right; `insertions`: terms that may be missing."""
+        """The cheapest two or three changes that together make it right; `insertions`: terms that
+        may be missing."""
         whole = self.work.root
         for term, value in insertions:
             new = Sum(*whole.span, (whole, Symbol(*whole.span, "", term)))
@@ -129,7 +132,8 @@ class Repairs:
         return (value - self.work.value - self.gap) % PRIME == 0
 
     def _value(self, repair: Repair) -> int:
-        """The value of the whole after a change, of which only the changed piece is computed anew."""
+        """The value of the whole after a change, of which only the changed piece is computed
+        anew."""
         return self.work.with_value(repair.node, self._local(repair.new))
 
     def _local(self, node: Node) -> int:
@@ -211,7 +215,9 @@ class Repairs:
             if angle == node.angle:
                 continue
             near = _is_chain(angle)
-            yield Repair("angle", 1.4 if near else 2.4, node, Wave(*span, node.function, angle, node.turn))
+            yield Repair(
+                "angle", 1.4 if near else 2.4, node, Wave(*span, node.function, angle, node.turn)
+            )
             yield Repair("angle", 3.5, node, Wave(*span, other, angle, node.turn))
         if len(node.angle) > 1:
             for k in range(len(node.angle)):
@@ -293,7 +299,9 @@ class Repairs:
         for name in self._names:
             symbol = self._symbol(node, name)
             yield Repair("missing", 2.5, node, Sum(*node.span, (node, symbol)))
-            yield Repair("missing", 2.6, node, Sum(*node.span, (node, Negative(*node.span, symbol))))
+            yield Repair(
+                "missing", 2.6, node, Sum(*node.span, (node, Negative(*node.span, symbol)))
+            )
 
 
 def _scaling(node: Node, factor: Fraction, depth: int = 0) -> Repair:

@@ -1,7 +1,8 @@
-"""Values of polynomials at a random point of a finite field: equal polynomials agree, others differ almost surely.
+"""Values of polynomials at a random point of a finite field: equal polynomials agree, others differ
+almost surely.
 
-Sines and cosines are points of the circle, so that all their identities hold. Repairs of an answer are looked for
-here, thousands in a moment; the verdict itself is exact.
+Sines and cosines are points of the circle, so that all their identities hold. Repairs of an answer
+are looked for here, thousands in a moment; the verdict itself is exact.
 """
 
 from __future__ import annotations
@@ -130,7 +131,8 @@ def random_point(ring: TrigRing, seed: int = 0) -> Point:
 
 
 def rational(value: int, largest: int = 1000) -> Fraction | None:
-    """The fraction with small numerator and denominator that a residue stands for, if there is one."""
+    """The fraction with small numerator and denominator that a residue stands for, if there is
+    one."""
     a, b, u, v = PRIME, value % PRIME, 0, 1
     while b > largest:
         q = a // b

@@ -1,7 +1,8 @@
 """Answers in numbers: compared term by term, each number read to half a unit of its last digit.
 
-A term may be written in numbers where the model has values. With what moves in it, a term is either in symbols or in
-numbers: in m2 0.2 g cos θ2 no one can tell whether 0.2 is meant for lc2. Only g may stay.
+A term may be written in numbers where the model has values. With what moves in it, a term is either
+in symbols or in numbers: in m2 0.2 g cos θ2 no one can tell whether 0.2 is meant for lc2. Only g
+may stay.
 """
 
 from __future__ import annotations
@@ -32,7 +33,8 @@ _DECIMAL = re.compile(r"\d*\.(\d+)(?:[eE]([+-]?\d+))?")
 
 @dataclass(frozen=True)
 class Rounded:
-    """An answer that may be in numbers, and the right one with the values of the model's parameters."""
+    """An answer that may be in numbers, and the right one with the values of the model's
+    parameters."""
 
     setting: Setting
     source: Source
@@ -57,18 +59,24 @@ class Rounded:
 
     @cached_property
     def _in_numbers(self) -> frozenset[Product]:
-        """Of the products in the answer those with which no parameter stands that has a value, g apart."""
+        """Of the products in the answer those with which no parameter stands that has a value, g
+        apart."""
         symbols = set(self._constants) - {self.setting.order.gravity}
         return frozenset(
-            key for key, part in self._parts.items() if not any(symbols & set(p) for p, _ in part.terms())
+            key
+            for key, part in self._parts.items()
+            if not any(symbols & set(p) for p, _ in part.terms())
         )
 
     @cached_property
     def applies(self) -> bool:
-        """Whether a term is in numbers where the right one has symbols with values, or left out as these make it 0."""
+        """Whether a term is in numbers where the right one has symbols with values, or left out as
+        these make it 0."""
         for key, part in self._right_parts.items():
             put = self._put(part, self._kept)
-            if put != part and (key in self._in_numbers or (key not in self._parts and put.is_zero)):
+            if put != part and (
+                key in self._in_numbers or (key not in self._parts and put.is_zero)
+            ):
                 return True
         return False
 
@@ -80,7 +88,9 @@ class Rounded:
         return whole(
             self.setting,
             {
-                key: part if key in self._parts.keys() - self._in_numbers else self._put(part, self._kept)
+                key: part
+                if key in self._parts.keys() - self._in_numbers
+                else self._put(part, self._kept)
                 for key, part in self._right_parts.items()
             },
         )
@@ -89,7 +99,9 @@ class Rounded:
     def is_in_numbers(self) -> bool:
         """Whether the answer holds no parameter at all, g apart."""
         g = self.setting.order.gravity
-        return all(not set(powers) - {g} for part in self._parts.values() for powers, _ in part.terms())
+        return all(
+            not set(powers) - {g} for part in self._parts.values() for powers, _ in part.terms()
+        )
 
     @property
     def is_mixed(self) -> bool:
@@ -97,15 +109,21 @@ class Rounded:
         return (self._put(self.yours) - self._put(self.right)).is_zero
 
     def wrong(self, relative: Fraction = _EXACT) -> list[Difference] | None:
-        """The terms that differ by more than the digits given, or a share of the right one; None: too long."""
-        if is_too_long(self.yours) or is_too_long(self.target) or len(self._decimals) > MOST_NUMBERS:
+        """The terms that differ by more than the digits given, or a share of the right one; None:
+        too long."""
+        if (
+            is_too_long(self.yours)
+            or is_too_long(self.target)
+            or len(self._decimals) > MOST_NUMBERS
+        ):
             return None
         slack = self._slack()
         return [
             row
             for row in differences(self.setting, self.yours, self.target)
             if row.instead is not None
-            or abs(row.yours - row.right) > slack.get(row.key, Fraction(0)) + relative * abs(row.right)
+            or abs(row.yours - row.right)
+            > slack.get(row.key, Fraction(0)) + relative * abs(row.right)
         ]
 
     # ------------------------------------------------------------ digits
@@ -129,7 +147,9 @@ class Rounded:
                 change = Reader(self.source, self.setting.ring).read(moved) - self.yours
             except FreebodyError:  # the number stands in an angle
                 continue
-            rows = {key: x for key, x in parts(self.setting, change).items() if key in self._in_numbers}
+            rows = {
+                key: x for key, x in parts(self.setting, change).items() if key in self._in_numbers
+            }
             for key, value in terms(self.setting, whole(self.setting, rows)).items():
                 total[key] = total.get(key, Fraction(0)) + abs(value)
         return total
@@ -163,7 +183,8 @@ class Rounded:
 
 
 def _half(text: str, value: Fraction) -> Fraction:
-    """Half a unit of the last digit of a number; of a quotient of numbers, what that makes of it."""
+    """Half a unit of the last digit of a number; of a quotient of numbers, what that makes of
+    it."""
     relative = Fraction(0)
     for match in _DECIMAL.finditer(text):
         half = Fraction(10) ** (int(match[2] or 0) - len(match[1])) / 2

@@ -1,4 +1,5 @@
-"""What an answer is compared with: the model's equations in a ring wide enough for what users write by mistake."""
+"""What an answer is compared with: the model's equations in a ring wide enough for what users write
+by mistake."""
 
 from __future__ import annotations
 
@@ -51,7 +52,9 @@ class Setting:
     @property
     def joints(self) -> int:
         """The highest number a joint's coordinate carries."""
-        return max((int(d) for x in self.symbols.coordinates for d in re.findall(r"\d+", x)), default=0)
+        return max(
+            (int(d) for x in self.symbols.coordinates for d in re.findall(r"\d+", x)), default=0
+        )
 
     @property
     def zero(self) -> Trig:
@@ -63,7 +66,8 @@ class Setting:
         return self.ring.polynomial(x.terms())
 
     def parameter(self, name: str) -> Trig | None:
-        """What a parameter's name stands for: its symbol, or 0 where that is its value; None of no parameter."""
+        """What a parameter's name stands for: its symbol, or 0 where that is its value; None of no
+        parameter."""
         if name in self.zeros:
             return self.zero
         return self.ring[name] if name in self.ring.index else None
@@ -84,7 +88,9 @@ def setting(equations: Equations, zeros: Collection[str] = ()) -> Setting:
         moving = [f"{x}{k}" for k in numbers for x in ("theta", "d")]
         still = set(ring.index) - set(symbols.coordinates)  # a length may be called d1
         family += [x + e for x in moving if x not in still for e in ("", RATE, SECOND)]
-        foreign = [name for name in dict.fromkeys(family) if name not in ring.index and name not in zeros]
+        foreign = [
+            name for name in dict.fromkeys(family) if name not in ring.index and name not in zeros
+        ]
     angles = [name for name in foreign if re.fullmatch(r"theta\d+", name)]
     others = [name for name in foreign if name not in angles]
     wide = TrigRing([*ring.angles, *angles], [*ring.names[len(ring.angles) :], *others])

@@ -19,9 +19,12 @@ Span = tuple[int, int]
 
 
 class AnswerError(FreebodyError, ValueError):
-    """An answer that cannot be read: what is wrong, where, and the line with a caret under the place."""
+    """An answer that cannot be read: what is wrong, where, and the line with a caret under the
+    place."""
 
-    def __init__(self, problem: str, advice: str = "", line: int = 0, column: int = 0, context: str = ""):
+    def __init__(
+        self, problem: str, advice: str = "", line: int = 0, column: int = 0, context: str = ""
+    ):
         self.line, self.column, self.context = line, column, context
         where = f" (line {line}, column {column})" if line else ""
         self.problem = f"check: {problem}{where}.{' ' if advice else ''}{advice}"

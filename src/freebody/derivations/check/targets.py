@@ -1,4 +1,5 @@
-"""What can be asked: τ_i, M_ij, c_i, g_i, J_ij, T, V, the tip's position, with their names and right values."""
+"""What can be asked: τ_i, M_ij, c_i, g_i, J_ij, T, V, the tip's position, with their names and
+right values."""
 
 from __future__ import annotations
 
@@ -21,7 +22,8 @@ Values = list[Trig] | list[list[Trig]]
 
 @dataclass(frozen=True)
 class Target:
-    """One quantity: its family ("tau", "M", …), indices from 1, and how to compute the right value."""
+    """One quantity: its family ("tau", "M", …), indices from 1, and how to compute the right
+    value."""
 
     family: str
     index: tuple[int, ...]
@@ -122,7 +124,10 @@ class Targets:
         alone = self.count == 1
         n = range(1, self.count + 1)
         for i in n:
-            yield self._torque_names(i), Target("tau", (i,), self._entry("tau", i), i in self.passive)
+            yield (
+                self._torque_names(i),
+                Target("tau", (i,), self._entry("tau", i), i in self.passive),
+            )
             for family in ("c", "g"):
                 letters = _LETTERS[family]
                 names = [f"{x}{i}" for x in letters] + ([*letters] if alone else [])
@@ -140,7 +145,8 @@ class Targets:
             yield from self._coefficients()
 
     def _torque_names(self, i: int) -> tuple[str, ...]:
-        """τ_i; without number where it is the only one; F of a slide; u where some joints are passive."""
+        """τ_i; without number where it is the only one; F of a slide; u where some joints are
+        passive."""
         driven = [k for k in range(1, self.count + 1) if k not in self.passive]
         slides = self.setting.symbols.coordinates[i - 1][0] in "dxyz"
         letters = [*_LETTERS["tau"], *["F"] * slides, *["u"] * bool(self.passive)]
@@ -197,7 +203,10 @@ class Targets:
     def _of_tip(self) -> Iterator[tuple[tuple[str, ...], Target]]:
         for i in range(1, (4 if self.setting.is_planar else 7)):
             for j in range(1, self.count + 1):
-                yield (f"J{i}{j}",), Target("J", (i, j), lambda i=i, j=j: self._jacobian[i - 1][j - 1])
+                yield (
+                    (f"J{i}{j}",),
+                    Target("J", (i, j), lambda i=i, j=j: self._jacobian[i - 1][j - 1]),
+                )
         for k in range(self.setting.symbols.model.dim):
             names = _TIP["xyz"[k]]
             yield names, Target("tip", (), lambda k=k: self._position[k])
@@ -223,7 +232,10 @@ class Targets:
                 symbol = equation.lhs
                 if isinstance(symbol, ex.Symbol) and re.fullmatch(r"h[\d_]*", symbol.name):
                     name = symbol.name.replace("_", "")
-                    yield (name,), Target("h", (), lambda x=equation.rhs: polynomial(self.setting, x))
+                    yield (
+                        (name,),
+                        Target("h", (), lambda x=equation.rhs: polynomial(self.setting, x)),
+                    )
 
 
 def polynomial(setting: Setting, node: Expression) -> Trig:

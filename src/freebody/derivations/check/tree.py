@@ -151,4 +151,8 @@ def replaced(node: Node, new: dict[Node, Node]) -> Node:
     if node in new:
         return new[node]
     parts = tuple(replaced(part, new) for part in node.parts)
-    return node if all(a is b for a, b in zip(parts, node.parts, strict=True)) else node.with_parts(parts)
+    return (
+        node
+        if all(a is b for a, b in zip(parts, node.parts, strict=True))
+        else node.with_parts(parts)
+    )

@@ -1,4 +1,5 @@
-"""Units of the symbols of planar arms: a term whose units do not fit cannot be right, whatever it should be."""
+"""Units of the symbols of planar arms: a term whose units do not fit cannot be right, whatever it
+should be."""
 
 from __future__ import annotations
 

@@ -10,8 +10,8 @@ from freebody.outputs.display import Titled, counted
 
 @dataclass(frozen=True)
 class Finding:
-    """One mistake. kind: sign, factor, missing, extra, function, angle, length, index, rate, exponent, symbol,
-    "missing factor", "extra factor" or "term"."""
+    """One mistake. kind: sign, factor, missing, extra, function, angle, length, index, rate,
+    exponent, symbol, "missing factor", "extra factor" or "term"."""
 
     kind: str
     message: str
@@ -67,7 +67,8 @@ class Equation:
 
 @dataclass(frozen=True, repr=False)
 class Verdict(Titled):
-    """True when every equation of the answer is equal to the right one; `print` it to read why not."""
+    """True when every equation of the answer is equal to the right one; `print` it to read why
+    not."""
 
     equations: tuple[Equation, ...]
     model: str = field(default="", repr=False)

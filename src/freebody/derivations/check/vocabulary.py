@@ -1,4 +1,5 @@
-"""The names that an answer may use: the model's symbols and their synonyms, c12 and s12, functions, quantities."""
+"""The names that an answer may use: the model's symbols and their synonyms, c12 and s12, functions,
+quantities."""
 
 from __future__ import annotations
 
@@ -77,7 +78,8 @@ class Vocabulary:
         return self._known
 
     def define(self, plain: str, value: Trig, uses: tuple[Target, ...] = ()) -> None:
-        """A name of the user's own, and the quantities that it is given by; it goes before all others."""
+        """A name of the user's own, and the quantities that it is given by; it goes before all
+        others."""
         self.symbols[plain], self.uses[plain] = value, uses
         self.waves.pop(plain, None)
         self.functions.pop(plain, None)
@@ -88,7 +90,9 @@ class Vocabulary:
         word = source[span]
         plain = re.sub(r"[_{}\\]", "", word)
         if plain in _NOT_POLYNOMIAL:
-            source.fail(f"{plain} does not occur in these equations: write them with sin and cos", span)
+            source.fail(
+                f"{plain} does not occur in these equations: write them with sin and cos", span
+            )
         names = self.listed
         near = likely(plain, names) or likely(spell(source, span[0]).plain, names)
         hint = f"Did you mean {near[0]!r}? " if near else ""
@@ -117,7 +121,9 @@ class Vocabulary:
     # ------------------------------------------------------------ symbols
     def _all_symbols(self) -> Iterator[tuple[str, Trig]]:
         ring, s = self.setting.ring, self.setting.symbols
-        moving = (x for x in ring.names if re.fullmatch(r"theta\d+|d\d+", x) and x + RATE in ring.index)
+        moving = (
+            x for x in ring.names if re.fullmatch(r"theta\d+|d\d+", x) and x + RATE in ring.index
+        )
         for name in [*s.coordinates, *moving]:
             yield from self._coordinate(name)
         for name in ring.names:
@@ -142,7 +148,9 @@ class Vocabulary:
                 continue
             bare = alone and letters not in ("x", "y")
             if letter in ("theta", "th"):  # of a cart with a pendulum θ is enough
-                bare = [x for x in self.setting.symbols.coordinates if x.startswith("theta")] == [name]
+                bare = [x for x in self.setting.symbols.coordinates if x.startswith("theta")] == [
+                    name
+                ]
             for k in (number, "") if bare else (number,):
                 for dots, ending in enumerate(("", RATE, SECOND)):
                     for spelling in spellings(letter, k, dots):
@@ -171,7 +179,9 @@ class Vocabulary:
         ring, s = self.setting.ring, self.setting.symbols
         for name in s.coordinates:
             k = re.sub(r"\D", "", name)
-            turning = [x for x in s.coordinates[: s.coordinates.index(name) + 1] if x.startswith("theta")]
+            turning = [
+                x for x in s.coordinates[: s.coordinates.index(name) + 1] if x.startswith("theta")
+            ]
             for dots, ending in ((0, RATE), (1, SECOND)):
                 value = sum((ring[x + ending] for x in turning), self.setting.zero)
                 for letter, number in itertools.product(
@@ -209,7 +219,8 @@ class Vocabulary:
 
 
 def spellings(letter: str, k: str, dots: int) -> Iterable[str]:
-    """Ways to write a letter with number k and dots: theta1_d, dtheta1, theta_dot_1, theta1', θ̇₁."""
+    """Ways to write a letter with number k and dots: theta1_d, dtheta1, theta_dot_1, theta1',
+    θ̇₁."""
     if dots == 0:
         return (f"{letter}{k}",)
     d, dot = "d" * dots, "d" * (dots - 1) + "dot"

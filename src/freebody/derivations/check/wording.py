@@ -39,13 +39,19 @@ class Wording:
         written = self.written(repair.node.span)
         should = self.node(repair.new)
         addend = work.addend_of(repair.node)
-        inside = "" if addend is repair.node or addend is work.root else f" in {self.written(addend.span)}"
+        inside = (
+            ""
+            if addend is repair.node or addend is work.root
+            else f" in {self.written(addend.span)}"
+        )
         if repair.node is work.root and isinstance(repair.node, Sum):
             written = "The whole answer"
         message = self._sentence(repair, written, _cut(should), inside)
         line, column = self.source.place(repair.node.start)
         context = self.source.caret(repair.node.span)
-        return Finding(repair.kind, message, self.source[repair.node.span], should, line, column, context)
+        return Finding(
+            repair.kind, message, self.source[repair.node.span], should, line, column, context
+        )
 
     def _sentence(self, repair: Repair, written: str, should: str, inside: str) -> str:
         match repair.kind:
@@ -86,9 +92,7 @@ class Wording:
         ):
             return ": angles are measured from the link before, so that the direction of a link is a sum of angles"
         if kind == "rate" and isinstance(new, Sum):
-            return (
-                ": rates are relative to the link before, so that a link's angular velocity is a sum of rates"
-            )
+            return ": rates are relative to the link before, so that a link's angular velocity is a sum of rates"
         return ""
 
     def _name(self, node: Node) -> str:
@@ -98,7 +102,8 @@ class Wording:
             return names[0] if len(names) == 1 else ""
         return ""
 
-    # ------------------------------------------------------------ the same seen from the right answer
+    # ------------------------------------------------------------ the same seen from the right
+    # answer
     def of_reverse(self, repair: Repair, work: Workspace, right: Wording) -> Finding:
         """What the answer has in place of a piece of the right one, whose text `right` knows."""
         should, has = right.written(repair.node.span), right.node(repair.new)
@@ -106,7 +111,11 @@ class Wording:
         addend = work.addend_of(repair.node)
         if addend is repair.node and addend is not work.root:
             addend = work.addend_of(work.parents[addend])
-        inside = "" if addend is repair.node or addend is work.root else f" of {right.written(addend.span)}"
+        inside = (
+            ""
+            if addend is repair.node or addend is work.root
+            else f" of {right.written(addend.span)}"
+        )
         reason = self._reason(repair.kind, repair.new, repair.node)
         match kind:
             case "sign":
@@ -116,7 +125,9 @@ class Wording:
             case "missing":
                 message = f"{should}{inside} is missing."
             case "extra":
-                message = f"In place of {should} you have {_cut(has)}: one term should not be there."
+                message = (
+                    f"In place of {should} you have {_cut(has)}: one term should not be there."
+                )
             case "missing factor":
                 message = f"The factor {should}{inside} is missing in your answer."
             case "extra factor":
@@ -142,7 +153,10 @@ class Wording:
             return Finding("extra", f"The term {quoted(yours)} should not be there.", yours, "")
         if row.yours == -row.right:
             return Finding(
-                "sign", f"The term {quoted(yours)} has the wrong sign: it must be {right}.", yours, right
+                "sign",
+                f"The term {quoted(yours)} has the wrong sign: it must be {right}.",
+                yours,
+                right,
             )
         message = f"The term {quoted(yours)} {_times(row.right / row.yours)}: it must be {right}."
         return Finding("factor", message, yours, right)
@@ -202,7 +216,9 @@ def _times(factor: Fraction) -> str:
     if size == 1:
         return "has the wrong sign"
     if size in (2, Fraction(1, 2)):
-        return sign + ("is too small by half: a factor 2 is missing" if size == 2 else "is twice too large")
+        return sign + (
+            "is too small by half: a factor 2 is missing" if size == 2 else "is twice too large"
+        )
     if size.numerator == 1:
         return f"{sign}is {size.denominator} times too large"
     return f"{sign}must be multiplied by {size}"

@@ -1,7 +1,8 @@
-"""Names as they are written, θ̇₁, \\dot{\\theta}_1, l_{c1} or m2glc2, spelt in one plain way and cut into known names.
+"""Names as they are written, θ̇₁, \\dot{\\theta}_1, l_{c1} or m2glc2, spelt in one plain way and
+cut into known names.
 
-Plain spelling: Greek letters by name, subscripts behind the letter without underscore, dots as ˙ before the letter,
-primes behind: ˙theta1, lc1, theta1'.
+Plain spelling: Greek letters by name, subscripts behind the letter without underscore, dots as ˙
+before the letter, primes behind: ˙theta1, lc1, theta1'.
 """
 
 from __future__ import annotations
@@ -15,14 +16,30 @@ from freebody.derivations.check.source import Source
 from freebody.derivations.names import GREEK
 
 DOT, PRIME = "˙", "'"
-_LETTERS = {letter: name for name, letter in GREEK.items()} | {"ϑ": "theta", "ϕ": "phi", "λ": "lam", "ɡ": "g"}
+_LETTERS = {letter: name for name, letter in GREEK.items()} | {
+    "ϑ": "theta",
+    "ϕ": "phi",
+    "λ": "lam",
+    "ɡ": "g",
+}
 _COMMANDS = {name: name for name in GREEK} | {
     "lambda": "lam",
     "vartheta": "theta",
     "varphi": "phi",
     "ell": "l",
 }
-_FONTS = ("mathrm", "mathit", "mathbf", "mathsf", "boldsymbol", "bm", "text", "operatorname", "textrm", "rm")
+_FONTS = (
+    "mathrm",
+    "mathit",
+    "mathbf",
+    "mathsf",
+    "boldsymbol",
+    "bm",
+    "text",
+    "operatorname",
+    "textrm",
+    "rm",
+)
 _DOTS = {"dot": 1, "ddot": 2}
 MARKS = {"\u0307": DOT, "\u0308": DOT * 2, "˙": DOT, "¨": DOT * 2}
 _PRIMES = {"'": 1, "’": 1, "′": 1, "″": 2}
@@ -43,7 +60,8 @@ COMMANDS = frozenset(_COMMANDS) | frozenset(_FONTS) | frozenset(_DOTS)
 
 @dataclass
 class Word:
-    """A run of letters, digits and marks in plain spelling, with where each character comes from."""
+    """A run of letters, digits and marks in plain spelling, with where each character comes
+    from."""
 
     start: int
     end: int
@@ -92,7 +110,8 @@ def _command(source: Source, word: Word, depth: int) -> None:
 
 
 def _argument(source: Source, word: Word, depth: int) -> Word:
-    """What a command applies to, a group in braces or the next letter; `word.end` moves behind it."""
+    """What a command applies to, a group in braces or the next letter; `word.end` moves behind
+    it."""
     start = word.end
     at = start
     while source.text[at : at + 1] == " ":
@@ -103,10 +122,14 @@ def _argument(source: Source, word: Word, depth: int) -> Word:
     while source.text[at : at + 1] == " ":
         at += 1
     if at >= close or not (source.text[at] in STARTS or source.text[at] == "\\"):
-        source.fail("a dot needs a single letter under it, such as \\dot{\\theta}_1", (start, at + 1))
+        source.fail(
+            "a dot needs a single letter under it, such as \\dot{\\theta}_1", (start, at + 1)
+        )
     inner = spell(source, at, depth) if braced else _single(source, at)
     if braced and source.text[inner.end : close].strip():
-        source.fail("a dot needs a single letter under it, such as \\dot{\\theta}_1", (start, close))
+        source.fail(
+            "a dot needs a single letter under it, such as \\dot{\\theta}_1", (start, close)
+        )
     word.end = close + 1 if braced else inner.end
     return inner
 
@@ -193,13 +216,18 @@ Piece = tuple[str, int, int]
 """A known name, and where it stands in the text."""
 
 
-def cut(source: Source, word: Word, known: Collection[str], functions: Collection[str]) -> list[Piece] | None:
-    """A word as the fewest known names; a number may follow a function (cos2θ1). None where there is no way."""
+def cut(
+    source: Source, word: Word, known: Collection[str], functions: Collection[str]
+) -> list[Piece] | None:
+    """A word as the fewest known names; a number may follow a function (cos2θ1). None where there
+    is no way."""
     if word.plain in known or word.plain in functions:
         return [(word.plain, word.start, word.end)]
     if len(word.plain) > _LONGEST:
         return None
-    best: dict[int, tuple[int, list[list[int]]]] = {0: (0, [[0]])}  # by place: how many pieces, and the ways
+    best: dict[int, tuple[int, list[list[int]]]] = {
+        0: (0, [[0]])
+    }  # by place: how many pieces, and the ways
     for i in sorted(word.cuts):
         if i not in best:
             continue
@@ -210,7 +238,9 @@ def cut(source: Source, word: Word, known: Collection[str], functions: Collectio
             piece = word.plain[i:j]
             ways_here = ways if piece in known or piece in functions else []
             if piece.isdigit():
-                ways_here = [way for way in ways if len(way) > 1 and word.plain[way[-2] : i] in functions]
+                ways_here = [
+                    way for way in ways if len(way) > 1 and word.plain[way[-2] : i] in functions
+                ]
             if not ways_here:
                 continue
             longer = [[*way, j] for way in ways_here[:2]]
@@ -223,7 +253,10 @@ def cut(source: Source, word: Word, known: Collection[str], functions: Collectio
         return None
     if len(ways) > 1:
         readings = " or ".join("·".join(_pieces(word, way)) for way in ways[:2])
-        source.fail(f"{source[word.start, word.end]!r} may be {readings}: put spaces", (word.start, word.end))
+        source.fail(
+            f"{source[word.start, word.end]!r} may be {readings}: put spaces",
+            (word.start, word.end),
+        )
     (way,) = ways
     ends = [word.origins[j] for j in way[1:-1]] + [word.end]
     starts = [word.start, *ends[:-1]]

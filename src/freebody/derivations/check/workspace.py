@@ -1,4 +1,5 @@
-"""An answer's tree at a random point of a finite field: what the whole becomes when one piece is replaced."""
+"""An answer's tree at a random point of a finite field: what the whole becomes when one piece is
+replaced."""
 
 from __future__ import annotations
 
@@ -55,7 +56,11 @@ class Workspace:
             case Quotient() if node is parent.above:
                 return value * pow(self.values[parent.below], -1, PRIME) % PRIME
             case Quotient():
-                return self.values[parent.above] * pow(value % PRIME, -1, PRIME) if value % PRIME else 0
+                return (
+                    self.values[parent.above] * pow(value % PRIME, -1, PRIME)
+                    if value % PRIME
+                    else 0
+                )
         raise TypeError(type(parent).__name__)
 
     def is_linear_in(self, node: Node) -> bool:
@@ -79,7 +84,8 @@ class Workspace:
                 yield from node.terms
 
     def addend_of(self, node: Node) -> Node:
-        """The smallest term of a sum that a node is in; the whole where there is no sum around it."""
+        """The smallest term of a sum that a node is in; the whole where there is no sum around
+        it."""
         while node is not self.root and not isinstance(self.parents[node], Sum):
             node = self.parents[node]
         return node

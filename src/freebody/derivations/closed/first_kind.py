@@ -1,8 +1,10 @@
-"""Lagrange's equations of the first kind in closed form, and what is left of them in independent coordinates.
+"""Lagrange's equations of the first kind in closed form, and what is left of them in independent
+coordinates.
 
     M q̈ + Φ_qᵀ λ = n,   Φ_q q̈ = c                       (5.27-5.29)
 
-With q̇ = N u̇, Φ_q N = 0 and q̈ = N ü + γ the multipliers leave: NᵀM N ü = Nᵀ(n - M γ), the second kind (5.24).
+With q̇ = N u̇, Φ_q N = 0 and q̈ = N ü + γ the multipliers leave: NᵀM N ü = Nᵀ(n - M γ), the second
+kind (5.24).
 """
 
 from __future__ import annotations
@@ -30,7 +32,8 @@ def multiplier_names(loops: LoopEquations) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class FirstKind:
-    """M q̈ + Φ_qᵀ λ = n, Φ_q q̈ = c, exact polynomials. The ring holds the multipliers and the torques of the drives."""
+    """M q̈ + Φ_qᵀ λ = n, Φ_q q̈ = c, exact polynomials. The ring holds the multipliers and the
+    torques of the drives."""
 
     loops: LoopEquations
     equations: Equations
@@ -65,12 +68,14 @@ class FirstKind:
 
     @cached_property
     def forces(self) -> list[Trig]:
-        """Generalized forces M q̈ + velocity terms + gravity + friction and springs + Φ_qᵀ λ (5.23)."""
+        """Generalized forces M q̈ + velocity terms + gravity + friction and springs + Φ_qᵀ λ
+        (5.23)."""
         return [a + b for a, b in zip(self.equations.tau, self.pressed, strict=True)]
 
     @cached_property
     def reduction(self) -> Reduction | None:
-        """In independent coordinates; None where the count leaves none, or no choice of them determines the others."""
+        """In independent coordinates; None where the count leaves none, or no choice of them
+        determines the others."""
         chosen = _independent(self.loops)
         return None if chosen is None else Reduction(self, chosen)
 
@@ -90,7 +95,8 @@ def _independent(loops: LoopEquations) -> tuple[int, ...] | None:
 
 @dataclass(frozen=True)
 class Reduction:
-    """q̇ = N u̇ and q̈ = N ü + γ for independent coordinates u (their indices), valid where Δ is not 0."""
+    """q̇ = N u̇ and q̈ = N ü + γ for independent coordinates u (their indices), valid where Δ is
+    not 0."""
 
     system: FirstKind
     independent: tuple[int, ...]
@@ -98,7 +104,9 @@ class Reduction:
     @cached_property
     def dependent(self) -> tuple[int, ...]:
         """The other coordinates."""
-        return tuple(k for k in range(len(self.system.symbols.coordinates)) if k not in self.independent)
+        return tuple(
+            k for k in range(len(self.system.symbols.coordinates)) if k not in self.independent
+        )
 
     @cached_property
     def _solved(self) -> tuple[Entries, Trig]:
@@ -106,7 +114,8 @@ class Reduction:
         loops, s = self.system.loops, self.system.symbols
         A = [[row[k] for k in self.dependent] for row in loops.Phi_q]
         right = [
-            [*(-row[k] for k in self.independent), c] for row, c in zip(loops.Phi_q, loops.c, strict=True)
+            [*(-row[k] for k in self.independent), c]
+            for row, c in zip(loops.Phi_q, loops.c, strict=True)
         ]
         return solved(A, right, s)
 
@@ -156,5 +165,8 @@ class Reduction:
         """Δ² Nᵀ(Q - rest - M γ) for generalized forces Q."""
         s = self.system.symbols
         moved = [inner(row, self.scaled_drift, s) for row in self.system.M]
-        left = [self.delta * (q - rest) - m for q, rest, m in zip(Q, self.system.rest, moved, strict=True)]
+        left = [
+            self.delta * (q - rest) - m
+            for q, rest, m in zip(Q, self.system.rest, moved, strict=True)
+        ]
         return [inner(column, left, s) for column in zip(*self.scaled, strict=True)]

@@ -1,8 +1,9 @@
-"""J_a ẋ + J_b θ̇ = 0 between the tip's motion and the drives of a parallel robot, in closed form (2.35-2.40).
+"""J_a ẋ + J_b θ̇ = 0 between the tip's motion and the drives of a parallel robot, in closed form
+(2.35-2.40).
 
-The loop equations hold the tip's rates ẋ, the driven rates θ̇ and those of the passive joints. The latter leave when
-equations are combined so that their columns cancel, as one multiplies with the direction of a bar to be rid of its
-turning.
+The loop equations hold the tip's rates ẋ, the driven rates θ̇ and those of the passive joints. The
+latter leave when equations are combined so that their columns cancel, as one multiplies with the
+direction of a bar to be rid of its turning.
 """
 
 from __future__ import annotations
@@ -13,7 +14,15 @@ from typing import TYPE_CHECKING, Any
 
 from freebody.algorithms.kinematics import jacobian
 from freebody.arrays import Array
-from freebody.derivations.closed.linear import Entries, Ratio, left_null, ratio, solved, times, without_common
+from freebody.derivations.closed.linear import (
+    Entries,
+    Ratio,
+    left_null,
+    ratio,
+    solved,
+    times,
+    without_common,
+)
 from freebody.derivations.determinant import determinant
 from freebody.derivations.kinematics import Kinematics
 from freebody.derivations.singularities import Determinant
@@ -29,7 +38,8 @@ ROWS = {2: ("vx", "vy", "w"), 3: ("vx", "vy", "vz", "wx", "wy", "wz")}
 
 @dataclass(frozen=True)
 class ClosedInputOutput:
-    """J_a ẋ + J_b θ̇ = 0, exact polynomials; x the chosen rows of the frame's motion, θ the driven coordinates."""
+    """J_a ẋ + J_b θ̇ = 0, exact polynomials; x the chosen rows of the frame's motion, θ the driven
+    coordinates."""
 
     loops: LoopEquations
     frame: str
@@ -46,12 +56,14 @@ class ClosedInputOutput:
 
     @cached_property
     def first(self) -> Determinant:
-        """det J_b: where it vanishes the tip loses a motion, a singular position of the first type."""
+        """det J_b: where it vanishes the tip loses a motion, a singular position of the first
+        type."""
         return self._determinant(self.J_b)
 
     @cached_property
     def second(self) -> Determinant:
-        """det J_a: where it vanishes the tip gives way though the drives stand still, the second type."""
+        """det J_a: where it vanishes the tip gives way though the drives stand still, the second
+        type."""
         return self._determinant(self.J_a)
 
     def _determinant(self, rows: Entries) -> Determinant:
@@ -72,7 +84,9 @@ class _System:
     c: Entries
 
 
-def input_output(loops: LoopEquations, frame: str | None, rows: Sequence[str] | None) -> ClosedInputOutput:
+def input_output(
+    loops: LoopEquations, frame: str | None, rows: Sequence[str] | None
+) -> ClosedInputOutput:
     """See `LoopEquations.input_output`."""
     model = loops.model
     name = model.frame(frame).name
@@ -82,8 +96,10 @@ def input_output(loops: LoopEquations, frame: str | None, rows: Sequence[str] | 
     driven = tuple(loops.symbols.coordinates[k] for k in loops.driven)
     if not len(J_a) == len(chosen) == len(driven):
         raise FreebodyError(
-            f"input_output: {len(driven)} joints of {model.name!r} are driven, {len(chosen)} rows of the tip's motion "
-            f"chosen, and {len(J_a)} equations hold between them; these must be equal. Choose rows=[...], or other "
+            f"input_output: {len(driven)} joints of {model.name!r} are driven, {len(chosen)} rows "
+            f"of the tip's motion "
+            f"chosen, and {len(J_a)} equations hold between them; these must be equal. Choose "
+            f"rows=[...], or other "
             "drives with model.replace(actuated=[...])."
         )
     return ClosedInputOutput(loops, name, chosen, driven, J_a, J_b)
@@ -99,7 +115,8 @@ def _rows(dim: int, driven: int, rows: Sequence[str] | None) -> tuple[str, ...]:
 
 
 def _system(loops: LoopEquations, frame: str, rows: list[int]) -> _System:
-    """The loop equations, and where the tip's motion is not that of coordinates the equations of its motion."""
+    """The loop equations, and where the tip's motion is not that of coordinates the equations of
+    its motion."""
     s = loops.symbols
     J = jacobian(s.tree, s.q, frame)
     motion = [[s.element(x) for x in J[r]] for r in rows]
@@ -121,8 +138,11 @@ def _coordinate(row: Sequence[Trig]) -> int | None:
     return used[0] if len(used) == 1 and row[used[0]] == 1 else None
 
 
-def _with_tip(loops: LoopEquations, frame: str, rows: list[int], motion: Entries) -> tuple[Entries, Entries]:
-    """(columns of ẋ, columns of q̇): motion q̇ - ẋ = 0 and the loops; a pin at the tip holds its other frame at x."""
+def _with_tip(
+    loops: LoopEquations, frame: str, rows: list[int], motion: Entries
+) -> tuple[Entries, Entries]:
+    """(columns of ẋ, columns of q̇): motion q̇ - ẋ = 0 and the loops; a pin at the tip holds its
+    other frame at x."""
     s, dim = loops.symbols, loops.model.dim
     zero, one = s.zero(), s.element(1.0)
     a = [[-one if k == j else zero for k in range(len(rows))] for j in range(len(rows))]
@@ -150,7 +170,8 @@ def _same_place(loops: LoopEquations, one: str, other: str) -> bool:
 
 
 def _eliminated(loops: LoopEquations, system: _System) -> tuple[Entries, Entries]:
-    """J_a and J_b: the equations combined so that the coordinates in between leave, group by group."""
+    """J_a and J_b: the equations combined so that the coordinates in between leave, group by
+    group."""
     s = loops.symbols
     J_a: Entries = []
     J_b: Entries = []
@@ -160,7 +181,8 @@ def _eliminated(loops: LoopEquations, system: _System) -> tuple[Entries, Entries
             weights = left_null([[system.c[r][k] for k in columns] for r in rows], s)
             if weights is None:
                 raise FreebodyError(
-                    f"input_output: passive joints of {loops.model.name!r} move though tip and drives stand still; "
+                    f"input_output: passive joints of {loops.model.name!r} move though tip and "
+                    f"drives stand still; "
                     "drive another joint with model.replace(actuated=[...])."
                 )
             combined = zip(times(weights, a, s), times(weights, b, s), strict=True)

@@ -90,7 +90,8 @@ def _content(*values: Trig) -> Fraction:
     """The number that makes all coefficients whole and without common divisor."""
     coefficients = [c for x in values for _, c in x.terms()]
     return Fraction(
-        math.gcd(*(c.numerator for c in coefficients)), math.lcm(*(c.denominator for c in coefficients))
+        math.gcd(*(c.numerator for c in coefficients)),
+        math.lcm(*(c.denominator for c in coefficients)),
     )
 
 
@@ -173,12 +174,16 @@ def inner(a: Sequence[Trig], b: Sequence[Trig], s: Symbols) -> Trig:
     return total
 
 
-def solved(A: Sequence[Sequence[Trig]], right: Sequence[Sequence[Trig]], s: Symbols) -> tuple[Entries, Trig]:
+def solved(
+    A: Sequence[Sequence[Trig]], right: Sequence[Sequence[Trig]], s: Symbols
+) -> tuple[Entries, Trig]:
     """(X, Δ) with A X = Δ right, Δ = det A: Cramer's rule, column by column."""
     n = len(A)
     columns = [
         [
-            determinant([[right[r][j] if k == i else A[r][k] for k in range(n)] for r in range(n)], s)
+            determinant(
+                [[right[r][j] if k == i else A[r][k] for k in range(n)] for r in range(n)], s
+            )
             for i in range(n)
         ]
         for j in range(len(right[0]) if right else 0)
@@ -187,14 +192,17 @@ def solved(A: Sequence[Sequence[Trig]], right: Sequence[Sequence[Trig]], s: Symb
 
 
 def left_null(S: Sequence[Sequence[Trig]], s: Symbols) -> Entries | None:
-    """Rows w with w S = 0, as many as S (m, p) has more rows than columns; None where its rank is below p."""
+    """Rows w with w S = 0, as many as S (m, p) has more rows than columns; None where its rank is
+    below p."""
     m, p = len(S), len(S[0])
     base, delta = _independent(S, s)
     if delta is None:
         return None
     found = []
     for k in (k for k in range(m) if k not in base):
-        weights, _ = solved([[S[r][j] for r in base] for j in range(p)], [[S[k][j]] for j in range(p)], s)
+        weights, _ = solved(
+            [[S[r][j] for r in base] for j in range(p)], [[S[k][j]] for j in range(p)], s
+        )
         row = [s.zero()] * m
         row[k] = delta
         for r, (weight,) in zip(base, weights, strict=True):

@@ -1,7 +1,9 @@
-"""Loop equations in closed form: Φ(q) = 0, Φ_q and c as exact polynomials (2.33, 2.34, 5.21, 5.22, 5.28).
+"""Loop equations in closed form: Φ(q) = 0, Φ_q and c as exact polynomials (2.33, 2.34, 5.21, 5.22,
+5.28).
 
-The text is that of `algorithms.constraints`. There the equation of a distance d is (|r|² - d²) / 2d, whose gradient is
-a unit vector; here it is the notes' |r|² - d², a polynomial, 2d times as large.
+The text is that of `algorithms.constraints`. There the equation of a distance d is (|r|² - d²) /
+2d, whose gradient is a unit vector; here it is the notes' |r|² - d², a polynomial, 2d times as
+large.
 """
 
 from __future__ import annotations
@@ -49,7 +51,9 @@ class LoopEquations(Titled, ByValue):
     def tree(self) -> Tree:
         """The tree, its distances such that the algorithms give equations in the notes' form."""
         tree = self.symbols.tree
-        loops = tuple(replace(loop, distance=_HALF) if loop.closure.distance else loop for loop in tree.loops)
+        loops = tuple(
+            replace(loop, distance=_HALF) if loop.closure.distance else loop for loop in tree.loops
+        )
         return replace(tree, loops=loops)
 
     @cached_property
@@ -62,7 +66,9 @@ class LoopEquations(Titled, ByValue):
         """A name for each equation: the loop's, and the component of its reaction."""
         space = self.tree.space
         return tuple(
-            f"{loop.name}.{part}" for loop in self.tree.loops for part in loop.closure.row_names(space)
+            f"{loop.name}.{part}"
+            for loop in self.tree.loops
+            for part in loop.closure.row_names(space)
         )
 
     def rows(self, loop: TreeLoop) -> range:
@@ -102,7 +108,8 @@ class LoopEquations(Titled, ByValue):
 
     @cached_property
     def scale(self) -> list[Trig]:
-        """For each equation how many times that of the numeric functions it is: 2d of a distance, else 1."""
+        """For each equation how many times that of the numeric functions it is: 2d of a distance,
+        else 1."""
         factors: list[Any] = []
         for loop in self.symbols.tree.loops:
             factors += [2 * loop.distance if loop.closure.distance else 1.0] * loop.closure.size(
@@ -113,7 +120,8 @@ class LoopEquations(Titled, ByValue):
     # ------------------------------------------------------------ counting
     @property
     def gruebler(self) -> int:
-        """Coordinates less equations: the degrees of freedom, all equations taken as independent."""
+        """Coordinates less equations: the degrees of freedom, all equations taken as
+        independent."""
         return len(self.symbols.coordinates) - len(self.names)
 
     @cached_property
@@ -139,9 +147,9 @@ class LoopEquations(Titled, ByValue):
     def input_output(self, frame: str | None = None, rows: Sequence[str] | None = None) -> Any:
         """How a frame (default: the tip) moves with the driven joints, in closed form.
 
-        rows: of its motion, among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy", "w"); default the first ones,
-        as many as joints are driven. Returns a `ClosedInputOutput`. Raises FreebodyError where the numbers of rows,
-        drives and freedoms do not match.
+        rows: of its motion, among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy", "w");
+        default the first ones, as many as joints are driven. Returns a `ClosedInputOutput`. Raises
+        FreebodyError where the numbers of rows, drives and freedoms do not match.
         """
         from freebody.derivations.closed.input_output import input_output
 
@@ -174,7 +182,9 @@ class LoopEquations(Titled, ByValue):
         return self.symbols.evaluate(quantity, q, qd, qdd)
 
     def __str__(self) -> str:
-        return "\n".join(f"{name}: {x} = 0" for name, x in zip(self.names, self.expressions(), strict=True))
+        return "\n".join(
+            f"{name}: {x} = 0" for name, x in zip(self.names, self.expressions(), strict=True)
+        )
 
     def _entries(self, rows: Any) -> Entries:
         return [[self.symbols.element(x) for x in row] for row in rows]
@@ -183,8 +193,8 @@ class LoopEquations(Titled, ByValue):
 def loop_equations(model: Model, numbers: bool = False) -> LoopEquations:
     """Φ(q) = 0 of a closed chain, its Jacobian Φ_q, c, and J_a, J_b, as exact polynomials.
 
-    numbers: put in the values of the model's parameters. Raises FreebodyError for a model without loops and for joints
-    whose coordinates are quaternions.
+    numbers: put in the values of the model's parameters. Raises FreebodyError for a model without
+    loops and for joints whose coordinates are quaternions.
     """
     if not model.loops:
         raise FreebodyError(

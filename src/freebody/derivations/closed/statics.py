@@ -1,7 +1,8 @@
-"""A closed chain at rest: the loops' multipliers from the passive joints, the torques of the driven ones (2.41-2.51).
+"""A closed chain at rest: the loops' multipliers from the passive joints, the torques of the driven
+ones (2.41-2.51).
 
-Each joint must be held by k_i + Σ A_ik λ_k: weights, springs and load, and what the loops add. Where there is no motor
-that is zero, and these equations give λ.
+Each joint must be held by k_i + Σ A_ik λ_k: weights, springs and load, and what the loops add.
+Where there is no motor that is zero, and these equations give λ.
 """
 
 from __future__ import annotations
@@ -57,12 +58,14 @@ class LoopStatics:
 
     @property
     def determined(self) -> bool:
-        """Whether the passive joints are as many as the loop equations, and tell the multipliers."""
+        """Whether the passive joints are as many as the loop equations, and tell the
+        multipliers."""
         return self._solution is not None
 
     @cached_property
     def multipliers(self) -> list[Ratio] | None:
-        """λ; None where the passive joints do not tell them: they are shared among the drives as these choose."""
+        """λ; None where the passive joints do not tell them: they are shared among the drives as
+        these choose."""
         if self._solution is None:
             return None
         above, below = self._solution

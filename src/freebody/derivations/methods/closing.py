@@ -15,13 +15,15 @@ FEW = 4
 
 
 _BASE = (
-    " Written by base parameters, the fewest combinations of masses (μ), first moments (κ) and inertias (J) that "
+    " Written by base parameters, the fewest combinations of masses (μ), first moments (κ) and "
+    "inertias (J) that "
     "motion depends on, they are short enough to read; what these are stands below."
 )
 
 
 def closed_form(setting: Setting) -> Step:
-    """Torques sorted by accelerations, rates and gravity; with a load on the tip, torque and load together."""
+    """Torques sorted by accelerations, rates and gravity; with a load on the tip, torque and load
+    together."""
     equations = setting.equations
     numbers = {"RR": tuple(f"3.{k}" for k in range(20, 29))}.get(setting.cited, ("3.28",))
     groups = equations.groups("named") if equations.is_short else None
@@ -31,7 +33,9 @@ def closed_form(setting: Setting) -> Step:
         return Step("The closed form", _told(setting), (), numbers, result=True)
     reason = _sorted(setting) + ("" if equations.is_short else _BASE)
     if setting.cited == "RR":
-        reason += " The notes' (3.22) to (3.24) are printed with slips; these are the corrected ones."
+        reason += (
+            " The notes' (3.22) to (3.24) are printed with slips; these are the corrected ones."
+        )
     if setting.load:
         reason += " The motors do not act alone: with each stands the part of the load on the tip, at r_P."
         groups = [_loaded(setting, groups[0]), *groups[1:]]
@@ -43,7 +47,8 @@ def _loaded(setting: Setting, torques: list[Equation]) -> list[Equation]:
     """τ_i + f · ∂r_P/∂q_i in place of τ_i."""
     shares = [ex.dot(vec("f"), ex.partial(vec("r_P"), x)) for x in setting.symbols.coordinates]
     return [
-        eq(ex.add(line.sides[0], share), *line.sides[1:]) for line, share in zip(torques, shares, strict=True)
+        eq(ex.add(line.sides[0], share), *line.sides[1:])
+        for line, share in zip(torques, shares, strict=True)
     ]
 
 
@@ -63,6 +68,7 @@ def _sorted(setting: Setting) -> str:
 def _told(setting: Setting) -> str:
     """How long equations are that nobody reads."""
     return (
-        f"Sorted by {_by(setting)}, the torques are too long to read, but exact; fb.equations gives them. "
+        f"Sorted by {_by(setting)}, the torques are too long to read, but exact; fb.equations "
+        f"gives them. "
         f"({setting.equations.length}.)"
     )

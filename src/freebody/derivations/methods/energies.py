@@ -114,10 +114,18 @@ def potential_step(s: Setting, energies: Energies) -> Step:
         else []
     )
     parts += (
-        ["a spring's is half its stiffness times the square of its stretch"] if energies.has_springs else []
+        ["a spring's is half its stiffness times the square of its stretch"]
+        if energies.has_springs
+        else []
     )
-    words = "Potential energy: " + "; ".join(parts) if parts else "Without gravity and springs there is none"
-    numbers = ("5.4", *({"RR": ("5.12", "5.14", "5.18", "5.20")}.get(s.cited, ()))) if s.weighs else ()
+    words = (
+        "Potential energy: " + "; ".join(parts)
+        if parts
+        else "Without gravity and springs there is none"
+    )
+    numbers = (
+        ("5.4", *({"RR": ("5.12", "5.14", "5.18", "5.20")}.get(s.cited, ()))) if s.weighs else ()
+    )
     words += ". (The notes' (5.14) is misprinted; (5.20) is right)" if "5.14" in numbers else ""
     return Step(
         "Potential energies",

@@ -24,7 +24,8 @@ class Equilibrium:
         robot = "robot" if self.s.tree.loops else "arm"
         return Step(
             "The load",
-            f"f is the force on the {robot} at its tip P. What the {robot} exerts there on its surroundings is -f; "
+            f"f is the force on the {robot} at its tip P. What the {robot} exerts there on its "
+            f"surroundings is -f; "
             "formulas for the one and for the other differ in sign.",
             (eq(vec("f"), ex.Vector(tuple(sym(name) for name in self.s.load))),),
         )
@@ -32,15 +33,21 @@ class Equilibrium:
     def body(self, i: int) -> Step:
         """Equilibrium of one body."""
         s, n, children = self.s, self.s.numbers[i], self.s.tree.children(i)
-        forces = [s.force_name(s.tree.bodies[i].parent, i), *(ex.neg(s.force_name(i, k)) for k in children)]
+        forces = [
+            s.force_name(s.tree.bodies[i].parent, i),
+            *(ex.neg(s.force_name(i, k)) for k in children),
+        ]
         forces += [force for force, _ in self.outer(i)]
         moments = [s.joint_moment(i), *map(ex.neg, map(s.joint_moment, children)), *self.about(i)]
         reason = (
-            f"The forces on body {n} add up to zero, and so do the moments; taken about joint {n} the reaction "
+            f"The forces on body {n} add up to zero, and so do the moments; taken about joint {n} "
+            f"the reaction "
             f"there has none."
         )
         if s.cited == "RR" and s.weighs and n == 1:
-            reason += " (The notes leave the weights out: with g = 0 the numbered equations follow.)"
+            reason += (
+                " (The notes leave the weights out: with g = 0 the numbered equations follow.)"
+            )
         numbers = {("RR", 1): ("2.41", "2.42"), ("RR", 2): ("2.43", "2.44")}.get((s.cited, n), ())
         lines = (eq(ex.add(*forces), ex.ZERO), eq(ex.add(*moments), ex.ZERO))
         return Step(f"Free body {n}", reason, lines, numbers, figure=f"free-body {n}")
@@ -55,7 +62,9 @@ class Equilibrium:
     def about(self, i: int) -> list[Expression]:
         """Moments of all other forces on body i about its joint."""
         s = self.s
-        terms = [ex.neg(ex.cross(s.reach_name(i, k), s.force_name(i, k))) for k in s.tree.children(i)]
+        terms = [
+            ex.neg(ex.cross(s.reach_name(i, k), s.force_name(i, k))) for k in s.tree.children(i)
+        ]
         return [*terms, *(ex.cross(arm, force) for force, arm in self.outer(i))]
 
     def solved(self, i: int) -> Step:
@@ -73,7 +82,9 @@ class Equilibrium:
             lines.append(eq(s.motor(i), self.reactions.motor_rule(i, name)))
         numbers = {("RR", 1): ("2.46",), ("RR", 2): ("2.45",)}.get((s.cited, n), ())
         motor = (
-            f"the {s.words(i).effort} of its motor" if s.driven(i) else "what must be 0, for it has no motor"
+            f"the {s.words(i).effort} of its motor"
+            if s.driven(i)
+            else "what must be 0, for it has no motor"
         )
         reason = f"The two equations of body {n} give the reaction at joint {n} and {motor}."
         return Step(f"Solve for joint {n}", reason, tuple(lines), numbers)
@@ -104,9 +115,10 @@ class Equilibrium:
         slips = " (The notes print (2.49) to (2.52) without the minus: they are the torques that exert f.)"
         return Step(
             "The load through the Jacobian",
-            "The load's part of the torques is -Jᵀ f, J being the Jacobian of the tip: the virtual work of motors and "
-            f"load cancels.{weights} The torque that exerts the force f on the surroundings is its opposite, Jᵀ f."
-            + (slips if s.cited == "RR" else ""),
+            "The load's part of the torques is -Jᵀ f, J being the Jacobian of the tip: the virtual "
+            "work of motors and "
+            f"load cancels.{weights} The torque that exerts the force f on the surroundings is its "
+            f"opposite, Jᵀ f." + (slips if s.cited == "RR" else ""),
             (
                 eq(sym("J"), ex.matrix([[s.show_moved(x) for x in row] for row in rows])),
                 eq(vec("tau_f"), part),

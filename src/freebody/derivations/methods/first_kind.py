@@ -1,4 +1,5 @@
-"""Lagrange's equations of the first kind, with multipliers, and their reduction to the second kind (5.21-5.29)."""
+"""Lagrange's equations of the first kind, with multipliers, and their reduction to the second kind
+(5.21-5.29)."""
 
 from __future__ import annotations
 
@@ -36,7 +37,9 @@ def derive(setting: Setting) -> Worked:
         steps += work.equation(i)
     steps += [loops.wrenches(), loops.seconds(), *work.together(), *work.reduced()]
     sought = "Given what the motors do, the accelerations and the forces in the loops are sought."
-    return Worked(tuple(steps), tuple(work.forces), _symbols(setting), sought=sought, system=loops.system)
+    return Worked(
+        tuple(steps), tuple(work.forces), _symbols(setting), sought=sought, system=loops.system
+    )
 
 
 def _symbols(s: Setting) -> Iterator[Meaning]:
@@ -51,7 +54,8 @@ def _open_chain(setting: Setting) -> Worked:
     """No loops: Φ is empty and (5.23) is (5.24)."""
     second = lagrange.derive(setting)
     reason = (
-        "No loop is closed: there are no equations Φ(q) = 0 between the joint variables, no multipliers, and "
+        "No loop is closed: there are no equations Φ(q) = 0 between the joint variables, no "
+        "multipliers, and "
         "Lagrange's equations of the first kind are those of the second."
     )
     step = Step(
@@ -81,7 +85,8 @@ class _FirstKind:
         zero = self.s.symbols.zero()
         at = [self.s.tree.bodies[i].coordinates.v[0] for i in self.s.order]
         return [
-            self.system.forces[k] - self.works.get(i, zero) for i, k in zip(self.s.order, at, strict=True)
+            self.system.forces[k] - self.works.get(i, zero)
+            for i, k in zip(self.s.order, at, strict=True)
         ]
 
     # ------------------------------------------------------------ one coordinate
@@ -118,8 +123,10 @@ class _FirstKind:
     def together(self) -> list[Step]:
         """M, n and the system of both (5.25-5.27, 5.29)."""
         reason = (
-            "Sorted by accelerations: M is the matrix of the kinetic energy, a quadratic form of the rates, and n "
-            "holds the generalized forces less all terms without accelerations. Entries that are not listed are 0."
+            "Sorted by accelerations: M is the matrix of the kinetic energy, a quadratic form of "
+            "the rates, and n "
+            "holds the generalized forces less all terms without accelerations. Entries that are "
+            "not listed are 0."
         )
         rate = ex.Symbol("q_d", "q", dots=1)
         rests = [self._named_rest(k, i) for k, i in self._by_coordinate()]
@@ -134,8 +141,10 @@ class _FirstKind:
         n, m = len(self.s.symbols.coordinates), len(self.loops.equations.names)
         both = Step(
             "Accelerations and multipliers together",
-            f"{n} equations of motion and {m} of the loops, for {n} accelerations and {m} multipliers. The matrix can "
-            "be inverted where Φ_q has full rank and M is positive definite on the motions that the loops allow.",
+            f"{n} equations of motion and {m} of the loops, for {n} accelerations and {m} "
+            f"multipliers. The matrix can "
+            "be inverted where Φ_q has full rank and M is positive definite on the motions that "
+            "the loops allow.",
             (eq(ex.mul(block, unknown), ex.vector("n", "c")),),
             ("5.29",),
             result=True,
@@ -145,7 +154,11 @@ class _FirstKind:
     def _masses(self) -> list[Equation]:
         """The entries of M that are not 0, the diagonal first."""
         M, n = self.system.M, len(self.system.M)
-        lines = [eq(entry("M", k + 1, k + 1), self.s.show(M[k][k])) for k in range(n) if not M[k][k].is_zero]
+        lines = [
+            eq(entry("M", k + 1, k + 1), self.s.show(M[k][k]))
+            for k in range(n)
+            if not M[k][k].is_zero
+        ]
         for i in range(n):
             for k in range(i + 1, n):
                 if not M[i][k].is_zero:
@@ -170,16 +183,21 @@ class _FirstKind:
         reduction = self.system.reduction
         if reduction is None:
             reason = (
-                "The count leaves no independent coordinate; a mechanism that moves all the same has dependent "
-                "equations, and only a position tells which. (5.29) holds as it stands, solved by rank."
+                "The count leaves no independent coordinate; a mechanism that moves all the same "
+                "has dependent "
+                "equations, and only a position tells which. (5.29) holds as it stands, solved by "
+                "rank."
             )
             return [Step("No reduction", reason)]
         self._common = self._shared(reduction)
         return [self._allowed(reduction), self._drift(reduction), self._second(reduction)]
 
     def _shared(self, r: Reduction) -> Trig | None:
-        """The denominator of all quotients, where it is one and too long to be written each time."""
-        below = [x.below for x in (*(x for row in r.N for x in row), *r.drift) if not x.is_polynomial]
+        """The denominator of all quotients, where it is one and too long to be written each
+        time."""
+        below = [
+            x.below for x in (*(x for row in r.N for x in row), *r.drift) if not x.is_polynomial
+        ]
         if not below or ex.size(self.loops.equations.form(below[0])) < SHORT:
             return None
         first = below[0] / below[0].leading_coefficient
@@ -192,7 +210,12 @@ class _FirstKind:
             eq(sym("u"), ex.Vector(tuple(chosen)) if len(chosen) > 1 else chosen[0]),
             eq(ex.Symbol("q_d", "q", dots=1), ex.mul("N", ex.Symbol("u_d", "u", dots=1))),
             eq(ex.mul(self.loops.phi_q, "N"), ex.ZERO),
-            eq("N", ex.matrix([[self._entry(r, k, j) for j in range(len(chosen))] for k in range(len(r.N))])),
+            eq(
+                "N",
+                ex.matrix(
+                    [[self._entry(r, k, j) for j in range(len(chosen))] for k in range(len(r.N))]
+                ),
+            ),
         ]
         lines += [
             eq(self._entry(r, k, j), self._ratio(x))
@@ -203,8 +226,10 @@ class _FirstKind:
         if self._common is not None:
             lines.append(eq(sym("Delta"), self.loops.equations.form(self._common)))
         reason = (
-            f"The loop equations on the rates are solved for those of all coordinates but {names}: the columns of N "
-            f"are the motions that the loops allow. It fails where the denominator vanishes; there {names} "
+            f"The loop equations on the rates are solved for those of all coordinates but {names}: "
+            f"the columns of N "
+            f"are the motions that the loops allow. It fails where the denominator vanishes; there "
+            f"{names} "
             f"{'does' if len(chosen) == 1 else 'do'} not determine the motion."
         )
         return Step("Independent coordinates", reason, tuple(lines), ("5.22",))
@@ -224,10 +249,13 @@ class _FirstKind:
             )
         ]
         lines += [
-            eq(entry("gamma", k + 1), self._ratio(r.drift[k])) for k in r.dependent if not r.drift[k].is_zero
+            eq(entry("gamma", k + 1), self._ratio(r.drift[k]))
+            for k in r.dependent
+            if not r.drift[k].is_zero
         ]
         reason = (
-            "So are the equations on the accelerations: γ is what the dependent coordinates have of products of rates "
+            "So are the equations on the accelerations: γ is what the dependent coordinates have "
+            "of products of rates "
             "alone; of the independent ones it is 0."
         )
         return Step("Dependent accelerations", reason, tuple(lines), ("5.28",))
@@ -245,15 +273,20 @@ class _FirstKind:
         if sum(map(ex.size, written)) <= 3 * LONG:
             lines += written
         reason = (
-            "The loops do no work in the motions they allow: multiplied by Nᵀ the multipliers leave, and what remains "
+            "The loops do no work in the motions they allow: multiplied by Nᵀ the multipliers "
+            "leave, and what remains "
             f"{'is one equation' if len(r.independent) == 1 else f'are {len(r.independent)} equations'} in independent "
             "coordinates, the second kind."
         )
         return Step("The second kind", reason, tuple(lines), ("5.24",), result=True)
 
     def _written(self, r: Reduction) -> list[Equation]:
-        """The reduced equations by entries of M, n, N and γ; the mass matrix H = NᵀM N by its entries if it is one."""
-        f, names = len(r.independent), [self.s.symbols.coordinates[k] + SECOND for k in r.independent]
+        """The reduced equations by entries of M, n, N and γ; the mass matrix H = NᵀM N by its
+        entries if it is one."""
+        f, names = (
+            len(r.independent),
+            [self.s.symbols.coordinates[k] + SECOND for k in r.independent],
+        )
         if f == 1:
             return [eq(ex.mul(self._quadratic(r, 0, 0), names[0]), self._driving(r, 0))]
         lines = []
@@ -304,7 +337,9 @@ class _FirstKind:
         else:
             shown = x.form(layout)
         return (
-            shown if ex.size(shown) <= 2 * LONG else ex.Words(f"({len(x.above)} terms over {len(x.below)})")
+            shown
+            if ex.size(shown) <= 2 * LONG
+            else ex.Words(f"({len(x.above)} terms over {len(x.below)})")
         )
 
 

@@ -11,7 +11,8 @@ from freebody.elementary import Scalar
 
 
 def geometry(setting: Setting, rotations: bool = False, inertias: bool = True) -> Step:
-    """Vectors along the bodies, directions of the joints, in space also inertias and, if asked for, rotations."""
+    """Vectors along the bodies, directions of the joints, in space also inertias and, if asked for,
+    rotations."""
     lines: list[Equation] = []
     for i in setting.order:
         lines += _vectors(setting, i)
@@ -26,7 +27,9 @@ def geometry(setting: Setting, rotations: bool = False, inertias: bool = True) -
         turned = "; R takes components from one body's axes to another's" if rotations else ""
         if setting.weighs and not rotations:
             turned = ", and so is gravity, R turning it from the world's axes"
-        still = "each is given in the axes of body i, in which it does not change unless a joint slides"
+        still = (
+            "each is given in the axes of body i, in which it does not change unless a joint slides"
+        )
         reason = f"{reach}; {still}{turned}."
     return Step("The vectors", reason, tuple(lines), figure="vectors")
 

@@ -1,4 +1,5 @@
-"""The table of symbols of a derivation: parameters by what they are in the model, then what the method introduces."""
+"""The table of symbols of a derivation: parameters by what they are in the model, then what the
+method introduces."""
 
 from __future__ import annotations
 
@@ -19,7 +20,8 @@ INERTIA, SPEED, ACCELERATION, JOULE = "kg m²", "m/s", "m/s²", "J"
 
 
 def glossary(s: Setting, introduced: Iterable[Meaning], forces: bool) -> tuple[Meaning, ...]:
-    """Coordinates and motors, parameters, then what the method introduces; forces: whether there are any."""
+    """Coordinates and motors, parameters, then what the method introduces; forces: whether there
+    are any."""
     rows = [*_coordinates(s, forces), *_parameters(s, not forces), *introduced]
     if s.load:
         rows.append(Meaning((vec("f"),), "force on the tip, by the surroundings", NEWTON))
@@ -38,13 +40,17 @@ def _coordinates(s: Setting, motors: bool) -> Iterator[Meaning]:
         yield Meaning(tuple(map(sym, names)), where, words.unit)
         if not s.at_rest:
             rates = tuple(sym(x + dots) for dots in (RATE, SECOND) for x in names)
-            theirs = "their velocities and accelerations" if plural else "its velocity and acceleration"
+            theirs = (
+                "their velocities and accelerations" if plural else "its velocity and acceleration"
+            )
             yield Meaning(rates, theirs, f"{words.unit}/s, {words.unit}/s²")
         driven = [i for i in joints if s.motor(i) != ex.ZERO]
         if motors and driven:
             plural = "s" if len(driven) > 1 else ""
             yield Meaning(
-                tuple(map(s.motor, driven)), f"{words.effort}{plural} of the motor{plural}", words.effort_unit
+                tuple(map(s.motor, driven)),
+                f"{words.effort}{plural} of the motor{plural}",
+                words.effort_unit,
             )
 
 
@@ -58,7 +64,9 @@ def _parameters(s: Setting, moved: bool) -> Iterator[Meaning]:
             alike.setdefault((words, unit), []).append(parameter.name)
     for (words, unit), names in alike.items():
         words = (
-            words if len(names) == 1 else words.replace("entry", "entries").replace("distance", "distances")
+            words
+            if len(names) == 1
+            else words.replace("entry", "entries").replace("distance", "distances")
         )
         yield Meaning(tuple(map(sym, names)), words, unit)
     gravity = s.layout.order.gravity
@@ -130,7 +138,8 @@ _DRIVE = {
 }
 
 
-# ---------------------------------------------------------------- rows that several methods introduce
+# ---------------------------------------------------------------- rows that several methods
+# introduce
 def vectors(s: Setting) -> Iterator[Meaning]:
     """The vectors along the bodies, and the directions of the joints."""
     yield Meaning((sym("s_i", True),), "joint i to the next joint, or to the tip", METER)
@@ -150,7 +159,9 @@ def moving(s: Setting) -> Iterator[Meaning]:
 def inertia_forces(s: Setting) -> Iterator[Meaning]:
     """What forces and moments on a body add up to."""
     yield Meaning((sym("f_ci", True),), "mass times acceleration of body i", NEWTON)
-    yield Meaning((sym("n_ci", not s.planar),), "rate of body i's angular momentum about its centre", MOMENT)
+    yield Meaning(
+        (sym("n_ci", not s.planar),), "rate of body i's angular momentum about its centre", MOMENT
+    )
 
 
 def joint_forces() -> Meaning:
@@ -161,7 +172,9 @@ def joint_forces() -> Meaning:
 def joint_moments(s: Setting) -> Iterator[Meaning]:
     """Those that are not a motor's torque and no more."""
     if not all(map(s.is_pin, s.order)):
-        yield Meaning((sym("n_i,k", not s.planar),), "moment of body i on body k at their joint", MOMENT)
+        yield Meaning(
+            (sym("n_i,k", not s.planar),), "moment of body i on body k at their joint", MOMENT
+        )
 
 
 def loop_equations() -> Meaning:

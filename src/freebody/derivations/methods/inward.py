@@ -1,4 +1,5 @@
-"""The inward sweep of the recursive method: forces and moments from the tip to the base (4.12-4.15, 6.28, 6.29)."""
+"""The inward sweep of the recursive method: forces and moments from the tip to the base (4.12-4.15,
+6.28, 6.29)."""
 
 from __future__ import annotations
 
@@ -14,7 +15,8 @@ from freebody.scalars.trig import Trig
 
 
 class Inward:
-    """The steps, their values taken from the recursion's record; base: gravity is in the accelerations."""
+    """The steps, their values taken from the recursion's record; base: gravity is in the
+    accelerations."""
 
     def __init__(self, setting: Setting, record: Recursion, base: bool):
         self.s = setting
@@ -40,7 +42,11 @@ class Inward:
         s, n = self.s, self.s.numbers[i]
         passed = ", and those that it passes on to the next body," if s.tree.children(i) else ""
         weight = ", less its weight," if not self.base else ""
-        part = f"the moment about the axis of joint {n}" if s.turns(i) else f"the force along the slide u_{n}"
+        part = (
+            f"the moment about the axis of joint {n}"
+            if s.turns(i)
+            else f"the force along the slide u_{n}"
+        )
         if s.is_pin(i):
             part = "the moment"
         needed = f"Force and moment that accelerate body {n}{weight}{passed}"
@@ -72,7 +78,9 @@ class Inward:
         """f and the moment at the joint, and the torque where that is not the moment itself."""
         s = self.s
         force = self._force(i)
-        f = eq(s.force_name(s.tree.bodies[i].parent, i), force, s.column(s.axes(i, self.record.f[i])))
+        f = eq(
+            s.force_name(s.tree.bodies[i].parent, i), force, s.column(s.axes(i, self.record.f[i]))
+        )
         if isinstance(force, Symbol):
             f = eq(*f.sides[:2])
         name, moment = s.joint_moment(i), self._moment(i)
@@ -93,7 +101,10 @@ class Inward:
 
     def _force(self, i: int) -> Expression:
         s = self.s
-        parts = [self._needed(i), *(self._outer(i, s.force_name(i, k), k) for k in s.tree.children(i))]
+        parts = [
+            self._needed(i),
+            *(self._outer(i, s.force_name(i, k), k) for k in s.tree.children(i)),
+        ]
         if s.loaded(i):
             parts.append(ex.neg(self._load(i)))
         return ex.add(*parts)

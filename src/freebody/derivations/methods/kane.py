@@ -1,8 +1,10 @@
-"""Kane's equations: partial velocities, generalized active and inertia forces, which add up to zero.
+"""Kane's equations: partial velocities, generalized active and inertia forces, which add up to
+zero.
 
-T. R. Kane and D. A. Levinson, Dynamics: Theory and Applications, McGraw-Hill, 1985, sections 2.12 (generalized speeds),
-2.14 (partial velocities), 4.4 and 4.11 (generalized forces), 6.1 (the equations). The generalized speeds are here the
-rates of the joints, so that the equations are those of the other methods.
+T. R. Kane and D. A. Levinson, Dynamics: Theory and Applications, McGraw-Hill, 1985, sections 2.12
+(generalized speeds), 2.14 (partial velocities), 4.4 and 4.11 (generalized forces), 6.1 (the
+equations). The generalized speeds are here the rates of the joints, so that the equations are those
+of the other methods.
 """
 
 from __future__ import annotations
@@ -39,7 +41,8 @@ def derive(setting: Setting) -> Worked:
 def _speeds(s: Setting) -> Step:
     rates = ex.Vector(tuple(sym(s.coordinate(i) + RATE) for i in s.order))
     many = (
-        "The generalized speeds describe the motion, one for each degree of freedom. The rates of the joints are "
+        "The generalized speeds describe the motion, one for each degree of freedom. The rates of "
+        "the joints are "
         "chosen: velocities are linear in them, and each can be varied alone."
     )
     one = "One generalized speed describes the motion of one degree of freedom. The rate of the joint is chosen."
@@ -55,8 +58,10 @@ def _inertia_forces(s: Setting) -> Step:
             lines.append(eq(s.angular_name("nc", i), s.spin_terms(i)))
     return Step(
         "Inertia forces of the bodies",
-        "By d'Alembert's principle the motion of a body counts as a load on it: an inertia force at its centre of "
-        "mass, the opposite of f_ci, and an inertia torque, the opposite of the rate of its angular momentum.",
+        "By d'Alembert's principle the motion of a body counts as a load on it: an inertia force "
+        "at its centre of "
+        "mass, the opposite of f_ci, and an inertia torque, the opposite of the rate of its "
+        "angular momentum.",
         tuple(lines),
     )
 
@@ -72,7 +77,8 @@ class _Joint:
         self.turning = {k: self._partial(s.motion.w[k]) for k in s.weighted if not s.is_point(k)}
 
     def _partial(self, velocity: Iterable) -> Vector:
-        """The factors of the rate in a velocity; in space the axes of a body do not depend on rates."""
+        """The factors of the rate in a velocity; in space the axes of a body do not depend on
+        rates."""
         return tuple(self.s.symbols.element(x).derivative(self.rate) for x in velocity)
 
     # ------------------------------------------------------------ partial velocities
@@ -85,19 +91,29 @@ class _Joint:
                 lines.append(eq(self._omega(k), whole, s.angular(self.turning[k])))
             if _some(self.centres[k]):
                 lines.append(
-                    eq(self._v(k), ex.partial(s.name("vc", k), self.rate), s.column(self.centres[k]))
+                    eq(
+                        self._v(k),
+                        ex.partial(s.name("vc", k), self.rate),
+                        s.column(self.centres[k]),
+                    )
                 )
         if s.load and _some(self._tip()):
             lines.append(eq(self._tip_name(), s.column(self._tip())))
         what = f"They tell how the bodies move when joint {self.number} alone moves, at the rate 1"
         if self.is_first:
             what = (
-                "A partial velocity is the factor of one joint's rate in the velocity of a point, a partial angular "
+                "A partial velocity is the factor of one joint's rate in the velocity of a point, "
+                "a partial angular "
                 f"velocity its factor in the angular velocity of a body. {what}"
             )
         rest = "; those that are not listed are zero" if self.s.order[1:] else ""
         figure = f"partial {self.number}" if any(map(_some, self.centres.values())) else None
-        return Step(f"Partial velocities: joint {self.number}", f"{what}{rest}.", tuple(lines), figure=figure)
+        return Step(
+            f"Partial velocities: joint {self.number}",
+            f"{what}{rest}.",
+            tuple(lines),
+            figure=figure,
+        )
 
     def _v(self, k: int) -> Expression:
         """v_ck,r."""
@@ -112,7 +128,9 @@ class _Joint:
     def _tip(self) -> Vector:
         """∂ṙ_P/∂q̇_r = ∂r_P/∂q_r, with the world's components, as the load has them."""
         s = self.s
-        return tuple(s.symbols.element(x).derivative(s.coordinate(self.i)) for x in s.tip_position())
+        return tuple(
+            s.symbols.element(x).derivative(s.coordinate(self.i)) for x in s.tip_position()
+        )
 
     def _tip_name(self) -> Expression:
         return ex.partial(vec("r_P_d"), self.rate)
@@ -121,7 +139,9 @@ class _Joint:
     def forces(self) -> Step:
         """The generalized active and inertia force."""
         s = self.s
-        active = ex.add(s.motor(self.i), *self._active_terms(), ex.neg_each(s.show(self._resisting)))
+        active = ex.add(
+            s.motor(self.i), *self._active_terms(), ex.neg_each(s.show(self._resisting))
+        )
         value = ex.add(s.motor(self.i), s.show(self._active))
         inertia = ex.add(*map(ex.neg, self._inertia_terms()), ex.neg_each(s.show(self._rotor)))
         lines = (
@@ -140,10 +160,14 @@ class _Joint:
         if not self.is_first:
             return f"The same sums with the partial velocities of joint {self.number}; in the active force: {found}."
         return (
-            f"The generalized active force F_{self.number} is the sum of all forces, each times the partial velocity "
-            "of the point where it acts, and of all torques, each times the partial angular velocity of its body; in "
-            f"it: {found}. The reactions in the joints do not occur, for together they do no work in any motion of "
-            "the joints. The generalized inertia force is the same sum over the inertia forces and torques."
+            f"The generalized active force F_{self.number} is the sum of all forces, each times "
+            f"the partial velocity "
+            "of the point where it acts, and of all torques, each times the partial angular "
+            "velocity of its body; in "
+            f"it: {found}. The reactions in the joints do not occur, for together they do no work "
+            f"in any motion of "
+            "the joints. The generalized inertia force is the same sum over the inertia forces and "
+            "torques."
         )
 
     @property
@@ -182,7 +206,9 @@ class _Joint:
     @property
     def _rotor(self) -> Trig:
         drive, s = self.s.tree.bodies[self.i].drive, self.s
-        return s.symbols.element(0.0 if drive is None else drive.rotor * s.symbols.qdd[self._coordinate])
+        return s.symbols.element(
+            0.0 if drive is None else drive.rotor * s.symbols.qdd[self._coordinate]
+        )
 
     @property
     def _coordinate(self) -> int:
@@ -245,8 +271,12 @@ def _symbols(s: Setting) -> Iterator[Meaning]:
     yield from glossary.vectors(s)
     yield from glossary.moving(s)
     yield from glossary.inertia_forces(s)
-    yield Meaning((sym("v_ci,r", True),), "factor of joint r's rate in v_ci: a partial velocity", "m or 1")
-    yield Meaning((sym("omega_i,r", not s.planar),), "the same of ω_i: a partial angular velocity", "1")
+    yield Meaning(
+        (sym("v_ci,r", True),), "factor of joint r's rate in v_ci: a partial velocity", "m or 1"
+    )
+    yield Meaning(
+        (sym("omega_i,r", not s.planar),), "the same of ω_i: a partial angular velocity", "1"
+    )
     unit = "N m" if all(map(s.turns, s.order)) else "N m or N"
     star = ex.Symbol("F_r_star", "F", ("r",), high="*")
     yield Meaning((sym("F_r"), star), "generalized active and inertia force of joint r", unit)

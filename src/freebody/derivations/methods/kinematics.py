@@ -1,4 +1,5 @@
-"""Kinematics of the tip step by step: position, velocity, Jacobian, singular poses, acceleration (2.10-2.26)."""
+"""Kinematics of the tip step by step: position, velocity, Jacobian, singular poses, acceleration
+(2.10-2.26)."""
 
 from __future__ import annotations
 
@@ -35,7 +36,9 @@ def derive(setting: Setting) -> Worked:
         *work.back(),
     ]
     steps += inverse_position(setting)
-    return Worked(tuple(steps), (), _symbols(setting), "Kinematics of the tip", loop_kinematics.SOUGHT)
+    return Worked(
+        tuple(steps), (), _symbols(setting), "Kinematics of the tip", loop_kinematics.SOUGHT
+    )
 
 
 def _symbols(s: Setting) -> Iterator[Meaning]:
@@ -48,7 +51,8 @@ def _symbols(s: Setting) -> Iterator[Meaning]:
 
 
 class _Tip:
-    """The steps; counted is the motion of the point, and in the plane the turning where there are joints for it."""
+    """The steps; counted is the motion of the point, and in the plane the turning where there are
+    joints for it."""
 
     def __init__(self, setting: Setting):
         self.s = setting
@@ -73,9 +77,13 @@ class _Tip:
         """Sum of the vectors along the arm."""
         s, closed = self.s, self.closed
         lines = [*self._along(), *self._sum(), *([self._angle()] if self.turning else [])]
-        reason = "The vectors along the bodies, one after the other, lead from the base to the tip P."
+        reason = (
+            "The vectors along the bodies, one after the other, lead from the base to the tip P."
+        )
         if not s.planar:
-            reason = "The poses of the bodies, one after the other, lead from the base to the tip P."
+            reason = (
+                "The poses of the bodies, one after the other, lead from the base to the tip P."
+            )
         position = self._named("r_P", closed.position)
         last = [] if s.planar else [position]
         return Step(
@@ -88,7 +96,11 @@ class _Tip:
 
     def _along(self) -> list[Equation]:
         """The vectors from joint to joint, in the plane."""
-        return [eq(name, self.s.column(value)) for name, value in self._chain()] if self.s.planar else []
+        return (
+            [eq(name, self.s.column(value)) for name, value in self._chain()]
+            if self.s.planar
+            else []
+        )
 
     def _sum(self) -> list[Equation]:
         s = self.s
@@ -103,7 +115,11 @@ class _Tip:
     def _chain(self) -> list[tuple[Expression, tuple]]:
         s, path = self.s, self._path()
         inner = [(s.reach_name(i, k), s.to_child(i, k)) for i, k in pairwise(path)]
-        return [row for row in [*inner, (s.tip_name(), s.to_tip(path[-1]))] if s.column(row[1]) != ex.ZERO]
+        return [
+            row
+            for row in [*inner, (s.tip_name(), s.to_tip(path[-1]))]
+            if s.column(row[1]) != ex.ZERO
+        ]
 
     def _path(self) -> list[int]:
         """Bodies from the base to the tip's."""
@@ -118,7 +134,12 @@ class _Tip:
 
     def velocity(self) -> Step:
         """The derivative of the position."""
-        lines = [eq(ex.d_dt(vec("r_P")), self.s.column(tuple(self.closed.velocity[: self.s.tree.space.dim])))]
+        lines = [
+            eq(
+                ex.d_dt(vec("r_P")),
+                self.s.column(tuple(self.closed.velocity[: self.s.tree.space.dim])),
+            )
+        ]
         if not self.turning:
             return self._velocity(lines)
         omega = self.s.show_moved(self.closed.velocity[2])
@@ -144,7 +165,8 @@ class _Tip:
         moved = ex.Vector((vec("r_P_d"), sym("phi_d"))) if self.turning else vec("r_P_d")
         return Step(
             "The Jacobian",
-            "The velocity is linear in the rates; their factors are the partial derivatives of the position, one "
+            "The velocity is linear in the rates; their factors are the partial derivatives of the "
+            "position, one "
             "column a joint.",
             (eq(moved, ex.mul("J", vec("q_d"))), eq(vec("q_d"), rates), eq("J", ex.matrix(J))),
             ("2.6", *self.cited("2.18", "2.19")),
@@ -170,7 +192,11 @@ class _Tip:
         ]
         for condition in found.conditions:
             lines += condition.solutions or (condition.equation,)
-        where = "It is zero where one of the following holds" if found.conditions else "It is zero nowhere"
+        where = (
+            "It is zero where one of the following holds"
+            if found.conditions
+            else "It is zero nowhere"
+        )
         if found.polynomial.is_zero:
             where = "It is zero everywhere: the joints cannot move the tip in all directions"
         reason = f"Where the determinant vanishes the arm loses a direction of motion. {where}."
@@ -187,7 +213,9 @@ class _Tip:
     def acceleration(self) -> Step:
         """J q̈ + J̇ q̇."""
         s = self.s
-        J_dot = [[s.show_moved(self.closed.J_dot[r][k]) for k in self._columns()] for r in self.rows]
+        J_dot = [
+            [s.show_moved(self.closed.J_dot[r][k]) for k in self._columns()] for r in self.rows
+        ]
         second = ex.add(ex.mul("J", vec("q_dd")), ex.mul("J_d", vec("q_d")))
         moved = vec("r_P_dd") if not self.turning else ex.Vector((vec("r_P_dd"), sym("phi_dd")))
         value = s.column(tuple(self.closed.acceleration[: s.tree.space.dim]))
@@ -207,14 +235,23 @@ class _Tip:
         inverse = ex.power("J", -1)
         moved, second = (vec(f"r_P{d}") for d in (RATE, SECOND))
         if self.turning:
-            moved, second = (ex.Vector((x, sym(f"phi{d}"))) for x, d in ((moved, RATE), (second, SECOND)))
+            moved, second = (
+                ex.Vector((x, sym(f"phi{d}"))) for x, d in ((moved, RATE), (second, SECOND))
+            )
         lines = [
             eq(vec("q_d"), ex.mul(inverse, moved)),
             eq(vec("q_dd"), ex.mul(inverse, ex.sub(second, ex.mul("J_d", vec("q_d"))))),
         ]
-        reason = "Where J is not singular the joints' motion follows from a wanted motion of the tip."
+        reason = (
+            "Where J is not singular the joints' motion follows from a wanted motion of the tip."
+        )
         return [
-            Step("Inverse velocity and acceleration", reason, (*lines, *self._inverse()), ("2.25", "2.26"))
+            Step(
+                "Inverse velocity and acceleration",
+                reason,
+                (*lines, *self._inverse()),
+                ("2.25", "2.26"),
+            )
         ]
 
     def _inverse(self) -> list[Equation]:
@@ -222,13 +259,18 @@ class _Tip:
         if len(self.rows) != 2:
             return []
         s = self.s
-        (a, b), (c, d) = [[s.show_moved(self.closed.J[r][k]) for k in self._columns()] for r in self.rows]
+        (a, b), (c, d) = [
+            [s.show_moved(self.closed.J[r][k]) for k in self._columns()] for r in self.rows
+        ]
         determinant = jacobian_determinant(self.closed, self.rows).expression
         if determinant == ex.ZERO:
             return []
         adjugate = [[d, ex.neg_each(b)], [ex.neg_each(c), a]]
         if isinstance(determinant, ex.Negative):
-            determinant, adjugate = determinant.operand, [[ex.neg_each(x) for x in row] for row in adjugate]
+            determinant, adjugate = (
+                determinant.operand,
+                [[ex.neg_each(x) for x in row] for row in adjugate],
+            )
         rows = [[x if x == ex.ZERO else ex.div(x, determinant) for x in row] for row in adjugate]
         return [eq(ex.Symbol("J_inverse", "J", high="-1"), ex.matrix(rows))]
 

@@ -44,9 +44,13 @@ def derive(setting: Setting) -> Worked:
 
 def symbols(s: Setting) -> Iterator[Meaning]:
     """What the energies bring in."""
-    yield Meaning((sym("r_ci", True),), "centre of mass of body i, from the base's origin", glossary.METER)
+    yield Meaning(
+        (sym("r_ci", True),), "centre of mass of body i, from the base's origin", glossary.METER
+    )
     yield from glossary.moving(s)
-    yield Meaning((sym("T_i"), sym("V_i")), "kinetic and potential energy of body i", glossary.JOULE)
+    yield Meaning(
+        (sym("T_i"), sym("V_i")), "kinetic and potential energy of body i", glossary.JOULE
+    )
     yield Meaning((sym("L"),), "Lagrangian", glossary.JOULE)
 
 
@@ -83,12 +87,11 @@ def _coordinates(s: Setting) -> Step:
 def _positions(s: Setting) -> Step:
     lines = [eq(s.name("rc", i), s.column(s.centre_position(i))) for i in s.weighted]
     if s.planar:
-        reason = (
-            "The energies need where each centre of mass is and how fast it moves; the drawing shows where."
-        )
+        reason = "The energies need where each centre of mass is and how fast it moves; the drawing shows where."
     else:
         reason = (
-            "The energies need where each centre of mass is and how fast it moves; following the frames from the base "
+            "The energies need where each centre of mass is and how fast it moves; following the "
+            "frames from the base "
             "gives where, in the world's axes."
         )
     return Step("Positions of the centres of mass", reason, tuple(lines), figure="centres")
@@ -108,8 +111,12 @@ def _angular_velocities(s: Setting, moving: Motion) -> Step:
     slides = not all(map(s.turns, s.order))
     turning = "A revolute joint adds its rate to the angular velocity of the body before it"
     rest = "; a prismatic joint adds nothing" if slides else ""
-    axes = "" if s.planar else ". Each is given in its body's own axes, where the inertia is constant"
-    numbers = {"RR": ("5.8", "5.9"), "R": ("4.1",)}.get(s.cited, ("4.1",) if s.planar else ("6.16", "6.24"))
+    axes = (
+        "" if s.planar else ". Each is given in its body's own axes, where the inertia is constant"
+    )
+    numbers = {"RR": ("5.8", "5.9"), "R": ("4.1",)}.get(
+        s.cited, ("4.1",) if s.planar else ("6.16", "6.24")
+    )
     return Step("Angular velocities", f"{turning}{rest}{axes}.", tuple(lines), numbers)
 
 
@@ -144,7 +151,8 @@ def _lagrangian(s: Setting, energies: Energies) -> Step:
     rule = ex.sub(kinetic, potential) if energies.has_potential else kinetic
     return Step(
         "The Lagrangian",
-        f"Kinetic minus potential energy: all that the equations need of the {'bodies' if s.tree.loops else 'arm'}.",
+        f"Kinetic minus potential energy: all that the equations need of the "
+        f"{'bodies' if s.tree.loops else 'arm'}.",
         (eq("L", rule, s.show(energies.lagrangian)),),
         ("5.6",),
     )
@@ -155,7 +163,9 @@ def derivatives(s: Setting, energies: Energies, i: int) -> tuple[Step, Trig, Tri
     x, L = s.coordinate(i), energies.lagrangian
     by_rate, by_position = L.derivative(x + RATE), L.derivative(x)
     moved = by_rate.along(s.symbols.rates)
-    friction = s.equations.drives[s.tree.bodies[i].coordinates.v[0]] - energies.springs.derivative(x)
+    friction = s.equations.drives[s.tree.bodies[i].coordinates.v[0]] - energies.springs.derivative(
+        x
+    )
     slope, d_position = ex.partial("L", x + RATE), ex.partial("L", x)
     lines = (
         eq(slope, s.show(by_rate)),
@@ -164,7 +174,8 @@ def derivatives(s: Setting, energies: Energies, i: int) -> tuple[Step, Trig, Tri
     )
     step = Step(
         f"Derivatives for {sym(x)}",
-        "In the partial derivatives coordinates and rates count as independent; the derivative with respect to time "
+        "In the partial derivatives coordinates and rates count as independent; the derivative "
+        "with respect to time "
         "brings in the accelerations.",
         lines,
     )
@@ -178,7 +189,9 @@ def _equation(s: Setting, energies: Energies, i: int, work: Trig) -> tuple[list[
     slope, d_position = ex.partial("L", x + RATE), ex.partial("L", x)
     force = s.motor(i) if not s.load else sym(f"Q{s.numbers[i]}")
     right = ex.add(force, ex.neg_each(s.show(friction)))
-    number = {("RR", 1): "5.15", ("RR", 2): "5.16"}.get((s.cited, s.numbers[i]), "" if s.planar else "6.15")
+    number = {("RR", 1): "5.15", ("RR", 2): "5.16"}.get(
+        (s.cited, s.numbers[i]), "" if s.planar else "6.15"
+    )
     motor = s.words(i).effort
     reason = f"Lagrange's equation; the generalized force is the {motor} of the joint's motor"
     if not s.driven(i):

@@ -1,4 +1,5 @@
-"""How the tip of a closed chain moves with its drives: loop equations, J_a, J_b, J, singular positions (2.27-2.40)."""
+"""How the tip of a closed chain moves with its drives: loop equations, J_a, J_b, J, singular
+positions (2.27-2.40)."""
 
 from __future__ import annotations
 
@@ -68,7 +69,9 @@ class _TipAndDrives:
             if self._numbered
             else ""
         )
-        reason = f"The equations on the rates tie the tip's velocity to the driven rates. {how}{slips}"
+        reason = (
+            f"The equations on the rates tie the tip's velocity to the driven rates. {how}{slips}"
+        )
         numbers = ("2.35", "2.37", "2.38", "2.39", "2.40") if self._numbered else ("2.35",)
         return Step("The tip and the drives", reason, tuple(lines), numbers)
 
@@ -86,9 +89,15 @@ class _TipAndDrives:
                 if x.is_zero:
                     continue
                 shared = common is not None and not x.is_polynomial
-                shown = quotient(product(x.above * sign, layout), sym("Delta")) if shared else x.form(layout)
+                shown = (
+                    quotient(product(x.above * sign, layout), sym("Delta"))
+                    if shared
+                    else x.form(layout)
+                )
                 small = ex.size(shown) <= 2 * LONG
-                lines.append(eq(entry("J", i, k), shown if small else ex.Words(f"({len(x.above)} terms)")))
+                lines.append(
+                    eq(entry("J", i, k), shown if small else ex.Words(f"({len(x.above)} terms)"))
+                )
         if common is not None:
             lines.append(eq(sym("Delta"), product(common * sign, layout)))
         reason = "Solved for the tip's velocity where J_a can be inverted."
@@ -98,8 +107,10 @@ class _TipAndDrives:
         """Where det J_b or det J_a vanishes."""
         lines = [*self._where(self.io.first, "b"), *self._where(self.io.second, "a")]
         reason = (
-            "First type, det J_b = 0: some drive turns and the tip stands still in a direction, as at the edge of the "
-            "workspace. Second type, det J_a = 0: the tip gives way though the drives hold; near it the forces in the "
+            "First type, det J_b = 0: some drive turns and the tip stands still in a direction, as "
+            "at the edge of the "
+            "workspace. Second type, det J_a = 0: the tip gives way though the drives hold; near "
+            "it the forces in the "
             "robot grow without bound."
         )
         return Step("Singular positions", reason, tuple(lines))

@@ -1,4 +1,5 @@
-"""Equilibrium of a closed chain, free body by free body, what the loops do being forces sought (2.41-2.49)."""
+"""Equilibrium of a closed chain, free body by free body, what the loops do being forces sought
+(2.41-2.49)."""
 
 from __future__ import annotations
 
@@ -34,7 +35,9 @@ def derive(setting: Setting) -> Worked:
     steps += [work.forces(), *map(work.body, setting.order), work.geometry()]
     steps += [*work.passive(), work.torques(), work.reactions_step()]
     torques = tuple(work.reactions.motor(i) for i in setting.order)
-    sought = "Sought: what the motors must give to hold the robot at rest, and the forces in the loops."
+    sought = (
+        "Sought: what the motors must give to hold the robot at rest, and the forces in the loops."
+    )
     return Worked(tuple(steps), torques, _symbols(setting), sought=sought, system=work.system)
 
 
@@ -74,7 +77,9 @@ class _Balance(Equilibrium):
         s = self.s
         at = {i: s.tree.bodies[i].coordinates.v[0] for i in s.order}
         needed = {at[i]: self.reactions.motor(i) for i in s.order}
-        return LoopStatics(self.loops.equations, needed, tuple(at[i] for i in s.order if not s.driven(i)))
+        return LoopStatics(
+            self.loops.equations, needed, tuple(at[i] for i in s.order if not s.driven(i))
+        )
 
     # ------------------------------------------------------------ the bodies
     def forces(self) -> Step:
@@ -83,10 +88,13 @@ class _Balance(Equilibrium):
         held = "; ".join(self.loops.holds(loop) for loop in self.s.tree.loops)
         rods = any(loop.closure.distance for loop in self.s.tree.loops)
         along = (
-            " A rod without mass pulls along itself; λ is half its tension over its length." if rods else ""
+            " A rod without mass pulls along itself; λ is half its tension over its length."
+            if rods
+            else ""
         )
         reason = (
-            f"The loops are cut: {held}. In place of each stands the force of the one body on the other, and its "
+            f"The loops are cut: {held}. In place of each stands the force of the one body on the "
+            f"other, and its "
             f"opposite on that; its components are sought.{along}"
         )
         return Step("Cut the loops: their forces are sought", reason, tuple(lines))
@@ -108,8 +116,8 @@ class _Balance(Equilibrium):
         return found
 
     def _ends(self, i: int) -> list[tuple[TreeLoop, str]]:
-        """Loops that act on body i, and the frame at which: its own, or of a slide that of the second body, where the
-        wrench is counted on both."""
+        """Loops that act on body i, and the frame at which: its own, or of a slide that of the
+        second body, where the wrench is counted on both."""
         return [
             (loop, loop.frames[1] if loop.closure.slides else frame)
             for loop in self.s.tree.loops
@@ -118,12 +126,17 @@ class _Balance(Equilibrium):
         ]
 
     def about(self, i: int) -> list[Expression]:
-        """Moments about the joint, those of loops that carry moments included; forces at the joint have none."""
+        """Moments about the joint, those of loops that carry moments included; forces at the joint
+        have none."""
         s = self.s
-        terms = [ex.neg(ex.cross(s.reach_name(i, k), s.force_name(i, k))) for k in s.tree.children(i)]
+        terms = [
+            ex.neg(ex.cross(s.reach_name(i, k), s.force_name(i, k))) for k in s.tree.children(i)
+        ]
         for force, arm in self.outer(i):
             negative = isinstance(force, ex.Negative)
-            moment = ex.ZERO if arm == ex.ZERO else ex.cross(arm, force.operand if negative else force)
+            moment = (
+                ex.ZERO if arm == ex.ZERO else ex.cross(arm, force.operand if negative else force)
+            )
             terms.append(ex.neg(moment) if negative and moment != ex.ZERO else moment)
         for loop, _ in self._ends(i):
             moment = self.loops.moment_name(loop)
@@ -131,7 +144,8 @@ class _Balance(Equilibrium):
         return terms
 
     def arm(self, i: int, frame: str) -> Expression:
-        """The way from joint i to a frame where a loop acts: 0 where it is the joint's own place."""
+        """The way from joint i to a frame where a loop acts: 0 where it is the joint's own
+        place."""
         if all(self.s.symbols.element(x).is_zero for x in self._way(i, frame)):
             return ex.ZERO
         if self._is_only_end(i, frame):
@@ -139,7 +153,8 @@ class _Balance(Equilibrium):
         return self.s.naming.to_point(self.s.numbers[i], frame)
 
     def _is_only_end(self, i: int, frame: str) -> bool:
-        """Whether loops and load act on body i at one point, and no further joint: s_i leads there."""
+        """Whether loops and load act on body i at one point, and no further joint: s_i leads
+        there."""
         ends = [f for _, f in self._ends(i)]
         ends += [self.s.symbols.model.frame().name] if self.s.loaded(i) else []
         places = [tuple(map(self.s.symbols.element, self._way(i, f))) for f in ends]
@@ -176,24 +191,33 @@ class _Balance(Equilibrium):
         joints = listed([f"joint {s.numbers[i]}" for i in free])
         lines = [eq(s.show(self.reactions.motor(i)), ex.ZERO) for i in free]
         reason = (
-            f"Nothing drives {joints}: of all that hangs on such a joint, the moments about it (along a slide, the "
-            "forces) add up to zero, with springs where there are. No other unknown is in these equations."
+            f"Nothing drives {joints}: of all that hangs on such a joint, the moments about it "
+            f"(along a slide, the "
+            "forces) add up to zero, with springs where there are. No other unknown is in these "
+            "equations."
         )
         return [Step("Passive joints carry none", reason, tuple(lines)), self._loop_forces()]
 
     def _loop_forces(self) -> Step:
-        system, names = self.system, [entry("lam", k) for k in range(1, len(self.loops.equations.names) + 1)]
+        system, names = (
+            self.system,
+            [entry("lam", k) for k in range(1, len(self.loops.equations.names) + 1)],
+        )
         if system.multipliers is None:
             reason = (
-                f"They are {len(system.passive)} for {len(names)} multipliers: the drives are more than the degrees of "
+                f"They are {len(system.passive)} for {len(names)} multipliers: the drives are more "
+                f"than the degrees of "
                 "freedom and may press against one another. As a system: A λ = k."
             )
             lines = [*self.loops.matrix(sym("A"), system.A), eq(ex.mul("A", "lam"), "k")]
             lines += [eq("k", ex.Vector(tuple(map(self.s.show, system.right))))]
             return Step("The forces in the loops", reason, tuple(lines))
-        lines = [eq(name, self._ratio(x)) for name, x in zip(names, system.multipliers, strict=True)]
+        lines = [
+            eq(name, self._ratio(x)) for name, x in zip(names, system.multipliers, strict=True)
+        ]
         reason = (
-            "Linear equations, solved by determinants. Where the denominator vanishes the robot gives way though its "
+            "Linear equations, solved by determinants. Where the denominator vanishes the robot "
+            "gives way though its "
             "drives hold (a singular position of the second type), and no finite forces balance."
         )
         return Step("The forces in the loops", reason, tuple(lines), result=True)
@@ -209,7 +233,11 @@ class _Balance(Equilibrium):
             found = self.system.torque(s.tree.bodies[i].coordinates.v[0])
             if found is not None:
                 shown = self._ratio(found)
-                sides += [shown] if not isinstance(shown, ex.Words) and ex.size(shown) <= 2 * LONG else []
+                sides += (
+                    [shown]
+                    if not isinstance(shown, ex.Words) and ex.size(shown) <= 2 * LONG
+                    else []
+                )
             lines.append(eq(s.motor(i), *dict.fromkeys(sides)))
         reason = "The balance about the driven joints, by the multipliers, then with these put in where that is short."
         return Step("What the motors give", reason, tuple(lines), result=True)
@@ -217,9 +245,18 @@ class _Balance(Equilibrium):
     def reactions_step(self) -> Step:
         """Forces in the joints."""
         s = self.s
-        lines = [eq(s.force_name(s.tree.bodies[i].parent, i), s.column(self.reactions.f[i])) for i in s.order]
-        lines += [eq(s.joint_moment(i), s.angular(self.reactions.n[i])) for i in s.order if not s.is_pin(i)]
-        reason = "The balance of forces, from the last body inward: what the body before does to each."
+        lines = [
+            eq(s.force_name(s.tree.bodies[i].parent, i), s.column(self.reactions.f[i]))
+            for i in s.order
+        ]
+        lines += [
+            eq(s.joint_moment(i), s.angular(self.reactions.n[i]))
+            for i in s.order
+            if not s.is_pin(i)
+        ]
+        reason = (
+            "The balance of forces, from the last body inward: what the body before does to each."
+        )
         return Step("The forces in the joints", reason, tuple(lines))
 
     def _ratio(self, x: Ratio) -> Expression:

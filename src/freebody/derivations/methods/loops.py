@@ -1,4 +1,5 @@
-"""What derivations of closed chains share: where loops are cut, their equations, and which wrench a multiplier is."""
+"""What derivations of closed chains share: where loops are cut, their equations, and which wrench a
+multiplier is."""
 
 from __future__ import annotations
 
@@ -53,7 +54,9 @@ class Loops:
 
     def points(self, loop: TreeLoop) -> tuple[str, str]:
         """ "point P of body 3" of both frames."""
-        first, second = (self._point(name, i) for name, i in zip(loop.frames, self.ends(loop), strict=True))
+        first, second = (
+            self._point(name, i) for name, i in zip(loop.frames, self.ends(loop), strict=True)
+        )
         return first, second
 
     def _point(self, frame: str, i: int) -> str:
@@ -81,7 +84,8 @@ class Loops:
         held = "; ".join(self.holds(loop) for loop in s.tree.loops)
         cuts = "loop" if len(s.tree.loops) == 1 else "loops"
         reason = (
-            f"The {cuts} cut open, the bodies hang in a tree, whose joint variables fix every pose; they are not "
+            f"The {cuts} cut open, the bodies hang in a tree, whose joint variables fix every "
+            f"pose; they are not "
             f"independent, because what was cut must stay closed: {held}."
         )
         motors = [s.motor(i) for i in s.order]
@@ -95,7 +99,10 @@ class Loops:
     def closed(self) -> Step:
         """Φ(q) = 0."""
         reason = " ".join(self._written(loop) for loop in self.s.tree.loops)
-        lines = [eq(self.phi(k), shown, ex.ZERO) for k, shown in enumerate(self.equations.expressions(), 1)]
+        lines = [
+            eq(self.phi(k), shown, ex.ZERO)
+            for k, shown in enumerate(self.equations.expressions(), 1)
+        ]
         numbers = ("2.33", "2.34", "5.21") if self.is_notes_robot else ("5.21",)
         if self.is_notes_robot:
             reason += " (The notes print (2.33) and (2.34) with the sign of d = 2b exchanged.)"
@@ -114,7 +121,8 @@ class Loops:
 
     @cached_property
     def is_notes_robot(self) -> bool:
-        """Whether this is the five-bar as section 2.3 writes it: a point that slides freely, on two rods."""
+        """Whether this is the five-bar as section 2.3 writes it: a point that slides freely, on two
+        rods."""
         s = self.s
         names = set(s.symbols.coordinates)
         lengths = {"b", "l1", "l2", "l3", "l4"}
@@ -132,7 +140,8 @@ class Loops:
         f = self.equations.gruebler
         word = "degree" if f == 1 else "degrees"
         reason = (
-            f"{n} coordinates less {m} equations leave {f} {word} of freedom, by the count that takes all equations as "
+            f"{n} coordinates less {m} equations leave {f} {word} of freedom, by the count that "
+            f"takes all equations as "
             "independent (Grübler's); whether they are depends on lengths and position."
         )
         return Step("Degrees of freedom", reason, (eq("f", ex.sub("n", "m"), ex.sub(n, m), f),))
@@ -140,12 +149,16 @@ class Loops:
     def rates(self) -> Step:
         """Φ_q q̇ = 0."""
         reason = (
-            "The equations hold at all times, so their time derivatives vanish: the matrix Φ_q of partial derivatives "
+            "The equations hold at all times, so their time derivatives vanish: the matrix Φ_q of "
+            "partial derivatives "
             "takes the rates to zero."
         )
         zero = eq(ex.d_dt(sym("Phi")), ex.mul(self.phi_q, _dotted("q", 1)), ex.ZERO)
         return Step(
-            "Rates under the loops", reason, (zero, *self.matrix(self.phi_q, self.equations.Phi_q)), ("5.22",)
+            "Rates under the loops",
+            reason,
+            (zero, *self.matrix(self.phi_q, self.equations.Phi_q)),
+            ("5.22",),
         )
 
     def seconds(self) -> Step:
@@ -153,9 +166,7 @@ class Loops:
         rate = ex.Symbol("Phi_q_d", "Φ", ("q",), dots=1)
         rule = eq(ex.mul(self.phi_q, _dotted("q", 2)), ex.neg(ex.mul(rate, _dotted("q", 1))), "c")
         lines = [eq(entry("c", k), self.s.show(x)) for k, x in enumerate(self.equations.c, 1)]
-        reason = (
-            "Differentiated once more: what the accelerations must satisfy, c holding the products of rates."
-        )
+        reason = "Differentiated once more: what the accelerations must satisfy, c holding the products of rates."
         return Step("Accelerations under the loops", reason, (rule, *lines), ("5.28",))
 
     def wrenches(self) -> Step:
@@ -179,15 +190,18 @@ class Loops:
         target, other = map(self.body, self.ends(loop))
         at = literal(loop.frames[0])
         if loop.closure.distance:
-            return (
-                f"half the rod's tension over its length: positive, it pulls {target} at {at} towards {other}"
-            )
-        parts = "force" if not loop.closure.turns and not loop.closure.slides else "force and the moment"
+            return f"half the rod's tension over its length: positive, it pulls {target} at {at} towards {other}"
+        parts = (
+            "force"
+            if not loop.closure.turns and not loop.closure.slides
+            else "force and the moment"
+        )
         return f"the {parts} of {other} on {target} at {at}, by components"
 
     # ------------------------------------------------------------ wrenches
     def acts(self, loop: TreeLoop, i: int) -> bool:
-        """Whether the shown wrench of a loop acts on body i, and not its opposite: on the second frame's body."""
+        """Whether the shown wrench of a loop acts on body i, and not its opposite: on the second
+        frame's body."""
         return self.ends(loop)[1] == i
 
     def _index(self, loop: TreeLoop) -> int:
@@ -240,7 +254,8 @@ class Loops:
         return entry("Phi", k)
 
     def matrix(self, name: Expression, rows: list) -> list[Equation]:
-        """A matrix written out, or row by row where it is wide, or by its entries that are not zero."""
+        """A matrix written out, or row by row where it is wide, or by its entries that are not
+        zero."""
         shown = ex.matrix([[self._entry(x) for x in row] for row in rows])
         if ex.size(shown) <= LONG:
             return [eq(name, shown)]

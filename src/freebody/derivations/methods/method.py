@@ -1,4 +1,5 @@
-"""What a method of derivation is: one record, which the command line, errors, pages and documents read."""
+"""What a method of derivation is: one record, which the command line, errors, pages and documents
+read."""
 
 from __future__ import annotations
 
@@ -17,10 +18,10 @@ from freebody.scalars.trig import Trig
 class Worked:
     """What a method makes of a setting.
 
-    steps: in order. tau: the motors' torques as this method finds them, in the order of the joints; none where it
-    finds none. symbols: the meanings of what it introduces. title: where options change the method's. sought: a
-    sentence that says what is sought, where it is not the motors' torques for a given motion. system: of a closed
-    chain, as polynomials.
+    steps: in order. tau: the motors' torques as this method finds them, in the order of the joints;
+    none where it finds none. symbols: the meanings of what it introduces. title: where options
+    change the method's. sought: a sentence that says what is sought, where it is not the motors'
+    torques for a given motion. system: of a closed chain, as polynomials.
     """
 
     steps: tuple[Step, ...]
@@ -33,7 +34,8 @@ class Worked:
 
 @dataclass(frozen=True)
 class MethodOption:
-    """An option that one method has: its name, its choices, the default first, and what it chooses, in words."""
+    """An option that one method has: its name, its choices, the default first, and what it chooses,
+    in words."""
 
     name: str
     choices: tuple[str, ...]
@@ -44,13 +46,14 @@ class MethodOption:
 class Method:
     """A way to the equations of a robot.
 
-    name: what users write, as they may each of the aliases. title: heading of a derivation. words: what is
-    done, for lists of the methods. source: where the method is described. derive: from a setting and the options
-    to the steps. reference: the source in full, for the foot of a derivation, where it is not the lecture notes.
-    spaces, closed: the numbers of dimensions in which it serves open and closed chains; elsewhere: the functions
-    that give numbers for closed chains which it does not serve. at_rest: whether the robot stands still, and a
-    force acts on the tip unless it is left out. finds_torques: whether it ends in the torques of the motors;
-    forces do not occur in one that does not.
+    name: what users write, as they may each of the aliases. title: heading of a derivation. words:
+    what is done, for lists of the methods. source: where the method is described. derive: from a
+    setting and the options to the steps. reference: the source in full, for the foot of a
+    derivation, where it is not the lecture notes. spaces, closed: the numbers of dimensions in
+    which it serves open and closed chains; elsewhere: the functions that give numbers for closed
+    chains which it does not serve. at_rest: whether the robot stands still, and a force acts on the
+    tip unless it is left out. finds_torques: whether it ends in the torques of the motors; forces
+    do not occur in one that does not.
     """
 
     name: str
@@ -73,4 +76,6 @@ class Method:
         for name, value in chosen.items():
             if value not in own[name].choices:
                 raise UnknownNameError(name, value, self.name, own[name].choices)
-        return self.derive(setting, **{name: option.choices[0] for name, option in own.items()} | chosen)
+        return self.derive(
+            setting, **{name: option.choices[0] for name, option in own.items()} | chosen
+        )

@@ -15,8 +15,14 @@ def motion(s: Setting) -> list[Step]:
     vd = [eq(s.name("vc", i, "_d"), s.column(s.centre_acceleration(i))) for i in s.order]
     turns = any(map(s.turns, s.order))
     slides = not all(map(s.turns, s.order))
-    adding = "A revolute joint adds its rate to the angular velocity of the body before it" if turns else ""
-    keeping = ("; a prismatic joint adds nothing" if turns else "No joint turns a body") if slides else ""
+    adding = (
+        "A revolute joint adds its rate to the angular velocity of the body before it"
+        if turns
+        else ""
+    )
+    keeping = (
+        ("; a prismatic joint adds nothing" if turns else "No joint turns a body") if slides else ""
+    )
     return [
         Step(
             "Angular velocities and accelerations",
@@ -47,14 +53,14 @@ def _second(s: Setting, slides: bool) -> str:
     """What the terms of an acceleration are."""
     if slides:
         return (
-            "A second time derivative; a point that slides on a turning body has Coriolis' acceleration 2 ω × ḋ u "
+            "A second time derivative; a point that slides on a turning body has Coriolis' "
+            "acceleration 2 ω × ḋ u "
             "besides."
         )
     if s.planar:
         return (
-            "A second time derivative: terms with an acceleration point along the motion, terms with a squared "
+            "A second time derivative: terms with an acceleration point along the motion, terms "
+            "with a squared "
             "velocity point towards the pivots."
         )
-    return (
-        "A second time derivative: terms with accelerations, and products of velocities, since the axes turn."
-    )
+    return "A second time derivative: terms with accelerations, and products of velocities, since the axes turn."

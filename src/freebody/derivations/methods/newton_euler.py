@@ -1,7 +1,9 @@
-"""Newton and Euler body by body: free-body diagrams, unknown reactions, elimination, closed form (3.5-3.15).
+"""Newton and Euler body by body: free-body diagrams, unknown reactions, elimination, closed form
+(3.5-3.15).
 
-n_{i,k} is the moment of body i on body k at joint k. A revolute joint's motor is the moment about its axis (in the
-plane the whole moment), a prismatic one's the force along its axis; the other components are bearing reactions.
+n_{i,k} is the moment of body i on body k at joint k. A revolute joint's motor is the moment about
+its axis (in the plane the whole moment), a prismatic one's the force along its axis; the other
+components are bearing reactions.
 """
 
 from __future__ import annotations
@@ -78,10 +80,13 @@ class FreeBodies:
             ("RR", 1): ("3.10", "3.11"),
             ("RR", 2): ("3.12", "3.13"),
         }.get((s.cited, n), ("3.1", "3.2") if s.planar else ("6.1", "6.2"))
-        return Step(f"Free body {n}", wording.free_body(s, i), lines, numbers, figure=f"free-body {n}")
+        return Step(
+            f"Free body {n}", wording.free_body(s, i), lines, numbers, figure=f"free-body {n}"
+        )
 
     def forces(self, i: int) -> Expression:
-        """Forces on body i: by its parent, minus those on its children, its weight, the load on the tip."""
+        """Forces on body i: by its parent, minus those on its children, its weight, the load on the
+        tip."""
         s = self.s
         terms: list[Expression] = [s.force_name(s.tree.bodies[i].parent, i)]
         terms += [ex.neg(s.force_name(i, k)) for k in s.tree.children(i)]
@@ -115,7 +120,8 @@ class FreeBodies:
         return s.mass_times(i, ex.sub(acceleration, vec("g")) if s.weighs else acceleration)
 
     def passed(self, i: int) -> Expression:
-        """The force at joint i without reactions: of body i and all that hangs on it, less the load."""
+        """The force at joint i without reactions: of body i and all that hangs on it, less the
+        load."""
         s = self.s
         terms = [self.needed(i), *(self.passed(k) for k in s.tree.children(i))]
         return ex.add(*terms, ex.neg(vec("f")) if s.loaded(i) else ex.ZERO)
@@ -128,8 +134,12 @@ class FreeBodies:
             lines.append(eq(s.joint_moment(i), self.held(i)))
         if not s.is_pin(i):
             lines.append(eq(s.motor(i), self.reactions.motor_rule(i, s.joint_moment(i))))
-        numbers = {("R", 1): ("3.7",), ("RR", 1): ("3.15",), ("RR", 2): ("3.14",)}.get((s.cited, n), ())
-        return Step(f"Eliminate the reactions at joint {n}", wording.eliminated(s, i), tuple(lines), numbers)
+        numbers = {("R", 1): ("3.7",), ("RR", 1): ("3.15",), ("RR", 2): ("3.14",)}.get(
+            (s.cited, n), ()
+        )
+        return Step(
+            f"Eliminate the reactions at joint {n}", wording.eliminated(s, i), tuple(lines), numbers
+        )
 
     def held(self, i: int) -> Expression:
         """The moment at joint i with no reaction force in it."""
@@ -150,11 +160,15 @@ class FreeBodies:
         s, n = self.s, self.s.numbers[i]
         lines = []
         if reactions:
-            lines.append(eq(s.force_name(s.tree.bodies[i].parent, i), s.column(self.reactions.f[i])))
+            lines.append(
+                eq(s.force_name(s.tree.bodies[i].parent, i), s.column(self.reactions.f[i]))
+            )
             if not s.is_pin(i):
                 lines.append(eq(s.joint_moment(i), s.angular(self.reactions.n[i])))
         lines.append(eq(s.motor(i), s.show(self.tau[i])))
-        return Step(f"Put the motion in: joint {n}", wording.substituted(s, i, reactions), tuple(lines))
+        return Step(
+            f"Put the motion in: joint {n}", wording.substituted(s, i, reactions), tuple(lines)
+        )
 
 
 METHOD = Method(
@@ -163,5 +177,7 @@ METHOD = Method(
     "forces and moments on each body, the reactions eliminated",
     "lecture notes, chapter 3 and section 6.1",
     derive,
-    options=(MethodOption("route", ("centre", "pivot"), "moments about centres of mass or pivots"),),
+    options=(
+        MethodOption("route", ("centre", "pivot"), "moments about centres of mass or pivots"),
+    ),
 )

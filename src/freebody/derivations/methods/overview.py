@@ -1,4 +1,5 @@
-"""What stands before the first step: the robot in words, what is sought, and a table of the symbols."""
+"""What stands before the first step: the robot in words, what is sought, and a table of the
+symbols."""
 
 from __future__ import annotations
 
@@ -24,7 +25,9 @@ def _arm(s: Setting) -> str:
     robot = "closed chain" if s.tree.loops else "arm"
     kind = f"A planar {robot}" if s.planar else f"A{'n' * (robot == 'arm')} {robot} in space"
     bodies = "one moving body" if count == 1 else f"{count} moving bodies"
-    return f"{kind} with {bodies}: {'; '.join(_joint(s, i) for i in s.order)}. The ground is body 0."
+    return (
+        f"{kind} with {bodies}: {'; '.join(_joint(s, i) for i in s.order)}. The ground is body 0."
+    )
 
 
 def _joint(s: Setting, i: int) -> str:
@@ -48,10 +51,13 @@ def _loops(s: Setting) -> list[str]:
     ends = {frame.name: frame.body for frame in model.frames}
 
     def end(frame: str) -> str:
-        return f"{literal(frame)} of {'the ground' if ends[frame] < 0 else f'body {ends[frame] + 1}'}"
+        return (
+            f"{literal(frame)} of {'the ground' if ends[frame] < 0 else f'body {ends[frame] + 1}'}"
+        )
 
     rows = [
-        f"{literal(loop.name)} ({loop.kind}) between {end(loop.frames[0])} and {end(loop.frames[1])}"
+        f"{literal(loop.name)} ({loop.kind}) between {end(loop.frames[0])} and "
+        f"{end(loop.frames[1])}"
         for loop in model.loops
     ]
     return [f"{'A loop closes' if len(rows) == 1 else 'Loops close'} it: {'; '.join(rows)}."]
@@ -61,7 +67,9 @@ def _gravity(s: Setting) -> list[str]:
     if not s.weighs:
         return ["There is no gravity."]
     model = s.symbols.model
-    name = "of magnitude g" if isinstance(model.gravity_size, Parameter) else "of the given magnitude"
+    name = (
+        "of magnitude g" if isinstance(model.gravity_size, Parameter) else "of the given magnitude"
+    )
     along = [(axis, x) for axis, x in zip("xyz", model.gravity_direction, strict=False) if x]
     if len(along) > 1:
         return [f"Gravity {name} acts in a given direction."]
@@ -75,7 +83,8 @@ def _axes(s: Setting) -> list[str]:
             return []
         return ["Angles are counted anticlockwise, each measured from the previous link."]
     return [
-        "Each body has a frame of its own, fixed to it; its vectors are given by their components in that frame "
+        "Each body has a frame of its own, fixed to it; its vectors are given by their components "
+        "in that frame "
         "(the notes mark them with a prime)."
     ]
 
@@ -83,7 +92,9 @@ def _axes(s: Setting) -> list[str]:
 def _load(s: Setting) -> list[str]:
     axes = "" if s.planar else ", with components in the world's axes"
     return (
-        [f"A force f acts on the {'robot' if s.tree.loops else 'arm'} at its tip P{axes}."] if s.load else []
+        [f"A force f acts on the {'robot' if s.tree.loops else 'arm'} at its tip P{axes}."]
+        if s.load
+        else []
     )
 
 

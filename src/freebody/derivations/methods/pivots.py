@@ -15,7 +15,8 @@ from freebody.spatial import dot
 
 
 def about_pivots(s: Setting, drives: Mapping[int, Trig]) -> list[Step]:
-    """One equation a joint, from the base outward; drives: what each joint's friction and the like takes."""
+    """One equation a joint, from the base outward; drives: what each joint's friction and the like
+    takes."""
     if s.cited == "R":
         return [_fixed_axis(s, s.show(drives[s.order[0]]))]
     return [_carried(s, i, s.show(drives[i])) for i in s.order]
@@ -43,8 +44,10 @@ def _fixed_axis(s: Setting, drive: Expression) -> Step:
     about = ex.add(own, s.mass_times(i, s.show(length)))
     return Step(
         "Moments about the pivot",
-        "The body turns about a fixed pivot, where the reaction f_0,1 has no moment: one equation gives the torque, "
-        "with the moment of inertia about the pivot by the parallel-axis theorem. (The notes print (3.3) and (3.4) "
+        "The body turns about a fixed pivot, where the reaction f_0,1 has no moment: one equation "
+        "gives the torque, "
+        "with the moment of inertia about the pivot by the parallel-axis theorem. (The notes print "
+        "(3.3) and (3.4) "
         "with the opposite sign of the weight.)",
         (eq("I_A", about), eq(ex.add(*moments), ex.mul("I_A", sym("omega1_d")))),
         ("1.19", "3.3", "3.4"),
@@ -55,18 +58,23 @@ def _fixed_axis(s: Setting, drive: Expression) -> Step:
 def _carried(s: Setting, i: int, drive: Expression) -> Step:
     n, parent = s.numbers[i], s.numbers[s.tree.bodies[i].parent]
     held = f"f_{parent},{n}" + ("" if s.is_pin(i) else f" with the moment n_{parent},{n}")
-    found = f"the {s.words(i).effort}" if s.driven(i) else "an equation of motion: there is no motor"
+    found = (
+        f"the {s.words(i).effort}" if s.driven(i) else "an equation of motion: there is no motor"
+    )
     lines = [*_arms(s, i), eq(s.motor(i), ex.add(_balance(s, i), drive))]
     if s.turns(i):
         pivot = "the pivot" if s.planar else "its axis"
         reason = (
-            f"Take all that joint {n} carries as one system: its inner reactions cancel, and the reaction {held} at "
+            f"Take all that joint {n} carries as one system: its inner reactions cancel, and the "
+            f"reaction {held} at "
             f"the joint has no moment about {pivot}, so that one moment equation gives {found}."
         )
     else:
         reason = (
-            f"Take all that joint {n} carries as one system: its inner reactions cancel, and of the reaction {held} at "
-            f"the joint {'only the motor' if s.driven(i) else 'nothing'} acts along the slide, so that one equation of "
+            f"Take all that joint {n} carries as one system: its inner reactions cancel, and of "
+            f"the reaction {held} at "
+            f"the joint {'only the motor' if s.driven(i) else 'nothing'} acts along the slide, so "
+            f"that one equation of "
             f"forces gives {found}."
         )
     return Step(f"All that joint {n} carries", reason, tuple(lines), figure=f"carried {n}")

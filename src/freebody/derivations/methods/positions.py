@@ -1,4 +1,5 @@
-"""The inverse position of an arm of two revolute joints in the plane, both branches (2.14, 2.15)."""
+"""The inverse position of an arm of two revolute joints in the plane, both branches (2.14,
+2.15)."""
 
 from __future__ import annotations
 
@@ -10,12 +11,18 @@ from freebody.derivations.names import sym
 
 
 def inverse_position(s: Setting) -> list[Step]:
-    """One step for the notes' arm with straight links; none for others, which fb.inverse_kinematics solves."""
+    """One step for the notes' arm with straight links; none for others, which fb.inverse_kinematics
+    solves."""
     lengths = _lengths(s)
     if lengths is None:
         return []
     a, b = lengths
-    x, y, one, two = sym("x"), sym("y"), sym(s.coordinate(s.order[0])), sym(s.coordinate(s.order[1]))
+    x, y, one, two = (
+        sym("x"),
+        sym("y"),
+        sym(s.coordinate(s.order[0])),
+        sym(s.coordinate(s.order[1])),
+    )
     square = ex.add(ex.power(x, 2), ex.power(y, 2))
     over = ex.sub(square, ex.add(ex.power(a, 2), ex.power(b, 2)))
     reach, aside = ex.add(a, ex.mul(b, ex.cos(two))), ex.mul(b, ex.sin(two))
@@ -26,9 +33,12 @@ def inverse_position(s: Setting) -> list[Step]:
         eq(ex.mul(square, ex.cos(one)), ex.add(ex.mul(reach, x), ex.mul(aside, y))),
     )
     reason = (
-        "The square of the distance to P(x, y) does not depend on the first angle and gives the cosine of the second. "
-        "Its sine has two signs, elbow to the one or to the other side; with each, sine and cosine together tell the "
-        "quadrant of the first angle (atan2). P can be reached where the cosine lies between -1 and 1, that is, where "
+        "The square of the distance to P(x, y) does not depend on the first angle and gives the "
+        "cosine of the second. "
+        "Its sine has two signs, elbow to the one or to the other side; with each, sine and cosine "
+        "together tell the "
+        "quadrant of the first angle (atan2). P can be reached where the cosine lies between -1 "
+        "and 1, that is, where "
         "its distance from the base is at least the difference and at most the sum of the lengths."
     )
     return [Step("Inverse position", reason, lines, ("2.14", "2.15"))]

@@ -1,4 +1,5 @@
-"""What each joint must carry, from the equations of Newton and Euler solved from the last body inward."""
+"""What each joint must carry, from the equations of Newton and Euler solved from the last body
+inward."""
 
 from __future__ import annotations
 
@@ -13,7 +14,8 @@ from freebody.spatial import Vector, add, dot, scale, sub, times
 
 
 class Reactions:
-    """f and n of body i: force and moment of its parent on it at joint i, in the axes that are shown."""
+    """f and n of body i: force and moment of its parent on it at joint i, in the axes that are
+    shown."""
 
     def __init__(self, setting: Setting):
         self.s = setting
@@ -26,10 +28,16 @@ class Reactions:
         """From the two equations of body i, the reactions at its children being known."""
         s, space = self.s, self.s.tree.space
         f = scale(s.mass(i), sub(s.centre_acceleration(i), s.gravity(i)))
-        n = add(space.euler(s.inertia(i), s.motion.w[i], s.motion.wd[i]), space.moment(s.centre(i), f))
+        n = add(
+            space.euler(s.inertia(i), s.motion.w[i], s.motion.wd[i]), space.moment(s.centre(i), f)
+        )
         for k in s.tree.children(i):
             R = s.motion.joints[k][0]
-            f_k, n_k = (self.f[k], self.n[k]) if s.planar else (times(R, self.f[k]), space.turn(R, self.n[k]))
+            f_k, n_k = (
+                (self.f[k], self.n[k])
+                if s.planar
+                else (times(R, self.f[k]), space.turn(R, self.n[k]))
+            )
             f = add(f, f_k)
             n = add(n, n_k, space.moment(s.to_child(i, k), f_k))
         for force, moment in self.applied(i):
@@ -43,7 +51,8 @@ class Reactions:
             yield s.tip_force(), s.tree.space.moment(s.to_tip(i), s.tip_force())
 
     def motor(self, i: int) -> Trig:
-        """The component of joint i's reaction that its motor gives, and what its drive takes besides."""
+        """The component of joint i's reaction that its motor gives, and what its drive takes
+        besides."""
         s = self.s
         ((w, v),) = s.tree.bodies[i].columns
         along = dot(w, self.n[i]) + dot(s.axes(i, v), self.f[i])

@@ -1,4 +1,5 @@
-"""The recursive method: outward for motion, inward for forces, every line written out (4.6-4.15; 6.16-6.29)."""
+"""The recursive method: outward for motion, inward for forces, every line written out (4.6-4.15;
+6.16-6.29)."""
 
 from __future__ import annotations
 
@@ -70,7 +71,8 @@ class _Outward:
             reason = "The base rests, and there is no gravity."
         elif self.base:
             reason = (
-                "The base rests. Letting it accelerate with -g instead, upwards, gives every body its weight without a "
+                "The base rests. Letting it accelerate with -g instead, upwards, gives every body "
+                "its weight without a "
                 "further term: all accelerations below contain it."
             )
         else:
@@ -78,7 +80,9 @@ class _Outward:
         w, wd = ((sym if s.planar else vec)(name) for name in ("omega0", "omega0_d"))
         moved = eq(vec("v0_d"), ex.neg(vec("g")) if self.base and s.weighs else ex.ZERO)
         return Step(
-            "Start at the base", reason, (eq(w, ex.ZERO), eq(wd, ex.ZERO), eq(vec("v0"), ex.ZERO), moved)
+            "Start at the base",
+            reason,
+            (eq(w, ex.ZERO), eq(wd, ex.ZERO), eq(vec("v0"), ex.ZERO), moved),
         )
 
     def step(self, i: int) -> Step:
@@ -98,13 +102,17 @@ class _Outward:
         parent = s.tree.bodies[i].parent
         rows = []
         for dots, ending, value in (("", RATE, motion.w[i]), ("_d", SECOND, motion.wd[i])):
-            before = self._carried(s.angular_name("omega", parent, dots), i) if parent >= 0 else ex.ZERO
+            before = (
+                self._carried(s.angular_name("omega", parent, dots), i) if parent >= 0 else ex.ZERO
+            )
             own: Expression = ex.ZERO
             if s.turns(i):
                 own = sym(q + ending) if s.planar else ex.mul(sym(q + ending), s.name("z", i))
                 if dots and not s.planar and parent >= 0:
                     own = ex.add(own, self._swing(i))
-            rows.append(chain(s.angular_name("omega", i, dots), ex.add(before, own), s.angular(value)))
+            rows.append(
+                chain(s.angular_name("omega", i, dots), ex.add(before, own), s.angular(value))
+            )
         return rows
 
     def _swing(self, i: int) -> Expression:
@@ -123,7 +131,9 @@ class _Outward:
         if parent >= 0:
             w, wd, arm = self._omega(parent, ""), self._omega(parent, "_d"), s.reach_name(parent, i)
             speed = ex.add(s.name("v", parent), ex.cross(w, arm))
-            change = ex.add(s.name("v", parent, "_d"), ex.cross(wd, arm), ex.cross(w, ex.cross(w, arm)))
+            change = ex.add(
+                s.name("v", parent, "_d"), ex.cross(wd, arm), ex.cross(w, ex.cross(w, arm))
+            )
         else:
             speed, change = ex.ZERO, vec("v0_d") if self.base and s.weighs else ex.ZERO
         rows = []
@@ -168,7 +178,10 @@ _PLANAR = {
     True: ("4.6", "4.7", "4.8", "4.9", "4.10", "4.11"),
     False: ("4.8", "4.11", "6.24", "6.25", "6.26", "6.27"),
 }
-_SPATIAL = {True: ("6.18", "6.19", "6.20", "6.21", "6.22"), False: ("6.22", "6.24", "6.25", "6.26", "6.27")}
+_SPATIAL = {
+    True: ("6.18", "6.19", "6.20", "6.21", "6.22"),
+    False: ("6.22", "6.24", "6.25", "6.26", "6.27"),
+}
 
 
 def chain(name: Expression, rule: Expression, value: Expression) -> Equation:
@@ -183,5 +196,7 @@ METHOD = Method(
     "lecture notes, sections 4.3 and 6.3",
     derive,
     aliases=("recursive-newton-euler",),
-    options=(MethodOption("gravity", GRAVITIES, "gravity as acceleration of the base, or as weights"),),
+    options=(
+        MethodOption("gravity", GRAVITIES, "gravity as acceleration of the base, or as weights"),
+    ),
 )

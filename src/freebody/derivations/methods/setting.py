@@ -1,7 +1,8 @@
-"""What all derivations of a model share: its symbols, its motion, and how its vectors are called and shown.
+"""What all derivations of a model share: its symbols, its motion, and how its vectors are called
+and shown.
 
-In the plane vectors have world components, as in chapters 1 to 5 of the notes; in space those of the body's
-own frame, as in chapter 6.
+In the plane vectors have world components, as in chapters 1 to 5 of the notes; in space those of
+the body's own frame, as in chapter 6.
 """
 
 from __future__ import annotations
@@ -31,12 +32,14 @@ from freebody.spatial import Vector, add, sub, times, transposed
 MOST = 200
 """Terms that will not fit whatever their form."""
 LONGEST = 160
-"""Numbers and symbols up to which an expression is written out; a longer one is told by its length."""
+"""Numbers and symbols up to which an expression is written out; a longer one is told by its
+length."""
 
 
 @dataclass(frozen=True)
 class Setting:
-    """One model, ready to be derived; load: names of the components of the force on the tip, or none."""
+    """One model, ready to be derived; load: names of the components of the force on the tip, or
+    none."""
 
     symbols: Symbols
     load: tuple[str, ...] = ()
@@ -83,7 +86,8 @@ class Setting:
     # ------------------------------------------------------------ the structure
     @cached_property
     def numbers(self) -> dict[int, int]:
-        """Number of each body of the tree, as the model's order counts from 1; the base (-1) is 0."""
+        """Number of each body of the tree, as the model's order counts from 1; the base (-1) is
+        0."""
         return {-1: 0} | {k: i + 1 for i, k in enumerate(self.tree.body_of)}
 
     @cached_property
@@ -106,7 +110,12 @@ class Setting:
             return ""
         bodies = [self.tree.bodies[i] for i in self.order]
         is_chain = all(self.numbers[body.parent] == k for k, body in enumerate(bodies))
-        if not self.planar or not is_chain or not all(map(self.turns, self.order)) or len(bodies) > 2:
+        if (
+            not self.planar
+            or not is_chain
+            or not all(map(self.turns, self.order))
+            or len(bodies) > 2
+        ):
             return ""
         return "R" * len(bodies)
 
@@ -116,8 +125,8 @@ class Setting:
 
     # ------------------------------------------------------------ vectors
     def axes(self, i: int, v: Vector) -> Vector:
-        """Components of a vector of body i as they are shown: the world's in the plane, the body's in
-        space."""
+        """Components of a vector of body i as they are shown: the world's in the plane, the body's
+        in space."""
         return times(self.world[i][0], v) if self.planar else v
 
     def centre(self, i: int) -> Vector:
@@ -151,7 +160,11 @@ class Setting:
 
     def gravity(self, i: int) -> Vector:
         """The gravity field in the axes of body i."""
-        return self.tree.gravity if self.planar else times(transposed(self.world[i][0]), self.tree.gravity)
+        return (
+            self.tree.gravity
+            if self.planar
+            else times(transposed(self.world[i][0]), self.tree.gravity)
+        )
 
     def tip_force(self) -> Vector:
         """The load on the tip, given in the world's axes, in those that are shown for its body."""
@@ -238,11 +251,13 @@ class Setting:
         return self.naming.moment(self.numbers[i], self.numbers[k])
 
     def joint_moment(self, i: int) -> Expression:
-        """The moment of the parent on body i: n, but in a turning joint of the plane the motor's τ_i or 0."""
+        """The moment of the parent on body i: n, but in a turning joint of the plane the motor's
+        τ_i or 0."""
         return self.naming.joint_moment(self.numbers[i])
 
     def is_pin(self, i: int) -> bool:
-        """Whether joint i turns in the plane and transmits no moment besides its motor's, if it has one."""
+        """Whether joint i turns in the plane and transmits no moment besides its motor's, if it has
+        one."""
         moment = self.joint_moment(i)
         return moment in (ex.ZERO, self.naming.torque(self.numbers[i]))
 
@@ -286,7 +301,8 @@ class Setting:
         return ex.mul(self.mass_name(i), x)
 
     def spin_terms(self, i: int) -> Expression:
-        """I ω̇ (+ ω × I ω in space): what the moments about a body's centre of mass add up to; 0 of a point mass."""
+        """I ω̇ (+ ω × I ω in space): what the moments about a body's centre of mass add up to; 0 of
+        a point mass."""
         if self.is_point(i):
             return ex.ZERO
         inertia = self.inertia_name(i)
@@ -306,8 +322,8 @@ class Setting:
 
 
 def require_chain_of_bodies(symbols: Symbols, what: str) -> None:
-    """Refuse what the derivations do not cover: joints of several axes, bodies without or with several
-    masses."""
+    """Refuse what the derivations do not cover: joints of several axes, bodies without or with
+    several masses."""
     model = symbols.model
     for body in model.bodies:
         if body.kind.nv != 1 or body.joint.mimic is not None:
@@ -318,7 +334,8 @@ def require_chain_of_bodies(symbols: Symbols, what: str) -> None:
             )
             raise FreebodyError(
                 f"{what}: joint {body.joint.name!r} of {model.name!r} is {body.kind.name}"
-                f"{' and follows another' if body.joint.mimic else ''}; derivations are written for independent "
+                f"{' and follows another' if body.joint.mimic else ''}; derivations are written "
+                f"for independent "
                 f"revolute and prismatic joints. {instead}."
             )
     for i, k in enumerate(symbols.tree.body_of):

@@ -1,5 +1,5 @@
-"""Equilibrium of each body, and the torques that hold an arm still against gravity and a force on its tip
-(2.41-2.49)."""
+"""Equilibrium of each body, and the torques that hold an arm still against gravity and a force on
+its tip (2.41-2.49)."""
 
 from __future__ import annotations
 

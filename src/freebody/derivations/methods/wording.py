@@ -38,7 +38,9 @@ def motorless(s: Setting) -> str:
     """Which joints have no motor, as a sentence with a blank in front; or nothing."""
     joints = [f"joint {s.numbers[i]}" for i in s.order if not s.driven(i)]
     return (
-        f" {listed(joints).capitalize()} {'has' if len(joints) == 1 else 'have'} no motor." if joints else ""
+        f" {listed(joints).capitalize()} {'has' if len(joints) == 1 else 'have'} no motor."
+        if joints
+        else ""
     )
 
 

@@ -82,7 +82,8 @@ def _meaning(meaning: Meaning) -> str:
 
 # ---------------------------------------------------------------- Markdown
 def markdown(derivation: Derivation, images: Figures | None = None) -> str:
-    """Markdown with formulas between dollar signs; images: paths of drawings by the names of figures."""
+    """Markdown with formulas between dollar signs; images: paths of drawings by the names of
+    figures."""
     left = dict(images or {})
     blocks = [f"# {markdown_prose(_title(derivation))}"]
     if derivation.given:
@@ -106,7 +107,8 @@ def _markdown_table(derivation: Derivation) -> str:
     rows = ["| symbol | meaning | unit |", "|---|---|---|"]
     for m in derivation.glossary:
         rows.append(
-            f"| {', '.join(f'${x.latex()}$' for x in m.symbols)} | {markdown_prose(m.words)} | {m.unit} |"
+            f"| {', '.join(f'${x.latex()}$' for x in m.symbols)} | {markdown_prose(m.words)} | "
+            f"{m.unit} |"
         )
     return "\n".join(rows)
 
@@ -160,12 +162,19 @@ def _latex_table(derivation: Derivation) -> list[str]:
         rf"{', '.join(f'${x.latex()}$' for x in m.symbols)} & {tex_prose(m.words)} & {tex_prose(m.unit)} \\"
         for m in derivation.glossary
     ]
-    return [r"\begin{center}\small", r"\begin{tabular}{lp{95mm}l}", *rows, r"\end{tabular}", r"\end{center}"]
+    return [
+        r"\begin{center}\small",
+        r"\begin{tabular}{lp{95mm}l}",
+        *rows,
+        r"\end{tabular}",
+        r"\end{center}",
+    ]
 
 
 # ---------------------------------------------------------------- HTML
 def body(derivation: Derivation, figures: Figures | None = None) -> str:
-    """The steps as HTML, without a page around them; a figure stands where a step first asks for it."""
+    """The steps as HTML, without a page around them; a figure stands where a step first asks for
+    it."""
     shown: set[str] = set()
     parts = [f"<h1>{web_prose(_title(derivation))}</h1>"]
     if derivation.given:

@@ -1,4 +1,5 @@
-"""What Python and C share: operators, brackets, whole powers as products, numbers with all their digits."""
+"""What Python and C share: operators, brackets, whole powers as products, numbers with all their
+digits."""
 
 from __future__ import annotations
 
@@ -19,7 +20,9 @@ from freebody.derivations.render.rules import ATOM, PRODUCT, Renderer, precedenc
 
 
 def code(
-    name: Callable[[str], str], functions: Mapping[str, str], variables: Mapping[Function, str] | None = None
+    name: Callable[[str], str],
+    functions: Mapping[str, str],
+    variables: Mapping[Function, str] | None = None,
 ) -> Callable[[Expression], str]:
     """A renderer to infix code: `name` spells a symbol, `functions` sin, cos and sgn.
 

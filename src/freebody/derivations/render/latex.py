@@ -98,7 +98,8 @@ def _symbol(node: Symbol, _: Renderer) -> str:
     if node.dots:
         letter = _DOTS[node.dots].format(letter)
     low = ",".join(
-        f"\\mathrm{{{x}}}" if x.isalpha() and len(x) > 2 and x.isascii() else _low(x) for x in node.low
+        f"\\mathrm{{{x}}}" if x.isalpha() and len(x) > 2 and x.isascii() else _low(x)
+        for x in node.low
     )
     low, high = low.replace("−", "-"), node.high.replace("−", "-").replace("′", "\\prime")
     return letter + _script("_", low) + _script("^", high)
@@ -128,7 +129,9 @@ def _product(node: Product, render: Renderer) -> str:
     pieces = ""
     for k, factor in enumerate(node.factors):
         before = node.factors[k - 1] if k else None
-        apart = before is not None and (_is_call(before) or (_is_decimal(before) and not _is_call(factor)))
+        apart = before is not None and (
+            _is_call(before) or (_is_decimal(before) and not _is_call(factor))
+        )
         gap = "\\," if apart else " "
         pieces += (gap if k else "") + _factor(factor, render)
     return pieces
@@ -136,7 +139,11 @@ def _product(node: Product, render: Renderer) -> str:
 
 def _factor(factor: Expression, render: Renderer) -> str:
     level = (
-        SUM if isinstance(factor, Number) else CALL if isinstance(factor, Cross | Dot | Product) else PRODUCT
+        SUM
+        if isinstance(factor, Number)
+        else CALL
+        if isinstance(factor, Cross | Dot | Product)
+        else PRODUCT
     )
     return render(factor, level)
 
@@ -146,11 +153,15 @@ def _is_decimal(node: Expression) -> bool:
 
 
 def _is_call(node: Expression) -> bool:
-    return isinstance(node, Function) or (isinstance(node, Power) and isinstance(node.base, Function))
+    return isinstance(node, Function) or (
+        isinstance(node, Power) and isinstance(node.base, Function)
+    )
 
 
 def _call(node: Function, exponent: str, render: Renderer) -> str:
-    argument = whole(render(node.argument)).replace(" + ", "+").replace(" - ", "-").replace("\\,", " ")
+    argument = (
+        whole(render(node.argument)).replace(" + ", "+").replace(" - ", "-").replace("\\,", " ")
+    )
     name = _NAMES.get(node.name, f"\\operatorname{{{node.name}}}") + exponent
     if node.name == "norm":
         return f"\\left|{render(node.argument)}\\right|"
@@ -206,7 +217,9 @@ _RENDER = Renderer(
         Dot: lambda node, render: _pair(node, "\\cdot", render),
         Arguments: lambda node, render: ", ".join(render(x, SUM) for x in node.entries),
         Vector: lambda node, render: _array([whole(render(x)) for x in node.entries]),
-        Matrix: lambda node, render: _array([" & ".join(whole(render(x)) for x in row) for row in node.rows]),
+        Matrix: lambda node, render: _array(
+            [" & ".join(whole(render(x)) for x in row) for row in node.rows]
+        ),
         Equation: lambda node, render: " = ".join(render(side, SUM) for side in node.sides),
         Words: lambda node, render: f"\\text{{{tex(node.text)}}}",
     }

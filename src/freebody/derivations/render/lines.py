@@ -16,7 +16,8 @@ class _Piece:
 
 
 def broken(string: str, width: float, measure: Callable[[str], float] = len) -> list[str]:
-    """Lines of at most `width`, as far as the breaks allow; a line is left where the fewest brackets are open."""
+    """Lines of at most `width`, as far as the breaks allow; a line is left where the fewest
+    brackets are open."""
     pieces, depth = [], 0
     for text in string.split(BREAK):
         pieces.append(_Piece(text, depth))
@@ -39,7 +40,9 @@ def _fitting(pieces: list[_Piece], width: float, measure: Callable[[str], float]
     if total <= width or len(pieces) == 1:
         return len(pieces)
     most = max(1, sum(size <= width for size in sizes))
-    breaks = [k for k in range(1, most + 1) if k < len(pieces) and sizes[k - 1] > 0.35 * width] or [most]
+    breaks = [k for k in range(1, most + 1) if k < len(pieces) and sizes[k - 1] > 0.35 * width] or [
+        most
+    ]
     shallow = min(pieces[k].depth for k in breaks)
     return max(k for k in breaks if pieces[k].depth == shallow)
 

@@ -1,8 +1,9 @@
 """Names from outside in sentences and formulas: set as they are, whatever characters they have.
 
-A sentence of a derivation has symbols in it, such as s_1, and names of links and files, such as `left_arm` or `a#1`,
-that are none. `literal` puts a name between two marks that cannot be seen; each renderer sets what is between them
-letter by letter, escaped for its medium by one of the functions here.
+A sentence of a derivation has symbols in it, such as s_1, and names of links and files, such as
+`left_arm` or `a#1`, that are none. `literal` puts a name between two marks that cannot be seen;
+each renderer sets what is between them letter by letter, escaped for its medium by one of the
+functions here.
 """
 
 from __future__ import annotations
@@ -71,8 +72,11 @@ def printable(name: str) -> str:
 
 
 def declared(document: str) -> list[str]:
-    r"""Lines for a preamble that let pdfTeX set letters it does not know, as [U+5173]; others have fonts for them."""
-    foreign = sorted({c for c in document if c > _KNOWN and not "\u2000" <= c <= "\u206f" and c not in TEX})
+    r"""Lines for a preamble that let pdfTeX set letters it does not know, as [U+5173]; others have
+    fonts for them."""
+    foreign = sorted(
+        {c for c in document if c > _KNOWN and not "\u2000" <= c <= "\u206f" and c not in TEX}
+    )
     if not foreign:
         return []
     names = [

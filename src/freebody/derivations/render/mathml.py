@@ -58,7 +58,8 @@ def row(node: Expression) -> str:
 
 
 def broken_rows(node: Expression, room: float) -> list[str]:
-    """The same in lines of about `room` letters, broken before signs, in brackets only where it must be."""
+    """The same in lines of about `room` letters, broken before signs, in brackets only where it
+    must be."""
     pieces: list[str] = []
     for piece in _RENDER(node).split(BREAK):
         # a break inside an element, such as a root or an exponent, is none
@@ -77,7 +78,9 @@ def _opened(string: str) -> bool:
 def _width(string: str) -> float:
     """About how wide it is, in letters; scripts are smaller, elements take no room."""
     full = len(_TAGS.sub("", string))
-    scripts = sum(len(_TAGS.sub("", s)) for s in re.findall(r"(?:</mi>|</mover>)<mrow>(.*?)</mrow>", string))
+    scripts = sum(
+        len(_TAGS.sub("", s)) for s in re.findall(r"(?:</mi>|</mover>)<mrow>(.*?)</mrow>", string)
+    )
     return 0.85 * (full - 0.4 * scripts) + 0.8 * string.count('form="infix"')
 
 
@@ -91,7 +94,9 @@ def _number(node: Number, _: Renderer) -> str:
     mantissa, exponent = digits(value)
     if not exponent:
         return f"<mn>{mantissa}</mn>"
-    return f"<mn>{mantissa}</mn><mo>·</mo><msup><mn>10</mn><mn>{exponent}</mn></msup>".replace(">-", ">−")
+    return f"<mn>{mantissa}</mn><mo>·</mo><msup><mn>10</mn><mn>{exponent}</mn></msup>".replace(
+        ">-", ">−"
+    )
 
 
 def _symbol(node: Symbol, render: Renderer, exponent: str = "") -> str:
@@ -104,7 +109,9 @@ def _symbol(node: Symbol, render: Renderer, exponent: str = "") -> str:
     high = exponent or (f"<mi>{escape(node.high)}</mi>" if node.high else "")
     if low and high:
         return f"<msubsup>{letter}{low}{high}</msubsup>"
-    return f"<msub>{letter}{low}</msub>" if low else f"<msup>{letter}{high}</msup>" if high else letter
+    return (
+        f"<msub>{letter}{low}</msub>" if low else f"<msup>{letter}{high}</msup>" if high else letter
+    )
 
 
 def _low(parts: tuple[str, ...]) -> str:
@@ -114,7 +121,9 @@ def _low(parts: tuple[str, ...]) -> str:
 def _letters(part: str) -> str:
     """Digits as numbers, letters in italics, words upright."""
     runs = re.findall(r"\d+|[^\W\d_]{3,}|.", part)
-    return "".join(f"<mn>{run}</mn>" if run.isdigit() else f"<mi>{escape(run)}</mi>" for run in runs)
+    return "".join(
+        f"<mn>{run}</mn>" if run.isdigit() else f"<mi>{escape(run)}</mi>" for run in runs
+    )
 
 
 def _product(node: Product, render: Renderer) -> str:
@@ -134,7 +143,9 @@ def _product(node: Product, render: Renderer) -> str:
 
 
 def _is_call(node: Expression) -> bool:
-    return isinstance(node, Function) or (isinstance(node, Power) and isinstance(node.base, Function))
+    return isinstance(node, Function) or (
+        isinstance(node, Power) and isinstance(node.base, Function)
+    )
 
 
 def _call(node: Function, exponent: str, render: Renderer) -> str:
@@ -160,8 +171,13 @@ def _power(node: Power, render: Renderer) -> str:
         return _symbol(node.base, render, f"<mn>{exponent}</mn>")
     if isinstance(node.base, Transposed) and node.exponent == -1:
         return f"<msup><mrow>{render(node.base.operand, ATOM)}</mrow><mrow><mo>−</mo><mi>T</mi></mrow></msup>"
-    if precedence(node.base) < ATOM and any(isinstance(part, Quotient) for part in nodes(node.base)):
-        return f"<msup><mrow><mo>(</mo>{render(node.base)}<mo>)</mo></mrow><mn>{exponent}</mn></msup>"  # as tall as it
+    if precedence(node.base) < ATOM and any(
+        isinstance(part, Quotient) for part in nodes(node.base)
+    ):
+        # as tall as it
+        return (
+            f"<msup><mrow><mo>(</mo>{render(node.base)}<mo>)</mo></mrow><mn>{exponent}</mn></msup>"
+        )
     return f"<msup><mrow>{render(node.base, ATOM)}</mrow><mn>{exponent}</mn></msup>"
 
 
@@ -170,7 +186,9 @@ def _derivative(node: Derivative, render: Renderer) -> str:
     below = f"<mrow>{d}{render(node.by, ATOM)}</mrow>"
     if isinstance(node.of, Symbol):
         return f"<mfrac><mrow>{d}{render(node.of)}</mrow>{below}</mfrac>"
-    return f"<mfrac><mrow>{d}</mrow>{below}</mfrac><mrow><mo>(</mo>{render(node.of)}<mo>)</mo></mrow>"
+    return (
+        f"<mfrac><mrow>{d}</mrow>{below}</mfrac><mrow><mo>(</mo>{render(node.of)}<mo>)</mo></mrow>"
+    )
 
 
 def _pair(node: Cross | Dot, sign: str, render: Renderer) -> str:
@@ -181,7 +199,9 @@ def _pair(node: Cross | Dot, sign: str, render: Renderer) -> str:
 
 
 def _array(rows: list[list[str]]) -> str:
-    cells = "".join(f"<mtr>{''.join(f'<mtd>{cell}</mtd>' for cell in cells)}</mtr>" for cells in rows)
+    cells = "".join(
+        f"<mtr>{''.join(f'<mtd>{cell}</mtd>' for cell in cells)}</mtr>" for cells in rows
+    )
     return f"<mrow><mo>[</mo><mtable>{cells}</mtable><mo>]</mo></mrow>"
 
 
@@ -196,14 +216,18 @@ _RENDER = Renderer(
             f"<mfrac>{_group(node.above, render)}{_group(node.below, render)}</mfrac>"
         ),
         Power: _power,
-        Transposed: lambda node, render: f"<msup><mrow>{render(node.operand, ATOM)}</mrow><mi>T</mi></msup>",
+        Transposed: lambda node, render: (
+            f"<msup><mrow>{render(node.operand, ATOM)}</mrow><mi>T</mi></msup>"
+        ),
         Function: lambda node, render: _call(node, "", render),
         Derivative: _derivative,
         Cross: lambda node, render: _pair(node, "×", render),
         Dot: lambda node, render: _pair(node, "·", render),
         Arguments: lambda node, render: "<mo>,</mo>".join(render(x, SUM) for x in node.entries),
         Vector: lambda node, render: _array([[render(x)] for x in node.entries]),
-        Matrix: lambda node, render: _array([[render(x) for x in entries] for entries in node.rows]),
+        Matrix: lambda node, render: _array(
+            [[render(x) for x in entries] for entries in node.rows]
+        ),
         Equation: lambda node, render: "<mo>=</mo>".join(render(side, SUM) for side in node.sides),
         Words: lambda node, render: f"<mtext>{escape(node.text)}</mtext>",
     },

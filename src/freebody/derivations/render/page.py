@@ -60,8 +60,12 @@ def latex(groups: Groups, environment: str = "aligned", width: int = 76) -> str:
 def _latex_row(row: Row, room: float) -> str:
     left = "" if row.left is None else tex.latex(row.left) + " "
     fits = span(row.right) <= room
-    first, *rest = [tex.latex(row.right)] if fits else broken(tex.breakable(row.right), room, tex.width)
-    return "\n".join(line + " \\\\" for line in (f"{left}&= {first}", *(f"&\\quad {x}" for x in rest)))
+    first, *rest = (
+        [tex.latex(row.right)] if fits else broken(tex.breakable(row.right), room, tex.width)
+    )
+    return "\n".join(
+        line + " \\\\" for line in (f"{left}&= {first}", *(f"&\\quad {x}" for x in rest))
+    )
 
 
 def span(node: Expression) -> float:
@@ -86,7 +90,8 @@ def span(node: Expression) -> float:
 def html(groups: Groups, width: int = 74) -> str:
     """One MathML table, equations aligned at their sign, long ones broken before one.
 
-    The width, in letters, suits a page of 960 px in the widest of the usual mathematical fonts (DejaVu's).
+    The width, in letters, suits a page of 960 px in the widest of the usual mathematical fonts
+    (DejaVu's).
     """
     sizes = [rows(group, width, span) for group in groups]
     room = min((room for _, room in sizes), default=width)

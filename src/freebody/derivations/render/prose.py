@@ -1,4 +1,5 @@
-"""Symbols inside sentences: s_ci, f_0,1, θ₁, τ_2, 2 ω × ḋ u, set as formulas where the medium can."""
+"""Symbols inside sentences: s_ci, f_0,1, θ₁, τ_2, 2 ω × ḋ u, set as formulas where the medium
+can."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Equations set into lines, whatever the notation: chains one sign below the other, wide arrays by their entries."""
+"""Equations set into lines, whatever the notation: chains one sign below the other, wide arrays by
+their entries."""
 
 from __future__ import annotations
 
@@ -22,7 +23,8 @@ class Row:
 
 
 def rows(group: Iterable[Equation], width: float, measure: Measure) -> tuple[list[Row], float]:
-    """The lines of a group of equations, and the room that their right sides have beside the widest left one."""
+    """The lines of a group of equations, and the room that their right sides have beside the widest
+    left one."""
     lines = [line for equation in group for line in unfolded(equation, width, measure)]
     heads = [_head(line) for line in lines]
     room = width - SIGN - max((measure(head) for head, _ in heads), default=0.0)
@@ -30,7 +32,8 @@ def rows(group: Iterable[Equation], width: float, measure: Measure) -> tuple[lis
 
 
 def unfolded(equation: Equation, width: float, measure: Measure) -> list[Equation]:
-    """The equation; one whose last side is an array too wide for a line by the array's entries instead."""
+    """The equation; one whose last side is an array too wide for a line by the array's entries
+    instead."""
     *before, last = equation.sides
     name = before[0]
     if not isinstance(last, Vector | Matrix) or not isinstance(name, Symbol):
@@ -43,7 +46,9 @@ def unfolded(equation: Equation, width: float, measure: Measure) -> list[Equatio
 def _entries(name: Symbol, array: Vector | Matrix) -> list[Equation]:
     if isinstance(array, Matrix):
         return [
-            eq(_part(name, f"{i}{j}"), x) for i, row in enumerate(array.rows, 1) for j, x in enumerate(row, 1)
+            eq(_part(name, f"{i}{j}"), x)
+            for i, row in enumerate(array.rows, 1)
+            for j, x in enumerate(row, 1)
         ]
     labels = "xyz" if len(array.entries) <= 3 else map(str, range(1, len(array.entries) + 1))
     return [eq(_part(name, label), x) for label, x in zip(labels, array.entries, strict=False)]
@@ -51,7 +56,9 @@ def _entries(name: Symbol, array: Vector | Matrix) -> list[Equation]:
 
 def _part(name: Symbol, label: str) -> Symbol:
     """The symbol of an entry: v of c2 becomes v of c2, x."""
-    return Symbol(f"{name.name}_{label}", name.letter, (*name.low, label), name.dots, high=name.high)
+    return Symbol(
+        f"{name.name}_{label}", name.letter, (*name.low, label), name.dots, high=name.high
+    )
 
 
 def _head(equation: Equation) -> tuple[Expression, tuple[Expression, ...]]:
@@ -63,7 +70,9 @@ def _head(equation: Equation) -> tuple[Expression, tuple[Expression, ...]]:
     return (left[0] if names == 1 else Equation(left)), equation.sides[names:]
 
 
-def _chain(head: Expression, rest: tuple[Expression, ...], room: float, measure: Measure) -> list[Row]:
+def _chain(
+    head: Expression, rest: tuple[Expression, ...], room: float, measure: Measure
+) -> list[Row]:
     """One line if it fits, else a line a side."""
     joined = rest[0] if len(rest) == 1 else Equation(rest)
     if len(rest) == 1 or sum(map(measure, rest)) + SIGN * (len(rest) - 1) <= room:

@@ -1,4 +1,5 @@
-"""What all renderers share: which node needs brackets where, how sums take signs, numbers their digits."""
+"""What all renderers share: which node needs brackets where, how sums take signs, numbers their
+digits."""
 
 from __future__ import annotations
 
@@ -48,14 +49,23 @@ DIGITS = 6
 def precedence(node: Expression) -> int:
     """How tightly a node binds; brackets go around what binds less than its surroundings need."""
     if isinstance(node, Number):
-        return SUM if node.value < 0 else ATOM if node.value.denominator == 1 or node.decimal else PRODUCT
+        return (
+            SUM
+            if node.value < 0
+            else ATOM
+            if node.value.denominator == 1 or node.decimal
+            else PRODUCT
+        )
     return _PRECEDENCE.get(type(node), ATOM)
 
 
 class Renderer:
-    """A table from node type to a (node, render) -> string; `render(node, level)` puts brackets where needed."""
+    """A table from node type to a (node, render) -> string; `render(node, level)` puts brackets
+    where needed."""
 
-    def __init__(self, table: dict[type, Callable[..., str]], brackets: tuple[str, str] = ("(", ")")):
+    def __init__(
+        self, table: dict[type, Callable[..., str]], brackets: tuple[str, str] = ("(", ")")
+    ):
         self.table = table
         self.brackets = brackets
 

@@ -21,7 +21,8 @@ from freebody.errors import FreebodyError
 
 
 def to_sympy(node: Expression) -> Any:
-    """The same expression in SymPy; symbols are real and carry the names of code (theta1, theta1_d, l1, …)."""
+    """The same expression in SymPy; symbols are real and carry the names of code (theta1, theta1_d,
+    l1, …)."""
     import sympy
 
     if type(node) not in _TABLE:

@@ -41,7 +41,15 @@ from freebody.derivations.render.rules import (
 _LOW = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _HIGH = str.maketrans("-0123456789T", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᵀ")
 _DOTS = ("", "\u0307", "\u0308")
-_VULGAR = {(1, 2): "½", (1, 4): "¼", (3, 4): "¾", (1, 8): "⅛", (3, 8): "⅜", (1, 3): "⅓", (2, 3): "⅔"}
+_VULGAR = {
+    (1, 2): "½",
+    (1, 4): "¼",
+    (3, 4): "¾",
+    (1, 8): "⅛",
+    (3, 8): "⅜",
+    (1, 3): "⅓",
+    (2, 3): "⅔",
+}
 
 
 def text(node: Expression) -> str:
@@ -79,7 +87,9 @@ def _low(parts: tuple[str, ...]) -> str:
     if any("−" in part for part in parts):
         return f"_{{{','.join(parts)}}}"  # a link's number such as i−1
     word = "_" if parts and parts[0].replace(",", "").isalpha() else ""
-    numbers = any(len(part) > 1 and part.isdigit() for part in parts) or any("," in part for part in parts)
+    numbers = any(len(part) > 1 and part.isdigit() for part in parts) or any(
+        "," in part for part in parts
+    )
     # 1,c2 needs a comma, c2x and 1xx do not
     apart = numbers or any(part[0].isalpha() and part[-1].isdigit() for part in parts[1:])
     return word + ("," if apart else "").join(parts).translate(_LOW)
@@ -103,7 +113,9 @@ def _factor(factor: Expression, render: Renderer) -> str:
 
 
 def _is_call(node: Expression) -> bool:
-    return isinstance(node, Function) or (isinstance(node, Power) and isinstance(node.base, Function))
+    return isinstance(node, Function) or (
+        isinstance(node, Power) and isinstance(node.base, Function)
+    )
 
 
 def _call(node: Function, exponent: str, bracket: bool, render: Renderer) -> str:
@@ -161,7 +173,9 @@ _RENDER = Renderer(
         Cross: lambda node, render: _pair(node, "×", render),
         Dot: lambda node, render: _pair(node, "·", render),
         Arguments: lambda node, render: ", ".join(whole(render(x, SUM)) for x in node.entries),
-        Vector: lambda node, render: "[" + ", ".join(whole(render(x, SUM)) for x in node.entries) + "]ᵀ",
+        Vector: lambda node, render: (
+            "[" + ", ".join(whole(render(x, SUM)) for x in node.entries) + "]ᵀ"
+        ),
         Matrix: lambda node, render: (
             "[" + "; ".join(", ".join(whole(render(x)) for x in row) for row in node.rows) + "]"
         ),

@@ -1,4 +1,5 @@
-"""Plane bodies with an outline instead of a bar: pinned and loaded (1.5), and the three kinds of motion (5.1)."""
+"""Plane bodies with an outline instead of a bar: pinned and loaded (1.5), and the three kinds of
+motion (5.1)."""
 
 from __future__ import annotations
 
@@ -30,21 +31,24 @@ _OUTLINE = (
 def outline(body: BodyPlace, corners: Array, name: str = "body") -> Line:
     """A smooth closed curve around a body through places given in its axes (k, 2), metres."""
     smooth = _rounded(np.asarray(corners, dtype=float))
-    return Line(tuple(point(body.origin + body.rotation @ p) for p in smooth), name, "solid", closed=True)
+    return Line(
+        tuple(point(body.origin + body.rotation @ p) for p in smooth), name, "solid", closed=True
+    )
 
 
 def _rounded(corners: Array, rounds: int = 5) -> Array:
     """Chaikin's cutting of corners, closed."""
     for _ in range(rounds):
         after = np.roll(corners, -1, axis=0)
-        corners = np.stack([0.75 * corners + 0.25 * after, 0.25 * corners + 0.75 * after], axis=1).reshape(
-            -1, 2
-        )
+        corners = np.stack(
+            [0.75 * corners + 0.25 * after, 0.25 * corners + 0.75 * after], axis=1
+        ).reshape(-1, 2)
     return corners
 
 
 def pinned(seen: Snapshot, note: str, answered: bool) -> Drawing:
-    """A body on a pin at O with the force F; answered: with the pin's reaction f, a_G and α as well."""
+    """A body on a pin at O with the force F; answered: with the pin's reaction f, a_G and α as
+    well."""
     body, drawing = seen.pose.bodies[0], blank(f"A body that turns about a fixed axis: {note}")
     drawing.add(outline(body, np.array(_OUTLINE)))
     drawing.add(Mark((0.0, 0.0), "ground", "ground", "ground", (0.0, 1.0), 9.0))
@@ -58,11 +62,15 @@ def pinned(seen: Snapshot, note: str, answered: bool) -> Drawing:
         load = forces[role]
         if role == "external" or answered:
             end = load.place + 1.4 * _REACH * load.force / longest
-            drawing.add(Arrow(point(load.place), point(end), name, css, bold(name), point(load.force), "N"))
+            drawing.add(
+                Arrow(point(load.place), point(end), name, css, bold(name), point(load.force), "N")
+            )
     if answered:
         a = seen.acceleration_at(body, body.com)
         end = body.com + _REACH * a / np.linalg.norm(a)
-        drawing.add(Arrow(point(body.com), point(end), "a_G", "acceleration", "*a*_{G}", point(a), "m/s²"))
+        drawing.add(
+            Arrow(point(body.com), point(end), "a_G", "acceleration", "*a*_{G}", point(a), "m/s²")
+        )
         alpha = float(seen.qdd[0])
         drawing.add(Turn((0.0, 0.0), alpha, "α", "acceleration", "α", "rad/s²", 26.0, 150.0, 130.0))
     drawing.notes = [note]
@@ -70,7 +78,8 @@ def pinned(seen: Snapshot, note: str, answered: bool) -> Drawing:
 
 
 def motions() -> Figure:
-    """Figure 5.1: a body in translation, about a fixed axis, and in general motion, with velocities of its points."""
+    """Figure 5.1: a body in translation, about a fixed axis, and in general motion, with velocities
+    of its points."""
     quarter = np.pi / 2
     sliding, turning = _last("PP", [0.0, quarter]), _last("R", [0.0])
     moving = _last("PPR", [0.0, quarter, -quarter])
@@ -110,10 +119,16 @@ def _moving(model: Model, q: list[float], qd: list[float], kind: str, turned: fl
     for k, place in found.items():
         v, name = speeds[k], names[k]
         label = bold(name) if k == "G" else ""
-        drawing.add(Arrow(point(place), point(place + scale * v), name, "velocity", label, point(v), "m/s"))
+        drawing.add(
+            Arrow(point(place), point(place + scale * v), name, "velocity", label, point(v), "m/s")
+        )
         drawing.add(
             Mark(
-                point(place), "com" if k == "G" else "dot", k, "position-head", size=6.0 if k == "G" else 3.0
+                point(place),
+                "com" if k == "G" else "dot",
+                k,
+                "position-head",
+                size=6.0 if k == "G" else 3.0,
             )
         )
     drawing.add(Label(point(found["G"]), "G", "label G", direction=(0.4, -1.0)))

@@ -22,11 +22,12 @@ def five_bar(
     angles: Sequence[float] = (2.0, 1.0),
     assembly: int = 1,
 ) -> Figure:
-    """Figure 2.2: A (-d/2, 0), C (d/2, 0), cranks AB and CD, bars BP and DP; lengths, and the vectors of (2.29)-(2.32).
+    """Figure 2.2: A (-d/2, 0), C (d/2, 0), cranks AB and CD, bars BP and DP; lengths, and the
+    vectors of (2.29)-(2.32).
 
-    lengths: l1 (AB), l2 (CD), l3 (BP), l4 (DP), m, and base: d, m; default: those of the bundled five_bar. angles: of
-    the cranks from x, rad. assembly: 1 for P left of the line from B to D, -1 for the other side. Raises FreebodyError
-    where the bars do not meet.
+    lengths: l1 (AB), l2 (CD), l3 (BP), l4 (DP), m, and base: d, m; default: those of the bundled
+    five_bar. angles: of the cranks from x, rad. assembly: 1 for P left of the line from B to D, -1
+    for the other side. Raises FreebodyError where the bars do not meet.
     """
     known = load("five_bar").parameters
     chosen = [known[f"l{k}"] or 0.0 for k in range(1, 5)] if lengths is None else lengths
@@ -45,7 +46,8 @@ def five_bar(
 def closed(
     lengths: Sequence[float], base: float, angles: Sequence[float], assembly: int = 1
 ) -> dict[str, Array]:
-    """Places of O, A, B, C, D and P (2,) for the cranks' angles; P is where the circles about B and D meet."""
+    """Places of O, A, B, C, D and P (2,) for the cranks' angles; P is where the circles about B and
+    D meet."""
     l1, l2, l3, l4 = lengths
     A, C = np.array([-base / 2, 0.0]), np.array([base / 2, 0.0])
     B = A + l1 * np.array([math.cos(angles[0]), math.sin(angles[0])])
@@ -54,7 +56,8 @@ def closed(
     distance = float(np.linalg.norm(across))
     if not abs(l3 - l4) <= distance <= l3 + l4 or not distance:
         raise FreebodyError(
-            f"five_bar: B and D are {distance:.4g} m apart; bars of {l3:g} m and {l4:g} m meet only from "
+            f"five_bar: B and D are {distance:.4g} m apart; bars of {l3:g} m and {l4:g} m meet "
+            f"only from "
             f"{abs(l3 - l4):.4g} m to {l3 + l4:.4g} m. Choose other crank angles."
         )
     along = (l3**2 - l4**2 + distance**2) / (2 * distance)
@@ -70,9 +73,13 @@ def _robot(places: dict[str, Array], angles: Sequence[float], note: str) -> Draw
     axes(drawing, size, share=0.55)
     drawing.add(Label((0.0, 0.0), "O", "label O", direction=(0.7, -0.8)))
     for k, ends in enumerate(("AB", "CD", "BP", "DP"), 1):
-        drawing.add(Line((point(places[ends[0]]), point(places[ends[1]])), f"link {k}", "link", width=10.0))
+        drawing.add(
+            Line((point(places[ends[0]]), point(places[ends[1]])), f"link {k}", "link", width=10.0)
+        )
     for name, way in (("A", (-1.0, 0.3)), ("C", (1.0, 0.3))):
-        drawing.add(Mark(point(places[name]), "ground", f"ground {name}", "ground", (0.0, 1.0), 9.0))
+        drawing.add(
+            Mark(point(places[name]), "ground", f"ground {name}", "ground", (0.0, 1.0), 9.0)
+        )
         drawing.add(Label(point(places[name]), name, f"label {name}", direction=way))
     for name, way in (("B", (-1.0, 0.4)), ("D", (1.0, 0.4))):
         drawing.add(Label(point(places[name]), name, f"label {name}", direction=way))
@@ -81,7 +88,9 @@ def _robot(places: dict[str, Array], angles: Sequence[float], note: str) -> Draw
     for crank, (name, turned) in enumerate(zip("AC", angles, strict=True), 1):
         end = places[name] + np.array([0.3 * size, 0.0])
         drawing.add(Line((point(places[name]), point(end)), f"reference θ_{crank}", "guide"))
-        drawing.add(Arc(point(places[name]), 0.16 * size, 0.0, turned, f"θ_{crank}", label=f"θ_{crank}"))
+        drawing.add(
+            Arc(point(places[name]), 0.16 * size, 0.0, turned, f"θ_{crank}", label=f"θ_{crank}")
+        )
     drawing.notes = [note]
     return drawing
 
@@ -94,6 +103,10 @@ def _lengths(drawing: Drawing, places: dict[str, Array]) -> None:
         ("l_3", "BP", 14.0),
         ("l_4", "DP", -14.0),
     ):
-        drawing.add(Dimension(point(places[ends[0]]), point(places[ends[1]]), name, label=name, aside=aside))
+        drawing.add(
+            Dimension(point(places[ends[0]]), point(places[ends[1]]), name, label=name, aside=aside)
+        )
     for name, start, end in (("d/2 left", "A", "O"), ("d/2 right", "O", "C")):
-        drawing.add(Dimension(point(places[start]), point(places[end]), name, label="d/2", aside=-36.0))
+        drawing.add(
+            Dimension(point(places[start]), point(places[end]), name, label="d/2", aside=-36.0)
+        )

@@ -1,4 +1,5 @@
-"""Figure 6.2: the bundled gyro, rolling about X' and yawing about Z', and the moment that this takes about Y'."""
+"""Figure 6.2: the bundled gyro, rolling about X' and yawing about Z', and the moment that this
+takes about Y'."""
 
 from __future__ import annotations
 
@@ -20,11 +21,15 @@ _RING = 0.62
 
 
 def gyro(
-    q: Sequence[float] = (0.3, 0.0), qd: Sequence[float] = (3.0, 5.0), qdd: Sequence[float] = (0.0, 0.0)
+    q: Sequence[float] = (0.3, 0.0),
+    qd: Sequence[float] = (3.0, 5.0),
+    qdd: Sequence[float] = (0.0, 0.0),
 ) -> Figure:
-    """Rotor, shaft along X', yaw axis Z'; the parts 5 and 3 rad/s of ω, and n about Y' on the rotor.
+    """Rotor, shaft along X', yaw axis Z'; the parts 5 and 3 rad/s of ω, and n about Y' on the
+    rotor.
 
-    q: yaw, roll (rad); qd, qdd: their rates. With constant rates the axis that carries n turns with the ring.
+    q: yaw, roll (rad); qd, qdd: their rates. With constant rates the axis that carries n turns with
+    the ring.
     """
     seen = snapshot(load("gyro"), q, qd, qdd)
     yaw, roll = seen.pose.bodies
@@ -50,13 +55,26 @@ def gyro(
     rate = 0.45 / max(abs(float(v)) for v in qd)
     for axis, value, name in ((x, seen.qd[1], "ω_{x′}"), (z, seen.qd[0], "ω_{z′}")):
         start = (_RING + 0.04) * axis
-        arrow(drawing, start, start + rate * value * axis, name, "velocity", value * axis, "rad/s", heads=2)
+        arrow(
+            drawing,
+            start,
+            start + rate * value * axis,
+            name,
+            "velocity",
+            value * axis,
+            "rad/s",
+            heads=2,
+        )
     moment = _moment(seen.model, seen.q, seen.qd, seen.qdd)
     end = 0.9 * moment / np.linalg.norm(moment)
     arrow(drawing, np.zeros(3), end, "n_{y′}", "moment", moment, "N m", heads=2)
     drawing.add(Mark((0.0, 0.0, 0.0), "com", "C", "com", size=5.0))
-    spin, turn, n = (f"{abs(v):g}" for v in (seen.qd[1], seen.qd[0], round(float(np.linalg.norm(moment)), 6)))
-    drawing.notes = [f"roll {spin} rad/s along X′, yaw {turn} rad/s along Z′; moment on the rotor {n} N m"]
+    spin, turn, n = (
+        f"{abs(v):g}" for v in (seen.qd[1], seen.qd[0], round(float(np.linalg.norm(moment)), 6))
+    )
+    drawing.notes = [
+        f"roll {spin} rad/s along X′, yaw {turn} rad/s along Z′; moment on the rotor {n} N m"
+    ]
     return Figure("A gyro", (drawing,), 1, 480.0, 430.0)
 
 

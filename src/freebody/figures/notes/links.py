@@ -18,16 +18,21 @@ from freebody.figures.sketch.vectors import BESIDE, arrow, position
 from freebody.model.planar import planar
 from freebody.trees.calls import Vector
 
-_RELATIVE = Names(index=lambda n: {1: "0"}.get(n, ""), point=lambda n: {1: "O"}.get(n, "B"), tip="A")
+_RELATIVE = Names(
+    index=lambda n: {1: "0"}.get(n, ""), point=lambda n: {1: "O"}.get(n, "B"), tip="A"
+)
 _INDICES = {1: "i−2", 2: "i−1", 3: "i", 4: "i+1"}
 _GENERAL = Names(index=lambda n: _INDICES[n], point=lambda n: "·ABC"[n - 1], tip="", moment="M")
 
 
 def relative_velocity(q: Vector = (0.45, 0.6), qd: Vector = (0.8, 0.7)) -> Figure:
-    """Figure 4.1: links O-B and B-A with their angles and rates; v_A = v_B + ω × s, drawn to scale."""
+    """Figure 4.1: links O-B and B-A with their angles and rates; v_A = v_B + ω × s, drawn to
+    scale."""
     model = planar("RR", l=[1.0, 0.9], lc=[0.5, 0.45], m=[1.0, 1.0], I=[0.1, 0.1])
     seen = snapshot(model, q, qd, [0.0, 0.0])
-    return Figure("Velocity of a point from that of another", (_two_rates(seen), _construction(seen)))
+    return Figure(
+        "Velocity of a point from that of another", (_two_rates(seen), _construction(seen))
+    )
 
 
 def _two_rates(seen: Snapshot) -> Drawing:
@@ -89,12 +94,16 @@ def _speed_scale(seen: Snapshot) -> float:
     return 0.38 * seen.size / float(np.linalg.norm(v))
 
 
-def _speed(drawing: Drawing, seen: Snapshot, body: BodyPlace, place: Array, name: str, scale: float) -> None:
+def _speed(
+    drawing: Drawing, seen: Snapshot, body: BodyPlace, place: Array, name: str, scale: float
+) -> None:
     v = seen.velocity_at(body, place)
     arrow(drawing, place, place + scale * v, name, "velocity", v, "m/s")
 
 
-def _turning(drawing: Drawing, seen: Snapshot, body: BodyPlace, name: str, share: float = 0.5) -> None:
+def _turning(
+    drawing: Drawing, seen: Snapshot, body: BodyPlace, name: str, share: float = 0.5
+) -> None:
     """The angular velocity of a body on its left, around a point at a share of its length."""
     end, along = seen.end(body), arm.heading(seen, body)
     at = body.origin + share * ((body.com if end is None else end) - body.origin)
@@ -105,15 +114,25 @@ def _turning(drawing: Drawing, seen: Snapshot, body: BodyPlace, name: str, share
 def one_of_many() -> Figure:
     """Figure 4.2: link i between links i-1 and i+1, with all vectors of the planar recursion."""
     n = 4
-    model = planar("R" * n, l=[0.7, 0.9, 1.1, 0.8], lc=[0.3, 0.45, 0.6, 0.4], m=[2.0] * n, I=[0.15] * n)
+    model = planar(
+        "R" * n, l=[0.7, 0.9, 1.1, 0.8], lc=[0.3, 0.45, 0.6, 0.4], m=[2.0] * n, I=[0.15] * n
+    )
     seen = snapshot(
-        model.replace(gravity=0.0), (-0.5, 0.7, 0.75, -0.9), (0.5, 0.3, 0.4, 0.3), (0.5, 0.9, -3.0, 0.2)
+        model.replace(gravity=0.0),
+        (-0.5, 0.7, 0.75, -0.9),
+        (0.5, 0.3, 0.4, 0.3),
+        (0.5, 0.9, -3.0, 0.2),
     )
     drawing = arm.blank("Link i of a planar arm with the forces on it")
     before, body, after = seen.pose.bodies[1:4]
     for link in (before, after):
         name = f"link {_INDICES[link.number]}"
-        drawing.add(*(Line((point(a), point(b)), name, "link", width=9.0, far=True) for a, b in link.outline))
+        drawing.add(
+            *(
+                Line((point(a), point(b)), name, "link", width=9.0, far=True)
+                for a, b in link.outline
+            )
+        )
     add_body(drawing, body)
     for link in (before, body, after):
         arm.joint(drawing, link)

@@ -16,13 +16,17 @@ Layer = Callable[[Drawing, Snapshot, Names], None]
 NAMES = Names()
 GEOMETRY: tuple[Layer, ...] = (arm.angles, arm.lengths, arm.centres)
 RATES, SECOND = [0.9, 1.1], [1.5, 1.0]
-"""Joint rates (rad/s) and accelerations (rad/s²) of the two-link arm in the figures that show its motion."""
+"""Joint rates (rad/s) and accelerations (rad/s²) of the two-link arm in the figures that show its
+motion."""
 TIP = [-4.5, -3.0, 0.0]
 """The tip load of section 2.4: force (N), moment (N m)."""
 
 
 def two_links(
-    q: Vector | None = None, qd: Vector | None = None, qdd: Vector | None = None, wrenches: Wrenches = None
+    q: Vector | None = None,
+    qd: Vector | None = None,
+    qdd: Vector | None = None,
+    wrenches: Wrenches = None,
 ) -> Snapshot:
     """The bundled arm 2R at a pose that is seen well; at rest unless rates are given."""
     return snapshot(load("2R"), q, qd or [0.0, 0.0], qdd or [0.0, 0.0], wrenches)

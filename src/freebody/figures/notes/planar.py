@@ -1,4 +1,5 @@
-"""Figures of planar arms in chapters 1 to 5: geometry, vectors, velocities, accelerations, free bodies."""
+"""Figures of planar arms in chapters 1 to 5: geometry, vectors, velocities, accelerations, free
+bodies."""
 
 from __future__ import annotations
 
@@ -42,7 +43,8 @@ def _to_tip(drawing: Drawing, seen: Snapshot, names: Names) -> None:
 
 
 def free_bodies(q: Vector | None = None, load: Vector = TIP) -> Figure:
-    """Figure 1.4: the arm at rest under a load F at P, and its links apart: F_1, ∓F_2, F, weights, torques."""
+    """Figure 1.4: the arm at rest under a load F at P, and its links apart: F_1, ∓F_2, F, weights,
+    torques."""
     load = [10 * x for x in np.asarray(load)]  # of the size of the weights, to be seen beside them
     seen = two_links(q, wrenches=load)
     first = panel(seen, "(a) the arm", GEOMETRY, CHAPTER_1)
@@ -52,7 +54,8 @@ def free_bodies(q: Vector | None = None, load: Vector = TIP) -> Figure:
 
 
 def statics(q: Vector = (0.9, 0.75), load: Vector = TIP) -> Figure:
-    """Figure 2.3: a force f on the tip of the arm, without weights; its links apart: f_1, ∓f_2, f, τ_1, ∓τ_2."""
+    """Figure 2.3: a force f on the tip of the arm, without weights; its links apart: f_1, ∓f_2, f,
+    τ_1, ∓τ_2."""
     seen = two_links(q, wrenches=load)
     seen = snapshot(seen.model.replace(gravity=0.0), seen.q, seen.qd, seen.qdd, load)
     first = panel(seen, "(a) the arm, loaded at P", (*GEOMETRY, _tip_force))
@@ -92,7 +95,9 @@ def pendulum(q: Vector = (0.85,), qd: Vector = (1.2,), qdd: Vector = (0.8,)) -> 
 
 def one_link(q: Vector = (0.85,)) -> Figure:
     """Figure 5.2: the same bar with l, θ and C."""
-    return Figure("An arm with one degree of freedom", (_bar_panel(_bar(q, (0.0,), (0.0,)), ""),), 1)
+    return Figure(
+        "An arm with one degree of freedom", (_bar_panel(_bar(q, (0.0,), (0.0,)), ""),), 1
+    )
 
 
 def _bar(q: Vector, qd: Vector, qdd: Vector) -> Snapshot:
@@ -121,7 +126,8 @@ def _velocity(seen: Snapshot) -> tuple[Arrow, Turn]:
 
 
 def dynamics(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND) -> Figure:
-    """Figure 3.2: the moving arm with θ̇_i and v_ci; its links apart, with s_i, s_ci, forces and torques."""
+    """Figure 3.2: the moving arm with θ̇_i and v_ci; its links apart, with s_i, s_ci, forces and
+    torques."""
     seen = two_links(q, qd, qdd)
     velocities = partial(motion.of_centres, scaled=True)
     first = panel(seen, "(a) angles, rates, velocities", (*GEOMETRY, motion.rates, velocities))
@@ -154,13 +160,17 @@ def _accelerated() -> tuple[Callable, ...]:
 
 
 def fixed_axis(q: Vector = (0.7,), force: Vector = (8.0, 30.0)) -> Figure:
-    """Figure 1.5: a body pinned at O under a force F (N) at its end; the pin's reaction f, a_G and α, no weight."""
+    """Figure 1.5: a body pinned at O under a force F (N) at its end; the pin's reaction f, a_G and
+    α, no weight."""
     model = planar("R", l=[1.0], lc=[0.55], m=[2.0], I=[0.2]).replace(gravity=0.0, name="body")
     still = snapshot(model, q, (0.8,), (0.0,))
     wrench = [*np.asarray(force, dtype=float), 0.0]
     qdd = forward_dynamics(model, still.q, still.qd, [0.0], wrenches=wrench)
     seen = snapshot(model, still.q, still.qd, qdd, wrench)
-    first, second = pinned(seen, "(a) what is applied", False), pinned(seen, "(b) reaction and motion", True)
+    first, second = (
+        pinned(seen, "(a) what is applied", False),
+        pinned(seen, "(b) reaction and motion", True),
+    )
     return _together("Rotation about a fixed axis", first, second)
 
 

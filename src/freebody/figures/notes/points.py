@@ -42,17 +42,26 @@ def trajectory(
     return Figure("Planar trajectory and velocity", (drawing,), 1)
 
 
-def _vector(drawing: Drawing, at: Array, value: Array, scale: float, name: str, role: str, unit: str) -> None:
-    drawing.add(Arrow(point(at), point(at + scale * value), name, role, bold(name), point(value), unit))
+def _vector(
+    drawing: Drawing, at: Array, value: Array, scale: float, name: str, role: str, unit: str
+) -> None:
+    drawing.add(
+        Arrow(point(at), point(at + scale * value), name, role, bold(name), point(value), unit)
+    )
 
 
-def centre_of_mass(masses: Sequence[float] = _MASSES, places: Sequence[Sequence[float]] = _PLACES) -> Figure:
-    """Figure 1.3: particles of some masses (kg) at places (m) with r_i and their centre r_G; the same from G, ρ_i."""
+def centre_of_mass(
+    masses: Sequence[float] = _MASSES, places: Sequence[Sequence[float]] = _PLACES
+) -> Figure:
+    """Figure 1.3: particles of some masses (kg) at places (m) with r_i and their centre r_G; the
+    same from G, ρ_i."""
     m, r = np.asarray(masses, dtype=float), np.asarray(places, dtype=float)
     centre = m @ r / m.sum()
     first = _cloud(m, r, "O", "r", "(a) from any origin O")
     position(first, np.zeros(2), centre, "r_{G}")
-    first.add(Mark(point(centre), "com", "G", "com", size=7.0), Label(point(centre), "G", "label G"))
+    first.add(
+        Mark(point(centre), "com", "G", "com", size=7.0), Label(point(centre), "G", "label G")
+    )
     second = _cloud(m, r - centre, "G", "ρ", "(b) from the centre of mass G")
     second.add(Mark((0.0, 0.0), "com", "G", "com", size=7.0))
     to_one_scale((first, second))
@@ -69,7 +78,11 @@ def _cloud(masses: Array, places: Array, origin: str, letter: str, note: str) ->
     drawing.add(Label((0.0, 0.0), origin, f"label {origin}", direction=(-1.0, -1.0)))
     for k, (mass, place) in enumerate(zip(masses, places, strict=True), 1):
         name = f"{letter}_{k}"
-        drawing.add(Arrow((0.0, 0.0), point(place), name, "soft", bold(name), point(place), "m", beside=0.75))
+        drawing.add(
+            Arrow(
+                (0.0, 0.0), point(place), name, "soft", bold(name), point(place), "m", beside=0.75
+            )
+        )
         radius = 6.0 * float(np.sqrt(mass / masses.mean()))
         drawing.add(Mark(point(place), "joint", f"m_{k}", "joint", size=radius))
         drawing.add(Label(point(place), f"m_{k}", f"label m_{k}", direction=point(place)))

@@ -40,14 +40,18 @@ def quadrotor(
     place: Sequence[float] = (0.75, 0.75, 0.6),
     velocity: Sequence[float] = _VELOCITY,
 ) -> Figure:
-    """(a) the vehicle; (b) frames XYZ and xyz, rotors A to D, s_1; (c) F_1 to F_4 along body z, m g, v.
+    """(a) the vehicle; (b) frames XYZ and xyz, rotors A to D, s_1; (c) F_1 to F_4 along body z, m
+    g, v.
 
-    euler: Z-X-Z angles (rad); thrusts: along the body's z (N); place of O (m) and its velocity (m/s), world axes.
+    euler: Z-X-Z angles (rad); thrusts: along the body's z (N); place of O (m) and its velocity
+    (m/s), world axes.
     """
     rotation = zxz(euler)
     model = load("quadrotor")
     q = [*place, *_quaternion(rotation)]
-    wrenches = {f"rotor{k}": [*(rotation[:, 2] * f), 0.0, 0.0, 0.0] for k, f in enumerate(thrusts, 1)}
+    wrenches = {
+        f"rotor{k}": [*(rotation[:, 2] * f), 0.0, 0.0, 0.0] for k, f in enumerate(thrusts, 1)
+    }
     qd = [*(rotation.T @ np.asarray(velocity, dtype=float)), 0.0, 0.0, 0.0]
     seen = snapshot(model, q, qd, np.zeros(6), wrenches)
     view = axonometric(-75.0, 26.0)
@@ -76,7 +80,14 @@ def zxz(angles: Sequence[float]) -> Array:
 def _quaternion(R: Array) -> tuple[float, ...]:
     """w, x, y, z of a rotation by less than half a turn."""
     w = math.sqrt(max(1.0 + np.trace(R), 1e-12)) / 2
-    return (w, *((R[2, 1] - R[1, 2]) / (4 * w), (R[0, 2] - R[2, 0]) / (4 * w), (R[1, 0] - R[0, 1]) / (4 * w)))
+    return (
+        w,
+        *(
+            (R[2, 1] - R[1, 2]) / (4 * w),
+            (R[0, 2] - R[2, 0]) / (4 * w),
+            (R[1, 0] - R[0, 1]) / (4 * w),
+        ),
+    )
 
 
 def _rotors(seen: Snapshot) -> list[Array]:
@@ -93,7 +104,9 @@ def _vehicle(seen: Snapshot, view: View, note: str) -> Drawing:
     parts: list[Element] = []
     for k, place in enumerate(_rotors(seen), 1):
         parts.append(Line((point(body.origin), point(place)), f"arm {k}", "link", width=7.0))
-        parts.append(Prism(point(place + 0.03 * up), point(up), _RADIUS, 0.012, f"rotor {k}", "joint", 36))
+        parts.append(
+            Prism(point(place + 0.03 * up), point(up), _RADIUS, 0.012, f"rotor {k}", "joint", 36)
+        )
     parts.append(Prism(point(body.origin), point(up), 0.12, 0.05, "hull", "joint", 4))
     drawing.add(*sorted(parts, key=lambda e: space.depth(e, view)))
     drawing.notes = [note]

@@ -23,10 +23,11 @@ _FORCE = (4.0, 6.0, 6.0)
 def free_body(
     q: Sequence[float] = _POSE, qd: Sequence[float] = _RATES, force: Sequence[float] = _FORCE
 ) -> Figure:
-    """Figure 6.1: one body in space with its frame x_i y_i z_i at the centre of mass, r, v_c and its rate, ω, f, n_i.
+    """Figure 6.1: one body in space with its frame x_i y_i z_i at the centre of mass, r, v_c and
+    its rate, ω, f, n_i.
 
-    q: x, y, z (m), quaternion w, x, y, z; qd: v (m/s), ω (rad/s), body axes; force: f (N), world axes, at the middle
-    of a face. n_i is its moment about the centre of mass; there is no weight.
+    q: x, y, z (m), quaternion w, x, y, z; qd: v (m/s), ω (rad/s), body axes; force: f (N), world
+    axes, at the middle of a face. n_i is its moment about the centre of mass; there is no weight.
     """
     model = load("quadrotor").replace(gravity=0.0, name="body")
     unit = np.array(q, dtype=float)
@@ -54,11 +55,14 @@ def free_body(
     ):
         way = value / np.linalg.norm(value)
         arrow(drawing, start, start + reach * way, name, role, value, unit_name, heads=heads)
-    return Figure("A rigid body in space with global and body-fixed frames", (drawing,), 1, 520.0, 430.0)
+    return Figure(
+        "A rigid body in space with global and body-fixed frames", (drawing,), 1, 520.0, 430.0
+    )
 
 
 def _box(body: BodyPlace, half: Sequence[float], view: View) -> list[Line]:
-    """The faces of a box around a body that are seen; half: of its edges along the body's axes, metres."""
+    """The faces of a box around a body that are seen; half: of its edges along the body's axes,
+    metres."""
     faces = []
     for k in range(3):
         for sign in (-1.0, 1.0):

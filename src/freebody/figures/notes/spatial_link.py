@@ -16,7 +16,8 @@ from freebody.model.model import Model
 
 
 def link_symbols() -> Figure:
-    """Figure 6.4: link i of an arm in space, between joints i and i+1, with every vector of the recursion."""
+    """Figure 6.4: link i of an arm in space, between joints i and i+1, with every vector of the
+    recursion."""
     seen = snapshot(
         _three_links(),
         (0.4, -0.5, 0.7),
@@ -35,8 +36,26 @@ def link_symbols() -> Figure:
     _axis(drawing, after, "z_{i+1}", "θ\u0307_{i+1}", float(seen.qd[2]))
     drawing.add(Mark(point(body.com), "com", "C_i", "com", size=6.0))
     drawing.add(Label(point(body.com), "C_i", "label C_i", direction=(0.0, 0.0, 1.0)))
-    arrow(drawing, body.origin, after.origin, "s_i", "position", after.origin - body.origin, "m", beside=0.5)
-    arrow(drawing, body.origin, body.com, "s_{ci}", "position", body.com - body.origin, "m", beside=0.5)
+    arrow(
+        drawing,
+        body.origin,
+        after.origin,
+        "s_i",
+        "position",
+        after.origin - body.origin,
+        "m",
+        beside=0.5,
+    )
+    arrow(
+        drawing,
+        body.origin,
+        body.com,
+        "s_{ci}",
+        "position",
+        body.com - body.origin,
+        "m",
+        beside=0.5,
+    )
     a = seen.acceleration_at(body, body.com)
     end = body.com + 0.42 * a / np.linalg.norm(a)
     arrow(drawing, body.com, end, "v\u0307_{ci}", "acceleration", a, "m/s²")
@@ -45,7 +64,8 @@ def link_symbols() -> Figure:
 
 
 def _three_links() -> Model:
-    """An arm whose second link has axes that are not parallel and a centre of mass off the line between them."""
+    """An arm whose second link has axes that are not parallel and a centre of mass off the line
+    between them."""
     parts = {"I": [0.05, 0.0, 0.0, 0.05, 0.0, 0.05]}
     rows = [
         {"a": 0.0, "alpha": 0.0, "d": 0.35, "m": 3.0, "com": [0.0, 0.0, 0.0], **parts},
@@ -64,12 +84,18 @@ def _axis(drawing: Drawing, body: BodyPlace, name: str, rate: str, value: float)
     if body.axis is None:
         return
     axis = body.axis
-    drawing.add(Line((point(body.origin - 0.3 * axis), point(body.origin)), f"axis {name}", "axisline"))
-    drawing.add(Arrow(point(body.origin), point(body.origin + 0.34 * axis), name, "z", name, point(axis)))
+    drawing.add(
+        Line((point(body.origin - 0.3 * axis), point(body.origin)), f"axis {name}", "axisline")
+    )
+    drawing.add(
+        Arrow(point(body.origin), point(body.origin + 0.34 * axis), name, "z", name, point(axis))
+    )
     start, end = body.origin + 0.4 * axis, body.origin + (0.4 + 0.14) * axis
     value_vector = value * axis
     drawing.add(
-        Arrow(point(start), point(end), rate, "velocity", rate, point(value_vector), "rad/s", heads=2)
+        Arrow(
+            point(start), point(end), rate, "velocity", rate, point(value_vector), "rad/s", heads=2
+        )
     )
 
 
@@ -94,14 +120,25 @@ def _loads(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
 
 
 def slide() -> Figure:
-    """Figure 6.5: a prismatic joint: frames i-1 and i, d_i along z_i, p^{i-1}_i, c_i, v_{i-1}, v_ci."""
+    """Figure 6.5: a prismatic joint: frames i-1 and i, d_i along z_i, p^{i-1}_i, c_i, v_{i-1},
+    v_ci."""
     parts = {"I": [0.05, 0.0, 0.0, 0.05, 0.0, 0.05]}
     rows = [
         {"a": 0.0, "alpha": 0.0, "d": 0.0, "m": 3.0, "com": [0.1, 0.0, 0.0], **parts},
         {"a": 0.6, "alpha": 0.25, "d": 0.2, "m": 3.0, "com": [0.1, 0.0, 0.0], **parts},
-        {"joint": "P", "a": 0.6, "alpha": -1.2, "d": 0.0, "m": 2.0, "com": [0.3, 0.12, 0.2], **parts},
+        {
+            "joint": "P",
+            "a": 0.6,
+            "alpha": -1.2,
+            "d": 0.0,
+            "m": 2.0,
+            "com": [0.3, 0.12, 0.2],
+            **parts,
+        },
     ]
-    seen = snapshot(dh(rows, convention="modified"), (-0.4, 0.6, 0.75), (0.9, 0.5, 0.7), (0.0, 0.0, 0.0))
+    seen = snapshot(
+        dh(rows, convention="modified"), (-0.4, 0.6, 0.75), (0.9, 0.5, 0.7), (0.0, 0.0, 0.0)
+    )
     _, before, body = seen.pose.bodies
     view = axonometric(-35.0, 22.0)
     drawing = frames.blank("A prismatic joint with the frames of both links", view)
@@ -126,7 +163,9 @@ def slide() -> Figure:
         "m",
         beside=0.5,
     )
-    arrow(drawing, body.origin, body.com, "c_i", "position", body.com - body.origin, "m", beside=0.5)
+    arrow(
+        drawing, body.origin, body.com, "c_i", "position", body.com - body.origin, "m", beside=0.5
+    )
     drawing.add(Mark(point(body.com), "com", "C_i", "com", size=6.0))
     drawing.add(Label(point(body.com), "C_i", "label C_i", direction=(0.0, 0.0, -1.0)))
     places = ((before, before.origin, "v_{i−1}"), (body, body.com, "v_{ci}"))

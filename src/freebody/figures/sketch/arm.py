@@ -1,4 +1,5 @@
-"""A planar arm without numbers: ground, bars, joints, centres of mass, angles, slides, lengths, axes."""
+"""A planar arm without numbers: ground, bars, joints, centres of mass, angles, slides, lengths,
+axes."""
 
 from __future__ import annotations
 
@@ -8,7 +9,18 @@ from itertools import count, islice
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures.drawing import FLAT, Arc, Arrow, Dimension, Drawing, Label, Line, Mark, Point, point
+from freebody.figures.drawing import (
+    FLAT,
+    Arc,
+    Arrow,
+    Dimension,
+    Drawing,
+    Label,
+    Line,
+    Mark,
+    Point,
+    point,
+)
 from freebody.figures.names import Names
 from freebody.figures.plane import add_body
 from freebody.figures.skeleton import BodyPlace
@@ -28,14 +40,17 @@ def blank(title: str) -> Drawing:
 
 
 def structure(drawing: Drawing, seen: Snapshot, names: Names, faint: bool = False) -> None:
-    """Ground, links and joints of an arm, its axes x and y, and the names of its joints; faint: vectors lie on it."""
+    """Ground, links and joints of an arm, its axes x and y, and the names of its joints; faint:
+    vectors lie on it."""
     for root in seen.pose.roots:
         support(drawing, root, seen.size)
     axes(drawing, seen.size, share=_axis_share(seen))
     for body in seen.pose.bodies:
         rod(drawing, body)
         if faint:
-            outline = [Line((point(a), point(b)), f"link {body.number}", "ghost") for a, b in body.outline]
+            outline = [
+                Line((point(a), point(b)), f"link {body.number}", "ghost") for a, b in body.outline
+            ]
             drawing.add(*outline)
         else:
             add_body(drawing, body)
@@ -48,7 +63,8 @@ def structure(drawing: Drawing, seen: Snapshot, names: Names, faint: bool = Fals
 
 
 def _axis_share(seen: Snapshot) -> float:
-    """Length of the axes, of the drawing's size; where the base's slide lies on one, its head stays off the block."""
+    """Length of the axes, of the drawing's size; where the base's slide lies on one, its head stays
+    off the block."""
     slides = [float(np.linalg.norm(r.origin)) for r in seen.pose.roots if r.kind.slides]
     return min([_AXIS, *(0.65 * d / seen.size for d in slides if d > 0.15 * seen.size)])
 
@@ -57,11 +73,14 @@ def axes(drawing: Drawing, size: float, origin: Point = (0.0, 0.0), share: float
     """World axes x and y from the origin."""
     for name, (u, v) in (("x", (1.0, 0.0)), ("y", (0.0, 1.0))):
         end = (origin[0] + share * size * u, origin[1] + share * size * v)
-        drawing.add(Arrow(origin, end, name, "soft"), Label(end, name, f"label {name}", direction=(u, v)))
+        drawing.add(
+            Arrow(origin, end, name, "soft"), Label(end, name, f"label {name}", direction=(u, v))
+        )
 
 
 def support(drawing: Drawing, root: BodyPlace, size: float) -> None:
-    """The ground: a pedestal under a turn, a hatched guide under a slide; nothing holds what moves freely."""
+    """The ground: a pedestal under a turn, a hatched guide under a slide; nothing holds what moves
+    freely."""
     if not root.kind.holds:
         return
     if root.kind.slides and root.axis is not None:
@@ -71,7 +90,9 @@ def support(drawing: Drawing, root: BodyPlace, size: float) -> None:
         ends = point(middle - half * root.axis), point(middle + half * root.axis)
         drawing.add(Line(ends, "ground", "rail"))
         drawing.add(
-            *hatch(np.array(ends[0]), np.array(ends[1]), np.array([below[1], -below[0]]), 0.03 * size)
+            *hatch(
+                np.array(ends[0]), np.array(ends[1]), np.array([below[1], -below[0]]), 0.03 * size
+            )
         )
     else:
         drawing.add(Mark(point(root.carrier), "ground", "ground", "ground", (0.0, 1.0), 9.0))
@@ -104,13 +125,16 @@ def joint(drawing: Drawing, body: BodyPlace, size: float = 6.0) -> None:
 
 
 def points(drawing: Drawing, seen: Snapshot, names: Names) -> None:
-    """Names of the joints and of the tip, away from the links that meet there; one name a place, the tip's first."""
+    """Names of the joints and of the tip, away from the links that meet there; one name a place,
+    the tip's first."""
     bodies = seen.pose.bodies
     taken = [] if seen.pose.tip is None else [seen.pose.tip]
     for body in bodies:
         if all(np.linalg.norm(body.origin - place) > _NEAR for place in taken):
             text = letter(seen, names, body.number)
-            drawing.add(Label(point(body.origin), text, f"label {text}", direction=clear_way(seen, body)))
+            drawing.add(
+                Label(point(body.origin), text, f"label {text}", direction=clear_way(seen, body))
+            )
             taken.append(body.origin)
     for name in filter(_is_letter, seen.model.frame_names):
         place = np.asarray(forward_kinematics(seen.model, seen.q, name))[:2, 2]
@@ -121,11 +145,14 @@ def points(drawing: Drawing, seen: Snapshot, names: Names) -> None:
         last = bodies[-1]
         away = seen.pose.tip - last.origin
         direction = point(away) if np.linalg.norm(away) > _NEAR else (1.0, 1.0)
-        drawing.add(Label(point(seen.pose.tip), names.tip, f"label {names.tip}", direction=direction))
+        drawing.add(
+            Label(point(seen.pose.tip), names.tip, f"label {names.tip}", direction=direction)
+        )
 
 
 def letter(seen: Snapshot, names: Names, n: int) -> str:
-    """The name of joint n: its own where that is a capital letter, else the next that nothing else in the model has.
+    """The name of joint n: its own where that is a capital letter, else the next that nothing else
+    in the model has.
 
     O is kept for the origin, so that letters start with A where joint 1 is elsewhere.
     """
@@ -229,7 +256,9 @@ def all_lengths(drawing: Drawing, seen: Snapshot, names: Names) -> None:
     lengths(drawing, seen, names, 27.0)
 
 
-def _length(drawing: Drawing, seen: Snapshot, body: BodyPlace, place: Array, name: str, aside: float) -> None:
+def _length(
+    drawing: Drawing, seen: Snapshot, body: BodyPlace, place: Array, name: str, aside: float
+) -> None:
     if name and np.linalg.norm(place - body.origin) > 0.05 * seen.size:
         side = _clear_side(seen, body) * aside
         drawing.add(Dimension(point(body.origin), point(place), name, label=name, aside=side))
@@ -240,7 +269,8 @@ def _clear_side(seen: Snapshot, body: BodyPlace) -> float:
     if body.kind.slides:
         return 1.0 if not body.parent >= 0 else _clear_side(seen, seen.pose.bodies[body.parent])
     turned = float(
-        body.carrier_rotation[0, 0] * body.rotation[1, 0] - body.carrier_rotation[1, 0] * body.rotation[0, 0]
+        body.carrier_rotation[0, 0] * body.rotation[1, 0]
+        - body.carrier_rotation[1, 0] * body.rotation[0, 0]
     )
     return 1.0 if turned >= 0 else -1.0
 

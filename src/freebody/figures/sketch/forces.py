@@ -1,4 +1,5 @@
-"""Free bodies of a planar arm with the names of the forces: one alone, or all pulled apart at the joints."""
+"""Free bodies of a planar arm with the names of the forces: one alone, or all pulled apart at the
+joints."""
 
 from __future__ import annotations
 
@@ -25,15 +26,20 @@ _NOTHING = 1e-6
 _ROLES = {"reaction": "reaction", "counter": "reaction", "weight": "weight", "external": "external"}
 
 
-def apart(seen: Snapshot, names: Names, show: Sequence[str] = ("s", "sc"), scaled: bool = False) -> Drawing:
+def apart(
+    seen: Snapshot, names: Names, show: Sequence[str] = ("s", "sc"), scaled: bool = False
+) -> Drawing:
     """All bodies, drawn apart by a gap at each joint; `drawing.moved` says how far each is moved.
 
-    show: "s" vectors from joint to joint, "sc" to the centres of mass. scaled: with a bar for the forces.
+    show: "s" vectors from joint to joint, "sc" to the centres of mass. scaled: with a bar for the
+    forces.
     """
     drawing = blank(f"Free-body diagrams of the links of {seen.model.name}")
     shift: dict[int, Array] = {}
     for body in seen.pose.bodies:
-        shift[body.index] = np.zeros(2) if body.parent < 0 else shift[body.parent] + _gap(seen, body)
+        shift[body.index] = (
+            np.zeros(2) if body.parent < 0 else shift[body.parent] + _gap(seen, body)
+        )
         part = _parts(seen, body, names, show)
         drawing.add(*(moved(element, shift[body.index]) for element in part.elements))
         drawing.moved[body.number] = point(shift[body.index])
@@ -42,13 +48,16 @@ def apart(seen: Snapshot, names: Names, show: Sequence[str] = ("s", "sc"), scale
     return drawing
 
 
-def alone(seen: Snapshot, body: BodyPlace, names: Names, show: Sequence[str] = ("s", "sc")) -> Drawing:
+def alone(
+    seen: Snapshot, body: BodyPlace, names: Names, show: Sequence[str] = ("s", "sc")
+) -> Drawing:
     """One body where it is."""
     return _parts(seen, body, names, show)
 
 
 def carried(seen: Snapshot, first: BodyPlace, names: Names) -> Drawing:
-    """A body with all that hangs on it as one system: the reaction at its joint, all weights, what acts on the tip."""
+    """A body with all that hangs on it as one system: the reaction at its joint, all weights, what
+    acts on the tip."""
     drawing = blank(f"All that joint {first.number} of {seen.model.name} carries")
     system = subtree(seen, first)
     for body in system:
@@ -62,7 +71,9 @@ def carried(seen: Snapshot, first: BodyPlace, names: Names) -> Drawing:
         if body is not first and body.mass > 0:
             name = f"r_{{{names.index(first.number)},c{names.index(body.number)}}}"
             vectors.position(drawing, first.origin, body.com, name)
-    vectors.position(drawing, first.origin, first.com, names.on("s", first.number, "c"), -vectors.BESIDE - 2)
+    vectors.position(
+        drawing, first.origin, first.com, names.on("s", first.number, "c"), -vectors.BESIDE - 2
+    )
     return drawing
 
 
@@ -114,9 +125,17 @@ def _joints(drawing: Drawing, seen: Snapshot, body: BodyPlace, names: Names) -> 
             child = seen.pose.bodies[end.child]
             if np.linalg.norm(child.origin - body.origin) > _NOTHING:
                 if child.kind.slides:
-                    drawing.add(Line((point(end.place), point(child.origin)), f"rod {child.number}", "guide"))
-                drawing.add(Mark(point(child.origin), "joint", f"joint {child.number}", "joint", size=5.0))
-                _named(drawing, child.origin, letter(seen, names, child.number), heading(seen, body))
+                    drawing.add(
+                        Line(
+                            (point(end.place), point(child.origin)), f"rod {child.number}", "guide"
+                        )
+                    )
+                drawing.add(
+                    Mark(point(child.origin), "joint", f"joint {child.number}", "joint", size=5.0)
+                )
+                _named(
+                    drawing, child.origin, letter(seen, names, child.number), heading(seen, body)
+                )
         elif end.name == seen.model.tip and names.tip:
             drawing.add(Mark(point(end.place), "dot", names.tip, "position-head", size=3.5))
             _named(drawing, end.place, names.tip, heading(seen, body))
@@ -130,10 +149,14 @@ def _named(drawing: Drawing, place: Array, text: str, direction: Array) -> None:
     drawing.add(Label(point(place), text, f"label {text}", direction=point(direction)))
 
 
-def _vectors(drawing: Drawing, seen: Snapshot, body: BodyPlace, names: Names, show: Sequence[str]) -> None:
+def _vectors(
+    drawing: Drawing, seen: Snapshot, body: BodyPlace, names: Names, show: Sequence[str]
+) -> None:
     for symbol in {"s", "r"} & set(show):
         for end, place in seen.reaches(body):
-            vectors.position(drawing, body.origin, place, names.reach(body, end, symbol), vectors.BESIDE + 2)
+            vectors.position(
+                drawing, body.origin, place, names.reach(body, end, symbol), vectors.BESIDE + 2
+            )
     if "sc" in show and body.mass > 0:
         name = names.on("s", body.number, "c")
         vectors.position(drawing, body.origin, body.com, name, -vectors.BESIDE - 2)
@@ -147,7 +170,9 @@ def _reach(drawing: Drawing, body: BodyPlace, load: Load) -> None:
         drawing.add(Line((point(nearest), point(load.place)), f"reach {load.name}", "guide"))
 
 
-def _force(drawing: Drawing, seen: Snapshot, body: BodyPlace, load: Load, names: Names, scale: float) -> None:
+def _force(
+    drawing: Drawing, seen: Snapshot, body: BodyPlace, load: Load, names: Names, scale: float
+) -> None:
     """The arrow of a force, and that of the moment that goes with it."""
     name, moment_name = called(seen, body, load, names)
     size = float(np.linalg.norm(load.force))
@@ -156,16 +181,30 @@ def _force(drawing: Drawing, seen: Snapshot, body: BodyPlace, load: Load, names:
         end = load.place + load.force / size * length
         label = weight_label(name) if load.role == "weight" else bold(name)
         drawing.add(
-            Arrow(point(load.place), point(end), name, _ROLES[load.role], label, point(load.force), "N")
+            Arrow(
+                point(load.place),
+                point(end),
+                name,
+                _ROLES[load.role],
+                label,
+                point(load.force),
+                "N",
+            )
         )
     value = float(load.moment[0])
     if moment_name and value:
         outward = heading(seen, body) * (1.0 if load.role == "counter" else -1.0)
         facing = math.degrees(math.atan2(outward[1], outward[0]))
         radius = (
-            27.0 if load.role == "counter" and np.linalg.norm(load.place - body.origin) < _NOTHING else 19.0
+            27.0
+            if load.role == "counter" and np.linalg.norm(load.place - body.origin) < _NOTHING
+            else 19.0
         )
-        drawing.add(Turn(point(load.place), value, moment_name, "moment", moment_name, "N m", radius, facing))
+        drawing.add(
+            Turn(
+                point(load.place), value, moment_name, "moment", moment_name, "N m", radius, facing
+            )
+        )
 
 
 def weight_label(name: str) -> str:
@@ -176,7 +215,11 @@ def weight_label(name: str) -> str:
 def called(seen: Snapshot, body: BodyPlace, load: Load, names: Names) -> tuple[str, str]:
     """Names of a force and of its moment."""
     joint = load.joint
-    kind = seen.pose.bodies[joint].kind if joint is not None and joint < len(seen.pose.bodies) else None
+    kind = (
+        seen.pose.bodies[joint].kind
+        if joint is not None and joint < len(seen.pose.bodies)
+        else None
+    )
     return names.acting(load, body, kind)
 
 

@@ -1,4 +1,5 @@
-"""A robot in space without numbers: joint axes z_i, vectors s_i, common normals a_i and offsets d_i."""
+"""A robot in space without numbers: joint axes z_i, vectors s_i, common normals a_i and offsets
+d_i."""
 
 from __future__ import annotations
 
@@ -20,7 +21,8 @@ _VISIBLE = 0.025
 
 @dataclass(frozen=True)
 class Normal:
-    """The common normal of two joint axes: from `foot` on the first to `head` on the second, places (3,)."""
+    """The common normal of two joint axes: from `foot` on the first to `head` on the second, places
+    (3,)."""
 
     foot: Array
     head: Array
@@ -81,8 +83,12 @@ def joint_axes(drawing: Drawing, seen: Snapshot, names: Names) -> None:
             name = names.axis(body)
             reach = 0.17 * seen.size * body.axis
             start = body.carrier if slides else body.origin
-            drawing.add(Line((point(start - 0.6 * reach), point(start)), f"axis {body.number}", "axisline"))
-            drawing.add(Arrow(point(start), point(start + reach), name, "z", name, point(body.axis)))
+            drawing.add(
+                Line((point(start - 0.6 * reach), point(start)), f"axis {body.number}", "axisline")
+            )
+            drawing.add(
+                Arrow(point(start), point(start + reach), name, "z", name, point(body.axis))
+            )
 
 
 def variables(drawing: Drawing, seen: Snapshot, names: Names) -> None:
@@ -100,7 +106,16 @@ def links(drawing: Drawing, seen: Snapshot, names: Names) -> None:
         for end, place in seen.reaches(body):
             way = place - body.origin
             if np.linalg.norm(way) > _VISIBLE * seen.size:
-                arrow(drawing, body.origin, place, names.reach(body, end), "position", way, "m", beside=0.5)
+                arrow(
+                    drawing,
+                    body.origin,
+                    place,
+                    names.reach(body, end),
+                    "position",
+                    way,
+                    "m",
+                    beside=0.5,
+                )
 
 
 def centres(drawing: Drawing, seen: Snapshot, names: Names) -> None:
@@ -113,7 +128,8 @@ def centres(drawing: Drawing, seen: Snapshot, names: Names) -> None:
 
 
 def normals(drawing: Drawing, seen: Snapshot, names: Names) -> None:
-    """a_i along the common normal of the axes of joints i and i+1, d_{i+1} along the axis between two normals."""
+    """a_i along the common normal of the axes of joints i and i+1, d_{i+1} along the axis between
+    two normals."""
     heads: dict[int, Array] = {}
     for after in seen.pose.bodies:
         if after.axis is None:

@@ -1,4 +1,5 @@
-"""How a planar arm moves: joint rates as turning arrows, velocities and accelerations of its centres of mass."""
+"""How a planar arm moves: joint rates as turning arrows, velocities and accelerations of its
+centres of mass."""
 
 from __future__ import annotations
 
@@ -35,14 +36,31 @@ def rates(drawing: Drawing, seen: Snapshot, names: Names, second: bool = False) 
                 end = body.origin + 0.16 * seen.size * math.copysign(1.0, value) * body.axis
                 aside = -16.0 - 14.0 * k
                 arrow = Arrow(
-                    point(body.origin), point(end), name, role, name, (value,), "m" + per, aside=aside
+                    point(body.origin),
+                    point(end),
+                    name,
+                    role,
+                    name,
+                    (value,),
+                    "m" + per,
+                    aside=aside,
                 )
                 drawing.add(arrow)
             else:
                 u, v = clear_way(seen, body)
                 away, radius = math.degrees(math.atan2(v, u)), 18.0 + 9.0 * k
                 drawing.add(
-                    Turn(point(body.origin), value, name, role, name, "rad" + per, radius, away, 150.0)
+                    Turn(
+                        point(body.origin),
+                        value,
+                        name,
+                        role,
+                        name,
+                        "rad" + per,
+                        radius,
+                        away,
+                        150.0,
+                    )
                 )
 
 
@@ -65,12 +83,15 @@ def of_centres(drawing: Drawing, seen: Snapshot, names: Names, scaled: bool = Fa
 
 
 def partial_of_centres(drawing: Drawing, seen: Snapshot, joint: int) -> None:
-    """v_ci,r: velocities of the centres of mass when joint r alone moves, at the rate 1; joints count from 1."""
+    """v_ci,r: velocities of the centres of mass when joint r alone moves, at the rate 1; joints
+    count from 1."""
     alone = replace(seen, qd=np.eye(seen.model.nv)[seen.model.coordinates[joint - 1].v[0]])
     bodies = [body for body in seen.pose.bodies if body.mass > 0]
     found = [alone.velocity_at(body, body.com) for body in bodies]
     labels = [f"v_{{c{body.number},{joint}}}" for body in bodies]
-    arrows(drawing, [b.com for b in bodies], found, labels, "velocity", "m/s", seen.size, scaled=False)
+    arrows(
+        drawing, [b.com for b in bodies], found, labels, "velocity", "m/s", seen.size, scaled=False
+    )
 
 
 def second_of_centres(drawing: Drawing, seen: Snapshot, names: Names, scaled: bool = False) -> None:
@@ -78,7 +99,9 @@ def second_of_centres(drawing: Drawing, seen: Snapshot, names: Names, scaled: bo
     bodies = [body for body in seen.pose.bodies if body.mass > 0]
     found = [seen.acceleration_at(body, body.com) for body in bodies]
     labels = [names.on("v\u0307", body.number, "c") for body in bodies]
-    arrows(drawing, [b.com for b in bodies], found, labels, "acceleration", "m/s²", seen.size, scaled)
+    arrows(
+        drawing, [b.com for b in bodies], found, labels, "acceleration", "m/s²", seen.size, scaled
+    )
 
 
 def arrows(
@@ -91,7 +114,8 @@ def arrows(
     size: float,
     scaled: bool = True,
 ) -> None:
-    """Vectors from their places, the longest a third of the drawing's size; scaled: with a bar that says how long."""
+    """Vectors from their places, the longest a third of the drawing's size; scaled: with a bar that
+    says how long."""
     longest = max((float(np.linalg.norm(v)) for v in values), default=0.0)
     if not longest:
         return

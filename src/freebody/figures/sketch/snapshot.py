@@ -29,7 +29,8 @@ _RATES, _SECOND = (0.9, 1.1, -0.8), (1.5, 1.0, -1.0)
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """A model and its state: q (nq,) rad or m; qd, qdd (nv,); wrenches on it as for `inverse_dynamics`."""
+    """A model and its state: q (nq,) rad or m; qd, qdd (nv,); wrenches on it as for
+    `inverse_dynamics`."""
 
     model: Model
     q: Array
@@ -53,13 +54,16 @@ class Snapshot:
         return body_loads(self.model, self.q, self.qd, self.qdd, self.wrenches)
 
     def end(self, body: BodyPlace) -> Array | None:
-        """Where a body ends: at the joint of its first child (after a slide), else at the tip; or nowhere."""
+        """Where a body ends: at the joint of its first child (after a slide), else at the tip; or
+        nowhere."""
         return next((place for _, place in self.reaches(body)), None)
 
     def reaches(self, body: BodyPlace) -> list[tuple[End, Array]]:
-        """Where the vectors s from a body's joint lead: to its children (after a slide), and to the tip it carries; to
-        its first leaf where it has neither."""
-        found = [(end, self.pose.bodies[end.child].origin) for end in body.ends if end.child is not None]
+        """Where the vectors s from a body's joint lead: to its children (after a slide), and to the
+        tip it carries; to its first leaf where it has neither."""
+        found = [
+            (end, self.pose.bodies[end.child].origin) for end in body.ends if end.child is not None
+        ]
         leaves = [(end, end.place) for end in body.ends if end.child is None]
         return [*found, *(x for x in leaves if x[0].name == self.model.tip)] or leaves[:1]
 
@@ -77,7 +81,9 @@ class Snapshot:
 
     def angular(self, body: BodyPlace) -> Array:
         """Angular velocity of a body: (3,) rad/s in world axes, (1,) in the plane."""
-        return np.asarray(velocity(self.model, self.q, self.qd, self._frame(body)))[self.model.dim :]
+        return np.asarray(velocity(self.model, self.q, self.qd, self._frame(body)))[
+            self.model.dim :
+        ]
 
     def _frame(self, body: BodyPlace) -> str:
         return next(f.name for f in self.model.frames if f.body == body.index and not f.parent)
@@ -90,7 +96,8 @@ def snapshot(
     qdd: Vector | None = None,
     wrenches: Wrenches = None,
 ) -> Snapshot:
-    """A snapshot; parameters without value and a state that is not given are chosen so that the drawing is clear."""
+    """A snapshot; parameters without value and a state that is not given are chosen so that the
+    drawing is clear."""
     shown = with_values(model)
 
     def given(name: str, value: Vector | None, default: Callable[[], Array]) -> Array:
@@ -103,14 +110,16 @@ def snapshot(
 
 
 def _seen_well(model: Model) -> Array:
-    """A pose that shows all parts; of a closed chain its home, or near that pose one at which all loops are closed."""
+    """A pose that shows all parts; of a closed chain its home, or near that pose one at which all
+    loops are closed."""
     if not model.loops:
         return clear_pose(model)
     return assemble(model) if model.home else assemble(model, clear_pose(model))
 
 
 def resting_pose(model: Model, wrenches: Wrenches) -> Array | None:
-    """A pose at which an arm's joints without motor rest by themselves; None where it has none, or none was found."""
+    """A pose at which an arm's joints without motor rest by themselves; None where it has none, or
+    none was found."""
     free = list(model.passive)
     if model.loops or not free:
         return None
@@ -146,11 +155,13 @@ def _consistent_second(model: Model, q: Array, qd: Array, wrenches: Wrenches) ->
 def with_values(model: Model) -> Model:
     """The model with a value for each parameter that has none, by what its name says it is.
 
-    Not `bind`, which asks for inertias that a rigid body may have: beside given ones typical values need not be, and a
-    drawing of places and forces is none the worse for it.
+    Not `bind`, which asks for inertias that a rigid body may have: beside given ones typical values
+    need not be, and a drawing of places and forces is none the worse for it.
     """
     missing = set(model.missing)
-    return with_parameters(model, lambda p: Parameter(p.name, _typical(p.name)) if p.name in missing else p)
+    return with_parameters(
+        model, lambda p: Parameter(p.name, _typical(p.name)) if p.name in missing else p
+    )
 
 
 def _typical(name: str) -> float:
@@ -163,7 +174,8 @@ def _typical(name: str) -> float:
 
 
 def clear_pose(model: Model) -> Array:
-    """q (nq,) at which an arm is seen well: bent at each turn, slid out at each slide, within the limits."""
+    """q (nq,) at which an arm is seen well: bent at each turn, slid out at each slide, within the
+    limits."""
     q = np.array(neutral(model), dtype=float)
     length = _slide(model)
     turn = 0

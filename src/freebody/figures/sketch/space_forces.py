@@ -1,4 +1,5 @@
-"""One body of a robot in space with the names of all that acts on it, its vectors and its joints' axes."""
+"""One body of a robot in space with the names of all that acts on it, its vectors and its joints'
+axes."""
 
 from __future__ import annotations
 
@@ -18,8 +19,11 @@ _FORCE, _MOMENT, _AXIS = 0.6, 0.5, 0.34  # of the body's size: the longest of ea
 _SHORTEST = 0.12
 
 
-def alone(seen: Snapshot, body: BodyPlace, names: Names, view: View, rates: bool = False) -> Drawing:
-    """A body between its joints, with s_i, s_ci, forces, moments; rates: with those of its joints."""
+def alone(
+    seen: Snapshot, body: BodyPlace, names: Names, view: View, rates: bool = False
+) -> Drawing:
+    """A body between its joints, with s_i, s_ci, forces, moments; rates: with those of its
+    joints."""
     drawing = frames.blank(f"Free-body diagram of body {body.number} of {seen.model.name}", view)
     size = extent(seen, body)
     children = [b for b in seen.pose.bodies if b.parent == body.index]
@@ -41,7 +45,8 @@ def alone(seen: Snapshot, body: BodyPlace, names: Names, view: View, rates: bool
 
 
 def extent(seen: Snapshot, body: BodyPlace) -> float:
-    """How large a body is: to its ends and its centre of mass; a share of the robot where it is smaller."""
+    """How large a body is: to its ends and its centre of mass; a share of the robot where it is
+    smaller."""
     places = [end.place for end in body.ends] + [body.com]
     return max(0.25 * seen.size, *(float(np.linalg.norm(place - body.origin)) for place in places))
 
@@ -55,7 +60,9 @@ def _stub(child: BodyPlace, size: float) -> list[Line]:
     return stubs
 
 
-def axis(drawing: Drawing, seen: Snapshot, link: BodyPlace, names: Names, size: float, rate: bool) -> None:
+def axis(
+    drawing: Drawing, seen: Snapshot, link: BodyPlace, names: Names, size: float, rate: bool
+) -> None:
     """The axis of a joint with its unit vector; rate: and the joint's rate along it."""
     if link.axis is None:
         return
@@ -68,7 +75,9 @@ def axis(drawing: Drawing, seen: Snapshot, link: BodyPlace, names: Names, size: 
         value = float(seen.qd[seen.model.coordinates[link.index].v[0]])
         start, end = at + 1.2 * along, at + (1.2 + np.copysign(0.4, value)) * along
         name, (unit, heads) = names.coordinate(link, 1), ("m/s", 1) if slides else ("rad/s", 2)
-        arrow(drawing, start, end, name, "velocity", value * link.axis, unit, label=name, heads=heads)
+        arrow(
+            drawing, start, end, name, "velocity", value * link.axis, unit, label=name, heads=heads
+        )
 
 
 def act(drawing: Drawing, seen: Snapshot, loads: BodyLoads, names: Names, size: float) -> None:

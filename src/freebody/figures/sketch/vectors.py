@@ -1,4 +1,5 @@
-"""Position vectors of a planar arm: s_i from joint to joint, r to the tip, s_ci and r_ci to the centres of mass."""
+"""Position vectors of a planar arm: s_i from joint to joint, r to the tip, s_ci and r_ci to the
+centres of mass."""
 
 from __future__ import annotations
 
@@ -16,7 +17,9 @@ BESIDE = 15.0
 _NEAR = 1e-6
 
 
-def links(drawing: Drawing, seen: Snapshot, names: Names, aside: float = 0.0, letter: str = "s") -> None:
+def links(
+    drawing: Drawing, seen: Snapshot, names: Names, aside: float = 0.0, letter: str = "s"
+) -> None:
     """s_i, from the joint of body i to the next, or to the tip."""
     for body in seen.pose.bodies:
         for end, place in seen.reaches(body):
@@ -39,7 +42,8 @@ def directions(drawing: Drawing, seen: Snapshot, names: Names) -> None:
 
 
 def of_centres(drawing: Drawing, seen: Snapshot, names: Names) -> None:
-    """r_ci, from the origin to the centre of mass of body i; beside the link where it lies on it."""
+    """r_ci, from the origin to the centre of mass of body i; beside the link where it lies on
+    it."""
     for body in seen.pose.bodies:
         if body.mass > 0:
             along = body.parent < 0 and np.linalg.norm(body.origin) < _NEAR
@@ -71,6 +75,7 @@ def arrow(
     label: str | None = None,
     **how: Any,
 ) -> None:
-    """The vector `value` from start to end, labelled with its name in bold; how: heads, aside, beside of `Arrow`."""
+    """The vector `value` from start to end, labelled with its name in bold; how: heads, aside,
+    beside of `Arrow`."""
     text = bold(name) if label is None else label
     drawing.add(Arrow(point(start), point(end), name, role, text, point(value), unit, **how))

@@ -1,7 +1,8 @@
-"""The table of what can be computed: for each name its inputs, its outputs and the algorithm that does it.
+"""The table of what can be computed: for each name its inputs, its outputs and the algorithm that
+does it.
 
-Kernels are traced from this table and the float reference runs it as it stands, so both are the same text. Each family
-of formulas has a file, and each formula one record there.
+Kernels are traced from this table and the float reference runs it as it stands, so both are the
+same text. Each family of formulas has a file, and each formula one record there.
 """
 
 from freebody.kernels.formulas import (
@@ -21,6 +22,15 @@ __all__ = ["FORMULAS", "INPUTS", "POSITIONS", "Formula", "Option"]
 
 FORMULAS: dict[str, Formula] = {
     name: formula
-    for family in (kinematics, dynamics, derivatives, operational, regressors, steps, loops, energies)
+    for family in (
+        kinematics,
+        dynamics,
+        derivatives,
+        operational,
+        regressors,
+        steps,
+        loops,
+        energies,
+    )
     for name, formula in family.FORMULAS.items()
 }

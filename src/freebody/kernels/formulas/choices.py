@@ -1,4 +1,5 @@
-"""What an option means to a formula: the frame, loads on frames, what the drives of a closed chain do; and slopes."""
+"""What an option means to a formula: the frame, loads on frames, what the drives of a closed chain
+do; and slopes."""
 
 from __future__ import annotations
 
@@ -25,7 +26,9 @@ def partition_of(o: Option) -> Partition:
 
 def external(tree: Tree, o: Option, q: Vector, wrenches: tuple[Vector, ...]) -> list[External]:
     """The wrenches as they act on bodies."""
-    loads = (external_on_frame(tree, q, f, w) for f, w in zip(o.wrench_frames, wrenches, strict=True))
+    loads = (
+        external_on_frame(tree, q, f, w) for f, w in zip(o.wrench_frames, wrenches, strict=True)
+    )
     return [load for load in loads if load is not None]
 
 

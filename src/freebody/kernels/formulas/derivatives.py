@@ -25,11 +25,14 @@ def _matrices(derivatives: Derivatives) -> tuple[Any, ...]:
 
 
 def _by_dual_scalars(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Derivatives:
-    """Derivatives of inverse dynamics by forward mode: shorter where a robot's geometry folds well."""
+    """Derivatives of inverse dynamics by forward mode: shorter where a robot's geometry folds
+    well."""
     n = tree.nv
     faster = tuple(Dual(x, {n + k: 1.0}) for k, x in enumerate(qd))
     rows = [slopes(t, 2 * n) for t in rnea(tree, along_every_direction(tree, q), faster, qdd).tau]
-    return Derivatives(tuple(tuple(r[:n]) for r in rows), tuple(tuple(r[n:]) for r in rows), crba(tree, q))
+    return Derivatives(
+        tuple(tuple(r[:n]) for r in rows), tuple(tuple(r[n:]) for r in rows), crba(tree, q)
+    )
 
 
 def _along(
@@ -75,11 +78,14 @@ FORMULAS = {
             "dqdd_dqd": Output(_MATRIX, "derivative of the accelerations by qd (1/s, ...)"),
             "Minv": Output(
                 _MATRIX,
-                "derivative of the accelerations by tau: the inverse mass matrix (1/(kg m^2), 1/kg)",
+                "derivative of the accelerations by tau: the inverse mass matrix (1/(kg m^2), "
+                "1/kg)",
             ),
         },
         lambda t, o, q, qd, tau: _matrices(forward_dynamics_derivatives(t, q, qd, tau)),
-        lambda t, o, q, qd, tau: _matrices(forward_dynamics_derivatives(t, q, qd, tau, _by_dual_scalars)),
+        lambda t, o, q, qd, tau: _matrices(
+            forward_dynamics_derivatives(t, q, qd, tau, _by_dual_scalars)
+        ),
         by_motion=True,
         chains="open",
         by_columns=by_columns.forward_derivatives,

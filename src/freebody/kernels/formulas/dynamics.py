@@ -16,7 +16,12 @@ from freebody.algorithms.crba import (
     only_inertia,
     supports,
 )
-from freebody.algorithms.loop_checks import closed_margins, consistent_margin, solution_margins, sure
+from freebody.algorithms.loop_checks import (
+    closed_margins,
+    consistent_margin,
+    solution_margins,
+    sure,
+)
 from freebody.algorithms.operational import mass_matrix_inverse
 from freebody.algorithms.rnea import External, joint_wrenches, rnea
 from freebody.kernels.formulas import by_columns
@@ -35,7 +40,9 @@ def _inverse(
     return (sure(tau, [*closed_margins(tree, q, qd), consistent_margin(tree, q, qd, qdd)]),)
 
 
-def forward(tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector, wrenches: Any = ()) -> tuple[Any, ...]:
+def forward(
+    tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector, wrenches: Any = ()
+) -> tuple[Any, ...]:
     """Accelerations of a tree or a closed chain, as the one entry of a tuple."""
     if tree.loops:
         return (_closed_forward(tree, o, q, qd, tau, external(tree, o, q, wrenches)),)
@@ -48,7 +55,9 @@ def _closed_forward(
 ) -> Vector:
     M = crba(tree, q)
     factors = factor(tree, M)
-    found = constrained_motion(tree, q, qd, factors, sub(tau, bias(tree, q, qd, loads)), o.equations)
+    found = constrained_motion(
+        tree, q, qd, factors, sub(tau, bias(tree, q, qd, loads)), o.equations
+    )
     if not o.checks:
         return found.qdd
     margins = solution_margins(tree, M, factors, found, o.equations)
@@ -57,7 +66,8 @@ def _closed_forward(
 
 
 def _prefers_articulated_bodies(tree: Tree) -> bool:
-    """Whether articulated bodies take fewer operations than factoring the mass matrix: chains are long."""
+    """Whether articulated bodies take fewer operations than factoring the mass matrix: chains are
+    long."""
     longest = max((len(above) for above in supports(tree).values()), default=0)
     return longest >= 24 and not tree.follows
 
@@ -73,7 +83,9 @@ def _static(tree: Tree, o: Option, q: Vector, wrenches: Any = ()) -> tuple[Any, 
 def _wrenches(
     tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, wrenches: Any = ()
 ) -> tuple[Any, ...]:
-    return (joint_wrenches(tree, rnea(tree, q, qd, qdd, external(tree, o, q, wrenches)), o.reference),)
+    return (
+        joint_wrenches(tree, rnea(tree, q, qd, qdd, external(tree, o, q, wrenches)), o.reference),
+    )
 
 
 FORMULAS = {
@@ -91,7 +103,10 @@ FORMULAS = {
         forward,
         by_motion=True,
         settled="equations",
-        derivatives={"forward_dynamics_derivatives": ("q", "qd", "tau"), "mass_matrix_inverse": ("tau",)},
+        derivatives={
+            "forward_dynamics_derivatives": ("q", "qd", "tau"),
+            "mass_matrix_inverse": ("tau",),
+        },
     ),
     "mass_matrix": Formula(
         ("q",),
@@ -140,7 +155,11 @@ FORMULAS = {
     ),
     "joint_wrenches": Formula(
         ("q", "qd", "qdd", "wrenches"),
-        {"W": Output(("nj", "six"), "wrench of each joint on its body: force, then moment (N, N m)")},
+        {
+            "W": Output(
+                ("nj", "six"), "wrench of each joint on its body: force, then moment (N, N m)"
+            )
+        },
         _wrenches,
         axes=("child",),
         chains="open",

@@ -12,7 +12,9 @@ FORMULAS = {
         lambda t, o, q, qd: (energy.kinetic_energy(t, q, qd),),
     ),
     "potential_energy": Formula(
-        ("q",), {"V": Output((), "potential energy (J)")}, lambda t, o, q: (energy.potential_energy(t, q),)
+        ("q",),
+        {"V": Output((), "potential energy (J)")},
+        lambda t, o, q: (energy.potential_energy(t, q),),
     ),
     "momentum": Formula(
         ("q", "qd", "point"),

@@ -8,7 +8,8 @@ from freebody.kernels.formulas.record import Dimensions
 
 
 class Input(NamedTuple):
-    """Dimensions, what it is with units, and where it makes no sense below 0, of what size it usually is."""
+    """Dimensions, what it is with units, and where it makes no sense below 0, of what size it
+    usually is."""
 
     dims: Dimensions
     meaning: str
@@ -20,7 +21,8 @@ INPUTS = {
     "q0": Input(("nq",), "positions to begin with, as q"),
     "q1": Input(("nq",), "positions to end with, as q"),
     "qd": Input(
-        ("nv",), "rates (rad/s, m/s; of free joints the velocity, then the angular velocity, body axes)"
+        ("nv",),
+        "rates (rad/s, m/s; of free joints the velocity, then the angular velocity, body axes)",
     ),
     "qdd": Input(("nv",), "rates of qd (rad/s^2, m/s^2)"),
     "v": Input(("nv",), "a displacement along the rates (rad, m)"),
@@ -39,7 +41,8 @@ INPUTS = {
     "kp": Input(("nv",), "feedback by position (N m/rad, N/m)", 1.0),
     "kd": Input(("nv",), "feedback by rate (N m s/rad, N s/m)", 1.0),
 }
-"""By name, all but the wrenches on frames, whose number a call says: wrench0, wrench1, …, which come last."""
+"""By name, all but the wrenches on frames, whose number a call says: wrench0, wrench1, …, which
+come last."""
 
 POSITIONS = tuple(name for name, given in INPUTS.items() if given.dims == ("nq",))
 """Inputs that are positions; a derivative by them is one along the rates."""

@@ -20,7 +20,9 @@ def _pose(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
     return ((*((*row, x) for row, x in zip(R, p, strict=True)), last),)
 
 
-def _velocity(tree: Tree, o: Option, q: Vector, qd: Vector, point: Vector | None = None) -> tuple[Any, ...]:
+def _velocity(
+    tree: Tree, o: Option, q: Vector, qd: Vector, point: Vector | None = None
+) -> tuple[Any, ...]:
     motion = kinematics.outward(tree, q, qd, still(tree))
     (w, v), _ = kinematics.frame_motion(tree, motion, frame_of(o), point)
     return (v + w,)
@@ -29,7 +31,9 @@ def _velocity(tree: Tree, o: Option, q: Vector, qd: Vector, point: Vector | None
 def _acceleration(
     tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, point: Vector | None = None
 ) -> tuple[Any, ...]:
-    _, (wd, vd) = kinematics.frame_motion(tree, kinematics.outward(tree, q, qd, qdd), frame_of(o), point)
+    _, (wd, vd) = kinematics.frame_motion(
+        tree, kinematics.outward(tree, q, qd, qdd), frame_of(o), point
+    )
     return (vd + wd,)
 
 
@@ -64,7 +68,11 @@ FORMULAS = {
     ),
     "acceleration": Formula(
         ("q", "qd", "qdd", "point"),
-        {"A": Output(("six",), "acceleration of the point, then angular acceleration (m/s^2, rad/s^2)")},
+        {
+            "A": Output(
+                ("six",), "acceleration of the point, then angular acceleration (m/s^2, rad/s^2)"
+            )
+        },
         _acceleration,
         of_frame=True,
     ),

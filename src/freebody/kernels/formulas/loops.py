@@ -1,4 +1,5 @@
-"""Loop equations, what they do to the motion, and the wrenches in joints and loops of closed chains."""
+"""Loop equations, what they do to the motion, and the wrenches in joints and loops of closed
+chains."""
 
 from __future__ import annotations
 
@@ -53,20 +54,32 @@ def _consistent(
 
 
 def _jerk(tree: Tree, o: Option, q: Vector, qd: Vector, x: Vector) -> tuple[Any, ...]:
-    """Φ's third derivative when q̈ = x and q⃛ = 0: affine in x. It tells how a mechanism goes on where Φ_q loses rank."""
+    """Φ's third derivative when q̈ = x and q⃛ = 0: affine in x. It tells how a mechanism goes on
+    where Φ_q loses rank."""
     moved = seeded(q, kinematics.position_rates(tree, q, qd))
-    second = sub(times(constraint_jacobian(tree, moved), x), constraint_bias(tree, moved, seeded(qd, x)))
+    second = sub(
+        times(constraint_jacobian(tree, moved), x), constraint_bias(tree, moved, seeded(qd, x))
+    )
     return (tuple(slopes(value, 1)[0] for value in second),)
 
 
 def _wrenches(
-    tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, multipliers: Vector, wrenches: Any = ()
+    tree: Tree,
+    o: Option,
+    q: Vector,
+    qd: Vector,
+    qdd: Vector,
+    multipliers: Vector,
+    wrenches: Any = (),
 ) -> tuple[Any, ...]:
     """Of every joint, then of every loop."""
     loads = external(tree, o, q, wrenches) + loop_loads(tree, q, multipliers)
     recursion = rnea(tree, q, qd, qdd, loads)
     return (
-        [*joint_wrenches(tree, recursion, o.reference), *loop_wrenches(tree, q, multipliers, o.reference)],
+        [
+            *joint_wrenches(tree, recursion, o.reference),
+            *loop_wrenches(tree, q, multipliers, o.reference),
+        ],
     )
 
 
@@ -101,12 +114,20 @@ _AXES = ("child",)
 FORMULAS = {
     "constraint": Formula(
         ("q",),
-        {"Phi": Output(("constraints",), "loop equations, zero where the loops are closed (m, or no unit)")},
+        {
+            "Phi": Output(
+                ("constraints",), "loop equations, zero where the loops are closed (m, or no unit)"
+            )
+        },
         lambda t, o, q: (constraint(t, q),),
     ),
     "constraint_jacobian": Formula(
         ("q",),
-        {"Phi_q": Output(("constraints", "nv"), "derivative of the loop equations along the rates")},
+        {
+            "Phi_q": Output(
+                ("constraints", "nv"), "derivative of the loop equations along the rates"
+            )
+        },
         lambda t, o, q: (constraint_jacobian(t, q),),
     ),
     "constraint_bias": Formula(
@@ -121,15 +142,23 @@ FORMULAS = {
     ),
     "constraint_jerk": Formula(
         ("q", "qd", "x"),
-        {"jerk": Output(("constraints",), "third derivative of the loop equations at accelerations x")},
+        {
+            "jerk": Output(
+                ("constraints",), "third derivative of the loop equations at accelerations x"
+            )
+        },
         _jerk,
     ),
     "constrained_dynamics": Formula(
         ("q", "qd", "tau", "wrenches"),
         {
             "qdd": Output(("nv",), "accelerations (rad/s^2, m/s^2)"),
-            "multipliers": Output(("equations",), "one for each loop equation that counts (N, N m)"),
-            "pivots": Output(("equations",), "pivots of the elimination: small ones near singular positions"),
+            "multipliers": Output(
+                ("equations",), "one for each loop equation that counts (N, N m)"
+            ),
+            "pivots": Output(
+                ("equations",), "pivots of the elimination: small ones near singular positions"
+            ),
         },
         _constrained,
     ),
@@ -142,7 +171,11 @@ FORMULAS = {
     ),
     "loop_acceleration": Formula(
         ("q", "qd", "x"),
-        {"qdd": Output(("nv",), "accelerations next to x that keep the loops closed (rad/s^2, m/s^2)")},
+        {
+            "qdd": Output(
+                ("nv",), "accelerations next to x that keep the loops closed (rad/s^2, m/s^2)"
+            )
+        },
         _acceleration,
         chains="closed",
         settled="loops",
@@ -151,7 +184,8 @@ FORMULAS = {
         ("q", "x"),
         {
             "tau": Output(
-                ("nv",), "torques and forces of the drives that do what x does at all joints (N m, N)"
+                ("nv",),
+                "torques and forces of the drives that do what x does at all joints (N m, N)",
             )
         },
         lambda t, o, q, x: (drive_torques(t, q, x, partition_of(o)),),

@@ -9,7 +9,11 @@ from freebody.kernels.formulas.record import Formula, Output
 FORMULAS = {
     "operational_space_inertia": Formula(
         ("q",),
-        {"Lambda": Output(("rows", "rows"), "inertia of the motion of the frame (kg, kg m, kg m^2)")},
+        {
+            "Lambda": Output(
+                ("rows", "rows"), "inertia of the motion of the frame (kg, kg m, kg m^2)"
+            )
+        },
         lambda t, o, q: operational_space(t, q, None, frame_of(o), o.rows)[:1],
         of_frame=True,
         of_rows=True,

@@ -10,13 +10,13 @@ from freebody.algorithms.loop_forces import Partition
 from freebody.arrays import Array
 
 Dimensions = tuple[str | int, ...]
-"""Numbers, or names that a model turns into numbers: nq, nv, nj, six, dim, angular (3 or 1), pose (dim + 1), rows,
-parameters, constraints (loop equations), equations (those that count), loose (those that the partition leaves out),
-reactions (joints and loops)."""
+"""Numbers, or names that a model turns into numbers: nq, nv, nj, six, dim, angular (3 or 1), pose
+(dim + 1), rows, parameters, constraints (loop equations), equations (those that count), loose
+(those that the partition leaves out), reactions (joints and loops)."""
 
 Evaluate = Callable[..., tuple[Any, ...]]
-"""(tree, option, **inputs) -> a tuple of nested sequences of scalars; of inputs, `wrenches` is a tuple of vectors, one
-for each of option.wrench_frames."""
+"""(tree, option, **inputs) -> a tuple of nested sequences of scalars; of inputs, `wrenches` is a
+tuple of vectors, one for each of option.wrench_frames."""
 
 Fetch = Callable[[str], Any]
 """Name of a formula -> its kernel."""
@@ -26,7 +26,8 @@ ByColumns = Callable[[list[Array], int, Fetch, int | None], tuple[Array, ...]]
 
 
 class Option(NamedTuple):
-    """Structure that a formula depends on, besides the model; part of the key of every call, so quick to hash."""
+    """Structure that a formula depends on, besides the model; part of the key of every call, so
+    quick to hash."""
 
     frame: str | None = None
     reference: str = "world"
@@ -39,14 +40,16 @@ class Option(NamedTuple):
     partition: Partition | None = None
     """Of a closed chain's equations and coordinates, for what its drives do."""
     held: tuple[int, ...] | None = None
-    """Coordinates whose rates are given, and tell the others; None: all are given, and the nearest possible meant."""
+    """Coordinates whose rates are given, and tell the others; None: all are given, and the nearest
+    possible meant."""
     checks: str = ""
-    """Of a closed chain: NaN where the choice of equations does not tell ("solution"), and where its loops do not allow
-    the state either ("state")."""
+    """Of a closed chain: NaN where the choice of equations does not tell ("solution"), and where
+    its loops do not allow the state either ("state")."""
 
 
 class Output(NamedTuple):
-    """What a formula computes: its dimensions and, for whoever reads a text without its model, what it is."""
+    """What a formula computes: its dimensions and, for whoever reads a text without its model, what
+    it is."""
 
     dims: Dimensions
     meaning: str
@@ -58,17 +61,19 @@ class Formula:
 
     inputs: names of the table `INPUTS`, and `wrenches`.
     outputs: by their name, which is unique within the formula.
-    another: a second way to the same values; for robots of few joints both are traced and the shorter program is
-    compiled. by_motion: whether of the inertial numbers M and the bias alone count, so that they may be regrouped.
-    of_frame: whether it is of one frame, by default the tip. axes: those that it may be asked for in, besides the
-    world's. of_rows: whether rows of the frame's motion can be chosen.
-    chains: which it says something of; "open": it leaves loops out, so that a closed chain must not be given to it.
-    settled: what of a closed chain is chosen near home, once for all positions of a kernel: the "equations" that tell
-    all, those left out that depend on others, or the "partition" of equations and coordinates by its drives, or one
-    for what the "loops" do, to which drives do not matter.
+    another: a second way to the same values; for robots of few joints both are traced and the
+    shorter program is compiled. by_motion: whether of the inertial numbers M and the bias alone
+    count, so that they may be regrouped. of_frame: whether it is of one frame, by default the tip.
+    axes: those that it may be asked for in, besides the world's. of_rows: whether rows of the
+    frame's motion can be chosen.
+    chains: which it says something of; "open": it leaves loops out, so that a closed chain must not
+    be given to it. settled: what of a closed chain is chosen near home, once for all positions of a
+    kernel: the "equations" that tell all, those left out that depend on others, or the "partition"
+    of equations and coordinates by its drives, or one for what the "loops" do, to which drives do
+    not matter.
     by_columns: how a matrix of a large robot is made column by column.
-    derivatives: of an open chain without wrenches, formulas of the one output's derivatives on the tangent space, and
-    the inputs by which their outputs are, in their order.
+    derivatives: of an open chain without wrenches, formulas of the one output's derivatives on the
+    tangent space, and the inputs by which their outputs are, in their order.
     """
 
     inputs: tuple[str, ...]

@@ -11,7 +11,9 @@ from freebody.model.tree import Tree
 from freebody.spatial import Vector, neg, transposed
 
 
-def _forward_by_parameters(tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector) -> tuple[Any, ...]:
+def _forward_by_parameters(
+    tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector
+) -> tuple[Any, ...]:
     """∂q̈/∂π = -M⁻¹ Y."""
     qdd = forward_dynamics(tree, q, qd, tau)
     factors = factor(tree, crba(tree, q))

@@ -1,9 +1,11 @@
-"""Two unknown joints of a planar loop in closed form: triangles and circles, each with its two solutions.
+"""Two unknown joints of a planar loop in closed form: triangles and circles, each with its two
+solutions.
 
-A loop is cut at its pin. Seen from a joint in it, everything on the way to one end of the cut turns, or slides,
-against everything on the way to the other; what lies between two unknown joints is rigid, whatever its links. So two
-unknown pins and the cut make a triangle with known sides: R R R. Vectors are complex numbers, arrays (N, K) of samples
-and solutions. A further kind is a file here and a line in a table.
+A loop is cut at its pin. Seen from a joint in it, everything on the way to one end of the cut
+turns, or slides, against everything on the way to the other; what lies between two unknown joints
+is rigid, whatever its links. So two unknown pins and the cut make a triangle with known sides: R R
+R. Vectors are complex numbers, arrays (N, K) of samples and solutions. A further kind is a file
+here and a line in a table.
 """
 
 from freebody.loops.dyads.chain import Chain, Crossing, chain, coordinate, coordinates, is_turning

@@ -10,12 +10,14 @@ from freebody.model.joints.revolute import Turning
 from freebody.model.tree import Tree
 
 Crossing = tuple[int, float]
-"""A joint on the way from the first end to the second, and the sign with which it moves what comes behind."""
+"""A joint on the way from the first end to the second, and the sign with which it moves what comes
+behind."""
 
 
 @dataclass(frozen=True)
 class Chain:
-    """The joints between two frames that meet, or stay `distance` apart; the first may be a target, None."""
+    """The joints between two frames that meet, or stay `distance` apart; the first may be a target,
+    None."""
 
     name: str
     ends: tuple[str | None, str]
@@ -30,7 +32,9 @@ class Chain:
 
 def chain(tree: Tree, name: str, ends: tuple[str | None, str], distance: float = 0.0) -> Chain:
     """The chain between two frames of a tree."""
-    first, second = (ancestors(tree, tree.frames[frame][0]) if frame is not None else [] for frame in ends)
+    first, second = (
+        ancestors(tree, tree.frames[frame][0]) if frame is not None else [] for frame in ends
+    )
     up = [(i, -1.0) for i in first if i not in second]
     down = [(i, 1.0) for i in reversed(second) if i not in first]
     return Chain(name, ends, (*up, *down), distance)

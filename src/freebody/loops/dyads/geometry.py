@@ -9,8 +9,12 @@ from freebody.loops.dyads.chain import Crossing
 from freebody.loops.dyads.posture import Complex, Posture
 from freebody.trees.triangles import by_triangle
 
-_COINCIDE = 1e-6  # sides of a triangle, relative to its perimeter, below which two of its pins are one
-_LOOSE = 1e-9  # how far (relative) a square may be negative and still be taken as 0: a straight dyad
+_COINCIDE = (
+    1e-6  # sides of a triangle, relative to its perimeter, below which two of its pins are one
+)
+_LOOSE = (
+    1e-9  # how far (relative) a square may be negative and still be taken as 0: a straight dyad
+)
 
 
 class Coincident(Exception):
@@ -28,7 +32,8 @@ def across(e: Complex, v: Complex) -> Array:
 
 
 def corner(opposite: Array, a: Array, b: Array) -> Array:
-    """The angle of a triangle between sides a and b, by half-angles; NaN where the sides make none."""
+    """The angle of a triangle between sides a and b, by half-angles; NaN where the sides make
+    none."""
     d = a - b
     above, below = (opposite - d) * (opposite + d), (a + b - opposite) * (a + b + opposite)
     return by_triangle(above, below, (a + b) ** 2 + opposite**2)
@@ -42,7 +47,8 @@ def root(a: Array, b: Array) -> Array:
 
 
 def side(base: Complex, other: Complex, elbow: Complex) -> Array:
-    """The sine of the angle from base-other to base-elbow: positive where the elbow lies on the left."""
+    """The sine of the angle from base-other to base-elbow: positive where the elbow lies on the
+    left."""
     one, two = other - base, elbow - base
     return across(one, two) / np.maximum(np.abs(one) * np.abs(two), 1e-300)
 

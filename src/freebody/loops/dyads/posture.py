@@ -19,7 +19,8 @@ Complex = NDArray[np.complexfloating]
 
 @dataclass(frozen=True, eq=False)
 class Posture:
-    """Positions q (N, K, nq) and where everything is; target: points (N, 1), angle: directions (N, 1)."""
+    """Positions q (N, K, nq) and where everything is; target: points (N, 1), angle: directions (N,
+    1)."""
 
     tree: Tree
     q: Array

@@ -13,7 +13,8 @@ from freebody.loops.dyads.posture import Posture
 from freebody.model.tree import Tree
 
 Reach = tuple[str, str, Array, Array, Array]
-"""Two points, how far apart they are (N, K), and how far apart what joins them can hold them: from, to."""
+"""Two points, how far apart they are (N, K), and how far apart what joins them can hold them: from,
+to."""
 
 
 @dataclass(frozen=True)
@@ -74,4 +75,5 @@ class OfOne:
 
 
 OfTwo = Callable[[Tree, tuple[Chain, Chain], tuple[list[Crossing], list[Crossing]]], Step | None]
-"""A kind of step that closes two chains at once, whose unknown joints are these; None where it is not made for them."""
+"""A kind of step that closes two chains at once, whose unknown joints are these; None where it is
+not made for them."""

@@ -30,4 +30,6 @@ class Stretch(Step):
         return along(e, end - start), across(e, end - start)
 
 
-STRETCH = OfOne("P", True, lambda chain, free, name_of: Stretch((chain,), tuple(free), (name_of(free[0]),)))
+STRETCH = OfOne(
+    "P", True, lambda chain, free, name_of: Stretch((chain,), tuple(free), (name_of(free[0]),))
+)

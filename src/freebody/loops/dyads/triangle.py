@@ -49,7 +49,8 @@ class Triangle(Step):
 
     @property
     def _elbow(self) -> int:
-        """Which pin moves: 1 and 2 the joints, 0 the cut; the other two are where the rest of the robot holds them."""
+        """Which pin moves: 1 and 2 the joints, 0 the cut; the other two are where the rest of the
+        robot holds them."""
         signs = tuple(sign for _, sign in self.crossings)
         return 2 if signs == (1.0, 1.0) else 1 if signs == (-1.0, -1.0) else 0
 
@@ -66,7 +67,9 @@ class Triangle(Step):
 
 def _made(chain: Chain, free: Sequence[Crossing], name_of: NameOf) -> Step:
     one, two = free
-    return Triangle((chain,), (one, two), (name_of(one), name_of(two), chain.ends[0] or chain.ends[1]))
+    return Triangle(
+        (chain,), (one, two), (name_of(one), name_of(two), chain.ends[0] or chain.ends[1])
+    )
 
 
 TRIANGLE = OfOne("RR", False, _made)

@@ -38,7 +38,8 @@ class TurnAndSlide(Step):
         return along(e, sliding) / np.maximum(np.abs(sliding), 1e-300)
 
     def _parts(self, at: Posture) -> tuple[Complex, Complex, Complex, bool]:
-        """From the pin: what is rigid, what slides, along which way; whether the slide lies behind the pin."""
+        """From the pin: what is rigid, what slides, along which way; whether the slide lies behind
+        the pin."""
         turn, slide = self.crossings
         o = at.pivot(turn[0])
         near, far = (at.point(end) - o for end in self.chain.ends)
@@ -53,4 +54,6 @@ def _turn_first(chain: Chain, free: Sequence[Crossing], name_of: NameOf) -> Step
 
 
 TURN_AND_SLIDE = OfOne("RP", False, _turn_first)
-SLIDE_AND_TURN = OfOne("PR", False, lambda chain, free, name_of: _turn_first(chain, free[::-1], name_of))
+SLIDE_AND_TURN = OfOne(
+    "PR", False, lambda chain, free, name_of: _turn_first(chain, free[::-1], name_of)
+)

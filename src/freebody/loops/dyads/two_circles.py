@@ -29,7 +29,8 @@ class TwoCircles(Step):
         refuse_coincident(d)
         angle, (first, second) = corner(t, r, d), self.crossings
         return [
-            shifted(at, first, second, between / d * r * np.exp(1j * s * angle) - one) for s in (1.0, -1.0)
+            shifted(at, first, second, between / d * r * np.exp(1j * s * angle) - one)
+            for s in (1.0, -1.0)
         ]
 
     def label(self, at: Posture) -> Array:
@@ -39,7 +40,9 @@ class TwoCircles(Step):
     def reach(self, at: Posture) -> Reach:
         one, two = self._gaps(at)
         r, t = (np.full(one.shape, c.distance) for c in self.chains)
-        a, b = (c.ends[0] if s > 0 else c.ends[1] for c, s in zip(self.chains, self.signs, strict=True))
+        a, b = (
+            c.ends[0] if s > 0 else c.ends[1] for c, s in zip(self.chains, self.signs, strict=True)
+        )
         return str(a), str(b), np.abs(one - two), np.abs(r - t), r + t
 
     def _gaps(self, at: Posture) -> list[Complex]:

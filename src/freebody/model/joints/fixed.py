@@ -1,4 +1,5 @@
-"""Fixed joint: no motion. Assembly lumps what it carries into the body before; it never reaches an algorithm."""
+"""Fixed joint: no motion. Assembly lumps what it carries into the body before; it never reaches an
+algorithm."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Free joint: a body that nothing holds. q = x, y, z, quaternion w, x, y, z; rate = v, ω in the body's axes."""
+"""Free joint: a body that nothing holds. q = x, y, z, quaternion w, x, y, z; rate = v, ω in the
+body's axes."""
 
 from __future__ import annotations
 
@@ -20,7 +21,9 @@ class Floating(Primitive):
 
     def columns(self, space: AnySpace, axis: Vector) -> tuple[Column, ...]:
         units = identity(3)
-        return tuple((space.zero, unit) for unit in units) + tuple((unit, space.zero) for unit in units)
+        return tuple((space.zero, unit) for unit in units) + tuple(
+            (unit, space.zero) for unit in units
+        )
 
     def position_rates(self, space: AnySpace, q: Vector, rates: Vector) -> Vector:
         R, _ = self.pose(space, (), q)

@@ -1,7 +1,8 @@
 """What a joint kind must tell: its coordinates, and the primitive motions it is made of.
 
-A *primitive* is a joint whose motion columns (angular and linear velocity of the child for a unit rate, at the
-child's origin, in the child's axes) are constant. That is all the algorithms know of joints.
+A *primitive* is a joint whose motion columns (angular and linear velocity of the child for a unit
+rate, at the child's origin, in the child's axes) are constant. That is all the algorithms know of
+joints.
 """
 
 from __future__ import annotations
@@ -59,13 +60,15 @@ class Primitive(ABC):
         return sub(q1, q0)
 
     def dexp_inverse(self, space: AnySpace, x: Vector, v: Vector) -> Vector:
-        """ẋ where the position is moved(q, x) and changes with the rates v; of the series v + ½ [x, v] +
-        ¹⁄₁₂ [x, [x, v]] + … these three terms, which methods up to order 4 need (Munthe-Kaas 1998)."""
+        """ẋ where the position is moved(q, x) and changes with the rates v; of the series v + ½ [x,
+        v] + ¹⁄₁₂ [x, [x, v]] + … these three terms, which methods up to order 4 need (Munthe-Kaas
+        1998)."""
         return v
 
     def bias(self, space: AnySpace, rates: Vector) -> Column:
-        """The part of the child's acceleration relative to the joint's frame (the time derivative of its point's
-        velocity, in the child's axes) that does not stem from the joint accelerations."""
+        """The part of the child's acceleration relative to the joint's frame (the time derivative
+        of its point's velocity, in the child's axes) that does not stem from the joint
+        accelerations."""
         return space.zero_angular, space.zero
 
 
@@ -83,7 +86,8 @@ class JointKind(ABC):
     angular: ClassVar[tuple[bool, ...]]
     """For each rate whether it turns (rad, N m) or slides (m, N)."""
     coordinates: ClassVar[tuple[str, ...] | None]
-    """What its coordinates are called in formulas, before the joint's number; None: they are no plain numbers."""
+    """What its coordinates are called in formulas, before the joint's number; None: they are no
+    plain numbers."""
     letter: ClassVar[str] = ""
     """In planar words and DH tables."""
     axis_letter: ClassVar[str] = "z"
@@ -93,7 +97,8 @@ class JointKind(ABC):
     ranged: ClassVar[bool] = True
     """Whether it is expected to have a range."""
     holds: ClassVar[bool] = True
-    """Whether it ties the body to one place or line; drawings show no ground under a body that it does not hold."""
+    """Whether it ties the body to one place or line; drawings show no ground under a body that it
+    does not hold."""
     needs_axis: ClassVar[bool] = False
     dimensions: ClassVar[tuple[int, ...]] = (3,)
     """Spaces (2, 3) in which the kind makes sense."""
@@ -118,8 +123,10 @@ class JointKind(ABC):
 
     @abstractmethod
     def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
-        """The chain of primitives, each with its axis, that stands for this joint; their coordinates in order."""
+        """The chain of primitives, each with its axis, that stands for this joint; their
+        coordinates in order."""
 
     def axis_in_space(self, axis: tuple[float, ...]) -> tuple[float, ...]:
-        """The axis of the planar model's joint in its twin in space, whose xy-plane the plane is."""
+        """The axis of the planar model's joint in its twin in space, whose xy-plane the plane
+        is."""
         return ()

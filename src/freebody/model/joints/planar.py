@@ -1,4 +1,5 @@
-"""Planar joint: x, y and θ and their rates, in the parent's axes. It is two slides and a turn without mass between."""
+"""Planar joint: x, y and θ and their rates, in the parent's axes. It is two slides and a turn
+without mass between."""
 
 from __future__ import annotations
 
@@ -9,7 +10,8 @@ from freebody.spatial import AnySpace, Vector
 
 
 class Planar(JointKind):
-    """Moves in the xy plane of the joint's frame and turns about its z; in the plane it frees a body altogether."""
+    """Moves in the xy plane of the joint's frame and turns about its z; in the plane it frees a
+    body altogether."""
 
     name = "planar"
     nq = nv = 3

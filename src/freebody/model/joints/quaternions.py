@@ -1,7 +1,8 @@
-"""Unit quaternions w, x, y, z over scalars: products, turns by a rotation vector and back, motion along a screw.
+"""Unit quaternions w, x, y, z over scalars: products, turns by a rotation vector and back, motion
+along a screw.
 
-No formula asks for a value: where the usual ones divide by an angle that may be 0, the angle's square is raised by
-`_TINY`, which changes nothing that a double can hold.
+No formula asks for a value: where the usual ones divide by an angle that may be 0, the angle's
+square is raised by `_TINY`, which changes nothing that a double can hold.
 """
 
 from __future__ import annotations
@@ -64,7 +65,9 @@ def logarithm(q: Vector) -> Vector:
 def screw_shift(space: AnySpace, w: Vector, v: Vector) -> Vector:
     """∫ exp(s w×) v ds over s from 0 to 1: how far the origin goes, in the axes it starts with."""
     angle = _size(w)
-    first = 0.5 * (sin(0.5 * angle) / (0.5 * angle)) ** 2  # (1 - cos) / angle², without the difference
+    first = (
+        0.5 * (sin(0.5 * angle) / (0.5 * angle)) ** 2
+    )  # (1 - cos) / angle², without the difference
     second = (angle - sin(angle)) / (angle * angle * angle)
     across = space.cross(w, v)
     return add(v, add(scale(first, across), scale(second, space.cross(w, across))))

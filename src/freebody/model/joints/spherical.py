@@ -1,4 +1,5 @@
-"""Spherical joint: a quaternion w, x, y, z for position, the angular velocity in the child's axes for rate."""
+"""Spherical joint: a quaternion w, x, y, z for position, the angular velocity in the child's axes
+for rate."""
 
 from __future__ import annotations
 
@@ -25,7 +26,12 @@ class Pivoting(Primitive):
     def position_rates(self, space: AnySpace, q: Vector, rates: Vector) -> Vector:
         (w, x, y, z), (a, b, c) = q, rates
         # half the quaternion product q (0, ω)
-        twice = (-x * a - y * b - z * c, w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a)
+        twice = (
+            -x * a - y * b - z * c,
+            w * a + y * c - z * b,
+            w * b + z * a - x * c,
+            w * c + x * b - y * a,
+        )
         return tuple(0.5 * rate for rate in twice)
 
     def moved(self, space: AnySpace, q: Vector, v: Vector) -> Vector:

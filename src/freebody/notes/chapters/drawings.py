@@ -85,7 +85,8 @@ def pendulum(p: Panel):
 
 
 def speeds(p: Panel):
-    """The velocity arrows against the arm's own velocities: perpendicular to the first link at C₁."""
+    """The velocity arrows against the arm's own velocities: perpendicular to the first link at
+    C₁."""
     return dynamic_pairs(p) | {
         "v_start": p.start("v_{c1}", 0), "C1": p.start("C_1", 0), "across": float(p.span("v_{c1}", 0) @ p.span("link 1", 0)),
         "v2_start": p.start("v_{c2}", 0), "C2": p.start("C_2", 0), "along2": p.along("v_{c2}", 0),
@@ -130,7 +131,12 @@ def movements(p: Panel):
 
 
 def bar(p: Panel):
-    return {"A": p.start("joint 1"), "B": p.start("B"), "C": p.start("C"), "angle": p.direction("θ")}
+    return {
+        "A": p.start("joint 1"),
+        "B": p.start("B"),
+        "C": p.start("C"),
+        "angle": p.direction("θ"),
+    }
 
 
 def arm_accelerations(p: Panel):
@@ -150,7 +156,13 @@ def solid(p: Panel):
 
 def gyro(p: Panel):
     spin, yaw, moment = p.of("ω_{x′}"), p.of("ω_{z′}"), p.of("n_{y′}")
-    return {"spin": spin, "yaw": yaw, "moment": moment, "spin_along": p.along("ω_{x′}"), "I_x": 10.0}
+    return {
+        "spin": spin,
+        "yaw": yaw,
+        "moment": moment,
+        "spin_along": p.along("ω_{x′}"),
+        "I_x": 10.0,
+    }
 
 
 def quadrotor(p: Panel):
@@ -182,7 +194,9 @@ def slide(p: Panel):
 def which_figure(form: str) -> Outcome:
     """What the text speaks of there are the vectors of an arm."""
     number = re.findall(r"\d\.\d", form)[0]
-    there = {element.name for drawing in notes_figure(number).drawings for element in drawing.elements}
+    there = {
+        element.name for drawing in notes_figure(number).drawings for element in drawing.elements
+    }
     missing = {"s_1", "s_2", "r"} - there
     words = f"has no {', '.join(sorted(missing))}" if missing else "has s_1, s_2 and r"
     return Outcome(not missing, (f"Figure {number} {words}.",))

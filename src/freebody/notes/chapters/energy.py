@@ -10,9 +10,12 @@ from freebody.notes.item import Item
 
 
 def moving_bar(turning=1.4, sliding=1.0, pinned=False):
-    """A uniform bar, its energy as the sum over ten thousand pieces, each ½ dm v²; and that of freebody."""
+    """A uniform bar, its energy as the sum over ten thousand pieces, each ½ dm v²; and that of
+    freebody."""
     l, m = 1.2, 3.0
-    body = fb.planar("PPR", m=[0, 0, m], lc=[0, 0, l / 2], I=[0, 0, m * l**2 / 12], l=[0, 0, l], g=0)
+    body = fb.planar(
+        "PPR", m=[0, 0, m], lc=[0, 0, l / 2], I=[0, 0, m * l**2 / 12], l=[0, 0, l], g=0
+    )
     q, qd = [0.3, -0.4, 0.7], [0.9 * sliding, -0.5 * sliding, turning]
     if pinned:
         qd[0] = qd[1] = 0.0
@@ -34,7 +37,8 @@ def pinned_bar():
 
 
 def lifted():
-    """A body on a vertical slide: its potential energy, and the work W of its weight on the way up from 0."""
+    """A body on a vertical slide: its potential energy, and the work W of its weight on the way up
+    from 0."""
     lift = fb.planar("P", m=["m"], lc=[0], I=["I"], angles=[np.pi / 2])
     free = fb.quantities(lift)
     height = free["rc1"][1]

@@ -10,14 +10,21 @@ from freebody.notes.item import Item
 
 
 def pinned_bar():
-    """A bar as a free body with coordinates x, y of its middle and θ, whose end a loop holds at the origin.
+    """A bar as a free body with coordinates x, y of its middle and θ, whose end a loop holds at the
+    origin.
 
-    Its acceleration and the pin's force are compared with those of a bar on a revolute joint, which has no multipliers.
+    Its acceleration and the pin's force are compared with those of a bar on a revolute joint, which
+    has no multipliers.
     """
     r, tau, theta, omega = 0.5, 4.0, 0.7, 1.9
     hinged = fb.planar("R", l=[2 * r], lc=[r], m=[3.0], I=[0.25])
     free = fb.planar(
-        "PPR", l=[0, 0, -r], lc=[0, 0, 0], m=[0, 0, 3.0], I=[0, 0, 0.25], angles=[0, np.pi / 2, -np.pi / 2]
+        "PPR",
+        l=[0, 0, -r],
+        lc=[0, 0, 0],
+        m=[0, 0, 3.0],
+        I=[0, 0, 0.25],
+        angles=[0, np.pi / 2, -np.pi / 2],
     )
     held = free.with_loop("pin", "point", ("base", "tip"))
     c, s = np.cos(theta), np.sin(theta)
@@ -40,7 +47,8 @@ def pinned_bar():
 def guided_arm():
     """The arm of two links with its tip on a horizontal line: one constraint Φ = y − y₀.
 
-    The line's force is found by asking which force on the tip leaves it without vertical acceleration.
+    The line's force is found by asking which force on the tip leaves it without vertical
+    acceleration.
     """
     arm = fb.load("2R")
     free = fb.quantities(arm)
@@ -59,7 +67,8 @@ def guided_arm():
     }
     M_d = [[float(x.along(rates).evaluate(at)) for x in row] for row in free["M"]]
     slopes = {
-        e: np.array([float(free[e].derivative(name).evaluate(at)) for name in rates]) for e in ("T", "V")
+        e: np.array([float(free[e].derivative(name).evaluate(at)) for name in rates])
+        for e in ("T", "V")
     }
     Phi_q, Phi_q_d = J[1:], fb.jacobian_dot(arm, q, qd)[1:2]
     L_q = slopes["T"] - slopes["V"]

@@ -16,14 +16,16 @@ CRANKS = (2.0, 0.9)
 
 
 def robot():
-    """The bundled robot as section 2.3 writes it, P held by rods, with limbs of different lengths; closed at CRANKS."""
+    """The bundled robot as section 2.3 writes it, P held by rods, with limbs of different lengths;
+    closed at CRANKS."""
     model = fb.load("five_bar_rods").bind(l2=0.45, l3=0.62, l4=0.55)
     start = {"theta1": CRANKS[0], "theta2": CRANKS[1], "x": 0.0, "y": 0.8}
     return model, fb.assemble(model, start, free=["x", "y"])
 
 
 def limbs():
-    """Both limbs in symbols, from the model's loop equations: A at (−d/2, 0), C at (d/2, 0) as in figure 2.2."""
+    """Both limbs in symbols, from the model's loop equations: A at (−d/2, 0), C at (d/2, 0) as in
+    figure 2.2."""
     loops = fb.loop_equations(fb.load("five_bar_rods"))
     symbols = loops.symbols
     known = {name: symbols.ring[name] for name in symbols.ring.names}
@@ -35,28 +37,45 @@ def limbs():
         for p, q in ("AB", "CD", "AP", "CP")
     }
     J_a, J_b = loops.J_a(), loops.J_b()
-    more = {"d": 2 * b, "Phi": tuple(loops.Phi), "J_a": J_a, "J_b": J_b, "j_b1": J_b[0][0], "j_b2": J_b[1][1]}
+    more = {
+        "d": 2 * b,
+        "Phi": tuple(loops.Phi),
+        "J_a": J_a,
+        "J_b": J_b,
+        "j_b1": J_b[0][0],
+        "j_b2": J_b[1][1],
+    }
     return Quantities(known | arms | more, Layout(symbols))
 
 
 def closed_pose():
-    """A pose in which the rods have their lengths, found from the cranks' angles; A and C are b = d/2 from the middle."""
+    """A pose in which the rods have their lengths, found from the cranks' angles; A and C are b =
+    d/2 from the middle."""
     model, q = robot()
     lengths = model.parameters
     A, C, P = np.array([-lengths["b"], 0.0]), np.array([lengths["b"], 0.0]), q[2:]
     B, D = (fb.forward_kinematics(model, q, name)[:2, 2] for name in "BD")
     arms = {"AB": B - A, "CD": D - C, "AP": P - A, "CP": P - C}
     known = {name: lengths[name] for name in ("l1", "l2", "l3", "l4")}
-    return known | arms | {"d": 2 * lengths["b"], "theta1": q[0], "theta2": q[1], "x": q[2], "y": q[3]}
+    return (
+        known | arms | {"d": 2 * lengths["b"], "theta1": q[0], "theta2": q[1], "x": q[2], "y": q[3]}
+    )
 
 
 def moving():
-    """The same in motion: rates that keep the loops closed, the Jacobian from numbers, J_a and J_b from closed forms."""
+    """The same in motion: rates that keep the loops closed, the Jacobian from numbers, J_a and J_b
+    from closed forms."""
     model, q = robot()
     rates = fb.loop_velocity(model, q, {"theta1": 0.7, "theta2": -1.2})
     loops = fb.loop_equations(model)
     J_a, J_b = (loops.symbols.evaluate(x, q) for x in (loops.J_a(), loops.J_b()))
-    return {"J": fb.input_output(model, q).J, "J_a": J_a, "J_b": J_b, "theta_d": rates[:2], "x_d": rates[2:]}
+    return {
+        "J": fb.input_output(model, q).J,
+        "J_a": J_a,
+        "J_b": J_b,
+        "theta_d": rates[:2],
+        "x_d": rates[2:],
+    }
 
 
 LIMBS, POSE, MOVING = Related(limbs), Related(closed_pose), Related(moving)

@@ -44,7 +44,8 @@ def poses(count: int = 2000):
 
 
 def recovered(printed: str, angle: int) -> tuple[int, int]:
-    """How often a formula for one angle, at the tip of a random pose, gives back that pose's angle; branches count."""
+    """How often a formula for one angle, at the tip of a random pose, gives back that pose's angle;
+    branches count."""
     arm, q, tip = poses()
     lengths = {"l1": arm.parameters["l1"], "l2": arm.parameters["l2"]}
     forms = [parse(part.partition("=")[2]) for part in parts(printed)]
@@ -75,14 +76,14 @@ def shoulder(printed: str) -> Outcome:
     hits, count = recovered(printed, 0)
     _, q, _ = poses()
     ahead = int(np.sum(np.cos(q[:, 0]) > 0))
-    line = (
-        f"In {hits} of {count} random poses the formula gives back the θ₁ of the pose; cos θ₁ > 0 in {ahead}."
-    )
+    line = f"In {hits} of {count} random poses the formula gives back the θ₁ of the pose; cos θ₁ > 0 in {ahead}."
     return Outcome(hits == count, (line,))
 
 
 def _branches(found) -> str:
-    return "; ".join(f"{name}: {number(row)}" for name, row in zip(found.branches, found.q, strict=True))
+    return "; ".join(
+        f"{name}: {number(row)}" for name, row in zip(found.branches, found.q, strict=True)
+    )
 
 
 def inverse_rates():
@@ -122,7 +123,10 @@ def _proved(also: str) -> Related:
 
 
 _C = "(x^2 + y^2 - (l1^2 + l2^2))/(2*l1*l2)"
-_ABOVE, _BELOW = "-l2*sin(theta2)*x + (l1 + l2*cos(theta2))*y", "l2*sin(theta2)*y + (l1 + l2*cos(theta2))*x"
+_ABOVE, _BELOW = (
+    "-l2*sin(theta2)*x + (l1 + l2*cos(theta2))*y",
+    "l2*sin(theta2)*y + (l1 + l2*cos(theta2))*x",
+)
 
 ITEMS = (
     Item(

@@ -12,10 +12,16 @@ from freebody.notes.item import Item
 
 
 def arm_energies():
-    """The energies of both links; I_1O is the inertia of link 1 about the base's joint, h2 the height of C₂."""
+    """The energies of both links; I_1O is the inertia of link 1 about the base's joint, h2 the
+    height of C₂."""
     free = fb.quantities(fb.planar("RR"))
     at_o = free["I1"] + free["m1"] * free["lc1"] ** 2
-    return free | {"I_1O": at_o, "v_C2": free["vc2"], "height": free["rc2"][1], "half": Fraction(1, 2)}
+    return free | {
+        "I_1O": at_o,
+        "v_C2": free["vc2"],
+        "height": free["rc2"][1],
+        "half": Fraction(1, 2),
+    }
 
 
 BAR, TWO = Related(pendulum), Related(arm_energies)

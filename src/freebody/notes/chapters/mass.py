@@ -41,7 +41,8 @@ def bar():
 
 
 def bar_in_pieces():
-    """The same with as many pieces as rounding allows: their sum differs by m l²/12 over the square of their number."""
+    """The same with as many pieces as rounding allows: their sum differs by m l²/12 over the square
+    of their number."""
     m, l, n = 1.3, 0.7, 200_000
     rho = (np.arange(n) + 0.5) * l / n - l / 2
     body = fb.integrated_inertia(lambda u: (u, 0 * u), [(0, l)], m)
@@ -50,7 +51,9 @@ def bar_in_pieces():
 
 def disc():
     m, r = 2.0, 0.3
-    body = fb.integrated_inertia(lambda s, a: (s * np.cos(a), s * np.sin(a)), [(0, r), (0, 2 * np.pi)], m)
+    body = fb.integrated_inertia(
+        lambda s, a: (s * np.cos(a), s * np.sin(a)), [(0, r), (0, 2 * np.pi)], m
+    )
     return {"m": m, "r": r, "I_G": body.tensor[0]}
 
 
@@ -80,7 +83,9 @@ def parallel_axes(printed: str) -> Outcome:
     try:
         fb.inertia_from(1.0, [0.0, 0.0], 0.5, about=[1.0, 0.0])
     except fb.FreebodyError as problem:
-        return Outcome(outcome.holds, (*outcome.lines, f"From any other point it does not hold: {problem}"))
+        return Outcome(
+            outcome.holds, (*outcome.lines, f"From any other point it does not hold: {problem}")
+        )
     return Outcome(False, ("an inertia smaller than m d² was taken",))
 
 

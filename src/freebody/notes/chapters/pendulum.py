@@ -18,7 +18,9 @@ def pendulum():
     }  # fmt: skip
     m, I_c, r = free["m"], free["I_c"], fb.quantities(bar)["theta1"].ring["r"]
     named = {new: free[old] for new, old in meaning.items()}
-    return free | named | {"r": r, "l": r * 2, "I_A": I_c + m * r * r, "I_o": I_c + m * r * r, "m": m}
+    return (
+        free | named | {"r": r, "l": r * 2, "I_A": I_c + m * r * r, "I_o": I_c + m * r * r, "m": m}
+    )
 
 
 def bodies():

@@ -14,7 +14,8 @@ _MASSES, _POINTS = (2.0, 1.0, 3.0), np.array([[0.2, 0.1], [-0.4, 0.3], [0.5, -0.
 
 
 def thrown_body(omega=1.3, alpha=-2.1):
-    """Three particles in one rigid body that moves anyhow in the plane: Newton's law holds for each of them."""
+    """Three particles in one rigid body that moves anyhow in the plane: Newton's law holds for each
+    of them."""
     body = fb.planar("PPR", m=[0, 0, 1], lc=[0, 0, 0], I=[0, 0, 0], l=[0, 0, 1], g=0)
     motion = ([0.1, -0.2, 0.6], [0.4, 0.7, omega], [1.1, -0.8, alpha])
     whole = combined([fb.Inertia.point(m, r) for m, r in zip(_MASSES, _POINTS, strict=True)])
@@ -34,7 +35,8 @@ def pushed_along():
 
 
 def pinned_body():
-    """A body on a pin at O, pushed by a force F at its end, without weight; f is the pin's force on it."""
+    """A body on a pin at O, pushed by a force F at its end, without weight; f is the pin's force on
+    it."""
     l, lc, m, I = 1.2, 0.5, 3.0, 0.4
     body = fb.planar("R", l=[l], lc=[lc], m=[m], I=[I], g=0)
     q, qd, F = [0.7], [1.9], np.array([4.0, -6.0])

@@ -38,7 +38,8 @@ def cubic():
 
 
 def rounded_circle(printed: str) -> Outcome:
-    """The amplitudes are printed to three digits: compared at many times, to one unit of the last."""
+    """The amplitudes are printed to three digits: compared at many times, to one unit of the
+    last."""
     t = np.linspace(0, 2, 201)
     path = fb.trajectory("5*cos(3.14*t)", "5*sin(3.14*t)")
     _, velocity, acceleration = path.at(t)

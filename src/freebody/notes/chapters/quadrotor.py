@@ -12,7 +12,8 @@ from freebody.notes.item import Item, Outcome
 
 
 def flight():
-    """The bundled quadrotor with g = 9.8 m/s², turned by Z-X-Z angles; its thrusts pushed on it at the rotors' frames."""
+    """The bundled quadrotor with g = 9.8 m/s², turned by Z-X-Z angles; its thrusts pushed on it at
+    the rotors' frames."""
     flyer = fb.load("quadrotor").replace(gravity=[0, 0, -9.8])
     R = fb.rotation("ZXZ", [np.pi / 4, 0.1, 0.2])
     thrusts = [np.array([0, 0, x]) for x in (3.2, 1.4, 2.5, 3.6)]
@@ -37,17 +38,20 @@ def flight():
 
 def euler_angles():
     values = flight()
-    turns = {f"R_{k}": fb.rotation(axis, [values[f"phi{k}"]]) for k, axis in ((1, "Z"), (2, "X"), (3, "Z"))}
+    turns = {
+        f"R_{k}": fb.rotation(axis, [values[f"phi{k}"]])
+        for k, axis in ((1, "Z"), (2, "X"), (3, "Z"))
+    }
     return values | turns
 
 
 def inertia(form: str) -> Outcome:
     """The form with the data as printed; and which I_x the printed numbers came from."""
     values = flight()
-    local = values["R"].T @ np.reshape([x for x, _ in printed_numbers(PRINTED_I)], (3, 3)) @ values["R"]
-    recovered = (
-        f"The printed numbers turned back into local axes have the diagonal {number(np.diag(local), 5)}."
+    local = (
+        values["R"].T @ np.reshape([x for x, _ in printed_numbers(PRINTED_I)], (3, 3)) @ values["R"]
     )
+    recovered = f"The printed numbers turned back into local axes have the diagonal {number(np.diag(local), 5)}."
     if "I_x" in form:
         outcome = Related(flight).run(form)
         return Outcome(outcome.holds, (*outcome.lines, recovered))
@@ -56,23 +60,27 @@ def inertia(form: str) -> Outcome:
 
 
 def turning(form: str) -> Outcome:
-    """The form; and the printed numbers from thrusts that are turned into global axes once too often."""
+    """The form; and the printed numbers from thrusts that are turned into global axes once too
+    often."""
     values = flight()
     outcome = Digits(flight).run(form)
-    twice = values["R"] @ sum(np.cross(s, F) for s, F in zip(values["s_i_prime"], values["F_i"], strict=True))
+    twice = values["R"] @ sum(
+        np.cross(s, F) for s, F in zip(values["s_i_prime"], values["F_i"], strict=True)
+    )
     I, omega = values["I"], values["omega"]
     mixed = np.linalg.solve(I, twice - np.cross(omega, I @ omega))
     return Outcome(
-        outcome.holds, (*outcome.lines, f"With n = R ∑ s′ × (R F′) instead, ω̇ is {number(mixed, 5)}.")
+        outcome.holds,
+        (*outcome.lines, f"With n = R ∑ s′ × (R F′) instead, ω̇ is {number(mixed, 5)}."),
     )
 
 
 FLIGHT_CALL = 'fb.forward_dynamics(fb.load("quadrotor").replace(gravity=[0, 0, -9.8]), q, qd, np.zeros(6), wrenches=thrusts)'
 FLIGHT = Related(flight)
-PRINTED_I = "[[5.02483, -0.02489, 0.35119], [-0.02489, 5.02483, -0.35119], [0.35119, -0.35119, 9.95008]]"
-_RIGHT_I = (
-    "[[5.024917, -0.024917, 0.351201], [-0.024917, 5.024917, -0.351201], [0.351201, -0.351201, 9.950166]]"
+PRINTED_I = (
+    "[[5.02483, -0.02489, 0.35119], [-0.02489, 5.02483, -0.35119], [0.35119, -0.35119, 9.95008]]"
 )
+_RIGHT_I = "[[5.024917, -0.024917, 0.351201], [-0.024917, 5.024917, -0.351201], [0.351201, -0.351201, 9.950166]]"
 _MOMENT = "R*sum(cross(s_i_prime, F_i_prime))"
 
 ITEMS = (

@@ -25,7 +25,8 @@ def as_vectors():
     z = (0.0, 0.0, 1.0)
     flat = free["omega"]
     vectors = {
-        name: tuple(k * free[name] if k else flat * 0 + 0.0 for k in z) for name in ("omega", "omega_d")
+        name: tuple(k * free[name] if k else flat * 0 + 0.0 for k in z)
+        for name in ("omega", "omega_d")
     }
     return free | vectors | {"w": flat}
 
@@ -45,9 +46,10 @@ def which_are_vectors(printed: str) -> Outcome:
 def with_weights(form: str) -> Outcome:
     """With v̇₀ = 0; and whether the form printed in the notes holds with v̇₀ = −g."""
     outcome = EXPLICIT.run(form)
-    printed = {"f": "f_hi = fc_i + f_ik", "M": "M_i = Mc_i + M_k + cross(sc_i, fc_i) + cross(s_i, f_ik)"}[
-        form[0]
-    ]
+    printed = {
+        "f": "f_hi = fc_i + f_ik",
+        "M": "M_i = Mc_i + M_k + cross(sc_i, fc_i) + cross(s_i, f_ik)",
+    }[form[0]]
     accelerated = "holds" if BASE.run(printed).holds else "fails"
     line = f"Started with v̇₀ = −g instead of 0, the form without weights {accelerated}."
     return Outcome(outcome.holds, (*outcome.lines, line), outcome.example)
@@ -66,7 +68,9 @@ def both_ways():
 
 
 VECTORIAL = ("f_hi", "fc_i", "f_ik", "sc_i", "s_i")
-WEIGHTS = 'fb.relation(fb.quantities(fb.planar("RRR")), form)  # i = 1, 2, 3; and with gravity="base"'
+WEIGHTS = (
+    'fb.relation(fb.quantities(fb.planar("RRR")), form)  # i = 1, 2, 3; and with gravity="base"'
+)
 THREE = 'fb.planar("RRR")'
 TWO, VECTORS = Related(two_links), Related(as_vectors)
 EXPLICIT = Related(f"fb.quantities({THREE})", links=(1, 2, 3))

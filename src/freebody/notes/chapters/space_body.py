@@ -14,7 +14,8 @@ from freebody.notes.item import Item
 
 
 def thrown_body():
-    """Five particles in one rigid body that flies and turns anyhow: Newton's law holds for each of them."""
+    """Five particles in one rigid body that flies and turns anyhow: Newton's law holds for each of
+    them."""
     masses = np.array([2.0, 1.0, 3.0, 1.5, 2.5])
     points = np.random.default_rng(3).normal(size=(5, 3))
     points -= masses @ points / masses.sum()
@@ -29,7 +30,8 @@ def thrown_body():
     omega, omega_d = velocity[3:], acceleration[3:]
     n = sum(np.cross(r, F) for r, F in zip(rho_i, F_i, strict=True))
     about_com = sum(
-        m * (r @ r * np.eye(3) - np.outer(r, r)) for m, r in zip(masses, np.array(rho_i), strict=True)
+        m * (r @ r * np.eye(3) - np.outer(r, r))
+        for m, r in zip(masses, np.array(rho_i), strict=True)
     )
     return {
         "m": inertia.mass, "F_i": F_i, "rho_i": rho_i, "v_c_d": acceleration[:3], "R": R, "n": n, "I": about_com,
@@ -51,7 +53,8 @@ def rotor():
 
 
 def gyro():
-    """n_1: ω' is constant in the rotor's own axes. n_2: it rolls at a constant 5 rad/s while its ring yaws at 3 rad/s."""
+    """n_1: ω' is constant in the rotor's own axes. n_2: it rolls at a constant 5 rad/s while its
+    ring yaws at 3 rad/s."""
     mounted = fb.load("gyro")
     rates = {"yaw": 3.0, "roll": 5.0}
     roll = mounted.joint_names.index("roll")

@@ -1,4 +1,5 @@
-"""Section 6.2 and 6.3: Lagrange and the recursion in space, with Denavit-Hartenberg frames (6.15-6.29)."""
+"""Section 6.2 and 6.3: Lagrange and the recursion in space, with Denavit-Hartenberg frames
+(6.15-6.29)."""
 
 from __future__ import annotations
 
@@ -32,7 +33,9 @@ def arm(gravity: str = "explicit"):
 
 
 def _in_world(free, n, name):
-    return tuple(sum((r * x for r, x in zip(row, free[name], strict=True)), 0.0) for row in free[f"R{n}"])
+    return tuple(
+        sum((r * x for r, x in zip(row, free[name], strict=True)), 0.0) for row in free[f"R{n}"]
+    )
 
 
 def explicit():
@@ -53,13 +56,21 @@ def upright():
 
 
 def frames(form: str) -> Outcome:
-    """Words leave it open which of the two conventions is meant; a form is held against the modified one."""
+    """Words leave it open which of the two conventions is meant; a form is held against the
+    modified one."""
     row = {"a": 0.4, "alpha": 0.7, "d": 0.1, "theta": 0.0}
     theta = 0.6
-    poses = {c: fb.forward_kinematics(fb.dh([row], convention=c), [theta]) for c in ("standard", "modified")}
+    poses = {
+        c: fb.forward_kinematics(fb.dh([row], convention=c), [theta])
+        for c in ("standard", "modified")
+    }
     if "=" not in form:
-        lines = [f"{c}: p = {number(T[:3, 3])}, joint axis {_axis(c, T)}." for c, T in poses.items()]
-        return Outcome(False, ("Two conventions go by this name, and give different frames.", *lines))
+        lines = [
+            f"{c}: p = {number(T[:3, 3])}, joint axis {_axis(c, T)}." for c, T in poses.items()
+        ]
+        return Outcome(
+            False, ("Two conventions go by this name, and give different frames.", *lines)
+        )
     T = poses["modified"]
     values = {
         "theta": theta, "alpha": 0.7, "a": 0.4, "d": 0.1, "Rh_i": T[:3, :3], "ph_i": T[:3, 3],
@@ -75,13 +86,17 @@ def direction(form: str) -> Outcome:
     """Words leave two readings of the matrix; each is put into (6.18)."""
     if "=" in form:
         return REVOLUTE.run(form)
-    readings = {"components of link i−1 to i": "Ri_h", "components of link i to i−1": "transpose(Ri_h)"}
+    readings = {
+        "components of link i−1 to i": "Ri_h",
+        "components of link i to i−1": "transpose(Ri_h)",
+    }
     verdicts = {
         words: REVOLUTE.run(f"omega_i = {matrix}*omega_h + theta_i_d*z").holds
         for words, matrix in readings.items()
     }
     lines = tuple(
-        f"Read as taking {words}, (6.18) {'holds' if v else 'fails'}." for words, v in verdicts.items()
+        f"Read as taking {words}, (6.18) {'holds' if v else 'fails'}."
+        for words, v in verdicts.items()
     )
     return Outcome(all(verdicts.values()), lines)
 
@@ -107,8 +122,9 @@ STANDARD = (
 
 
 def standard_frames():
-    """A turning, a sliding and a turning joint in standard frames: motion of each frame from fb.velocity and
-    fb.acceleration in its own axes, torques from fb.inverse_dynamics and from the recursion written out."""
+    """A turning, a sliding and a turning joint in standard frames: motion of each frame from
+    fb.velocity and fb.acceleration in its own axes, torques from fb.inverse_dynamics and from the
+    recursion written out."""
     chain = fb.dh(STANDARD, convention="standard", gravity=GRAVITY)
     q, qd, qdd = (x[0] for x in fb.random_state(chain, 7, 1))
     found, before = {"z": np.array([0.0, 0.0, 1.0])}, np.eye(4)
@@ -136,7 +152,9 @@ def _swept_standard(q, qd, qdd):
     for k in (2, 1, 0):
         row, link = STANDARD[k], swept[k]
         c, I = np.array(row["com"]), fb.Inertia.of(row["m"], row["com"], row["I"]).numbers()[2]
-        fc = row["m"] * (link["vd"] + np.cross(link["wd"], c) + np.cross(link["w"], np.cross(link["w"], c)))
+        fc = row["m"] * (
+            link["vd"] + np.cross(link["wd"], c) + np.cross(link["w"], np.cross(link["w"], c))
+        )
         carried, p = E_next.T @ f, link["p"]
         n = (
             I @ link["wd"]
@@ -163,7 +181,12 @@ def _outward_standard(q, qd, qdd):
         slide, push = (0 * z, 0 * z) if turns else (qd[k] * z, qdd[k] * z)
         wd = E @ (wd + second + np.cross(w, rate))
         w = E @ (w + rate)
-        vd = E @ (vd + push) + np.cross(wd, p) + 2 * np.cross(w, E @ slide) + np.cross(w, np.cross(w, p))
+        vd = (
+            E @ (vd + push)
+            + np.cross(wd, p)
+            + 2 * np.cross(w, E @ slide)
+            + np.cross(w, np.cross(w, p))
+        )
         links.append({"w": w, "wd": wd, "vd": vd, "E": E, "p": p})
     return links
 

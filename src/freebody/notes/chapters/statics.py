@@ -10,7 +10,8 @@ from freebody.notes.item import Item
 
 
 def resting_arm():
-    """Links without weight, and a force f = (u, v) on the tip; f1 is the base's force on link 1, f2 link 1's on link 2."""
+    """Links without weight, and a force f = (u, v) on the tip; f1 is the base's force on link 1, f2
+    link 1's on link 2."""
     arm = fb.planar("RR", g=[0, 0])
     free = fb.quantities(arm, load=True, at_rest=True)
     u, v = free["f"]

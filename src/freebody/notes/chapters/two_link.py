@@ -57,25 +57,36 @@ def numbers():
 
 
 def unit_rods(printed: str) -> Outcome:
-    """The mass matrix of the form as an answer; and its eigenvalues for two uniform rods of 1 m and 1 kg, stretched."""
+    """The mass matrix of the form as an answer; and its eigenvalues for two uniform rods of 1 m and
+    1 kg, stretched."""
     outcome = Answer(ARM).run(printed)
     rods = {
-        f"{letter}{i}": x for i in (1, 2) for letter, x in (("m", 1), ("l", 1), ("lc", 0.5), ("I", 1 / 12))
+        f"{letter}{i}": x
+        for i in (1, 2)
+        for letter, x in (("m", 1), ("l", 1), ("lc", 0.5), ("I", 1 / 12))
     }
     sides = dict(part.split("=") for part in parts(printed))
-    H11, H12, H22 = (value(parse(sides[f"H{ij} "]), rods | {"theta2": 0.0}) for ij in ("11", "12", "22"))
+    H11, H12, H22 = (
+        value(parse(sides[f"H{ij} "]), rods | {"theta2": 0.0}) for ij in ("11", "12", "22")
+    )
     eigenvalues = np.linalg.eigvalsh(np.array([[H11, H12], [H12, H22]], dtype=float))
     line = f"For two rods of 1 m and 1 kg, stretched, this M has the eigenvalues {number(eigenvalues, 4)}."
-    return Outcome(outcome.holds and bool(eigenvalues[0] > 0), (line, *outcome.lines), outcome.example)
+    return Outcome(
+        outcome.holds and bool(eigenvalues[0] > 0), (line, *outcome.lines), outcome.example
+    )
 
 
 FREE, FORM, DEFINED = Related(f"fb.quantities({ARM})"), Related(closed_form), Related(as_defined)
 
 MATRIX = 'fb.check(fb.planar("RR"), "H11 = …"); np.linalg.eigvalsh(M)'
 H11 = "H11 = m1*lc1^2 + I1 + {}m2*(l1^2 + lc2^2 + 2*l1*lc2*cos(theta2)) + I2"
-PRINTED_M = f"{H11.format('I2 + ')}; H22 = m1*lc2^2 + I2; H12 = m2*(lc2^2 + 2*l1*lc2*cos(theta2)) + I2"
+PRINTED_M = (
+    f"{H11.format('I2 + ')}; H22 = m1*lc2^2 + I2; H12 = m2*(lc2^2 + 2*l1*lc2*cos(theta2)) + I2"
+)
 RIGHT_M = f"{H11.format('')}; H22 = m2*lc2^2 + I2; H12 = m2*(lc2^2 + l1*lc2*cos(theta2)) + I2"
-_REST = "tau = [tau1, tau2]; v = [-h*theta2_d^2 - 2*h*theta1_d*theta2_d, h*theta1_d^2]; G = [G1, G2]"
+_REST = (
+    "tau = [tau1, tau2]; v = [-h*theta2_d^2 - 2*h*theta1_d*theta2_d, h*theta1_d^2]; G = [G1, G2]"
+)
 
 ITEMS = (
     Item(

@@ -19,7 +19,8 @@ _NAMESPACES = {"cupy": "cupy", "torch": "torch", "jax": "jax.numpy", "jaxlib": "
 
 @dataclass(frozen=True)
 class View:
-    """Numbers in a GPU's memory: the address of the first, the shape, and the strides in numbers."""
+    """Numbers in a GPU's memory: the address of the first, the shape, and the strides in
+    numbers."""
 
     address: int
     shape: tuple[int, ...]
@@ -33,11 +34,16 @@ class View:
     def extent(self) -> tuple[int, int]:
         """The first byte, and the one behind the last."""
         reach = (
-            [(n - 1) * s for n, s in zip(self.shape, self.strides, strict=True)] if prod(self.shape) else []
+            [(n - 1) * s for n, s in zip(self.shape, self.strides, strict=True)]
+            if prod(self.shape)
+            else []
         )
         low, high = sum(min(0, r) for r in reach), sum(max(0, r) for r in reach)
         size = self.dtype.itemsize if prod(self.shape) else 0
-        return self.address + low * self.dtype.itemsize, self.address + high * self.dtype.itemsize + size
+        return (
+            self.address + low * self.dtype.itemsize,
+            self.address + high * self.dtype.itemsize + size,
+        )
 
     def overlaps(self, other: View) -> bool:
         """Whether some bytes may be of both."""
@@ -45,11 +51,14 @@ class View:
         return a < d and c < b
 
     def step(self, core: int) -> int | None:
-        """How far apart the entries of the last `core` axes are in C order; None where there is no one number."""
+        """How far apart the entries of the last `core` axes are in C order; None where there is no
+        one number."""
         axes = [
             (n, s)
             for n, s in zip(
-                self.shape[len(self.shape) - core :], self.strides[len(self.shape) - core :], strict=True
+                self.shape[len(self.shape) - core :],
+                self.strides[len(self.shape) - core :],
+                strict=True,
             )
             if n != 1
         ]
@@ -60,7 +69,8 @@ class View:
 
 
 def on_gpu(value: Any) -> bool:
-    """Whether it is an array in a GPU's memory: of CuPy, PyTorch, JAX, Numba, or one that a kernel returned."""
+    """Whether it is an array in a GPU's memory: of CuPy, PyTorch, JAX, Numba, or one that a kernel
+    returned."""
     if isinstance(value, np.ndarray | float | int | list | tuple):
         return False
     device = getattr(value, "__dlpack_device__", None)
@@ -78,7 +88,8 @@ def device_of(value: Any) -> int:
 
 
 def view(value: Any, stream: int) -> View:
-    """Any array on the current GPU; work on it that is under way is waited for by what comes next on the stream."""
+    """Any array on the current GPU; work on it that is under way is waited for by what comes next
+    on the stream."""
     from cuda.core.utils import StridedMemoryView  # pyright: ignore[reportMissingImports]
 
     found = StridedMemoryView.from_any_interface(value, stream_ptr=stream)
@@ -94,7 +105,8 @@ def row_strides(shape: Sequence[int]) -> tuple[int, ...]:
 
 
 class DeviceArray:
-    """A result in a GPU's memory, for any library that reads `__cuda_array_interface__` or DLPack."""
+    """A result in a GPU's memory, for any library that reads `__cuda_array_interface__` or
+    DLPack."""
 
     def __init__(self, memory: driver.Memory, shape: tuple[int, ...], dtype: np.dtype):
         self._memory, self.shape, self.dtype = memory, shape, dtype
@@ -128,7 +140,12 @@ class DeviceArray:
         """It itself."""
         memory = self._memory
         return View(
-            memory.address, self.shape, row_strides(self.shape), self.dtype, memory.device, owner=memory
+            memory.address,
+            self.shape,
+            row_strides(self.shape),
+            self.dtype,
+            memory.device,
+            owner=memory,
         )
 
     def numpy(self) -> np.ndarray:
@@ -138,13 +155,18 @@ class DeviceArray:
             return made
         with driver.current(self._memory.device):
             driver.call(
-                "cuMemcpyDtoHAsync", made.ctypes.data, self._memory.address, made.nbytes, self._memory.stream
+                "cuMemcpyDtoHAsync",
+                made.ctypes.data,
+                self._memory.address,
+                made.nbytes,
+                self._memory.stream,
             )
             driver.call("cuStreamSynchronize", self._memory.stream)
         return made
 
     def like(self, other: Any) -> Any:
-        """As an array of the library that another is of, in the same memory; itself where that is not known."""
+        """As an array of the library that another is of, in the same memory; itself where that is
+        not known."""
         name = _NAMESPACES.get(type(other).__module__.partition(".")[0])
         library = sys.modules.get(name) if name else None
         return self if library is None else library.from_dlpack(self)
@@ -155,7 +177,8 @@ class DeviceArray:
 
 @dataclass(frozen=True)
 class Run:
-    """Samples that one launch takes: their number, and for each array where the first is and how far they are apart."""
+    """Samples that one launch takes: their number, and for each array where the first is and how
+    far they are apart."""
 
     count: int
     begins: tuple[int, ...]
@@ -163,10 +186,11 @@ class Run:
 
 
 def runs(batch: tuple[int, ...], strides: Sequence[tuple[int, ...]]) -> Iterator[Run]:
-    """Launches that go through a batch of arrays with these strides along its axes (0: broadcast), all in numbers.
+    """Launches that go through a batch of arrays with these strides along its axes (0: broadcast),
+    all in numbers.
 
-    Axes along which all arrays go on as they do along the next are one; of those that are left the longest is
-    the launch's own, and there is one launch for each entry of the others.
+    Axes along which all arrays go on as they do along the next are one; of those that are left the
+    longest is the launch's own, and there is one launch for each entry of the others.
     """
     if not prod(batch):
         return
@@ -184,6 +208,7 @@ def runs(batch: tuple[int, ...], strides: Sequence[tuple[int, ...]]) -> Iterator
     count, own = axes.pop(longest)
     for index in np.ndindex(*(n for n, _ in axes)):
         begins = [
-            sum(i * steps[k] for i, (_, steps) in zip(index, axes, strict=True)) for k in range(len(strides))
+            sum(i * steps[k] for i, (_, steps) in zip(index, axes, strict=True))
+            for k in range(len(strides))
         ]
         yield Run(count, tuple(begins), tuple(own))

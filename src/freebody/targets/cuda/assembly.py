@@ -1,4 +1,5 @@
-"""LLVM text to PTX, the assembly that NVIDIA's driver makes machine code of for the GPU that is there."""
+"""LLVM text to PTX, the assembly that NVIDIA's driver makes machine code of for the GPU that is
+there."""
 
 from __future__ import annotations
 
@@ -11,8 +12,8 @@ from freebody.targets.llvm.exclusive import exclusive
 from freebody.targets.llvm.machine import CompileError
 
 PROCESSOR = "sm_70"
-"""The oldest GPU that the text is for: Volta, of 2017. Later ones run the same text, and offer straight-line arithmetic
-nothing more."""
+"""The oldest GPU that the text is for: Volta, of 2017. Later ones run the same text, and offer
+straight-line arithmetic nothing more."""
 
 _TRIPLE = "nvptx64-nvidia-cuda"
 
@@ -23,7 +24,9 @@ def ptx(text: str) -> str:
     Raises FreebodyError where llvmlite is not installed or was built without this target.
     """
     if importlib.util.find_spec("llvmlite") is None:
-        raise FreebodyError("PTX is made by LLVM, and llvmlite is not installed; pip install llvmlite.")
+        raise FreebodyError(
+            "PTX is made by LLVM, and llvmlite is not installed; pip install llvmlite."
+        )
     import llvmlite.binding as llvm
 
     with exclusive(), _machine() as machine, llvm.create_context() as context:
@@ -36,7 +39,9 @@ def ptx(text: str) -> str:
             # a call costs a thread its registers, so functions become part of who calls them
             passes = llvm.create_new_module_pass_manager()
             passes.add_always_inliner_pass()
-            passes.run(module, llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(2)))
+            passes.run(
+                module, llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(2))
+            )
             return machine.emit_assembly(module)
 
 

@@ -16,7 +16,8 @@ THREADS = 128
 """Of a block: two blocks of threads with 255 registers each have room on a multiprocessor."""
 
 DEFAULT_STREAM = 1
-"""The stream that work goes to where none is given: the driver's handle of what it calls the legacy stream."""
+"""The stream that work goes to where none is given: the driver's handle of what it calls the legacy
+stream."""
 
 
 class GpuError(FreebodyError, RuntimeError):
@@ -80,7 +81,8 @@ def current(device: int) -> Iterator[None]:
 
 
 class Module:
-    """A text of entries, assembled by the driver for one GPU, which is current; it goes with the object."""
+    """A text of entries, assembled by the driver for one GPU, which is current; it goes with the
+    object."""
 
     def __init__(self, text: str, names: Sequence[str], device: int):
         module = call("cuModuleLoadData", text.encode() + b"\0")
@@ -91,7 +93,9 @@ class Module:
         """Start an entry for `count` samples with its 64-bit values, of which n is the last."""
         blocks = -(-count // THREADS)
         given = (*values, count), (ctypes.c_int64,) * (len(values) + 1)
-        call("cuLaunchKernel", self._entries[name], blocks, 1, 1, THREADS, 1, 1, 0, stream, given, 0)
+        call(
+            "cuLaunchKernel", self._entries[name], blocks, 1, 1, THREADS, 1, 1, 0, stream, given, 0
+        )
 
 
 def _unload(module: Any, device: int) -> None:
@@ -100,7 +104,8 @@ def _unload(module: Any, device: int) -> None:
 
 
 class Memory:
-    """Bytes on a GPU, which is current; they are given back, in the order of the stream, when the object goes.
+    """Bytes on a GPU, which is current; they are given back, in the order of the stream, when the
+    object goes.
 
     stream: its handle. owner: whatever keeps the stream.
     """
@@ -139,5 +144,6 @@ def handle_of(stream: Any) -> int:
         return int(stream) or DEFAULT_STREAM
     except (TypeError, ValueError):
         raise GpuError(
-            f"stream={stream!r} is no stream: give one of PyTorch, CuPy or cuda.core, or the driver's handle."
+            f"stream={stream!r} is no stream: give one of PyTorch, CuPy or cuda.core, or the "
+            f"driver's handle."
         ) from None

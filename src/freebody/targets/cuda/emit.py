@@ -1,12 +1,13 @@
 """Program to LLVM text of entries that a GPU starts for every sample, one thread each.
 
-An entry is straight-line code: it reads the sample's inputs, computes, and writes each result when it is there, so that
-few values are alive. It takes for each argument of the program an address and two steps, counted in numbers: from one
-sample to the next (0: the same for all), and from one entry of a sample to the next, in C order. So arrays of rows,
-arrays of columns and what is broadcast are read where they are.
+An entry is straight-line code: it reads the sample's inputs, computes, and writes each result when
+it is there, so that few values are alive. It takes for each argument of the program an address and
+two steps, counted in numbers: from one sample to the next (0: the same for all), and from one entry
+of a sample to the next, in C order. So arrays of rows, arrays of columns and what is broadcast are
+read where they are.
 
-There is no loop over samples: its counter and what the compiler takes out of it cost up to 30 registers, and a grid has
-room for 2^31 blocks.
+There is no loop over samples: its counter and what the compiler takes out of it cost up to 30
+registers, and a grid has room for 2^31 blocks.
 """
 
 from __future__ import annotations
@@ -19,7 +20,13 @@ from freebody.scalars.operations import OPERATIONS
 from freebody.targets.cuda.parts import Part
 from freebody.targets.cuda.sine import sincos
 from freebody.targets.llvm.emit import declared_once
-from freebody.targets.llvm.instructions import CHOICE, COMPARISONS, FUNCTIONS, declarations, instructions
+from freebody.targets.llvm.instructions import (
+    CHOICE,
+    COMPARISONS,
+    FUNCTIONS,
+    declarations,
+    instructions,
+)
 from freebody.targets.llvm.lanes import REALS, Lanes, One
 from freebody.targets.llvm.sincos import reduction
 from freebody.targets.llvm.vector import function
@@ -27,8 +34,9 @@ from freebody.targets.llvm.vector import function
 _SINES = ("sin", "cos")
 
 TOGETHER = 256
-"""Entries of one argument whose addresses LLVM derives one from another: it compares all pairs of them, so that all
-6144 of a Talos's Jacobian derivatives would take it minutes, where these runs take seconds."""
+"""Entries of one argument whose addresses LLVM derives one from another: it compares all pairs of
+them, so that all 6144 of a Talos's Jacobian derivatives would take it minutes, where these runs
+take seconds."""
 
 _INDEX = """\
   %thread = call i32 @llvm.nvvm.read.ptx.sreg.tid.x()
@@ -55,17 +63,23 @@ declare i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
 
 
 def emit(entries: Mapping[str, Part], dtype: str) -> str:
-    """LLVM text of a module with these entries, by name: `void name(ptr a0, i64 step0, i64 core0, …, i64 n)`.
+    """LLVM text of a module with these entries, by name: `void name(ptr a0, i64 step0, i64 core0,
+    …, i64 n)`.
 
-    The arguments are the inputs, then the outputs of the part's program, which are the same for all parts of one
-    program; n is the number of samples. Of a uniform input, which has no steps, only the address is taken.
+    The arguments are the inputs, then the outputs of the part's program, which are the same for all
+    parts of one program; n is the number of samples. Of a uniform input, which has no steps, only
+    the address is taken.
     """
     lanes = One(REALS[dtype])
     used = {entry.program.op[index] for entry in entries.values() for index in entry.nodes}
     made = [reduction(), sincos(lanes)] if used.intersection(_SINES) else []
     for name, make in FUNCTIONS.items():
         if name in used:
-            made.append(function(f"@vector.{name}.{lanes.suffix}", OPERATIONS[name].arity, make, lanes, True))
+            made.append(
+                function(
+                    f"@vector.{name}.{lanes.suffix}", OPERATIONS[name].arity, make, lanes, True
+                )
+            )
     made += [_Entry(entry, lanes).text(name) for name, entry in entries.items()]
     return declared_once("\n".join([*made, declarations(lanes), _FOOT]))
 
@@ -97,7 +111,8 @@ class _Entry:
         return "\n".join([head, _INDEX, *self.lines, "  br label %end\nend:\n  ret void\n}\n"])
 
     def _loads(self) -> list[str]:
-        """The names of all scalars of the inputs; those of uniform inputs that nothing reads are not loaded."""
+        """The names of all scalars of the inputs; those of uniform inputs that nothing reads are
+        not loaded."""
         v, size = self.lanes.v, self.lanes.real.size
         read = {self.program.a[i] for i in self.part.nodes if self.program.op[i] == "input"}
         scalars: list[str] = []
@@ -107,12 +122,15 @@ class _Entry:
                 name = f"%in{len(scalars)}"
                 if not argument.uniform or j == 0 or len(scalars) in read:
                     place = self._place(k, j, argument.uniform)
-                    self.lines.append(f"  {name} = load {v}, ptr {place}, align {size}, !invariant.load !0")
+                    self.lines.append(
+                        f"  {name} = load {v}, ptr {place}, align {size}, !invariant.load !0"
+                    )
                 scalars.append(name)
         return scalars
 
     def _check(self, scalars: Sequence[str]) -> None:
-        """%bad: whether an input is not finite. 0 x is NaN then, and the sum of such products tells.
+        """%bad: whether an input is not finite. 0 x is NaN then, and the sum of such products
+        tells.
 
         Uniform numbers are NaN all together, so that the first tells of all.
         """
@@ -154,19 +172,25 @@ class _Entry:
             run, within = divmod(j, TOGETHER)
             begin, step = self._run(k, run) if run else (f"%row{k}", f"%core{k}")
             self.lines.append(f"  %o{k}.{j} = mul i64 {step}, {within}")
-            self.lines.append(f"  %p{k}.{j} = getelementptr {self.lanes.v}, ptr {begin}, i64 %o{k}.{j}")
+            self.lines.append(
+                f"  %p{k}.{j} = getelementptr {self.lanes.v}, ptr {begin}, i64 %o{k}.{j}"
+            )
         return f"%p{k}.{j}"
 
     def _run(self, k: int, run: int) -> tuple[str, str]:
-        """Where a run of `TOGETHER` entries of argument k begins, and a step that LLVM takes for a number of its own.
+        """Where a run of `TOGETHER` entries of argument k begins, and a step that LLVM takes for a
+        number of its own.
 
-        With the same step the runs would share their offsets, all of them alive for as long as the thread writes.
+        With the same step the runs would share their offsets, all of them alive for as long as the
+        thread writes.
         """
         begin, step = names = f"%run{k}.{run}", f"%core{k}.{run}"
         if names not in self.runs:
             self.runs.add(names)
             self.lines.append(f"  %far{k}.{run} = mul i64 %core{k}, {run * TOGETHER}")
-            self.lines.append(f"  {begin} = getelementptr {self.lanes.v}, ptr %row{k}, i64 %far{k}.{run}")
+            self.lines.append(
+                f"  {begin} = getelementptr {self.lanes.v}, ptr %row{k}, i64 %far{k}.{run}"
+            )
             self.lines.append(f"  {step} = freeze i64 %core{k}")
         return names
 
@@ -195,13 +219,17 @@ class _Entry:
         self.turned.add(x)
         pair = f"{{ {self.lanes.v}, {self.lanes.v} }}"
         self.lines.append(
-            f"  %pair{x} = call {pair} @sincos.{self.lanes.suffix}({self.lanes.v} {self.names[x]})\n"
-            f"  %sin{x} = extractvalue {pair} %pair{x}, 0\n  %cos{x} = extractvalue {pair} %pair{x}, 1"
+            f"  %pair{x} = call {pair} @sincos.{self.lanes.suffix}({self.lanes.v} "
+            f"{self.names[x]})\n"
+            f"  %sin{x} = extractvalue {pair} %pair{x}, 0\n  %cos{x} = extractvalue {pair} "
+            f"%pair{x}, 1"
         )
 
     def _store(self, k: int, j: int, value: str) -> None:
         v, place = self.lanes.v, self._place(k, j)
-        self.lines.append(f"  %w{k}.{j} = select i1 %bad, {v} {self.lanes.constant(nan)}, {v} {value}")
+        self.lines.append(
+            f"  %w{k}.{j} = select i1 %bad, {v} {self.lanes.constant(nan)}, {v} {value}"
+        )
         self.lines.append(f"  store {v} %w{k}.{j}, ptr {place}, align {self.lanes.real.size}")
 
 

@@ -10,17 +10,27 @@ import numpy as np
 from freebody.errors import ShapeError
 from freebody.program.program import Argument, Program
 from freebody.targets.cuda import driver
-from freebody.targets.cuda.arrays import DeviceArray, View, device_of, on_gpu, row_strides, runs, view
+from freebody.targets.cuda.arrays import (
+    DeviceArray,
+    View,
+    device_of,
+    on_gpu,
+    row_strides,
+    runs,
+    view,
+)
 from freebody.targets.cuda.plan import Plan
 from freebody.targets.kernel import BatchError, Kernel
 from freebody.targets.target import KernelError
 
 
 class GpuKernel(Kernel):
-    """Called with NumPy arrays, which are copied there and back, or with arrays of CuPy, PyTorch, JAX or Numba.
+    """Called with NumPy arrays, which are copied there and back, or with arrays of CuPy, PyTorch,
+    JAX or Numba.
 
-    Given one array on a GPU, results stay there: arrays of the same library, new ones or `out`. Small things beside it
-    may be NumPy's. What the driver assembled for a GPU is kept with the kernel.
+    Given one array on a GPU, results stay there: arrays of the same library, new ones or `out`.
+    Small things beside it may be NumPy's. What the driver assembled for a GPU is kept with the
+    kernel.
     """
 
     def __init__(self, program: Program, plan: Plan, dtype: str):
@@ -28,7 +38,9 @@ class GpuKernel(Kernel):
         self._plan = plan
         self._modules: dict[int, driver.Module] = {}
 
-    def __call__(self, *arrays: Any, out: Any = None, threads: int | None = None, stream: Any = None) -> Any:
+    def __call__(
+        self, *arrays: Any, out: Any = None, threads: int | None = None, stream: Any = None
+    ) -> Any:
         """The output, or the tuple of outputs.
 
         Args:
@@ -48,7 +60,9 @@ class GpuKernel(Kernel):
         inputs, name = self.program.inputs, self.program.name
         if len(arrays) != len(inputs):
             wanted = ", ".join(map(str, inputs))
-            raise KernelError(f"{name}: {len(arrays)} arguments given, expected {len(inputs)}: {wanted}.")
+            raise KernelError(
+                f"{name}: {len(arrays)} arguments given, expected {len(inputs)}: {wanted}."
+            )
         there = next((x for x in arrays if on_gpu(x)), None)
         handle = driver.DEFAULT_STREAM if stream is None else driver.handle_of(stream)
         device = self._device(arrays)
@@ -57,7 +71,9 @@ class GpuKernel(Kernel):
                 view(x, handle) if on_gpu(x) else self._hosted(a, x)
                 for a, x in zip(inputs, arrays, strict=True)
             ]
-        if any(a.uniform and len(x.shape) > len(a.shape) for a, x in zip(inputs, given, strict=True)):
+        if any(
+            a.uniform and len(x.shape) > len(a.shape) for a, x in zip(inputs, given, strict=True)
+        ):
             return cast(GpuKernel, self.per_sample)(*arrays, out=out, stream=stream)
         batch = self._batch(given)
         given_out = () if out is None else out if isinstance(out, tuple) else (out,)
@@ -71,7 +87,9 @@ class GpuKernel(Kernel):
                     np.copyto(target, found, casting="same_kind")
             else:
                 done = [x.like(there) for x in results if isinstance(x, DeviceArray)]
-                if given_out and stream is None:  # whoever owns them does not know what they wait for
+                if (
+                    given_out and stream is None
+                ):  # whoever owns them does not know what they wait for
                     driver.call("cuStreamSynchronize", handle)
         done = given_out or tuple(done)
         return done[0] if len(done) == 1 else done
@@ -81,7 +99,8 @@ class GpuKernel(Kernel):
         array = np.asarray(value)
         if not np.can_cast(array.dtype, self.dtype, "same_kind"):
             raise KernelError(
-                f"{self.program.name}: {argument.name} holds {array.dtype} values, expected real numbers."
+                f"{self.program.name}: {argument.name} holds {array.dtype} values, expected real "
+                f"numbers."
             )
         return np.ascontiguousarray(array, self.dtype).reshape(array.shape)
 
@@ -95,22 +114,28 @@ class GpuKernel(Kernel):
                 raise ShapeError(name, argument.name, x.shape, expected)
             if x.dtype != self.dtype:
                 raise KernelError(
-                    f"{name}: {argument.name} holds {x.dtype} on the GPU, expected {self.dtype}; convert it, or ask "
+                    f"{name}: {argument.name} holds {x.dtype} on the GPU, expected {self.dtype}; "
+                    f"convert it, or ask "
                     f"for fb.kernel(..., dtype={x.dtype.name!r})."
                 )
-        shapes = [x.shape[: len(x.shape) - len(a.shape)] for a, x in zip(inputs, given, strict=True)]
+        shapes = [
+            x.shape[: len(x.shape) - len(a.shape)] for a, x in zip(inputs, given, strict=True)
+        ]
         try:
             return np.broadcast_shapes(*shapes)
         except ValueError:
             listed = ", ".join(f"{a.name} {shape}" for a, shape in zip(inputs, shapes, strict=True))
-            raise BatchError(f"{name}: the batch shapes do not broadcast together: {listed}.") from None
+            raise BatchError(
+                f"{name}: the batch shapes do not broadcast together: {listed}."
+            ) from None
 
     def _device(self, arrays: Sequence[Any]) -> int:
         """The GPU that all arrays are on; the first one where they are the host's."""
         devices = {device_of(x) for x in arrays if on_gpu(x)}
         if len(devices) > 1:
             raise KernelError(
-                f"{self.program.name}: arrays are on different GPUs: {', '.join(map(str, sorted(devices)))}."
+                f"{self.program.name}: arrays are on different GPUs: "
+                f"{', '.join(map(str, sorted(devices)))}."
             )
         return devices.pop() if devices else 0
 
@@ -127,9 +152,12 @@ class GpuKernel(Kernel):
 
 
 class _Call:
-    """One call: where its arrays are, and its launches in their order on a stream of the current GPU."""
+    """One call: where its arrays are, and its launches in their order on a stream of the current
+    GPU."""
 
-    def __init__(self, kernel: GpuKernel, batch: tuple[int, ...], device: int, handle: int, stream: Any):
+    def __init__(
+        self, kernel: GpuKernel, batch: tuple[int, ...], device: int, handle: int, stream: Any
+    ):
         self.kernel, self.program, self.batch = kernel, kernel.program, batch
         self.device, self.handle, self.stream = device, handle, stream
         self.kept: list[Any] = []
@@ -142,29 +170,39 @@ class _Call:
         for argument, x in zip(outputs, given, strict=False):
             shape = self.batch + argument.shape
             if not (on_gpu(x) if there else isinstance(x, np.ndarray)):
-                wanted = "on the GPU, where the inputs are" if there else "an array of NumPy, as the inputs"
+                wanted = (
+                    "on the GPU, where the inputs are"
+                    if there
+                    else "an array of NumPy, as the inputs"
+                )
                 raise KernelError(
                     f"{name}: out for {argument.name} is a {type(x).__name__}, expected {wanted}."
                 )
             if tuple(x.shape) != shape:
                 raise ShapeError(name, f"out for {argument.name}", tuple(x.shape), str(shape))
         if given and there:
-            return [self._written(a, view(x, self.handle)) for a, x in zip(outputs, given, strict=True)]
+            return [
+                self._written(a, view(x, self.handle)) for a, x in zip(outputs, given, strict=True)
+            ]
         dtype = self.kernel.dtype
         shapes = [self.batch + a.shape for a in outputs]
         return [
-            DeviceArray(self._memory(int(np.prod(shape)) * dtype.itemsize), shape, dtype) for shape in shapes
+            DeviceArray(self._memory(int(np.prod(shape)) * dtype.itemsize), shape, dtype)
+            for shape in shapes
         ]
 
     def _written(self, argument: Argument, given: View) -> View:
         name = f"{self.program.name}: out for {argument.name}"
         if given.dtype != self.kernel.dtype or given.device != self.device or given.readonly:
             raise KernelError(
-                f"{name} holds {given.dtype} on GPU {given.device}{', read-only' if given.readonly else ''}; expected "
+                f"{name} holds {given.dtype} on GPU "
+                f"{given.device}{', read-only' if given.readonly else ''}; expected "
                 f"{self.kernel.dtype} on GPU {self.device} that may be written."
             )
         if given.step(len(argument.shape)) is None:
-            raise KernelError(f"{name}: the entries of a sample are not evenly apart; give one in C order.")
+            raise KernelError(
+                f"{name}: the entries of a sample are not evenly apart; give one in C order."
+            )
         return given
 
     def launch(self, given: Sequence[np.ndarray | View], outs: Sequence[View]) -> None:
@@ -172,7 +210,9 @@ class _Call:
         for k, x in enumerate(outs):
             if any(x.overlaps(y) for y in outs[:k]):
                 raise KernelError(f"{self.program.name}: two arrays of out share memory.")
-        views = [self._readable(a, x, outs) for a, x in zip(self.program.inputs, given, strict=True)]
+        views = [
+            self._readable(a, x, outs) for a, x in zip(self.program.inputs, given, strict=True)
+        ]
         plan, module = self.kernel.plan, self.kernel.module(self.device)
         uniform = [x for a, x in zip(self.program.inputs, views, strict=True) if a.uniform]
         sampled = [x for a, x in zip(self.program.inputs, views, strict=True) if not a.uniform]
@@ -184,7 +224,9 @@ class _Call:
             shared = [memory.address]
         arguments = [*(a for a in self.program.inputs if not a.uniform), *self.program.outputs]
         arrays = [*sampled, *outs]
-        strides = [_along(x, len(a.shape), self.batch) for a, x in zip(arguments, arrays, strict=True)]
+        strides = [
+            _along(x, len(a.shape), self.batch) for a, x in zip(arguments, arrays, strict=True)
+        ]
         size = self.kernel.dtype.itemsize
         for run in runs(self.batch, strides):
             values = [
@@ -201,7 +243,8 @@ class _Call:
         if isinstance(given, View):
             if given.step(len(argument.shape)) is None:
                 raise KernelError(
-                    f"{self.program.name}: the entries of a sample of {argument.name} are not evenly apart; give it "
+                    f"{self.program.name}: the entries of a sample of {argument.name} are not "
+                    f"evenly apart; give it "
                     "in C order, or as columns."
                 )
             if not any(given.overlaps(x) for x in outs):
@@ -214,7 +257,9 @@ class _Call:
         memory = self._memory(given.nbytes)
         if given.nbytes:
             self.kept.append(given)
-            driver.call("cuMemcpyHtoDAsync", memory.address, given.ctypes.data, given.nbytes, self.handle)
+            driver.call(
+                "cuMemcpyHtoDAsync", memory.address, given.ctypes.data, given.nbytes, self.handle
+            )
         return View(memory.address, given.shape, row_strides(given.shape), given.dtype, self.device)
 
     def _memory(self, size: int) -> driver.Memory:

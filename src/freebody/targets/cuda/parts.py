@@ -1,8 +1,10 @@
-"""What one thread computes of a program: all of it, or where that does not fit its registers some of the outputs.
+"""What one thread computes of a program: all of it, or where that does not fit its registers some
+of the outputs.
 
-A thread has 255 registers of 32 bits; what does not fit goes to memory and comes back (it is spilled). Outputs computed
-apart repeat what they share, so a program is divided only where all parts fit then and cost less than `LARGEST` times
-its operations: the derivatives of a UR5e's dynamics are, those of a Panda's would be repeated ten times over.
+A thread has 255 registers of 32 bits; what does not fit goes to memory and comes back (it is
+spilled). Outputs computed apart repeat what they share, so a program is divided only where all
+parts fit then and cost less than `LARGEST` times its operations: the derivatives of a UR5e's
+dynamics are, those of a Panda's would be repeated ten times over.
 """
 
 from __future__ import annotations
@@ -17,16 +19,17 @@ from freebody.program.program import Program
 from freebody.scalars.operations import ARITY
 
 ROOM = {"float64": 156, "float32": 275}
-"""Values alive at a time up to which `ptxas` spilled nothing, or in one of 60 formulas 48 bytes. It is more than
-registers hold: inputs can be read again."""
+"""Values alive at a time up to which `ptxas` spilled nothing, or in one of 60 formulas 48 bytes. It
+is more than registers hold: inputs can be read again."""
 
 MOST = 2.0
-"""Values alive at a time, over the room that there is, beyond which no division was ever found that pays."""
+"""Values alive at a time, over the room that there is, beyond which no division was ever found that
+pays."""
 
 LARGEST = 2.5
-"""Operations of all parts together, over those of the whole program. Not measured on a GPU: by data sheets a spilled
-number costs as much as four to eight operations, so that for some programs less is quicker; `benchmarks/on_cuda.py
---whole` tells."""
+"""Operations of all parts together, over those of the whole program. Not measured on a GPU: by data
+sheets a spilled number costs as much as four to eight operations, so that for some programs less is
+quicker; `benchmarks/on_cuda.py --whole` tells."""
 
 
 @dataclass(frozen=True)
@@ -47,8 +50,9 @@ class Part:
 def prepared(program: Program) -> Program:
     """The program in the order in which it was traced: recursions keep few values alive.
 
-    The order that suits a loop on the CPU (`schedule`) begins with all sines; it takes 134 registers where this one
-    takes 94 (inverse dynamics of a UR5e), 180 where this one takes 128 (forward dynamics).
+    The order that suits a loop on the CPU (`schedule`) begins with all sines; it takes 134
+    registers where this one takes 94 (inverse dynamics of a UR5e), 180 where this one takes 128
+    (forward dynamics).
     """
     return gather_factors(share_reciprocals(program))
 
@@ -62,11 +66,14 @@ def part(program: Program, results: Collection[int]) -> Part:
         if live[index]:
             for operand in program.operands(index):
                 live[operand] = 1
-    return Part(program, tuple(sorted(results)), tuple(i for i, needed in enumerate(live) if needed))
+    return Part(
+        program, tuple(sorted(results)), tuple(i for i, needed in enumerate(live) if needed)
+    )
 
 
 def alive(piece: Part) -> int:
-    """The most values that are alive at a time, inputs included; a result is written when it is there."""
+    """The most values that are alive at a time, inputs included; a result is written when it is
+    there."""
     program = piece.program
     last = {}
     for index in piece.nodes:
@@ -84,7 +91,8 @@ def alive(piece: Part) -> int:
 
 
 def parts(program: Program, dtype: str) -> list[Part]:
-    """Runs of results, output by output and column by column, that fit; the whole where none do, or too many."""
+    """Runs of results, output by output and column by column, that fit; the whole where none do, or
+    too many."""
     whole = part(program, range(len(program.results)))
     if alive(whole) > MOST * ROOM[dtype]:
         return [whole]
@@ -96,7 +104,9 @@ def parts(program: Program, dtype: str) -> list[Part]:
         count = len(order) - done
         if alive(rest) > ROOM[dtype]:  # of runs of growing length the last that fits
             count = bisect_left(
-                range(1, count), True, key=lambda n: _too_many(program, order[done : done + n], dtype)
+                range(1, count),
+                True,
+                key=lambda n: _too_many(program, order[done : done + n], dtype),
             )
             if not count:
                 return [whole]
@@ -114,6 +124,9 @@ def _too_many(program: Program, results: Sequence[int], dtype: str) -> bool:
 
 
 def _by_columns(program: Program) -> list[int]:
-    """Positions of the results: output by output, its last axis slowest, as a derivative's is the direction."""
+    """Positions of the results: output by output, its last axis slowest, as a derivative's is the
+    direction."""
     entries = [(k, index) for k, a in enumerate(program.outputs) for index in a.indices()]
-    return sorted(range(len(entries)), key=lambda i: (entries[i][0], entries[i][1][-1:], entries[i][1]))
+    return sorted(
+        range(len(entries)), key=lambda i: (entries[i][0], entries[i][1][-1:], entries[i][1])
+    )

@@ -15,9 +15,10 @@ from freebody.targets.cuda.parts import Part, part, parts, prepared
 class Plan:
     """Entries by name.
 
-    once: the entry that one thread runs before, on uniform inputs; empty where there are none. It writes `shared`
-    numbers, these inputs and what follows from them, which the others take in the place of the uniform inputs, behind
-    the other ones. parts: entries for every sample, in any order.
+    once: the entry that one thread runs before, on uniform inputs; empty where there are none. It
+    writes `shared` numbers, these inputs and what follows from them, which the others take in the
+    place of the uniform inputs, behind the other ones. parts: entries for every sample, in any
+    order.
     """
 
     entries: dict[str, Part]

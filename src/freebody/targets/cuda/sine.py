@@ -1,4 +1,5 @@
-"""LLVM text of the sine and cosine of one number, for a machine whose threads branch each for itself."""
+"""LLVM text of the sine and cosine of one number, for a machine whose threads branch each for
+itself."""
 
 from __future__ import annotations
 
@@ -7,17 +8,21 @@ from freebody.targets.llvm.sincos import LARGEST, Code
 
 
 def sincos(lanes: Lanes) -> str:
-    """`{ double, double } @sincos.f64(double x)`: both, as on the CPU; a large argument goes through `@reduce`.
+    """`{ double, double } @sincos.f64(double x)`: both, as on the CPU; a large argument goes
+    through `@reduce`.
 
     lanes: of single numbers.
     """
     v, i = lanes.v, lanes.i
     code = Code(lanes, fma=True)
-    code.lines.append(f"define internal {{ {v}, {v} }} @sincos.{lanes.suffix}({v} %x0) #2 {{\nentry:")
+    code.lines.append(
+        f"define internal {{ {v}, {v} }} @sincos.{lanes.suffix}({v} %x0) #2 {{\nentry:"
+    )
     code.reduce(0)
     wide = "%a0"
     code.lines.append(
-        f"  %large = fcmp ugt {v} %a0, {lanes.constant(LARGEST)}\n  br i1 %large, label %slow, label %fast\nslow:"
+        f"  %large = fcmp ugt {v} %a0, {lanes.constant(LARGEST)}\n  br i1 %large, label %slow, "
+        f"label %fast\nslow:"
     )
     if lanes.real != DOUBLE:
         wide = "%wide.a0"
@@ -29,7 +34,9 @@ def sincos(lanes: Lanes) -> str:
   {q} = extractvalue {{ double, i64 }} %both, 1""")
     if lanes.real != DOUBLE:
         r, q = "%short.r", "%short.q"
-        code.lines.append(f"  {r} = fptrunc double %both.r to {v}\n  {q} = trunc i64 %both.q to {i}")
+        code.lines.append(
+            f"  {r} = fptrunc double %both.r to {v}\n  {q} = trunc i64 %both.q to {i}"
+        )
     code.lines.append(f"""\
   br label %fast
 fast:

@@ -1,1 +1,2 @@
-"""Machine code for this CPU: programs as LLVM vector code, compiled, kept on disk, loaded and called."""
+"""Machine code for this CPU: programs as LLVM vector code, compiled, kept on disk, loaded and
+called."""

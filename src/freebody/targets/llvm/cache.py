@@ -1,13 +1,13 @@
 """Compiled objects on disk, by content.
 
-An entry is code that will run, so it is believed only if its folder and it belong to this user and nobody
-else can write them (asked of the open descriptor; links are not followed), and if its checksum, which covers
-the key, is right. Entries are written under a temporary name and renamed, so that other processes see whole
-entries only. Whatever goes wrong here costs a compilation, never an error: the reasons are logged under
-"freebody.targets.llvm.cache".
+An entry is code that will run, so it is believed only if its folder and it belong to this user and
+nobody else can write them (asked of the open descriptor; links are not followed), and if its
+checksum, which covers the key, is right. Entries are written under a temporary name and renamed, so
+that other processes see whole entries only. Whatever goes wrong here costs a compilation, never an
+error: the reasons are logged under "freebody.targets.llvm.cache".
 
-The environment's FREEBODY_CACHE is a folder, or `off`. The default is the platform's cache folder of the
-user.
+The environment's FREEBODY_CACHE is a folder, or `off`. The default is the platform's cache folder
+of the user.
 """
 
 from __future__ import annotations
@@ -109,7 +109,8 @@ def _trusted(descriptor: int, kind: Callable[[int], bool]) -> None:
 
 @contextlib.contextmanager
 def _folder(create: bool) -> Iterator[int | str]:
-    """The trusted folder: open, where the system can open files relative to a descriptor, else its path."""
+    """The trusted folder: open, where the system can open files relative to a descriptor, else its
+    path."""
     path = folder()
     if path is None:
         raise FileNotFoundError("the cache is off, or there is no home")
@@ -131,7 +132,9 @@ def _folder(create: bool) -> Iterator[int | str]:
 def _open(place: int | str, name: str, flags: int) -> int:
     if isinstance(place, int):
         # O_NONBLOCK: a pipe in the place of an entry must not hang us
-        return os.open(name, flags | os.O_NOFOLLOW | os.O_CLOEXEC | os.O_NONBLOCK, 0o600, dir_fd=place)
+        return os.open(
+            name, flags | os.O_NOFOLLOW | os.O_CLOEXEC | os.O_NONBLOCK, 0o600, dir_fd=place
+        )
     return os.open(os.path.join(place, name), flags | getattr(os, "O_BINARY", 0), 0o600)
 
 
@@ -167,7 +170,8 @@ def _remove(place: int | str, name: str) -> None:
 
 
 def _evict(place: int | str) -> None:
-    """Remove what was unused for longest until the rest fits, and temporary files that a killed process left."""
+    """Remove what was unused for longest until the rest fits, and temporary files that a killed
+    process left."""
     entries, now = [], time.time()
     for name in os.listdir(place):
         path, descriptor = _at(place, name)

@@ -1,4 +1,5 @@
-"""This machine's CPU as a target: programs as LLVM vector code, compiled or found on disk, loaded as a gufunc."""
+"""This machine's CPU as a target: programs as LLVM vector code, compiled or found on disk, loaded
+as a gufunc."""
 
 from __future__ import annotations
 
@@ -23,14 +24,18 @@ from freebody.targets.target import Target
 
 
 class _QuickKernel(Kernel):
-    """A kernel whose calls go to C functions of its own: Python finds them, by the class, in the kernel's slots."""
+    """A kernel whose calls go to C functions of its own: Python finds them, by the class, in the
+    kernel's slots."""
 
     __slots__ = ("__call__",)
 
     def __init__(self, kernel: Kernel, addresses: Mapping[str, int], code: Code):
-        super().__init__(kernel.program, kernel.target, kernel.width, kernel.ufunc, kernel.dtype.name)
+        super().__init__(
+            kernel.program, kernel.target, kernel.width, kernel.ufunc, kernel.dtype.name
+        )
         self._plain, self._checked = (
-            fastcall.Definition(addresses[symbol], self.program.name, code) for symbol in fastcode.EXPORTS
+            fastcall.Definition(addresses[symbol], self.program.name, code)
+            for symbol in fastcode.EXPORTS
         )
         # what is not plain goes to the kernel without them
         self.__call__ = self._plain.function(kernel.__call__)  # type: ignore[method-assign]
@@ -56,7 +61,9 @@ def _build(program: Program, width: int | None, dtype: str) -> Kernel:
         disk.store(key, code)
     symbols = ("kernel", *fastcode.EXPORTS) if fast else ("kernel",)
     loaded, addresses = load(code, symbols, fastcall.symbols(real) if fast else {})
-    ufunc = make_gufunc(addresses["kernel"], program.name, program.inputs, program.outputs, loaded, real)
+    ufunc = make_gufunc(
+        addresses["kernel"], program.name, program.inputs, program.outputs, loaded, real
+    )
     kernel = Kernel(program, "cpu", machine.width, ufunc, dtype)
     kernel = _QuickKernel(kernel, addresses, loaded) if fast else kernel
     kernel.loop = Loop(addresses["kernel"], key, loaded)
@@ -69,7 +76,8 @@ def _source(program: Program, width: int, dtype: str) -> str:
 
 @cache
 def _compiler_version() -> str:
-    """Of the compiler's own text: whatever is changed in it, cached objects of the former text are not used."""
+    """Of the compiler's own text: whatever is changed in it, cached objects of the former text are
+    not used."""
     digest = hashlib.sha256()
     house = Path(__file__).parent.parent.parent
     for path in sorted([*house.glob("program/*.py"), *house.glob("targets/**/*.py")]):
@@ -88,7 +96,8 @@ TARGET = Target(
     build=_build,
     source=_source,
     widths={
-        dtype: tuple(n for n in WIDTHS if n * real.bits <= LONGEST_VECTOR) for dtype, real in REALS.items()
+        dtype: tuple(n for n in WIDTHS if n * real.bits <= LONGEST_VECTOR)
+        for dtype, real in REALS.items()
     },
     variant=lambda _: fastcall.available(),
     loops=True,

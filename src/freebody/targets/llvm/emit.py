@@ -1,8 +1,8 @@
 """Program to LLVM text, over one vector of lanes.
 
-The text is built by hand: making it through llvmlite.ir takes longer than compiling it. A module holds one
-function for each segment of the program, `@compute` that runs them on a tile of slots, and the gufunc loop
-around it.
+The text is built by hand: making it through llvmlite.ir takes longer than compiling it. A module
+holds one function for each segment of the program, `@compute` that runs them on a tile of slots,
+and the gufunc loop around it.
 """
 
 from __future__ import annotations
@@ -14,7 +14,13 @@ from freebody.program.hoist import hoist
 from freebody.program.passes import schedule
 from freebody.program.program import Program
 from freebody.program.segments import Layout, Segment, SinCos, segment
-from freebody.targets.llvm.instructions import CHOICE, COMPARISONS, declarations, functions, instructions
+from freebody.targets.llvm.instructions import (
+    CHOICE,
+    COMPARISONS,
+    declarations,
+    functions,
+    instructions,
+)
 from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.loop import gufunc_loop
 from freebody.targets.llvm.machine import Machine
@@ -23,22 +29,25 @@ from freebody.targets.llvm.tile import check_slots
 from freebody.targets.llvm.uniform import reading
 
 LONG = 700, 16 * 2**10
-"""Nodes from which a program gains by two groups a round, 5 %, and bytes that their tiles may have."""
+"""Nodes from which a program gains by two groups a round, 5 %, and bytes that their tiles may
+have."""
 
 LONGER = 3000, 36 * 2**10, 60 * 2**10
-"""Nodes from which code is fetched anew for each group, so that two groups a round are 5-25 % faster; unless the tiles
-of one group stay in a first cache of 48 kB, of so many bytes, and those of two, of more bytes than these, do not."""
+"""Nodes from which code is fetched anew for each group, so that two groups a round are 5-25 %
+faster; unless the tiles of one group stay in a first cache of 48 kB, of so many bytes, and those of
+two, of more bytes than these, do not."""
 
 PIECES = 32
-"""Pieces of a program that one function runs: LLVM's time grows with the square of the loops in a function."""
+"""Pieces of a program that one function runs: LLVM's time grows with the square of the loops in a
+function."""
 
 TOGETHER = 8
 """Sines and cosines in one function: their arithmetic overlaps, and one branch serves all."""
 
 
 def emit(program: Program, machine: Machine) -> str:
-    """LLVM text of the kernel of `program`: `void @kernel(ptr args, ptr dims, ptr steps, ptr data)`, a gufunc
-    loop.
+    """LLVM text of the kernel of `program`: `void @kernel(ptr args, ptr dims, ptr steps, ptr
+    data)`, a gufunc loop.
 
     Args:
         program: a verified program with at least one input and one output scalar.
@@ -64,7 +73,8 @@ def emit(program: Program, machine: Machine) -> str:
 
 
 def _tiles(nodes: int, room: int) -> int:
-    """Groups in a round: each has two tiles of `room` bytes, one to compute on and one that goes out."""
+    """Groups in a round: each has two tiles of `room` bytes, one to compute on and one that goes
+    out."""
     if nodes >= LONGER[0]:
         return 1 if 2 * room <= LONGER[1] and 4 * room > LONGER[2] else 2
     return 2 if nodes >= LONG[0] and 4 * room <= LONG[1] else 1
@@ -78,9 +88,11 @@ def declared_once(text: str) -> str:
 
 
 def _attributes(lanes: Lanes) -> str:
-    """Of all functions, of those that keep many vectors on the stack (with a frame, these are aligned there), and of
-    the short ones that operations call."""
-    vectors = f'"min-legal-vector-width"="{8 * lanes.size}" "prefer-vector-width"="{8 * lanes.size}"'
+    """Of all functions, of those that keep many vectors on the stack (with a frame, these are
+    aligned there), and of the short ones that operations call."""
+    vectors = (
+        f'"min-legal-vector-width"="{8 * lanes.size}" "prefer-vector-width"="{8 * lanes.size}"'
+    )
     return (
         f"attributes #0 = {{ nounwind {vectors} }}\n"
         f'attributes #1 = {{ nounwind "frame-pointer"="all" {vectors} }}\n'
@@ -98,7 +110,8 @@ def _once(program: Program, layout: Layout, machine: Machine) -> list[str]:
 def _pieces(
     before: str, program: Program, layout: Layout, lanes: Lanes, fma: bool
 ) -> tuple[list[str], list[str]]:
-    """Names of the functions of the steps, `before` in front, and the text of what they are and need."""
+    """Names of the functions of the steps, `before` in front, and the text of what they are and
+    need."""
     pieces: list[str] = []
     table = instructions(lanes)
     parts = [sincos(lanes, fma)] if any(isinstance(step, SinCos) for step in layout.steps) else []
@@ -113,7 +126,8 @@ def _pieces(
 
 
 def _joined(steps: Sequence[Segment | SinCos]) -> Iterator[Segment | list[SinCos]]:
-    """The steps in order, sines and cosines that do not need each other up to `TOGETHER` at a time."""
+    """The steps in order, sines and cosines that do not need each other up to `TOGETHER` at a
+    time."""
     some: list[SinCos] = []
     for step in steps:  # the last is a segment
         if some and (
@@ -129,7 +143,9 @@ def _joined(steps: Sequence[Segment | SinCos]) -> Iterator[Segment | list[SinCos
             some.append(step)
 
 
-def _arithmetic(title: str, program: Program, step: Segment, lanes: Lanes, table: Mapping[str, str]) -> str:
+def _arithmetic(
+    title: str, program: Program, step: Segment, lanes: Lanes, table: Mapping[str, str]
+) -> str:
     """Loads, instructions and stores of a segment, the loads at first use."""
     v, align, sampled = lanes.v, lanes.size, program.sampled_size
     lines = [f"define internal void {title}(ptr noalias %tile, ptr noalias %uniform) #1 {{"]
@@ -177,22 +193,26 @@ def _spread(lines: list[str], index: int, number: int, lanes: Lanes) -> str:
         f"  %u{index}.p = getelementptr {kind}, ptr %uniform, i64 {number}",
         f"  %u{index} = load {kind}, ptr %u{index}.p, align {lanes.real.size}",
         f"  %u{index}.v = insertelement {v} poison, {kind} %u{index}, i64 0",
-        f"  %v{index} = shufflevector {v} %u{index}.v, {v} poison, <{lanes.width} x i32> zeroinitializer",
+        f"  %v{index} = shufflevector {v} %u{index}.v, {v} poison, <{lanes.width} x i32> "
+        f"zeroinitializer",
     ]
     return f"%v{index}"
 
 
 def _compute(pieces: list[str], size: int, tiles: int) -> str:
-    """`@compute`: run the pieces on `count` tiles of `size` bytes, each piece on all tiles before the next."""
+    """`@compute`: run the pieces on `count` tiles of `size` bytes, each piece on all tiles before
+    the next."""
     if len(pieces) <= PIECES:
         return _run("@compute", pieces, size, tiles)
     groups = [pieces[k : k + PIECES] for k in range(0, len(pieces), PIECES)]
     parts = [_run(f"@compute{k}", group, size, tiles) for k, group in enumerate(groups)]
     calls = "".join(
-        f"  call void @compute{k}(ptr %tile, ptr %uniform, i64 %count)\n" for k in range(len(groups))
+        f"  call void @compute{k}(ptr %tile, ptr %uniform, i64 %count)\n"
+        for k in range(len(groups))
     )
     parts.append(
-        f"define internal void @compute(ptr %tile, ptr %uniform, i64 %count) #0 {{\n{calls}  ret void\n}}\n"
+        f"define internal void @compute(ptr %tile, ptr %uniform, i64 %count) #0 {{\n{calls}  ret "
+        f"void\n}}\n"
     )
     return "\n".join(parts)
 
@@ -228,9 +248,10 @@ leave{k}:""")
 def _finite(every: Program, layout: Layout, poison: int | None, lanes: Lanes) -> str:
     """Make every result NaN in the lanes whose inputs are not all finite.
 
-    What brought the inputs in left a vector for each that is finite only if they are (see `tile`). Where one is not,
-    the numbers themselves are looked at: 0 * x is NaN for NaN and infinite x, so the sum of these products tells.
-    It begins with the uniform number at `poison`, if there is one: 0, or NaN for all lanes.
+    What brought the inputs in left a vector for each that is finite only if they are (see `tile`).
+    Where one is not, the numbers themselves are looked at: 0 * x is NaN for NaN and infinite x, so
+    the sum of these products tells. It begins with the uniform number at `poison`, if there is one:
+    0, or NaN for all lanes.
     """
     v, align, width, inputs = lanes.v, lanes.size, lanes.width, every.sampled_size
     lines = ["define internal void @finite(ptr noalias %tile, ptr noalias %uniform) #0 {", "entry:"]

@@ -14,7 +14,8 @@ _gone: deque[Any] = deque()
 
 @contextlib.contextmanager
 def exclusive() -> Iterator[None]:
-    """Alone in LLVM. A handler of a signal may come between two calls of it, not into one: nothing there calls back."""
+    """Alone in LLVM. A handler of a signal may come between two calls of it, not into one: nothing
+    there calls back."""
     try:
         with COMPILER:
             yield

@@ -1,4 +1,5 @@
-"""Exponential function, logarithm and hyperbolic tangent, over the whole range of doubles, each within 2 ulp.
+"""Exponential function, logarithm and hyperbolic tangent, over the whole range of doubles, each
+within 2 ulp.
 
 Overflow gives infinity and underflow a subnormal or 0, as the functions of C do; NaN gives NaN.
 """
@@ -10,7 +11,8 @@ from freebody.targets.llvm.vector import TO_INTEGER, Block, Value
 _LN2_HIGH, _LN2_LOW = 6.93147180369123816490e-01, 1.90821492927058770002e-10
 """The first has 21 zero bits at its end: its products with exponents are exact."""
 
-# (exp r - 1 - r) / r² on |r| <= ln 2 / 2, interpolated at Chebyshev's nodes: relative error of exp 3e-19
+# (exp r - 1 - r) / r² on |r| <= ln 2 / 2, interpolated at Chebyshev's nodes: relative error of exp
+# 3e-19
 _EXP = (
     2.09147553258932e-09,
     2.5105312729622103e-08,
@@ -77,7 +79,8 @@ def log(b: Block, x: Value) -> Value:
 
 
 def tanh(b: Block, x: Value) -> Value:
-    """Hyperbolic tangent within 2 ulp: a quotient of polynomials near 0, 1 - 2 / (e^2|x| + 1) beyond 0.625."""
+    """Hyperbolic tangent within 2 ulp: a quotient of polynomials near 0, 1 - 2 / (e^2|x| + 1)
+    beyond 0.625."""
     a = b.absolute(x)
     z = a * a
     near = a < 0.625

@@ -1,14 +1,15 @@
 """One sample, called from Python: a C function for the interpreter in front of the gufunc loop.
 
-NumPy's ufunc machinery takes longer than the arithmetic of one robot. So each kernel also has a function of CPython's
-fast calling convention that looks at its arguments itself: exact arrays of its number type and the core shapes,
-contiguous and aligned. It makes the outputs, or takes those given as `out=` if they are such arrays too and overlap
-nothing, runs the loop once and returns; anything else goes to the general way, unchanged. A function may hold the last
-argument, a robot's numbers, which then need not be given.
+NumPy's ufunc machinery takes longer than the arithmetic of one robot. So each kernel also has a
+function of CPython's fast calling convention that looks at its arguments itself: exact arrays of
+its number type and the core shapes, contiguous and aligned. It makes the outputs, or takes those
+given as `out=` if they are such arrays too and overlap nothing, runs the loop once and returns;
+anything else goes to the general way, unchanged. A function may hold the last argument, a robot's
+numbers, which then need not be given.
 
-It knows where CPython and NumPy keep the fields of an object and an array: both layouts are part of their stable binary
-interfaces on 64-bit builds with the GIL, and `available` is false elsewhere, or where the environment says
-FREEBODY_FASTCALL=off.
+It knows where CPython and NumPy keep the fields of an object and an array: both layouts are part of
+their stable binary interfaces on 64-bit builds with the GIL, and `available` is false elsewhere, or
+where the environment says FREEBODY_FASTCALL=off.
 """
 
 from __future__ import annotations
@@ -28,7 +29,10 @@ from freebody.targets import settings
 from freebody.targets.llvm.fastchecks import PAIR
 from freebody.targets.llvm.lanes import Real
 
-_SCALAR, _NEW = 60, 93  # positions of PyArray_Scalar and PyArray_New in the table of __multiarray_api.h
+_SCALAR, _NEW = (
+    60,
+    93,
+)  # positions of PyArray_Scalar and PyArray_New in the table of __multiarray_api.h
 _FASTCALL_KEYWORDS = 0x0080 | 0x0002
 _METHOD_DEF = "PPiP"  # PyMethodDef: name, function, flags, text
 _OUT = sys.intern("out")  # as the name of a keyword is
@@ -51,7 +55,13 @@ def symbols(real: Real) -> dict[str, int]:
     python = ctypes.pythonapi
     named = {
         name: ctypes.cast(getattr(python, name), ctypes.c_void_p).value or 0
-        for name in ("PyObject_Vectorcall", "PyTuple_New", "PyTuple_SetItem", "Py_IncRef", "Py_DecRef")
+        for name in (
+            "PyObject_Vectorcall",
+            "PyTuple_New",
+            "PyTuple_SetItem",
+            "Py_IncRef",
+            "Py_DecRef",
+        )
     }
     return named | {
         "freebody.PyArray_Type": id(np.ndarray),
@@ -79,7 +89,8 @@ class Definition:
     def function(
         self, general: Callable[..., Any], held: Any = None, units: bytes = b""
     ) -> Callable[..., Any]:
-        """The function, which goes to `general` with what is not plain, and holds what it points to.
+        """The function, which goes to `general` with what is not plain, and holds what it points
+        to.
 
         held: the last argument of calls that do not give it. units: see `unit_entries`.
         """
@@ -87,14 +98,18 @@ class Definition:
 
 
 def unit_entries(places: Sequence[tuple[int, int]]) -> bytes:
-    """Which inputs, and from which entry on, hold four numbers of unit length, as a checked function looks at them."""
+    """Which inputs, and from which entry on, hold four numbers of unit length, as a checked
+    function looks at them."""
     return b"".join(struct.pack(PAIR, *place) for place in places)
 
 
 @cache
 def _new_function() -> Any:
     new = ctypes.pythonapi.PyCFunction_NewEx
-    new.restype, new.argtypes = ctypes.py_object, [ctypes.c_char_p, ctypes.py_object, ctypes.c_void_p]
+    new.restype, new.argtypes = (
+        ctypes.py_object,
+        [ctypes.c_char_p, ctypes.py_object, ctypes.c_void_p],
+    )
     return new
 
 

@@ -1,4 +1,5 @@
-"""LLVM text of what a checked call of a kernel looks at: quaternions that come in, and all numbers that come out."""
+"""LLVM text of what a checked call of a kernel looks at: quaternions that come in, and all numbers
+that come out."""
 
 from __future__ import annotations
 
@@ -11,11 +12,13 @@ from freebody.targets.sound import UNIT
 _COUNT, _BYTES = 16, 32  # offsets in PyBytesObject of its length and of what is in it
 
 PAIR = "qq"
-"""One of the units as bytes: an input, and the entry of it where four numbers begin that are to be of unit length."""
+"""One of the units as bytes: an input, and the entry of it where four numbers begin that are to be
+of unit length."""
 
 
 def are_unit(real: Real) -> str:
-    """Whether four entries are of unit length, NaN being not, for each pair in `units` (argument, first entry)."""
+    """Whether four entries are of unit length, NaN being not, for each pair in `units` (argument,
+    first entry)."""
     widened = "" if real is DOUBLE else "w"
     lines = [
         "define internal i1 @fast.unit(ptr %units, ptr %data) {",
@@ -112,7 +115,8 @@ done:
 
 
 def checked(outputs: tuple[Argument, ...]) -> list[str]:
-    """If asked for, look whether all entries of the outputs are finite; else let go of them, and go the general way."""
+    """If asked for, look whether all entries of the outputs are finite; else let go of them, and go
+    the general way."""
     lines = [
         "  br i1 %checked, label %check, label %good",
         "check:",
@@ -128,7 +132,11 @@ def checked(outputs: tuple[Argument, ...]) -> list[str]:
         *lines,
         f"  br i1 {fine}, label %good, label %bad",
         "bad:",
-        *(f"  call void @Py_DecRef(ptr %out{k})" for k, argument in enumerate(outputs) if argument.shape),
+        *(
+            f"  call void @Py_DecRef(ptr %out{k})"
+            for k, argument in enumerate(outputs)
+            if argument.shape
+        ),
         "  br label %general",
         "good:",
     ]

@@ -1,4 +1,5 @@
-"""The LLVM text of a kernel's own C function for the interpreter; what it is for is told in `fastcall`."""
+"""The LLVM text of a kernel's own C function for the interpreter; what it is for is told in
+`fastcall`."""
 
 from __future__ import annotations
 
@@ -8,7 +9,14 @@ from freebody.targets.llvm.lanes import DOUBLE, Real
 
 _CONTIGUOUS_ALIGNED = 0x0001 | 0x0100
 _WRITEABLE = 0x0400
-_TYPE, _DATA, _ND, _DIMS, _DESCR, _FLAGS = 8, 16, 24, 32, 56, 64  # offsets in PyObject and PyArrayObject
+_TYPE, _DATA, _ND, _DIMS, _DESCR, _FLAGS = (
+    8,
+    16,
+    24,
+    32,
+    56,
+    64,
+)  # offsets in PyObject and PyArrayObject
 _COUNT, _ITEMS = 16, 24  # offsets in PyTupleObject
 _GENERAL, _HELD, _UNITS = (
     _ITEMS + 8 * k for k in range(3)
@@ -19,9 +27,9 @@ EXPORTS = ("fastcall", "fastcall.checked")
 
 
 def text(program: Program, real: Real) -> str:
-    """LLVM text of `ptr @fastcall(ptr self, ptr args, i64 nargs, ptr kwnames)`, in front of `@kernel`, and of
-    `@fastcall.checked`, which also looks whether the outputs are finite and quaternions of unit length; `self` is the
-    tuple that `fastcall.Definition.function` makes."""
+    """LLVM text of `ptr @fastcall(ptr self, ptr args, i64 nargs, ptr kwnames)`, in front of
+    `@kernel`, and of `@fastcall.checked`, which also looks whether the outputs are finite and
+    quaternions of unit length; `self` is the tuple that `fastcall.Definition.function` makes."""
     inputs, outputs = program.inputs, program.outputs
     arguments = (*inputs, *outputs)
     lines = [
@@ -42,14 +50,20 @@ def text(program: Program, real: Real) -> str:
         _numbers("fast.dims", [1, *(n for a in arguments for n in a.shape)]),
         _numbers(
             "fast.steps",
-            [real.size * a.size for a in arguments] + [s for a in arguments for s in _strides(a, real.size)],
+            [real.size * a.size for a in arguments]
+            + [s for a in arguments for s in _strides(a, real.size)],
         ),
         *(_numbers(f"fast.shape{k}", list(a.shape)) for k, a in enumerate(outputs) if a.shape),
         *(_entry(name, checked) for name, checked in zip(EXPORTS, ("false", "true"), strict=True)),
-        "define internal ptr @fast(ptr %self, ptr %args, i64 %nargs, ptr %kwnames, i1 %checked) noinline {",
+        "define internal ptr @fast(ptr %self, ptr %args, i64 %nargs, ptr %kwnames, i1 %checked) "
+        "noinline {",
         "entry:",
         f"  %data = alloca [{len(arguments)} x ptr], align 16",
-        *(f"  %cell{k} = alloca {real.name}, align 8" for k, a in enumerate(outputs) if not a.shape),
+        *(
+            f"  %cell{k} = alloca {real.name}, align 8"
+            for k, a in enumerate(outputs)
+            if not a.shape
+        ),
         f"  %all = icmp eq i64 %nargs, {len(inputs)}",
         f"  %but.last = icmp eq i64 %nargs, {len(inputs) - 1}",
         "  %right.count = or i1 %all, %but.last",
@@ -63,7 +77,13 @@ def text(program: Program, real: Real) -> str:
         otherwise = f"float{k}" if is_number else "general"
         last = k == len(inputs) - 1
         lines += _look(
-            k, argument, real, f"%args, i64 {k}", _CONTIGUOUS_ALIGNED, otherwise=otherwise, last=last
+            k,
+            argument,
+            real,
+            f"%args, i64 {k}",
+            _CONTIGUOUS_ALIGNED,
+            otherwise=otherwise,
+            last=last,
         )
         lines += _float(k) if is_number else []
     lines += [
@@ -81,7 +101,12 @@ def text(program: Program, real: Real) -> str:
     lines.append(f"  br label %look{len(inputs) + 1}")
     for k, argument in enumerate(outputs, len(inputs) + 1):
         lines += _look(
-            k, argument, real, f"%outs, i64 {k - len(inputs) - 1}", _CONTIGUOUS_ALIGNED | _WRITEABLE, -1
+            k,
+            argument,
+            real,
+            f"%outs, i64 {k - len(inputs) - 1}",
+            _CONTIGUOUS_ALIGNED | _WRITEABLE,
+            -1,
         )
     lines += [
         f"look{len(arguments) + 1}:",
@@ -103,7 +128,8 @@ def text(program: Program, real: Real) -> str:
         "general:",
         f"  %callable.at = getelementptr i8, ptr %self, i64 {_GENERAL}",
         "  %callable = load ptr, ptr %callable.at, align 8",
-        "  %result = call ptr @PyObject_Vectorcall(ptr %callable, ptr %args, i64 %nargs, ptr %kwnames)",
+        "  %result = call ptr @PyObject_Vectorcall(ptr %callable, ptr %args, i64 %nargs, ptr "
+        "%kwnames)",
         "  ret ptr %result",
         "failed:",
         "  ret ptr null",
@@ -139,7 +165,8 @@ def _strides(argument: Argument, step: int) -> list[int]:
 
 
 def _named_out(outputs: int) -> list[str]:
-    """No keyword, or the one that is `out`: its value `%given`, and where the arrays in it stand, `%outs`."""
+    """No keyword, or the one that is `out`: its value `%given`, and where the arrays in it stand,
+    `%outs`."""
     lines = [
         "counted:",
         "  %given.at = getelementptr ptr, ptr %args, i64 %nargs",
@@ -213,10 +240,11 @@ def _look(
     otherwise: str = "general",
     last: bool = False,
 ) -> list[str]:
-    """Argument k, found at `place`: on to the next if it is a plain array of its core shape, else the general way.
+    """Argument k, found at `place`: on to the next if it is a plain array of its core shape, else
+    the general way.
 
-    Its data become entry k + shift of those that the loop takes. otherwise: where what is no array goes. last: whether
-    it is the input that a function may hold.
+    Its data become entry k + shift of those that the loop takes. otherwise: where what is no array
+    goes. last: whether it is the input that a function may hold.
     """
     nd = len(argument.shape)
     lines = [
@@ -260,7 +288,8 @@ def _look(
 
 
 def _float(k: int) -> list[str]:
-    """Input k, which is no array: the double in it if it is a number of Python's, else the general way."""
+    """Input k, which is no array: the double in it if it is a number of Python's, else the general
+    way."""
     return [
         f"float{k}:",
         f"  %is.float{k} = icmp eq ptr %type{k}, @freebody.PyFloat_Type",
@@ -283,7 +312,8 @@ def _field(k: int, name: str, offset: int, kind: str) -> list[str]:
 def _make(k: int, position: int, argument: Argument, real: Real) -> list[str]:
     """Output k: a new array; `position` among all arguments."""
     return [
-        f"  %out{k} = call ptr @freebody.PyArray_New(ptr @freebody.PyArray_Type, i32 {len(argument.shape)}, "
+        f"  %out{k} = call ptr @freebody.PyArray_New(ptr @freebody.PyArray_Type, i32 "
+        f"{len(argument.shape)}, "
         f"ptr @fast.shape{k}, i32 {real.number}, ptr null, ptr null, i32 0, i32 0, ptr null)",
         f"  %made{k} = icmp ne ptr %out{k}, null",
         f"  br i1 %made{k}, label %made.{k}, label %failed",
@@ -307,7 +337,8 @@ def _cell(k: int, position: int, argument: Argument, real: Real) -> list[str]:
 def _scalar(k: int, real: Real) -> list[str]:
     """Output k, one number, as NumPy's object of its type."""
     return [
-        f"  %out{k} = call ptr @freebody.PyArray_Scalar(ptr %cell{k}, ptr @{_descr(real)}, ptr null)",
+        f"  %out{k} = call ptr @freebody.PyArray_Scalar(ptr %cell{k}, ptr @{_descr(real)}, ptr "
+        f"null)",
         f"  %made{k} = icmp ne ptr %out{k}, null",
         f"  br i1 %made{k}, label %made.{k}, label %failed",
         f"made.{k}:",
@@ -321,6 +352,9 @@ def _tuple(count: int) -> list[str]:
         "  %tupled = icmp ne ptr %tuple, null",
         "  br i1 %tupled, label %fill, label %failed",
         "fill:",
-        *(f"  %set{k} = call i32 @PyTuple_SetItem(ptr %tuple, i64 {k}, ptr %out{k})" for k in range(count)),
+        *(
+            f"  %set{k} = call i32 @PyTuple_SetItem(ptr %tuple, i64 {k}, ptr %out{k})"
+            for k in range(count)
+        ),
         "  ret ptr %tuple",
     ]

@@ -15,13 +15,20 @@ from freebody.program.program import Argument
 from freebody.targets.kernel import signature
 from freebody.targets.llvm.lanes import Real
 
-_FROM_FUNC_AND_DATA_AND_SIGNATURE = 31  # position in the table of __ufunc_api.h; part of NumPy's stable ABI
+_FROM_FUNC_AND_DATA_AND_SIGNATURE = (
+    31  # position in the table of __ufunc_api.h; part of NumPy's stable ABI
+)
 _NONE = -1  # PyUFunc_None: no identity
 _OBJ = 88  # offset of `obj` in PyUFuncObject of ufuncobject.h, on 64-bit builds
 
 
 def make_gufunc(
-    address: int, name: str, inputs: Sequence[Argument], outputs: Sequence[Argument], keep: Any, real: Real
+    address: int,
+    name: str,
+    inputs: Sequence[Argument],
+    outputs: Sequence[Argument],
+    keep: Any,
+    real: Real,
 ) -> np.ufunc:
     """The ufunc of a loop over numbers of one type, with fixed core sizes.
 
@@ -51,7 +58,8 @@ def make_gufunc(
 
 
 def _hold(ufunc: np.ufunc, things: tuple[Any, ...]) -> None:
-    """Let a ufunc hold what it points to: in the place where `np.frompyfunc` keeps its callable, or for ever."""
+    """Let a ufunc hold what it points to: in the place where `np.frompyfunc` keeps its callable, or
+    for ever."""
     if _has_place():
         ctypes.c_void_p.from_address(id(ufunc) + _OBJ).value = id(things)
     ctypes.pythonapi.Py_IncRef(ctypes.py_object(things))
@@ -59,15 +67,16 @@ def _hold(ufunc: np.ufunc, things: tuple[Any, ...]) -> None:
 
 @cache
 def _has_place() -> bool:
-    """Whether NumPy's ufuncs have their callable where its headers say; in another layout things are kept for ever."""
+    """Whether NumPy's ufuncs have their callable where its headers say; in another layout things
+    are kept for ever."""
 
     def probe(x: Any) -> Any:
         return x
 
     known = np.frompyfunc(probe, 1, 1)
-    return np.ufunc.__basicsize__ >= _OBJ + ctypes.sizeof(ctypes.c_void_p) and ctypes.c_void_p.from_address(
-        id(known) + _OBJ
-    ).value == id(probe)
+    return np.ufunc.__basicsize__ >= _OBJ + ctypes.sizeof(
+        ctypes.c_void_p
+    ) and ctypes.c_void_p.from_address(id(known) + _OBJ).value == id(probe)
 
 
 def _api(position: int, result: Any, *arguments: Any) -> Any:

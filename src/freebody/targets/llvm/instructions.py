@@ -23,9 +23,12 @@ FUNCTIONS = {
 
 COMPARISONS = ("less", "less_equal", "equal")
 CHOICE = "where by a comparison"
-"""The choice by a comparison that stands in the same function: its truth values, `.c`, choose themselves."""
+"""The choice by a comparison that stands in the same function: its truth values, `.c`, choose
+themselves."""
 
-_FLAG = "{r}.c = fcmp ORDER {v} {a}, {b}\n  {r} = select {mask} {r}.c, {v} {one}, {v} zeroinitializer"
+_FLAG = (
+    "{r}.c = fcmp ORDER {v} {a}, {b}\n  {r} = select {mask} {r}.c, {v} {one}, {v} zeroinitializer"
+)
 
 # the machine's own minimum and maximum give their second operand where one is NaN
 _EXTREMUM = (
@@ -63,11 +66,13 @@ INSTRUCTION = {
     "maximum": _EXTREMUM.replace("ORDER", "ogt"),
     CHOICE: "{r} = select {mask} {a}.c, {v} {b}, {v} {c}",
 } | {name: _call(name) for name in FUNCTIONS}
-"""Only contraction to fused multiply-add is allowed: other fast-math flags break range reduction and NaN."""
+"""Only contraction to fused multiply-add is allowed: other fast-math flags break range reduction
+and NaN."""
 
 
 def instructions(lanes: Lanes) -> dict[str, str]:
-    """The table for such vectors; what is left to say is {0}, the name of the result, and {1}, … of the operands."""
+    """The table for such vectors; what is left to say is {0}, the name of the result, and {1}, … of
+    the operands."""
     words = {"v": lanes.v, "n": lanes.suffix, "mask": lanes.mask, "one": lanes.constant(1.0)}
     places = {"r": "{0}", "a": "{1}", "b": "{2}", "c": "{3}"}
     return {op: text.format(**words, **places) for op, text in INSTRUCTION.items()}

@@ -1,4 +1,5 @@
-"""Arc tangent of a quotient, arc sine and arc cosine, over the whole range of doubles, each within 2 ulp.
+"""Arc tangent of a quotient, arc sine and arc cosine, over the whole range of doubles, each within
+2 ulp.
 
 The polynomials are those of fdlibm; quadrants and signed zeros are those of C's functions.
 """
@@ -48,7 +49,8 @@ _ASIN_Q = (
 
 
 def atan2(b: Block, y: Value, x: Value) -> Value:
-    """The angle of (x, y): the arc tangent of the smaller over the larger, then mirrored into its octant."""
+    """The angle of (x, y): the arc tangent of the smaller over the larger, then mirrored into its
+    octant."""
     infinity = float("inf")
     across, along = b.absolute(y), b.absolute(x)
     steep = across > along
@@ -92,7 +94,8 @@ def acos(b: Block, x: Value) -> Value:
 
 
 def _arc(b: Block, a: Value) -> tuple[Value, Value, Value]:
-    """Of a = |x|: whether a < 1/2, and high + low: asin a there, acos a = 2 asin sqrt((1 - a) / 2) beyond."""
+    """Of a = |x|: whether a < 1/2, and high + low: asin a there, acos a = 2 asin sqrt((1 - a) / 2)
+    beyond."""
     near = a < 0.5
     z = b.where(near, a * a, (1.0 - a) * 0.5)
     root = b.sqrt(z)

@@ -9,7 +9,8 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Real:
-    """A floating-point type: its name in LLVM, in NumPy, its number and code in NumPy's C interface."""
+    """A floating-point type: its name in LLVM, in NumPy, its number and code in NumPy's C
+    interface."""
 
     name: str
     dtype: str
@@ -28,7 +29,8 @@ class Real:
         return f"i{self.bits}"
 
     def constant(self, value: float) -> str:
-        """The number as LLVM reads it exactly: the bits of a double of the same value, for any type."""
+        """The number as LLVM reads it exactly: the bits of a double of the same value, for any
+        type."""
         nearest = struct.unpack(self.code, struct.pack(self.code, value))[0]
         return f"0x{struct.unpack('<Q', struct.pack('<d', nearest))[0]:016X}"
 
@@ -85,7 +87,8 @@ class Lanes:
 
 @dataclass(frozen=True)
 class One(Lanes):
-    """A single number in the place of a vector: what stands in code for machines whose threads are the lanes."""
+    """A single number in the place of a vector: what stands in code for machines whose threads are
+    the lanes."""
 
     width: int = 1
 

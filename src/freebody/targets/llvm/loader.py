@@ -1,4 +1,5 @@
-"""Compiled objects in this process: loaded to be called, and their memory given back when nothing can reach them."""
+"""Compiled objects in this process: loaded to be called, and their memory given back when nothing
+can reach them."""
 
 from __future__ import annotations
 
@@ -15,10 +16,12 @@ from freebody.targets.llvm.machine import CompileError, host, host_machine
 
 
 class Code(int):
-    """A loaded object: its code and data stay as long as this does, so whatever may call it holds this.
+    """A loaded object: its code and data stay as long as this does, so whatever may call it holds
+    this.
 
-    It is an integer without a dict because the garbage collector does not know such objects: of those that it knows, it
-    runs `__del__` before the finalizers of others in the same garbage, which may still call a kernel.
+    It is an integer without a dict because the garbage collector does not know such objects: of
+    those that it knows, it runs `__del__` before the finalizers of others in the same garbage,
+    which may still call a kernel.
     """
 
     __slots__ = ()
@@ -34,10 +37,13 @@ _engines: dict[int, tuple[Any, int]] = {}
 _numbers = itertools.count()
 
 
-def load(code: bytes, exports: Sequence[str], imports: Mapping[str, int]) -> tuple[Code, dict[str, int]]:
+def load(
+    code: bytes, exports: Sequence[str], imports: Mapping[str, int]
+) -> tuple[Code, dict[str, int]]:
     """Load an object: what keeps it, and the addresses of its exported functions.
 
-    imports: addresses of the symbols that it refers to, besides the C functions that every kernel may call.
+    imports: addresses of the symbols that it refers to, besides the C functions that every kernel
+    may call.
 
     Raises:
         CompileError: no object, or one that lacks an export.
@@ -57,7 +63,9 @@ def load(code: bytes, exports: Sequence[str], imports: Mapping[str, int]) -> tup
         try:
             engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         except RuntimeError as problem:
-            raise CompileError(f"LLVM {host().llvm} refused the object of a kernel: {problem}") from None
+            raise CompileError(
+                f"LLVM {host().llvm} refused the object of a kernel: {problem}"
+            ) from None
         engine.finalize_object()
         addresses = {name: engine.get_function_address(name) for name in exports}
     number = next(_numbers)
@@ -69,7 +77,8 @@ def load(code: bytes, exports: Sequence[str], imports: Mapping[str, int]) -> tup
 
 
 def _give_back(code: Code) -> None:
-    """Let LLVM free a code's memory; a forked child leaves alone what it found: its pages are its parent's."""
+    """Let LLVM free a code's memory; a forked child leaves alone what it found: its pages are its
+    parent's."""
     engine, process = _engines.pop(int(code))
     if process == os.getpid():
         exclusive.close(engine)

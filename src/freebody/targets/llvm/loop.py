@@ -1,14 +1,14 @@
 """LLVM text of the gufunc loop: groups of samples in, `@compute` on a tile of slots, groups out.
 
-Results of one round go out after the inputs of the next one have come in, from tiles of their own: the processor
-computes while its stores wait for the memory.
+Results of one round go out after the inputs of the next one have come in, from tiles of their own:
+the processor computes while its stores wait for the memory.
 
-A tile holds one vector of lanes for each slot: lane l of slot j is scalar j of sample l. How an argument gets
-there and back is chosen when the loop begins, see `llvm_tile`.
+A tile holds one vector of lanes for each slot: lane l of slot j is scalar j of sample l. How an
+argument gets there and back is chosen when the loop begins, see `llvm_tile`.
 
-The last group may be short. Its surplus lanes take the addresses of its last sample, on the way in and on the
-way out: the same code runs, the same bits come out, and the last row is written more than once with the same
-values.
+The last group may be short. Its surplus lanes take the addresses of its last sample, on the way in
+and on the way out: the same code runs, the same bits come out, and the last row is written more
+than once with the same values.
 """
 
 from __future__ import annotations
@@ -24,7 +24,12 @@ from freebody.targets.llvm.uniform import one_by_one
 
 
 def gufunc_loop(
-    program: Program, every: Program, machine: Machine, layout: Layout, tiles: int, shared: Layout | None
+    program: Program,
+    every: Program,
+    machine: Machine,
+    layout: Layout,
+    tiles: int,
+    shared: Layout | None,
 ) -> str:
     """`void @kernel(ptr args, ptr dims, ptr steps, ptr data)` and what it calls.
 
@@ -49,8 +54,8 @@ def gufunc_loop(
 
 _LARGEST_ON_STACK = 2**16
 
-# NumPy turns floating-point flags into warnings; NaN in, NaN out is no reason to warn, and surplus lanes set
-# them too
+# NumPy turns floating-point flags into warnings; NaN in, NaN out is no reason to warn, and surplus
+# lanes set them too
 _FLAGS = {
     True: {
         "save": "  %flags = alloca i32, align 4\n  call void @llvm.x86.sse.stmxcsr(ptr %flags)",
@@ -65,8 +70,11 @@ _FLAGS = {
 }
 
 
-def _loop(program: Program, machine: Machine, layout: Layout, tiles: int, shared: Layout | None) -> str:
-    """The uniform numbers, then rounds of `tiles` groups: all in, those of the round before out, `@compute`."""
+def _loop(
+    program: Program, machine: Machine, layout: Layout, tiles: int, shared: Layout | None
+) -> str:
+    """The uniform numbers, then rounds of `tiles` groups: all in, those of the round before out,
+    `@compute`."""
     lanes, width, checks = machine.lanes, machine.width, check_slots(program, layout)
     slots = layout.slots + len(checks)
     arguments = program.inputs + program.outputs
@@ -114,7 +122,9 @@ head:
     outputs = list(enumerate(program.outputs, len(program.inputs)))
     lines += _whole_round(inputs, outputs, lanes, slots, tiles)
     lines += _phase("in", "%i", "%tile", inputs, lanes, slots, tiles, checks)
-    lines.append("in.done:\n  %started = icmp ne i64 %i, 0\n  br i1 %started, label %out, label %out.done")
+    lines.append(
+        "in.done:\n  %started = icmp ne i64 %i, 0\n  br i1 %started, label %out, label %out.done"
+    )
     lines += _phase("out", "%before", "%before.tile", outputs, lanes, slots, tiles, {})
     lines.append(f"""\
 out.done:
@@ -129,7 +139,9 @@ tail:
   br label %head
 end:""")
     shapes = [f"@shape{k} = internal constant {integers(x.shape)}" for k, x in enumerate(arguments)]
-    return "\n".join([*lines, *give_back, _FLAGS[machine.x86]["restore"], "  ret void", "}", *shapes, ""])
+    return "\n".join(
+        [*lines, *give_back, _FLAGS[machine.x86]["restore"], "  ret void", "}", *shapes, ""]
+    )
 
 
 def _whole_round(
@@ -139,7 +151,8 @@ def _whole_round(
     slots: int,
     tiles: int,
 ) -> list[str]:
-    """A round of full groups whose arguments are all rows, and the one before it, with nothing to be decided."""
+    """A round of full groups whose arguments are all rows, and the one before it, with nothing to
+    be decided."""
     lines, all_rows, width = ["choose:"], "%later", lanes.width
     lines.append("  %later = icmp ne i64 %i, 0")
     for k, _ in inputs + outputs:
@@ -164,11 +177,16 @@ def _whole_round(
             for g in range(tiles):
                 at = f"%whole.at{k}.{g}"
                 if g:
-                    lines.append(f"  {at} = getelementptr i8, ptr %whole.at{k}.{g - 1}, i64 %group{k}")
+                    lines.append(
+                        f"  {at} = getelementptr i8, ptr %whole.at{k}.{g - 1}, i64 %group{k}"
+                    )
                 lines.append(
-                    f"  %whole.tile{k}.{g} = getelementptr i8, ptr {tile}, i64 {lanes.size * slots * g}"
+                    f"  %whole.tile{k}.{g} = getelementptr i8, ptr {tile}, i64 "
+                    f"{lanes.size * slots * g}"
                 )
-                lines.append(f"  call void @rows{k}(ptr {at}, ptr %whole.lane{k}, ptr %whole.tile{k}.{g})")
+                lines.append(
+                    f"  call void @rows{k}(ptr {at}, ptr %whole.lane{k}, ptr %whole.tile{k}.{g})"
+                )
     return [*lines, "  br label %run"]
 
 
@@ -182,7 +200,8 @@ def _phase(
     tiles: int,
     checks: Mapping[int, int],
 ) -> list[str]:
-    """Move the groups of the round that begins with sample `start` in or out; afterwards `%in.g` is their number."""
+    """Move the groups of the round that begins with sample `start` in or out; afterwards `%in.g` is
+    their number."""
     before, width = {"in": "choose", "out": "in.done"}[way], lanes.width
     lines = [
         f"{way}:",
@@ -238,7 +257,8 @@ def _workspace(sizes: dict[str, int]) -> tuple[list[str], list[str]]:
 
 
 def _contiguous(k: int, argument: Argument, core: int, size: int) -> list[str]:
-    """Base and step of argument k, and whether the scalars of one sample lie one after the other."""
+    """Base and step of argument k, and whether the scalars of one sample lie one after the
+    other."""
     lines = [
         f"  %pbase{k} = getelementptr ptr, ptr %args, i64 {k}",
         f"  %base{k} = load ptr, ptr %pbase{k}, align 8",
@@ -261,7 +281,8 @@ def _contiguous(k: int, argument: Argument, core: int, size: int) -> list[str]:
 
 
 def _gather(k: int, argument: Argument, first: int, number: int, kind: str) -> list[str]:
-    """Copy uniform argument k to the uniform numbers from `number` on; `first`: of its offsets in their table."""
+    """Copy uniform argument k to the uniform numbers from `number` on; `first`: of its offsets in
+    their table."""
     return [
         f"  %offset{k} = getelementptr i64, ptr %offsets, i64 {first}",
         f"  %uniform{k} = getelementptr {kind}, ptr %uniform, i64 {number}",
@@ -279,13 +300,15 @@ def _prepare(k: int, argument: Argument, first: int, lanes: Lanes) -> list[str]:
         f"  %addressed{k} = or i1 %blocks{k}, %columns{k}",
         f"  %count{k} = select i1 %addressed{k}, i64 {argument.size}, i64 0",
         f"  %offset{k} = getelementptr i64, ptr %offsets, i64 {first}",
-        f"  call void @offsets(ptr %strides{k}, ptr @shape{k}, i64 {len(argument.shape)}, i64 %count{k}, "
+        f"  call void @offsets(ptr %strides{k}, ptr @shape{k}, i64 {len(argument.shape)}, i64 "
+        f"%count{k}, "
         f"ptr %offset{k})",
     ]
 
 
 def _lanes(k: int, width: int, last: str | None) -> list[str]:
-    """Fill the table of lane addresses of argument k; of a short group, lanes beyond the `last` sample repeat it."""
+    """Fill the table of lane addresses of argument k; of a short group, lanes beyond the `last`
+    sample repeat it."""
     lines, tag, table = [], f"{k}.{'s' if last else 'f'}", "%lanes.short" if last else "%lanes"
     for lane in range(width):
         number = str(lane)
@@ -299,8 +322,11 @@ def _lanes(k: int, width: int, last: str | None) -> list[str]:
     return lines
 
 
-def _transfer(k: int, argument: Argument, lanes: Lanes, tiles: int, way: str, check: int | None) -> list[str]:
-    """Move one group of argument k between array and tile; of an input, what was seen of it to the slot `check`."""
+def _transfer(
+    k: int, argument: Argument, lanes: Lanes, tiles: int, way: str, check: int | None
+) -> list[str]:
+    """Move one group of argument k between array and tile; of an input, what was seen of it to the
+    slot `check`."""
     width = lanes.width
     lines = [
         f"  %move{k} = mul i64 %{way}.at, %step{k}",

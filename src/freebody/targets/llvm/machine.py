@@ -57,7 +57,9 @@ class Host:
         """The machine of kernels of `width`, or of the width that suits the CPU."""
         has = self.has
         fma = "fma" in has if self.x86 else True
-        bits = 512 if "avx512f" in has and "avx512dq" in has else 256 if "avx2" in has and fma else 128
+        bits = (
+            512 if "avx512f" in has and "avx512dq" in has else 256 if "avx2" in has and fma else 128
+        )
         return Machine(width or bits // real.bits, fma, self.x86, real)
 
 
@@ -86,7 +88,9 @@ def object_code(text: str, opt: int = 2) -> bytes:
         try:
             module = llvm.parse_assembly(text, context)
         except RuntimeError as problem:
-            raise CompileError(f"LLVM {here.llvm} refused the text of a kernel: {problem}") from None
+            raise CompileError(
+                f"LLVM {here.llvm} refused the text of a kernel: {problem}"
+            ) from None
         with module:
             module.triple, module.data_layout = here.triple, str(machine.target_data)
             return machine.emit_object(module)

@@ -1,4 +1,5 @@
-"""LLVM text that moves rows, the contiguous scalars of each sample, between an array and the tile."""
+"""LLVM text that moves rows, the contiguous scalars of each sample, between an array and the
+tile."""
 
 from __future__ import annotations
 
@@ -9,9 +10,11 @@ from freebody.targets.llvm.turn import gathered, part_of, shuffle, transpose, tu
 
 
 def rows_in(k: int, places: list[int], check: int, lanes: Lanes) -> str:
-    """Rows of input k to `places` of the tile: a loop over whole blocks of `width` columns, then the masked rest.
+    """Rows of input k to `places` of the tile: a loop over whole blocks of `width` columns, then
+    the masked rest.
 
-    To the slot `check` goes a sum of products of its numbers, each in one of them: finite only if all of them are.
+    To the slot `check` goes a sum of products of its numbers, each in one of them: finite only if
+    all of them are.
     """
     size, first, width, v = len(places), places[0] if places else 0, lanes.width, lanes.v
     whole = size - size % width
@@ -20,7 +23,9 @@ def rows_in(k: int, places: list[int], check: int, lanes: Lanes) -> str:
         lines.append("  br label %block\nblock:\n  %j = phi i64 [ 0, %entry ], [ %j.next, %block ]")
         begin = len(lines)
         looked = _load_block(lines, "w", "%j", first, width, "%looked", lanes)
-        lines.insert(begin, f"  %looked = phi {v} [ zeroinitializer, %entry ], [ {looked}, %block ]")
+        lines.insert(
+            begin, f"  %looked = phi {v} [ zeroinitializer, %entry ], [ {looked}, %block ]"
+        )
         lines.append(
             f"  %j.next = add i64 %j, {width}\n  %more = icmp ult i64 %j.next, {whole}\n"
             "  br i1 %more, label %block, label %rest\nrest:"
@@ -35,7 +40,8 @@ def rows_in(k: int, places: list[int], check: int, lanes: Lanes) -> str:
 def _begin_rows(k: int, width: int) -> list[str]:
     """`@rows{k}` as far as the address of each lane's row."""
     lines = [
-        f"define internal void @rows{k}(ptr noalias %at, ptr noalias %lanes, ptr noalias %tile) #0 {{",
+        f"define internal void @rows{k}(ptr noalias %at, ptr noalias %lanes, ptr noalias %tile) #0 "
+        f"{{",
         "entry:",
     ]
     for lane in range(width):
@@ -48,7 +54,8 @@ def _begin_rows(k: int, width: int) -> list[str]:
 def _load_block(
     lines: list[str], tag: str, j: str, first: int, columns: int, looked: str, lanes: Lanes
 ) -> str:
-    """Columns from j on to slots from `first` + j on. Where they fill half a vector at most, it takes two rows.
+    """Columns from j on to slots from `first` + j on. Where they fill half a vector at most, it
+    takes two rows.
 
     The value of what has been looked at, with products of these columns added.
     """
@@ -82,8 +89,11 @@ def _load_block(
     return looked
 
 
-def _load_row(lines: list[str], tag: str, lane: int, j: str, columns: int, several: int, lanes: Lanes) -> str:
-    """The row of one lane in a vector of which `several` make a whole one; a mask keeps it inside the row."""
+def _load_row(
+    lines: list[str], tag: str, lane: int, j: str, columns: int, several: int, lanes: Lanes
+) -> str:
+    """The row of one lane in a vector of which `several` make a whole one; a mask keeps it inside
+    the row."""
     real, width, name = lanes.real, lanes.width // several, f"%{tag}in{lane}"
     v = f"<{width} x {real.name}>"
     lines.append(f"  {name}.p = getelementptr {real.name}, ptr %row{lane}, i64 {j}")
@@ -92,7 +102,8 @@ def _load_row(lines: list[str], tag: str, lane: int, j: str, columns: int, sever
     else:
         mask = ", ".join(f"i1 {int(k < columns)}" for k in range(width))
         lines.append(
-            f"  {name} = call {v} @llvm.masked.load.v{width}f{real.bits}.p0(ptr {name}.p, i32 {real.size}, "
+            f"  {name} = call {v} @llvm.masked.load.v{width}f{real.bits}.p0(ptr {name}.p, i32 "
+            f"{real.size}, "
             f"<{width} x i1> <{mask}>, {v} zeroinitializer)"
         )
     return name
@@ -111,9 +122,11 @@ _PANEL = 4
 
 
 def rows_out(k: int, places: list[int], lanes: Lanes) -> str:
-    """Rows of output k from `places` of the tile, each row's scalars in the order of their addresses.
+    """Rows of output k from `places` of the tile, each row's scalars in the order of their
+    addresses.
 
-    The order matters: where a store crosses into the next cache line, the following one joins it there.
+    The order matters: where a store crosses into the next cache line, the following one joins it
+    there.
     """
     size, width = len(places), lanes.width
     step = _PANEL * width
@@ -131,12 +144,15 @@ def rows_out(k: int, places: list[int], lanes: Lanes) -> str:
             "  br i1 %more, label %panel, label %rest\nrest:"
         )
     for j in range(looped, size, step):
-        lines += _store_panel(f"r{j}.", str(j), [str(place) for place in places[j : j + step]], lanes)
+        lines += _store_panel(
+            f"r{j}.", str(j), [str(place) for place in places[j : j + step]], lanes
+        )
     return "\n".join([*lines, "  ret void", "}", ""])
 
 
 def _store_panel(tag: str, j: str, places: list[str], lanes: Lanes) -> list[str]:
-    """Columns from j on: half the lanes, then the others; of each the blocks of `width`, width / 2, … columns."""
+    """Columns from j on: half the lanes, then the others; of each the blocks of `width`, width / 2,
+    … columns."""
     lines, kind, half = [], lanes.real.name, lanes.width // 2
     part = part_of(lanes.real, lanes.width)
     blocks, first, columns = [], 0, lanes.width
@@ -145,9 +161,13 @@ def _store_panel(tag: str, j: str, places: list[str], lanes: Lanes) -> list[str]
             columns //= 2
         blocks.append((first, columns))
         first += columns
-    whole: dict[int, list[_Entries]] = {}  # of narrow blocks, by their first column: where each lane's row is
+    whole: dict[
+        int, list[_Entries]
+    ] = {}  # of narrow blocks, by their first column: where each lane's row is
     for start in (0, half):
-        rows: list[list[tuple[_Entries, int, int]]] = [[] for _ in range(half)]  # (…, first column, columns)
+        rows: list[list[tuple[_Entries, int, int]]] = [
+            [] for _ in range(half)
+        ]  # (…, first column, columns)
         for first, columns in blocks:
             name, those = f"{tag}{start}.{first}.", places[first : first + columns]
             if 1 < columns <= part and columns < lanes.width:
@@ -165,7 +185,9 @@ def _store_panel(tag: str, j: str, places: list[str], lanes: Lanes) -> list[str]
                 value = entries.taken(lines, f"{at[1:]}.v", columns, lanes.real)
                 lines.append(f"  {at}.j = add i64 {j}, {first}")
                 lines.append(f"  {at} = getelementptr {kind}, ptr %row{lane}, i64 {at}.j")
-                lines.append(f"  store <{columns} x {kind}> {value}, ptr {at}, align {lanes.real.size}")
+                lines.append(
+                    f"  store <{columns} x {kind}> {value}, ptr {at}, align {lanes.real.size}"
+                )
     return lines
 
 
@@ -190,7 +212,8 @@ def _turn_narrow(lines: list[str], tag: str, places: list[str], lanes: Lanes) ->
     columns, width = len(places), lanes.width
     part = part_of(lanes.real, width)
     loaded = [
-        _load_lanes(lines, f"{tag}w{column}", place, 0, width, lanes) for column, place in enumerate(places)
+        _load_lanes(lines, f"{tag}w{column}", place, 0, width, lanes)
+        for column, place in enumerate(places)
     ]
     turned = turn_parts(lines, f"{tag}n", loaded, part, width, lanes.real)
     # of each part its first lanes are in the first vector, …
@@ -201,11 +224,13 @@ def _turn_narrow(lines: list[str], tag: str, places: list[str], lanes: Lanes) ->
     ]
 
 
-def _turn_half(lines: list[str], tag: str, places: list[str], start: int, lanes: Lanes) -> list[str]:
+def _turn_half(
+    lines: list[str], tag: str, places: list[str], start: int, lanes: Lanes
+) -> list[str]:
     """Rows of `width` columns of the lanes from `start` on, half of them.
 
-    Halves of two columns are put side by side, which a load does; what lies in 128 bits is turned, and 128-bit parts
-    gathered.
+    Halves of two columns are put side by side, which a load does; what lies in 128 bits is turned,
+    and 128-bit parts gathered.
     """
     real, width = lanes.real, lanes.width
     half = width // 2
@@ -233,22 +258,31 @@ def _turn_half(lines: list[str], tag: str, places: list[str], start: int, lanes:
     ]
 
 
-def _turn_squares(lines: list[str], tag: str, places: list[str], start: int, lanes: Lanes) -> list[str]:
-    """Rows of fewer columns, a power of two, of the lanes from `start` on, half of them: square by square."""
+def _turn_squares(
+    lines: list[str], tag: str, places: list[str], start: int, lanes: Lanes
+) -> list[str]:
+    """Rows of fewer columns, a power of two, of the lanes from `start` on, half of them: square by
+    square."""
     size, rows = len(places), []
     for first in range(start, start + lanes.width // 2, size):
         square = [
             _load_lanes(lines, f"{tag}s{first}.{column}", place, first, size, lanes)
             for column, place in enumerate(places)
         ]
-        rows += square if size == 1 else transpose(lines, f"{tag}t{first}.", square, size, lanes.real)
+        rows += (
+            square if size == 1 else transpose(lines, f"{tag}t{first}.", square, size, lanes.real)
+        )
     return rows
 
 
-def _load_lanes(lines: list[str], name: str, place: str, start: int, count: int, lanes: Lanes) -> str:
+def _load_lanes(
+    lines: list[str], name: str, place: str, start: int, count: int, lanes: Lanes
+) -> str:
     """`count` lanes of a slot from lane `start` on."""
     kind = lanes.real.name
     lines.append(f"  %{name}.s = getelementptr {lanes.v}, ptr %tile, i64 {place}")
     lines.append(f"  %{name}.p = getelementptr {kind}, ptr %{name}.s, i64 {start}")
-    lines.append(f"  %{name} = load <{count} x {kind}>, ptr %{name}.p, align {lanes.real.size * count}")
+    lines.append(
+        f"  %{name} = load <{count} x {kind}>, ptr %{name}.p, align {lanes.real.size * count}"
+    )
     return f"%{name}"

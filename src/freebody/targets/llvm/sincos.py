@@ -1,12 +1,12 @@
 """LLVM text of a vector sine and cosine.
 
-Cody-Waite reduction to |r| <= pi/4 by multiples of pi/2, then the minimax polynomials of fdlibm's __kernel_sin and
-__kernel_cos: within 2 ulp for |x| <= 1e5. Where the CPU has no fused multiply-add, the reduction subtracts four terms
-of 33 bits whose products with the quadrant are exact. Larger arguments are reduced after Payne and Hanek
-(product with the bits of 2/pi that matter), lane by lane, behind a branch that is rarely taken: within 4 ulp
-for every finite argument, where libm is not. Infinity and NaN give NaN. The sine is computed of |x| and
-signed at the end, so that sin(-0.0) is -0.0. Nothing outside the text is called, so the bits are the same on
-every system.
+Cody-Waite reduction to |r| <= pi/4 by multiples of pi/2, then the minimax polynomials of fdlibm's
+__kernel_sin and __kernel_cos: within 2 ulp for |x| <= 1e5. Where the CPU has no fused multiply-add,
+the reduction subtracts four terms of 33 bits whose products with the quadrant are exact. Larger
+arguments are reduced after Payne and Hanek (product with the bits of 2/pi that matter), lane by
+lane, behind a branch that is rarely taken: within 4 ulp for every finite argument, where libm is
+not. Infinity and NaN give NaN. The sine is computed of |x| and signed at the end, so that sin(-0.0)
+is -0.0. Nothing outside the text is called, so the bits are the same on every system.
 """
 
 from __future__ import annotations
@@ -97,7 +97,8 @@ def reduction() -> str:
 
 
 def sincos(lanes: Lanes, fma: bool) -> str:
-    """`void @sincos.v8f64(ptr x, ptr sine, ptr cosine)`, each a vector of numbers, for all arguments."""
+    """`void @sincos.v8f64(ptr x, ptr sine, ptr cosine)`, each a vector of numbers, for all
+    arguments."""
     code = Code(lanes, fma)
     v = lanes.v
     code.lines.append(f"""\
@@ -107,13 +108,17 @@ define internal void @sincos.{lanes.suffix}(ptr noalias %px0, ptr noalias %psin0
     code.lines.append(_large_lanes(lanes))
     code.polynomials(0, "%r", "%q")
     code.store(0)
-    return "\n".join([*code.lines, "  ret void\n}", f"declare {v} @llvm.fma.{lanes.suffix}({v}, {v}, {v})\n"])
+    return "\n".join(
+        [*code.lines, "  ret void\n}", f"declare {v} @llvm.fma.{lanes.suffix}({v}, {v}, {v})\n"]
+    )
 
 
 def sines(name: str, steps: Sequence[SinCos], lanes: Lanes, fma: bool) -> str:
-    """`void name(ptr tile)`: sines and cosines of slots of the tile, none of which is another's argument.
+    """`void name(ptr tile)`: sines and cosines of slots of the tile, none of which is another's
+    argument.
 
-    One look at all arguments decides between straight code and a call of `@sincos.…` for each: the bits are the same.
+    One look at all arguments decides between straight code and a call of `@sincos.…` for each: the
+    bits are the same.
     """
     code = Code(lanes, fma)
     v, mask, calls = lanes.v, lanes.mask, []
@@ -168,7 +173,8 @@ class Code:
         return last
 
     def reduce(self, k: int) -> None:
-        """From %x: its sign, its absolute value %a, the quadrant in the low bits of %quadrant, and %r, the rest."""
+        """From %x: its sign, its absolute value %a, the quadrant in the low bits of %quadrant, and
+        %r, the rest."""
         v, i, top = self.lanes.v, self.lanes.i, self.lanes.real.bits - 1
         self.lines.append(f"""\
   %x.bits{k} = bitcast {v} %x{k} to {i}
@@ -187,7 +193,8 @@ class Code:
         self.lines.append(f"  %r{k} = fptrunc {wide.lanes.v} %wide.r{k} to {v}")
 
     def subtract(self, a: str, quadrant: str, rest: str, k: int) -> None:
-        """Multiples of pi/2 from a: their number in the low bits of `quadrant`, and what is left."""
+        """Multiples of pi/2 from a: their number in the low bits of `quadrant`, and what is
+        left."""
         series, constant = _SERIES[self.lanes.real], self.lanes.constant
         v, up = self.lanes.v, constant(series.to_integer)
         self.multiply_add(f"%shifted{k}", a, constant(0.6366197723675814), up)
@@ -258,7 +265,8 @@ def _large_lanes(lanes: Lanes) -> str:
             r, q = f"{r}.short", f"{q}.short"
         lines += [
             f"  %slow.r{lane} = insertelement {v} {reduced}, {kind} {r}, i64 {lane}",
-            f"  %slow.q{lane} = insertelement {i} {quadrants}, {lanes.real.integer} {q}, i64 {lane}",
+            f"  %slow.q{lane} = insertelement {i} {quadrants}, {lanes.real.integer} {q}, i64 "
+            f"{lane}",
         ]
         reduced, quadrants = f"%slow.r{lane}", f"%slow.q{lane}"
     lines += [
@@ -268,9 +276,9 @@ def _large_lanes(lanes: Lanes) -> str:
     return "\n".join(lines)
 
 
-# a = m 2^e. Of 2/pi the bits above 2^(2-e) give multiples of 4 quadrants; 192 bits from there times m are a
-# 2/pi modulo 4, with 2 bits of quadrant and 190 of fraction. At least 60 of the upper 126 are left in the
-# worst case.
+# a = m 2^e. Of 2/pi the bits above 2^(2-e) give multiples of 4 quadrants; 192 bits from there times
+# m are a 2/pi modulo 4, with 2 bits of quadrant and 190 of fraction. At least 60 of the upper 126
+# are left in the worst case.
 _REDUCE = f"""\
 @two_over_pi = internal constant [{len(_TWO_OVER_PI) + 1} x i64] [i64 0, {", ".join(f"i64 {w}" for w in _TWO_OVER_PI)}]
 define internal {{ double, i64 }} @reduce(double %a) #0 {{

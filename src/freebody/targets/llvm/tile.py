@@ -2,15 +2,16 @@
 
 There are three ways:
 
-- rows: the scalars of a sample are contiguous. Vectors are loaded along the rows and transposed in registers;
-  a mask keeps the last block of columns inside the row, so that nothing outside the array is touched.
+- rows: the scalars of a sample are contiguous. Vectors are loaded along the rows and transposed in
+  registers; a mask keeps the last block of columns inside the row, so that nothing outside the
+  array is touched.
 - columns: samples are contiguous, so each scalar is one vector load.
 - strided: anything else, one number at a time.
 
 The address of scalar j of the sample in lane l is `at + offsets[j] + lanes[l]`, in bytes.
 
-What brings an input in looks at its numbers too: it leaves a vector in a slot of the argument's own that is finite only
-if all of them are (see `emit`).
+What brings an input in looks at its numbers too: it leaves a vector in a slot of the argument's own
+that is finite only if all of them are (see `emit`).
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ from freebody.targets.llvm.rows import masked_loads, rows_in, rows_out
 
 
 def transfers(program: Program, every: Program, layout: Layout, lanes: Lanes) -> str:
-    """`@places0`, `@rows0`, … for each argument that is not uniform, `@columns_in`, `@strided_out`, … and `@offsets`.
+    """`@places0`, `@rows0`, … for each argument that is not uniform, `@columns_in`, `@strided_out`,
+    … and `@offsets`.
 
     program: whose arguments are numbered. every: what is computed on a tile of `layout`.
     """
@@ -41,13 +43,16 @@ def transfers(program: Program, every: Program, layout: Layout, lanes: Lanes) ->
         first += argument.size
     parts = [f"@places{k} = internal constant {integers(those)}" for k, those in places.items()]
     for k, those in places.items():
-        parts.append(rows_in(k, those, checks[k], lanes) if k in checks else rows_out(k, those, lanes))
+        parts.append(
+            rows_in(k, those, checks[k], lanes) if k in checks else rows_out(k, those, lanes)
+        )
     parts += [write(way, lanes) for write in (_columns, _strided) for way in ("in", "out")]
     return "\n".join([*parts, _OFFSETS, masked_loads(lanes)])
 
 
 def check_slots(program: Program, layout: Layout) -> dict[int, int]:
-    """For each input that is not uniform the slot, behind those of the layout, of what was seen of its numbers."""
+    """For each input that is not uniform the slot, behind those of the layout, of what was seen of
+    its numbers."""
     sampled = [k for k, argument in enumerate(program.inputs) if not argument.uniform]
     return {k: layout.slots + place for place, k in enumerate(sampled)}
 
@@ -70,7 +75,8 @@ def _columns(way: str, lanes: Lanes) -> str:
         if way == "out"
         else (
             f"  %seen = phi {v} [ zeroinitializer, %entry ], [ %seen.next, %loop ]\n",
-            f"  %nothing = fmul contract {v} %x, zeroinitializer\n  %seen.next = fadd contract {v} %seen, %nothing\n",
+            f"  %nothing = fmul contract {v} %x, zeroinitializer\n  %seen.next = fadd contract {v} "
+            f"%seen, %nothing\n",
             f"  store {v} %seen.next, ptr %check, align {lanes.size}\n",
         )
     )
@@ -102,7 +108,9 @@ def _strided(way: str, lanes: Lanes) -> str:
     kind, align = lanes.real.name, lanes.real.size
     source, target = ("%p", "%q") if way == "in" else ("%q", "%p")
     unseen = (
-        f"  store {lanes.v} {lanes.constant(nan)}, ptr %check, align {lanes.size}\n" if way == "in" else ""
+        f"  store {lanes.v} {lanes.constant(nan)}, ptr %check, align {lanes.size}\n"
+        if way == "in"
+        else ""
     )
     return f"""\
 define internal void @strided_{way}({_MOVED}) #0 {{

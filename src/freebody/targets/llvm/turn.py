@@ -1,4 +1,5 @@
-"""LLVM text that transposes squares of registers, by two-operand shuffles that x86 has as one instruction each.
+"""LLVM text that transposes squares of registers, by two-operand shuffles that x86 has as one
+instruction each.
 
 First what lies in 128 bits is turned; then 128-bit parts are gathered.
 """
@@ -15,7 +16,9 @@ def part_of(real: Real, width: int) -> int:
     return min(128 // real.bits, width)
 
 
-def shuffle(lines: list[str], name: str, x: str, y: str, size: int, picks: Sequence[int], real: Real) -> str:
+def shuffle(
+    lines: list[str], name: str, x: str, y: str, size: int, picks: Sequence[int], real: Real
+) -> str:
     """Entries of two vectors of `size`, of x and then of y."""
     v, mask = f"<{size} x {real.name}>", ", ".join(f"i32 {pick}" for pick in picks)
     lines.append(f"  %{name} = shufflevector {v} {x}, {v} {y}, <{len(picks)} x i32> <{mask}>")
@@ -25,8 +28,8 @@ def shuffle(lines: list[str], name: str, x: str, y: str, size: int, picks: Seque
 def transpose(lines: list[str], tag: str, rows: list[str], width: int, real: Real) -> list[str]:
     """The columns of a square of `width` rows.
 
-    Half as many vectors hold two rows of half the width each, side by side: k and k + p with p numbers in 128 bits,
-    for every k without the bit p.
+    Half as many vectors hold two rows of half the width each, side by side: k and k + p with p
+    numbers in 128 bits, for every k without the bit p.
     """
     part, count = part_of(real, width), 0
 
@@ -55,11 +58,15 @@ def gathered(width: int, part: int, odd: int) -> list[int]:
     return [part * p + e for p in range(odd, 2 * width // part, 2) for e in range(part)]
 
 
-def turn_parts(lines: list[str], tag: str, rows: list[str], part: int, width: int, real: Real) -> list[str]:
-    """Transpose what lies in parts of 1, 2 or 4 numbers in so many rows or fewer: interleave neighbours, then pairs."""
+def turn_parts(
+    lines: list[str], tag: str, rows: list[str], part: int, width: int, real: Real
+) -> list[str]:
+    """Transpose what lies in parts of 1, 2 or 4 numbers in so many rows or fewer: interleave
+    neighbours, then pairs."""
 
     def interleaved(x: str, y: str, high: int, of: int) -> str:
-        """Of each part the lower (or higher) half of x and y, `of` entries of one and of the other by turns."""
+        """Of each part the lower (or higher) half of x and y, `of` entries of one and of the other
+        by turns."""
         picks = [
             start + high * part // 2 + k + side * width + e
             for start in range(0, width, part)

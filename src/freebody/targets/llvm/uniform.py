@@ -1,7 +1,7 @@
 """LLVM text that reads uniform inputs, one array after the other, to where kernels look for them.
 
-They are looked at once a call: one more number, behind them and what is computed of them, is 0, or NaN where
-one of them is not finite.
+They are looked at once a call: one more number, behind them and what is computed of them, is 0, or
+NaN where one of them is not finite.
 """
 
 from __future__ import annotations
@@ -121,7 +121,8 @@ done:
 
 
 def one_by_one(program: Program) -> str:
-    """`@kernel`: `@loop` on the whole batch; on one sample after the other where a uniform argument moves after all."""
+    """`@kernel`: `@loop` on the whole batch; on one sample after the other where a uniform argument
+    moves after all."""
     count = len(program.inputs) + len(program.outputs)
     lines = [
         "define void @kernel(ptr %args, ptr %dims, ptr %steps, ptr %data) #0 {",

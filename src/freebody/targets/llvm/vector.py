@@ -1,7 +1,7 @@
 """Vector functions of doubles, written as arithmetic: values with operators that write LLVM text.
 
-Nothing is contracted or reordered, so that a difference that is exact stays exact; `fma` rounds once where the CPU has
-it and twice where it has not, and what is built on it must do with either.
+Nothing is contracted or reordered, so that a difference that is exact stays exact; `fma` rounds
+once where the CPU has it and twice where it has not, and what is built on it must do with either.
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ TO_INTEGER = 6755399441055744.0
 
 
 class Value:
-    """A vector in a block: of reals ("v"), of whole numbers of 64 bits ("i") or of truth values ("mask")."""
+    """A vector in a block: of reals ("v"), of whole numbers of 64 bits ("i") or of truth values
+    ("mask")."""
 
     __slots__ = ("block", "kind", "name")
 
@@ -27,7 +28,9 @@ class Value:
         x, y = self, self.block.lifted(other, self.kind)
         if swapped:
             x, y = y, x
-        return self.block.value(self.kind, f"{operation} {self.block.types[self.kind]} {x.name}, {y.name}")
+        return self.block.value(
+            self.kind, f"{operation} {self.block.types[self.kind]} {x.name}, {y.name}"
+        )
 
     def __add__(self, other: Value | float) -> Value:
         return self._with("fadd" if self.kind == "v" else "add", other)
@@ -162,7 +165,8 @@ class Block:
 
 
 def function(name: str, arity: int, make: Callable[..., Value], lanes: Lanes, fma: bool) -> str:
-    """`name`, a function of vectors as `lanes` has them, that `make(block, *values)` computes in doubles."""
+    """`name`, a function of vectors as `lanes` has them, that `make(block, *values)` computes in
+    doubles."""
     block = Block(replace(lanes, real=DOUBLE), fma)
     given = [Value(block, "v", f"%x{k}") for k in range(arity)]
     if lanes.real is not DOUBLE:

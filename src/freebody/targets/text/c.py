@@ -1,4 +1,5 @@
-"""C99, and C++ templates: no allocation, no dependency but the standard mathematics, arrays that may overlap."""
+"""C99, and C++ templates: no allocation, no dependency but the standard mathematics, arrays that
+may overlap."""
 
 from __future__ import annotations
 
@@ -161,12 +162,16 @@ def _parameters(unit: Unit, words: Words, t: str) -> dict[str, str]:
 
     ins = zip(words.inputs, unit.program.inputs, strict=True)
     outs = zip(words.outputs, unit.program.outputs, strict=True)
-    return {w: declared(w, a, "const ", "") for w, a in ins} | {w: declared(w, a, "", "*") for w, a in outs}
+    return {w: declared(w, a, "const ", "") for w, a in ins} | {
+        w: declared(w, a, "", "*") for w, a in outs
+    }
 
 
 def _prototype(unit: Unit, dialect: _Dialect) -> str:
     words = words_of(unit, RESERVED)
-    return _wrapped(f"{dialect.head}int {words.function}", _parameters(unit, words, dialect.t).values())
+    return _wrapped(
+        f"{dialect.head}int {words.function}", _parameters(unit, words, dialect.t).values()
+    )
 
 
 def _wrapped(name: str, parameters: Collection[str]) -> str:
@@ -194,7 +199,9 @@ def _definitions(unit: Unit, dialect: _Dialect) -> list[str]:
     return made
 
 
-def _part(name: str, piece: Piece, parameters: list[str], dialect: _Dialect, spelling: Spelling) -> str:
+def _part(
+    name: str, piece: Piece, parameters: list[str], dialect: _Dialect, spelling: Spelling
+) -> str:
     t = dialect.t
     return "\n".join(
         [
@@ -217,13 +224,15 @@ def _checks(unit: Unit, words: Words, dialect: _Dialect) -> list[str]:
         for word, a in zip(words.inputs, program.inputs, strict=True)
     ]
     fills = [
-        f"        fill({a.size}, {word});" for word, a in zip(words.outputs, program.outputs, strict=True)
+        f"        fill({a.size}, {word});"
+        for word, a in zip(words.outputs, program.outputs, strict=True)
     ]
     return [f"    if (!({' && '.join(tests) or '1'})) {{", *fills, "        return 1;", "    }"]
 
 
 _USE = (
-    "Matrices are stored row by row. Arrays may overlap. Returns 0; or 1 if an input is NaN or infinite: all outputs",
+    "Matrices are stored row by row. Arrays may overlap. Returns 0; or 1 if an input is NaN or "
+    "infinite: all outputs",
     "are then NaN. Do not compile with -ffast-math, which takes that check away.",
 )
 
@@ -257,7 +266,8 @@ def _emit_cpp(unit: Unit) -> str:
             "",
             *_definitions(unit, _TEMPLATE),
             "}\n",
-            f"using {words_of(unit, RESERVED).function}_detail::{words_of(unit, RESERVED).function};\n",
+            f"using "
+            f"{words_of(unit, RESERVED).function}_detail::{words_of(unit, RESERVED).function};\n",
             "#endif\n",
         ]
     )
@@ -278,7 +288,9 @@ def _package_c(unit: Unit, vectors: Vectors) -> dict[str, str]:
     return {
         f"{word}.h": "\n".join(header),
         f"{word}.c": "\n".join(source),
-        f"{word}_test.c": _self_test(unit, vectors, dialect, f'#include "{word}.h"\n\n#include <math.h>'),
+        f"{word}_test.c": _self_test(
+            unit, vectors, dialect, f'#include "{word}.h"\n\n#include <math.h>'
+        ),
     }
 
 
@@ -313,7 +325,8 @@ def _self_test(unit: Unit, vectors: Vectors, dialect: _Dialect, include: str) ->
         array = f"[{max(argument.size, 1)}]" if argument.shape else ""
         made.append(f"    {t} worst{k} = {spell(0.0)}, found{k}{array};")
         calls += [
-            f"        const {t} d{k} = off_by({argument.size}, {at}found{k}, expected{k}[i], {spell(largest[k])});",
+            f"        const {t} d{k} = off_by({argument.size}, {at}found{k}, expected{k}[i], "
+            f"{spell(largest[k])});",
             f"        worst{k} = d{k} <= worst{k} ? worst{k} : d{k};",
         ]
         verdicts += [
@@ -345,7 +358,8 @@ def _tables(prefix: str, values: tuple, dialect: _Dialect) -> list[str]:
     for k, rows in enumerate(values):
         listed = ",\n".join(f"    {{{row}}}" for row in number_lists(rows, dialect.number))
         made.append(
-            f"static const {dialect.t} {prefix}{k}[{len(rows)}][{max(rows.shape[1], 1)}] = {{\n{listed}\n}};\n"
+            f"static const {dialect.t} {prefix}{k}[{len(rows)}][{max(rows.shape[1], 1)}] = "
+            f"{{\n{listed}\n}};\n"
         )
     return made
 
@@ -356,4 +370,6 @@ C = Language(
     "cc -std=c99 -O2 {name}.c {name}_test.c -lm -o {name}_test && ./{name}_test",
     ("float64", "float32"),
 )
-CPP = Language(_emit_cpp, _package_cpp, "c++ -std=c++11 -O2 {name}_test.cpp -o {name}_test && ./{name}_test")
+CPP = Language(
+    _emit_cpp, _package_cpp, "c++ -std=c++11 -O2 {name}_test.cpp -o {name}_test && ./{name}_test"
+)

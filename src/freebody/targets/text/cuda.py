@@ -48,7 +48,9 @@ def _words(unit: Unit) -> Words:
 def _entries(unit: Unit) -> dict[str, Part]:
     """Entries by name: the function's, numbered where one thread does not compute all outputs."""
     word, made = _words(unit).function, parts(_sampled(unit), unit.dtype)
-    return {word: made[0]} if len(made) == 1 else {f"{word}_part{k}": x for k, x in enumerate(made, 1)}
+    return (
+        {word: made[0]} if len(made) == 1 else {f"{word}_part{k}": x for k, x in enumerate(made, 1)}
+    )
 
 
 def _emit(unit: Unit) -> str:
@@ -59,7 +61,9 @@ def _text(unit: Unit, entries: Mapping[str, Part]) -> str:
     """The entries as PTX, under a head that says how they are started."""
     program, names = unit.program, list(entries)
     text = ptx(emit(entries, unit.dtype))
-    listed = f"the entry {names[0]}" if len(names) == 1 else f"each of the entries {', '.join(names)}"
+    listed = (
+        f"the entry {names[0]}" if len(names) == 1 else f"each of the entries {', '.join(names)}"
+    )
     use = _USE.format(
         started=listed,
         count=3 * len(program.inputs + program.outputs) + 1,

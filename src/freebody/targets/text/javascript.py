@@ -1,4 +1,5 @@
-"""JavaScript over Float64Array: an ES module, or a plain script for a page that is opened as a file."""
+"""JavaScript over Float64Array: an ES module, or a plain script for a page that is opened as a
+file."""
 
 from __future__ import annotations
 
@@ -17,8 +18,9 @@ from freebody.targets.text.statements import Spelling, Words, lines, statements,
 from freebody.targets.text.unit import Unit
 
 LONGEST = 800
-"""Operations of one function. V8 does not optimise one of more than 60 kB of bytecode, and is slower before: a Panda's
-forward dynamics takes 0.5 us in pieces of 800 or less, 1.2 to 1.9 as one function of 2000."""
+"""Operations of one function. V8 does not optimise one of more than 60 kB of bytecode, and is
+slower before: a Panda's forward dynamics takes 0.5 us in pieces of 800 or less, 1.2 to 1.9 as one
+function of 2000."""
 
 RESERVED = word_set(
     """require console given expected names sizes largest allowed worst bad abstract arguments async await
@@ -68,7 +70,10 @@ def _definitions(unit: Unit, export: str = "") -> list[str]:
     else:
         made.append(f"const w = new Float64Array({slots});\n")
         for k, piece in enumerate(pieces):
-            called, used = f"{words.function}_part{k + 1}", piece.arguments([*words.inputs, *words.outputs])
+            called, used = (
+                f"{words.function}_part{k + 1}",
+                piece.arguments([*words.inputs, *words.outputs]),
+            )
             made.append(_part(called, piece, used))
             body.append(f"  {called}({', '.join(used)});")
     outs = zip(words.outputs, unit.program.outputs, strict=True)
@@ -100,8 +105,10 @@ def _checks(unit: Unit, words: Words) -> list[str]:
 
 
 _USE = (
-    "Inputs are arrays of numbers, best Float64Array; matrices are stored row by row. Outputs are Float64Array: given",
-    "as further arguments they are written to, else made; the one output, or the list of them, is returned.",
+    "Inputs are arrays of numbers, best Float64Array; matrices are stored row by row. Outputs are "
+    "Float64Array: given",
+    "as further arguments they are written to, else made; the one output, or the list of them, is "
+    "returned.",
     "An input that is NaN or infinite makes all outputs NaN.",
 )
 
@@ -129,8 +136,13 @@ def _package_module(unit: Unit, vectors: Vectors) -> dict[str, str]:
 def _package_script(unit: Unit, vectors: Vectors) -> dict[str, str]:
     word = words_of(unit, RESERVED).function
     # what a page does with <script src>
-    beginning = f'require("vm").runInThisContext(require("fs").readFileSync("{word}.js", "utf8"));\n'
-    return {f"{word}.js": _emit_script(unit), f"{word}_test.js": _self_test(unit, vectors, beginning)}
+    beginning = (
+        f'require("vm").runInThisContext(require("fs").readFileSync("{word}.js", "utf8"));\n'
+    )
+    return {
+        f"{word}.js": _emit_script(unit),
+        f"{word}_test.js": _self_test(unit, vectors, beginning),
+    }
 
 
 def _self_test(unit: Unit, vectors: Vectors, beginning: str) -> str:
@@ -140,7 +152,10 @@ def _self_test(unit: Unit, vectors: Vectors, beginning: str) -> str:
         for rows in (*vectors.inputs, *vectors.outputs)
     ]
     given, expected = columns[: len(vectors.inputs)], columns[len(vectors.inputs) :]
-    taken = [f"given[{k}][i]" if a.shape else f"given[{k}][i][0]" for k, a in enumerate(unit.program.inputs)]
+    taken = [
+        f"given[{k}][i]" if a.shape else f"given[{k}][i][0]"
+        for k, a in enumerate(unit.program.inputs)
+    ]
     names = ", ".join(f'"{word}"' for word in words.outputs)
     sizes = ", ".join(str(a.size) for a in unit.program.outputs)
     call = f"{words.function}({', '.join(taken)})"

@@ -1,4 +1,5 @@
-"""Julia: a function that writes to arrays it is given, outputs first, as the `!` in its name says."""
+"""Julia: a function that writes to arrays it is given, outputs first, as the `!` in its name
+says."""
 
 from __future__ import annotations
 
@@ -40,7 +41,9 @@ FUNCTIONS = (
         "maximum": "max({a}, {b})",
     }
 )
-_HELPERS = {op: f"{op}_of(x) = {known} ? {op}(x) : oftype(x, NaN)\n" for op, known in _PARTIAL.items()}
+_HELPERS = {
+    op: f"{op}_of(x) = {known} ? {op}(x) : oftype(x, NaN)\n" for op, known in _PARTIAL.items()
+}
 
 RESERVED = (
     word_set(
@@ -92,7 +95,12 @@ def _definitions(unit: Unit) -> list[str]:
             called, used = f"{words.function}_part{k + 1}!", [*piece.arguments(order), "w"]
             loads = [f"    {word} = w[{slot + 1}]" for word, slot in piece.loads]
             stores = [f"    w[{slot + 1}] = {word}" for word, slot in piece.stores]
-            inner = [*loads, *lines(piece.statements, spelling, "    "), *stores, "    return nothing"]
+            inner = [
+                *loads,
+                *lines(piece.statements, spelling, "    "),
+                *stores,
+                "    return nothing",
+            ]
             made.append("\n".join([f"function {called}({', '.join(used)})", *inner, "end\n"]))
             body.append(f"    {called}({', '.join(used)})")
     head = f"function {words.function}!({', '.join(order)})"
@@ -107,11 +115,16 @@ def _checks(unit: Unit, words: Words) -> list[str]:
         for word, a in zip(words.inputs, unit.program.inputs, strict=True)
     ]
     fills = [f"        {word} .= NaN" for word in words.outputs]
-    return [f"    if !({' && '.join(tests)})", *fills, "        return false", "    end"] if tests else []
+    return (
+        [f"    if !({' && '.join(tests)})", *fills, "        return false", "    end"]
+        if tests
+        else []
+    )
 
 
 _USE = (
-    "Called with the arrays that receive the outputs first: vectors, matrices row by row, a scalar as a vector of one.",
+    "Called with the arrays that receive the outputs first: vectors, matrices row by row, a scalar "
+    "as a vector of one.",
     "Returns true; or false if an input is NaN or infinite: all outputs are then NaN.",
 )
 
@@ -132,11 +145,18 @@ def _self_test(unit: Unit, vectors: Vectors) -> str:
         return f"Vector{{{t}}}[{', '.join(f'[{row}]' for row in rows)}]"
 
     named = [f"given{k + 1}" for k in range(len(vectors.inputs))]
-    given = [f"{x}[i]" if a.shape else f"{x}[i][1]" for x, a in zip(named, unit.program.inputs, strict=True)]
+    given = [
+        f"{x}[i]" if a.shape else f"{x}[i][1]"
+        for x, a in zip(named, unit.program.inputs, strict=True)
+    ]
     text = [f'include("{words.function}.jl")', ""]
-    text += [f"{x} = {table(number_lists(v, spell))}" for x, v in zip(named, vectors.inputs, strict=True)]
+    text += [
+        f"{x} = {table(number_lists(v, spell))}" for x, v in zip(named, vectors.inputs, strict=True)
+    ]
     text += ["bad = false"]
-    checks = zip(words.outputs, vectors.outputs, largest_entries(vectors), vectors.tolerances, strict=True)
+    checks = zip(
+        words.outputs, vectors.outputs, largest_entries(vectors), vectors.tolerances, strict=True
+    )
     found = [f"zeros({t}, {a.size})" for a in unit.program.outputs]
     text += [f"results = [({', '.join(found)},) for i in 1:{vectors.count}]"]
     text += [f"for i in 1:{vectors.count}"]
@@ -144,7 +164,8 @@ def _self_test(unit: Unit, vectors: Vectors) -> str:
     for k, (word, rows, largest, tolerance) in enumerate(checks):
         text += [
             f"expected = {table(number_lists(rows, spell))}",
-            f"off = maximum(maximum(abs.(results[i][{k + 1}] .- expected[i]) ./ {spell(largest)}; init = 0.0) "
+            f"off = maximum(maximum(abs.(results[i][{k + 1}] .- expected[i]) ./ {spell(largest)}; "
+            f"init = 0.0) "
             f"for i in 1:{vectors.count})",
             f'println("{word}: off by at most ", off, " of its largest entry; allowed {tolerance:.2g}")',
             f"global bad |= !(off <= {spell(tolerance)})",
@@ -158,5 +179,6 @@ JULIA = Language(
     _package,
     "julia {name}_test.jl",
     ("float64", "float32"),
-    "This text has never been run, since freebody was developed without Julia: run the self-test before use.",
+    "This text has never been run, since freebody was developed without Julia: run the self-test "
+    "before use.",
 )

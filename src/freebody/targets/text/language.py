@@ -16,8 +16,8 @@ from freebody.targets.text.unit import Unit
 
 @dataclass(frozen=True)
 class Vectors:
-    """Samples to test with: for each input and each output an array (samples, size), and for each output how far
-    a result may be off, over the largest entry of that output."""
+    """Samples to test with: for each input and each output an array (samples, size), and for each
+    output how far a result may be off, over the largest entry of that output."""
 
     inputs: tuple[np.ndarray, ...]
     outputs: tuple[np.ndarray, ...]
@@ -33,9 +33,10 @@ class Vectors:
 class Language:
     """A language that programs are written in.
 
-    emit: the whole text of a unit. package: the files of a unit with a self-test over vectors, by name. test: the
-    command that runs the self-test in the files' folder; {name} is the function's word. dtypes: types of number that
-    the text can be made for, the default first. note: what a reader of a package has to know.
+    emit: the whole text of a unit. package: the files of a unit with a self-test over vectors, by
+    name. test: the command that runs the self-test in the files' folder; {name} is the function's
+    word. dtypes: types of number that the text can be made for, the default first. note: what a
+    reader of a package has to know.
     """
 
     emit: Callable[[Unit], str]
@@ -56,8 +57,11 @@ def numbered(*stems: str) -> frozenset[str]:
 
 
 def called(*tables: Mapping[str, str]) -> frozenset[str]:
-    """Words of the functions that templates call or define, which nothing else may then be called."""
-    return frozenset(word for table in tables for text in table.values() for word in _CALLED.findall(text))
+    """Words of the functions that templates call or define, which nothing else may then be
+    called."""
+    return frozenset(
+        word for table in tables for text in table.values() for word in _CALLED.findall(text)
+    )
 
 
 _CALLED = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)(?:\{f\})?\(")
@@ -81,7 +85,8 @@ def single(value: float, suffix: str = "") -> str:
 
 
 def comment_block(unit: Unit, use: Iterable[str], begin: str, line: str, end: str) -> list[str]:
-    """The comment at the head of a text: what is known of the unit, and how it is used in the language."""
+    """The comment at the head of a text: what is known of the unit, and how it is used in the
+    language."""
     known = [*unit.comment, ""] if unit.comment else []
     listed = [f"{line} {text}".rstrip() for text in (*known, *use)]
     return [*([begin] if begin else []), *listed, *([end] if end else [])]
@@ -98,7 +103,8 @@ def helpers(program: Program, known: Mapping[str, str]) -> list[str]:
 
 
 def number_lists(values: np.ndarray, spell: Callable[[float], str]) -> list[str]:
-    """For each sample its numbers, separated by commas; one number stands for none, as C knows no empty array."""
+    """For each sample its numbers, separated by commas; one number stands for none, as C knows no
+    empty array."""
     return [", ".join(map(spell, row)) or spell(0.0) for row in values.tolist()]
 
 

@@ -66,12 +66,16 @@ def _entry(word: str, argument: Argument, position: int) -> str:
     return f"{word}({', '.join(str(int(i) + 1) for i in index)})"
 
 
-_SPELLING = Spelling(FUNCTIONS, number, _entry, _entry, "{word} = {text};", "{word} = {text};", "% {text}")
+_SPELLING = Spelling(
+    FUNCTIONS, number, _entry, _entry, "{word} = {text};", "{word} = {text};", "% {text}"
+)
 
 
 def _sizes(argument: Argument) -> str:
     """Of an array in MATLAB: vectors stand upright."""
-    return ", ".join(map(str, argument.shape if len(argument.shape) > 1 else (*argument.shape, 1, 1)[:2]))
+    return ", ".join(
+        map(str, argument.shape if len(argument.shape) > 1 else (*argument.shape, 1, 1)[:2])
+    )
 
 
 def _emit(unit: Unit) -> str:
@@ -119,12 +123,14 @@ def _self_test(unit: Unit, vectors: Vectors) -> str:
         for k, (rows, argument) in enumerate(zip(vectors.outputs, program.outputs, strict=True)):
             largest = number(largest_entries(vectors)[k])
             text.append(
-                f"worst({k + 1}) = max([worst({k + 1}); abs({found[k]}(:) - {_array(rows[i], argument)}(:)) "
+                f"worst({k + 1}) = max([worst({k + 1}); abs({found[k]}(:) - "
+                f"{_array(rows[i], argument)}(:)) "
                 f"/ {largest}; any(isnan({found[k]}(:))) * 1e300]);"
             )
     for k, (word, tolerance) in enumerate(zip(words.outputs, vectors.tolerances, strict=True)):
         text += [
-            f"fprintf('{word}: off by at most %.2g of its largest entry; allowed {tolerance:.2g}\\n', worst({k + 1}));",
+            f"fprintf('{word}: off by at most %.2g of its largest entry; allowed "
+            f"{tolerance:.2g}\\n', worst({k + 1}));",
             f"bad = bad || ~(worst({k + 1}) <= {number(tolerance)});",
         ]
     text += ["if bad", "  disp('FAILED');", "  exit(1);", "end", "disp('passed');", ""]

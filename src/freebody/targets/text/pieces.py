@@ -11,7 +11,8 @@ from freebody.targets.text.statements import Statement
 
 @dataclass(frozen=True)
 class Piece:
-    """Statements of one function; (word, slot) of what it reads from the workspace before and puts there after."""
+    """Statements of one function; (word, slot) of what it reads from the workspace before and puts
+    there after."""
 
     statements: tuple[Statement, ...]
     loads: tuple[tuple[str, int], ...]
@@ -24,7 +25,8 @@ class Piece:
 
 
 def cut(statements: Sequence[Statement], longest: int) -> tuple[list[Piece], int]:
-    """Pieces of at most about `longest` operations, and how many slots they need; one piece needs none."""
+    """Pieces of at most about `longest` operations, and how many slots they need; one piece needs
+    none."""
     parts = _parts(statements, longest)
     home = {s.word: k for k, part in enumerate(parts) for s in part if not s.writes}
     last = {word: k for k, part in enumerate(parts) for s in part for word in s.reads}

@@ -44,7 +44,9 @@ _CASADI_HELPERS = {
 }
 """NaN that arises on the way stays."""
 _TEST = "python {name}_test.py"
-_OWN = frozenset(("np", "sys", "jax", "numpy", "casadi", "xp", "ca", "batch", "min_of", "max_of", *_IMPORTED))
+_OWN = frozenset(
+    ("np", "sys", "jax", "numpy", "casadi", "xp", "ca", "batch", "min_of", "max_of", *_IMPORTED)
+)
 
 
 def _indexed(word: str, argument: Argument, position: int) -> str:
@@ -55,7 +57,14 @@ def _indexed(word: str, argument: Argument, position: int) -> str:
 
 
 _ARRAYS = Spelling(
-    _FUNCTIONS, number, _indexed, flat, "{word} = {text}", "{word} = {text}", "# {text}", inputs_first=True
+    _FUNCTIONS,
+    number,
+    _indexed,
+    flat,
+    "{word} = {text}",
+    "{word} = {text}",
+    "# {text}",
+    inputs_first=True,
 )
 _SCALARS = Spelling(
     _CASADI,
@@ -160,7 +169,8 @@ def _matrix(argument: Argument, scalars: Sequence[str]) -> str:
 def _package(
     emit: Callable[[Unit], str], prelude: Sequence[str], function: str, unit: Unit, vectors: Vectors
 ) -> dict[str, str]:
-    """Module and self-test; function: what is called with one sample, {name} being the word of the module's own."""
+    """Module and self-test; function: what is called with one sample, {name} being the word of the
+    module's own."""
     words = words_of(unit, _OWN)
     shapes = [a.shape for a in (*unit.program.inputs, *unit.program.outputs)]
     tables = [repr(rows.tolist()) for rows in (*vectors.inputs, *vectors.outputs)]
@@ -187,7 +197,8 @@ def _package(
         f"names, allowed = {list(words.outputs)!r}, {list(vectors.tolerances)!r}",
         "for k, expected in enumerate(EXPECTED):",
         "    got = np.array([x[k] for x in found]).reshape(expected.shape)",
-        "    off = np.abs(got - expected).max(initial=0.0) / (np.abs(expected).max(initial=0.0) or 1.0)",
+        "    off = np.abs(got - expected).max(initial=0.0) / (np.abs(expected).max(initial=0.0) or "
+        "1.0)",
         '    print(f"{names[k]}: off by at most {off:.2g} of its largest entry; allowed {allowed[k]:.2g}")',
         "    bad = bad or not off <= allowed[k]",
         'print("FAILED" if bad else "passed")',
@@ -197,7 +208,9 @@ def _package(
 
 
 NUMPY = Language(
-    partial(_emit_arrays, "numpy"), partial(_package, partial(_emit_arrays, "numpy"), (), "{name}"), _TEST
+    partial(_emit_arrays, "numpy"),
+    partial(_package, partial(_emit_arrays, "numpy"), (), "{name}"),
+    _TEST,
 )
 JAX = Language(
     partial(_emit_arrays, "jax.numpy"),

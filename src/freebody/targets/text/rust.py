@@ -43,7 +43,8 @@ FUNCTIONS = {op: f"{{t}}::{op}({{a}})" for op in _ONE} | {
     "maximum": "max_of({a}, {b})",
 }
 _CHOICE = (
-    "fn NAME(a: {t}, b: {t}) -> {t} {{\n    if TEST || a.is_nan() {{\n        a\n    }} else {{\n        b\n"
+    "fn NAME(a: {t}, b: {t}) -> {t} {{\n    if TEST || a.is_nan() {{\n        a\n    }} else {{\n  "
+    "      b\n"
     "    }}\n}}\n"
 )
 _HELPERS = {
@@ -99,7 +100,12 @@ def _definitions(unit: Unit) -> list[str]:
         for k, piece in enumerate(pieces):
             called, used = f"{words.function}_part{k + 1}", piece.arguments(list(parameters))
             made.append(
-                _part(called, piece, [*(parameters[x] for x in used), f"w: &mut [{t}; {slots}]"], spelling)
+                _part(
+                    called,
+                    piece,
+                    [*(parameters[x] for x in used), f"w: &mut [{t}; {slots}]"],
+                    spelling,
+                )
             )
             body.append(f"    {called}({', '.join([*used, '&mut w'])});")
     head = f"{_ALLOW}\npub fn {words.function}({', '.join(parameters.values())}) -> bool {{"
@@ -136,7 +142,8 @@ def _checks(unit: Unit, words: Words) -> list[str]:
 
 
 _USE = (
-    "Matrices are stored row by row. Returns true; or false if an input is NaN or infinite: all outputs are then NaN.",
+    "Matrices are stored row by row. Returns true; or false if an input is NaN or infinite: all "
+    "outputs are then NaN.",
 )
 
 
@@ -155,12 +162,23 @@ def _self_test(unit: Unit, vectors: Vectors) -> str:
     tables, body = [], []
     for prefix, values in (("GIVEN", vectors.inputs), ("EXPECTED", vectors.outputs)):
         for k, rows in enumerate(values):
-            listed = ",\n".join(f"    [{row if rows.shape[1] else ''}]" for row in number_lists(rows, spell))
-            tables.append(f"const {prefix}{k}: [[{t}; {rows.shape[1]}]; {count}] = [\n{listed},\n];\n")
-    given = [f"&GIVEN{k}[i]" if a.shape else f"GIVEN{k}[i][0]" for k, a in enumerate(program.inputs)]
-    found = [f"&mut found{k}" if a.shape else f"&mut found{k}[0]" for k, a in enumerate(program.outputs)]
+            listed = ",\n".join(
+                f"    [{row if rows.shape[1] else ''}]" for row in number_lists(rows, spell)
+            )
+            tables.append(
+                f"const {prefix}{k}: [[{t}; {rows.shape[1]}]; {count}] = [\n{listed},\n];\n"
+            )
+    given = [
+        f"&GIVEN{k}[i]" if a.shape else f"GIVEN{k}[i][0]" for k, a in enumerate(program.inputs)
+    ]
+    found = [
+        f"&mut found{k}" if a.shape else f"&mut found{k}[0]" for k, a in enumerate(program.outputs)
+    ]
     for k, argument in enumerate(program.outputs):
-        body += [f"    let mut found{k} = [0.0; {argument.size}];", f"    let mut worst{k}: {t} = 0.0;"]
+        body += [
+            f"    let mut found{k} = [0.0; {argument.size}];",
+            f"    let mut worst{k}: {t} = 0.0;",
+        ]
     body += ["    let mut bad = false;", f"    for i in 0..{count} {{"]
     body += [f"        bad |= !{words.function}({', '.join([*given, *found])});"]
     for k, largest in enumerate(largest_entries(vectors)):

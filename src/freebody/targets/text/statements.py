@@ -1,4 +1,5 @@
-"""A program as statements of an infix language: a value that is read once stands where it is read."""
+"""A program as statements of an infix language: a value that is read once stands where it is
+read."""
 
 from __future__ import annotations
 
@@ -13,7 +14,8 @@ from freebody.targets.text.unit import Section, Unit, sections
 
 INFIX = {"add": ("{a} + {b}", 1, 1, 2), "sub": ("{a} - {b}", 1, 1, 2), "mul": ("{a}*{b}", 2, 2, 3)}
 INFIX |= {"div": ("{a}/{b}", 2, 2, 3), "neg": ("-{a}", 1, 2, 0)}
-"""Template, how tightly it binds, and how tightly its operands must. A sum of a sum keeps its brackets: rounding."""
+"""Template, how tightly it binds, and how tightly its operands must. A sum of a sum keeps its
+brackets: rounding."""
 
 _ATOM = 4
 _LONGEST = 56
@@ -24,9 +26,10 @@ _LONGEST = 56
 class Spelling:
     """How a language writes scalars.
 
-    functions: template of every operation that is no sum, product, quotient or negation, with {a}, {b}, {c}.
-    entry, result (word, argument, position): one scalar of an input, of an output, by its position in C order.
-    declare, assign: templates of a statement with {word} and {text}. comment: template of a line with {text}.
+    functions: template of every operation that is no sum, product, quotient or negation, with {a},
+    {b}, {c}. entry, result (word, argument, position): one scalar of an input, of an output, by its
+    position in C order. declare, assign: templates of a statement with {word} and {text}. comment:
+    template of a line with {text}.
     """
 
     functions: Mapping[str, str]
@@ -37,7 +40,8 @@ class Spelling:
     assign: str
     comment: str
     variable: str = "{word}"
-    """How a statement's word is written where it is read: "${word}" in a language that marks its variables."""
+    """How a statement's word is written where it is read: "${word}" in a language that marks its
+    variables."""
     inputs_first: bool = False
     """Whether entries of inputs get a word of their own before they are read."""
 
@@ -60,7 +64,8 @@ class Statement:
 
 @dataclass(frozen=True)
 class Words:
-    """What things are called in the text: the function, its inputs and its outputs in their order."""
+    """What things are called in the text: the function, its inputs and its outputs in their
+    order."""
 
     function: str
     inputs: tuple[str, ...]
@@ -93,7 +98,9 @@ class _Value:
         return self.text if self.binds >= binds else f"({self.text})"
 
 
-def statements(unit: Unit, words: Words, spelling: Spelling, reserved: Collection[str]) -> list[Statement]:
+def statements(
+    unit: Unit, words: Words, spelling: Spelling, reserved: Collection[str]
+) -> list[Statement]:
     """The program, section by section, and last what writes the outputs."""
     return _Writer(unit, words, spelling, reserved).run(sections(unit.program, unit.joints))
 
@@ -128,7 +135,13 @@ class _Writer:
             value = self.values[index]
             self.done.append(
                 Statement(
-                    text, value.text, value.reads, value.arguments | {argument}, 1, "results", writes=True
+                    text,
+                    value.text,
+                    value.reads,
+                    value.arguments | {argument},
+                    1,
+                    "results",
+                    writes=True,
                 )
             )
         return self.done
@@ -141,7 +154,8 @@ class _Writer:
         if op == "input":
             text, argument = self.entries[program.a[index]]
             value = _Value(text, _ATOM, arguments=frozenset([argument]))
-            # an input that is a result is read before any output is written: the two may be one array
+            # an input that is a result is read before any output is written: the two may be one
+            # array
             named = self.spelling.inputs_first or index in self.kept
             return self._named(value, self._input_word(index), section) if named else value
         operands = [self.values[i] for i in program.operands(index)]
@@ -157,7 +171,9 @@ class _Writer:
             frozenset().union(*(v.arguments for v in operands)),
             1 + sum(v.weight for v in operands),
         )
-        return value if self._stays(index, value) else self._named(value, self._word(index), section)
+        return (
+            value if self._stays(index, value) else self._named(value, self._word(index), section)
+        )
 
     def _stays(self, index: int, value: _Value) -> bool:
         """Whether a value is written where it is read: once, in the same section, and short."""
@@ -170,11 +186,14 @@ class _Writer:
         )
 
     def _named(self, value: _Value, word: str, section: str) -> _Value:
-        self.done.append(Statement(word, value.text, value.reads, value.arguments, value.weight, section))
+        self.done.append(
+            Statement(word, value.text, value.reads, value.arguments, value.weight, section)
+        )
         return _Value(self.spelling.variable.format(word=word), _ATOM, frozenset([word]))
 
     def _word(self, index: int) -> str:
-        """sin_q_2 for a sine of an input; what it is in the recursion or the results; else the next of t1, t2, …"""
+        """sin_q_2 for a sine of an input; what it is in the recursion or the results; else the next
+        of t1, t2, …"""
         op, operand = self.program.op[index], self.program.a[index]
         if op in ("sin", "cos") and self.program.op[operand] == "input":
             return self._fresh(f"{op}_{self._input_word(operand, fresh=False)}")

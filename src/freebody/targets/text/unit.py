@@ -15,7 +15,8 @@ _REMARK = re.compile(r"[A-Za-z0-9_ .,:;()\[\]/^+<>=-]*")
 
 @dataclass(frozen=True)
 class Joints:
-    """Which joint each scalar of all inputs, and of all outputs, belongs to (-1: none), and the joints in words."""
+    """Which joint each scalar of all inputs, and of all outputs, belongs to (-1: none), and the
+    joints in words."""
 
     of_inputs: tuple[int, ...]
     of_outputs: tuple[int, ...]
@@ -26,10 +27,10 @@ class Joints:
 class Unit:
     """A program that becomes text.
 
-    name: the function's. comment: lines that stand at the head of the text. joints: where they are known, the text has
-    a section for each. dtype: "float64" or "float32". marks: words for nodes, by which their values are called.
-    Raises ProgramError for a program that is not valid, and for a name or remark that could be taken for code: what is
-    written holds none.
+    name: the function's. comment: lines that stand at the head of the text. joints: where they are
+    known, the text has a section for each. dtype: "float64" or "float32". marks: words for nodes,
+    by which their values are called. Raises ProgramError for a program that is not valid, and for a
+    name or remark that could be taken for code: what is written holds none.
     """
 
     program: Program
@@ -47,10 +48,14 @@ class Unit:
             )
         for word in self.marks.values():
             if not is_identifier(word):
-                raise ProgramError(f"the name {word!r} of a value is no word of letters a-z, digits and _.")
+                raise ProgramError(
+                    f"the name {word!r} of a value is no word of letters a-z, digits and _."
+                )
         for remark in (*self.comment, *(self.joints.words if self.joints else ())):
             if not _REMARK.fullmatch(remark):
-                raise ProgramError(f"the remark {remark!r} has characters that no comment may hold.")
+                raise ProgramError(
+                    f"the remark {remark!r} has characters that no comment may hold."
+                )
 
 
 @dataclass(frozen=True)
@@ -62,8 +67,9 @@ class Section:
 
 
 def sections(program: Program, joints: Joints | None) -> list[Section]:
-    """The program's operations by joint: outward, what depends on joints up to one; then inward, what only results
-    of joints up to one depend on. That is the order of a recursion, read from the graph."""
+    """The program's operations by joint: outward, what depends on joints up to one; then inward,
+    what only results of joints up to one depend on. That is the order of a recursion, read from the
+    graph."""
     nodes = range(len(program))
     if joints is None:
         return [Section("", tuple(nodes))]
@@ -71,12 +77,14 @@ def sections(program: Program, joints: Joints | None) -> list[Section]:
     depends, serves = _reach(program, joints)
     rank = [(0, depends[i]) if depends[i] < last else (1, -serves[i]) for i in nodes]
     return [
-        Section(_title(joints, *key), tuple(i for i in nodes if rank[i] == key)) for key in sorted(set(rank))
+        Section(_title(joints, *key), tuple(i for i in nodes if rank[i] == key))
+        for key in sorted(set(rank))
     ]
 
 
 def _reach(program: Program, joints: Joints) -> tuple[list[int], list[int]]:
-    """For each node the last joint that it depends on, and the last joint whose results depend on it."""
+    """For each node the last joint that it depends on, and the last joint whose results depend on
+    it."""
     depends = [-1] * len(program)
     for index, op in enumerate(program.op):
         if op == "input":

@@ -14,11 +14,15 @@ SHORT = 64
 Shape = tuple[int, ...]
 
 
-def arranged(arrays: Sequence[Any], shapes: Sequence[Shape]) -> tuple[tuple[int, int], list[Any], list[bool]]:
-    """Sizes of the two axes, the arrays (outer, inner, *core), and whether each varies along the inner one.
+def arranged(
+    arrays: Sequence[Any], shapes: Sequence[Shape]
+) -> tuple[tuple[int, int], list[Any], list[bool]]:
+    """Sizes of the two axes, the arrays (outer, inner, *core), and whether each varies along the
+    inner one.
 
-    shapes: of the leading axes, equally many of each array, which broadcast. Each of the two sizes of an array is 1 or
-    that of the batch; an array is copied only where it varies along some of the axes that become one, but not all.
+    shapes: of the leading axes, equally many of each array, which broadcast. Each of the two sizes
+    of an array is 1 or that of the batch; an array is copied only where it varies along some of the
+    axes that become one, but not all.
     """
     whole = np.broadcast_shapes(*shapes)
     groups = _alike(whole, shapes)

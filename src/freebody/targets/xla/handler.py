@@ -1,8 +1,9 @@
-"""LLVM text of the function that XLA calls: it takes a call frame apart, and has a kernel's loop run.
+"""LLVM text of the function that XLA calls: it takes a call frame apart, and has a kernel's loop
+run.
 
-Buffers come as (outer, inner, *core), each of the two leading sizes 1 or that of the outputs; where it is 1, the one
-value serves all. A call of the loop takes entries of the inner axis, so that what is uniform there may change along the
-outer one.
+Buffers come as (outer, inner, *core), each of the two leading sizes 1 or that of the outputs; where
+it is 1, the one value serves all. A call of the loop takes entries of the inner axis, so that what
+is uniform there may change along the outer one.
 """
 
 from __future__ import annotations
@@ -20,11 +21,14 @@ _REFUSED = "freebody: a call that is laid out in another way than the interface'
 _NUMBER = {"float64": NUMBERS["XLA_FFI_DataType_F64"], "float32": NUMBERS["XLA_FFI_DataType_F32"]}
 
 
-def text(program: Program, real: Real, loop: int, x86: bool, version: tuple[int, int], each: int) -> str:
+def text(
+    program: Program, real: Real, loop: int, x86: bool, version: tuple[int, int], each: int
+) -> str:
     """`ptr @xla(ptr frame)`: null, or XLA's error.
 
-    loop: address of `void loop(ptr args, ptr dims, ptr steps, ptr data)` of the program's kernel, for any batch.
-    version: of the interface, which XLA asks for. each: samples that a thread is woken for.
+    loop: address of `void loop(ptr args, ptr dims, ptr steps, ptr data)` of the program's kernel,
+    for any batch. version: of the interface, which XLA asks for. each: samples that a thread is
+    woken for.
     """
     arguments = (*program.inputs, *program.outputs)
     lines = Lines(["define ptr @xla(ptr %frame) {", "entry:"])
@@ -44,7 +48,9 @@ def _asked(lines: Lines, version: tuple[int, int]) -> None:
     frame, about = OFFSETS["XLA_FFI_CallFrame"], OFFSETS["XLA_FFI_Api_Version"]
     start = OFFSETS["XLA_FFI_Metadata"]["api_version"]
     extension = lines.field("extension", "ptr", "%frame", frame["extension_start"])
-    lines.append(f"  %plain = icmp eq ptr {extension}, null\n  br i1 %plain, label %work, label %extended")
+    lines.append(
+        f"  %plain = icmp eq ptr {extension}, null\n  br i1 %plain, label %work, label %extended"
+    )
     lines.append("extended:")
     kind = lines.field("kind", "i32", extension, OFFSETS["XLA_FFI_Extension_Base"]["type"])
     asks = lines.equal("asks", "i32", kind, NUMBERS["XLA_FFI_Extension_Metadata"])
@@ -59,13 +65,16 @@ def _asked(lines: Lines, version: tuple[int, int]) -> None:
 
 
 def _counted(lines: Lines, program: Program) -> None:
-    """Whether the frame is of the known layout and has as many buffers as the program; then the lists of them."""
+    """Whether the frame is of the known layout and has as many buffers as the program; then the
+    lists of them."""
     frame, right = OFFSETS["XLA_FFI_CallFrame"], []
     for part, kind, wanted in (
         ("args", "XLA_FFI_Args", len(program.inputs)),
         ("rets", "XLA_FFI_Rets", len(program.outputs)),
     ):
-        size = lines.field(f"{part}.bytes", "i64", "%frame", frame[part] + OFFSETS[kind]["struct_size"])
+        size = lines.field(
+            f"{part}.bytes", "i64", "%frame", frame[part] + OFFSETS[kind]["struct_size"]
+        )
         right.append(lines.equal(f"{part}.known", "i64", size, SIZES[kind]))
         count = lines.field(f"{part}.count", "i64", "%frame", frame[part] + OFFSETS[kind]["size"])
         right.append(lines.equal(f"{part}.right", "i64", count, wanted))
@@ -91,14 +100,18 @@ def _right(lines: Lines, k: int, argument: Argument, real: Real) -> str:
 
 
 def _sizes(lines: Lines, arguments: tuple[Argument, ...], inputs: int, real: Real) -> None:
-    """Where the buffers are, bytes between samples along both axes, and how many there are; then all is computed."""
+    """Where the buffers are, bytes between samples along both axes, and how many there are; then
+    all is computed."""
     buffer, count = OFFSETS["XLA_FFI_Buffer"], len(arguments)
     lines.append(f"  %work.new = call ptr @malloc(i64 {size_of(count)})")
     for k, argument in enumerate(arguments):
         size = real.size * argument.size
         base = lines.field(f"base{k}", "ptr", f"%buffer{k}", buffer["data"])
         sizes = lines.field(f"sizes{k}", "ptr", f"%buffer{k}", buffer["dims"])
-        outer, inner = lines.field(f"outer{k}", "i64", sizes, 0), lines.field(f"inner{k}", "i64", sizes, 8)
+        outer, inner = (
+            lines.field(f"outer{k}", "i64", sizes, 0),
+            lines.field(f"inner{k}", "i64", sizes, 8),
+        )
         lines += [
             f"  %one.inner{k} = icmp eq i64 {inner}, 1",
             f"  %step{k} = select i1 %one.inner{k}, i64 0, i64 {size}",
@@ -110,7 +123,8 @@ def _sizes(lines: Lines, arguments: tuple[Argument, ...], inputs: int, real: Rea
         lines.put("i64", f"%step{k}", "%work.new", BASES + 8 * (count + k))
         lines.put("i64", f"%shift{k}", "%work.new", BASES + 8 * (2 * count + k))
     lines.append(
-        f"  call void @share(ptr %frame, ptr %work.new, i64 %outer{inputs}, i64 %inner{inputs})\n  ret ptr null"
+        f"  call void @share(ptr %frame, ptr %work.new, i64 %outer{inputs}, i64 %inner{inputs})\n  "
+        f"ret ptr null"
     )
 
 

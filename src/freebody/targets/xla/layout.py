@@ -1,7 +1,8 @@
-"""XLA's C interface to functions of other people, as its header `xla/ffi/api/c_api.h` says it: offsets in bytes.
+"""XLA's C interface to functions of other people, as its header `xla/ffi/api/c_api.h` says it:
+offsets in bytes.
 
-A major version may move what is here; a minor one adds fields behind those that were there before. On machines with
-pointers of 64 bits. The tests compile the header and compare.
+A major version may move what is here; a minor one adds fields behind those that were there before.
+On machines with pointers of 64 bits. The tests compile the header and compare.
 """
 
 from __future__ import annotations
@@ -14,21 +15,38 @@ MAJOR = 0
 """Version of the interface that the offsets are of."""
 
 OFFSETS = {
-    "XLA_FFI_CallFrame": {"extension_start": 8, "api": 16, "ctx": 24, "stage": 32, "args": 40, "rets": 80},
+    "XLA_FFI_CallFrame": {
+        "extension_start": 8,
+        "api": 16,
+        "ctx": 24,
+        "stage": 32,
+        "args": 40,
+        "rets": 80,
+    },
     "XLA_FFI_Args": {"struct_size": 0, "size": 16, "args": 32},
     "XLA_FFI_Rets": {"struct_size": 0, "size": 16, "rets": 32},
     "XLA_FFI_Buffer": {"dtype": 16, "data": 24, "rank": 32, "dims": 40},
     "XLA_FFI_Extension_Base": {"type": 8},
     "XLA_FFI_Metadata_Extension": {"metadata": 24},
     "XLA_FFI_Metadata": {"api_version": 8, "traits": 32},
-    "XLA_FFI_Api_Version": {"struct_size": 0, "extension_start": 8, "major_version": 16, "minor_version": 20},
+    "XLA_FFI_Api_Version": {
+        "struct_size": 0,
+        "extension_start": 8,
+        "major_version": 16,
+        "minor_version": 20,
+    },
     "XLA_FFI_Api": {
         "XLA_FFI_Error_Create": 48,
         "XLA_FFI_Error_Destroy": 64,
         "XLA_FFI_ThreadPool_Schedule": 136,
         "XLA_FFI_ThreadPool_NumThreads": 144,
     },
-    "XLA_FFI_Error_Create_Args": {"struct_size": 0, "extension_start": 8, "message": 16, "errc": 24},
+    "XLA_FFI_Error_Create_Args": {
+        "struct_size": 0,
+        "extension_start": 8,
+        "message": 16,
+        "errc": 24,
+    },
     "XLA_FFI_Error_Destroy_Args": {"struct_size": 0, "extension_start": 8, "error": 16},
     "XLA_FFI_ThreadPool_Schedule_Args": {
         "struct_size": 0,
@@ -54,7 +72,8 @@ SIZES = {
     "XLA_FFI_ThreadPool_Schedule_Args": 40,
     "XLA_FFI_ThreadPool_NumThreads_Args": 32,
 }
-"""What `struct_size` says. Were one of the first two larger, what lies behind it would have moved."""
+"""What `struct_size` says. Were one of the first two larger, what lies behind it would have
+moved."""
 
 NUMBERS = {
     "XLA_FFI_Extension_Metadata": 1,
@@ -66,12 +85,18 @@ NUMBERS = {
 
 
 def version(folder: str) -> tuple[int, int] | None:
-    """The version of the interface whose header is below a folder; None where there is none to be found."""
+    """The version of the interface whose header is below a folder; None where there is none to be
+    found."""
     try:
-        text = Path(folder, "xla", "ffi", "api", "c_api.h").read_text(encoding="utf-8", errors="replace")
+        text = Path(folder, "xla", "ffi", "api", "c_api.h").read_text(
+            encoding="utf-8", errors="replace"
+        )
     except OSError:
         return None
-    found = [re.search(rf"#define\s+XLA_FFI_API_{part}\s+(\d{{1,6}})\b", text) for part in ("MAJOR", "MINOR")]
+    found = [
+        re.search(rf"#define\s+XLA_FFI_API_{part}\s+(\d{{1,6}})\b", text)
+        for part in ("MAJOR", "MINOR")
+    ]
     if not all(found):
         return None
     major, minor = (int(match.group(1)) for match in found if match)

@@ -1,7 +1,8 @@
-"""A program as an operation of JAX: machine code that XLA calls on the CPU, else a call of Python's.
+"""A program as an operation of JAX: machine code that XLA calls on the CPU, else a call of
+Python's.
 
-What XLA has been given is never freed, so that a program of XLA's may outlive all that freebody knows of it; equal
-kernels are given once.
+What XLA has been given is never freed, so that a program of XLA's may outlive all that freebody
+knows of it; equal kernels are given once.
 """
 
 from __future__ import annotations
@@ -27,7 +28,8 @@ _given: dict[str, tuple[Any, ...]] = {}
 
 
 class Way(NamedTuple):
-    """How kernels are made: target and width of `compile_program`, the latter for numbers of this type."""
+    """How kernels are made: target and width of `compile_program`, the latter for numbers of this
+    type."""
 
     target: str | None = None
     width: int | None = None
@@ -63,8 +65,8 @@ def interface() -> Interface:
 
 
 def operation(program: Program, way: Way) -> Callable[..., Arrays]:
-    """A function of JAX's arrays (*batch, *core), of one floating-point type and with equally many leading axes, which
-    broadcast: the outputs (*batch, *core).
+    """A function of JAX's arrays (*batch, *core), of one floating-point type and with equally many
+    leading axes, which broadcast: the outputs (*batch, *core).
 
     It is mapped by `vmap` without copies of what is shared, and has no derivatives.
     """
@@ -101,10 +103,13 @@ def operation(program: Program, way: Way) -> Callable[..., Arrays]:
 
 
 def _applied(kernel: Kernel, arrays: Sequence[Any], batch: tuple[int, int]) -> Arrays:
-    """The outputs (*batch, *core) of inputs (outer, inner, *core), each leading size 1 or that of the batch."""
+    """The outputs (*batch, *core) of inputs (outer, inner, *core), each leading size 1 or that of
+    the batch."""
     import jax
 
-    shapes = tuple(jax.ShapeDtypeStruct((*batch, *x.shape), kernel.dtype) for x in kernel.program.outputs)
+    shapes = tuple(
+        jax.ShapeDtypeStruct((*batch, *x.shape), kernel.dtype) for x in kernel.program.outputs
+    )
 
     def by_python(*arrays: Any) -> Arrays:
         return jax.pure_callback(called, shapes, *arrays, vmap_method="sequential")
@@ -136,7 +141,8 @@ def _name(kernel: Kernel, version: tuple[int, int]) -> str:
     from freebody.targets.xla.handler import text
 
     assert kernel.loop is not None
-    # JAX keeps names with programs on disk, which another process runs: so all that the code depends on is in it
+    # JAX keeps names with programs on disk, which another process runs: so all that the code
+    # depends on is in it
     name = f"freebody_{version[0]}_{version[1]}_{kernel.loop.content}"
     with locks.KERNELS:
         if name not in _given:

@@ -1,8 +1,8 @@
 """LLVM text that runs a kernel's loop over a batch, shared with the threads that XLA has.
 
-The batch is cut into parts that whoever comes next takes, the caller among them; a thread that comes late finds nothing
-left, and what it looks at lives until the last one has let go of it. So nobody waits for a thread that has not begun. A
-sample's numbers do not depend on the cut.
+The batch is cut into parts that whoever comes next takes, the caller among them; a thread that
+comes late finds nothing left, and what it looks at lives until the last one has let go of it. So
+nobody waits for a thread that has not begun. A sample's numbers do not depend on the cut.
 """
 
 from __future__ import annotations
@@ -14,14 +14,17 @@ from freebody.targets.xla.layout import OFFSETS, SIZES
 from freebody.targets.xla.lines import Lines
 
 _NEXT, _LEFT, _HOLDERS, _PARTS, _IN_ROW, _SIZE, _INNER = range(0, 56, 8)
-"""Offsets in the record of a call's work: the next part, those that are not done, who holds the record; how many parts
-there are, how many of them in a row of the outer axis, samples of one; samples in a row."""
+"""Offsets in the record of a call's work: the next part, those that are not done, who holds the
+record; how many parts there are, how many of them in a row of the outer axis, samples of one;
+samples in a row."""
 
 BASES = 56
 """Then addresses of all arguments, bytes from sample to sample, and from row to row."""
 
 _NUMBER, _SCHEDULE = "XLA_FFI_ThreadPool_NumThreads_Args", "XLA_FFI_ThreadPool_Schedule_Args"
-_MODES = 0x1F80  # of SSE: no traps, to nearest, tiny numbers as they are, which XLA makes zero elsewhere
+_MODES = (
+    0x1F80  # of SSE: no traps, to nearest, tiny numbers as they are, which XLA makes zero elsewhere
+)
 
 
 def size_of(arguments: int) -> int:
@@ -30,7 +33,8 @@ def size_of(arguments: int) -> int:
 
 
 def sharing(arguments: tuple[Argument, ...], real: Real, loop: int, x86: bool, each: int) -> str:
-    """`void @share(ptr frame, ptr work, i64 outer, i64 inner)`, which frees the record of the work when all is done.
+    """`void @share(ptr frame, ptr work, i64 outer, i64 inner)`, which frees the record of the work
+    when all is done.
 
     loop: address of the kernel's loop. each: samples that a thread is woken for.
     """
@@ -64,7 +68,8 @@ declare void @free(ptr)""",
 
 
 def _share(each: int, x86: bool) -> str:
-    """Cut the batch, ask for threads where it is worth it, do what nobody else does, and wait for those at work."""
+    """Cut the batch, ask for threads where it is worth it, do what nobody else does, and wait for
+    those at work."""
     lines = Lines(
         [
             "define internal void @share(ptr %frame, ptr %work, i64 %outer, i64 %inner) {",
@@ -121,7 +126,8 @@ def _ask(lines: Lines) -> None:
 
 
 def _cut(lines: Lines) -> None:
-    """Into two parts a thread, so that one that is slow keeps the others less; of one thread a row is a part."""
+    """Into two parts a thread, so that one that is slow keeps the others less; of one thread a row
+    is a part."""
     lines += [
         "cut:",
         "  %threads.found = load i64, ptr %found, align 8",
