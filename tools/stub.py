@@ -23,7 +23,7 @@ def stub() -> str:
             line = f"from {place} import {name} as {name}"
             lines += (
                 [line]
-                if len(line) <= 110
+                if len(line) <= 100
                 else [f"from {place} import (", f"    {name} as {name},", ")"]
             )
     return "\n".join([*lines, "", "__version__: str", ""])
