@@ -335,7 +335,10 @@ def cpu() -> str:
     info = Path("/proc/cpuinfo")
     lines = info.read_text().splitlines() if info.exists() else []
     names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return f"{names[0] if names else platform.processor() or platform.machine()}, {os.cpu_count()} cores"
+    return (
+        f"{names[0] if names else platform.processor() or platform.machine()}, "
+        f"{os.cpu_count()} cores"
+    )
 
 
 def vector_width() -> str:
@@ -379,7 +382,8 @@ def table(
     robot: str, entries: list[Entry], times: list[np.ndarray], errors: list[float | None]
 ) -> None:
     print(
-        f"\n{robot:<30}{'':40}{'ns a sample':>12}{'min .. max':>20}{'freebody is':>14}{'difference':>13}"
+        "\n"
+        f"{robot:<30}{'':40}{'ns a sample':>12}{'min .. max':>20}{'freebody is':>14}{'difference':>13}"
     )
     for task in dict.fromkeys(e.task for e in entries):
         rows = [i for i, e in enumerate(entries) if e.task == task]

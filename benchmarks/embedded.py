@@ -18,7 +18,10 @@ from pathlib import Path
 import freebody as fb
 from compare import robots_folder
 
-GCC = "arm-none-eabi-gcc -std=c99 -Os -mthumb -mfloat-abi=hard -fstack-usage -Wall -Wextra -Wconversion -Werror"
+GCC = (
+    "arm-none-eabi-gcc -std=c99 -Os -mthumb -mfloat-abi=hard -fstack-usage -Wall -Wextra "
+    "-Wconversion -Werror"
+)
 MACHINES = {
     "Cortex-M4F, float": ("float32", "-mcpu=cortex-m4 -mfpu=fpv4-sp-d16 -Wdouble-promotion"),
     "Cortex-M7, double": ("float64", "-mcpu=cortex-m7 -mfpu=fpv5-d16"),

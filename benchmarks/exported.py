@@ -72,7 +72,8 @@ def model_in_cpp(model: fb.Model) -> str:
             else f"JointModel{long}Unaligned{axis}"
         )
         lines.append(
-            f'R << {R}; p << {p}; id = model.addJoint({body.parent + 1}, {joint}, SE3(R, p), "j{k}");'
+            f"R << {R}; p << {p}; id = model.addJoint({body.parent + 1}, {joint}, SE3(R, p), "
+            f'"j{k}");'
         )
         for mass in body.masses:
             c = ", ".join(repr(float(x)) for x in mass.c)
@@ -189,7 +190,8 @@ def compare(robot: str, task: str, rounds: int, eigen: str) -> None:
             ["gcc", "-std=c99", *quick, "-c", "c/f.c", "-o", "f.o"], cwd=folder, check=True
         )
         subprocess.run(
-            ["g++", "-std=c++17", *quick, "-w", "-DNDEBUG", *BOOST, "-isystem", include, "-isystem", eigen, "-Ic",
+            ["g++", "-std=c++17", *quick, "-w", "-DNDEBUG", *BOOST, "-isystem", include, "-isystem",
+             eigen, "-Ic",
              "run.cpp", "f.o", "-lm", "-o", "run"],
             cwd=folder, check=True,
         )  # fmt: skip

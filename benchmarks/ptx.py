@@ -125,7 +125,10 @@ def figures(model: fb.Model, quantity: str, dtype: str) -> tuple[str, ...]:
     )
 
 
-HEAD = "entry points, registers, bytes spilled, instructions, bytes in and out, kB of text, seconds, limit (10⁹/s)"
+HEAD = (
+    "entry points, registers, bytes spilled, instructions, bytes in and out, kB of text, "
+    "seconds, limit (10⁹/s)"
+)
 
 
 def main() -> None:

@@ -35,10 +35,13 @@ def test_no_absurd_advice(name: str):
     ("name", "known", "meant"),
     [
         ("L1", NOTES, "l1"), ("m3", NOTES, "m2"), ("lc_1", NOTES, "lc1"), ("l11", NOTES, "l1"),
-        ("forearn", ["arm", "forearm"], "forearm"), ("hnad", ["hand", "base"], "hand"), ("tpi", ["tip"], "tip"),
-        ("inverse", ["bias", "inverse_dynamics"], "inverse_dynamics"), ("fix", ["free", "fixed"], "fixed"),
+        ("forearn", ["arm", "forearm"], "forearm"), ("hnad", ["hand", "base"], "hand"),
+        ("tpi", ["tip"], "tip"),
+        ("inverse", ["bias", "inverse_dynamics"], "inverse_dynamics"),
+        ("fix", ["free", "fixed"], "fixed"),
         ("link7", ["link1", "link6", "link5"], "link6"), ("ur5", ["ur5e", "puma560"], "ur5e"),
-        ("crankpin", ["crank_pin"], "crank_pin"), ("2r", ["2R", "3R"], "2R"), ("alfa", ["a", "alpha"], "alpha"),
+        ("crankpin", ["crank_pin"], "crank_pin"), ("2r", ["2R", "3R"], "2R"),
+        ("alfa", ["a", "alpha"], "alpha"),
     ],
 )  # fmt: skip
 def test_misspelt_names_are_recognised(name: str, known: list[str], meant: str):

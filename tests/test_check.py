@@ -46,9 +46,11 @@ EQUAL = [
     "detJ = l1 l2 s2",
     "M = [[m1 lc1^2 + I1 + m2 l1^2 + H22 + 2 m2 l1 lc2 c2, H21], [m2*lc2*(lc2 + l1*c2) + I2, "
     "m2*lc2**2 + I2]]",
-    r"G = \begin{bmatrix} m_1 g l_{c1} c_1 + m_2 g (l_1 c_1 + l_{c2} c_{12}) \\ m_2 g l_{c2} c_{12} \end{bmatrix}",
+    r"G = \begin{bmatrix} m_1 g l_{c1} c_1 + m_2 g (l_1 c_1 + l_{c2} c_{12}) \\ m_2 g l_{c2} "
+    r"c_{12} \end{bmatrix}",
     "# what I found\nH22 = m2 lc2^2 + I2\n\nG2 = m2 g lc2 cos(θ1+θ2)",
-    r"\begin{aligned} H_{22} &= m_2 l_{c2}^2 + I_2 \\ h &= m_2 l_1 l_{c2} \sin \theta_2 \end{aligned}",
+    r"\begin{aligned} H_{22} &= m_2 l_{c2}^2 + I_2 \\ h &= m_2 l_1 l_{c2} \sin \theta_2 "
+    r"\end{aligned}",
 ]  # fmt: skip
 
 
@@ -77,21 +79,24 @@ def test_what_the_program_prints_is_equal():
 # answer, kind of the finding (or of the first), words of the verdict
 WRONG = [
     # the notes as printed
-    ("H11 = m1 lc1^2 + I1 + I2 + m2 (l1^2 + lc2^2 + 2 l1 lc2 cos θ2) + I2", "extra", "‘I2’ should not be there"),
+    ("H11 = m1 lc1^2 + I1 + I2 + m2 (l1^2 + lc2^2 + 2 l1 lc2 cos θ2) + I2", "extra",
+     "‘I2’ should not be there"),
     ("H22 = m1 lc2^2 + I2", "index", "‘m1’ must be m₂ in ‘m1 lc2^2’"),
     ("H12 = m2 (lc2^2 + 2 l1 lc2 cos θ2) + I2", "factor", "‘2 l1 lc2 cos θ2’ is twice too large"),
     ("V2 = m2 g (l1 sin θ1 + lc1 sin θ1)", "extra", "‘m₂ g lc₂ sin(θ₁+θ₂)’ is missing"),
     # signs
     ("G2 = -m2 g lc2 cos(θ1+θ2)", "sign", "sign of gravity"),
     ("tau2 = H21 θ̈1 + H22 θ̈2 + h θ̇1² - G2", "sign", "sign of gravity"),
-    ("tau1 = H11 θ̈1 + H12 θ̈2 + h θ̇2² + 2 h θ̇1 θ̇2 + G1", "sign", "centrifugal terms have the wrong sign"),
+    ("tau1 = H11 θ̈1 + H12 θ̈2 + h θ̇2² + 2 h θ̇1 θ̇2 + G1", "sign",
+     "centrifugal terms have the wrong sign"),
     ("tau2 = H21 θ̈1 + H22 θ̈2 - h θ̇1² + G2", "sign", "‘- h θ̇1²’ has the wrong sign"),
     ("J11 = l1 s1 + l2 s12", "sign", "The whole answer has the wrong sign"),
     ("x = l1 c1 - l2 c12", "sign", "‘- l2 c12’ has the wrong sign"),
     # factors
     ("tau1 = H11 θ̈1 + H12 θ̈2 - h θ̇2² - h θ̇1 θ̇2 + G1", "factor", "arises twice"),
     ("c1 = -m2 l1 lc2 s2 (θ̇2² + θ̇1 θ̇2)", "factor", "‘θ̇1 θ̇2’ is too small by half"),
-    ("H11 = m1 lc1² + I1 + m2 (l1² + lc2² + l1 lc2 c2) + I2", "factor", "‘l1 lc2 c2’ is too small by half"),
+    ("H11 = m1 lc1² + I1 + m2 (l1² + lc2² + l1 lc2 c2) + I2", "factor",
+     "‘l1 lc2 c2’ is too small by half"),
     ("T1 = (m1 lc1² + I1) θ̇1²", "factor", "is twice too large"),
     # lengths and indices
     ("G2 = m2 g l2 cos(θ1+θ2)", "length", "the centre of mass of link 2 is lc₂ from its joint"),
@@ -101,7 +106,8 @@ WRONG = [
     ("H12 = m1 (lc2² + l1 lc2 c2) + I2", "index", "‘m1’ must be m₂"),
     ("tau2 = H12 θ̈1 + H11 θ̈2 + h θ̇1² + G2", "index", "‘H11’ must be H22"),
     # parallel axis, moments of inertia
-    ("H11 = I1 + m2 (l1² + lc2² + 2 l1 lc2 c2) + I2", "missing", "The parallel-axis theorem is forgotten"),
+    ("H11 = I1 + m2 (l1² + lc2² + 2 l1 lc2 c2) + I2", "missing",
+     "The parallel-axis theorem is forgotten"),
     ("H22 = I2", "missing", "m2 lc2² must be added"),
     ("H11 = m1 lc1² + m2 (l1² + lc2² + 2 l1 lc2 c2)", "missing", "right for point masses only"),
     ("H11 = m1 lc1² + I1 + m2 (l1² + lc2² + 2 l1 lc2 c2)", "missing", "ω2 = θ̇1 + … + θ̇2"),
@@ -111,7 +117,8 @@ WRONG = [
     ("h = m2 l1 lc2 sin(θ1+θ2)", "angle", "must be sin θ₂"),
     ("h = m2 l1 lc2 cos θ2", "function", "‘cos θ2’ must be sin θ₂"),
     ("G1 = (m1 lc1 + m2 l1) g s1 + m2 g lc2 s12", "function", "were measured from the vertical"),
-    ("T = 1/2 (m1 lc1² + I1) θ̇1² + 1/2 I2 θ̇2² + 1/2 m2 (l1² θ̇1² + lc2² ω2² + 2 l1 lc2 c2 θ̇1 ω2)", "rate",
+    ("T = 1/2 (m1 lc1² + I1) θ̇1² + 1/2 I2 θ̇2² + 1/2 m2 (l1² θ̇1² + lc2² ω2² + 2 l1 lc2 c2 θ̇1 "
+     "ω2)", "rate",
      "‘θ̇2’ must be θ̇₁ + θ̇₂"),
     ("c2 = m2 l1 lc2 s2 θ̇1 θ̇2", "rate index", "‘θ̇2’ must be θ̇₁"),
     # powers, factors, terms
@@ -119,7 +126,8 @@ WRONG = [
     ("H12 = m2 lc2² + l1 lc2 c2 + I2", "missing factor", "‘l1 lc2 c2’ lacks the factor m₂"),
     ("G2 = m2 lc2 c12", "missing factor", "The units do not fit"),
     ("H12 = m2 lc2² + I2", "missing", "right for H22"),
-    ("tau1 = (m1 lc1² + I1) θ̈1 + m1 g lc1 c1", "missing", "the moment of inertia of link2 is missing"),
+    ("tau1 = (m1 lc1² + I1) θ̈1 + m1 g lc1 c1", "missing",
+     "the moment of inertia of link2 is missing"),
     ("tau2 = H21 θ̈1 + H22 θ̈2 + h θ̇1²", "missing", "Gravity is missing"),
     ("H22 = m2 lc2² + I2 + m2 l1 lc2", "extra", "‘m2 l1 lc2’ should not be there"),
     ("tau1 = H11 θ̈1 + H12 θ̈2 + G1", "missing", "Coriolis and centrifugal terms are missing"),

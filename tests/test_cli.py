@@ -94,7 +94,10 @@ def test_doubtful_inertias_are_yellow_lines_and_stand_in_the_report(
 ):
     assert run(["study", "puma560"]) == 0
     said = capsys.readouterr().err.splitlines()
-    text = "link 'link1': principal moments 0, 0, 0.35 kg m² break the triangle inequality (0 + 0 < 0.35)."
+    text = (
+        "link 'link1': principal moments 0, 0, 0.35 kg m² break the triangle inequality (0 + 0 "
+        "< 0.35)."
+    )
     assert re.fullmatch(rf"puma560\.toml:\d+: warning: {re.escape(text)}", said[0])
     assert len(said) == 2
     page = Path("study-puma560/report.html").read_text(encoding="utf-8")
@@ -328,7 +331,10 @@ def test_an_interruption_while_the_program_is_imported_is_one_line(
 
 
 def test_thousands_of_warnings_are_counted_not_printed(capsys: pytest.CaptureFixture[str]):
-    thin = '<inertial><mass value="1"/><inertia ixx="9" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    thin = (
+        '<inertial><mass value="1"/><inertia ixx="9" iyy="1" izz="1" ixy="0" ixz="0" '
+        'iyz="0"/></inertial>'
+    )
     links = "".join(f'<link name="x{i}">{thin}</link>' for i in range(400))
     joints = "".join(
         f'<joint name="j{i}" type="fixed"><parent link="x{i}"/><child link="x{i + 1}"/></joint>'

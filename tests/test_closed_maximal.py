@@ -63,7 +63,8 @@ def stephenson() -> Mechanism:
 def offset_slider_crank() -> Mechanism:
     return mechanism("slider", 2, [
         ("revolute", GROUND, "crank", (0, 0)), ("revolute", "crank", "rod", (0.2, 0.25)),
-        ("revolute", "rod", "piston", (1.0, 0.15)), ("prismatic", GROUND, "piston", (1.0, 0.15), (0.8, 0.6)),
+        ("revolute", "rod", "piston", (1.0, 0.15)),
+        ("prismatic", GROUND, "piston", (1.0, 0.15), (0.8, 0.6)),
     ], ["ground_crank"])  # fmt: skip
 
 
@@ -74,7 +75,8 @@ def three_rpr() -> Mechanism:
     ):
         way = np.subtract(top, base) / np.linalg.norm(np.subtract(top, base))
         rows += [
-            ("revolute", GROUND, f"lower{k}", base), ("prismatic", f"lower{k}", f"upper{k}", base, way),
+            ("revolute", GROUND, f"lower{k}", base),
+            ("prismatic", f"lower{k}", f"upper{k}", base, way),
             ("revolute", f"upper{k}", "platform", top),
         ]  # fmt: skip
     return mechanism("3RPR", 2, rows, [f"lower{k}_upper{k}" for k in range(3)])
@@ -86,7 +88,8 @@ def scissor_lift() -> Mechanism:
         ("revolute", "cart", "b1", (0.8, 0)), ("revolute", "a1", "b1", (0.4, 0.3)),
         ("revolute", "a1", "b2", (0.8, 0.6)), ("revolute", "b1", "a2", (0, 0.6)),
         ("revolute", "a2", "b2", (0.4, 0.9)), ("revolute", "a2", "top", (0.8, 1.2)),
-        ("prismatic", "top", "shoe", (0.0, 1.2), (1.0, 0.0)), ("revolute", "b2", "shoe", (0.0, 1.2)),
+        ("prismatic", "top", "shoe", (0.0, 1.2), (1.0, 0.0)),
+        ("revolute", "b2", "shoe", (0.0, 1.2)),
     ], ["ground_cart"])  # fmt: skip
 
 
@@ -102,7 +105,8 @@ def parallelogram() -> Mechanism:
     """With a third crank: one equation is redundant."""
     return mechanism("three cranks", 2, [
         row for k in range(3) for row in (
-            ("revolute", GROUND, f"crank{k}", (float(k), 0)), ("revolute", f"crank{k}", "plate", (k + 0.3, 0.6)),
+            ("revolute", GROUND, f"crank{k}", (float(k), 0)),
+            ("revolute", f"crank{k}", "plate", (k + 0.3, 0.6)),
         )
     ], ["ground_crank0"])  # fmt: skip
 
@@ -111,8 +115,10 @@ def floating() -> Mechanism:
     """A four-bar that nothing holds."""
     return mechanism("floating", 3, [
         ("free", GROUND, "base", (0, 0, 0)),
-        ("revolute", "base", "crank", (0, 0, 0), Z), ("spherical", "crank", "coupler", (0.3, 0.4, 0.1)),
-        ("revolute", "base", "rocker", (0.9, 0, 0), Z), ("spherical", "rocker", "coupler", (1.0, 0.8, 0.1)),
+        ("revolute", "base", "crank", (0, 0, 0), Z),
+        ("spherical", "crank", "coupler", (0.3, 0.4, 0.1)),
+        ("revolute", "base", "rocker", (0.9, 0, 0), Z),
+        ("spherical", "rocker", "coupler", (1.0, 0.8, 0.1)),
     ], ["base_crank"])  # fmt: skip
 
 
@@ -121,8 +127,10 @@ def spherical_four_bar() -> Mechanism:
     axes = [(0, 0, 1.0), (0.3, 0.2, 1.0), (0.9, 0.3, 1.0), (1.2, -0.2, 1.0)]
     units = [np.array(x) / np.linalg.norm(x) for x in axes]
     return mechanism("spherical four-bar", 3, [
-        ("revolute", GROUND, "crank", (0, 0, 0), units[0]), ("revolute", "crank", "coupler", (0, 0, 0), units[1]),
-        ("revolute", "coupler", "rocker", (0, 0, 0), units[2]), ("revolute", GROUND, "rocker", (0, 0, 0), units[3]),
+        ("revolute", GROUND, "crank", (0, 0, 0), units[0]),
+        ("revolute", "crank", "coupler", (0, 0, 0), units[1]),
+        ("revolute", "coupler", "rocker", (0, 0, 0), units[2]),
+        ("revolute", GROUND, "rocker", (0, 0, 0), units[3]),
     ], ["ground_crank"])  # fmt: skip
 
 
@@ -148,7 +156,8 @@ def delta() -> Mechanism:
                 0.1 * out + [0, 0, -0.7] + sign * side,
             )
             rows += [
-                ("spherical", f"arm{k}", f"{name}{k}", elbow), ("spherical", f"{name}{k}", "platform", foot),
+                ("spherical", f"arm{k}", f"{name}{k}", elbow),
+                ("spherical", f"{name}{k}", "platform", foot),
             ]  # fmt: skip
     return mechanism("delta", 3, rows, [f"ground_arm{k}" for k in range(3)])
 
@@ -171,7 +180,8 @@ def hexapod(size: float) -> Mechanism:
 MECHANISMS: dict[str, Callable[[], Mechanism]] = {
     f.__name__: f
     for f in (
-        watt, stephenson, offset_slider_crank, three_rpr, scissor_lift, rods, parallelogram, floating,
+        watt, stephenson, offset_slider_crank, three_rpr, scissor_lift, rods, parallelogram,
+        floating,
         spherical_four_bar, sarrus, delta,
     )
 } | {"small hexapod": lambda: hexapod(0.02), "large hexapod": lambda: hexapod(30.0)}  # fmt: skip

@@ -103,7 +103,10 @@ def four_bar(path: Path, lengths: tuple[float, ...], home: float) -> fb.Model:
         text += f"shape = {{ bar = {{ length = {length} }} }}\n"
     at = {"A": ("ground", "crank", 0.0), "B": ("crank", "coupler", lengths[0])}
     for name, (parent, child, x) in (at | {"D": ("ground", "rocker", lengths[3])}).items():
-        text += f'[[joint]]\nname = "{name}"\nkind = "continuous"\nparent = "{parent}"\nchild = "{child}"\n'
+        text += (
+            f'[[joint]]\nname = "{name}"\nkind = "continuous"\nparent = "{parent}"\n'
+            f'child = "{child}"\n'
+        )
         text += f"origin = [{x}, 0]\npassive = {str(name != 'A').lower()}\n"
     for name, parent, x in (("c1", "coupler", lengths[1]), ("c2", "rocker", lengths[2])):
         text += f'[[frame]]\nname = "{name}"\nparent = "{parent}"\norigin = [{x}, 0]\n'

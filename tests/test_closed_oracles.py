@@ -340,7 +340,10 @@ def mujoco_text(model: Model) -> str:
         kind = model.bodies[index[k]].kind.name
         if kind == "free":
             return f'<freejoint name="{name}"/>'
-        return f'<joint name="{name}" type="{"hinge" if kind == "revolute" else "slide"}" axis="{row(body.axis)}"/>'
+        return (
+            f'<joint name="{name}" type="{"hinge" if kind == "revolute" else "slide"}" '
+            f'axis="{row(body.axis)}"/>'
+        )
 
     def inertial(k: int) -> str:
         (mass,) = tree.bodies[k].masses
@@ -393,7 +396,8 @@ def mujoco_text(model: Model) -> str:
             start = text.index("<inertial", text.index(f"<!--{body}-->"))
             text = text[:start] + here + text[start:]
     return (
-        '<mujoco><compiler angle="radian" autolimits="false"/><option timestep="0.0001" iterations="200" '
+        '<mujoco><compiler angle="radian" autolimits="false"/><option timestep="0.0001" '
+        'iterations="200" '
         f'tolerance="0"/><worldbody>{text}</worldbody><equality>{equalities}</equality></mujoco>'
     )
 
@@ -403,7 +407,8 @@ def bennett(a: float = 0.7, alpha: float = 0.6, beta: float = 1.1) -> fb.Model:
     last side the base."""
     b = a * math.sin(beta) / math.sin(alpha)
     sides = [(a, alpha), (b, beta), (a, alpha)]
-    rods = [{"a": x, "alpha": t, "m": 1.0 + k, "com": [-x / 2, 0, 0], "I": [0.001, 0, 0, 0.05, 0, 0.05]}
+    rods = [{"a": x, "alpha": t, "m": 1.0 + k, "com": [-x / 2, 0, 0],
+             "I": [0.001, 0, 0, 0.05, 0, 0.05]}
             for k, (x, t) in enumerate(sides)]  # fmt: skip
     c, s = math.cos(beta), math.sin(beta)
     arm = fb.dh(rods, convention="standard", name="bennett")

@@ -43,7 +43,8 @@ def three_cranks(digits: int | None) -> Model:
     links = [("crank1", 1.0), ("rod", 2.0), ("crank2", 1.1), ("crank3", 0.9)]
     text = ['name = "three_cranks"', "dim = 2", '[[link]]\nname = "ground"']
     text += [
-        f'[[link]]\nname = "{name}"\nmass = {mass}\ncom = [0.2, 0.0]\nshape = {{ bar = {{ length = 0.4 }} }}'
+        f'[[link]]\nname = "{name}"\nmass = {mass}\ncom = [0.2, 0.0]\n'
+        f"shape = {{ bar = {{ length = 0.4 }} }}"
         for name, mass in links
     ]
     text += [
@@ -178,7 +179,8 @@ def four_bar_text(turn: str, **top) -> str:
         ("j3", "coupler", "rocker", 0.9, "", "[0, 0, 1]"),
     ):
         text.append(
-            f'[[joint]]\nname = "{name}"\nkind = "revolute"\nparent = "{parent}"\nchild = "{child}"\n'
+            f'[[joint]]\nname = "{name}"\nkind = "revolute"\nparent = "{parent}"\n'
+            f'child = "{child}"\n'
             f"origin = [{at}, 0, 0]{place}\naxis = {axis}"
             + ("\npassive = true" if name != "j1" else "")
         )

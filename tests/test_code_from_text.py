@@ -29,10 +29,12 @@ SOURCE = Path(freebody.__file__).parent
 
 EXECUTES = {
     # Python
-    "exec", "eval", "compile", "__import__", "import_module", "FunctionType", "CodeType", "run_path", "run_module",
+    "exec", "eval", "compile", "__import__", "import_module", "FunctionType", "CodeType",
+    "run_path", "run_module",
     "exec_module", "execfile", "sympy.S",
     # LLVM
-    "parse_assembly", "parse_bitcode", "add_object_file", "add_object_img", "add_ir", "add_module", "add_file",
+    "parse_assembly", "parse_bitcode", "add_object_file", "add_object_img", "add_ir", "add_module",
+    "add_file",
     # NVIDIA's driver
     "bindings",
     # SymPy
@@ -40,11 +42,14 @@ EXECUTES = {
     # objects that carry code
     "pickle", "load_module", "dill", "marshal", "shelve", "joblib",
     # programs
-    "subprocess", "os.system", "popen", "Popen", "run_command", "startfile", "execv", "execve", "spawnv", "posix_spawn",
+    "subprocess", "os.system", "popen", "Popen", "run_command", "startfile", "execv", "execve",
+    "spawnv", "posix_spawn",
     # templates made from strings, text that is not escaped, arrays that hold objects
-    "Template", "from_string", "compile_expression", "Markup", "safe_load", "fromfile", "allow_pickle", "save_module",
+    "Template", "from_string", "compile_expression", "Markup", "safe_load", "fromfile",
+    "allow_pickle", "save_module",
     # the interpreter's own objects
-    "make_dataclass", "setattr", "from_address", "CDLL", "PYFUNCTYPE", "CFUNCTYPE", "pythonapi", "cdll", "windll",
+    "make_dataclass", "setattr", "from_address", "CDLL", "PYFUNCTYPE", "CFUNCTYPE", "pythonapi",
+    "cdll", "windll",
     "new_class", "InteractiveInterpreter", "runsource", "read_pickle", "nsimplify", "webbrowser",
     # readers of foreign files that are not ours
     "trimesh", "open_dataset", "ElementTree",
@@ -215,8 +220,10 @@ def test_inputs_that_are_called_like_the_emitted_texts_own_words_are_renamed():
 
 # ---------------------------------------------------------------- words from names
 NAMES = [
-    "tool0", "tool0 ", "tool-0", "θ₁", "θ1", "关节", "left/joint1", "left_joint1", "lambda", "__debug__", "_Bool", "",
-    "\x00", "2nd", '"""\nimport os', "é", "e", "\u202eevil", "a" * 5000, "a" * 4999, "Ω", "ω", "self", "𝐪", "q",
+    "tool0", "tool0 ", "tool-0", "θ₁", "θ1", "关节", "left/joint1", "left_joint1", "lambda",
+    "__debug__", "_Bool", "",
+    "\x00", "2nd", '"""\nimport os', "é", "e", "\u202eevil", "a" * 5000, "a" * 4999, "Ω", "ω",
+    "self", "𝐪", "q",
     "__class__", "if", "{}", "%s", "\\",
 ]  # fmt: skip
 

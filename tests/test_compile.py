@@ -90,7 +90,8 @@ def test_derivatives_against_complex_step():
     kernel = fb.compile(smooth, inputs, by=("s", "x", "y"))
     names = [str(a) for a in kernel.program.outputs]
     assert names == [
-        "r(3)", "c()", "dr_ds(3)", "dr_dx(3, 2)", "dr_dy(3, 2, 2)", "dc_ds()", "dc_dx(2)", "dc_dy(2, 2)",
+        "r(3)", "c()", "dr_ds(3)", "dr_dx(3, 2)", "dr_dy(3, 2, 2)", "dc_ds()", "dc_dx(2)",
+        "dc_dy(2, 2)",
     ]  # fmt: skip
     rng = np.random.default_rng(1)
     x, y, s = rng.uniform(0.3, 1, (20, 2)), rng.uniform(0.3, 1, (20, 2, 2)), rng.uniform(0.3, 1, 20)
@@ -139,7 +140,8 @@ def test_composed_functions_of_every_kind_of_scalar():
     a[:5], b[:5] = [0.0, 0.0, 1.0, -1.0, 1e-300], [0.0, 1.0, 0.0, 0.0, 1e-300]
     b[5:50] = a[5:50]
     expected = {
-        "tan": np.tan(a), "atan": np.arctan(a), "clip": np.clip(a, -0.5, 0.25), "hypot": np.hypot(a, b),
+        "tan": np.tan(a), "atan": np.arctan(a), "clip": np.clip(a, -0.5, 0.25),
+        "hypot": np.hypot(a, b),
         "greater": a > b, "greater_equal": a >= b, "not_equal": a != b, "logical_not": a == 0,
         "logical_and": (a != 0) & (b != 0), "logical_or": (a != 0) | (b != 0),
     }  # fmt: skip

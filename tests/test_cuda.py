@@ -149,7 +149,8 @@ def test_operations_have_the_bits_that_the_cpu_gives(name, dtype):
     with np.errstate(over="ignore"):
         column = np.concatenate(
             [
-                rng.normal(size=3000, scale=4.0), rng.uniform(-1, 1, 3000), rng.uniform(-1e6, 1e6, 3000),
+                rng.normal(size=3000, scale=4.0), rng.uniform(-1, 1, 3000),
+                rng.uniform(-1e6, 1e6, 3000),
                 np.where(np.isfinite(anywhere), anywhere, 1e300),
                 [0.0, -0.0, 0.5, 1.0, -1.0, 5e-324, 1e5, -1e22, np.pi, np.inf, -np.inf, np.nan],
             ]

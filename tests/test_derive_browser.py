@@ -65,7 +65,10 @@ def test_mathml_stacks_dots_above_letters_and_indices_below(driver, tmp_path: Pa
     for letter, dot in zip(letters, dots, strict=True):
         assert letter["height"] > 0
         assert dot["top"] <= letter["top"] + 2
-    index = "const m = document.querySelector('msub'); return [...m.children].map(e => e.getBoundingClientRect())"
+    index = (
+        "const m = document.querySelector('msub'); return [...m.children].map(e => "
+        "e.getBoundingClientRect())"
+    )
     base, low = driver.execute_script(index)
     assert low["bottom"] > base["bottom"]
     assert low["left"] >= base["right"] - 2

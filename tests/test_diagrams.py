@@ -272,7 +272,8 @@ def test_common_normal_meets_both_axes_at_right_angles():
 
 def test_denavit_hartenberg_lengths_are_found_again():
     rows = [
-        {"a": 0.0, "alpha": 0.0, "d": 0.3}, {"a": 0.25, "alpha": -1.2, "d": 0.1}, {"a": 0.4, "alpha": 0.7, "d": 0.2}
+        {"a": 0.0, "alpha": 0.0, "d": 0.3}, {"a": 0.25, "alpha": -1.2, "d": 0.1},
+        {"a": 0.4, "alpha": 0.7, "d": 0.2}
     ]  # fmt: skip
     model = fb.dh(
         [{**row, "m": 1.0, "com": [0, 0, 0], "I": [0.1, 0, 0, 0.1, 0, 0.1]} for row in rows],

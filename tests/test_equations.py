@@ -184,7 +184,10 @@ def test_c_source(name: str, tmp_path: Path) -> None:
     model = MODELS[name]
     eqs = fb.equations(model)
     n = model.nv
-    call = "const double *q, const double *qd, const double *qdd, double *M, double *c, double *G, double *tau"
+    call = (
+        "const double *q, const double *qd, const double *qdd, double *M, double *c, double *G, "
+        "double *tau"
+    )
     first = "&defaults, " if eqs.parameters else ""
     wrapper = (
         f"void run({call}) {{ dynamics({first}q, qd, qdd, (double (*)[{n}])M, c, G, tau); }}\n"
@@ -462,7 +465,10 @@ def test_latex_compiles_and_fits(tmp_path: Path) -> None:
 
 
 def test_sympy_is_imported_only_when_asked_for() -> None:
-    code = "import sys, freebody as fb; fb.equations(fb.planar('RR')).text(); assert 'sympy' not in sys.modules"
+    code = (
+        "import sys, freebody as fb; fb.equations(fb.planar('RR')).text(); "
+        "assert 'sympy' not in sys.modules"
+    )
     subprocess.run([sys.executable, "-c", code], check=True)
 
 

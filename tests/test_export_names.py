@@ -129,7 +129,8 @@ def test_a_robot_without_a_joint_goes_out_too(tmp_path):
     block = tmp_path / "block.urdf"
     inertia = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
     block.write_text(
-        f'<robot name="block"><link name="base"><inertial><mass value="1"/>{inertia}</inertial></link></robot>'
+        '<robot name="block"><link name="base"><inertial><mass '
+        f'value="1"/>{inertia}</inertial></link></robot>'
     )
     assert "0 operations" in fb.source(fb.load(block), "forward_dynamics", "c")
     assert "M_5_5" not in fb.source(

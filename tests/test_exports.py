@@ -38,8 +38,10 @@ from support.browser import browser
 from support.generate import model as mechanism
 
 TOOL = {
-    "c": "cc", "cpp": "c++", "javascript": "node", "javascript-script": "node", "rust": "rustc", "julia": "julia",
-    "matlab": "octave", "cuda": "nvidia-smi", "numpy": sys.executable, "jax": sys.executable, "casadi": sys.executable,
+    "c": "cc", "cpp": "c++", "javascript": "node", "javascript-script": "node", "rust": "rustc",
+    "julia": "julia",
+    "matlab": "octave", "cuda": "nvidia-smi", "numpy": sys.executable, "jax": sys.executable,
+    "casadi": sys.executable,
 }  # fmt: skip
 NEEDS = {"jax": "jax", "casadi": "casadi"}
 STRICT = {
@@ -293,7 +295,10 @@ def test_an_input_that_is_a_result_is_read_before_anything_is_written(language, 
         assert compiled(tmp_path, "turned").turned(pointer(values), pointer(values)) == 0
         assert values.tolist() == [2.0, 2.0, 5.0, 1.0]
     else:
-        text = 'import { turned } from "./turned.mjs"; const x = [1, 2, 3, 4]; turned(x, x); console.log(String(x));'
+        text = (
+            'import { turned } from "./turned.mjs"; const x = [1, 2, 3, 4]; turned(x, x); '
+            "console.log(String(x));"
+        )
         (tmp_path / "try.mjs").write_text(text)
         done = subprocess.run(
             ["node", "try.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True
@@ -454,8 +459,10 @@ def test_javascript_that_is_not_given_finite_numbers_gives_nan(tmp_path):
 
 # ---------------------------------------------------------------- words
 WORDS = (
-    "double", "let", "fn", "end", "t1", "t2", "w", "sin", "cos_a_0", "n", "x", "i", "function", "self",
-    "given0", "sign_of", "all_finite", "fill", "q_0", "q", "batch", "xp", "ca", "np", "S", "f64", "zeros",
+    "double", "let", "fn", "end", "t1", "t2", "w", "sin", "cos_a_0", "n", "x", "i", "function",
+    "self",
+    "given0", "sign_of", "all_finite", "fill", "q_0", "q", "batch", "xp", "ca", "np", "S", "f64",
+    "zeros",
     "tan", "int",
 )  # fmt: skip
 
@@ -572,9 +579,12 @@ def test_the_head_says_what_is_needed_to_call_it():
     )
     head = head.partition("*/")[0]
     for line in (
-        "qd(6): rates (rad/s", "wrench0(6): wrench on the frame wrist_3_link", "inverse_dynamics_tau(6): torques",
-        "jacobian_J(6, 6): Jacobian", "3 elbow_joint: revolute, q [2], qd [2], carries forearm_link on upper_arm_link",
-        "The frame is forearm_link; axes: world.", "operations: ", "Gravity: [0, 0, -9.81] m/s^2, world axes.",
+        "qd(6): rates (rad/s", "wrench0(6): wrench on the frame wrist_3_link",
+        "inverse_dynamics_tau(6): torques",
+        "jacobian_J(6, 6): Jacobian",
+        "3 elbow_joint: revolute, q [2], qd [2], carries forearm_link on upper_arm_link",
+        "The frame is forearm_link; axes: world.", "operations: ",
+        "Gravity: [0, 0, -9.81] m/s^2, world axes.",
     ):  # fmt: skip
         assert line in head, line
     count = int(re.search(r"(\d+) operations", head)[1])

@@ -119,7 +119,8 @@ def test_vectors_are_bold_and_entries_numbered() -> None:
         (
             d_dt(ex.partial("L", "theta1_d")),
             "d/dt (∂L/∂θ̇₁)",
-            r"\frac{\mathrm{d}}{\mathrm{d}t}\left(\frac{\partial L}{\partial \dot{\theta}_1}\right)",
+            r"\frac{\mathrm{d}}{\mathrm{d}t}\left(\frac{\partial L}{\partial "
+            r"\dot{\theta}_1}\right)",
         ),
         (ex.vector("a", add("b", "c")), "[a, b + c]ᵀ", r"\begin{bmatrix} a \\ b + c \end{bmatrix}"),
         (

@@ -216,9 +216,11 @@ def test_dh_table_in_full(tmp_path):
 def test_dh_convention_is_never_guessed(tmp_path):
     bare = TABLE.split("\n", 1)[1]
     assert csv(tmp_path, bare, convention="modified").nv == 2
-    with pytest.raises(fb.FreebodyError, match=r"arm.csv:1: the table does not say its convention; add a line '# "
+    with pytest.raises(fb.FreebodyError,
+                       match=r"arm.csv:1: the table does not say its convention; add a line '# "
          "convention: "
-                                               r"standard' or '# convention: modified', or load it with "
+                                               r"standard' or '# convention: modified', "
+                                               r"or load it with "
                                                 r"convention=\."):  # fmt: skip
         csv(tmp_path, bare)
     with pytest.raises(
@@ -232,21 +234,26 @@ def test_dh_convention_is_never_guessed(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "problem"),
     [
-        ("standard", "craig", "1: no convention 'craig' in the file. Conventions: standard, modified."),
-        ("alpha", "alfa", "2: no column 'alfa' in a DH table. Did you mean 'alpha'? Columns: joint, name, theta, d, "
+        ("standard", "craig",
+         "1: no convention 'craig' in the file. Conventions: standard, modified."),
+        ("alpha", "alfa", "2: no column 'alfa' in a DH table. Did you mean 'alpha'? Columns: "
+                          "joint, name, theta, d, "
          "a, alpha, m, "
          "cx, cy, cz, Ixx, Ixy, Ixz, Iyy, Iyz, Izz, rotor, gear, viscous, coulomb, lower, upper, "
          "velocity, effort."),
         ("joint,a,", "a,a,", "2: column 'a' appears twice; keep one."),
         ("R,1", "R", "3: dh row 1: it has 3 cells, the header 4."),
         ("P,0.5", "Q,0.5", "4: dh row 2: joint is 'Q', expected 'R' or 'P'."),
-        ("90 deg", "90 dge", "3: dh row 1: alpha is '90 dge', expected a number or a name, or an angle such as 30 "
+        ("90 deg", "90 dge",
+         "3: dh row 1: alpha is '90 dge', expected a number or a name, or an angle such as 30 "
          "deg."),
         ("0.5", "nan", "4: dh row 2: a is 'nan', expected a number or a name."),
         ("0.5", "1e999", "4: dh row 2: a is inf, not a finite number."),
         ("alpha,m", "alpha,Ixx", "3: dh row 1: com or I without a mass; add m."),
-        ("R,1,90 deg,2\nP,0.5,0,1\n", "", "2: the table has a header but no rows; add one a joint."),
-        (TABLE, "# convention: standard\n", " there is no table; the first line names the columns, such as joint, "
+        ("R,1,90 deg,2\nP,0.5,0,1\n", "",
+         "2: the table has a header but no rows; add one a joint."),
+        (TABLE, "# convention: standard\n",
+         " there is no table; the first line names the columns, such as joint, "
          "name, theta, "
          "d, a, alpha."),
         ("# conv", "# gravity: down\n# conv", "1: gravity is 'down', expected a number in m/s²."),

@@ -137,7 +137,8 @@ def test_a_whole_robot():
 
 def test_planar_word_is_the_builder():
     model = read(
-        '[planar]\nword = "RP"\nl = [0.5, "reach"]\nangles = [0, "90 deg"]\n[parameters]\nreach = 0.2\ng = 1.62\n'
+        '[planar]\nword = "RP"\nl = [0.5, "reach"]\nangles = [0, "90 deg"]\n[parameters]\n'
+        "reach = 0.2\ng = 1.62\n"
     )
     twin = fb.planar(
         "RP", l=[0.5, Parameter("reach", 0.2)], angles=[0, math.pi / 2], g=1.62, name="arm"
@@ -239,84 +240,114 @@ def test_loops():
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ("name = 'a'\nnme = 'b'\n[[link]]\n", "arm.toml:2: no key 'nme' in the file. Did you mean 'name'? Keys: "
+        ("name = 'a'\nnme = 'b'\n[[link]]\n",
+         "arm.toml:2: no key 'nme' in the file. Did you mean 'name'? Keys: "
          "name, dim, source, "
          "gravity, tip, base, parameters, frame, payload, loop, loop_tolerance, home, "
          "masses_doubtful, masses_estimated, link, joint, planar, dh."),
-        ("name = 'a'\n", "arm.toml: there are no links; write a [[link]] for each body, the base included."),
+        ("name = 'a'\n",
+         "arm.toml: there are no links; write a [[link]] for each body, the base included."),
         ("dim = 4\n" + LINKS, "arm.toml:1: dim is 4, expected 2 (the plane) or 3 (space)."),
         ("link = 3\n", "arm.toml:1: link is a number, expected tables: write [[link]] above each."),
         ("[[link]]\n", "arm.toml:1: name is missing; add name = ..."),
-        (LINKS + LINKS + JOINT + "axis = 'z'", "arm.toml:5: two links are called 'base'; rename one."),
-        (LINKS + "mass = '3 kg'\n", "arm.toml:5: link 'arm': mass is '3 kg', expected a number or a name such as "
+        (LINKS + LINKS + JOINT + "axis = 'z'",
+         "arm.toml:5: two links are called 'base'; rename one."),
+        (LINKS + "mass = '3 kg'\n",
+         "arm.toml:5: link 'arm': mass is '3 kg', expected a number or a name such as "
          "'l1'."),
-        (LINKS + "mass = true\n", "arm.toml:5: link 'arm': mass is true or false, expected a number."),
+        (LINKS + "mass = true\n",
+         "arm.toml:5: link 'arm': mass is true or false, expected a number."),
         (LINKS + "mass = nan\n", "arm.toml:5: link 'arm': mass is nan, not a finite number."),
-        (LINKS + "mass = 1\ncom = [1, 2]\n", "arm.toml:6: link 'arm': com has 2 entries, expected 3."),
-        (LINKS + "mass = 1\ncom = [\n1,\n2,\n'x y']\n", "arm.toml:9: link 'arm': com[2] is 'x y', expected a number "
+        (LINKS + "mass = 1\ncom = [1, 2]\n",
+         "arm.toml:6: link 'arm': com has 2 entries, expected 3."),
+        (LINKS + "mass = 1\ncom = [\n1,\n2,\n'x y']\n",
+         "arm.toml:9: link 'arm': com[2] is 'x y', expected a number "
          "or a name "
          "such as 'l1'."),
         (LINKS + "com = [0, 0, 0]\n", "arm.toml:3: link 'arm': mass is missing; add mass = ..."),
-        (LINKS + "mass = 1\ninertia = [[1, 1, 0], [0, 1, 0], [0, 0, 1]]\n", "arm.toml:6: link 'arm': Inertia: the "
+        (LINKS + "mass = 1\ninertia = [[1, 1, 0], [0, 1, 0], [0, 0, 1]]\n",
+         "arm.toml:6: link 'arm': Inertia: the "
          "3×3 tensor is "
          "not symmetric."),
-        (LINKS + "mass = 1\ninertia = [1, 0, 0, 1, 0, 3]\n" + JOINT + "axis = 'z'\n", "arm.toml:3: link 'arm': "
+        (LINKS + "mass = 1\ninertia = [1, 0, 0, 1, 0, 3]\n" + JOINT + "axis = 'z'\n",
+         "arm.toml:3: link 'arm': "
          "principal moments "
          "1, 1, 3 kg m² break the triangle inequality (1 + 1 < 3). Correct it, or accept it with "
          "physical='warn'."),
-        (LINKS + "mass = 1\nshape = { barr = { length = 1 } }\n", "arm.toml:6: no key 'barr' in link 'arm'. Did you "
+        (LINKS + "mass = 1\nshape = { barr = { length = 1 } }\n",
+         "arm.toml:6: no key 'barr' in link 'arm'. Did you "
          "mean 'bar'? "
          "Keys: point, disc, ring, bar, box, cylinder, sphere."),
-        (LINKS + JOINT.replace("revolute", "revolut"), "arm.toml:7: no kind 'revolut' in joint 'a'. Did you mean "
+        (LINKS + JOINT.replace("revolute", "revolut"),
+         "arm.toml:7: no kind 'revolut' in joint 'a'. Did you mean "
          "'revolute'? Kinds: "
          "revolute, continuous, prismatic, fixed, planar, spherical, free."),
         (LINKS + JOINT, "arm.toml:5: joint 'a': axis is missing; add axis = ..."),
-        (LINKS + JOINT + "axis = 'w'\n", "arm.toml:10: joint 'a': axis is 'w', expected x, y, z, one of them with a "
+        (LINKS + JOINT + "axis = 'w'\n",
+         "arm.toml:10: joint 'a': axis is 'w', expected x, y, z, one of them with a "
          "minus, or numbers."),
-        (LINKS + JOINT + "axis = [0, 0, 0]\n", "arm.toml:5: joint 'a': axis (0.0, 0.0, 0.0) must be 3 finite "
+        (LINKS + JOINT + "axis = [0, 0, 0]\n",
+         "arm.toml:5: joint 'a': axis (0.0, 0.0, 0.0) must be 3 finite "
          "numbers, not all zero."),
-        (LINKS + JOINT.replace('"base"', '"bas"') + "axis = 'z'\n", "arm.toml:5: joint 'a': no parent link 'bas' in "
+        (LINKS + JOINT.replace('"base"', '"bas"') + "axis = 'z'\n",
+         "arm.toml:5: joint 'a': no parent link 'bas' in "
          "the file. Did you "
          "mean 'base'? Parent links: base, arm."),
-        (LINKS + JOINT + "axis = 'z'\nlimits = { lower = '3 dge' }\n", "arm.toml:11: joint 'a', limits: lower is '3 "
+        (LINKS + JOINT + "axis = 'z'\nlimits = { lower = '3 dge' }\n",
+         "arm.toml:11: joint 'a', limits: lower is '3 "
          "dge', expected a "
          "number, or text such as \"30 deg\"."),
-        (LINKS + JOINT + "axis = 'z'\nlimits = { lower = 1, upper = 0 }\n", "arm.toml:5: joint 'a': lower limit 1 "
+        (LINKS + JOINT + "axis = 'z'\nlimits = { lower = 1, upper = 0 }\n",
+         "arm.toml:5: joint 'a': lower limit 1 "
          "is above upper 0; "
          "swap them."),
-        (LINKS + JOINT + "axis = 'z'\nrpy = [0, 0, 0]\nmatrix = [[1, 0, 0], [0, 1, 0], [0, 0, 2]]\n", "arm.toml:12: "
+        (LINKS + JOINT + "axis = 'z'\nrpy = [0, 0, 0]\nmatrix = [[1, 0, 0], [0, 1, 0], [0, 0, "
+                         "2]]\n", "arm.toml:12: "
          "joint 'a': rpy and "
          "matrix exclude each other; keep one rotation."),
-        (LINKS + JOINT + "axis = 'z'\nmatrix = [[1, 0, 0], [0, 1, 0], [0, 0, 2]]\n", "arm.toml:11: joint 'a': "
+        (LINKS + JOINT + "axis = 'z'\nmatrix = [[1, 0, 0], [0, 1, 0], [0, 0, 2]]\n",
+         "arm.toml:11: joint 'a': "
          "rotation: the matrix is "
          "not a rotation (R Rᵀ = 1, det R = 1)."),
-        (LINKS + JOINT + "axis = 'z'\nangle = 1\n", "arm.toml:11: joint 'a': angle does not fit a model with dim = "
+        (LINKS + JOINT + "axis = 'z'\nangle = 1\n",
+         "arm.toml:11: joint 'a': angle does not fit a model with dim = "
          "3; use rpy, "
          "axis_angle, quat_wxyz, matrix."),
-        (LINKS + JOINT + "axis = 'z'\nquat_wxyz = [1, 1, 0, 0]\n", "arm.toml:11: joint 'a': the quaternion has "
+        (LINKS + JOINT + "axis = 'z'\nquat_wxyz = [1, 1, 0, 0]\n",
+         "arm.toml:11: joint 'a': the quaternion has "
          "length 1.41421, expected 1."),
-        (LINKS + JOINT.replace("revolute", "fixed") + "axis = 'z'\n", "arm.toml:10: joint 'a': a fixed joint has no "
+        (LINKS + JOINT.replace("revolute", "fixed") + "axis = 'z'\n",
+         "arm.toml:10: joint 'a': a fixed joint has no "
          "axis; remove it."),
-        (LINKS + "[[frame]]\nname = 'f'\nparent = 'arn'\n", "arm.toml:7: no parent 'arn' in frame 'f'. Did you mean "
+        (LINKS + "[[frame]]\nname = 'f'\nparent = 'arn'\n",
+         "arm.toml:7: no parent 'arn' in frame 'f'. Did you mean "
          "'arm'? Parents: "
          "base, arm."),
-        (LINKS + "[[frame]]\nname = 'arm'\nparent = 'arm'\n", "arm.toml:6: frame 'arm': the name is taken; rename it."),
+        (LINKS + "[[frame]]\nname = 'arm'\nparent = 'arm'\n",
+         "arm.toml:6: frame 'arm': the name is taken; rename it."),
         ("tip = 'hand'\n" + LINKS, "arm.toml:1: no tip 'hand' in the file. Tips: base, arm."),
-        (LINKS + "mass = 'm'\n[parameters]\nM = 3\n", "arm.toml:7: no parameter 'M' in the model. Did you "
+        (LINKS + "mass = 'm'\n[parameters]\nM = 3\n",
+         "arm.toml:7: no parameter 'M' in the model. Did you "
          "mean 'm'? Parameters: g, m."),
-        (LINKS + "mass = { name = 'm', value = 2 }\n[parameters]\nm = 3\n", "arm.toml:7: 'm' has two values, 3 and "
+        (LINKS + "mass = { name = 'm', value = 2 }\n[parameters]\nm = 3\n",
+         "arm.toml:7: 'm' has two values, 3 and "
          "2; keep one."),
-        ("[planar]\nword = 'RX'\n", "arm.toml:1: planar: the word 'RX' must be made of the letters R and P, such as "
+        ("[planar]\nword = 'RX'\n",
+         "arm.toml:1: planar: the word 'RX' must be made of the letters R and P, such as "
          "'RR' or 'RP'."),
         ("[planar]\nword = 'RR'\nl = [1]\n", "arm.toml:3: [planar]: l has 1 entries, expected 2."),
-        ("[planar]\nword = 'R'\n" + LINKS, "arm.toml:1: [planar] describes the whole arm; remove the other links "
+        ("[planar]\nword = 'R'\n" + LINKS,
+         "arm.toml:1: [planar] describes the whole arm; remove the other links "
          "and joints."),
         ("[dh]\nrows = []\n", "arm.toml:1: [dh]: convention is missing; add convention = ..."),
-        ("[dh]\nconvention = 'craig'\n", "arm.toml:2: no convention 'craig' in [dh]. Conventions: standard, modified."),
-        ("[dh]\nconvention = 'modified'\nrows = [\n{ a = 1 },\n{ alpha = '90 dg' }]\n", "arm.toml:5: dh row 2: "
+        ("[dh]\nconvention = 'craig'\n",
+         "arm.toml:2: no convention 'craig' in [dh]. Conventions: standard, modified."),
+        ("[dh]\nconvention = 'modified'\nrows = [\n{ a = 1 },\n{ alpha = '90 dg' }]\n",
+         "arm.toml:5: dh row 2: "
          "alpha is '90 dg', expected "
          "a number or a name such as 'l1'; angles also as text such as '30 deg'."),
-        ("[dh]\nconvention = 'modified'\nrows = [\n{ a = 1 },\n{ I = [0, 0, 0, 0, 0, 0] }]\n", "arm.toml:5: dh row "
+        ("[dh]\nconvention = 'modified'\nrows = [\n{ a = 1 },\n{ I = [0, 0, 0, 0, 0, 0] }]\n",
+         "arm.toml:5: dh row "
          "2: com or I without a "
          "mass; add m."),
         ("a = " + "[" * 2000 + "]" * 2000, "arm.toml:1: brackets are nested more than 64 deep."),
@@ -361,8 +392,10 @@ y = 1
 """.replace("'it''s'", '"it\'s"')
     tomllib.loads(text)
     found = lines(text)
-    expected = {("quoted key",): 2, ("a", "b", "c", 1, 0): 3, ("a", "b", "d", "e"): 3, ("text",): 4, ("raw",): 8,
-                ("one", "two", "when"): 11, ("many", 0, "n"): 13, ("many", 1): 14, ("many", 1, "n", 1): 17,
+    expected = {("quoted key",): 2, ("a", "b", "c", 1, 0): 3, ("a", "b", "d", "e"): 3, ("text",): 4,
+                ("raw",): 8,
+                ("one", "two", "when"): 11, ("many", 0, "n"): 13, ("many", 1): 14,
+                ("many", 1, "n", 1): 17,
                 ("many", 1, "inner", "x"): 20, ("many", 1, "deep", 0, "y"): 22}  # fmt: skip
     assert {path: found.get(path) for path in expected} == expected
     assert line_of(found, ("many", 1, "n", 0, "unknown")) == 16

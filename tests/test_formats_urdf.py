@@ -246,7 +246,10 @@ def test_comments_namespaces_and_byte_order_mark(tmp_path):
 def test_everything_else_is_counted(tmp_path):
     rest = """<gazebo/><gazebo/><transmission name="t"><actuator name="m"><mechanicalReduction>100</mechanicalReduction>
       </actuator></transmission><material name="red"/>"""
-    limit = '<limit lower="0" upper="1" velocity="1" effort="1" jerk="2"/><safety_controller k_velocity="1"/>'
+    limit = (
+        '<limit lower="0" upper="1" velocity="1" effort="1" jerk="2"/><safety_controller '
+        'k_velocity="1"/>'
+    )
     model = read(tmp_path, joint(limit) + rest, robot="<robot>")
     assert model.name == "arm"
     assert said(model, "name") == ["1: <robot> has no name; the file's is used, 'arm'."]
@@ -298,60 +301,83 @@ MASSLESS = (
 @pytest.mark.parametrize(
     ("body", "text"),
     [
-        ("", "arm.urdf:3: links 'base', 'hand' have no joint above them; only one link can be the base: connect the "
+        ("", "arm.urdf:3: links 'base', 'hand' have no joint above them; "
+             "only one link can be the base: connect the "
              "others to it by joints."),
-        (joint(kind="revolut"), "arm.urdf:4: no type 'revolut' in joint 'elbow'. Did you mean 'revolute'? Types: "
+        (joint(kind="revolut"),
+         "arm.urdf:4: no type 'revolut' in joint 'elbow'. Did you mean 'revolute'? Types: "
          "revolute, "
              "continuous, prismatic, fixed, floating, planar."),
         (joint(kind=""), "arm.urdf:4: joint 'elbow': <joint> has no type; add type=\"...\"."),
-        (joint(ends='<child link="hand"/>'), "arm.urdf:4: joint 'elbow': it has no <parent>; add <parent "
+        (joint(ends='<child link="hand"/>'),
+         "arm.urdf:4: joint 'elbow': it has no <parent>; add <parent "
          "link=\"...\"/>."),
-        (joint(ends='<parent/><child link="hand"/>'), "arm.urdf:4: joint 'elbow': <parent> has no link; add "
+        (joint(ends='<parent/><child link="hand"/>'),
+         "arm.urdf:4: joint 'elbow': <parent> has no link; add "
          "link=\"...\"."),
-        (joint(ends='<parent link="base"/><child link="hnd"/>'), "arm.urdf:4: joint 'elbow': no child link 'hnd' in "
+        (joint(ends='<parent link="base"/><child link="hnd"/>'),
+         "arm.urdf:4: joint 'elbow': no child link 'hnd' in "
          "the "
              "file. Did you mean 'hand'? Child links: base, hand."),
-        (joint() + joint(name="two"), "arm.urdf:5: link 'hand' hangs on two joints, 'elbow' and 'two'; a tree "
+        (joint() + joint(name="two"),
+         "arm.urdf:5: link 'hand' hangs on two joints, 'elbow' and 'two'; a tree "
          "allows one: "
              "write the other as a loop between two frames, or remove it."),
-        (joint() + joint(name="two", ends='<parent link="hand"/><child link="base"/>'), "arm.urdf:5: the links form a "
+        (joint() + joint(name="two", ends='<parent link="hand"/><child link="base"/>'),
+         "arm.urdf:5: the links form a "
              "cycle, base -> hand -> base (child -> parent); a tree has none: "
              "write one joint as a loop between two frames, or remove it."),
-        (joint(ends='<parent link="hand"/><child link="hand"/>'), "arm.urdf:4: joint 'elbow': link 'hand' cannot be "
+        (joint(ends='<parent link="hand"/><child link="hand"/>'),
+         "arm.urdf:4: joint 'elbow': link 'hand' cannot be "
          "its own "
              "parent; name another parent."),
-        (joint() + joint(ends='<parent link="hand"/><child link="base"/>'), "arm.urdf:5: two joints are called "
+        (joint() + joint(ends='<parent link="hand"/><child link="base"/>'),
+         "arm.urdf:5: two joints are called "
          "'elbow'; "
              "rename one."),
         (joint() + '<link name="hand"/>', "arm.urdf:5: two links are called 'hand'; rename one."),
         (joint() + "<link/>", "arm.urdf:5: a link has no name; give it one."),
-        (joint('<axis xyz="0 0 0"/>'), "arm.urdf:5: joint 'elbow': the axis is zero; give a direction such as "
+        (joint('<axis xyz="0 0 0"/>'),
+         "arm.urdf:5: joint 'elbow': the axis is zero; give a direction such as "
          "xyz=\"0 0 1\"."),
-        (joint('<axis xyz="0 1"/>'), "arm.urdf:5: joint 'elbow': xyz='0 1' has 2 entries, expected 3 numbers."),
-        (joint('<axis xyz="0 nan 1"/>'), "arm.urdf:5: joint 'elbow': xyz of <axis> is 'nan', expected a finite "
+        (joint('<axis xyz="0 1"/>'),
+         "arm.urdf:5: joint 'elbow': xyz='0 1' has 2 entries, expected 3 numbers."),
+        (joint('<axis xyz="0 nan 1"/>'),
+         "arm.urdf:5: joint 'elbow': xyz of <axis> is 'nan', expected a finite "
          "number."),
-        (joint('<origin xyz="0 0 inf"/>'), "arm.urdf:5: joint 'elbow': xyz of <origin> is 'inf', expected a finite "
+        (joint('<origin xyz="0 0 inf"/>'),
+         "arm.urdf:5: joint 'elbow': xyz of <origin> is 'inf', expected a finite "
          "number."),
-        (joint('<origin rpy="0 0 1_0"/>'), "arm.urdf:5: joint 'elbow': rpy of <origin> is '1_0', expected a finite "
+        (joint('<origin rpy="0 0 1_0"/>'),
+         "arm.urdf:5: joint 'elbow': rpy of <origin> is '1_0', expected a finite "
          "number."),
-        (joint('<origin xyz="${a} 0 0"/>'), "arm.urdf:5: joint 'elbow': xyz of <origin> is '${a}', expected a "
+        (joint('<origin xyz="${a} 0 0"/>'),
+         "arm.urdf:5: joint 'elbow': xyz of <origin> is '${a}', expected a "
          "finite number; "
              "it is a xacro expression: expand it first, with ROS by `xacro FILE > out.urdf`, "
              "without by `pip install "
              "xacrodoc`, then `xacrodoc FILE -o out.urdf`."),
-        (joint('<axis xyz="1 0 0"/><axis xyz="0 1 0"/>'), "arm.urdf:5: joint 'elbow': there are 2 <axis>; keep one."),
-        (joint('<limit lower="1" upper="-1"/>'), "arm.urdf:4: joint 'elbow': lower limit 1 is above upper -1; swap "
+        (joint('<axis xyz="1 0 0"/><axis xyz="0 1 0"/>'),
+         "arm.urdf:5: joint 'elbow': there are 2 <axis>; keep one."),
+        (joint('<limit lower="1" upper="-1"/>'),
+         "arm.urdf:4: joint 'elbow': lower limit 1 is above upper -1; swap "
          "them."),
-        (joint('<limit lower="nan"/>'), "arm.urdf:5: joint 'elbow': lower of <limit> is 'nan', expected a number."),
-        (joint('<dynamics damping="much"/>'), "arm.urdf:5: joint 'elbow': damping of <dynamics> is 'much', expected "
+        (joint('<limit lower="nan"/>'),
+         "arm.urdf:5: joint 'elbow': lower of <limit> is 'nan', expected a number."),
+        (joint('<dynamics damping="much"/>'),
+         "arm.urdf:5: joint 'elbow': damping of <dynamics> is 'much', expected "
          "a finite number."),
-        (joint('<mimic joint="elbw"/>'), "arm.urdf:4: no joint 'elbw' in the mimic of 'elbow'. Did you mean 'elbow'? "
+        (joint('<mimic joint="elbw"/>'),
+         "arm.urdf:4: no joint 'elbw' in the mimic of 'elbow'. Did you mean 'elbow'? "
              "Joints: elbow. Correct it, or load with mimic='free'."),
-        (joint('<mimic joint="elbow"/>'), "arm.urdf:4: joint 'elbow': its mimics go round in a circle; remove one."),
+        (joint('<mimic joint="elbow"/>'),
+         "arm.urdf:4: joint 'elbow': its mimics go round in a circle; remove one."),
         (joint("<mimic/>"), "arm.urdf:5: joint 'elbow': <mimic> has no joint; add joint=\"...\"."),
-        (MASSLESS.format('<mass value="1"/>'), "arm.urdf:4: link 'b': <inertial> has no <inertia>; add it, or remove "
+        (MASSLESS.format('<mass value="1"/>'),
+         "arm.urdf:4: link 'b': <inertial> has no <inertia>; add it, or remove "
              "<inertial> from a link without mass."),
-        (MASSLESS.format('<mass/><inertia ixx="1"/>'), "arm.urdf:4: link 'b': <inertia> has no ixy; add ixy=\"...\"."),
+        (MASSLESS.format('<mass/><inertia ixx="1"/>'),
+         "arm.urdf:4: link 'b': <inertia> has no ixy; add ixy=\"...\"."),
     ],
 )  # fmt: skip
 def test_refused(tmp_path, body: str, text: str):
@@ -361,18 +387,24 @@ def test_refused(tmp_path, body: str, text: str):
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ("<robot name='a'>\n<link name='b'>\n", "arm.urdf:3: the file ends inside <link>, opened on line 2; it "
+        ("<robot name='a'>\n<link name='b'>\n",
+         "arm.urdf:3: the file ends inside <link>, opened on line 2; it "
          "seems cut short."),
-        ("<robot name='a'>\n<link name='b'\n", "arm.urdf:2: the file ends inside <robot>, opened on line 1; it "
+        ("<robot name='a'>\n<link name='b'\n",
+         "arm.urdf:2: the file ends inside <robot>, opened on line 1; it "
          "seems cut short."),
-        ("<robot>\n<link></robot>", "arm.urdf:2: this is not well-formed XML: mismatched tag at column 9."),
+        ("<robot>\n<link></robot>",
+         "arm.urdf:2: this is not well-formed XML: mismatched tag at column 9."),
         ("hello", "arm.urdf:1: this is not well-formed XML: syntax error at column 1."),
-        ("<robot>&lol;</robot>", "arm.urdf:1: this is not well-formed XML: undefined entity at column 8."),
-        ("<?xml version='1.0' encoding='klingon'?><robot/>", "arm.urdf: the XML cannot be decoded: unknown "
+        ("<robot>&lol;</robot>",
+         "arm.urdf:1: this is not well-formed XML: undefined entity at column 8."),
+        ("<?xml version='1.0' encoding='klingon'?><robot/>",
+         "arm.urdf: the XML cannot be decoded: unknown "
          "encoding: klingon."),
         ("<sdf/>", "arm.urdf:1: the root element is <sdf>, expected <robot> (this is SDF)."),
         ("<robot name='a'/>", "arm.urdf:1: there are no links; a robot needs at least one."),
-        ("<robot xmlns:xacro='x'><xacro:arm/></robot>", "arm.urdf:1: there are no links; a robot needs at least "
+        ("<robot xmlns:xacro='x'><xacro:arm/></robot>",
+         "arm.urdf:1: there are no links; a robot needs at least "
          "one; it looks "
              "like xacro: expand it first, with ROS by `xacro FILE > out.urdf`, without by `pip "
              "install xacrodoc`, "

@@ -14,7 +14,10 @@ from freebody.formats import source
 from freebody.formats.numbers import number
 from freebody.motion.table import read_motion
 
-BODY = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+BODY = (
+    '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" '
+    'izz="1"/></inertial>'
+)
 ARM = """<robot name="a"><link name="base"/><link name="arm">{body}</link>
 <joint name="j" type="continuous"><parent link="base"/><child link="arm"/>{inner}</joint></robot>"""
 LIMITED = ARM.replace("continuous", "revolute")
@@ -145,7 +148,8 @@ def test_letters_name_a_planar_arm_wherever_a_robot_is_named(capsys):
 TOO_MUCH = {
     "elements inside elements": ("urdf", "<a>" * 100_000, "elements are nested more than 200 deep"),
     "many elements": ("urdf", "<robot>" + "<a/>" * 600_000, "more than 500000 elements"),
-    "many links": ("urdf", "<robot>" + "".join(f'<link name="{k}"/>' for k in range(60_000)) + "</robot>",
+    "many links": ("urdf",
+                   "<robot>" + "".join(f'<link name="{k}"/>' for k in range(60_000)) + "</robot>",
                    "at most 50000 are read"),
     "brackets": ("toml", "a = " + "[" * 100_000, "brackets are nested more than 64 deep"),
     "tables": ("toml", "a = " + "{a=" * 100_000, "brackets are nested more than 64 deep"),
@@ -166,7 +170,10 @@ def test_too_many_and_too_deep_is_refused_soon(tmp_path, case: str):
 
 
 def test_brackets_in_strings_and_comments_do_not_count(tmp_path):
-    text = f"# {'[' * 200}\nname = \"{'[' * 200} {'.a' * 200}\"\nsource = '''{'{' * 200}\n'''\n[planar]\nword = \"R\"\n"
+    text = (
+        f'# {"[" * 200}\nname = "{"[" * 200} {".a" * 200}"\n'
+        f"source = '''{'{' * 200}\n'''\n[planar]\nword = \"R\"\n"
+    )
     assert load(text, tmp_path / "x.toml").name.startswith("[[[")
 
 
@@ -178,7 +185,8 @@ def test_unknown_elements_of_many_names_are_counted(tmp_path):
 
 
 @pytest.mark.parametrize("text", ["(" * 100_000, "x = " + "[" * 20_000, "H11 = " + "(" * 19_000, "-" * 19_000 + "= 1",
-                                  "H11 = " + "sin " * 4000, "H11 = " + "\\frac" * 3000, "H11 = 1" + "^1" * 9000,
+                                  "H11 = " + "sin " * 4000, "H11 = " + "\\frac" * 3000,
+                                  "H11 = 1" + "^1" * 9000,
                                   "H11 = " + "|" * 1000])  # fmt: skip
 def test_a_deep_answer_is_refused_as_an_answer(text: str):
     assert refusal(lambda: fb.check(fb.load("2R"), text)).startswith("check: ")
@@ -215,22 +223,33 @@ def test_numbers(text: str):
 
 LONG = "1" * 5000
 BAD = {
-    "5000 digits": ("urdf", urdf(f'<origin xyz="{LONG} 0 0"/>'), ":2: joint 'j': xyz of <origin> is '11111"),
-    "full-width digits": ("urdf", urdf('<origin xyz="１ 0 0"/>'), ":2: joint 'j': xyz of <origin> is '１'"),
-    "an underscore": ("urdf", urdf('<origin xyz="1_0 0 0"/>'), ":2: joint 'j': xyz of <origin> is '1_0'"),
+    "5000 digits": ("urdf", urdf(f'<origin xyz="{LONG} 0 0"/>'),
+                    ":2: joint 'j': xyz of <origin> is '11111"),
+    "full-width digits": ("urdf", urdf('<origin xyz="１ 0 0"/>'),
+                          ":2: joint 'j': xyz of <origin> is '１'"),
+    "an underscore": ("urdf", urdf('<origin xyz="1_0 0 0"/>'),
+                      ":2: joint 'j': xyz of <origin> is '1_0'"),
     "a length of 1e200": ("urdf", urdf('<origin xyz="1e200 0 0"/>'),
                           ":2: joint 'j': xyz of <origin> is 1e+200, beyond 1e+60"),
-    "an axis of 1e200": ("urdf", urdf('<axis xyz="1e200 1e200 0"/>'), "xyz of <axis> is 1e+200, beyond 1e+60"),
-    "an integer of 5000 digits": ("toml", ONE.format(f"mass = {LONG}", ""), ":5: a number has more than 4300"),
-    "a text of 5000 digits": ("toml", ONE.format("mass = 1", f'limits = {{ lower = "{LONG}x" }}'), ":12: joint 'j', l"),
+    "an axis of 1e200": ("urdf", urdf('<axis xyz="1e200 1e200 0"/>'),
+                         "xyz of <axis> is 1e+200, beyond 1e+60"),
+    "an integer of 5000 digits": ("toml", ONE.format(f"mass = {LONG}", ""),
+                                  ":5: a number has more than 4300"),
+    "a text of 5000 digits": ("toml", ONE.format("mass = 1", f'limits = {{ lower = "{LONG}x" }}'),
+                              ":12: joint 'j', l"),
     "a bar of 1e200": ("toml", ONE.format("mass = 1\nshape = { bar = { length = 1e200 } }", ""),
                        ":6: link 'arm', bar: length is 1e+200, beyond"),
-    "full-width degrees": ("toml", ONE.format("mass = 1", 'rpy = ["３０ deg", 0, 0]'), ":12: joint 'j': rpy[0] is '３"),
-    "gravity of 1e200": ("toml", 'gravity = [0, 1e200]\n[planar]\nword = "R"', ":1: gravity[1] is 1e+200, beyond"),
+    "full-width degrees": ("toml", ONE.format("mass = 1", 'rpy = ["３０ deg", 0, 0]'),
+                           ":12: joint 'j': rpy[0] is '３"),
+    "gravity of 1e200": ("toml", 'gravity = [0, 1e200]\n[planar]\nword = "R"',
+                         ":1: gravity[1] is 1e+200, beyond"),
     "an empty name": ("csv", "# name:\n" + TABLE + "R,1,0,1\n", ":1: name is empty"),
-    "infinite gravity": ("csv", "# gravity: 1e999\n" + TABLE + "R,1,0,1\n", ":1: gravity is '1e999', expected"),
-    "a cell of 131 073 characters": ("csv", TABLE + "R,1,0," + "9" * 131_073, ":3: this is no line of a CSV table"),
-    "underscores in a table": ("csv", TABLE + "R,1_0,0,1\n", ":3: dh row 1: a is '1_0', expected a number or a name."),
+    "infinite gravity": ("csv", "# gravity: 1e999\n" + TABLE + "R,1,0,1\n",
+                         ":1: gravity is '1e999', expected"),
+    "a cell of 131 073 characters": ("csv", TABLE + "R,1,0," + "9" * 131_073,
+                                     ":3: this is no line of a CSV table"),
+    "underscores in a table": ("csv", TABLE + "R,1_0,0,1\n",
+                               ":3: dh row 1: a is '1_0', expected a number or a name."),
     "1e200 in a table": ("csv", TABLE + "R,1e200,0,1\n", ":3: dh row 1: a is 1e+200, beyond 1e+60"),
 }  # fmt: skip
 

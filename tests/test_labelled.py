@@ -31,8 +31,10 @@ TAKES_NUMBERS = (
 """What stands in the annotation of an argument that takes several numbers."""
 
 BY_NAME = {
-    "q": "positions", "q0": "positions", "q1": "positions", "qd": "rates", "qdd": "rates", "tau": "rates",
-    "v": "rates", "rates": "rates", "accelerations": "rates", "torque": "rates", "V": "rows", "A": "rows",
+    "q": "positions", "q0": "positions", "q1": "positions", "qd": "rates", "qdd": "rates",
+    "tau": "rates",
+    "v": "rates", "rates": "rates", "accelerations": "rates", "torque": "rates", "V": "rows",
+    "A": "rows",
     "wrenches": "wrench", "point": "point", "about": "point",
 }  # fmt: skip
 """Arguments whose entries have names, and which."""

@@ -13,7 +13,10 @@ from freebody.cli.app import run
 from freebody.formats.loading import read
 from freebody.model.assembly import assemble
 
-BODY = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>'
+BODY = (
+    '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" '
+    'izz="1"/></inertial></link>'
+)
 
 
 def urdf(n: int, kind: str = "revolute", reverse: bool = False, mimic: bool = False) -> str:
@@ -22,7 +25,8 @@ def urdf(n: int, kind: str = "revolute", reverse: bool = False, mimic: bool = Fa
     for k in range(1, n + 1):
         follows = f'<mimic joint="j{k + 1}" multiplier="-1"/>' if mimic and k < n else ""
         parts.append(
-            f'<link name="l{k}">{BODY}<joint name="j{k}" type="{kind}"><parent link="l{k - 1}"/><child link="l{k}"/>'
+            f'<link name="l{k}">{BODY}<joint name="j{k}" type="{kind}"><parent '
+            f'link="l{k - 1}"/><child link="l{k}"/>'
             f'<origin xyz="0.1 0 0" rpy="0.1 0 0"/><axis xyz="0 0 1"/>{follows}'
             f'<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
         )
@@ -35,9 +39,12 @@ def toml(n: int) -> str:
     parts = ['[[link]]\nname = "l0"']
     for k in range(1, n + 1):
         parts.append(
-            f'[[link]]\nname = "l{k}"\nmass = 1\n[[joint]]\nname = "j{k}"\nkind = "revolute"\nparent = "l{k - 1}"\n'
-            f'child = "l{k}"\norigin = [0.1, 0, 0]\naxis = "z"\n[[payload]]\nname = "p{k}"\nframe = "l{k}"\nmass = 1\n'
-            f'[[frame]]\nname = "f{k}"\nparent = "{f"f{k - 1}" if k > 1 else "l1"}"\norigin = [0, 0.1, 0]\n'
+            f'[[link]]\nname = "l{k}"\nmass = 1\n[[joint]]\nname = "j{k}"\nkind = "revolute"\n'
+            f'parent = "l{k - 1}"\n'
+            f'child = "l{k}"\norigin = [0.1, 0, 0]\naxis = "z"\n[[payload]]\nname = "p{k}"\n'
+            f'frame = "l{k}"\nmass = 1\n'
+            f'[[frame]]\nname = "f{k}"\nparent = "{f"f{k - 1}" if k > 1 else "l1"}"\n'
+            "origin = [0, 0.1, 0]\n"
             f'[[loop]]\nname = "c{k}"\nkind = "spherical"\nframes = ["l{k - 1}", "l{k}"]'
         )
     return "\n".join([*parts, "[home]", *(f"j{k} = 0.1" for k in range(1, n + 1))])
@@ -139,7 +146,8 @@ def test_mimics_of_mimics_multiply_along_the_chain(tmp_path):
 
 def test_a_long_row_of_named_steps_is_refused_and_not_multiplied_out(tmp_path):
     frames = "\n".join(
-        f'[[frame]]\nname = "f{k}"\nparent = "{f"f{k - 1}" if k else "link1"}"\norigin = ["x{k}", 0]'
+        f'[[frame]]\nname = "f{k}"\nparent = "{f"f{k - 1}" if k else "link1"}"\n'
+        f'origin = ["x{k}", 0]'
         for k in range(1200)
     )
     path = tmp_path / "named.toml"

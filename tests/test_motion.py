@@ -139,7 +139,8 @@ BAD = {
     "": ": the file is empty.",
     "when,joint1,joint2\n"
     + ROWS: ":1: the header has no column 't' (time in s); it has 'when', 'joint1' and 'joint2'.",
-    "t,joint1\n0,0\n1,1\n2,2\n3,3\n": ":1: there is no column for 'joint2'; a motion gives every position of '2R'.",
+    "t,joint1\n0,0\n1,1\n2,2\n3,3\n": ":1: there is no column for 'joint2'; "
+    "a motion gives every position of '2R'.",
     "t,joint1,joint2,jont2\n"
     + ROWS: ":1: no column 'jont2' in a motion of '2R'. Did you mean 'joint2'? "
     "Columns: t, joint1, joint2, joint1.v, joint1.a, joint2.v, joint2.a; a column that is no part "
@@ -149,8 +150,10 @@ BAD = {
     "t,joint1,joint2\n0,0,0\n1,x,1\n": ":1: 2 rows of numbers; a motion needs at least 4.",
     "t,joint1,joint2\n0,0,0\n\n1,x,1\n2,2,2\n3,3,3": ":4: column 'joint1': 'x' is not a number.",
     "t,joint1,joint2\n0,0,0\n1,,1\n2,2,2\n3,3,3": ":3: column 'joint1': there is no number.",
-    "t,joint1,joint2\n0,0,0\n1,1,1\n2,2,nan\n3,3,3": ":4: column 'joint2': 'nan' is not a finite number.",
-    "t,joint1,joint2\n0,0,0\n1,1,1\n1,2,2\n3,3,3": ":4: t = 1 does not come after 1; times must increase.",
+    "t,joint1,joint2\n0,0,0\n1,1,1\n2,2,nan\n3,3,3": ":4: column 'joint2': "
+    "'nan' is not a finite number.",
+    "t,joint1,joint2\n0,0,0\n1,1,1\n1,2,2\n3,3,3": ":4: t = 1 does not come after 1; "
+    "times must increase.",
     "t,joint1,joint2\n0,0,0\n1,1\n2,2,2\n3,3,3": ":3: 2 values, the header names 3 columns.",
     "t,joint1,joint2\n0,0,0": ":1: 1 row of numbers; a motion needs at least 4.",
 }

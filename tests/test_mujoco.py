@@ -227,7 +227,10 @@ def test_robots(name: str):
         r"<(visual|collision)\b.*?</\1>", "", (ROBOTS / name).read_text(), flags=re.DOTALL
     )
     bare = re.sub(r"<mimic[^>]*/>", "", bare)
-    compiler = '<mujoco><compiler inertiafromgeom="false" fusestatic="true" balanceinertia="false"/></mujoco>'
+    compiler = (
+        '<mujoco><compiler inertiafromgeom="false" fusestatic="true" '
+        'balanceinertia="false"/></mujoco>'
+    )
     theirs = Theirs(bare.replace("</robot>", f"{compiler}</robot>"), model)
     for state in zip(*fb.random_state(model, 1, 4), strict=True):
         theirs.check(*state)

@@ -84,7 +84,10 @@ def with_one(names: tuple[str, ...], k: int, value: Any) -> list[Any]:
 @pytest.mark.parametrize("shape", [(3,), (1,), (), (2, 3), (0,)], ids=str)
 def test_wrong_shape(function: Callable, names: tuple[str, ...], k: int, shape: tuple[int, ...]):
     size = "nq" if names[k].startswith("q") and names[k] not in ("qd", "qdd") else "nv"
-    text = f"{function.__name__}: {names[k]} has shape {shape}, expected (..., 2): model 'arm' has {size} = 2."
+    text = (
+        f"{function.__name__}: {names[k]} has shape {shape}, expected (..., 2): "
+        f"model 'arm' has {size} = 2."
+    )
     says(text, lambda: function(ARM, *with_one(names, k, np.zeros(shape))), ShapeError)
 
 
@@ -335,7 +338,8 @@ def fb_link(name: str):
 def test_kernel():
     with pytest.raises(
         UnknownNameError,
-        match=r"^no quantity 'inverse' in fb\.kernel\. Did you mean 'inverse_dynamics'\? Quantities: ",
+        match=r"^no quantity 'inverse' in fb\.kernel\. Did you mean 'inverse_dynamics'\? "
+        r"Quantities: ",
     ):
         fb.kernel(ARM, "inverse")
     says("fb.kernel: give at least one quantity.", lambda: fb.kernel(ARM, []))
@@ -367,7 +371,10 @@ def test_symbols_without_values():
         lambda: fb.forward_dynamics(model, Z, Z, Z),
         MissingValueError,
     )
-    masses = "the mass of 'letters': numbers need a value for m1, m2. Give them with model.bind(m1=..., m2=...)."
+    masses = (
+        "the mass of 'letters': numbers need a value for m1, m2. "
+        "Give them with model.bind(m1=..., m2=...)."
+    )
     says(masses, lambda: fb.center_of_mass(model, Z), MissingValueError)
     assert model.bind(m1=1, m2=2).mass == 3.0
     bound = model.bind(l2=1, lc1=0.5, lc2=0.5, m1=1, m2=1, I1=0.1, I2=0.1)

@@ -302,8 +302,8 @@ def test_one_failed_output_costs_no_other(
         "what has this name here is not freebody's, or was changed; move it, or name another folder"
     )
     assert (
-        said.err
-        == f"error: out: not written: study.nc: {other}; motion.csv: {other}. The other 6 are there.\n"
+        said.err == f"error: out: not written: study.nc: {other}; motion.csv: {other}. "
+        "The other 6 are there.\n"
     )
     assert "report: out/report.html\n" in said.out
     assert "data:" not in said.out
@@ -400,8 +400,8 @@ def test_a_folder_with_another_manifest_is_refused_before_the_work(
         Path("app", MANIFEST).write_text(text)
         said = error(capsys, "study", "2R", "--out", "app")
         assert (
-            said
-            == "app/manifest.json: this is not a manifest of freebody's results; name another folder with --out."
+            said == "app/manifest.json: this is not a manifest of freebody's results; "
+            "name another folder with --out."
         )
         assert Path("app", MANIFEST).read_text() == text
 

@@ -85,8 +85,10 @@ def test_a_torque_at_a_passive_joint_of_a_closed_chain_is_refused():
 @pytest.mark.parametrize(
     "text",
     [
-        '[planar]\nword = "PR"\nm = [2, 1]\nl = [0, 1]\nlc = [0, 1]\nI = [0, 1]\npassive = ["joint2"]\n',
-        '[dh]\nconvention = "standard"\nrows = [{ a = 1, m = 1 }, { a = 1, m = 1, passive = true }]\n',
+        '[planar]\nword = "PR"\nm = [2, 1]\nl = [0, 1]\nlc = [0, 1]\nI = [0, 1]\n'
+        'passive = ["joint2"]\n',
+        '[dh]\nconvention = "standard"\nrows = [{ a = 1, m = 1 }, { a = 1, m = 1, '
+        "passive = true }]\n",
     ],
 )
 def test_passive_joints_of_a_file_come_back_when_saved(tmp_path: Path, text: str):

@@ -28,7 +28,8 @@ class Cells(HTMLParser):
         ]
         self.ids += [given["id"]] if "id" in given else []
         if "data-var" in given:
-            self.cells.append({"var": given["data-var"], "at": given["data-at"], "value": given["data-value"],
+            self.cells.append({"var": given["data-var"], "at": given["data-at"],
+                               "value": given["data-value"],
                                "scale": given.get("data-scale", "1"), "text": ""})  # fmt: skip
         self.inside = tag == "span" and bool(self.cells)
 
@@ -78,9 +79,12 @@ def test_failed_check_stands_out(study):
 def test_names_from_a_file_are_text_not_markup(tmp_path):
     source = tmp_path / "arm.urdf"
     source.write_text(
-        '<robot name="a&lt;b&gt;"><link name="base"/><link name="l&lt;script&gt;"><inertial><mass value="1"/>'
-        '<origin xyz="0.1 0 0"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
-        '<joint name="j&amp;&quot;" type="continuous"><parent link="base"/><child link="l&lt;script&gt;"/>'
+        '<robot name="a&lt;b&gt;"><link name="base"/><link name="l&lt;script&gt;"><inertial><mass '
+        'value="1"/>'
+        '<origin xyz="0.1 0 0"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" '
+        'iyz="0"/></inertial></link>'
+        '<joint name="j&amp;&quot;" type="continuous"><parent link="base"/><child '
+        'link="l&lt;script&gt;"/>'
         '<axis xyz="0 1 0"/></joint></robot>',
         encoding="utf-8",
     )

@@ -10,8 +10,10 @@ import pytest
 
 import freebody as fb
 
-NAMES = ["2R", "3R", "3RRR", "bricard", "double_four_bar", "five_bar", "five_bar_rods", "four_bar", "gyro", "iiwa14",
-         "panda", "pendulum", "puma560", "quadrotor", "RP", "scara", "slider_crank", "stewart", "ur5e"]  # fmt: skip
+NAMES = ["2R", "3R", "3RRR", "bricard", "double_four_bar", "five_bar", "five_bar_rods", "four_bar",
+         "gyro", "iiwa14",
+         "panda", "pendulum", "puma560", "quadrotor", "RP", "scara", "slider_crank", "stewart",
+         "ur5e"]  # fmt: skip
 NOT_PHYSICAL = {"puma560": ["link1", "link3"]}
 
 
@@ -57,7 +59,10 @@ def test_loads_quickly(name: str):
 
 def test_loading_reads_no_heavy_module():
     heavy = ("scipy", "pydantic", "xarray", "llvmlite")
-    code = f"import sys, freebody as fb; fb.load('panda'); print(*(m for m in {heavy} if m in sys.modules))"
+    code = (
+        f"import sys, freebody as fb; fb.load('panda'); print(*(m for m in {heavy} if m in "
+        "sys.modules))"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == ""
 

@@ -74,7 +74,10 @@ def test_a_target_is_a_module_and_a_line(monkeypatch):
 
 
 def test_importing_the_compiler_does_not_import_llvm():
-    code = "import sys, freebody.targets; assert not any(m.startswith('llvmlite') for m in sys.modules)"
+    code = (
+        "import sys, freebody.targets; assert not any(m.startswith('llvmlite') for m in "
+        "sys.modules)"
+    )
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60, env=environment())
 
 

@@ -111,7 +111,8 @@ def quantities():
 
 
 @pytest.mark.parametrize("case", [
-    "inverse dynamics", "forward dynamics, with a wrench", "a free base, by quaternions", "a closed chain",
+    "inverse dynamics", "forward dynamics, with a wrench", "a free base, by quaternions",
+    "a closed chain",
     "several outputs", "numbers of the robot", "a step",
 ])  # fmt: skip
 def test_gradcheck(case):

@@ -236,13 +236,17 @@ def test_a_bearing_is_told_from_its_drive():
     hand."""
     weight = 3.0 * 9.81
     expected = {
-        ("revolute", "0 1 0"): {"axial_force": 0, "radial_force": weight, "tilting_moment": 0.3 * weight,
+        ("revolute", "0 1 0"): {"axial_force": 0, "radial_force": weight,
+                                "tilting_moment": 0.3 * weight,
                                 "drive_load": -0.4 * weight},
-        ("revolute", "0 0 1"): {"axial_force": weight, "radial_force": 0, "tilting_moment": 0.5 * weight,
+        ("revolute", "0 0 1"): {"axial_force": weight, "radial_force": 0,
+                                "tilting_moment": 0.5 * weight,
                                 "drive_load": 0},
-        ("prismatic", "0 0 1"): {"radial_force": 0, "tilting_moment": 0.5 * weight, "guide_moment": 0,
+        ("prismatic", "0 0 1"): {"radial_force": 0, "tilting_moment": 0.5 * weight,
+                                 "guide_moment": 0,
                                  "drive_load": weight},
-        ("prismatic", "1 0 0"): {"radial_force": weight, "tilting_moment": 0.4 * weight, "guide_moment": 0.3 * weight,
+        ("prismatic", "1 0 0"): {"radial_force": weight, "tilting_moment": 0.4 * weight,
+                                 "guide_moment": 0.3 * weight,
                                  "drive_load": 0},
     }  # fmt: skip
     for (kind, axis), loads in expected.items():

@@ -42,7 +42,8 @@ AREAS = (
     Area(
         "algorithms",
         ("algorithms/*.py", "spatial.py", "model/joints/*.py"),
-        ("yardsticks", "base_parameters", "states", "derivatives", "closed_three_ways", "operational", "equations",
+        ("yardsticks", "base_parameters", "states", "derivatives", "closed_three_ways",
+         "operational", "equations",
          "laws", "pinocchio"),
     ),
     Area(
@@ -56,14 +57,18 @@ AREAS = (
     ),
     Area(
         "closed chains",
-        ("loops/*.py", "model/closures.py", "model/loops.py", "motion/clos*.py", "trees/balance.py"),
+        ("loops/*.py", "model/closures.py", "model/loops.py", "motion/clos*.py",
+         "trees/balance.py"),
         ("closed_*", "dyads", "simulate"),
     ),
     Area(
         "derivations",
-        ("derivations/*.py", "derivations/methods/*.py", "derivations/closed/*.py", "derivations/render/*.py"),
-        ("derivation_words", "equations", "expression", "relation", "closed_equations", "closed_derivations", "naming",
-         "names_in_print", "singularities", "diagrams", "notes", "zero_parameters", "derive", "inverse_kinematics"),
+        ("derivations/*.py", "derivations/methods/*.py", "derivations/closed/*.py",
+         "derivations/render/*.py"),
+        ("derivation_words", "equations", "expression", "relation", "closed_equations",
+         "closed_derivations", "naming",
+         "names_in_print", "singularities", "diagrams", "notes", "zero_parameters", "derive",
+         "inverse_kinematics"),
     ),
     Area(
         "check",

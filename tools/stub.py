@@ -14,7 +14,8 @@ import freebody as fb
 def stub() -> str:
     """The text of the stub: each public name from its place."""
     lines = [
-        '"""Written by tools/stub.py from the table in __init__.py: what type checkers read of it."""',
+        '"""Written by tools/stub.py from the table in __init__.py: '
+        'what type checkers read of it."""',
         "",
     ]
     lines += [f"from . import {name} as {name}" for name in fb._MODULES]

@@ -169,5 +169,8 @@ def assembled(text: str, folder: Path, processor: str = "sm_90") -> list[tuple[i
         command, cwd=folder, capture_output=True, text=True, check=False, timeout=600
     )
     assert done.returncode == 0, done.stderr[:2000]
-    entry = r"Function properties for (\w+)\n.*?(\d+) bytes spill stores, (\d+) bytes spill loads\n.*Used (\d+) reg"
+    entry = (
+        r"Function properties for (\w+)\n.*?(\d+) bytes spill stores, "
+        r"(\d+) bytes spill loads\n.*Used (\d+) reg"
+    )
     return [(int(r), int(s), int(b)) for _, s, b, r in re.findall(entry, done.stderr)]

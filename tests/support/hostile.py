@@ -43,7 +43,8 @@ def hostile() -> fb.Model:
     for name, parent, child in zip(JOINTS, LINKS, LINKS[1:], strict=False):
         ends = f"parent = {json.dumps(parent)}\nchild = {json.dumps(child)}"
         rows.append(
-            f'[[joint]]\nname = {json.dumps(name)}\nkind = "revolute"\n{ends}\norigin = [0.2, 0, 0]\naxis = "y"'
+            f'[[joint]]\nname = {json.dumps(name)}\nkind = "revolute"\n{ends}\n'
+            'origin = [0.2, 0, 0]\naxis = "y"'
         )
     Path("hostile.toml").write_text("\n".join(rows), encoding="utf-8")
     return fb.load("hostile.toml")

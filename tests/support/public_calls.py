@@ -43,7 +43,8 @@ LONG = frozenset({"assembly_modes", "simulate"})
 DRAWINGS = frozenset({"free_body_diagram", "kinematic_diagram"})
 
 VECTORS = {  # which vector of a state an argument takes
-    "q": "q", "q0": "q", "q1": "q1", "qd": "qd", "qdd": "qdd", "tau": "tau", "v": "qd", "rates": "qd",
+    "q": "q", "q0": "q", "q1": "q1", "qd": "qd", "qdd": "qdd", "tau": "tau", "v": "qd",
+    "rates": "qd",
     "accelerations": "qdd", "V": "V", "A": "V", "target": "pose", "t": "t",
 }  # fmt: skip
 
@@ -97,7 +98,8 @@ def state(model: fb.Model, seed: int, batch: tuple[int, ...] = ()) -> dict[str, 
     V = np.full((*batch, 6 if model.dim == 3 else 3), 0.1)
     pose = fb.forward_kinematics(model, q) if model.tip else np.eye(model.dim + 1)
     return {
-        "q": q, "qd": qd, "qdd": qdd, "tau": qdd + 1.0, "V": V, "pose": pose, "t": np.linspace(0.0, 0.01, 3), "seed": 7,
+        "q": q, "qd": qd, "qdd": qdd, "tau": qdd + 1.0, "V": V, "pose": pose,
+        "t": np.linspace(0.0, 0.01, 3), "seed": 7,
         "q1": q[..., ::-1] * 0.5 if model.nq == model.nv else q,
     }  # fmt: skip
 

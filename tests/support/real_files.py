@@ -7,6 +7,7 @@ ROBOTS = Path(sysconfig.get_path("purelib"), "cmeel.prefix/share/example-robot-d
 FILES = sorted(path.relative_to(ROBOTS).as_posix() for path in ROBOTS.rglob("*.urdf"))
 REFUSED = {
     "ur_description/urdf/ur3.urdf": "there are no links",
-    "alex_description/urdf/alex_psyonic_hands.urdf": "no joint 'index_q1' in the mimic of 'Left_index_q2'",
+    "alex_description/urdf/alex_psyonic_hands.urdf": "no joint 'index_q1' in the mimic of "
+    "'Left_index_q2'",
 }
 """With mimics followed; the second loads with mimic="free"."""

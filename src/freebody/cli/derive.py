@@ -103,7 +103,8 @@ def derive(
         str | None,
         typer.Option(
             metavar="METHOD",
-            help="How the equations are derived: a name of the list above. Default: the first that serves.",
+            help="How the equations are derived: a name of the list above. Default: "
+            "the first that serves.",
         ),
     ] = None,
     compare: Annotated[

@@ -32,7 +32,8 @@ def export(
     language: Annotated[
         str,
         typer.Option(
-            help="c, cpp, javascript, javascript-script, rust, julia, matlab, numpy, jax, casadi or cuda (PTX)."
+            help="c, cpp, javascript, javascript-script, rust, julia, matlab, numpy, jax, "
+            "casadi or cuda (PTX)."
         ),
     ] = "c",
     out: Annotated[
@@ -61,14 +62,16 @@ def export(
         typer.Option(
             "--input",
             metavar="NAME",
-            help="A number of the robot that is given at each call, such as '*.mass'; may be repeated.",
+            help="A number of the robot that is given at each call, such as '*.mass'; "
+            "may be repeated.",
         ),
     ] = None,
     by: Annotated[
         list[str] | None,
         typer.Option(
             metavar="ARGUMENT",
-            help="Derivatives by this argument as well, such as q, or p for the numbers of --input; may be repeated.",
+            help="Derivatives by this argument as well, such as q, "
+            "or p for the numbers of --input; may be repeated.",
         ),
     ] = None,
     row: Annotated[

@@ -29,7 +29,8 @@ def fbd(
         str | None,
         typer.Option(
             metavar="VALUES",
-            help='Positions in rad and m, or "30 deg", in the joints\' order; loops are closed near them. Default: a '
+            help='Positions in rad and m, or "30 deg", in the joints\' order; '
+            "loops are closed near them. Default: a "
             "pose that is seen well.",
         ),
     ] = None,

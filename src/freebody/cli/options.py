@@ -46,7 +46,8 @@ class ConventionChoice(StrEnum):
 Robot = Annotated[
     str,
     typer.Argument(
-        help="A .urdf, .toml or .csv (DH table) file, a bundled model's name, or letters such as RRP."
+        help="A .urdf, .toml or .csv (DH table) file, a bundled model's name, "
+        "or letters such as RRP."
     ),
 ]
 Tip = Annotated[
@@ -89,7 +90,8 @@ Estimate = Annotated[
         "--estimate-inertia",
         metavar="KG",
         parser=number,
-        help="The robot's whole mass: inertias of a URDF are estimated from its shapes instead of read.",
+        help="The robot's whole mass: inertias of a URDF are estimated from its shapes instead of "
+        "read.",
     ),
 ]
 Convention = Annotated[

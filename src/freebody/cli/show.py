@@ -37,7 +37,8 @@ def show(
         str | None,
         typer.Option(
             metavar="QUANTITY",
-            help="Print the program of a quantity instead, such as inverse_dynamics: traced, and after each pass.",
+            help="Print the program of a quantity instead, such as inverse_dynamics: traced, "
+            "and after each pass.",
         ),
     ] = None,
 ) -> None:
@@ -89,9 +90,15 @@ def _heading(model: Model) -> str:
         mass = f"parameters without value: {', '.join(model.missing)}"
     else:
         gravity = ", ".join(f"{x:g}" for x in model.gravity)
-        mass = f"{model.mass:.6g} kg{', estimated' if model.is_estimated else ''}; gravity [{gravity}] m/s²"
+        mass = (
+            f"{model.mass:.6g} kg{', estimated' if model.is_estimated else ''}; "
+            f"gravity [{gravity}] m/s²"
+        )
     end = f"tip {model.tip}" if model.tip else f"ends {', '.join(model.leaves)}"
-    return f"{model.name}: {len(model.bodies)} bodies {space}, nq = {model.nq}, nv = {model.nv}, {mass}, {end}"
+    return (
+        f"{model.name}: {len(model.bodies)} bodies {space}, nq = {model.nq}, nv = {model.nv}, "
+        f"{mass}, {end}"
+    )
 
 
 def _tree(model: Model) -> Tree:

@@ -36,7 +36,8 @@ def study(
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="A CSV file whose header names t (s) and the joints (rad, m; or a unit, as in 'joint1 (deg)'). "
+            help="A CSV file whose header names t (s) and the joints (rad, m; or a unit, "
+            "as in 'joint1 (deg)'). "
             "Default: a motion within the limits.",
         ),
     ] = None,
@@ -48,7 +49,8 @@ def study(
         str | None,
         typer.Option(
             metavar="HZ",
-            help="Smooth a measured motion, without delay: a cutoff in Hz, or auto for the one its noise asks for.",
+            help="Smooth a measured motion, without delay: a cutoff in Hz, "
+            "or auto for the one its noise asks for.",
         ),
     ] = None,
     tip: options.Tip = None,
@@ -149,7 +151,10 @@ def _print_checks(found: Study) -> None:
     if not failed:
         out.print(f"Self-checks: freebody agrees with itself in all {len(found.checks)}.")
     for check in failed:
-        text = f"self-check failed: {check.name}: {check.value:.3g}, allowed {check.bar:.3g}. {check.text}"
+        text = (
+            f"self-check failed: {check.name}: {check.value:.3g}, allowed {check.bar:.3g}. "
+            f"{check.text}"
+        )
         out.print(text, style="bold red", markup=False)
 
 

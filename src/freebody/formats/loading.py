@@ -22,7 +22,8 @@ from freebody.model.parts import DOUBTFUL, Description
 
 _NOT_READ = {
     ".xacro": "xacro is not read directly; {xacro}, and load that.",
-    ".xml": "MJCF and other XML are not read; export the robot as URDF, or describe it in freebody's TOML.",
+    ".xml": "MJCF and other XML are not read; export the robot as URDF, "
+    "or describe it in freebody's TOML.",
     ".sdf": "SDF is not read; convert it to URDF, or describe the robot in freebody's TOML.",
 }
 SUFFIXES = (".urdf", ".toml", ".csv")

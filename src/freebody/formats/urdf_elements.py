@@ -136,7 +136,10 @@ class Elements:
             text = f"{key} limits of 0 are read as no limit ({_times(n)})."
             notices.append(Notice("limits", text, self.file, line))
         if len(self.ignored) > _MOST_KINDS:
-            text = f"{len(self.ignored) - _MOST_KINDS} further kinds of elements and attributes are ignored."
+            text = (
+                f"{len(self.ignored) - _MOST_KINDS} further kinds of elements and attributes "
+                "are ignored."
+            )
             notices.append(Notice("ignored", text, self.file))
         for what, (n, line) in islice(self.ignored.items(), _MOST_KINDS):
             notices.append(

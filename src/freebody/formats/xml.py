@@ -87,7 +87,8 @@ def parse(file: str, data: bytes) -> Element:
             f"the file ends inside <{opened[-1].tag}>, opened on line {opened[-1].line}; it seems "
             f"cut short."
             if cut
-            else f"this is not well-formed XML: {expat.ErrorString(error.code)} at column {error.offset + 1}."
+            else f"this is not well-formed XML: {expat.ErrorString(error.code)} at column "
+            f"{error.offset + 1}."
         )
         raise FileError(file, error.lineno, problem) from None
     except (ValueError, LookupError) as error:  # an encoding that Python does not know

@@ -232,9 +232,15 @@ class _Held:
     def _sentence(self, distance: float, turned: float, near: float) -> str:
         frame = f"frame {self.seeker.frame!r} of {self.seeker.model.name!r}"
         if distance > near:
-            return f"Out of reach: the target is about {distance:.6g} m from what {frame} can reach with loops closed."
+            return (
+                f"Out of reach: the target is about {distance:.6g} m from what {frame} can "
+                "reach with loops closed."
+            )
         if turned > 1e-6:
-            return f"Out of reach: at the target {frame} is turned by at least about {turned:.6g} rad against it."
+            return (
+                f"Out of reach: at the target {frame} is turned by at least about {turned:.6g} "
+                "rad against it."
+            )
         return (
             f"No solution was found for {frame}, though the target lies at the edge of its reach."
         )

@@ -114,7 +114,10 @@ def _wanted(
     size = array.shape[-1] if array.ndim else 0
     if task is None:
         if size not in (model.dim, six):
-            because = f"{model.dim} entries for the position, {six} for the pose; else name the rows with task="
+            because = (
+                f"{model.dim} entries for the position, {six} for the pose; "
+                "else name the rows with task="
+            )
             check_core(function, letter, array, (six,), because)
         task = "pose" if size == six else "position"
     rows = list(rows_of(function, model, task))

@@ -160,7 +160,10 @@ def singularities(
         )
     notes = [f"Rows counted: {', '.join(_names(model, rows))}."]
     if n != len(rows):
-        square = f"{n} joint{'s' * (n != 1)} and {len(rows)} rows: J is not square, so there is no determinant"
+        square = (
+            f"{n} joint{'s' * (n != 1)} and {len(rows)} rows: J is not square, "
+            "so there is no determinant"
+        )
         notes.append(f"{square}; search() finds singular poses.")
     elif _length(closed) > SHORT:
         notes.append(

@@ -44,7 +44,10 @@ def _sentence(seeker: Seeker, distance: float, out: bool, how: str) -> str:
     frame = f"frame {seeker.frame!r} of {seeker.model.name!r}"
     if out:
         oriented = " with this orientation" if seeker.task.angular else ""
-        return f"Out of reach: the target is {how}{distance:.6g} m from what {frame} can reach{oriented}."
+        return (
+            f"Out of reach: the target is {how}{distance:.6g} m from what {frame} can "
+            f"reach{oriented}."
+        )
     if seeker.task.angular:
         return (
             f"The position is within reach of {frame}, but not with this orientation; "

@@ -38,7 +38,10 @@ _SHORT = 0.01  # rad: a motion that shows where accelerations lead
 # part of what accelerations add to it by which it may miss the closed positions: terms of third
 # order
 _ASIDE = 0.03
-WOULD_OPEN = "would open{} under these accelerations; make them consistent with fb.loop_acceleration(model, q, qd, qdd)"
+WOULD_OPEN = (
+    "would open{} under these accelerations; "
+    "make them consistent with fb.loop_acceleration(model, q, qd, qdd)"
+)
 STUCK = "cannot stay closed at these rates{}: the mechanism is stuck"
 """What `require_consistent` says of accelerations that were given, and of those that were found."""
 

@@ -50,7 +50,10 @@ class Locus(Titled, ByValue):
 
     def _title(self) -> str:
         curve = "closed curve" if self.closed else "curve"
-        return f"Singular positions of the {self.kind} type: {curve} of {counted(len(self.q), 'position')}"
+        return (
+            f"Singular positions of the {self.kind} type: "
+            f"{curve} of {counted(len(self.q), 'position')}"
+        )
 
 
 def singularity_loci(

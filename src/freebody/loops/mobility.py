@@ -47,7 +47,10 @@ class Mobility(Titled, ByValue):
     that was looked at; 0 where they hold but for rounding in the computation."""
 
     def _title(self) -> str:
-        return f"Mobility of {self.model!r}: {counted(self.generic, 'degree')} of freedom, {self.instantaneous} here"
+        return (
+            f"Mobility of {self.model!r}: {counted(self.generic, 'degree')} of freedom, "
+            f"{self.instantaneous} here"
+        )
 
     @property
     def singular(self) -> bool:

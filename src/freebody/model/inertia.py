@@ -216,7 +216,10 @@ class Inertia:
         a, b, c = principal
         if a < -_TOLERANCE * abs(c):
             return f"principal moment {a:g} kg m² is negative"
-        return f"principal moments {a:g}, {b:g}, {c:g} kg m² break the triangle inequality ({a:g} + {b:g} < {c:g})"
+        return (
+            f"principal moments {a:g}, {b:g}, {c:g} kg m² break the triangle inequality ({a:g} "
+            f"+ {b:g} < {c:g})"
+        )
 
     def _is_surely_physical(self) -> bool:
         """Whether the second moments are positive by a margin or diagonal, found without their

@@ -424,7 +424,8 @@ class Model(Tabled, ByValue):
         What is not given stays. Numbers, names, or arrays with a number for each member of a
         family."""
         given = {
-            "rotor": rotor, "gear": gear, "viscous": viscous, "coulomb": coulomb, "stiffness": stiffness, "rest": rest,
+            "rotor": rotor, "gear": gear, "viscous": viscous, "coulomb": coulomb,
+            "stiffness": stiffness, "rest": rest,
         }  # fmt: skip
         return changed.with_drive(self, joint, given)
 

@@ -49,7 +49,10 @@ def closed_scheme(system: System, tolerance: float, max_step: float) -> Scheme:
     # positions
     scale = np.concatenate([np.ones(system.layout.nq), rate_scale(system.model)])
     settings = {"rtol": _LEAST, "atol": tolerance * scale, "max_step": max_step}
-    reason = "The motion runs away, or the mechanism reaches a position from which its loops let it go no further."
+    reason = (
+        "The motion runs away, or the mechanism reaches a position from which its loops let "
+        "it go no further."
+    )
 
     def require(drive: Drive, t: float, y0: Array) -> None:
         now, state = np.asarray(t), system.split(y0)

@@ -165,7 +165,10 @@ def completed(model: Model, t: Array, columns: Mapping[str, Array], source: str)
                 f"{', '.join(names)} put it at {q[k, model.position_names.index(name)]:.6g}; leave "
                 f"the column out."
             )
-    text = f"{source}; {', '.join(names)} as given, the others by the loops, rates by a spline through the positions"
+    text = (
+        f"{source}; {', '.join(names)} as given, the others by the loops, "
+        "rates by a spline through the positions"
+    )
     states = consistent_rates(model, t, q, at_rest=False)
     return Motion(t, *states, text, layout(model), differentiated="positions")
 

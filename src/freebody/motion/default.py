@@ -53,7 +53,10 @@ def default_motion(model: Model, duration: float = DURATION, samples: int = SAMP
     x = state_of(where, q, np.zeros_like(q), np.zeros_like(q))[0]
     q, qd, qdd = state_of(where, x, *derivatives(t, x, at_rest=True))
     loose = f", also {listed(model.passive_names, 4)}, as if driven" if model.passive else ""
-    text = f"by default every joint swings within its limits{loose}, from rest to rest in {duration:g} s"
+    text = (
+        f"by default every joint swings within its limits{loose}, "
+        f"from rest to rest in {duration:g} s"
+    )
     return rested(model, Motion(t, q, qd, qdd, text, where, allowed.notices))
 
 
@@ -86,7 +89,10 @@ def _of_closed_chain(model: Model, t: Array) -> Motion:
         )
     names = ", ".join(model.velocity_names[k] for k in leading)
     swing = "swings" if len(leading) == 1 else "swing"
-    text = f"by default {names} {swing} from rest to rest in {t[-1]:g} s, the loops lead the other joints"
+    text = (
+        f"by default {names} {swing} from rest to rest in {t[-1]:g} s, "
+        "the loops lead the other joints"
+    )
     states = consistent_rates(model, t, q, at_rest=True)
     return rested(model, Motion(t, *states, text, layout(model), allowed.notices))
 

@@ -150,7 +150,10 @@ class Program:
 
     def __str__(self) -> str:
         counts = ", ".join(f"{count} {op}" for op, count in sorted(self.operations.items()))
-        return f"{self.name}: {_listed(self.inputs)} -> {_listed(self.outputs)}; {counts or 'no operations'}"
+        return (
+            f"{self.name}: {_listed(self.inputs)} -> {_listed(self.outputs)}; "
+            f"{counts or 'no operations'}"
+        )
 
 
 def scalar_names(arguments: tuple[Argument, ...]) -> list[str]:

@@ -54,7 +54,10 @@ def _with_slack(model: Model, found: Iterable[Check]) -> Iterator[Check]:
         if each.passed or slack <= each.bar:
             yield each
         else:
-            text = f"{each.text} The bar follows how far the robot's numbers are rounded: mobility tells."
+            text = (
+                f"{each.text} The bar follows how far the robot's numbers are rounded: "
+                "mobility tells."
+            )
             yield check(each.name, each.value, slack, text)
 
 
@@ -178,7 +181,10 @@ def _along_axes(model: Model, data: xr.Dataset) -> list[Check]:
             along[:, coordinate] = along[:, coordinate] + at.ratio * share
     if not counted.any():
         return []
-    text = "Reactions along the axes with friction, springs and rotors against the torques, over the largest torque."
+    text = (
+        "Reactions along the axes with friction, springs and rotors against the torques, "
+        "over the largest torque."
+    )
     return [
         check(
             "reactions along the axes",

@@ -108,7 +108,10 @@ def singularity(model: Model, tip: str, data: xr.Dataset) -> Singularity:
     if (smallest <= SINGULAR * data["largest_singular_value"].values).all():
         text = "The tip's Jacobian is short of full rank all along: some joint never moves it."
     elif low <= SINGULAR * high:
-        text = f"At t = {time:.3g} s the tip cannot move in some direction: the arm is singular or all but singular."
+        text = (
+            f"At t = {time:.3g} s the tip cannot move in some direction: "
+            "the arm is singular or all but singular."
+        )
     else:
         text = f"The motion stays clear of singularities; it is nearest to one at t = {time:.3g} s."
     return Singularity(k, time, low, high, rows, length, text)

@@ -234,7 +234,8 @@ def _groups(names: Sequence[str]) -> Iterator[Sequence[tuple[str, str]]]:
 
 
 def _plot(
-    study: Study, title: str, curves: dict[str, np.ndarray], unit: str, *, limits: tuple[float, ...] = (),
+    study: Study, title: str, curves: dict[str, np.ndarray], unit: str, *,
+    limits: tuple[float, ...] = (),
     legend: bool = True, peaks: bool = False, now: float | None = None,
 ) -> Figure:  # fmt: skip
     at = study.worst.time if now is None else now

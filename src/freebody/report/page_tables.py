@@ -191,7 +191,8 @@ def reactions(study: Study) -> Table:
         ("Force", "peak_force", "N", "magnitude of all that the parent exerts on the child"),
         ("Axial", "peak_axial_force", "N", "along the axis of a turning joint, with its sign"),
         ("Radial", "peak_radial_force", "N", "across the axis"),
-        ("Tilting moment", "peak_tilting_moment", "N m", "across the axis, about the joint's origin"),
+        ("Tilting moment", "peak_tilting_moment", "N m",
+         "across the axis, about the joint's origin"),
         ("Guide moment", "peak_guide_moment", "N m", "about the axis of a sliding joint"),
         ("Drive", "peak_drive_load", _drive_units(study), "about (along) the axis: the drive's"),
     ]  # fmt: skip

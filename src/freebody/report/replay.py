@@ -371,5 +371,8 @@ def _drifted(
     if growth < 1:
         cause = "errors hardly grow on the way"
     else:
-        cause = f"on the way any error, even of rounding, grows up to 10^{growth:.1f}-fold (linearised dynamics)"
+        cause = (
+            f"on the way any error, even of rounding, grows up to 10^{growth:.1f}-fold "
+            "(linearised dynamics)"
+        )
     return f"Over the whole motion without a new start it {found}; {cause}."

@@ -42,7 +42,10 @@ class Use:
         when = f" at t = {self.time:.3g} s" if self.time == self.time else ""
         if self.quantity == "position":
             way = "beyond its limit" if self.exceeded else "its nearest limit being"
-            return f"{self.coordinate} goes to {self.value:.4g} {self.unit}{when}, {way} {self.limit:.4g} {self.unit}"
+            return (
+                f"{self.coordinate} goes to {self.value:.4g} {self.unit}{when}, "
+                f"{way} {self.limit:.4g} {self.unit}"
+            )
         return (
             f"the {self.quantity} of {self.coordinate} is {abs(self.value):.4g} {self.unit}{when}, "
             f"{percent(self.fraction)} of its {self.limit:.4g} {self.unit}"

@@ -41,7 +41,8 @@ def series(model: Model, tip: str, motion: Motion) -> xr.Dataset:
             "robot": model.name,
             "tip": tip,
             "motion": motion.source,
-            "conventions": "SI units; world axes unless said; reactions act on the child, by the parent, at the "
+            "conventions": "SI units; world axes unless said; reactions act on the child, "
+            "by the parent, at the "
             "child's joint origin",
         },
     )

@@ -109,7 +109,10 @@ class Study(Tabled, ByValue):
 
     def _title(self) -> str:
         samples = counted(len(self.motion.t), "sample")
-        return f"Study of {self.model.name!r}: {samples} in {self.motion.duration:.4g} s; {self.verdict.heading}"
+        return (
+            f"Study of {self.model.name!r}: {samples} in {self.motion.duration:.4g} s; "
+            f"{self.verdict.heading}"
+        )
 
     def _table(self) -> Table:
         s = self.summary
@@ -257,7 +260,8 @@ def _motion(model: Model, motion: Motion | xr.Dataset | str | os.PathLike[str] |
             "motion",
             motion,
             "a Motion, a CSV file or an xarray Dataset",
-            'From arrays t (T,) and q (T, nq): xarray.Dataset({name: ("time", q[:, k]) for k, name in '
+            'From arrays t (T,) and q (T, nq): xarray.Dataset({name: ("time", q[:, k]) for k, '
+            "name in "
             'enumerate(model.position_names)}, {"time": t}).',
         )
     return motion_from_dataset(model, motion)

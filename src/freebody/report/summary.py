@@ -285,7 +285,10 @@ def worst(model: Model, data: xr.Dataset) -> Worst:
     name, value, unit = model.velocity_names[j], float(tau[k, j]), str(units[j])
     share = abs(value) / float(allowed.effort[j]) if limited[j] else float("nan")
     if limited[j]:
-        why = f"{percent(share)} of its effort limit, the largest share of any drive during the motion"
+        why = (
+            f"{percent(share)} of its effort limit, the largest share of any drive during the "
+            "motion"
+        )
     else:
         why = "the largest of the motion; the model gives no effort limits"
     text = f"At t = {t[k]:.3g} s {name} needs {value:.4g} {unit}: {why}."

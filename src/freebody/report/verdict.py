@@ -299,7 +299,10 @@ def _paces(
 def _no_other_pace(names: Sequence[str], slower: bool) -> str:
     several = len(names) > 1
     opening = "Slowing down does not help" if slower else "It cannot be run at another pace"
-    return f"{opening}: {listed(names, _NAMES)} {'have' if several else 'has'} no motor and would not follow."
+    return (
+        f"{opening}: {listed(names, _NAMES)} {'have' if several else 'has'} no motor and would "
+        "not follow."
+    )
 
 
 def _holds_more(model: Model) -> bool:

@@ -61,7 +61,8 @@ INSTRUCTION = {
     "less": _FLAG.replace("ORDER", "olt"),
     "less_equal": _FLAG.replace("ORDER", "ole"),
     "equal": _FLAG.replace("ORDER", "oeq"),
-    "where": "{r}.c = fcmp une {v} {a}, zeroinitializer\n  {r} = select {mask} {r}.c, {v} {b}, {v} {c}",
+    "where": "{r}.c = fcmp une {v} {a}, zeroinitializer\n  {r} = select {mask} {r}.c, {v} {b}, "
+    "{v} {c}",
     "minimum": _EXTREMUM.replace("ORDER", "olt"),
     "maximum": _EXTREMUM.replace("ORDER", "ogt"),
     CHOICE: "{r} = select {mask} {a}.c, {v} {b}, {v} {c}",

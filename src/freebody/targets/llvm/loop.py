@@ -60,7 +60,8 @@ _FLAGS = {
     True: {
         "save": "  %flags = alloca i32, align 4\n  call void @llvm.x86.sse.stmxcsr(ptr %flags)",
         "restore": "  call void @llvm.x86.sse.ldmxcsr(ptr %flags)",
-        "declare": "declare void @llvm.x86.sse.stmxcsr(ptr)\ndeclare void @llvm.x86.sse.ldmxcsr(ptr)\n",
+        "declare": "declare void @llvm.x86.sse.stmxcsr(ptr)\n"
+        "declare void @llvm.x86.sse.ldmxcsr(ptr)\n",
     },
     False: {
         "save": "",

@@ -330,7 +330,8 @@ def _self_test(unit: Unit, vectors: Vectors, dialect: _Dialect, include: str) ->
             f"        worst{k} = d{k} <= worst{k} ? worst{k} : d{k};",
         ]
         verdicts += [
-            f'    printf("{word}: off by at most %.2g of its largest entry; allowed {vectors.tolerances[k]:.2g}\\n", '
+            f'    printf("{word}: off by at most %.2g of its largest entry; '
+            f'allowed {vectors.tolerances[k]:.2g}\\n", '
             f"(double)worst{k});",
             f"    bad |= !(worst{k} <= {spell(vectors.tolerances[k])});",
         ]

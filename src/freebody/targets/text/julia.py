@@ -167,7 +167,8 @@ def _self_test(unit: Unit, vectors: Vectors) -> str:
             f"off = maximum(maximum(abs.(results[i][{k + 1}] .- expected[i]) ./ {spell(largest)}; "
             f"init = 0.0) "
             f"for i in 1:{vectors.count})",
-            f'println("{word}: off by at most ", off, " of its largest entry; allowed {tolerance:.2g}")',
+            f'println("{word}: off by at most ", off, " of its largest entry; '
+            f'allowed {tolerance:.2g}")',
             f"global bad |= !(off <= {spell(tolerance)})",
         ]
     text += ['println(bad ? "FAILED" : "passed")', "exit(bad ? 1 : 0)", ""]

@@ -148,7 +148,8 @@ def _emit_casadi(unit: Unit) -> str:
             f"def {words.function}():",
             *symbols,
             *body,
-            f'    return ca.Function("{words.function}", [{", ".join(words.inputs)}], [{", ".join(outs)}], '
+            f'    return ca.Function("{words.function}", [{", ".join(words.inputs)}], '
+            f"[{', '.join(outs)}], "
             f"[{next(names)}], [{next(names)}])\n",
         ]
     )
@@ -199,7 +200,8 @@ def _package(
         "    got = np.array([x[k] for x in found]).reshape(expected.shape)",
         "    off = np.abs(got - expected).max(initial=0.0) / (np.abs(expected).max(initial=0.0) or "
         "1.0)",
-        '    print(f"{names[k]}: off by at most {off:.2g} of its largest entry; allowed {allowed[k]:.2g}")',
+        '    print(f"{names[k]}: off by at most {off:.2g} of its largest entry; '
+        'allowed {allowed[k]:.2g}")',
         "    bad = bad or not off <= allowed[k]",
         'print("FAILED" if bad else "passed")',
         "sys.exit(bad)",

@@ -48,7 +48,8 @@ _CHOICE = (
     "    }}\n}}\n"
 )
 _HELPERS = {
-    "sign": "fn sign_of(x: {t}) -> {t} {{\n    if x > 0.0 {{\n        1.0\n    }} else if x < 0.0 {{\n        -1.0\n"
+    "sign": "fn sign_of(x: {t}) -> {t} {{\n    if x > 0.0 {{\n        1.0\n"
+    "    }} else if x < 0.0 {{\n        -1.0\n"
     "    }} else {{\n        0.0\n    }}\n}}\n",
     # NaN that arises on the way stays
     "minimum": _CHOICE.replace("NAME", "min_of").replace("TEST", "a <= b"),
@@ -191,7 +192,8 @@ def _self_test(unit: Unit, vectors: Vectors) -> str:
     body.append("    }")
     for k, (word, tolerance) in enumerate(zip(words.outputs, vectors.tolerances, strict=True)):
         body += [
-            f'    println!("{word}: off by at most {{:.2e}} of its largest entry; allowed {tolerance:.2g}", worst{k});',
+            f'    println!("{word}: off by at most {{:.2e}} of its largest entry; '
+            f'allowed {tolerance:.2g}", worst{k});',
             f"    bad |= !(worst{k} <= {spell(tolerance)});",
         ]
     body += ['    println!("{}", if bad { "FAILED" } else { "passed" });']
