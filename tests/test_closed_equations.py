@@ -144,12 +144,12 @@ def hung(kind: str, dim: int) -> tuple[Model, np.ndarray]:
     position of it."""
     from freebody.model.assembly import assemble
     from freebody.model.gravity import gravity_of
-    from freebody.model.parts import Description, Joint, Link, Mount
+    from freebody.model.parts import Joint, Link, Mount, RobotDescription
     from support.generate import random_inertia, random_placement
 
     rng = np.random.default_rng([dim, *kind.encode()])
     model = assemble(
-        Description(
+        RobotDescription(
             "hung",
             dim,
             (Link("ground"), Link("body", random_inertia(rng, dim))),

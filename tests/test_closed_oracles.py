@@ -149,10 +149,10 @@ def particle() -> Model:
     from freebody.model.assembly import assemble
     from freebody.model.gravity import gravity_of
     from freebody.model.inertia import Inertia
-    from freebody.model.parts import Description, Joint, Link, Loop
+    from freebody.model.parts import Joint, Link, Loop, RobotDescription
 
     return assemble(
-        Description(
+        RobotDescription(
             "pendulum",
             2,
             (Link("ground"), Link("rail"), Link("bob", Inertia(1.3, (0.0, 0.0), (0.0,)))),

@@ -26,7 +26,7 @@ from freebody.model.assembly import assemble
 from freebody.model.inertia import Inertia
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter
-from freebody.model.parts import Description, Drive, Joint, Link, Mimic
+from freebody.model.parts import Drive, Joint, Link, Mimic, RobotDescription
 from freebody.model.placement import shift, turn
 from support.helpers import numbers
 
@@ -400,7 +400,7 @@ def following(ratio: float, kind: str = "revolute") -> Model:
             mimic=Mimic("first", ratio, 0.1),
         ),
     )
-    return with_values(assemble(Description("gears", 2, links, joints, (9.81, (0.0, -1.0)))))
+    return with_values(assemble(RobotDescription("gears", 2, links, joints, (9.81, (0.0, -1.0)))))
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from freebody.errors import SingularError
 from freebody.model.assembly import assemble
 from freebody.model.inertia import Inertia, combined
 from freebody.model.model import Model
-from freebody.model.parts import Description, Joint, Link
+from freebody.model.parts import Joint, Link, RobotDescription
 from freebody.model.placement import rotate, shift
 from support import generate
 from support.helpers import (
@@ -666,7 +666,9 @@ def test_dynamics_do_not_depend_on_where_a_free_robot_stands(seed: int, dim: int
 
 
 # ---------------------------------------------------------------- mimics
-def follow(description: Description, free: Model, followed: Model) -> tuple[np.ndarray, np.ndarray]:
+def follow(
+    description: RobotDescription, free: Model, followed: Model
+) -> tuple[np.ndarray, np.ndarray]:
     """(G, q0) with q = G y + q0 from the joints as described, a mimic of a mimic taken step by
     step."""
     joints = {joint.name: joint for joint in description.joints}
@@ -887,7 +889,9 @@ def test_lumped_mass_is_the_combined_inertia():
         joints.append(Joint(f"j{i}", "free" if i == 0 else "fixed", parent, f"l{i}", placement))
         pose[f"l{i}"] = pose[parent] @ generate.matrix(placement)
         parts.append(links[-1].inertia.placed(pose[f"l{i}"][:3, :3], pose[f"l{i}"][:3, 3]))
-    model = assemble(Description("welded", 3, tuple(links), tuple(joints), (0.0, (0.0, 0.0, -1.0))))
+    model = assemble(
+        RobotDescription("welded", 3, tuple(links), tuple(joints), (0.0, (0.0, 0.0, -1.0)))
+    )
     whole = combined(parts)
     m, c, tensor = whole.numbers()
     S = np.array([[0, -c[2], c[1]], [c[2], 0, -c[0]], [-c[1], c[0], 0]])

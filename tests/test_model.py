@@ -17,7 +17,6 @@ from freebody.model.assembly import assemble
 from freebody.model.inertia import Inertia
 from freebody.model.parameters import Parameter
 from freebody.model.parts import (
-    Description,
     Drive,
     Joint,
     Limits,
@@ -26,6 +25,7 @@ from freebody.model.parts import (
     Mimic,
     Mount,
     Payload,
+    RobotDescription,
 )
 from freebody.model.placement import Placement, shift
 from support import generate
@@ -44,9 +44,9 @@ def hinge(name: str, parent: str, child: str, **changes: Any) -> Joint:
 
 def described(
     *joints: Joint, links: tuple[str | Link, ...] = ("base", "arm", "hand"), **changes: Any
-) -> Description:
+) -> RobotDescription:
     made = tuple(link if isinstance(link, Link) else Link(link, BALL, line=10) for link in links)
-    return Description(
+    return RobotDescription(
         **{"name": "robot", "dim": 3, "links": made, "joints": joints, "gravity": DOWN, **changes}
     )
 
@@ -57,7 +57,7 @@ TWO = (
 )
 
 
-def says(text: str, description: Description, **options: Any) -> None:
+def says(text: str, description: RobotDescription, **options: Any) -> None:
     """Refused in these words; of a file, with its name and line."""
     with pytest.raises(ModelError, match=f"^'robot': {re.escape(text)}$"):
         assemble(description, **options)
@@ -65,7 +65,7 @@ def says(text: str, description: Description, **options: Any) -> None:
         assemble(replace(description, file="robot.urdf"), **options)
 
 
-def changed(i: int, **changes: Any) -> Description:
+def changed(i: int, **changes: Any) -> RobotDescription:
     return described(
         *(replace(joint, **changes) if k == i else joint for k, joint in enumerate(TWO))
     )
@@ -160,7 +160,7 @@ def test_joints_that_cannot_be():
         "remove them.",
         changed(1, kind="free", drive=Drive(viscous=1.0)),
     )
-    flat = Description(
+    flat = RobotDescription(
         "robot",
         2,
         (Link("base"), Link("arm", Inertia.bar(1.0, 1.0, dim=2))),
@@ -407,7 +407,7 @@ def test_free_base():
 def test_free_planar_base_moves_in_x_y_and_theta():
     links = (Link("base", Inertia.disc(2.0, 0.5, dim=2)), Link("arm", Inertia.bar(1.0, 1.0, dim=2)))
     joints = (Joint("pin", "revolute", "base", "arm", axis=(1.0,)),)
-    model = assemble(Description("rover", 2, links, joints, (9.81, (0.0, -1.0))), base="free")
+    model = assemble(RobotDescription("rover", 2, links, joints, (9.81, (0.0, -1.0))), base="free")
     assert model.position_names == ("base.x", "base.y", "base.theta", "pin")
     q, qd, qdd = fb.random_state(model, 1, 3)
     close(

@@ -13,7 +13,7 @@ import pytest
 import freebody as fb
 from freebody.model.assembly import assemble
 from freebody.model.model import Model
-from freebody.model.parts import Description, Joint, Link
+from freebody.model.parts import Joint, Link, RobotDescription
 from freebody.model.placement import Placement
 from support import generate
 from support.helpers import close, numbers, poses
@@ -101,7 +101,7 @@ def pose(tag: Element, T: np.ndarray) -> None:
     tag.set("quat", text(quaternion))
 
 
-def mjcf(description: Description) -> str:
+def mjcf(description: RobotDescription) -> str:
     """A description without massless links as MJCF: fixed links are bodies without a joint."""
     root = Element("mujoco")
     SubElement(root, "compiler", angle="radian", autolimits="false")
@@ -116,7 +116,7 @@ def attach(
     parent: Element,
     link: Link,
     joint: Joint | None,
-    description: Description,
+    description: RobotDescription,
     links: dict[str, Link],
 ) -> None:
     body = SubElement(parent, "body", name=link.name)

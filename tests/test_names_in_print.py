@@ -17,7 +17,7 @@ from freebody.derivations.render.prose import markdown_prose, tex_prose, text_pr
 from freebody.model.assembly import assemble
 from freebody.model.inertia import Inertia
 from freebody.model.parameters import Parameter
-from freebody.model.parts import Description, Joint, Link, Mount
+from freebody.model.parts import Joint, Link, Mount, RobotDescription
 from freebody.model.placement import shift
 
 SPECIAL = r"\_%#&${}~^<>|\"'`*[]" + "\u202e\x1b\n"
@@ -50,7 +50,7 @@ def four_bar(name: str) -> fb.Model:
         Mount(f"{name} end", f"{name}2", shift(Parameter("l2", 0.5), 0.0)),
         Mount(f"{name} tip", f"{name}3", shift(0.4, 0.0)),
     )
-    made = Description(
+    made = RobotDescription(
         name,
         2,
         tuple(links),

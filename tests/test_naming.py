@@ -24,7 +24,7 @@ from freebody.figures.loads import body_loads, label
 from freebody.model.assembly import assemble
 from freebody.model.inertia import Inertia
 from freebody.model.parameters import Parameter
-from freebody.model.parts import Description, Drive, Joint, Link, Mount
+from freebody.model.parts import Drive, Joint, Link, Mount, RobotDescription
 from freebody.model.placement import Placement, shift
 
 OPEN = {
@@ -52,7 +52,7 @@ def assembled(
     gravity = (Parameter("g"), (0.0, -1.0))
     root = Link("ground")
     return assemble(
-        Description(name, 2, (root, *links), tuple(joints), gravity, tuple(mounts), tip=tip)
+        RobotDescription(name, 2, (root, *links), tuple(joints), gravity, tuple(mounts), tip=tip)
     )
 
 

@@ -315,7 +315,9 @@ def test_no_tip_lists_the_leaves():
         fb.model.parts.Joint(f"{side}_joint", "revolute", "base", side, axis=(0.0, 0.0, 1.0))
         for side in ("left", "right")
     )
-    description = fb.model.parts.Description("twins", 3, links, joints, (9.81, (0.0, 0.0, -1.0)))
+    description = fb.model.parts.RobotDescription(
+        "twins", 3, links, joints, (9.81, (0.0, 0.0, -1.0))
+    )
     model = fb.model.assembly.assemble(description)
     assert model.tip is None
     text = "'twins' has no single tip: name a frame, or load with tip=. Leaves: left, right."

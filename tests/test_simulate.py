@@ -16,7 +16,7 @@ from freebody.errors import (
 )
 from freebody.model.assembly import assemble
 from freebody.model.gravity import gravity_of
-from freebody.model.parts import Description, Joint, Link
+from freebody.model.parts import Joint, Link, RobotDescription
 
 
 def pendulum(**friction: float) -> fb.Model:
@@ -33,7 +33,7 @@ def body(
     xx, yy, zz = moments
     link = Link("body", fb.Inertia(mass, com, (xx, 0.0, 0.0, yy, 0.0, zz)))
     joint = Joint("joint", kind, "world", "body")
-    return assemble(Description(kind, 3, (Link("world"), link), (joint,), gravity_of(g, 3)))
+    return assemble(RobotDescription(kind, 3, (Link("world"), link), (joint,), gravity_of(g, 3)))
 
 
 def test_pendulum_of_the_iftomm_library():
@@ -163,7 +163,7 @@ def test_followers_feel_their_friction():
             mimic=Mimic("a", -2.0, 0.1),
         ),
     )
-    model = assemble(Description("pair", 3, links, joints, gravity_of(9.81, 3)))
+    model = assemble(RobotDescription("pair", 3, links, joints, gravity_of(9.81, 3)))
     smooth, friction = smooth_friction(model, 0.1)
     rate = np.array([[0.03], [-0.5]])
     expected = np.tanh(rate / 0.1) + 2.0 * 3.0 * np.tanh(2.0 * rate / 0.1)

@@ -8,7 +8,7 @@ import numpy as np
 from freebody.model.assembly import assemble
 from freebody.model.inertia import Inertia
 from freebody.model.model import Model
-from freebody.model.parts import Description, Joint, Link, Mount
+from freebody.model.parts import Joint, Link, Mount, RobotDescription
 from freebody.model.placement import Placement, rotate, shift
 from support.generate import random_rotation
 
@@ -42,7 +42,7 @@ def arm(axes: Axes, seed: int) -> Model:
         before = here
     tool = Mount("tool", links[-1].name, placement(pose(random_rotation(rng), rng.normal(size=3))))
     return assemble(
-        Description(
+        RobotDescription(
             f"arm{seed}",
             3,
             tuple(links),

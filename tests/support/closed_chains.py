@@ -13,7 +13,7 @@ from freebody.model.assembly import assemble
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.model import Model
-from freebody.model.parts import Description, Joint, Link, Loop, Mount
+from freebody.model.parts import Joint, Link, Loop, Mount, RobotDescription
 from freebody.model.placement import Placement, rotate, shift
 from freebody.model.reading import VALUES
 from support.generate import random_inertia, random_rotation
@@ -149,7 +149,7 @@ def built(mechanism: Mechanism, tree: Iterable[str] | None) -> Model:
         Link(part, inertia, _placed(np.linalg.inv(frame_of[part])))
         for part, inertia in mechanism.parts.items()
     ]
-    described = Description(
+    described = RobotDescription(
         mechanism.name,
         dim,
         tuple(links),

@@ -14,7 +14,7 @@ from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
 from freebody.model.model import Model
-from freebody.model.parts import Description, Drive, Joint, Limits, Link, Mimic, Mount, Payload
+from freebody.model.parts import Drive, Joint, Limits, Link, Mimic, Mount, Payload, RobotDescription
 from freebody.model.placement import Placement, rotate, shift, turn
 
 SPATIAL = ("revolute", "continuous", "prismatic", "planar", "spherical", "free")
@@ -42,7 +42,7 @@ def base(seed: int) -> str:
     return "free" if seed % 5 == 4 else "fixed"
 
 
-def tree(seed: int, dim: int = 3) -> Description:
+def tree(seed: int, dim: int = 3) -> RobotDescription:
     """Links and joints of a random tree with 1 to 12 movable joints."""
     return _Tree(seed, dim).description()
 
@@ -98,7 +98,7 @@ class _Tree:
         self.joints: list[Joint] = []
         self.massless: set[str] = set()
 
-    def description(self) -> Description:
+    def description(self) -> RobotDescription:
         rng = self.rng
         heavy_base = base(self.seed) == "free" or rng.random() < 0.5
         self.links[0] = Link("base", random_inertia(rng, self.dim) if heavy_base else None)
@@ -131,7 +131,7 @@ class _Tree:
             if rng.random() < 0.3
             else ()
         )
-        return Description(
+        return RobotDescription(
             f"tree{self.seed}",
             self.dim,
             tuple(links),
@@ -230,7 +230,7 @@ class _Tree:
 
 
 # ---------------------------------------------------------------- the same robot told otherwise
-def renamed(description: Description) -> Description:
+def renamed(description: RobotDescription) -> RobotDescription:
     """Other names for all links and joints."""
 
     def new(name: str) -> str:
@@ -253,13 +253,13 @@ def renamed(description: Description) -> Description:
     )
 
 
-def reordered_links(description: Description, seed: int) -> Description:
+def reordered_links(description: RobotDescription, seed: int) -> RobotDescription:
     """Links in another order; the joints keep theirs."""
     order = np.random.default_rng(seed).permutation(len(description.links))
     return replace(description, links=tuple(description.links[i] for i in order))
 
 
-def split(description: Description, seed: int) -> Description:
+def split(description: RobotDescription, seed: int) -> RobotDescription:
     """Every link with a mass in two pieces, the second fixed to the first at some odd place."""
     rng = np.random.default_rng(seed)
     dim = description.dim
@@ -279,7 +279,9 @@ def split(description: Description, seed: int) -> Description:
     return replace(description, links=tuple(links), joints=(*description.joints, *joints))
 
 
-def moved_frames(description: Description, seed: int) -> tuple[Description, dict[str, np.ndarray]]:
+def moved_frames(
+    description: RobotDescription, seed: int
+) -> tuple[RobotDescription, dict[str, np.ndarray]]:
     """Link frames moved where the meaning of q allows it, with the pose of the new frame in the old
     for each link.
 

@@ -20,13 +20,13 @@ from freebody.derivations.naming import motors
 from freebody.derivations.symbols import RATE, SECOND, Symbols
 from freebody.elementary import Scalar, cos, sin
 from freebody.model.parameters import Parameter, Quantity
-from freebody.model.reading import Reader, exact_sin_cos
+from freebody.model.reading import QuantityReader, exact_sin_cos
 from freebody.model.tree import lower
 from freebody.scalars.expr import Expr, Graph
 from freebody.scalars.rational import exactly
 
 
-class GraphReader(Reader):
+class GraphReader(QuantityReader):
     """Reads parameters as inputs of a graph."""
 
     combines = False

@@ -15,7 +15,7 @@ from freebody.formats import numbers, source
 from freebody.formats.table import in_units, is_name
 from freebody.model import dh
 from freebody.model.parameters import Parameter, Quantity
-from freebody.model.parts import INFINITE, MOST_LINKS, Description, Limits
+from freebody.model.parts import INFINITE, MOST_LINKS, Limits, RobotDescription
 
 _COM, _TENSOR = ("cx", "cy", "cz"), ("Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz")
 _DIRECT = ("theta", "d", "a", "alpha", "m", "rotor", "gear")
@@ -24,7 +24,9 @@ COLUMNS = ("joint", "name", *_DIRECT[:5], *_COM, *_TENSOR, *_DIRECT[5:], *_DRIVE
 _REMARK = re.compile(r"#\s*(convention|name|source|gravity)\s*[:=](.*)")
 
 
-def describe(file: str, text: str, *, name: str, convention: dh.Convention | None) -> Description:
+def describe(
+    file: str, text: str, *, name: str, convention: dh.Convention | None
+) -> RobotDescription:
     """The description in a DH table. Raises FileError with the line."""
     remarks: dict[str, tuple[int, str]] = {}
     lines: list[tuple[int, str]] = []

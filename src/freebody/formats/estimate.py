@@ -20,7 +20,7 @@ import numpy as np
 from freebody.errors import FileError, FreebodyError
 from freebody.formats.source import contents
 from freebody.model.inertia import Inertia, combined
-from freebody.model.parts import DOUBTFUL, ESTIMATED, Description, Link, Notice
+from freebody.model.parts import DOUBTFUL, ESTIMATED, Link, Notice, RobotDescription
 from freebody.model.placement import Placement
 from freebody.model.reading import VALUES
 from freebody.model.shapes import DENSEST, LIGHTEST, Shape
@@ -31,7 +31,7 @@ _MESHES = (".stl", ".obj", ".ply", ".dae")
 """What is read: formats of shapes alone, no archives and no scenes that name further files."""
 
 
-def estimated(description: Description, mass: float) -> Description:
+def estimated(description: RobotDescription, mass: float) -> RobotDescription:
     """The description, its inertias replaced by estimates that weigh `mass` (kg) together, the base
     included.
 
@@ -65,7 +65,7 @@ def estimated(description: Description, mass: float) -> Description:
 
 
 def _told(
-    description: Description, filled: dict[str, Inertia | None], mass: float, density: float
+    description: RobotDescription, filled: dict[str, Inertia | None], mass: float, density: float
 ) -> Iterator[Notice]:
     """What was done, and whether the stated mass can be right."""
     empty = [name for name, inertia in filled.items() if inertia is None]

@@ -18,7 +18,7 @@ from freebody.model.assembly import BasePolicy, MimicPolicy, Policy, assemble
 from freebody.model.dh import Convention
 from freebody.model.model import Model
 from freebody.model.parameters import real
-from freebody.model.parts import DOUBTFUL, Description
+from freebody.model.parts import DOUBTFUL, RobotDescription
 
 _NOT_READ = {
     ".xacro": "xacro is not read directly; {xacro}, and load that.",
@@ -76,7 +76,7 @@ def load(
     return _weighed(model, description, estimate_inertia is not None, physical != "ignore")
 
 
-def _estimated(description: Description, mass: float) -> Description:
+def _estimated(description: RobotDescription, mass: float) -> RobotDescription:
     if not description.real:
         raise FreebodyError(
             f"load: estimate_inertia= needs the shapes of a URDF, and {description.name!r} comes "
@@ -86,7 +86,7 @@ def _estimated(description: Description, mass: float) -> Description:
     return estimated(description, mass)
 
 
-def _weighed(model: Model, description: Description, estimate: bool, warn: bool) -> Model:
+def _weighed(model: Model, description: RobotDescription, estimate: bool, warn: bool) -> Model:
     """The model with notices on what is doubtful about its masses, where they are to be those of a
     machine."""
     if description.real:
@@ -103,7 +103,7 @@ def read(
     *,
     snap_angles: float = 3e-9,
     convention: Convention | None = None,
-) -> Description:
+) -> RobotDescription:
     """The description in a file or of a bundled model, before it is checked and lumped; see
     `load`."""
     if not 0.0 <= real(snap_angles, "load: snap_angles") < 0.1:
@@ -152,7 +152,7 @@ def _path(source: object) -> str:
     return given
 
 
-def _named(name: str) -> Description:
+def _named(name: str) -> RobotDescription:
     """A bundled model; of another name that is all R and P, the planar arm of these joints."""
     names = sources.bundled_names()
     if name in names:

@@ -15,7 +15,7 @@ from freebody.formats.lines import bounded, lines
 from freebody.formats.table import Table
 from freebody.model import dh, planar
 from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
-from freebody.model.parts import MASS_NOTICES, Description, Link, Notice
+from freebody.model.parts import MASS_NOTICES, Link, Notice, RobotDescription
 
 _GENERAL = (
     "name",
@@ -35,7 +35,7 @@ _GENERAL = (
 _TREE = ("link", "joint")
 
 
-def describe(file: str, text: str, *, name: str) -> Description:
+def describe(file: str, text: str, *, name: str) -> RobotDescription:
     """The description in a TOML text. `name` stands in where the file gives none. Raises FileError
     with the line."""
     top = _table(file, text)
@@ -97,7 +97,7 @@ def _table(file: str, text: str) -> Table:
     return Table(file, found, (), data)
 
 
-def _tree(top: Table) -> Description:
+def _tree(top: Table) -> RobotDescription:
     """Links and joints one by one."""
     dim = int(given) if (given := top.number("dim", default=3.0)) in (2.0, 3.0) else 0
     if not dim:
@@ -106,10 +106,10 @@ def _tree(top: Table) -> Description:
     if not links:
         top.refuse("there are no links; write a [[link]] for each body, the base included.")
     joints = tuple(parts.joint(t, dim) for t in top.tables("joint"))
-    return Description("", dim, links, joints, parts.gravity(top, dim))
+    return RobotDescription("", dim, links, joints, parts.gravity(top, dim))
 
 
-def _planar(top: Table) -> Description:
+def _planar(top: Table) -> RobotDescription:
     """An arm in the plane from a word over R and P."""
     if "dim" in top and top.data["dim"] != 2:
         top.refuse("a [planar] arm has dim = 2; remove dim.", "dim")
@@ -144,7 +144,7 @@ def _texts(table: Table, key: str) -> list[str]:
     return names
 
 
-def _dh(top: Table) -> Description:
+def _dh(top: Table) -> RobotDescription:
     """A serial arm from a Denavit-Hartenberg table."""
     if "dim" in top and top.data["dim"] != 3:
         top.refuse("a [dh] arm has dim = 3; remove dim.", "dim")
@@ -169,7 +169,7 @@ def _on_line(link: Link, line: int | None) -> Link:
     return replace(link, line=line)
 
 
-def _with_values(top: Table, described: Description) -> Description:
+def _with_values(top: Table, described: RobotDescription) -> RobotDescription:
     """Values from [parameters] given to the names; every one must be used, and no name may have two
     values."""
     table = top.table("parameters")

@@ -16,7 +16,7 @@ from freebody.formats.urdf_shapes import shapes
 from freebody.formats.xml import Element, parse
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
-from freebody.model.parts import INFINITE, Description, Drive, Joint, Limits, Link, Mimic
+from freebody.model.parts import INFINITE, Drive, Joint, Limits, Link, Mimic, RobotDescription
 from freebody.model.placement import Placement, rotate, rpy, shift
 from freebody.spatial import unit
 
@@ -31,7 +31,7 @@ KINDS = {
 _TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
-def describe(file: str, data: bytes, *, name: str, snap_angles: float) -> Description:
+def describe(file: str, data: bytes, *, name: str, snap_angles: float) -> RobotDescription:
     """The description in a URDF file. `name` stands in where <robot> has none; snap_angles in
     rad."""
     return _Reader(file, snap_angles).description(parse(file, data), name)
@@ -45,7 +45,7 @@ class _Reader(Elements):
         self.links: list[Link] = []
         self.joints: list[Joint] = []
 
-    def description(self, robot: Element, name: str) -> Description:
+    def description(self, robot: Element, name: str) -> RobotDescription:
         if robot.tag != "robot":
             self.refuse(
                 robot,
@@ -66,7 +66,7 @@ class _Reader(Elements):
             self.link(element)
         for element in robot.all("joint"):
             self.joint(element)
-        return Description(
+        return RobotDescription(
             name,
             3,
             tuple(self.links),

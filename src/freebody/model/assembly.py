@@ -19,13 +19,13 @@ from freebody.model.loops import checked_loop
 from freebody.model.model import Model
 from freebody.model.parts import (
     MOST_LINKS,
-    Description,
     Drive,
     Joint,
     Link,
     Loop,
     Mimic,
     Notice,
+    RobotDescription,
 )
 from freebody.model.placement import Placement
 from freebody.model.tree import Attached
@@ -39,7 +39,7 @@ BasePolicy = Literal["fixed", "free"]
 
 
 def assemble(
-    description: Description,
+    description: RobotDescription,
     *,
     physical: Policy = "refuse",
     mimic: MimicPolicy = "follow",
@@ -61,7 +61,7 @@ class _Assembly:
     """One assembly: the description, what was found on the way, and its refusals."""
 
     def __init__(
-        self, description: Description, physical: Policy, mimic: MimicPolicy, base: BasePolicy
+        self, description: RobotDescription, physical: Policy, mimic: MimicPolicy, base: BasePolicy
     ):
         self.description = description
         self.physical, self.mimic, self.base = physical, mimic, base

@@ -15,10 +15,10 @@ from freebody.model.places import (
     Editor,
     Items,
     Leaves,
-    Load,
-    Mass,
+    LinkInertiaEditor,
+    NewPayloadEditor,
     Path,
-    Pose,
+    PoseEditor,
     get,
     is_plain,
     named_leaves,
@@ -36,7 +36,7 @@ PAYLOAD = "payload"
 
 
 @dataclass(frozen=True)
-class Row:
+class ModelNumber:
     """One number of a model: its name in parts, what it belongs to, and the editor and field that
     hold it."""
 
@@ -59,7 +59,7 @@ class Row:
 class Catalogue:
     """All rows in order, and those found by name."""
 
-    rows: dict[str, Row]
+    rows: dict[str, ModelNumber]
     """By a name that only one of them has."""
     several: dict[str, tuple[str, ...]]
     """Names that several things share -> what each is called instead."""
@@ -72,9 +72,9 @@ def catalogue(model: Model) -> Catalogue:
     space = of_dimension(model.dim)
     leaves = named_leaves(model)
     at = {path: name for name, paths in leaves.items() for path in paths}
-    held: dict[tuple[str, ...], Row] = {}
+    held: dict[tuple[str, ...], ModelNumber] = {}
     told: dict[str, str] = {}
-    rows: list[Row] = []
+    rows: list[ModelNumber] = []
     for row, path in _places(model, space):
         own = at.get(path)
         if own is None:
@@ -92,25 +92,25 @@ def catalogue(model: Model) -> Catalogue:
     return _by_name(rows, told)
 
 
-def _leaf(own: tuple[str, ...], paths: list[Path], row: Row | None) -> Row:
+def _leaf(own: tuple[str, ...], paths: list[Path], row: ModelNumber | None) -> ModelNumber:
     """A symbol, or an entry of a DH table; unit and meaning are those of the first place that it
     stands in."""
     editor = Leaves(tuple(paths))
     if len(own) > 1:
         angle = own[1] in ("theta", "alpha")
         what = f"{own[1]} of {own[0]} in the DH table"
-        return Row(own, "joint", editor, "", "rad" if angle else "m", what, "placement")
+        return ModelNumber(own, "joint", editor, "", "rad" if angle else "m", what, "placement")
     unit, what = (row.unit, row.what) if row else ("", "in a placement")
-    return Row(own, "symbol", editor, "", unit, what, "symbol")
+    return ModelNumber(own, "symbol", editor, "", unit, what, "symbol")
 
 
-def _by_name(rows: list[Row], told: dict[str, str]) -> Catalogue:
+def _by_name(rows: list[ModelNumber], told: dict[str, str]) -> Catalogue:
     """Rows whose names are taken twice say what they belong to, and are counted where that does not
     do."""
-    sharing: dict[str, list[Row]] = {}
+    sharing: dict[str, list[ModelNumber]] = {}
     for row in rows:
         sharing.setdefault(row.name, []).append(row)
-    found: dict[str, Row] = {}
+    found: dict[str, ModelNumber] = {}
     several: dict[str, list[str]] = {}
     for row in rows:
         name = row.name
@@ -127,18 +127,20 @@ def _by_name(rows: list[Row], told: dict[str, str]) -> Catalogue:
 
 
 # ---------------------------------------------------------------- all places, in order
-def _places(model: Model, space: AnySpace) -> Iterator[tuple[Row, Path]]:
+def _places(model: Model, space: AnySpace) -> Iterator[tuple[ModelNumber, Path]]:
     """Each number's row, and the path at which it stands as it is."""
     gravity = Attributes((), {"gravity": "gravity_size"})
     yield (
-        Row(("gravity",), "model", gravity, "gravity", "m/s²", "size of the gravity field"),
+        ModelNumber(("gravity",), "model", gravity, "gravity", "m/s²", "size of the gravity field"),
         ("gravity_size",),
     )
     along = Items(("gravity_direction",), {f"direction.{x}": k for k, x in enumerate(space.axes)})
     for field, k in along.places.items():
         what = "component of the gravity field's direction, a unit vector in world axes"
         yield (
-            Row(("gravity", *field.split(".")), "model", along, field, "1", what, "direction"),
+            ModelNumber(
+                ("gravity", *field.split(".")), "model", along, field, "1", what, "direction"
+            ),
             (*along.path, k),
         )
     for k, part in enumerate(model.base_inertias):
@@ -158,13 +160,13 @@ def _places(model: Model, space: AnySpace) -> Iterator[tuple[Row, Path]]:
                 f"between the frames of loop {loop.name!r}",
             )
             yield (
-                Row((loop.name, "distance"), "loop", editor, "distance", "m", what),
+                ModelNumber((loop.name, "distance"), "loop", editor, "distance", "m", what),
                 (*path, "distance"),
             )
     if model.tip is not None and not any(
         part.link == PAYLOAD and part.load for part in _loads(model)
     ):
-        editor = Load(PAYLOAD, model.tip, space)
+        editor = NewPayloadEditor(PAYLOAD, model.tip, space)
         yield from _mass(PAYLOAD, "load", editor, (), space, f"load in frame {model.tip!r}")
 
 
@@ -181,11 +183,13 @@ def _outer(model: Model, name: str, steps: tuple[object, ...]) -> str | None:
     return name if steps[: len(outer)] == outer else None
 
 
-def _joint(model: Model, body: Body, path: Path, space: AnySpace) -> Iterator[tuple[Row, Path]]:
+def _joint(
+    model: Model, body: Body, path: Path, space: AnySpace
+) -> Iterator[tuple[ModelNumber, Path]]:
     joint = body.joint
     if joint.parent:
         outer = _outer(model, joint.parent, joint.placement.steps)
-        pose = Pose((*path, "joint", "placement"), outer, space)
+        pose = PoseEditor((*path, "joint", "placement"), outer, space)
         where = "its body" if outer is None else repr(outer)
         yield from _pose(
             model, joint.name, "joint", pose, f"of the origin of joint {joint.name!r} in {where}"
@@ -195,7 +199,7 @@ def _joint(model: Model, body: Body, path: Path, space: AnySpace) -> Iterator[tu
     (turns,) = body.kind.angular
     for label, attribute, unit, what in _DRIVE[turns]:
         editor = Attributes((*path, "joint", "drive"), {label: attribute})
-        row = Row(
+        row = ModelNumber(
             (joint.name, *label.split(".")),
             "joint",
             editor,
@@ -208,7 +212,7 @@ def _joint(model: Model, body: Body, path: Path, space: AnySpace) -> Iterator[tu
     for attribute, unit in _LIMITS[turns].items():
         editor = Attributes((*path, "joint", "limits"), {attribute: attribute})
         what = f"{attribute} limit of joint {joint.name!r}"
-        row = Row(
+        row = ModelNumber(
             (joint.name, "limits", attribute), "joint", editor, attribute, unit, what, "limit"
         )
         yield row, (*editor.path, attribute)
@@ -233,10 +237,12 @@ _LIMITS = {
 """For joints that turn, and for those that slide."""
 
 
-def _part(model: Model, part: Attached, path: Path, space: AnySpace) -> Iterator[tuple[Row, Path]]:
+def _part(
+    model: Model, part: Attached, path: Path, space: AnySpace
+) -> Iterator[tuple[ModelNumber, Path]]:
     steps = part.placement.steps
     owner = "load" if part.load else "link"
-    editor = Mass(path, None if part.load else _outer(model, part.link, steps), space)
+    editor = LinkInertiaEditor(path, None if part.load else _outer(model, part.link, steps), space)
     yield from _mass(
         part.link, owner, editor, path, space, f"{owner} {part.link!r}", is_plain(part.inertia)
     )
@@ -250,7 +256,7 @@ def _mass(
     space: AnySpace,
     what: str,
     scales: bool = False,
-) -> Iterator[tuple[Row, Path]]:
+) -> Iterator[tuple[ModelNumber, Path]]:
     """mass, com, inertia; `scale` only of what is there, and whose numbers have no names of their
     own."""
     fields = [("mass", "kg", ("mass",), f"mass of {what}")]
@@ -262,11 +268,11 @@ def _mass(
         (f"inertia.{x}", "kg m²", ("tensor", k), about) for k, x in enumerate(TENSOR[space.dim])
     ]
     for field, unit, leaf, text in fields:
-        row = Row((name, *field.split(".")), owner, editor, field, unit, text, "inertia")
+        row = ModelNumber((name, *field.split(".")), owner, editor, field, unit, text, "inertia")
         yield row, (*path, "inertia", *leaf) if path else ()
     if scales:
         yield (
-            Row(
+            ModelNumber(
                 (name, "scale"),
                 owner,
                 editor,
@@ -279,22 +285,26 @@ def _mass(
         )
 
 
-def _frame(model: Model, frame: Frame, k: int, space: AnySpace) -> Iterator[tuple[Row, Path]]:
+def _frame(
+    model: Model, frame: Frame, k: int, space: AnySpace
+) -> Iterator[tuple[ModelNumber, Path]]:
     """Of a frame that is mounted, or of a link that is fixed to another."""
     outer = _outer(model, frame.parent, frame.placement.steps)
-    pose = Pose(("frames", k, "placement"), outer, space, frame.name)
+    pose = PoseEditor(("frames", k, "placement"), outer, space, frame.name)
     where = "its body" if outer is None else repr(outer)
     yield from _pose(model, frame.name, "frame", pose, f"of frame {frame.name!r} in {where}")
 
 
-def _pose(model: Model, name: str, owner: str, pose: Pose, what: str) -> Iterator[tuple[Row, Path]]:
+def _pose(
+    model: Model, name: str, owner: str, pose: PoseEditor, what: str
+) -> Iterator[tuple[ModelNumber, Path]]:
     start = pose.start(model)
-    if not Pose.tells(get(model, pose.path).steps[start:]):
+    if not PoseEditor.tells(get(model, pose.path).steps[start:]):
         return
     fields = pose.read(model)
     for field in fields:
         angle = field in ANGLES[pose.space.dim]
-        row = Row(
+        row = ModelNumber(
             (name, "placement", field),
             owner,
             pose,

@@ -50,7 +50,7 @@ class Pattern:
         return tuple(tuple(map(entry, row)) for row in self.R), tuple(map(entry, self.p))
 
 
-class Form:
+class SharedForm:
     """The structure of a piece; equal ones are one object, so that keys made of them are quick."""
 
     __slots__ = ("__weakref__", "content")
@@ -59,46 +59,46 @@ class Form:
         self.content = content
 
 
-_forms: WeakValueDictionary[Any, Form] = WeakValueDictionary()
+_forms: WeakValueDictionary[Any, SharedForm] = WeakValueDictionary()
 
 
-def _form(content: Any) -> Form:
-    return _forms.get(content) or _forms.setdefault(content, Form(content))
+def _form(content: Any) -> SharedForm:
+    return _forms.get(content) or _forms.setdefault(content, SharedForm(content))
 
 
-class Part(NamedTuple):
+class PoseContribution(NamedTuple):
     """What a constant pose contributes, its structure and its numbers (..., k), and the pose
     itself."""
 
-    form: Form
+    form: SharedForm
     numbers: Array
     pose: Pose
 
 
-class JointPart(NamedTuple):
+class JointContribution(NamedTuple):
     """What a joint contributes: structure, numbers of its placement, and of a one-axis joint those
     of its drive."""
 
-    form: Form
+    form: SharedForm
     placed: Array
     drive: Array | None
     driven: bool
     """Whether friction, a rotor or a spring acts."""
 
 
-class BodyPart(NamedTuple):
+class BodyContribution(NamedTuple):
     """What a body contributes: its joint, and its mass, first moment and inertia."""
 
-    joint: JointPart
+    joint: JointContribution
     inertia: Array
 
 
-def body_parts(model: Model) -> list[BodyPart]:
+def body_parts(model: Model) -> list[BodyContribution]:
     """Of each body in the model's order."""
     return [part_of(body, model.dim) for body in model.bodies]
 
 
-def part_of(body: Body, dim: int) -> BodyPart:
+def part_of(body: Body, dim: int) -> BodyContribution:
     """Of one body; a new payload and one call are to take microseconds."""
     name = _NAME[dim]
     return body.__dict__.get(name) or kept(body, name, _body_part, body, dim)
@@ -107,27 +107,27 @@ def part_of(body: Body, dim: int) -> BodyPart:
 _NAME = {2: "part in the plane", 3: "part in space"}
 
 
-def _body_part(body: Body, dim: int) -> BodyPart:
-    return BodyPart(joint_part(body, dim), inertial(body.inertias, dim))
+def _body_part(body: Body, dim: int) -> BodyContribution:
+    return BodyContribution(joint_part(body, dim), inertial(body.inertias, dim))
 
 
-def joint_part(body: Body, dim: int) -> JointPart:
+def joint_part(body: Body, dim: int) -> JointContribution:
     """Of the joint that carries a body."""
     return kept(body.joint, _NAME[dim], _joint_part, body.joint, body.kind.nv == 1, dim)
 
 
-def _joint_part(joint: Joint, one_axis: bool, dim: int) -> JointPart:
+def _joint_part(joint: Joint, one_axis: bool, dim: int) -> JointContribution:
     placed = pose_part(joint.placement, dim)
     drive, driven = (
         kept(joint.drive, "part", _drive_part, joint.drive) if one_axis else (None, False)
     )
-    return JointPart(
+    return JointContribution(
         _joint_form(joint.kind, joint.axis, placed.form), placed.numbers, drive, driven
     )
 
 
 @lru_cache(maxsize=1024)
-def _joint_form(kind: str, axis: tuple[float, ...], placed: Form) -> Form:
+def _joint_form(kind: str, axis: tuple[float, ...], placed: SharedForm) -> SharedForm:
     return _form((kind, axis, placed))
 
 
@@ -139,12 +139,12 @@ def _drive_part(drive: Drive) -> tuple[Array, bool]:
     )
 
 
-def pose_part(placement: Placement, dim: int) -> Part:
+def pose_part(placement: Placement, dim: int) -> PoseContribution:
     """Of a constant pose."""
     return kept(placement, _NAME[dim], _pose_part, placement, dim)
 
 
-def _pose_part(placement: Placement, dim: int) -> Part:
+def _pose_part(placement: Placement, dim: int) -> PoseContribution:
     R, p = placement.lower(of_dimension(dim), VALUES)
     try:
         form, turning = _known_pose_form(R, tuple([x == 0.0 for x in p]))
@@ -153,10 +153,10 @@ def _pose_part(placement: Placement, dim: int) -> Part:
         zeros = tuple([is_exactly(x, 0.0) for x in p])
         form, turning = _pose_form(R, zeros)
         shift = [x for x, zero in zip(p, zeros, strict=True) if not zero]
-    return Part(form, as_row((*turning, *shift)), (R, p))
+    return PoseContribution(form, as_row((*turning, *shift)), (R, p))
 
 
-def _pose_form(R: Matrix, zeros: tuple[bool, ...]) -> tuple[Form, tuple[Scalar, ...]]:
+def _pose_form(R: Matrix, zeros: tuple[bool, ...]) -> tuple[SharedForm, tuple[Scalar, ...]]:
     """The form of a pose, given which entries of its position are zero, and the numbers of its
     rotation."""
     rows, turning = _rotation(R)
@@ -252,7 +252,7 @@ def _field(model: Model) -> tuple[tuple[bool, ...], Array]:
     return zeros, as_row([size * x for x, zero in zip(direction, zeros, strict=True) if not zero])
 
 
-def rows_of(part: tuple[JointPart, Array], driven: bool) -> list[Array]:
+def rows_of(part: tuple[JointContribution, Array], driven: bool) -> list[Array]:
     """What a body adds to the numbers, in order."""
     joint, inertia = part
     return (

@@ -18,10 +18,10 @@ from freebody.model.assembly import Policy, assemble
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import BY_LETTER
-from freebody.model.members import Entry
+from freebody.model.members import NamedNumber
 from freebody.model.model import Model
 from freebody.model.parameters import Quantity, quantity
-from freebody.model.parts import Description, Drive, Joint, Limits, Link, Mount
+from freebody.model.parts import Drive, Joint, Limits, Link, Mount, RobotDescription
 from freebody.model.placement import Placement, Shift, Turn
 
 Convention = Literal["standard", "modified"]
@@ -62,7 +62,7 @@ def describe(
     file: str | None = None,
     lines: Sequence[int] | None = None,
     joint_names: Sequence[str | None] = (),
-) -> Description:
+) -> RobotDescription:
     """The links and joints of a DH table; for a file also its name, the line of each row, and names
     of joints."""
     if convention not in ("standard", "modified"):
@@ -89,7 +89,7 @@ def describe(
         joints.append(joint)
         mounts.append(Mount(f"frame{i + 1}", link.name, frame))
         behind = frame
-    return Description(
+    return RobotDescription(
         name,
         3,
         tuple(links),
@@ -152,7 +152,7 @@ def _row(
 def _entry(row: Mapping[str, Any], key: str, where: str, joint: str) -> Quantity:
     """A number of the table, which keeps its name, or a symbol."""
     given = quantity(row.get(key, 0.0), f"{where}: {key}")
-    return Entry(given, (joint, key)) if isinstance(given, float) else given
+    return NamedNumber(given, (joint, key)) if isinstance(given, float) else given
 
 
 def _flag(value: object, where: str) -> bool:

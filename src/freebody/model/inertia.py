@@ -15,14 +15,14 @@ from freebody.model.members import Members, arrays_in, common_shape, members, of
 from freebody.model.parameters import (
     LARGEST,
     Parameter,
-    Product,
+    ParameterProduct,
     Quantity,
     each_parameter,
     finite,
     quantity,
 )
 from freebody.model.placement import rotation_matrix
-from freebody.model.reading import VALUES, Reader
+from freebody.model.reading import VALUES, QuantityReader
 from freebody.spatial import Vector
 
 # of the largest eigenvalue: how negative a pseudo-inertia may be before it is called not physical
@@ -160,7 +160,7 @@ class Inertia:
             np.array(t if self.dim == 3 else [[t]], dtype=float),
         )
 
-    def lower(self, reader: Reader) -> tuple[Scalar, Vector, Scalar]:
+    def lower(self, reader: QuantityReader) -> tuple[Scalar, Vector, Scalar]:
         """(mass, com, tensor) in scalars: a 3×3 matrix in space, a number in the plane."""
         read = reader.quantities((self.mass, *self.com, *self.tensor))
         if self.dim == 2:
@@ -249,7 +249,7 @@ def _are_plain(values: tuple[Any, ...]) -> bool:
 def _number(x: Any, owner: str) -> Quantity:
     if type(x) is float and -LARGEST <= x <= LARGEST:  # most are
         return x
-    if isinstance(x, (Parameter, Members, Product)):
+    if isinstance(x, (Parameter, Members, ParameterProduct)):
         return x  # type: ignore[return-value]
     return members(x, owner, LARGEST) if isinstance(x, np.ndarray) and x.ndim else finite(x, owner)
 

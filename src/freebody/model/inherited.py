@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from freebody.arrays import Array
 from freebody.model.contributions import (
-    JointPart,
+    JointContribution,
     gravity_part,
     inertial,
     joint_part,
@@ -89,7 +89,7 @@ def inherited(model: Model) -> tuple[Structure, Array] | None:
     return structure, numbers
 
 
-def _moves_alike(new: Body, old: Body, a: JointPart, b: JointPart) -> bool:
+def _moves_alike(new: Body, old: Body, a: JointContribution, b: JointContribution) -> bool:
     """Whether the structure of two bodies is surely the same, a and b being the parts of their
     joints."""
     if new.joint is old.joint:

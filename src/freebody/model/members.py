@@ -27,25 +27,25 @@ class Members(ByValue):
 
     array: Array
     name: tuple[str, str] | None = None
-    """Of an `Entry`: its own name."""
+    """Of an `NamedNumber`: its own name."""
     _aside = ("name",)
     _copies = True
 
 
-class Entry(float):
+class NamedNumber(float):
     """A number of placements that has a name of its own: an entry of a DH table, wherever it is
     used."""
 
     __slots__ = ("name",)
     name: tuple[str, str]
 
-    def __new__(cls, value: float, name: tuple[str, str]) -> Entry:
+    def __new__(cls, value: float, name: tuple[str, str]) -> NamedNumber:
         entry = super().__new__(cls, value)
         entry.name = name
         return entry
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Entry, (float(self), self.name)
+        return NamedNumber, (float(self), self.name)
 
 
 def is_array(value: object) -> bool:
@@ -171,7 +171,7 @@ def taken(thing: Any, shape: tuple[int, ...], index: Any) -> Any:
         number = float(picked) if np.ndim(picked) == 0 else None
         if number is None:
             return Members(picked, thing.name)
-        return number if thing.name is None else Entry(number, thing.name)
+        return number if thing.name is None else NamedNumber(number, thing.name)
     if isinstance(thing, tuple):
         items = tuple(taken(item, shape, index) for item in thing)
         return thing if all(a is b for a, b in zip(items, thing, strict=True)) else items

@@ -13,7 +13,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import ModelError, UnknownNameError, likely, listed, shown
-from freebody.model.catalogue import Catalogue, Row, catalogue
+from freebody.model.catalogue import Catalogue, ModelNumber, catalogue
 from freebody.model.gravity import direction_fault
 from freebody.model.inertia import faults
 from freebody.model.inherited import made_from
@@ -251,7 +251,7 @@ def bind(model: Model, values: Mapping[Any, Any]) -> Model:
     return written(model, wanted)
 
 
-def _checked(row: Row, value: Any, name: str) -> float | Members:
+def _checked(row: ModelNumber, value: Any, name: str) -> float | Members:
     owner = f"parameter {name!r}"
     if type(value) is not float and is_array(value):
         return members(value, owner, math.inf if row.sort == "limit" else LARGEST)

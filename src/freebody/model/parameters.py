@@ -31,7 +31,7 @@ class Parameter:
 
 
 @dataclass(frozen=True)
-class Product:
+class ParameterProduct:
     """A quantity that a kernel forms of others, some of which are its inputs."""
 
     factors: tuple[Any, ...]

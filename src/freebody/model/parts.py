@@ -221,7 +221,7 @@ class Notice:
 
 
 @dataclass(frozen=True)
-class Description:
+class RobotDescription:
     """Links and joints as a file or a builder gives them, before assembly into a Model."""
 
     name: str

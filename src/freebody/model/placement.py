@@ -12,7 +12,7 @@ from freebody.elementary import Scalar
 from freebody.errors import ModelError
 from freebody.lazy import Keeps
 from freebody.model.parameters import Quantity, each_parameter
-from freebody.model.reading import EXACT, VALUES, Reader, exact_sin_cos
+from freebody.model.reading import EXACT, VALUES, QuantityReader, exact_sin_cos
 from freebody.spatial import AnySpace, Matrix, Vector, add, identity, product, times
 
 _LONGEST = 24
@@ -66,7 +66,7 @@ class Placement(Keeps):
             steps += run if named else _as_numbers(Placement(run), space)
         return Placement(tuple(steps))
 
-    def lower(self, space: AnySpace, reader: Reader) -> tuple[Matrix, Vector]:
+    def lower(self, space: AnySpace, reader: QuantityReader) -> tuple[Matrix, Vector]:
         """(R_AB, p_AB) in scalars."""
         R: Matrix | None = (
             None  # most placements turn once at most, and a changed length is to cost little

@@ -19,8 +19,8 @@ import numpy as np
 from freebody.elementary import Scalar
 from freebody.errors import ModelError
 from freebody.model.inertia import Inertia
-from freebody.model.members import Entry, Members, changed, copied, fields_of
-from freebody.model.parameters import Parameter, Product, Quantity, each_parameter
+from freebody.model.members import Members, NamedNumber, changed, copied, fields_of
+from freebody.model.parameters import Parameter, ParameterProduct, Quantity, each_parameter
 from freebody.model.placement import Placement, Rotate, Shift, Turn, shift, turn
 from freebody.model.reading import VALUES
 from freebody.model.tree import Attached
@@ -137,7 +137,7 @@ def _walk(thing: Any, path: Path, found: dict[tuple[str, ...], list[Path]]) -> N
         return
     if isinstance(thing, Parameter):
         found.setdefault((thing.name,), []).append(path)
-    elif kind is Entry or (kind is Members and thing.name):
+    elif kind is NamedNumber or (kind is Members and thing.name):
         found.setdefault(thing.name, []).append(path)
     elif kind is tuple:
         for i, item in enumerate(thing):
@@ -195,7 +195,7 @@ class Leaves:
             elif isinstance(value, Members):
                 value = Members(value.array, old.name)
             else:
-                value = Entry(value, old.name)  # type: ignore[arg-type]
+                value = NamedNumber(value, old.name)  # type: ignore[arg-type]
         return put_at(model, self.paths, value)
 
 
@@ -239,7 +239,7 @@ class Items:
 
 
 @dataclass(frozen=True)
-class Mass:
+class LinkInertiaEditor:
     """The inertia of a link, about its centre of mass and in the axes of the link; `scale` is a
     factor on all of it.
 
@@ -300,7 +300,7 @@ class Mass:
 
 
 @dataclass(frozen=True)
-class Load:
+class NewPayloadEditor:
     """A load that is not there yet, at the tip."""
 
     name: str
@@ -318,11 +318,11 @@ class Load:
         path = ("base_inertias",) if at.body < 0 else ("bodies", at.body, "inertias")
         there = get(model, path)
         grown = put(model, path, (*there, added))
-        return Mass((*path, len(there)), None, self.space).write(grown, values)
+        return LinkInertiaEditor((*path, len(there)), None, self.space).write(grown, values)
 
 
 @dataclass(frozen=True)
-class Pose:
+class PoseEditor:
     """A placement: x, y, z (m), then roll, pitch, yaw (rad) about the axes of the frame that it is
     told in, R = Rz(yaw) Ry(pitch) Rx(roll).
 
@@ -487,5 +487,5 @@ def _times(x: Quantity, factor: Quantity) -> Quantity:
     if isinstance(factor, float) and factor == 1.0:
         return x
     if any(each_parameter((x, factor))):
-        return cast(Quantity, Product((x, factor)))
+        return cast(Quantity, ParameterProduct((x, factor)))
     return _kept(VALUES.quantity(x) * VALUES.quantity(factor))

@@ -17,7 +17,7 @@ from freebody.model.inertia import Inertia
 from freebody.model.joints import BY_LETTER
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, Quantity, finite, quantity
-from freebody.model.parts import MOST_LINKS, Description, Drive, Joint, Limits, Link, Mount
+from freebody.model.parts import MOST_LINKS, Drive, Joint, Limits, Link, Mount, RobotDescription
 from freebody.model.placement import shift, turn
 
 Given = float | str | Parameter | None
@@ -77,7 +77,7 @@ def describe(
     drives: Sequence[Drive | None] | None = None,
     passive: Sequence[str] = (),
     name: str | None = None,
-) -> Description:
+) -> RobotDescription:
     """The links and joints of a planar word; arguments as in `planar`."""
     if not isinstance(word, str) or not word or set(word) - set("RP"):
         raise ModelError(
@@ -124,7 +124,9 @@ def describe(
         reach = lengths[i]
     tip = Mount("tip", links[-1].name, shift(reach, 0.0))
     gravity = gravity_of(g, 2, name="g")
-    return Description(name or word, 2, tuple(links), tuple(joints), gravity, (tip,), tip="tip")
+    return RobotDescription(
+        name or word, 2, tuple(links), tuple(joints), gravity, (tip,), tip="tip"
+    )
 
 
 def _entries(letter: str, given: Sequence[Given] | None, n: int, word: str = "") -> list[Quantity]:

@@ -11,15 +11,15 @@ import numpy as np
 
 from freebody.elementary import Scalar
 from freebody.errors import ModelError
-from freebody.model.members import Entry, Members
-from freebody.model.parameters import Parameter, Product, Quantity
+from freebody.model.members import Members, NamedNumber
+from freebody.model.parameters import Parameter, ParameterProduct, Quantity
 from freebody.spatial import Matrix, Vector
 
 EXACT = 1e-12
 """Angles (rad) this close to a multiple of a right angle are that multiple."""
 
 
-class Reader:
+class QuantityReader:
     """Reads numbers as they are and parameters as their values; a subclass may read them as
     anything else."""
 
@@ -29,7 +29,7 @@ class Reader:
     def quantity(self, q: Quantity) -> Scalar:
         """The scalar of a number or parameter; of a family an array of its shape."""
         kind = type(q)
-        if kind is float or kind is Entry:  # most are
+        if kind is float or kind is NamedNumber:  # most are
             return q  # type: ignore[return-value]
         if isinstance(q, Parameter):
             if q.value is None:
@@ -37,7 +37,7 @@ class Reader:
             return q.value.array if isinstance(q.value, Members) else q.value
         if isinstance(q, Members):
             return q.array
-        return prod(map(self.quantity, q.factors)) if isinstance(q, Product) else q
+        return prod(map(self.quantity, q.factors)) if isinstance(q, ParameterProduct) else q
 
     def quantities(self, qs: Sequence[Quantity]) -> Sequence[Scalar]:
         """The scalars of several."""
@@ -59,7 +59,7 @@ class Reader:
         return axis
 
 
-class Values(Reader):
+class Values(QuantityReader):
     """Reads numbers as they are, which most are, and parameters as their values."""
 
     def quantities(self, qs: Sequence[Quantity]) -> Sequence[Scalar]:
@@ -68,7 +68,7 @@ class Values(Reader):
         return super().quantities(qs)
 
 
-_NUMBERS = {float, Entry}
+_NUMBERS = {float, NamedNumber}
 
 VALUES = Values()
 

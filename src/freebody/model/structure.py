@@ -26,7 +26,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.elementary import Scalar
 from freebody.model.contributions import (
-    Form,
+    SharedForm,
     as_row,
     body_parts,
     gravity_part,
@@ -126,7 +126,7 @@ _recent: deque[Structure] = deque(maxlen=_RECENT)
 
 
 def numbers_of(model: Model) -> Array:
-    """The numbers (..., k) of a model with all values, in the order in which `Inputs` asks for
+    """The numbers (..., k) of a model with all values, in the order in which `ScalarPieces` asks for
     them."""
     structure = model.structure
     found = model.__dict__.get("numbers")  # they may have come with it
@@ -157,7 +157,7 @@ def _own_frames(model: Model) -> tuple[str, ...]:
     return model.frame_names if model.loops else ()
 
 
-class Inputs(Pieces):
+class ScalarPieces(Pieces):
     """The pieces of a model with scalars in the place of its numbers, as they come in `numbers_of`
     and then those of the poses of `frames`."""
 
@@ -224,7 +224,7 @@ def tree_over(
     after the other. shown: the bodies whose joints have a drive, where that counts; else all have
     one, or none.
     """
-    return tree_of(model, Inputs(model, scalars, (*_own_frames(model), *frames), shown))
+    return tree_of(model, ScalarPieces(model, scalars, (*_own_frames(model), *frames), shown))
 
 
 def drives(model: Model) -> tuple[bool, ...]:
@@ -251,7 +251,7 @@ def _loops(model: Model) -> tuple[Any, ...]:
     return tuple(loops), tuple(frame_form(model, name) for name in at)
 
 
-def frame_form(model: Model, name: str) -> tuple[int, Form]:
+def frame_form(model: Model, name: str) -> tuple[int, SharedForm]:
     """The body that a frame is fixed to, and its pose there without its numbers."""
     frame = model.frame(name)
     return frame.body, pose_part(frame.placement, model.dim).form

@@ -18,7 +18,7 @@ from freebody.model.joints.kind import Column, Primitive
 from freebody.model.members import arrays_in
 from freebody.model.parameters import Quantity, each_parameter
 from freebody.model.placement import Placement
-from freebody.model.reading import Reader
+from freebody.model.reading import QuantityReader
 from freebody.spatial import AnySpace, Matrix, Vector, add, identity, of_dimension, scale, times
 
 if TYPE_CHECKING:
@@ -155,7 +155,7 @@ class Tree:
 class Pieces:
     """How the pieces of a model become scalars: here each quantity as a reader reads it."""
 
-    def __init__(self, space: AnySpace, reader: Reader):
+    def __init__(self, space: AnySpace, reader: QuantityReader):
         self.space, self.reader = space, reader
 
     def pose(self, placement: Placement) -> Pose:
@@ -187,7 +187,7 @@ class Pieces:
         return model.frames
 
 
-def lower(model: Model, reader: Reader) -> Tree:
+def lower(model: Model, reader: QuantityReader) -> Tree:
     """The model's tree, its numbers and parameters read by `reader`."""
     return tree_of(model, Pieces(of_dimension(model.dim), reader))
 
@@ -269,7 +269,9 @@ def parents_first(model: Model) -> list[int]:
     return order
 
 
-def _masses(space: AnySpace, parts: tuple[Attached, ...], reader: Reader) -> tuple[Mass, ...]:
+def _masses(
+    space: AnySpace, parts: tuple[Attached, ...], reader: QuantityReader
+) -> tuple[Mass, ...]:
     """Masses in the body's axes; those with numbers alone are made one."""
     varied = [any(each_parameter(a)) or bool(arrays_in(a)) for a in parts]
     plain = [
@@ -287,7 +289,7 @@ def _masses(space: AnySpace, parts: tuple[Attached, ...], reader: Reader) -> tup
     return tuple(mass for mass in masses if not _is_nothing(mass))
 
 
-def placed_mass(space: AnySpace, part: Attached, reader: Reader) -> Mass:
+def placed_mass(space: AnySpace, part: Attached, reader: QuantityReader) -> Mass:
     """What is fixed to a body, in the body's axes."""
     return in_body(space, part.inertia.lower(reader), part.placement.lower(space, reader))
 
@@ -349,14 +351,14 @@ def _is_zero(inertia: Scalar) -> bool:
     return True
 
 
-def drive_of(drive: Drive, reader: Reader) -> tuple[Scalar, ...]:
+def drive_of(drive: Drive, reader: QuantityReader) -> tuple[Scalar, ...]:
     """Viscous and Coulomb friction, reflected rotor inertia, stiffness and rest position."""
     own = (drive.viscous, drive.coulomb, drive.rotor, drive.gear, drive.stiffness, drive.rest)
     viscous, coulomb, rotor, gear, stiffness, rest = [reader.quantity(x) for x in own]
     return viscous, coulomb, rotor * gear * gear, stiffness, rest
 
 
-def _drive(body: Body, reader: Reader) -> DriveScalars | None:
+def _drive(body: Body, reader: QuantityReader) -> DriveScalars | None:
     scalars = drive_of(body.joint.drive, reader)
     if all(isinstance(x, float) and x == 0.0 for x in scalars[:-1]):
         return None

@@ -11,7 +11,7 @@ from freebody.derivations.methods.setting import Setting
 from freebody.derivations.names import sym, vec
 from freebody.derivations.render.literal import literal
 from freebody.derivations.symbols import RATE, SECOND
-from freebody.model.joints import Words
+from freebody.model.joints import JointWords
 from freebody.model.parameters import Parameter, each_parameter
 from freebody.model.placement import Placement, Turn
 
@@ -29,7 +29,7 @@ def glossary(s: Setting, introduced: Iterable[Meaning], forces: bool) -> tuple[M
 
 
 def _coordinates(s: Setting, motors: bool) -> Iterator[Meaning]:
-    joints_by_words: dict[Words, list[int]] = {}
+    joints_by_words: dict[JointWords, list[int]] = {}
     for i in s.order:
         joints_by_words.setdefault(s.words(i), []).append(i)
     for words in sorted(joints_by_words, key=lambda words: words.unit != "rad"):  # angles first

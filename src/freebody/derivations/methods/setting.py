@@ -23,7 +23,7 @@ from freebody.derivations.symbols import Symbols
 from freebody.elementary import Scalar
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
-from freebody.model.joints import Words
+from freebody.model.joints import JointWords
 from freebody.model.joints.revolute import Turning
 from freebody.model.tree import Mass, Tree
 from freebody.scalars.trig import Trig
@@ -99,7 +99,7 @@ class Setting:
         """Whether body i hangs on a revolute joint."""
         return isinstance(self.tree.bodies[i].primitive, Turning)
 
-    def words(self, i: int) -> Words:
+    def words(self, i: int) -> JointWords:
         """How the joint of body i is spoken of."""
         return self.tree.bodies[i].primitive.words
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from freebody.model.joints.fixed import Fixed
 from freebody.model.joints.free import Free
-from freebody.model.joints.kind import JointKind, Primitive, Words
+from freebody.model.joints.kind import JointKind, JointWords, Primitive
 from freebody.model.joints.planar import Planar
 from freebody.model.joints.prismatic import Prismatic
 from freebody.model.joints.revolute import Continuous, Revolute
@@ -18,4 +18,4 @@ KINDS: dict[str, JointKind] = {
 BY_LETTER: dict[str, str] = {kind.letter: kind.name for kind in KINDS.values() if kind.letter}
 """Names of kinds by their letter in planar words and DH tables."""
 
-__all__ = ["BY_LETTER", "KINDS", "JointKind", "Primitive", "Words"]
+__all__ = ["BY_LETTER", "KINDS", "JointKind", "JointWords", "Primitive"]

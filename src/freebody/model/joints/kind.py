@@ -16,7 +16,7 @@ Column = tuple[Vector, Vector]
 """(angular, linear)."""
 
 
-class Words(NamedTuple):
+class JointWords(NamedTuple):
     """How a primitive of one axis is spoken of."""
 
     joint: str
@@ -36,7 +36,7 @@ class Primitive(ABC):
 
     nq: ClassVar[int]
     nv: ClassVar[int]
-    words: ClassVar[Words]
+    words: ClassVar[JointWords]
     """Of one axis."""
 
     @abstractmethod

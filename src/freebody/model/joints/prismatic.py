@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from freebody.model.joints.kind import Column, JointKind, Primitive, Words
+from freebody.model.joints.kind import Column, JointKind, JointWords, Primitive
 from freebody.spatial import AnySpace, Matrix, Vector, identity, scale
 
 
@@ -10,7 +10,7 @@ class Sliding(Primitive):
     """Translation by q[0] (m) along the axis."""
 
     nq = nv = 1
-    words = Words("prismatic", "displacement", "force", "guide", "m", "N")
+    words = JointWords("prismatic", "displacement", "force", "guide", "m", "N")
 
     def pose(self, space: AnySpace, axis: Vector, q: Vector) -> tuple[Matrix, Vector]:
         return identity(space.dim), scale(q[0], axis)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from freebody.model.joints.kind import Column, JointKind, Primitive, Words
+from freebody.model.joints.kind import Column, JointKind, JointWords, Primitive
 from freebody.spatial import AnySpace, Matrix, Vector
 
 
@@ -10,7 +10,7 @@ class Turning(Primitive):
     """Rotation by q[0] (rad) about the axis."""
 
     nq = nv = 1
-    words = Words("revolute", "angle", "torque", "bearing", "rad", "N m")
+    words = JointWords("revolute", "angle", "torque", "bearing", "rad", "N m")
 
     def pose(self, space: AnySpace, axis: Vector, q: Vector) -> tuple[Matrix, Vector]:
         return space.rotation(axis, q[0]), space.zero

@@ -8,7 +8,7 @@ import freebody as fb
 from freebody.derivations.values import Each
 from freebody.model.assembly import assemble
 from freebody.model.inertia import combined
-from freebody.model.parts import Description, Joint, Link
+from freebody.model.parts import Joint, Link, RobotDescription
 from freebody.notes.checks import Digits, Related
 from freebody.notes.item import Item
 
@@ -44,7 +44,7 @@ def rotor():
     """The gyro's rotor on a ball joint at its centre; a constant ω' in its own axes."""
     links = (Link("base"), Link("rotor", fb.Inertia.of(1, [0, 0, 0], [10, 0, 0, 5, 0, 5])))
     pivot = Joint("pivot", "spherical", "base", "rotor")
-    body = assemble(Description("rotor", 3, links, (pivot,), (0.0, (0.0, 0.0, -1.0))))
+    body = assemble(RobotDescription("rotor", 3, links, (pivot,), (0.0, (0.0, 0.0, -1.0))))
     omega, still = np.array([5.0, 0.0, 3.0]), np.zeros(3)
     return {
         "n_prime": fb.inverse_dynamics(body, [1, 0, 0, 0], omega, still), "I_prime": np.diag([10.0, 5.0, 5.0]),
