@@ -12,6 +12,7 @@ import freebody as fb
 from freebody.cli.app import run
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.figures.drawing import Arc, Arrow, Line, Mark, Turn
+from freebody.figures.joints import JOINTS
 from freebody.figures.labels import Crowd, Wanted, _overlap
 from freebody.figures.names import Names
 from freebody.figures.plots import Plot, plot, thin, ticks
@@ -20,6 +21,7 @@ from freebody.figures.sketch import forces
 from freebody.figures.sketch.snapshot import snapshot
 from freebody.figures.svg import picture
 from freebody.figures.text import number, plain
+from freebody.model.joints import KINDS
 
 Q2, QD2, QDD2 = [0.6, 0.9], [1.0, -0.5], [2.0, 3.0]
 ROBOTS = ("2R", "3R", "RP", "pendulum", "ur5e", "panda", "scara", "gyro", "quadrotor")
@@ -77,6 +79,15 @@ def test_slider_stands_at_the_end_of_its_rail():
     u = np.array([math.cos(0.5), math.sin(0.5)])
     np.testing.assert_allclose(slider.at, 0.55 * u, atol=1e-12)
     np.testing.assert_allclose(rail.points, [0.3 * u, 0.55 * u], atol=1e-12)
+
+
+@pytest.mark.parametrize("kind", KINDS.values(), ids=KINDS)
+def test_every_kind_of_joint_names_its_symbol(kind):
+    """And every symbol is named by a kind."""
+    assert kind.mark in JOINTS
+    assert {k.mark for k in KINDS.values()} == set(JOINTS)
+    if not kind.holds:
+        assert not JOINTS[kind.mark].flat, "no joint is drawn where nothing holds a body"
 
 
 def test_tip_triad_in_space_is_the_tip_frame():

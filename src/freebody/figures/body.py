@@ -9,6 +9,7 @@ import numpy as np
 
 from freebody.figures import plane, space
 from freebody.figures.drawing import FLAT, Arrow, Drawing, Line, Mark, Turn, View, best_view, point
+from freebody.figures.joints import flat_joint
 from freebody.figures.loads import BodyLoads, Load
 from freebody.figures.svg import natural_scale
 from freebody.figures.text import number
@@ -73,9 +74,7 @@ def _joints(drawing: Drawing, loads: BodyLoads) -> None:
     centre of mass."""
     body = loads.body
     if len(drawing.view.rows[0]) == 2:
-        kind, axis = body.kind.mark, body.axis
-        direction = None if axis is None else point(axis)
-        drawing.add(Mark(point(body.origin), kind, f"joint {body.number}", "joint", direction, 6.0))
+        drawing.add(*flat_joint(body))
     for end in body.ends:
         if end.child is not None and np.linalg.norm(end.place - body.origin) > 1e-6:
             drawing.add(

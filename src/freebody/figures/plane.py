@@ -10,6 +10,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.figures.drawing import FLAT, Arc, Arrow, Drawing, Label, Line, Mark, point
+from freebody.figures.joints import flat_joint
 from freebody.figures.names import names_of
 from freebody.figures.skeleton import BodyPlace, Skeleton, extent
 from freebody.figures.text import number
@@ -75,12 +76,9 @@ def add_body(drawing: Drawing, body: BodyPlace) -> None:
 
 def add_joint(drawing: Drawing, body: BodyPlace) -> None:
     """A pin, or a slider with its rail."""
-    name = f"joint {body.number}"
-    if body.kind.slides and body.axis is not None:
+    if body.kind.slides:
         drawing.add(Line((point(body.carrier), point(body.origin)), f"rail {body.number}", "rail"))
-        drawing.add(Mark(point(body.origin), "slider", name, "joint", point(body.axis), 8.0))
-    elif body.kind.turns:
-        drawing.add(Mark(point(body.origin), "joint", name, "joint", size=6.0))
+    drawing.add(*flat_joint(body))
 
 
 def ruler(size: float) -> tuple[float, str, str]:

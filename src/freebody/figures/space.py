@@ -22,6 +22,7 @@ from freebody.figures.drawing import (
     best_view,
     point,
 )
+from freebody.figures.joints import solid_joint
 from freebody.figures.plane import round_down, ruler, sticks
 from freebody.figures.skeleton import BodyPlace, Skeleton, extent
 from freebody.model.model import Model
@@ -92,29 +93,7 @@ def solids_of(body: BodyPlace, radius: float, wide: float = 9.0) -> list[Element
         )
         for k, (a, b) in enumerate(sticks(body))
     ]
-    return [*bars, *joint_symbol(body, radius)]
-
-
-def joint_symbol(body: BodyPlace, radius: float) -> list[Element]:
-    """A cylinder along the axis of a turn, a box along a slide, a ball."""
-    name, at = f"joint {body.number}", point(body.origin)
-    if body.kind.mark == "sphere":
-        return [Mark(at, body.kind.mark, name, "joint", size=8.0)]
-    if body.axis is None:
-        return []
-    if body.kind.slides:
-        return [
-            Prism(
-                point(body.carrier),
-                point(body.axis),
-                radius * 1.15,
-                radius * 1.5,
-                name,
-                "joint",
-                sides=4,
-            )
-        ]
-    return [Prism(at, point(body.axis), radius, radius * 1.35, name, "joint")]
+    return [*bars, *solid_joint(body, radius)]
 
 
 def by_depth(elements: Sequence[Element], view: View) -> list[Element]:

@@ -9,6 +9,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.figures.drawing import Arc, Drawing, Label, Line, Mark, Turn, point
 from freebody.figures.figure import Figure
+from freebody.figures.joints import flat_joint
 from freebody.figures.names import Names
 from freebody.figures.plane import add_body
 from freebody.figures.skeleton import BodyPlace
@@ -135,7 +136,7 @@ def one_of_many() -> Figure:
         )
     add_body(drawing, body)
     for link in (before, body, after):
-        arm.joint(drawing, link)
+        drawing.add(*flat_joint(link))
         drawing.add(Label(point(link.origin), _GENERAL.point(link.number), f"label {_GENERAL.point(link.number)}",
                           direction=(0.7, -1.0)))  # fmt: skip
     drawing.add(Mark(point(body.com), "com", "C_i", "com", size=6.0))

@@ -7,6 +7,7 @@ import numpy as np
 from freebody.figures import space
 from freebody.figures.drawing import Arrow, Drawing, Label, Line, Mark, axonometric, point
 from freebody.figures.figure import Figure
+from freebody.figures.joints import solid_joint
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.sketch import frames
 from freebody.figures.sketch.snapshot import Snapshot, snapshot
@@ -29,7 +30,7 @@ def link_symbols() -> Figure:
     view = axonometric(-62.0, 16.0)
     drawing = frames.blank("Link i of an arm in space with the symbols of its dynamics", view)
     parts = [
-        *_faint(before), *_faint(after), *space.solids_of(body, 0.05, 11.0), *space.joint_symbol(after, 0.05)
+        *_faint(before), *_faint(after), *space.solids_of(body, 0.05, 11.0), *solid_joint(after, 0.05)
     ]  # fmt: skip
     drawing.add(*sorted(parts, key=lambda e: space.depth(e, view)))
     _axis(drawing, body, "z_i", "θ\u0307_i", float(seen.qd[1]))
@@ -146,7 +147,7 @@ def slide() -> Figure:
         Line((point(before.origin), point(body.carrier)), "link i−1", "link", width=9.0),
         Line((point(body.carrier), point(body.origin)), "rod i", "link", width=5.0),
         Line((point(body.origin), point(body.com)), "link i", "link", width=9.0),
-        *space.joint_symbol(body, 0.055), *space.joint_symbol(before, 0.045),
+        *solid_joint(body, 0.055), *solid_joint(before, 0.045),
     ]  # fmt: skip
     drawing.add(*sorted(parts, key=lambda e: space.depth(e, view)))
     frames.triad(drawing, before.origin, before.rotation, 0.33, ("X_{i−1}", "Y_{i−1}", "Z_{i−1}"))

@@ -21,6 +21,7 @@ from freebody.figures.drawing import (
     Point,
     point,
 )
+from freebody.figures.joints import flat_joint
 from freebody.figures.names import Names
 from freebody.figures.plane import add_body
 from freebody.figures.skeleton import BodyPlace
@@ -55,7 +56,7 @@ def structure(drawing: Drawing, seen: Snapshot, names: Names, faint: bool = Fals
         else:
             add_body(drawing, body)
     for body in seen.pose.bodies:
-        joint(drawing, body)
+        drawing.add(*flat_joint(body))
     closures(drawing, seen)
     if seen.pose.tip is not None:
         drawing.add(Mark(point(seen.pose.tip), "dot", names.tip, "position-head", size=3.5))
@@ -113,15 +114,6 @@ def rod(drawing: Drawing, body: BodyPlace) -> None:
     """What a slide runs on, from where it begins; the ground's guide is drawn by `support`."""
     if body.kind.slides and body.parent >= 0:
         drawing.add(Line((point(body.carrier), point(body.origin)), f"rod {body.number}", "rail"))
-
-
-def joint(drawing: Drawing, body: BodyPlace, size: float = 6.0) -> None:
-    """A pin, or a block along the slide."""
-    name = f"joint {body.number}"
-    if body.kind.slides and body.axis is not None:
-        drawing.add(Mark(point(body.origin), "slider", name, "joint", point(body.axis), 8.0))
-    else:
-        drawing.add(Mark(point(body.origin), "joint", name, "joint", size=size))
 
 
 def points(drawing: Drawing, seen: Snapshot, names: Names) -> None:

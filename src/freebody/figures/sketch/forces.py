@@ -11,12 +11,13 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.figures.drawing import Arrow, Drawing, Element, Label, Line, Mark, Turn, places, point
+from freebody.figures.joints import flat_joint
 from freebody.figures.loads import Load
 from freebody.figures.names import Names, bold
 from freebody.figures.plane import add_body, round_down
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.sketch import vectors
-from freebody.figures.sketch.arm import blank, heading, joint, letter, rod
+from freebody.figures.sketch.arm import blank, heading, letter, rod
 from freebody.figures.sketch.snapshot import Snapshot
 from freebody.figures.text import number
 
@@ -118,7 +119,7 @@ def act(
 
 
 def _joints(drawing: Drawing, seen: Snapshot, body: BodyPlace, names: Names) -> None:
-    joint(drawing, body)
+    drawing.add(*flat_joint(body))
     _named(drawing, body.origin, letter(seen, names, body.number), -heading(seen, body))
     for end in body.ends:
         if end.child is not None:

@@ -7,6 +7,7 @@ import numpy as np
 
 from freebody.figures import space
 from freebody.figures.drawing import Arrow, Drawing, Element, Label, Line, Mark, View, point
+from freebody.figures.joints import solid_joint
 from freebody.figures.loads import BodyLoads
 from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace
@@ -29,7 +30,7 @@ def alone(
     children = [b for b in seen.pose.bodies if b.parent == body.index]
     parts: list[Element] = [*space.solids_of(body, 0.045 * size, 10.0)]
     for child in children:
-        parts += [*_stub(child, size), *space.joint_symbol(child, 0.045 * size)]
+        parts += [*_stub(child, size), *solid_joint(child, 0.045 * size)]
     drawing.add(*sorted(parts, key=lambda e: space.depth(e, view)))
     for link in (body, *children):
         axis(drawing, seen, link, names, size, rates)

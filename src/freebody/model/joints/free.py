@@ -67,6 +67,7 @@ class Free(JointKind):
     angular = (False, False, False, True, True, True)
     coordinates = None
     holds = False
+    mark = ""
 
     def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
         return ((FLOATING, axis),)

@@ -93,7 +93,7 @@ class JointKind(ABC):
     axis_letter: ClassVar[str] = "z"
     """What the unit vector along its axis is called, before the joint's number."""
     mark: ClassVar[str] = "joint"
-    """Its symbol in drawings (`figures.symbols`)."""
+    """Its symbol in drawings, one of `figures.joints.JOINTS`; "" for none."""
     ranged: ClassVar[bool] = True
     """Whether it is expected to have a range."""
     holds: ClassVar[bool] = True

@@ -19,6 +19,7 @@ class Planar(JointKind):
     angular = (False, False, True)
     coordinates = ("x", "y", "theta")
     holds = False
+    mark = ""
     dimensions = (2, 3)
 
     def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
