@@ -49,7 +49,7 @@ _SHOWN = 12  # names in a sentence
 
 
 @dataclass(frozen=True)
-class _Link:
+class _LinkInertia:
     """The inertia of one link, and the body that it is part of."""
 
     name: str
@@ -126,25 +126,25 @@ def _sizes(model: Model, shapes: Mapping[str, tuple[Shape, ...]]) -> list[float]
 
 
 # ------------------------------------------------------------ placeholders
-def _links(model: Model) -> Iterator[_Link]:
+def _links(model: Model) -> Iterator[_LinkInertia]:
     """The links that move and weigh something."""
     for i, body in enumerate(model.bodies):
         for part in body.inertias:
             mass, _, tensor = part.inertia.numbers()
             if mass > 0.0:
-                yield _Link(part.link, i, mass, tensor)
+                yield _LinkInertia(part.link, i, mass, tensor)
 
 
 def _placeholders(model: Model, own: Sequence[float]) -> Iterator[str]:
     links = list(_links(model))
     whole = sum(link.mass for link in links)
-    alike: dict[tuple[float, ...], list[_Link]] = {}
+    alike: dict[tuple[float, ...], list[_LinkInertia]] = {}
     for link in links:
         alike.setdefault((link.mass, *link.tensor.ravel()), []).append(link)
     for group in alike.values():
         if len(group) < 2 or sum(link.mass for link in group) < _COUNTS * whole:
             continue
-        by_body: dict[int, list[_Link]] = {}
+        by_body: dict[int, list[_LinkInertia]] = {}
         for link in group:
             by_body.setdefault(link.body, []).append(link)
         row = max((_above(model, link, by_body) for link in group), key=len)
@@ -159,9 +159,11 @@ def _placeholders(model: Model, own: Sequence[float]) -> Iterator[str]:
             )
 
 
-def _above(model: Model, link: _Link, by_body: Mapping[int, Sequence[_Link]]) -> list[_Link]:
+def _above(
+    model: Model, link: _LinkInertia, by_body: Mapping[int, Sequence[_LinkInertia]]
+) -> list[_LinkInertia]:
     """Of the group what the link is, or hangs on, from it towards the base; a few suffice."""
-    found: list[_Link] = []
+    found: list[_LinkInertia] = []
     i = link.body
     for _ in range(_LOOKED):
         if i < 0 or len(found) == _ROW:
@@ -171,7 +173,7 @@ def _above(model: Model, link: _Link, by_body: Mapping[int, Sequence[_Link]]) ->
     return found
 
 
-def _is_plain(link: _Link) -> bool:
+def _is_plain(link: _LinkInertia) -> bool:
     """Whether the numbers are round, and the inertia the same about all axes."""
     diagonal = np.diag(link.tensor)
     alike = bool((link.tensor == np.diag(diagonal)).all() and (diagonal == diagonal[0]).all())

@@ -36,7 +36,7 @@ def save(model: Model, path: str | os.PathLike[str]) -> None:
 
 def as_toml(model: Model) -> str:
     """The model as TOML text."""
-    writer = _Writer(model)
+    writer = _TomlWriter(model)
     return (
         "\n\n".join(
             filter(None, (writer.head(), writer.parameters(), writer.home(), *writer.parts()))
@@ -45,7 +45,7 @@ def as_toml(model: Model) -> str:
     )
 
 
-class _Writer:
+class _TomlWriter:
     def __init__(self, model: Model):
         self.model = model
         held = [body for body in model.bodies if body.joint.parent]

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.kernels.formulas import Option
-from freebody.kernels.inputs import InputKernel, Inputs, inputs_of
+from freebody.kernels.inputs import InputKernel, KernelInputs, inputs_of
 from freebody.kernels.options import chosen_option, several
 from freebody.kernels.tracing import program
 from freebody.model.model import Model
@@ -26,7 +26,7 @@ class Asked(NamedTuple):
     model: Model
     names: tuple[str, ...]
     option: Option
-    given: Inputs | None
+    given: KernelInputs | None
     by: tuple[str, ...]
 
     def p(self, uniform: bool = False) -> Argument | None:

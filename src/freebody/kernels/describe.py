@@ -12,7 +12,7 @@ from typing import Any
 from freebody import __version__
 from freebody.identifiers import identifiers
 from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
-from freebody.kernels.inputs import Inputs
+from freebody.kernels.inputs import KernelInputs
 from freebody.kernels.marks import MEANINGS, marks
 from freebody.model.model import Model
 from freebody.model.numbers import Parameters
@@ -23,7 +23,7 @@ _NUMBERS = "numbers of the robot, listed below (SI units)"
 """What p is."""
 
 
-class Description:
+class ProgramDescription:
     """Of a program of a model. Attributes: comment, joints, marks (see `Unit`), names."""
 
     def __init__(
@@ -31,7 +31,7 @@ class Description:
         model: Model,
         quantities: tuple[str, ...],
         option: Option,
-        numbers: Inputs | None,
+        numbers: KernelInputs | None,
         program: Program,
     ):
         self.model, self.option, self.numbers, self.program = model, option, numbers, program
@@ -195,7 +195,7 @@ def _span(entries: tuple[int, ...]) -> str:
     )
 
 
-def _listed_numbers(model: Model, numbers: Inputs | None, words: dict[str, str]) -> list[str]:
+def _listed_numbers(model: Model, numbers: KernelInputs | None, words: dict[str, str]) -> list[str]:
     """What the entries of p are."""
     if numbers is None:
         return []
@@ -216,7 +216,7 @@ def _listed_numbers(model: Model, numbers: Inputs | None, words: dict[str, str])
 
 
 def of_program(
-    program: Program, numbers: Inputs | None = None
+    program: Program, numbers: KernelInputs | None = None
 ) -> tuple[tuple[str, ...], dict[str, Any]]:
     """The head of the text of a kernel, of which no more is known than its program and its p; and
     p's names."""

@@ -12,8 +12,8 @@ from freebody import __version__
 from freebody.errors import FreebodyError, KindError, UnknownNameError
 from freebody.identifiers import is_identifier
 from freebody.kernels.asked import Asked, asked
-from freebody.kernels.describe import Description, of_program
-from freebody.kernels.inputs import InputKernel, Inputs
+from freebody.kernels.describe import ProgramDescription, of_program
+from freebody.kernels.inputs import InputKernel, KernelInputs
 from freebody.kernels.vectors import vectors
 from freebody.model.members import FamilyError
 from freebody.model.model import Model
@@ -88,7 +88,7 @@ def _unit(
     name: str | None,
     dtype: str,
     options: dict[str, Any],
-) -> tuple[Unit, dict[str, Any], Inputs | None]:
+) -> tuple[Unit, dict[str, Any], KernelInputs | None]:
     """What is written, the names behind its words, and the numbers that are inputs."""
     if not isinstance(language, str) or language not in LANGUAGES:
         raise UnknownNameError("language", language, function, LANGUAGES)
@@ -110,14 +110,14 @@ def _unit(
     if not isinstance(chosen, Asked):
         traced = share_reciprocals(chosen.program)
         given = (
-            Inputs(chosen.parameters, chosen.values, chosen.model)
+            KernelInputs(chosen.parameters, chosen.values, chosen.model)
             if isinstance(chosen, InputKernel)
             else None
         )
         comment, words = of_program(traced, given)
         return Unit(traced, name or traced.name, comment, None, dtype), words, given
     traced = share_reciprocals(chosen.program())
-    about = Description(chosen.model, chosen.names, chosen.option, chosen.given, traced)
+    about = ProgramDescription(chosen.model, chosen.names, chosen.option, chosen.given, traced)
     unit = Unit(traced, name or traced.name, about.comment, about.joints, dtype, about.marks)
     return unit, about.names, chosen.given
 

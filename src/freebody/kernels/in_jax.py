@@ -43,7 +43,7 @@ def to_jax(
         import jax
     except ImportError:
         raise FreebodyError("to_jax: JAX is not installed; pip install 'freebody[jax]'.") from None
-    from freebody.kernels.jax_derivatives import Function
+    from freebody.kernels.jax_derivatives import JaxFunction
 
     if isinstance(chosen, Asked):
         if chosen.model.family and not chosen.given:
@@ -67,7 +67,7 @@ def to_jax(
             "the arrays.",
             stacklevel=2,
         )
-    function = _checked(computed.program, jax.jit(Function(computed, way).call), way)
+    function = _checked(computed.program, jax.jit(JaxFunction(computed, way).call), way)
     function.parameters = (
         given.parameters if isinstance(given, InputKernel) else given.names if given else ()
     )

@@ -22,20 +22,20 @@ from freebody.targets.kernel import BatchError
 
 
 @dataclass(frozen=True)
-class Token(Parameter):
+class Placeholder(Parameter):
     """What stands in a model in the place of a number that a kernel is given."""
 
     index: int = 0
 
 
 class InputReader(QuantityReader):
-    """Reads tokens as scalars, and all else as numbers."""
+    """Reads placeholders as scalars, and all else as numbers."""
 
     def __init__(self, scalars: Sequence[Scalar]):
         self.scalars = scalars
 
     def quantity(self, q: Quantity) -> Scalar:
-        return self.scalars[q.index] if isinstance(q, Token) else super().quantity(q)
+        return self.scalars[q.index] if isinstance(q, Placeholder) else super().quantity(q)
 
     def sin_cos(self, angle: Quantity) -> tuple[Scalar, Scalar]:
         read = self.quantity(angle)
@@ -43,9 +43,9 @@ class InputReader(QuantityReader):
 
 
 @dataclass(frozen=True)
-class Inputs:
+class KernelInputs:
     """Names of the numbers that a kernel is given, in the order of `fb.parameters`, and a model
-    with tokens in them."""
+    with placeholders in them."""
 
     names: tuple[str, ...]
     values: Array
@@ -62,7 +62,7 @@ class Inputs:
             left = {
                 x.name
                 for x in each_parameter(self.model)
-                if x.value is None and not isinstance(x, Token)
+                if x.value is None and not isinstance(x, Placeholder)
             }
             if left:
                 raise MissingValueError(
@@ -71,7 +71,7 @@ class Inputs:
             raise
 
 
-def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> Inputs:
+def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> KernelInputs:
     """The numbers that names and patterns mean, and all those that members of a family have each
     their own of."""
     records = Parameters(model)
@@ -88,7 +88,7 @@ def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> Inputs:
         varied = {next(record.name for record in records if not record.limit)}
     chosen = [record for record in records if record.name in meant | varied]
     names = tuple(record.name for record in chosen)
-    tokens = {name: Token(f"p{k}", None, k) for k, name in enumerate(names)}
+    placeholders = {name: Placeholder(f"p{k}", None, k) for k, name in enumerate(names)}
     columns = [np.nan if record.value is None else record.value for record in chosen]
     shape = (*model.family, len(names))
     values = (
@@ -97,7 +97,7 @@ def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> Inputs:
         else np.zeros(shape)
     )
     values.flags.writeable = False
-    return Inputs(names, values, written(model, tokens))
+    return KernelInputs(names, values, written(model, placeholders))
 
 
 class InputKernel:

@@ -29,7 +29,7 @@ from freebody.targets.xla.operation import Arrays, Way, operation
 Positions = tuple[int, ...]
 
 
-class Function:
+class JaxFunction:
     """A program as a function of arrays (..., *core) of one floating-point type.
 
     Attributes:
@@ -67,25 +67,25 @@ class Function:
         )
         return results, tuple(changes)
 
-    def _along(self, by: Positions) -> Function:
+    def _along(self, by: Positions) -> JaxFunction:
         """Of the rates of the outputs; rates of the inputs `by` come last."""
-        return Function(self.what.along(by), self.way)
+        return JaxFunction(self.what.along(by), self.way)
 
-    def _gradient(self, by: Positions, of: Positions) -> Function:
+    def _gradient(self, by: Positions, of: Positions) -> JaxFunction:
         """Of the gradient by the inputs `by`; weights of the outputs `of` come last."""
-        return Function(Differentiable(gradient(self.program, by, of)), self.way)
+        return JaxFunction(Differentiable(gradient(self.program, by, of)), self.way)
 
-    def _applied(self, by: Positions, of: Positions, count: int, back: bool) -> Function | None:
+    def _applied(self, by: Positions, of: Positions, count: int, back: bool) -> JaxFunction | None:
         """Of the Jacobian, or its transpose, times so many vectors, which come last; None if it
         would be too long."""
         made = self.what.applied(by, of, count, back)
-        return made and Function(made, self.way)
+        return made and JaxFunction(made, self.way)
 
     def _matrices(self, by: Positions) -> Callable[..., Arrays]:
         """A function of the inputs: the derivatives of each output by each of the inputs `by`,
         (*output, *input)."""
         found = self.what.jacobian(by)
-        call = Function(found.function, self.way).call
+        call = JaxFunction(found.function, self.way).call
         return call if found.whole else lambda *arrays: self._columns(by, arrays)
 
     def _columns(self, by: Positions, arrays: Arrays) -> Arrays:
@@ -124,7 +124,7 @@ _linear.multiple_results = True
 
 
 def _evaluate(
-    *operands: Any, function: Function, by: Positions, of: Positions, back: Any, matrix: bool
+    *operands: Any, function: JaxFunction, by: Positions, of: Positions, back: Any, matrix: bool
 ) -> Arrays:
     """What the operation computes, in terms of kernels that have derivatives themselves."""
     count = len(function.program.inputs)
@@ -145,7 +145,7 @@ def _evaluate(
 
 
 def _shared(
-    function: Function, by: Positions, of: Positions, back: Any, primals: Arrays, given: Arrays
+    function: JaxFunction, by: Positions, of: Positions, back: Any, primals: Arrays, given: Arrays
 ) -> Arrays | None:
     """Of vectors that are the same for all samples, by a kernel that multiplies with them itself;
     None where others come, or too many."""
@@ -186,7 +186,7 @@ def _shared(
 
 
 def _multiplied(
-    function: Function, by: Positions, of: Positions, back: Any, primals: Arrays, given: Arrays
+    function: JaxFunction, by: Positions, of: Positions, back: Any, primals: Arrays, given: Arrays
 ) -> Arrays:
     """Through Jacobians as arrays."""
     inputs = [function.program.inputs[k].shape for k in by]
@@ -224,7 +224,7 @@ def _batches(
 
 @_linear.def_abstract_eval
 def _shapes(
-    *operands: Any, function: Function, by: Positions, of: Positions, back: Any, matrix: bool
+    *operands: Any, function: JaxFunction, by: Positions, of: Positions, back: Any, matrix: bool
 ) -> Any:
     program, dtype = function.program, operands[0].dtype
     if back is None:
@@ -275,7 +275,7 @@ def _jvp(operands: Sequence[Any], tangents: Sequence[Any], **params: Any) -> Any
 def _transposed(
     cotangents: Sequence[Any],
     *operands: Any,
-    function: Function,
+    function: JaxFunction,
     by: Positions,
     of: Positions,
     back: Any,

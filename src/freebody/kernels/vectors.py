@@ -14,7 +14,7 @@ from freebody.kernels.formulas import INPUTS, POSITIONS
 from freebody.model.model import Model
 from freebody.program import Program
 from freebody.targets.interpret import Interpreter
-from freebody.targets.text import Vectors
+from freebody.targets.text import SelfTestSamples
 
 COUNT = 5
 """Samples."""
@@ -28,7 +28,7 @@ _MARGIN = 16.0
 
 def vectors(
     program: Program, dtype: str, model: Model | None = None, numbers: Array | None = None
-) -> Vectors:
+) -> SelfTestSamples:
     """Inputs at which all outputs are finite, what they give in extended precision, and how far off
     the text may be: sixteen times what NumPy in `dtype` is off here, at least 1e-13 (float32:
     1e-5).
@@ -61,7 +61,7 @@ def vectors(
         largest = float(np.abs(values[chosen]).max(initial=0.0)) or 1.0
         off = float(np.abs(with_rounding[chosen] - values[chosen]).max(initial=0.0)) / largest
         tolerances.append(max(_FLOOR[dtype], _MARGIN * off))
-    return Vectors(
+    return SelfTestSamples(
         tuple(x[chosen] for x in given),
         tuple(x[chosen].astype(np.float64) for x in exact),
         tuple(float(f"{tolerance:.1e}") for tolerance in tolerances),

@@ -74,7 +74,7 @@ def share_reciprocals(program: Program) -> Program:
         shared |= {program.b[i] for i in quotients if uniform[program.b[i]] and not uniform[i]}
     if not shared:
         return program
-    nodes = _Nodes()
+    nodes = _RewrittenNodes()
     reciprocal: dict[int, int] = {}
     one = nodes.add("const", len(program.constants))
     for index, op in enumerate(program.op):
@@ -95,7 +95,7 @@ def gather_factors(program: Program) -> Program:
     """
     if not any(argument.uniform for argument in program.inputs):
         return program
-    uniform, nodes = program.uniform, _Nodes()
+    uniform, nodes = program.uniform, _RewrittenNodes()
     products: dict[tuple[int, int], int] = {}
     factors: dict[
         int, tuple[int, int]
@@ -197,7 +197,7 @@ def optimise(program: Program) -> Program:
     return verify(program)
 
 
-class _Nodes:
+class _RewrittenNodes:
     """Rows of a new program, and where each node of the old one went."""
 
     def __init__(self) -> None:

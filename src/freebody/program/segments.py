@@ -43,7 +43,7 @@ class SinCos:
 
 
 @dataclass(frozen=True)
-class Layout:
+class SegmentedProgram:
     """Steps in order, and what lies where.
 
     Inputs come first, but for the uniform ones, then each different result once, then what crosses
@@ -56,7 +56,7 @@ class Layout:
     """Node of a result -> slot; equal entries of an output share one."""
 
 
-def segment(program: Program, longest: int = LONGEST) -> Layout:
+def segment(program: Program, longest: int = LONGEST) -> SegmentedProgram:
     """Cut `program`, whose uniform inputs are the last, keeping its order within each stage."""
     stage = _stages(program)
     last = max(stage, default=0)
@@ -117,7 +117,7 @@ def _trigonometric(program: Program, nodes: list[int]) -> list[list[int]]:
     return list(pairs.values())
 
 
-def _allocate(program: Program, steps: list[list[int]]) -> Layout:
+def _allocate(program: Program, steps: list[list[int]]) -> SegmentedProgram:
     """Give slots to values that cross steps, reusing those whose last reader is done."""
     sampled = program.sampled_size
     at_hand = [
@@ -178,4 +178,4 @@ def _allocate(program: Program, steps: list[list[int]]) -> Layout:
                 step.stores[index] = [*step.stores.get(index, ()), results[index]]
             done.append(step)
         free += expiring.pop(number, [])
-    return Layout(tuple(done), slots, results)
+    return SegmentedProgram(tuple(done), slots, results)

@@ -38,7 +38,7 @@ class BatchError(FreebodyError, ValueError):
     """Leading dimensions that do not broadcast."""
 
 
-class Loop(NamedTuple):
+class BatchLoop(NamedTuple):
     """A function of C's `void loop(char **args, intptr_t *dimensions, intptr_t *steps, void *data)`
     over a batch.
 
@@ -69,7 +69,7 @@ class Kernel:
         loop: the machine code of the batch, for other libraries; None where the target has none.
     """
 
-    loop: Loop | None = None
+    loop: BatchLoop | None = None
 
     def __init__(
         self,

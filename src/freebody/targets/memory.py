@@ -36,10 +36,10 @@ def empty(shape: tuple[int, ...], dtype: np.dtype = _FLOAT64) -> np.ndarray:
     if not SMALLEST <= size <= LARGEST:
         return np.empty(shape, dtype)
     step = 1 << (size.bit_length() - 3)  # pieces of few different lengths
-    return np.asarray(_Piece(shape, -(-size // step) * step, dtype))
+    return np.asarray(_KeptMemory(shape, -(-size // step) * step, dtype))
 
 
-class _Piece:
+class _KeptMemory:
     """Memory that lives as long as an array that lies in it, and is then kept.
 
     No lock guards what is kept: this may happen at any moment of any thread, and each step is one

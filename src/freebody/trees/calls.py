@@ -213,7 +213,7 @@ def vector(function: str, model: Model, name: str, value: Any) -> Array:
     return array
 
 
-class _Vectors(NamedTuple):
+class _VectorNames(NamedTuple):
     """Vectors of one dimension: what a DataArray may call it, and the names of their entries."""
 
     dims: tuple[str, ...]
@@ -221,10 +221,10 @@ class _Vectors(NamedTuple):
 
 
 _VECTORS = {
-    "nq": _Vectors(("position", "joint"), lambda model: model.position_names),
-    "nv": _Vectors(("velocity", "joint"), lambda model: model.velocity_names),
-    "dim": _Vectors(("axis",), lambda model: ("x", "y", "z")[: model.dim]),
-    "six": _Vectors(
+    "nq": _VectorNames(("position", "joint"), lambda model: model.position_names),
+    "nv": _VectorNames(("velocity", "joint"), lambda model: model.velocity_names),
+    "dim": _VectorNames(("axis",), lambda model: ("x", "y", "z")[: model.dim]),
+    "six": _VectorNames(
         ("component", "axis"),
         lambda model: ("fx", "fy", "fz", "mx", "my", "mz") if model.dim == 3 else ("fx", "fy", "m"),
     ),

@@ -18,7 +18,7 @@ _NAMESPACES = {"cupy": "cupy", "torch": "torch", "jax": "jax.numpy", "jaxlib": "
 
 
 @dataclass(frozen=True)
-class View:
+class DeviceView:
     """Numbers in a GPU's memory: the address of the first, the shape, and the strides in
     numbers."""
 
@@ -45,7 +45,7 @@ class View:
             self.address + high * self.dtype.itemsize + size,
         )
 
-    def overlaps(self, other: View) -> bool:
+    def overlaps(self, other: DeviceView) -> bool:
         """Whether some bytes may be of both."""
         (a, b), (c, d) = self.extent, other.extent
         return a < d and c < b
@@ -87,7 +87,7 @@ def device_of(value: Any) -> int:
     return driver.device_of(value.__cuda_array_interface__["data"][0])
 
 
-def view(value: Any, stream: int) -> View:
+def view(value: Any, stream: int) -> DeviceView:
     """Any array on the current GPU; work on it that is under way is waited for by what comes next
     on the stream."""
     from cuda.core.utils import StridedMemoryView  # pyright: ignore[reportMissingImports]
@@ -96,7 +96,9 @@ def view(value: Any, stream: int) -> View:
     shape = tuple(found.shape)
     strides = row_strides(shape) if found.strides is None else tuple(found.strides)
     dtype = np.dtype(found.dtype)
-    return View(found.ptr, shape, strides, dtype, found.device_id, bool(found.readonly), found)
+    return DeviceView(
+        found.ptr, shape, strides, dtype, found.device_id, bool(found.readonly), found
+    )
 
 
 def row_strides(shape: Sequence[int]) -> tuple[int, ...]:
@@ -136,10 +138,10 @@ class DeviceArray:
         )
 
     @property
-    def view(self) -> View:
+    def view(self) -> DeviceView:
         """It itself."""
         memory = self._memory
-        return View(
+        return DeviceView(
             memory.address,
             self.shape,
             row_strides(self.shape),
@@ -176,7 +178,7 @@ class DeviceArray:
 
 
 @dataclass(frozen=True)
-class Run:
+class Launch:
     """Samples that one launch takes: their number, and for each array where the first is and how
     far they are apart."""
 
@@ -185,7 +187,7 @@ class Run:
     steps: tuple[int, ...]
 
 
-def runs(batch: tuple[int, ...], strides: Sequence[tuple[int, ...]]) -> Iterator[Run]:
+def runs(batch: tuple[int, ...], strides: Sequence[tuple[int, ...]]) -> Iterator[Launch]:
     """Launches that go through a batch of arrays with these strides along its axes (0: broadcast),
     all in numbers.
 
@@ -211,4 +213,4 @@ def runs(batch: tuple[int, ...], strides: Sequence[tuple[int, ...]]) -> Iterator
             sum(i * steps[k] for i, (_, steps) in zip(index, axes, strict=True))
             for k in range(len(strides))
         ]
-        yield Run(count, tuple(begins), tuple(own))
+        yield Launch(count, tuple(begins), tuple(own))

@@ -12,7 +12,7 @@ from freebody.program.program import Argument, Program
 from freebody.targets.cuda import driver
 from freebody.targets.cuda.arrays import (
     DeviceArray,
-    View,
+    DeviceView,
     device_of,
     on_gpu,
     row_strides,
@@ -104,7 +104,7 @@ class GpuKernel(Kernel):
             )
         return np.ascontiguousarray(array, self.dtype).reshape(array.shape)
 
-    def _batch(self, given: Sequence[np.ndarray | View]) -> tuple[int, ...]:
+    def _batch(self, given: Sequence[np.ndarray | DeviceView]) -> tuple[int, ...]:
         """The batch shape of arrays with the right core shapes and numbers."""
         name, inputs = self.program.name, self.program.inputs
         for argument, x in zip(inputs, given, strict=True):
@@ -162,7 +162,7 @@ class _Call:
         self.device, self.handle, self.stream = device, handle, stream
         self.kept: list[Any] = []
 
-    def outputs(self, given: Sequence[Any], there: bool) -> list[DeviceArray | View]:
+    def outputs(self, given: Sequence[Any], there: bool) -> list[DeviceArray | DeviceView]:
         """New arrays, or views of those that are given where these are on the GPU."""
         name, outputs = self.program.name, self.program.outputs
         if given and len(given) != len(outputs):
@@ -191,7 +191,7 @@ class _Call:
             for shape in shapes
         ]
 
-    def _written(self, argument: Argument, given: View) -> View:
+    def _written(self, argument: Argument, given: DeviceView) -> DeviceView:
         name = f"{self.program.name}: out for {argument.name}"
         if given.dtype != self.kernel.dtype or given.device != self.device or given.readonly:
             raise KernelError(
@@ -205,7 +205,7 @@ class _Call:
             )
         return given
 
-    def launch(self, given: Sequence[np.ndarray | View], outs: Sequence[View]) -> None:
+    def launch(self, given: Sequence[np.ndarray | DeviceView], outs: Sequence[DeviceView]) -> None:
         """Everything: copies, what is computed once, and each part for all samples."""
         for k, x in enumerate(outs):
             if any(x.overlaps(y) for y in outs[:k]):
@@ -238,9 +238,11 @@ class _Call:
             for name in plan.parts:
                 module.launch(name, values, run.count, self.handle)
 
-    def _readable(self, argument: Argument, given: np.ndarray | View, outs: Sequence[View]) -> View:
+    def _readable(
+        self, argument: Argument, given: np.ndarray | DeviceView, outs: Sequence[DeviceView]
+    ) -> DeviceView:
         """On the GPU, apart from what is written; a copy where it has to be."""
-        if isinstance(given, View):
+        if isinstance(given, DeviceView):
             if given.step(len(argument.shape)) is None:
                 raise KernelError(
                     f"{self.program.name}: the entries of a sample of {argument.name} are not "
@@ -253,14 +255,16 @@ class _Call:
             memory = self._memory(high - low)
             driver.call("cuMemcpyDtoDAsync", memory.address, low, high - low, self.handle)
             moved = memory.address + given.address - low
-            return View(moved, given.shape, given.strides, given.dtype, self.device)
+            return DeviceView(moved, given.shape, given.strides, given.dtype, self.device)
         memory = self._memory(given.nbytes)
         if given.nbytes:
             self.kept.append(given)
             driver.call(
                 "cuMemcpyHtoDAsync", memory.address, given.ctypes.data, given.nbytes, self.handle
             )
-        return View(memory.address, given.shape, row_strides(given.shape), given.dtype, self.device)
+        return DeviceView(
+            memory.address, given.shape, row_strides(given.shape), given.dtype, self.device
+        )
 
     def _memory(self, size: int) -> driver.Memory:
         """Room that stays until the call ends, or longer where a result has it."""
@@ -269,7 +273,7 @@ class _Call:
         return memory
 
 
-def _along(x: View, core: int, batch: tuple[int, ...]) -> tuple[int, ...]:
+def _along(x: DeviceView, core: int, batch: tuple[int, ...]) -> tuple[int, ...]:
     """Strides along the axes of the batch, 0 where an array is broadcast."""
     own = len(x.shape) - core
     steps = [0 if n == 1 else s for n, s in zip(x.shape[:own], x.strides[:own], strict=True)]

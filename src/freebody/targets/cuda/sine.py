@@ -4,7 +4,7 @@ itself."""
 from __future__ import annotations
 
 from freebody.targets.llvm.lanes import DOUBLE, Lanes
-from freebody.targets.llvm.sincos import LARGEST, Code
+from freebody.targets.llvm.sincos import LARGEST, VectorCode
 
 
 def sincos(lanes: Lanes) -> str:
@@ -14,7 +14,7 @@ def sincos(lanes: Lanes) -> str:
     lanes: of single numbers.
     """
     v, i = lanes.v, lanes.i
-    code = Code(lanes, fma=True)
+    code = VectorCode(lanes, fma=True)
     code.lines.append(
         f"define internal {{ {v}, {v} }} @sincos.{lanes.suffix}({v} %x0) #2 {{\nentry:"
     )

@@ -12,13 +12,13 @@ from typing import Any
 
 from freebody.program.passes import optimise
 from freebody.program.program import Program
-from freebody.targets.kernel import Kernel, Loop
+from freebody.targets.kernel import BatchLoop, Kernel
 from freebody.targets.llvm import cache as disk
 from freebody.targets.llvm import fastcall, fastcode
 from freebody.targets.llvm.emit import emit
 from freebody.targets.llvm.gufunc import make_gufunc
 from freebody.targets.llvm.lanes import REALS
-from freebody.targets.llvm.loader import Code, load
+from freebody.targets.llvm.loader import LoadedCode, load
 from freebody.targets.llvm.machine import LONGEST_VECTOR, WIDTHS, host, object_code
 from freebody.targets.target import Target
 
@@ -29,7 +29,7 @@ class _QuickKernel(Kernel):
 
     __slots__ = ("__call__",)
 
-    def __init__(self, kernel: Kernel, addresses: Mapping[str, int], code: Code):
+    def __init__(self, kernel: Kernel, addresses: Mapping[str, int], code: LoadedCode):
         super().__init__(
             kernel.program, kernel.target, kernel.width, kernel.ufunc, kernel.dtype.name
         )
@@ -66,7 +66,7 @@ def _build(program: Program, width: int | None, dtype: str) -> Kernel:
     )
     kernel = Kernel(program, "cpu", machine.width, ufunc, dtype)
     kernel = _QuickKernel(kernel, addresses, loaded) if fast else kernel
-    kernel.loop = Loop(addresses["kernel"], key, loaded)
+    kernel.loop = BatchLoop(addresses["kernel"], key, loaded)
     return kernel
 
 

@@ -13,7 +13,7 @@ from math import nan
 from freebody.program.hoist import hoist
 from freebody.program.passes import schedule
 from freebody.program.program import Program
-from freebody.program.segments import Layout, Segment, SinCos, segment
+from freebody.program.segments import Segment, SegmentedProgram, SinCos, segment
 from freebody.targets.llvm.instructions import (
     CHOICE,
     COMPARISONS,
@@ -100,7 +100,7 @@ def _attributes(lanes: Lanes) -> str:
     )
 
 
-def _once(program: Program, layout: Layout, machine: Machine) -> list[str]:
+def _once(program: Program, layout: SegmentedProgram, machine: Machine) -> list[str]:
     """`@once`: the code of all segments for a single lane."""
     pieces, made = _pieces("once.", program, layout, Lanes(machine.real, 1), machine.fma)
     calls = "".join(f"  call void {piece}(ptr %values, ptr null)\n" for piece in pieces)
@@ -108,7 +108,7 @@ def _once(program: Program, layout: Layout, machine: Machine) -> list[str]:
 
 
 def _pieces(
-    before: str, program: Program, layout: Layout, lanes: Lanes, fma: bool
+    before: str, program: Program, layout: SegmentedProgram, lanes: Lanes, fma: bool
 ) -> tuple[list[str], list[str]]:
     """Names of the functions of the steps, `before` in front, and the text of what they are and
     need."""
@@ -245,7 +245,7 @@ leave{k}:""")
     return "\n".join([*lines, "  ret void", "}", ""])
 
 
-def _finite(every: Program, layout: Layout, poison: int | None, lanes: Lanes) -> str:
+def _finite(every: Program, layout: SegmentedProgram, poison: int | None, lanes: Lanes) -> str:
     """Make every result NaN in the lanes whose inputs are not all finite.
 
     What brought the inputs in left a vector for each that is finite only if they are (see `tile`).

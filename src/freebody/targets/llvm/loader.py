@@ -15,7 +15,7 @@ from freebody.targets.llvm import exclusive
 from freebody.targets.llvm.machine import CompileError, host, host_machine
 
 
-class Code(int):
+class LoadedCode(int):
     """A loaded object: its code and data stay as long as this does, so whatever may call it holds
     this.
 
@@ -39,7 +39,7 @@ _numbers = itertools.count()
 
 def load(
     code: bytes, exports: Sequence[str], imports: Mapping[str, int]
-) -> tuple[Code, dict[str, int]]:
+) -> tuple[LoadedCode, dict[str, int]]:
     """Load an object: what keeps it, and the addresses of its exported functions.
 
     imports: addresses of the symbols that it refers to, besides the C functions that every kernel
@@ -70,13 +70,13 @@ def load(
         addresses = {name: engine.get_function_address(name) for name in exports}
     number = next(_numbers)
     _engines[number] = engine, os.getpid()
-    loaded = Code(number)
+    loaded = LoadedCode(number)
     if not all(addresses.values()):
         raise CompileError(f"the object of a kernel lacks one of {', '.join(exports)}.")
     return loaded, addresses
 
 
-def _give_back(code: Code) -> None:
+def _give_back(code: LoadedCode) -> None:
     """Let LLVM free a code's memory; a forked child leaves alone what it found: its pages are its
     parent's."""
     engine, process = _engines.pop(int(code))

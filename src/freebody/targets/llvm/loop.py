@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from freebody.program.program import Argument, Program
-from freebody.program.segments import Layout
+from freebody.program.segments import SegmentedProgram
 from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.machine import Machine
 from freebody.targets.llvm.tile import check_slots, integers, transfers
@@ -27,9 +27,9 @@ def gufunc_loop(
     program: Program,
     every: Program,
     machine: Machine,
-    layout: Layout,
+    layout: SegmentedProgram,
     tiles: int,
-    shared: Layout | None,
+    shared: SegmentedProgram | None,
 ) -> str:
     """`void @kernel(ptr args, ptr dims, ptr steps, ptr data)` and what it calls.
 
@@ -72,7 +72,11 @@ _FLAGS = {
 
 
 def _loop(
-    program: Program, machine: Machine, layout: Layout, tiles: int, shared: Layout | None
+    program: Program,
+    machine: Machine,
+    layout: SegmentedProgram,
+    tiles: int,
+    shared: SegmentedProgram | None,
 ) -> str:
     """The uniform numbers, then rounds of `tiles` groups: all in, those of the round before out,
     `@compute`."""

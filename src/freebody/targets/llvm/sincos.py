@@ -99,7 +99,7 @@ def reduction() -> str:
 def sincos(lanes: Lanes, fma: bool) -> str:
     """`void @sincos.v8f64(ptr x, ptr sine, ptr cosine)`, each a vector of numbers, for all
     arguments."""
-    code = Code(lanes, fma)
+    code = VectorCode(lanes, fma)
     v = lanes.v
     code.lines.append(f"""\
 define internal void @sincos.{lanes.suffix}(ptr noalias %px0, ptr noalias %psin0, ptr noalias %pcos0) #0 {{
@@ -120,7 +120,7 @@ def sines(name: str, steps: Sequence[SinCos], lanes: Lanes, fma: bool) -> str:
     One look at all arguments decides between straight code and a call of `@sincos.…` for each: the
     bits are the same.
     """
-    code = Code(lanes, fma)
+    code = VectorCode(lanes, fma)
     v, mask, calls = lanes.v, lanes.mask, []
     code.lines.append(f"define internal void {name}(ptr noalias %tile, ptr %uniform) #1 {{")
     for k, step in enumerate(steps):
@@ -148,7 +148,7 @@ general:""")
     return "\n".join(code.lines)
 
 
-class Code:
+class VectorCode:
     """Lines of vector code; names of the values of argument k end in k."""
 
     def __init__(self, lanes: Lanes, fma: bool):
@@ -185,7 +185,7 @@ class Code:
             self.subtract(f"%a{k}", f"%quadrant{k}", f"%r{k}", k)
             return
         # what is exact in parts of 33 bits would need many of 8
-        wide = Code(replace(self.lanes, real=DOUBLE), self.fma)
+        wide = VectorCode(replace(self.lanes, real=DOUBLE), self.fma)
         wide.lines = self.lines
         self.lines.append(f"  %wide{k} = fpext {v} %a{k} to {wide.lanes.v}")
         wide.subtract(f"%wide{k}", f"%wide.q{k}", f"%wide.r{k}", k)

@@ -20,12 +20,12 @@ from collections.abc import Sequence
 from math import nan
 
 from freebody.program.program import Program
-from freebody.program.segments import Layout
+from freebody.program.segments import SegmentedProgram
 from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.rows import masked_loads, rows_in, rows_out
 
 
-def transfers(program: Program, every: Program, layout: Layout, lanes: Lanes) -> str:
+def transfers(program: Program, every: Program, layout: SegmentedProgram, lanes: Lanes) -> str:
     """`@places0`, `@rows0`, … for each argument that is not uniform, `@columns_in`, `@strided_out`,
     … and `@offsets`.
 
@@ -50,7 +50,7 @@ def transfers(program: Program, every: Program, layout: Layout, lanes: Lanes) ->
     return "\n".join([*parts, _OFFSETS, masked_loads(lanes)])
 
 
-def check_slots(program: Program, layout: Layout) -> dict[int, int]:
+def check_slots(program: Program, layout: SegmentedProgram) -> dict[int, int]:
     """For each input that is not uniform the slot, behind those of the layout, of what was seen of
     its numbers."""
     sampled = [k for k, argument in enumerate(program.inputs) if not argument.uniform]

@@ -10,7 +10,7 @@ from functools import partial
 from freebody.program.program import Argument
 from freebody.targets.text.language import (
     Language,
-    Vectors,
+    SelfTestSamples,
     called,
     comment_block,
     flat,
@@ -23,7 +23,7 @@ from freebody.targets.text.language import (
     word_set,
 )
 from freebody.targets.text.pieces import Piece, cut
-from freebody.targets.text.statements import Spelling, Words, lines, statements, words_of
+from freebody.targets.text.statements import ProgramWords, Spelling, lines, statements, words_of
 from freebody.targets.text.unit import Unit
 
 LONGEST = 4000
@@ -152,7 +152,7 @@ def _spelling(dialect: _Dialect) -> Spelling:
     )
 
 
-def _parameters(unit: Unit, words: Words, t: str) -> dict[str, str]:
+def _parameters(unit: Unit, words: ProgramWords, t: str) -> dict[str, str]:
     """Each argument's word and its declaration."""
 
     def declared(word: str, argument: Argument, const: str, scalar: str) -> str:
@@ -216,7 +216,7 @@ def _part(
     )
 
 
-def _checks(unit: Unit, words: Words, dialect: _Dialect) -> list[str]:
+def _checks(unit: Unit, words: ProgramWords, dialect: _Dialect) -> list[str]:
     """What answers a call with an input that is not finite."""
     program = unit.program
     tests = [
@@ -273,7 +273,7 @@ def _emit_cpp(unit: Unit) -> str:
     )
 
 
-def _package_c(unit: Unit, vectors: Vectors) -> dict[str, str]:
+def _package_c(unit: Unit, vectors: SelfTestSamples) -> dict[str, str]:
     """Header, source and self-test."""
     word, dialect = words_of(unit, RESERVED).function, _dialect(unit)
     guard = f"{word.upper()}_H"
@@ -294,7 +294,7 @@ def _package_c(unit: Unit, vectors: Vectors) -> dict[str, str]:
     }
 
 
-def _package_cpp(unit: Unit, vectors: Vectors) -> dict[str, str]:
+def _package_cpp(unit: Unit, vectors: SelfTestSamples) -> dict[str, str]:
     word = words_of(unit, RESERVED).function
     return {
         f"{word}.hpp": _emit_cpp(unit),
@@ -314,7 +314,7 @@ _OFF = """static {t} off_by(int n, const {t} *found, const {t} *expected, {t} la
 """
 
 
-def _self_test(unit: Unit, vectors: Vectors, dialect: _Dialect, include: str) -> str:
+def _self_test(unit: Unit, vectors: SelfTestSamples, dialect: _Dialect, include: str) -> str:
     words, program = words_of(unit, RESERVED), unit.program
     found = [f"{'' if a.shape else '&'}found{k}" for k, a in enumerate(program.outputs)]
     given = [f"given{k}[i]" if a.shape else f"given{k}[i][0]" for k, a in enumerate(program.inputs)]

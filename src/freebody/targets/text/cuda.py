@@ -11,14 +11,14 @@ from freebody.targets.cuda.emit import emit
 from freebody.targets.cuda.parts import Part, parts, prepared
 from freebody.targets.text.language import (
     Language,
-    Vectors,
+    SelfTestSamples,
     comment_block,
     largest_entries,
     number_lists,
     numbered,
     word_set,
 )
-from freebody.targets.text.statements import Words, words_of
+from freebody.targets.text.statements import ProgramWords, words_of
 from freebody.targets.text.unit import Unit
 
 RESERVED = word_set("WARP_SZ reduce two_over_pi") | numbered("sincos", "vector")
@@ -41,7 +41,7 @@ def _sampled(unit: Unit) -> Program:
     return prepared(replace(unit.program, inputs=inputs))
 
 
-def _words(unit: Unit) -> Words:
+def _words(unit: Unit) -> ProgramWords:
     return words_of(unit, RESERVED)
 
 
@@ -140,7 +140,7 @@ sys.exit(bad)
 '''
 
 
-def _package(unit: Unit, vectors: Vectors) -> dict[str, str]:
+def _package(unit: Unit, vectors: SelfTestSamples) -> dict[str, str]:
     words, entries = _words(unit), _entries(unit)
     names = words.outputs
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from freebody.targets.text.language import (
     Language,
-    Vectors,
+    SelfTestSamples,
     comment_block,
     flat,
     largest_entries,
@@ -14,7 +14,7 @@ from freebody.targets.text.language import (
     word_set,
 )
 from freebody.targets.text.pieces import Piece, cut
-from freebody.targets.text.statements import Spelling, Words, lines, statements, words_of
+from freebody.targets.text.statements import ProgramWords, Spelling, lines, statements, words_of
 from freebody.targets.text.unit import Unit
 
 LONGEST = 800
@@ -91,7 +91,7 @@ def _part(name: str, piece: Piece, used: list[str]) -> str:
     return "\n".join([head, *loads, *lines(piece.statements, _SPELLING, "  "), *stores, "}\n"])
 
 
-def _checks(unit: Unit, words: Words) -> list[str]:
+def _checks(unit: Unit, words: ProgramWords) -> list[str]:
     """What answers a call with an input that is not finite."""
     tests = [
         f"all_finite({a.size}, {word})" if a.shape else f"Number.isFinite({word})"
@@ -127,13 +127,13 @@ def _emit_script(unit: Unit) -> str:
     return "\n".join([*_head(unit), f"const {word} = (function () {{", inner, "})();\n"])
 
 
-def _package_module(unit: Unit, vectors: Vectors) -> dict[str, str]:
+def _package_module(unit: Unit, vectors: SelfTestSamples) -> dict[str, str]:
     word = words_of(unit, RESERVED).function
     test = _self_test(unit, vectors, f'import {{ {word} }} from "./{word}.mjs";\n')
     return {f"{word}.mjs": _emit_module(unit), f"{word}_test.mjs": test}
 
 
-def _package_script(unit: Unit, vectors: Vectors) -> dict[str, str]:
+def _package_script(unit: Unit, vectors: SelfTestSamples) -> dict[str, str]:
     word = words_of(unit, RESERVED).function
     # what a page does with <script src>
     beginning = (
@@ -145,7 +145,7 @@ def _package_script(unit: Unit, vectors: Vectors) -> dict[str, str]:
     }
 
 
-def _self_test(unit: Unit, vectors: Vectors, beginning: str) -> str:
+def _self_test(unit: Unit, vectors: SelfTestSamples, beginning: str) -> str:
     words = words_of(unit, RESERVED)
     columns = [
         "[\n" + ",\n".join(f"    [{row}]" for row in number_lists(rows, number)) + ",\n  ]"

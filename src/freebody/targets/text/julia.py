@@ -6,7 +6,7 @@ from __future__ import annotations
 from freebody.program.program import Argument
 from freebody.targets.text.language import (
     Language,
-    Vectors,
+    SelfTestSamples,
     called,
     comment_block,
     helpers,
@@ -18,7 +18,7 @@ from freebody.targets.text.language import (
     word_set,
 )
 from freebody.targets.text.pieces import cut
-from freebody.targets.text.statements import Spelling, Words, lines, statements, words_of
+from freebody.targets.text.statements import ProgramWords, Spelling, lines, statements, words_of
 from freebody.targets.text.unit import Unit
 
 LONGEST = 4000
@@ -108,7 +108,7 @@ def _definitions(unit: Unit) -> list[str]:
     return made
 
 
-def _checks(unit: Unit, words: Words) -> list[str]:
+def _checks(unit: Unit, words: ProgramWords) -> list[str]:
     """What answers a call with an input that is not finite."""
     tests = [
         f"all(isfinite, {word})" if a.shape else f"isfinite({word})"
@@ -133,12 +133,12 @@ def _emit(unit: Unit) -> str:
     return "\n".join([*comment_block(unit, _USE, "", "#", ""), "", *_definitions(unit)])
 
 
-def _package(unit: Unit, vectors: Vectors) -> dict[str, str]:
+def _package(unit: Unit, vectors: SelfTestSamples) -> dict[str, str]:
     word = words_of(unit, RESERVED).function
     return {f"{word}.jl": _emit(unit), f"{word}_test.jl": _self_test(unit, vectors)}
 
 
-def _self_test(unit: Unit, vectors: Vectors) -> str:
+def _self_test(unit: Unit, vectors: SelfTestSamples) -> str:
     words, spell, t = words_of(unit, RESERVED), _spelling(unit).number, _type(unit)
 
     def table(rows: list[str]) -> str:

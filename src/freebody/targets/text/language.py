@@ -15,7 +15,7 @@ from freebody.targets.text.unit import Unit
 
 
 @dataclass(frozen=True)
-class Vectors:
+class SelfTestSamples:
     """Samples to test with: for each input and each output an array (samples, size), and for each
     output how far a result may be off, over the largest entry of that output."""
 
@@ -40,7 +40,7 @@ class Language:
     """
 
     emit: Callable[[Unit], str]
-    package: Callable[[Unit, Vectors], dict[str, str]]
+    package: Callable[[Unit, SelfTestSamples], dict[str, str]]
     test: str
     dtypes: tuple[str, ...] = ("float64",)
     note: str = ""
@@ -108,6 +108,6 @@ def number_lists(values: np.ndarray, spell: Callable[[float], str]) -> list[str]
     return [", ".join(map(spell, row)) or spell(0.0) for row in values.tolist()]
 
 
-def largest_entries(vectors: Vectors) -> list[float]:
+def largest_entries(vectors: SelfTestSamples) -> list[float]:
     """For each output the size that its differences are measured by."""
     return [float(abs(rows).max(initial=0.0)) or 1.0 for rows in vectors.outputs]

@@ -7,7 +7,7 @@ import numpy as np
 from freebody.program.program import Argument
 from freebody.targets.text.language import (
     Language,
-    Vectors,
+    SelfTestSamples,
     called,
     comment_block,
     helpers,
@@ -16,7 +16,7 @@ from freebody.targets.text.language import (
     numbered,
     word_set,
 )
-from freebody.targets.text.statements import Spelling, Words, lines, statements, words_of
+from freebody.targets.text.statements import ProgramWords, Spelling, lines, statements, words_of
 from freebody.targets.text.unit import Unit
 
 _ONE = ("sin", "cos", "exp", "tanh", "sign")
@@ -91,7 +91,7 @@ def _emit(unit: Unit) -> str:
     return "\n".join([*head, *body, "end\n", *helpers(unit.program, _HELPERS)])
 
 
-def _checks(unit: Unit, words: Words) -> list[str]:
+def _checks(unit: Unit, words: ProgramWords) -> list[str]:
     """What answers a call with an input that is not finite."""
     if not words.inputs:
         return []
@@ -102,7 +102,7 @@ def _checks(unit: Unit, words: Words) -> list[str]:
 _USE = ("Vectors are columns. An input that is NaN or infinite makes all outputs NaN.",)
 
 
-def _package(unit: Unit, vectors: Vectors) -> dict[str, str]:
+def _package(unit: Unit, vectors: SelfTestSamples) -> dict[str, str]:
     word = words_of(unit, RESERVED).function
     return {f"{word}.m": _emit(unit), f"{word}_test.m": _self_test(unit, vectors)}
 
@@ -113,7 +113,7 @@ def _array(row: np.ndarray, argument: Argument) -> str:
     return f"reshape([{', '.join(map(number, order.tolist()))}], {_sizes(argument)})"
 
 
-def _self_test(unit: Unit, vectors: Vectors) -> str:
+def _self_test(unit: Unit, vectors: SelfTestSamples) -> str:
     words, program = words_of(unit, RESERVED), unit.program
     found = [f"found{k + 1}" for k in range(len(program.outputs))]
     text = ["bad = false;", f"worst = zeros(1, {len(found)});"]

@@ -8,8 +8,8 @@ from functools import partial
 import numpy as np
 
 from freebody.program.program import Argument
-from freebody.targets.text.language import Language, Vectors, flat, helpers, number
-from freebody.targets.text.statements import Spelling, Words, lines, statements, words_of
+from freebody.targets.text.language import Language, SelfTestSamples, flat, helpers, number
+from freebody.targets.text.statements import ProgramWords, Spelling, lines, statements, words_of
 from freebody.targets.text.unit import Unit
 
 _IMPORTED = ("cos", "sign", "sin", "sqrt")
@@ -77,7 +77,9 @@ _SCALARS = Spelling(
 )
 
 
-def _computed(unit: Unit, words: Words, spelling: Spelling) -> tuple[list[str], list[list[str]]]:
+def _computed(
+    unit: Unit, words: ProgramWords, spelling: Spelling
+) -> tuple[list[str], list[list[str]]]:
     """Lines that compute, and for each output the texts of its scalars."""
     done = statements(unit, words, spelling, _OWN)
     inner = [statement for statement in done if not statement.writes]
@@ -168,7 +170,11 @@ def _matrix(argument: Argument, scalars: Sequence[str]) -> str:
 
 
 def _package(
-    emit: Callable[[Unit], str], prelude: Sequence[str], function: str, unit: Unit, vectors: Vectors
+    emit: Callable[[Unit], str],
+    prelude: Sequence[str],
+    function: str,
+    unit: Unit,
+    vectors: SelfTestSamples,
 ) -> dict[str, str]:
     """Module and self-test; function: what is called with one sample, {name} being the word of the
     module's own."""

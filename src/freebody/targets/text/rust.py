@@ -5,7 +5,7 @@ from __future__ import annotations
 from freebody.program.program import Argument
 from freebody.targets.text.language import (
     Language,
-    Vectors,
+    SelfTestSamples,
     comment_block,
     flat,
     helpers,
@@ -17,7 +17,7 @@ from freebody.targets.text.language import (
     word_set,
 )
 from freebody.targets.text.pieces import Piece, cut
-from freebody.targets.text.statements import Spelling, Words, lines, statements, words_of
+from freebody.targets.text.statements import ProgramWords, Spelling, lines, statements, words_of
 from freebody.targets.text.unit import Unit
 
 LONGEST = 4000
@@ -74,7 +74,7 @@ def _spelling(unit: Unit) -> Spelling:
     )
 
 
-def _parameters(unit: Unit, words: Words) -> dict[str, str]:
+def _parameters(unit: Unit, words: ProgramWords) -> dict[str, str]:
     """Each argument's word and its declaration."""
     t = _type(unit)
 
@@ -126,7 +126,7 @@ def _part(name: str, piece: Piece, parameters: list[str], spelling: Spelling) ->
     )
 
 
-def _checks(unit: Unit, words: Words) -> list[str]:
+def _checks(unit: Unit, words: ProgramWords) -> list[str]:
     """What answers a call with an input that is not finite."""
     tests = [
         f"{word}.iter().all(|x| x.is_finite())" if a.shape else f"{word}.is_finite()"
@@ -152,12 +152,12 @@ def _emit(unit: Unit) -> str:
     return "\n".join([*comment_block(unit, _USE, "", "//", ""), "", *_definitions(unit)])
 
 
-def _package(unit: Unit, vectors: Vectors) -> dict[str, str]:
+def _package(unit: Unit, vectors: SelfTestSamples) -> dict[str, str]:
     word = words_of(unit, RESERVED).function
     return {f"{word}.rs": _emit(unit), f"{word}_test.rs": _self_test(unit, vectors)}
 
 
-def _self_test(unit: Unit, vectors: Vectors) -> str:
+def _self_test(unit: Unit, vectors: SelfTestSamples) -> str:
     words, spell, t = words_of(unit, RESERVED), _spelling(unit).number, _type(unit)
     program, count = unit.program, vectors.count
     tables, body = [], []

@@ -63,7 +63,7 @@ class Statement:
 
 
 @dataclass(frozen=True)
-class Words:
+class ProgramWords:
     """What things are called in the text: the function, its inputs and its outputs in their
     order."""
 
@@ -77,17 +77,17 @@ class Words:
         return frozenset((self.function, *self.inputs, *self.outputs))
 
 
-def words_of(unit: Unit, reserved: Collection[str]) -> Words:
+def words_of(unit: Unit, reserved: Collection[str]) -> ProgramWords:
     """Words that are none of a language's own, and no two alike."""
     function = identifiers([unit.name], reserved)[unit.name]
     taken = {*reserved, function}
     inputs = identifiers((a.name for a in unit.program.inputs), taken)
     outputs = identifiers((a.name for a in unit.program.outputs), taken | {*inputs.values()})
-    return Words(function, tuple(inputs.values()), tuple(outputs.values()))
+    return ProgramWords(function, tuple(inputs.values()), tuple(outputs.values()))
 
 
 @dataclass(frozen=True)
-class _Value:
+class _TextValue:
     text: str
     binds: int
     reads: frozenset[str] = frozenset()
@@ -99,14 +99,18 @@ class _Value:
 
 
 def statements(
-    unit: Unit, words: Words, spelling: Spelling, reserved: Collection[str]
+    unit: Unit, words: ProgramWords, spelling: Spelling, reserved: Collection[str]
 ) -> list[Statement]:
     """The program, section by section, and last what writes the outputs."""
-    return _Writer(unit, words, spelling, reserved).run(sections(unit.program, unit.joints))
+    return _StatementWriter(unit, words, spelling, reserved).run(
+        sections(unit.program, unit.joints)
+    )
 
 
-class _Writer:
-    def __init__(self, unit: Unit, words: Words, spelling: Spelling, reserved: Collection[str]):
+class _StatementWriter:
+    def __init__(
+        self, unit: Unit, words: ProgramWords, spelling: Spelling, reserved: Collection[str]
+    ):
         program = unit.program
         self.program, self.spelling = program, spelling
         self.taken = {*words.all, *reserved}
@@ -117,7 +121,7 @@ class _Writer:
         self.kept = set(program.results)
         self.section_of: dict[int, str] = {}
         self.reader: dict[int, int] = {}
-        self.values: dict[int, _Value] = {}
+        self.values: dict[int, _TextValue] = {}
         self.done: list[Statement] = []
         self.count = 0
 
@@ -146,14 +150,14 @@ class _Writer:
             )
         return self.done
 
-    def _value(self, index: int, section: str) -> _Value:
+    def _value(self, index: int, section: str) -> _TextValue:
         program, op = self.program, self.program.op[index]
         if op == "const":
             number = program.constants[program.a[index]]
-            return _Value(self.spelling.number(number), _ATOM if number >= 0.0 else 1)
+            return _TextValue(self.spelling.number(number), _ATOM if number >= 0.0 else 1)
         if op == "input":
             text, argument = self.entries[program.a[index]]
-            value = _Value(text, _ATOM, arguments=frozenset([argument]))
+            value = _TextValue(text, _ATOM, arguments=frozenset([argument]))
             # an input that is a result is read before any output is written: the two may be one
             # array
             named = self.spelling.inputs_first or index in self.kept
@@ -164,7 +168,7 @@ class _Writer:
         else:
             template, binds, needed = self.spelling.functions[op], _ATOM, [0] * len(operands)
         texts = {k: v.within(n) for k, v, n in zip("abc", operands, needed, strict=False)}
-        value = _Value(
+        value = _TextValue(
             template.format(**texts),
             binds,
             frozenset().union(*(v.reads for v in operands)),
@@ -175,7 +179,7 @@ class _Writer:
             value if self._stays(index, value) else self._named(value, self._word(index), section)
         )
 
-    def _stays(self, index: int, value: _Value) -> bool:
+    def _stays(self, index: int, value: _TextValue) -> bool:
         """Whether a value is written where it is read: once, in the same section, and short."""
         return (
             self.uses[index] == 1
@@ -185,11 +189,11 @@ class _Writer:
             and self.section_of[self.reader[index]] == self.section_of[index]
         )
 
-    def _named(self, value: _Value, word: str, section: str) -> _Value:
+    def _named(self, value: _TextValue, word: str, section: str) -> _TextValue:
         self.done.append(
             Statement(word, value.text, value.reads, value.arguments, value.weight, section)
         )
-        return _Value(self.spelling.variable.format(word=word), _ATOM, frozenset([word]))
+        return _TextValue(self.spelling.variable.format(word=word), _ATOM, frozenset([word]))
 
     def _word(self, index: int) -> str:
         """sin_q_2 for a sine of an input; what it is in the recursion or the results; else the next

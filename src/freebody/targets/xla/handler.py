@@ -11,7 +11,7 @@ from __future__ import annotations
 from freebody.program.program import Argument, Program
 from freebody.targets.llvm.lanes import Real
 from freebody.targets.xla.layout import NUMBERS, OFFSETS, SIZES
-from freebody.targets.xla.lines import Lines
+from freebody.targets.xla.lines import TextLines
 from freebody.targets.xla.sharing import BASES, sharing, size_of
 
 _DEFAULT_MODES = (
@@ -31,7 +31,7 @@ def text(
     woken for.
     """
     arguments = (*program.inputs, *program.outputs)
-    lines = Lines(["define ptr @xla(ptr %frame) {", "entry:"])
+    lines = TextLines(["define ptr @xla(ptr %frame) {", "entry:"])
     _asked(lines, version)
     _counted(lines, program)
     right = [_right(lines, k, argument, real) for k, argument in enumerate(arguments)]
@@ -43,7 +43,7 @@ def text(
     return "\n".join([*lines, sharing(arguments, real, loop, x86, each), ""])
 
 
-def _asked(lines: Lines, version: tuple[int, int]) -> None:
+def _asked(lines: TextLines, version: tuple[int, int]) -> None:
     """Where XLA asks what the function is, with an extension of the frame, tell it."""
     frame, about = OFFSETS["XLA_FFI_CallFrame"], OFFSETS["XLA_FFI_Api_Version"]
     start = OFFSETS["XLA_FFI_Metadata"]["api_version"]
@@ -64,7 +64,7 @@ def _asked(lines: Lines, version: tuple[int, int]) -> None:
     lines.append("  ret ptr null\nwork:")
 
 
-def _counted(lines: Lines, program: Program) -> None:
+def _counted(lines: TextLines, program: Program) -> None:
     """Whether the frame is of the known layout and has as many buffers as the program; then the
     lists of them."""
     frame, right = OFFSETS["XLA_FFI_CallFrame"], []
@@ -89,7 +89,7 @@ def _counted(lines: Lines, program: Program) -> None:
         lines.entry(f"buffer{len(program.inputs) + k}", "%rets.list", k)
 
 
-def _right(lines: Lines, k: int, argument: Argument, real: Real) -> str:
+def _right(lines: TextLines, k: int, argument: Argument, real: Real) -> str:
     """Whether buffer k has numbers of the right type and as many axes as are expected."""
     buffer = OFFSETS["XLA_FFI_Buffer"]
     dtype = lines.field(f"dtype{k}", "i32", f"%buffer{k}", buffer["dtype"])
@@ -99,7 +99,7 @@ def _right(lines: Lines, k: int, argument: Argument, real: Real) -> str:
     return lines.all(f"fits{k}", [typed, ranked])
 
 
-def _sizes(lines: Lines, arguments: tuple[Argument, ...], inputs: int, real: Real) -> None:
+def _sizes(lines: TextLines, arguments: tuple[Argument, ...], inputs: int, real: Real) -> None:
     """Where the buffers are, bytes between samples along both axes, and how many there are; then
     all is computed."""
     buffer, count = OFFSETS["XLA_FFI_Buffer"], len(arguments)
@@ -128,7 +128,7 @@ def _sizes(lines: Lines, arguments: tuple[Argument, ...], inputs: int, real: Rea
     )
 
 
-def _refused(lines: Lines) -> None:
+def _refused(lines: TextLines) -> None:
     """Return an error of XLA's."""
     given, kind = OFFSETS["XLA_FFI_Error_Create_Args"], "XLA_FFI_Error_Create_Args"
     lines.append("refuse:\n  %problem = alloca [32 x i8], align 8")

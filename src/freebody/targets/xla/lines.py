@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 
-class Lines(list[str]):
-    """Lines of text, with what recurs."""
+class TextLines(list[str]):
+    """Lines of LLVM text, with what recurs."""
 
     def field(self, name: str, kind: str, base: str, offset: int) -> str:
         """Load what lies at an offset."""

@@ -11,7 +11,7 @@ from freebody.program.program import Argument
 from freebody.targets.llvm.lanes import Real
 from freebody.targets.threads import GRAIN
 from freebody.targets.xla.layout import OFFSETS, SIZES
-from freebody.targets.xla.lines import Lines
+from freebody.targets.xla.lines import TextLines
 
 _NEXT, _LEFT, _HOLDERS, _PARTS, _IN_ROW, _SIZE, _INNER = range(0, 56, 8)
 """Offsets in the record of a call's work: the next part, those that are not done, who holds the
@@ -70,7 +70,7 @@ declare void @free(ptr)""",
 def _share(each: int, x86: bool) -> str:
     """Cut the batch, ask for threads where it is worth it, do what nobody else does, and wait for
     those at work."""
-    lines = Lines(
+    lines = TextLines(
         [
             "define internal void @share(ptr %frame, ptr %work, i64 %outer, i64 %inner) {",
             "entry:",
@@ -109,7 +109,7 @@ def _share(each: int, x86: bool) -> str:
     return "\n".join(lines)
 
 
-def _ask(lines: Lines) -> None:
+def _ask(lines: TextLines) -> None:
     """How many threads there are, where there is work for more than one; on to `cut`."""
     fields = OFFSETS[_NUMBER]
     lines.append("  %long = icmp ugt i64 %worth, 1\n  br i1 %long, label %ask, label %cut\nask:")
@@ -125,7 +125,7 @@ def _ask(lines: Lines) -> None:
     ]
 
 
-def _cut(lines: Lines) -> None:
+def _cut(lines: TextLines) -> None:
     """Into two parts a thread, so that one that is slow keeps the others less; of one thread a row
     is a part."""
     lines += [
@@ -162,7 +162,7 @@ def _cut(lines: Lines) -> None:
         lines.put("i64", value, "%work", offset)
 
 
-def _wake(lines: Lines) -> None:
+def _wake(lines: TextLines) -> None:
     """Have further threads run `@task`, each of which holds the work; on to `begin`."""
     fields = OFFSETS[_SCHEDULE]
     lines.append("  br i1 %alone, label %begin, label %call\ncall:")
@@ -197,7 +197,7 @@ def _wake(lines: Lines) -> None:
 def _forget() -> str:
     """An error of XLA's, if it is one, given back."""
     kind, fields = "XLA_FFI_Error_Destroy_Args", OFFSETS["XLA_FFI_Error_Destroy_Args"]
-    lines = Lines(
+    lines = TextLines(
         [
             "define internal void @forget(ptr %api, ptr %error) {",
             "entry:",
@@ -218,7 +218,7 @@ def _forget() -> str:
 def _work(arguments: tuple[Argument, ...], real: Real, loop: int, x86: bool) -> str:
     """Take parts until there are none, the processor in its usual mode."""
     count, axes = len(arguments), sum(len(argument.shape) for argument in arguments)
-    lines = Lines(
+    lines = TextLines(
         [
             "define internal void @parts(ptr %work) {",
             "entry:",
