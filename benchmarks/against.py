@@ -1,6 +1,7 @@
 """freebody at two commits: the time of each row of docs/benchmarks.md's first tables, as a ratio.
 
-    python benchmarks/against.py BEFORE [AFTER] [--robots ur5 panda talos] [--runs 5] [--dtype float64]
+    python benchmarks/against.py BEFORE [AFTER] [--robots ur5 panda talos] [--runs 5]
+        [--dtype float64]
 
 Each commit is checked out into a folder of its own. Processes of both take turns, so that a machine
 that slows down slows both; within a process a row's time is the quickest of its rounds. AFTER is

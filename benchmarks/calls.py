@@ -1,7 +1,8 @@
 """One call of each public function beside Pinocchio's call for the same quantity: times and their
 ratio.
 
-    python benchmarks/calls.py [--robots ur5 panda talos solo] [--rounds 15] [--only jacobian momentum]
+    python benchmarks/calls.py [--robots ur5 panda talos solo] [--rounds 15]
+        [--only jacobian momentum]
 
 Both sides are given float64 arrays of one state and called as a user calls them, in a loop that
 runs no code of its own between two calls. Pinocchio has its `Data`, made before, and gives back

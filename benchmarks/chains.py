@@ -1,7 +1,8 @@
 """Chains of many joints: what compiling and running costs a joint, each time in a process of its
 own.
 
-    python benchmarks/chains.py [--joints 25 50 100 200] [--tasks inverse_dynamics forward_dynamics] [--repeats 3]
+    python benchmarks/chains.py [--joints 25 50 100 200] [--tasks inverse_dynamics forward_dynamics]
+        [--repeats 3]
 
 Seconds are the CPU's, which other work on the machine disturbs less; of the processes the quickest
 counts.

@@ -382,8 +382,8 @@ def table(
     robot: str, entries: list[Entry], times: list[np.ndarray], errors: list[float | None]
 ) -> None:
     print(
-        "\n"
-        f"{robot:<30}{'':40}{'ns a sample':>12}{'min .. max':>20}{'freebody is':>14}{'difference':>13}"
+        f"\n{robot:<30}{'':40}{'ns a sample':>12}{'min .. max':>20}{'freebody is':>14}"
+        f"{'difference':>13}"
     )
     for task in dict.fromkeys(e.task for e in entries):
         rows = [i for i, e in enumerate(entries) if e.task == task]

@@ -1,6 +1,7 @@
 """What exported C takes on a microcontroller: bytes of code and of stack, by arm-none-eabi-gcc.
 
-    python benchmarks/embedded.py [--robots ur5e panda scara talos] [--quantities inverse_dynamics …]
+    python benchmarks/embedded.py [--robots ur5e panda scara talos]
+        [--quantities inverse_dynamics …]
 
 Needs Debian's gcc-arm-none-eabi and libnewlib-arm-none-eabi. Code is what `-Os` makes of the C,
 constants included, without the sines of the C library; stack is the function's own and that of the

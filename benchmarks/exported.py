@@ -116,7 +116,8 @@ using namespace pinocchio;
 {tables}
 static double out[{size}];
 static double now() {{
-  return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  const auto since = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration<double, std::nano>(since).count();
 }}
 int main() {{
   Model model; Eigen::Matrix3d R; Eigen::Vector3d p; JointIndex id;
@@ -136,7 +137,8 @@ int main() {{
     for (int r = 0; r < {result}.rows(); r++) for (int c = 0; c < {result}.cols(); c++) {{
       if (c < r && {int(task == "mass_matrix")}) continue;
       const double x = {result}(r, c);
-      off = std::max(off, std::abs(x - out[r * {result}.cols() + c])); largest = std::max(largest, std::abs(x));
+      off = std::max(off, std::abs(x - out[r * {result}.cols() + c]));
+      largest = std::max(largest, std::abs(x));
     }}
   }}
   double mine = 1e30, theirs = 1e30;
@@ -163,7 +165,8 @@ def script(q: np.ndarray, a: np.ndarray, b: np.ndarray, task: str, rounds: int) 
     outs = {"mass_matrix": [n * n], "inverse_dynamics_derivatives": [n * n] * 3}.get(task, [n])
     made = ", ".join(f"new Float64Array({size})" for size in outs)
     return f"""import {{ f }} from "./f.mjs";
-const X = {[x.tolist() for x in (q, a, b)]!r}.map((rows) => rows.map((row) => new Float64Array(row)));
+const rows = {[x.tolist() for x in (q, a, b)]!r};
+const X = rows.map((each) => each.map((row) => new Float64Array(row)));
 const outs = [{made}];
 let best = Infinity;
 for (let k = 0; k < {rounds}; k++) {{

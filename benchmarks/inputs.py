@@ -1,7 +1,8 @@
 """What it costs that numbers are inputs, or have 32 bits: the time of one sample in a batch, on one
 thread.
 
-    python benchmarks/inputs.py [--robots ur5e ur5 panda talos] [--zeros] [--batch 4096] [--rounds 100]
+    python benchmarks/inputs.py [--robots ur5e ur5 panda talos] [--zeros] [--batch 4096]
+        [--rounds 100]
 
 Beside the kernel of fixed numbers stand the same kernel with `inputs=` the masses, centres,
 inertias and lengths of the robot that are not zero (of a UR5e 59; with `--zeros`, all ten numbers

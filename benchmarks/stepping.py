@@ -141,7 +141,8 @@ def main() -> None:
     )
     print(f"UR5e, {args.arms} arms, {args.steps} steps a round, {args.repeats} rounds; ns a step")
     print(
-        f"{'':22}{'freebody':>22}{'MuJoCo rollout':>26}{'ratio':>8}{'of the arithmetic':>19}{'difference':>12}"
+        f"{'':22}{'freebody':>22}{'MuJoCo rollout':>26}{'ratio':>8}{'of the arithmetic':>19}"
+        f"{'difference':>12}"
     )
     for method in METHODS:
         arms = Arms(model, method, args.arms, args.steps)

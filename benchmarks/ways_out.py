@@ -1,7 +1,8 @@
 """The table of exported text: for each language and quantity its size, its time and its difference
 from the kernel.
 
-    python benchmarks/ways_out.py [--robots ur5e panda] [--languages C JavaScript …] [--quantities …] [--rounds 7]
+    python benchmarks/ways_out.py [--robots ur5e panda] [--languages C JavaScript …]
+        [--quantities …] [--rounds 7]
 
 Each text is called for 256 random states, as a program of its language would; results are compared
 with the kernel's, relative to an output's largest entry. Tools that are not there are left out:
@@ -81,20 +82,25 @@ def in_c(task: Task, name: str, include: str, number: str = "double") -> dict[st
 static double file[{STATES}*{max(m, n)}];
 static {number} in[{STATES}][{m}], out[{STATES}][{n}];
 static double now(void) {{
-    struct timespec t; clock_gettime(CLOCK_MONOTONIC, &t); return 1e9*(double)t.tv_sec + (double)t.tv_nsec;
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return 1e9*(double)t.tv_sec + (double)t.tv_nsec;
 }}
 int main(void) {{
     FILE *f = fopen("{INPUTS}", "rb");
     if (!f || fread(file, 8, {STATES}*{m}, f) != {STATES}*{m}) return 1;
-    for (int i = 0; i < {STATES}; i++) for (int k = 0; k < {m}; k++) in[i][k] = ({number})file[i*{m} + k];
+    for (int i = 0; i < {STATES}; i++)
+        for (int k = 0; k < {m}; k++) in[i][k] = ({number})file[i*{m} + k];
     double best = 1e30;
     for (int r = 0; r < {task.rounds}; r++) {{
         const double t = now();
-        for (int j = 0; j < {task.repeats}; j++) for (int i = 0; i < {STATES}; i++) f_({", ".join(ins + outs)});
+        for (int j = 0; j < {task.repeats}; j++)
+            for (int i = 0; i < {STATES}; i++) f_({", ".join(ins + outs)});
         const double took = (now() - t)/({task.repeats}.0*{STATES});
         if (took < best) best = took;
     }}
-    for (int i = 0; i < {STATES}; i++) for (int k = 0; k < {n}; k++) file[i*{n} + k] = (double)out[i][k];
+    for (int i = 0; i < {STATES}; i++)
+        for (int k = 0; k < {n}; k++) file[i*{n} + k] = (double)out[i][k];
     f = fopen("{OUTPUTS}", "wb");
     if (!f || fwrite(file, 8, {STATES}*{n}, f) != {STATES}*{n} || fclose(f)) return 1;
     printf("%.9g\\n", best);
@@ -152,17 +158,21 @@ def in_rust(task: Task) -> dict[str, str]:
 use std::time::Instant;
 fn main() {{
     let bytes = std::fs::read("{INPUTS}").unwrap();
-    let all: Vec<f64> = bytes.chunks(8).map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect();
+    let number = |b: &[u8]| f64::from_le_bytes(b.try_into().unwrap());
+    let all: Vec<f64> = bytes.chunks(8).map(number).collect();
     let mut found: Vec<f64> = Vec::new();
     {made}
     let mut best = f64::INFINITY;
     for _ in 0..{task.rounds} {{
         let t = Instant::now();
-        for _ in 0..{task.repeats} {{ for x in all.chunks({m}) {{ f_::f_({", ".join(ins + outs)}); {seen} }} }}
+        for _ in 0..{task.repeats} {{
+            for x in all.chunks({m}) {{ f_::f_({", ".join(ins + outs)}); {seen} }}
+        }}
         best = best.min(t.elapsed().as_nanos() as f64/({task.repeats} as f64*{STATES} as f64));
     }}
     for x in all.chunks({m}) {{ f_::f_({", ".join(ins + outs)}); {kept} }}
-    std::fs::write("{OUTPUTS}", found.iter().flat_map(|y| y.to_le_bytes()).collect::<Vec<u8>>()).unwrap();
+    let bytes: Vec<u8> = found.iter().flat_map(|y| y.to_le_bytes()).collect();
+    std::fs::write("{OUTPUTS}", bytes).unwrap();
     println!("{{}}", best);
 }}
 """
@@ -179,7 +189,8 @@ def in_octave(task: Task) -> dict[str, str]:
         for y, a in zip(outs, task.outputs, strict=True)
     )
     return {
-        "run.m": f"""file = fopen("{INPUTS}"); given = fread(file, [{m}, {STATES}], "double"); fclose(file);
+        "run.m": f"""file = fopen("{INPUTS}");
+given = fread(file, [{m}, {STATES}], "double"); fclose(file);
 found = zeros({n}, {STATES}); best = Inf;
 for r = 1:2
   t = tic;

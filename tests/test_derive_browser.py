@@ -27,7 +27,8 @@ MODELS = [
 ]
 SIZES = """return [...document.querySelectorAll('.equations')].map(e => {
   const room = e.getBoundingClientRect(), table = e.querySelector('mtable').getBoundingClientRect();
-  return {room: room.width, width: table.width, height: table.height, rows: e.querySelectorAll('mtr').length}})"""
+  const rows = e.querySelectorAll('mtr').length;
+  return {room: room.width, width: table.width, height: table.height, rows: rows}})"""
 DOTS = """const find = x => [...document.querySelectorAll(x)].map(e => e.getBoundingClientRect());
   return [find('mover > mi'), find('mover > mo')]"""
 

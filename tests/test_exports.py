@@ -333,13 +333,17 @@ struct Dual {
 inline Dual operator+(Dual a, Dual b) { return Dual(a.value + b.value, a.slope + b.slope); }
 inline Dual operator-(Dual a, Dual b) { return Dual(a.value - b.value, a.slope - b.slope); }
 inline Dual operator-(Dual a) { return Dual(-a.value, -a.slope); }
-inline Dual operator*(Dual a, Dual b) { return Dual(a.value*b.value, a.slope*b.value + a.value*b.slope); }
+inline Dual operator*(Dual a, Dual b)
+{
+    return Dual(a.value*b.value, a.slope*b.value + a.value*b.slope);
+}
 inline bool operator==(Dual a, Dual b) { return a.value == b.value; }
 inline Dual sin(Dual a) { return Dual(std::sin(a.value), std::cos(a.value)*a.slope); }
 inline Dual cos(Dual a) { return Dual(std::cos(a.value), -std::sin(a.value)*a.slope); }
 int main()
 {
-    float q[3] = {0.3f, -0.2f, 0.9f}, qd[3] = {1.0f, 2.0f, -1.0f}, qdd[3] = {0.5f, 0.0f, 1.0f}, tau[3];
+    float q[3] = {0.3f, -0.2f, 0.9f}, qd[3] = {1.0f, 2.0f, -1.0f};
+    float qdd[3] = {0.5f, 0.0f, 1.0f}, tau[3];
     if (inverse_dynamics(q, qd, qdd, tau) != 0) return 1;
     std::printf("%.9g %.9g %.9g\\n", double(tau[0]), double(tau[1]), double(tau[2]));
     for (int k = 0; k < 3; k++) {

@@ -188,12 +188,13 @@ def test_dh_table(tmp_path):
 
 
 def test_dh_table_in_full(tmp_path):
-    text = """
+    columns = "joint; name; theta; d; m; cx; Izz; rotor; gear; viscous; coulomb"
+    text = f"""
         # convention: modified
         # name: two
         # source: a book
         # gravity: 1.62
-        joint; name; theta; d; m; cx; Izz; rotor; gear; viscous; coulomb; lower; upper; velocity; effort
+        {columns}; lower; upper; velocity; effort
 
         # a remark
         R; arm; 0.1; d1; m1; c1; 0.5; 1e-4; 50; 0.1; 0.2; -90 deg; 90 deg; 180 deg/s; 7

@@ -110,9 +110,10 @@ def test_docs_name_the_refused_files():
 
 # ---------------------------------------------------------------- what is read
 def test_inertia_in_turned_axes(tmp_path):
-    link = """<link name="arm"><inertial><origin xyz="0 0 1" rpy="0 0 1.5707963267948966"/><mass value="2"/>
-      <inertia ixx="3" ixy="0" ixz="0" iyy="2" iyz="0" izz="4"/></inertial></link>
-      <joint name="a" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/></joint>"""
+    link = """<link name="arm"><inertial><origin xyz="0 0 1" rpy="0 0 1.5707963267948966"/>
+      <mass value="2"/><inertia ixx="3" ixy="0" ixz="0" iyy="2" iyz="0" izz="4"/></inertial></link>
+      <joint name="a" type="revolute"><parent link="base"/><child link="arm"/>
+      <axis xyz="0 0 1"/></joint>"""
     model = read(
         tmp_path, link + joint(kind="fixed", ends='<parent link="arm"/><child link="hand"/>')
     )
@@ -135,7 +136,10 @@ def test_defaults_of_a_joint(tmp_path):
 
 
 def test_friction_and_limits(tmp_path):
-    inside = """<limit lower="-1" upper="2" velocity="3" effort="4"/><dynamics damping="0.5" friction="0.25"/>"""
+    inside = (
+        '<limit lower="-1" upper="2" velocity="3" effort="4"/>'
+        '<dynamics damping="0.5" friction="0.25"/>'
+    )
     (body,) = read(tmp_path, joint(inside)).bodies
     assert body.joint.limits == fb.Limits(-1.0, 2.0, 3.0, 4.0)
     assert body.joint.drive == fb.Drive(viscous=0.5, coulomb=0.25)
@@ -244,11 +248,12 @@ def test_comments_namespaces_and_byte_order_mark(tmp_path):
 
 
 def test_everything_else_is_counted(tmp_path):
-    rest = """<gazebo/><gazebo/><transmission name="t"><actuator name="m"><mechanicalReduction>100</mechanicalReduction>
+    rest = """<gazebo/><gazebo/><transmission name="t"><actuator name="m">
+      <mechanicalReduction>100</mechanicalReduction>
       </actuator></transmission><material name="red"/>"""
     limit = (
-        '<limit lower="0" upper="1" velocity="1" effort="1" jerk="2"/><safety_controller '
-        'k_velocity="1"/>'
+        '<limit lower="0" upper="1" velocity="1" effort="1" jerk="2"/>'
+        '<safety_controller k_velocity="1"/>'
     )
     model = read(tmp_path, joint(limit) + rest, robot="<robot>")
     assert model.name == "arm"
@@ -266,7 +271,10 @@ def test_everything_else_is_counted(tmp_path):
     ]
 
 
-BROKEN = """<inertial><mass value="1"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.5"/></inertial>"""
+BROKEN = (
+    '<inertial><mass value="1"/>'
+    '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.5"/></inertial>'
+)
 
 
 def test_inertia_that_no_body_has(tmp_path):

@@ -184,10 +184,19 @@ def test_unknown_elements_of_many_names_are_counted(tmp_path):
     assert any("4900 further kinds" in notice.text for notice in model.notices)
 
 
-@pytest.mark.parametrize("text", ["(" * 100_000, "x = " + "[" * 20_000, "H11 = " + "(" * 19_000, "-" * 19_000 + "= 1",
-                                  "H11 = " + "sin " * 4000, "H11 = " + "\\frac" * 3000,
-                                  "H11 = 1" + "^1" * 9000,
-                                  "H11 = " + "|" * 1000])  # fmt: skip
+@pytest.mark.parametrize(
+    "text",
+    [
+        "(" * 100_000,
+        "x = " + "[" * 20_000,
+        "H11 = " + "(" * 19_000,
+        "-" * 19_000 + "= 1",
+        "H11 = " + "sin " * 4000,
+        "H11 = " + "\\frac" * 3000,
+        "H11 = 1" + "^1" * 9000,
+        "H11 = " + "|" * 1000,
+    ],
+)
 def test_a_deep_answer_is_refused_as_an_answer(text: str):
     assert refusal(lambda: fb.check(fb.load("2R"), text)).startswith("check: ")
 

@@ -19,7 +19,8 @@ INJECTED = """<script>document.title = "run"</script><img src="x:" onerror="docu
 <svg onload="document.title = 'run'"></svg><base href="{at}/base/">
 <img src="{at}/img"><script src="{at}/js"></script><link rel="stylesheet" href="{at}/css">
 <iframe src="{at}/frame"></iframe>
-<object data="{at}/object"></object><style>@font-face{{font-family:f;src:url({at}/font)}} h1{{font-family:f}}</style>
+<object data="{at}/object"></object>
+<style>@font-face{{font-family:f;src:url({at}/font)}} h1{{font-family:f}}</style>
 <form id="leak" action="{at}/form"></form>"""
 FETCH = """const done = arguments[0];
 fetch('{at}/fetch', {{mode: 'no-cors'}}).then(() => done('out'), () => done('held'))"""

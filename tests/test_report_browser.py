@@ -21,12 +21,14 @@ FILES = {
     "double_pendulum": "double_pendulum_description/urdf/double_pendulum.urdf",
 }
 LARGEST = 2_000_000  # bytes
-CELLS = """return [...document.querySelectorAll('[data-var]')].map(c => ({text: c.querySelector('span').textContent,
+CELLS = """return [...document.querySelectorAll('[data-var]')].map(c => ({
+  text: c.querySelector('span').textContent,
   var: c.dataset.var, at: c.dataset.at, value: c.dataset.value, scale: c.dataset.scale || '1'}))"""
 PICTURES = """return [...document.querySelectorAll('svg')].map(s => {
   const box = s.getBBox(), shown = s.getBoundingClientRect();
-  return {label: s.getAttribute('aria-label'), width: box.width, height: box.height, shown: shown.width,
-    drawn: s.querySelectorAll('path,circle').length, texts: s.querySelectorAll('text').length}})"""
+  return {label: s.getAttribute('aria-label'), width: box.width, height: box.height,
+    shown: shown.width, drawn: s.querySelectorAll('path,circle').length,
+    texts: s.querySelectorAll('text').length}})"""
 ROOM = "return [document.documentElement.scrollWidth, document.documentElement.clientWidth]"
 
 

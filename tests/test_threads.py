@@ -160,7 +160,8 @@ def made(n):
             x = x * q[0] + 1.0
         return [x]
     return fb.compile(function, {"q": 1}, {"r": 1})
-fb.compile  # imported before: a child forked while another thread imports would wait for that import for ever
+# imported before: a child forked while another thread imports would wait for that import for ever
+fb.compile
 work = threading.Thread(target=lambda: [made(n) for n in range(300, 330)])
 work.start()
 while work.is_alive():

@@ -1,6 +1,6 @@
 """Mutation testing: change the source in one place, and see whether the tests notice.
 
-    python tools/mutants.py --seed 1 --count 60            # the drawn mutants, each with its verdict
+    python tools/mutants.py --seed 1 --count 60          # the drawn mutants, each with its verdict
     python tools/mutants.py --only src/freebody/spatial.py:120:8
 
 Mutants are drawn by a seeded generator, the same share from every area, from the places that decide
@@ -25,6 +25,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+SOURCE = ROOT / "src/freebody"
 LIMIT = 1200.0
 """Seconds for one mutant's tests; one that hangs them is killed, in both senses."""
 
@@ -166,7 +167,7 @@ def drawn(seed: int, count: int, only: str | None) -> list[tuple[Area, Mutant]]:
     generator = random.Random(seed)
     found = []
     for k, area in enumerate(AREAS):
-        files = sorted(p for pattern in area.sources for p in (ROOT / "src/freebody").glob(pattern))
+        files = sorted(p for pattern in area.sources for p in SOURCE.glob(pattern))
         every = [mutant for path in files for mutant in mutants(path)]
         share = count // len(AREAS) + (k < count % len(AREAS))
         some = generator.sample(every, share)
@@ -239,8 +240,13 @@ def main() -> int:
     options = parser.parse_args()
     chosen = drawn(options.seed, options.count, options.area)
     if options.only:
-        chosen = [(area, m) for area in AREAS for p in area.sources for f in (ROOT / "src/freebody").glob(p)
-                  for m in mutants(f) if str(m).startswith(options.only + " ")]  # fmt: skip
+        files = [(a, f) for a in AREAS for p in a.sources for f in SOURCE.glob(p)]
+        chosen = [
+            (area, m)
+            for area, f in files
+            for m in mutants(f)
+            if str(m).startswith(options.only + " ")
+        ]
     if options.list:
         print("\n".join(f"{area.name}: {mutant}" for area, mutant in chosen))
         return 0

@@ -22,10 +22,12 @@ def trace(
 
     Args:
         name: name of the program, for messages and printing.
-        function: called once with one nested tuple of scalars for each input (a bare scalar for shape ()); returns
-            a sequence with one nested sequence of scalars or numbers for each output, or arrays of objects.
+        function: called once with one nested tuple of scalars for each input (a bare scalar for
+            shape ()); returns a sequence with one nested sequence of scalars or numbers for each
+            output, or arrays of objects.
         inputs: names and core shapes of the arguments.
-        outputs: names and core shapes of the results; None: the function returns {name: array of objects}, which says.
+        outputs: names and core shapes of the results; None: the function returns {name: array of
+            objects}, which says.
 
     Raises:
         ProgramError: if what the function returns does not have the shape of the outputs.

@@ -69,11 +69,8 @@ def verdict(
         )
     unphysical = sum(notice.kind == "physical" for notice in model.notices)
     if unphysical and not masses:
-        sentences.append(
-            f"{unphysical} "
-            f"inertia{'s that no rigid body has are' if unphysical > 1 else ' that no rigid body has is'} "
-            "used as given."
-        )
+        noun, verb = ("inertias", "are") if unphysical > 1 else ("inertia", "is")
+        sentences.append(f"{unphysical} {noun} that no rigid body has {verb} used as given.")
     if estimated:
         sentences.append("The inertias are estimated, and so are all torques.")
     factor = float("nan") if masses or loose or not uses else run.factor

@@ -303,14 +303,15 @@ def compile_program(
 
     Args:
         program: from `trace`.
-        target: "cpu", "numpy" or "cuda"; by default the environment's FREEBODY_TARGET, else the CPU where LLVM is.
-        width: samples in a vector (2, 4, 8; 16 of float32); by default FREEBODY_WIDTH, else what suits the CPU.
-            Both are read once, when a process first needs a kernel.
+        target: "cpu", "numpy" or "cuda"; by default the environment's FREEBODY_TARGET, else the CPU
+            where LLVM is.
+        width: samples in a vector (2, 4, 8; 16 of float32); by default FREEBODY_WIDTH, else what
+            suits the CPU. Both are read once, when a process first needs a kernel.
         dtype: "float64" or "float32", of the numbers that come in, are computed with and come out.
 
     Raises:
-        KernelError: an unknown target, width or dtype, or one that this machine lacks something for; a constant
-            beyond the range of the dtype.
+        KernelError: an unknown target, width or dtype, or one that this machine lacks something
+            for; a constant beyond the range of the dtype.
     """
     target = chosen_target(target)
     with locks.KERNELS:

@@ -40,7 +40,8 @@ def gufunc_loop(
         every: what is computed for every sample (see `hoist`), on tiles of `layout`.
         machine: what it is compiled for, as far as the text depends on it.
         tiles: groups in a round.
-        shared: where the uniform numbers are, and what is computed of them once; None if there are none.
+        shared: where the uniform numbers are, and what is computed of them once; None if there are
+            none.
     """
     parts = [
         transfers(program, every, layout, machine.lanes),

@@ -101,8 +101,9 @@ def sincos(lanes: Lanes, fma: bool) -> str:
     arguments."""
     code = VectorCode(lanes, fma)
     v = lanes.v
+    arguments = ", ".join(f"ptr noalias %{name}0" for name in ("px", "psin", "pcos"))
     code.lines.append(f"""\
-define internal void @sincos.{lanes.suffix}(ptr noalias %px0, ptr noalias %psin0, ptr noalias %pcos0) #0 {{
+define internal void @sincos.{lanes.suffix}({arguments}) #0 {{
   %x0 = load {v}, ptr %px0, align {lanes.size}""")
     code.reduce(0)
     code.lines.append(_large_lanes(lanes))
@@ -279,8 +280,9 @@ def _large_lanes(lanes: Lanes) -> str:
 # a = m 2^e. Of 2/pi the bits above 2^(2-e) give multiples of 4 quadrants; 192 bits from there times
 # m are a 2/pi modulo 4, with 2 bits of quadrant and 190 of fraction. At least 60 of the upper 126
 # are left in the worst case.
+_WORDS = ", ".join(f"i64 {word}" for word in (0, *_TWO_OVER_PI))
 _REDUCE = f"""\
-@two_over_pi = internal constant [{len(_TWO_OVER_PI) + 1} x i64] [i64 0, {", ".join(f"i64 {w}" for w in _TWO_OVER_PI)}]
+@two_over_pi = internal constant [{len(_TWO_OVER_PI) + 1} x i64] [{_WORDS}]
 define internal {{ double, i64 }} @reduce(double %a) #0 {{
   %bits = bitcast double %a to i64
   %exponent = lshr i64 %bits, 52

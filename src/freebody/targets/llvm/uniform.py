@@ -26,8 +26,9 @@ def reading(inputs: int, poison: int, lanes: Lanes) -> str:
 def _gather(lanes: Lanes) -> str:
     """Rows as they stand by vectors, anything else by its offsets, number by number."""
     kind, v, size, width = lanes.real.name, lanes.v, lanes.real.size, lanes.width
+    given = "ptr %at, i1 %rows, ptr %strides, ptr %shape, i64 %d, i64 %n"
     return f"""\
-define internal void @gather(ptr %at, i1 %rows, ptr %strides, ptr %shape, i64 %d, i64 %n, ptr %offsets, ptr %to) #0 {{
+define internal void @gather({given}, ptr %offsets, ptr %to) #0 {{
 entry:
   br i1 %rows, label %straight, label %scattered
 straight:

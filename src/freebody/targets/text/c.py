@@ -49,24 +49,26 @@ _HELPERS = {
 }
 
 _KEYWORDS = word_set(
-    """alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t class
-compl const constexpr const_cast continue decltype default delete do double dynamic_cast else enum
-explicit export extern false float for friend goto if inline int long mutable namespace new noexcept not
-not_eq nullptr operator or or_eq private protected public register reinterpret_cast restrict return
-short signed sizeof static static_assert static_cast struct switch template this thread_local throw true
-try typedef typeid typename union unsigned using virtual void volatile wchar_t while xor xor_eq NAN
-INFINITY isfinite main std w S all_finite fill"""
+    """alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t
+    class compl const constexpr const_cast continue decltype default delete do double dynamic_cast
+    else enum explicit export extern false float for friend goto if inline int long mutable
+    namespace new noexcept not not_eq nullptr operator or or_eq private protected public register
+    reinterpret_cast restrict return short signed sizeof static static_assert static_cast struct
+    switch template this thread_local throw true try typedef typeid typename union unsigned using
+    virtual void volatile wchar_t while xor xor_eq NAN INFINITY isfinite main std w S all_finite
+    fill"""
 )
 _FUNCTIONS = word_set(
-    """sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp exp2 expm1 log log2 log10 log1p
-logb ilogb pow sqrt cbrt fabs fmin fmax fmod fdim fma floor ceil round lround rint lrint trunc hypot erf
-erfc gamma lgamma tgamma frexp ldexp modf scalbn nan j0 j1 jn y0 y1 yn signgam div abs remainder remquo
-copysign nextafter drem significand"""
+    """sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp exp2 expm1 log log2
+    log10 log1p logb ilogb pow sqrt cbrt fabs fmin fmax fmod fdim fma floor ceil round lround rint
+    lrint trunc hypot erf erfc gamma lgamma tgamma frexp ldexp modf scalbn nan j0 j1 jn y0 y1 yn
+    signgam div abs remainder remquo copysign nextafter drem significand"""
 ) | called(FUNCTIONS, _HELPERS)
 _LIBRARY = word_set(
-    """printf fprintf sprintf scanf puts putchar getchar exit abort atexit malloc calloc realloc free memcpy
-memmove memset memcmp strlen strcpy strcat strcmp index time clock signal raise rand srand qsort bsearch
-system getenv remove rename read write open close stdin stdout stderr errno off_by bad"""
+    """printf fprintf sprintf scanf puts putchar getchar exit abort atexit malloc calloc realloc
+    free memcpy memmove memset memcmp strlen strcpy strcat strcmp index time clock signal raise rand
+    srand qsort bsearch system getenv remove rename read write open close stdin stdout stderr errno
+    off_by bad"""
 )
 RESERVED = frozenset(
     (
@@ -306,7 +308,8 @@ _OFF = """static {t} off_by(int n, const {t} *found, const {t} *expected, {t} la
 {{
     {t} off = {zero};
     for (int i = 0; i < n; i++) {{
-        const {t} d = (found[i] > expected[i] ? found[i] - expected[i] : expected[i] - found[i]) / largest;
+        const {t} apart = found[i] - expected[i];
+        const {t} d = (apart > {zero} ? apart : -apart) / largest;
         off = d <= off ? off : d; /* NaN counts */
     }}
     return off;

@@ -24,9 +24,10 @@ from freebody.targets.text.unit import Unit
 RESERVED = word_set("WARP_SZ reduce two_over_pi") | numbered("sincos", "vector")
 
 _USE = """\
-Load this text with cuModuleLoadData (it needs an NVIDIA driver from 2017 on, and a GPU from Volta on), and start
-{started} with a grid of any block size that has at least n threads: thread i takes sample i.
-Each entry takes {count} 64-bit values: for each argument in the order above, inputs and then outputs,
+Load this text with cuModuleLoadData (it needs an NVIDIA driver from 2017 on, and a GPU from Volta
+on), and start {started} with a grid of any block size that has at least n threads: thread i takes
+sample i. Each entry takes {count} 64-bit values: for each argument in the order above, inputs and
+then outputs,
   its address on the device, to numbers of type {type},
   how many numbers the samples are apart (0: one value for all samples),
   how many numbers the entries of one sample are apart (1: rows; n: columns, which GPUs read best),
@@ -104,7 +105,8 @@ def device_array(numbers):
     return address, host
 
 
-device, context, module, entry = ctypes.c_int(), ctypes.c_void_p(), ctypes.c_void_p(), ctypes.c_void_p()
+device = ctypes.c_int()
+context, module, entry = ctypes.c_void_p(), ctypes.c_void_p(), ctypes.c_void_p()
 call("cuInit", 0)
 call("cuDeviceGet", ctypes.byref(device), 0)
 call("cuDevicePrimaryCtxRetain", ctypes.byref(context), device)

@@ -23,12 +23,13 @@ slower before: a Panda's forward dynamics takes 0.5 us in pieces of 800 or less,
 function of 2000."""
 
 RESERVED = word_set(
-    """require console given expected names sizes largest allowed worst bad abstract arguments async await
-boolean break byte case catch char class const continue debugger default delete do double else enum eval
-export extends false final finally float for function get goto if implements import in instanceof int
-interface let long native new null of package private protected public return set short static super
-switch synchronized this throw throws transient true try typeof undefined var void volatile while with
-yield NaN Infinity Math Number Object Array Float64Array globalThis window document self w all_finite"""
+    """require console given expected names sizes largest allowed worst bad abstract arguments async
+    await boolean break byte case catch char class const continue debugger default delete do double
+    else enum eval export extends false final finally float for function get goto if implements
+    import in instanceof int interface let long native new null of package private protected public
+    return set short static super switch synchronized this throw throws transient true try typeof
+    undefined var void volatile while with yield NaN Infinity Math Number Object Array Float64Array
+    globalThis window document self w all_finite"""
 )
 _ONE = ("sqrt", "sin", "cos", "exp", "log", "tanh", "asin", "acos", "sign")
 FUNCTIONS = {op: f"Math.{op}({{a}})" for op in _ONE} | {
@@ -178,7 +179,8 @@ for (let i = 0; i < {vectors.count}; i++) {{
 }}
 let bad = false;
 for (let k = 0; k < names.length; k++) {{
-  console.log(`${{names[k]}}: off by at most ${{worst[k]}} of its largest entry; allowed ${{allowed[k]}}`);
+  const off = `off by at most ${{worst[k]}} of its largest entry`;
+  console.log(`${{names[k]}}: ${{off}}; allowed ${{allowed[k]}}`);
   bad = bad || !(worst[k] <= allowed[k]);
 }}
 console.log(bad ? "FAILED" : "passed");

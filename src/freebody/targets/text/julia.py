@@ -47,10 +47,10 @@ _HELPERS = {
 
 RESERVED = (
     word_set(
-        """exit results expected bad off baremodule begin break catch const continue do else elseif end export
-false finally for function global if import in isa let local macro mutable module primitive quote
-return struct true try type using while where all fill include isfinite im pi println maximum
-minimum error zeros ones w Inf NaN Float32 Float64"""
+        """exit results expected bad off baremodule begin break catch const continue do else elseif
+        end export false finally for function global if import in isa let local macro mutable module
+        primitive quote return struct true try type using while where all fill include isfinite im
+        pi println maximum minimum error zeros ones w Inf NaN Float32 Float64"""
     )
     | numbered("given")
     | called(FUNCTIONS, _HELPERS)

@@ -49,10 +49,11 @@ _HELPERS = {
 }
 RESERVED = (
     word_set(
-        """worst bad any break case catch classdef continue else elseif end for function global if otherwise
-parfor persistent return spmd switch try while end_try_catch end_unwind_protect endfor endfunction
-endif endswitch endwhile until unwind_protect unwind_protect_cleanup do abs all ans disp error exit
-fprintf i inf Inf isfinite j max min nan NaN numel ones pi reshape zeros false true nargin nargout"""
+        """worst bad any break case catch classdef continue else elseif end for function global if
+        otherwise parfor persistent return spmd switch try while end_try_catch end_unwind_protect
+        endfor endfunction endif endswitch endwhile until unwind_protect unwind_protect_cleanup do
+        abs all ans disp error exit fprintf i inf Inf isfinite j max min nan NaN numel ones pi
+        reshape zeros false true nargin nargout"""
     )
     | numbered("found")
     | called(FUNCTIONS, _HELPERS)

@@ -24,10 +24,11 @@ LONGEST = 4000
 """Operations of one function: compilers take longer than in proportion."""
 
 RESERVED = word_set(
-    """as async await become box break const continue crate do dyn else enum extern false final fn for gen if
-impl in let loop macro match mod move mut override priv pub ref return self Self static struct super
-trait true try type typeof union unsafe unsized use virtual where while yield abstract bool char f32 f64
-i32 str u8 usize main w bad std core alloc min_of max_of sign_of"""
+    """as async await become box break const continue crate do dyn else enum extern false final fn
+    for gen if impl in let loop macro match mod move mut override priv pub ref return self Self
+    static struct super trait true try type typeof union unsafe unsized use virtual where while
+    yield abstract bool char f32 f64 i32 str u8 usize main w bad std core alloc min_of max_of
+    sign_of"""
 ) | numbered("found", "worst")
 _ONE = ("sqrt", "sin", "cos", "exp", "tanh", "asin", "acos")
 FUNCTIONS = {op: f"{{t}}::{op}({{a}})" for op in _ONE} | {
