@@ -12,20 +12,17 @@ import dataclasses
 import keyword
 import string
 import unicodedata
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-import freebody
 import freebody as fb
 from freebody.identifiers import identifiers, in_words, is_identifier
-from freebody.notes import registry, steps
 from freebody.program import Argument, ProgramError, trace
 from freebody.targets import compile_program
 from freebody.targets.text import LANGUAGES, Unit
-
-SOURCE = Path(freebody.__file__).parent
+from freebody_notes import registry, steps
+from support.sources import SOURCES, place
 
 EXECUTES = {
     # Python
@@ -61,7 +58,7 @@ KNOWN = {
     ("targets/llvm/gufunc.py", "import_module"): "a constant: NumPy's own module",
     ("targets/target.py", "import_module"): "modules of the table of targets",
     ("kernels/closed_chains.py", "import_module"): "modules of the table that stands there",
-    ("notes/registry.py", "import_module"): "the chapters, listed there",
+    ("freebody_notes/registry.py", "import_module"): "the chapters, listed there",
     (
         "targets/llvm/machine.py",
         "parse_assembly",
@@ -82,13 +79,16 @@ KNOWN = {
         "trimesh",
     ): "bytes of four formats of shapes, only where estimate_inertia asks for it",
     ("targets/llvm/gufunc.py", "PYFUNCTYPE"): "functions of NumPy's table",
-    ("notes/checks.py", "eval"): "calls that stand in freebody.notes; held to that below",
-    ("notes/steps.py", "eval"): "calls that stand in freebody.notes; held to that below",
+    ("freebody_notes/checks.py", "eval"): "calls that stand in freebody_notes; held to that below",
+    ("freebody_notes/steps.py", "eval"): "calls that stand in freebody_notes; held to that below",
     ("report/html.py", "Markup"): "our own style, and drawings, whose text is escaped",
     ("report/tables.py", "Markup"): "text that has just been escaped",
-    ("notes/page.py", "Markup"): "formulas and drawings of the notes' own items",
+    ("freebody_notes/page.py", "Markup"): "formulas and drawings of the notes' own items",
     ("report/page_tables.py", "Markup"): "cells that were escaped there",
-    ("notes/exercises.py", "Markup"): "solutions are put together from the notes' own items",
+    (
+        "freebody_notes/exercises.py",
+        "Markup",
+    ): "solutions are put together from the notes' own items",
     (
         "derivations/functions.py",
         "lambdify",
@@ -119,10 +119,10 @@ def names_used(tree: ast.AST) -> set[str]:
 
 def places() -> set[tuple[str, str]]:
     found = set()
-    for path in sorted(SOURCE.rglob("*.py")):
+    for path in SOURCES:
         tree = ast.parse(path.read_text(encoding="utf-8"))
         called = names_used(tree) & EXECUTES
-        found |= {(path.relative_to(SOURCE).as_posix(), name) for name in called}
+        found |= {(place(path), name) for name in called}
     return found
 
 
@@ -142,7 +142,7 @@ def test_the_walk_sees_what_it_looks_for():
 
 
 def test_a_class_made_at_run_time_has_a_constant_name():
-    for path in sorted(SOURCE.rglob("*.py")):
+    for path in SOURCES:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if (
                 isinstance(node, ast.Call)
@@ -153,7 +153,7 @@ def test_a_class_made_at_run_time_has_a_constant_name():
 
 
 def test_templates_are_files_and_escape():
-    for path in sorted(SOURCE.rglob("*.py")):
+    for path in SOURCES:
         text = path.read_text(encoding="utf-8")
         if "jinja2.Environment(" in text:
             assert "autoescape=True" in text, path

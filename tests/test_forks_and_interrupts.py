@@ -13,7 +13,6 @@ import subprocess
 import sys
 import threading
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,8 +20,8 @@ import pytest
 import freebody as fb
 from freebody.program import Argument, trace
 from freebody.targets import Kernel, compile_program, kernel
-
-SRC = Path(fb.__file__).parents[1]
+from support.sources import SOURCES, SRC
+from support.sources import place as place_of
 
 
 def run(code: str, **environment: str) -> subprocess.CompletedProcess[str]:
@@ -155,8 +154,8 @@ def test_a_handler_of_a_signal_may_ask_for_a_kernel_while_one_is_compiled(place)
 def test_nothing_in_freebody_holds_a_lock_that_a_fork_would_leave_taken():
     """`functools.cached_property` holds one for all instances before Python 3.12."""
     users = [
-        path.relative_to(SRC)
-        for path in SRC.joinpath("freebody").rglob("*.py")
+        place_of(path)
+        for path in SOURCES
         if any(
             "functools" in line and "cached_property" in line and "import" in line
             for line in path.read_text(encoding="utf-8").splitlines()

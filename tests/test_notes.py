@@ -9,10 +9,10 @@ import pytest
 
 from freebody.derivations.formula import FormulaError
 from freebody.errors import FreebodyError, UnknownNameError
-from freebody.notes.checks import Answer, Digits, Reading, Related
-from freebody.notes.item import Item, Outcome
-from freebody.notes.registry import item, items
-from freebody.notes.run import NotesError, run
+from freebody_notes.checks import Answer, Digits, Reading, Related
+from freebody_notes.item import Item, Outcome
+from freebody_notes.registry import item, items
+from freebody_notes.run import NotesError, run
 from support.notes_verdicts import VERDICTS
 
 BY_ID = {x.id: x for x in items()}

@@ -4,6 +4,8 @@ exercises."""
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -11,13 +13,13 @@ import pytest
 
 from freebody.cli.app import run as program
 from freebody.derivations.formula import as_printed
-from freebody.notes.errata import errata
-from freebody.notes.exercises import EXERCISES, solution
-from freebody.notes.page import CHAPTERS, SECTIONS, page
-from freebody.notes.registry import item, items
-from freebody.notes.run import run, run_all
-from freebody.notes.steps import place_of
-from freebody.notes.text import item_text
+from freebody_notes.errata import errata
+from freebody_notes.exercises import EXERCISES, solution
+from freebody_notes.page import CHAPTERS, SECTIONS, page
+from freebody_notes.registry import item, items
+from freebody_notes.run import run, run_all
+from freebody_notes.steps import place_of
+from freebody_notes.text import item_text
 from support.notes_verdicts import VERDICTS
 
 
@@ -167,3 +169,51 @@ def test_the_errata_in_the_docs_are_those_that_come_out(findings):
     """To update: freebody notes --errata --out docs/errata.md."""
     written = Path(__file__).parents[1] / "docs" / "errata.md"
     assert written.read_text(encoding="utf-8") == errata(findings)
+
+
+# ---------------------------------------------------------------- a package of its own
+WITHOUT = """
+import sys
+from importlib.abc import MetaPathFinder
+
+class Absent(MetaPathFinder):
+    def find_spec(self, name, path, target=None):
+        if name == "freebody_notes":
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+sys.meta_path.insert(0, Absent())
+import freebody as fb
+from freebody.cli.app import run
+try:
+    fb.notes_figure
+except ImportError as problem:
+    assert isinstance(problem, fb.FreebodyError)
+    print(problem)
+print(run(["notes", "eq-3.22", "--errata"]), run(["models"]), run(["--help"]))
+"""
+
+
+def test_without_the_course_freebody_does_the_rest_and_says_what_is_missing():
+    done = subprocess.run([sys.executable, "-c", WITHOUT], capture_output=True, text=True)
+    missing = (
+        "needs the package freebody_notes, which is not installed; it comes with freebody: "
+        "pip install --force-reinstall freebody."
+    )
+    said = done.stdout.splitlines()
+    assert done.stderr == f"error: freebody notes: {missing}\n"
+    assert said[0] == f"fb.notes_figure: {missing}"
+    assert said[-1] == "2 0 0"
+    assert "Needs the package freebody_notes" in done.stdout
+
+
+def test_a_fault_of_the_course_itself_is_not_taken_for_its_absence(monkeypatch):
+    import freebody
+    from freebody.cli.app import _add
+
+    monkeypatch.setitem(sys.modules, "freebody_notes.figures.catalogue", None)
+    monkeypatch.delitem(vars(freebody), "notes_figure", raising=False)
+    with pytest.raises(ModuleNotFoundError, match=r"freebody_notes\.figures\.catalogue"):
+        freebody.notes_figure
+    monkeypatch.setitem(sys.modules, "freebody_notes.command", None)
+    with pytest.raises(ModuleNotFoundError, match=r"freebody_notes\.command"):
+        _add("notes", "freebody_notes.command")

@@ -29,8 +29,8 @@ from freebody.outputs.files import stem, write
 from freebody.outputs.folder import MANIFEST, write_folder
 from freebody.outputs.text import as_meant, csv_text, harmless, legal
 from support.hostile import JOINTS, LINKS, hostile_study, pages
+from support.sources import SOURCES, place
 
-SOURCES = sorted(Path(fb.__file__).parent.rglob("*.py"))
 posix = pytest.mark.skipif(os.name != "posix", reason="devices and pipes")
 
 
@@ -61,9 +61,7 @@ def test_only_one_module_writes_files():
     for path in SOURCES:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Call) and _writes(node):
-                writers.setdefault(path.relative_to(SOURCES[0].parent).as_posix(), []).append(
-                    node.lineno
-                )
+                writers.setdefault(place(path), []).append(node.lineno)
     assert set(writers) == {"outputs/files.py", "outputs/folder.py", "targets/llvm/cache.py"}, (
         writers
     )

@@ -101,7 +101,7 @@ _PLACES = {
     "freebody.figures.fbd": ("free_body_diagram",),
     "freebody.figures.loci": ("singularity_diagram",),
     "freebody.figures.kinematic": ("kinematic_diagram",),
-    "freebody.figures.notes.catalogue": ("notes_figure",),
+    "freebody_notes.figures.catalogue": ("notes_figure",),
     "freebody.report.study": ("Study", "study"),
 }
 _QUICK = tuple(
@@ -127,12 +127,24 @@ def __getattr__(name: str) -> Any:
         return imported(f"freebody.{name}")
     if name not in _PLACE_OF:
         raise AttributeError(f"module 'freebody' has no attribute {name!r}")
-    value = getattr(imported(_PLACE_OF[name]), name)
+    try:
+        place = imported(_PLACE_OF[name])
+    except ModuleNotFoundError as failure:
+        raise _not_found(name, failure) from None
+    value = getattr(place, name)
     code = getattr(value, "__code__", None)
     if code is not None and code.co_varnames[:1] == ("model",) and _PLACE_OF[name] not in _QUICK:
         value = imported("freebody.model.required").takes_model(name, value)
     globals()[name] = value
     return value
+
+
+def _not_found(name: str, failure: ModuleNotFoundError) -> ImportError:
+    """What to raise where a name's module cannot be imported."""
+    package = _PLACE_OF[name].partition(".")[0]
+    if failure.name != package:
+        return failure
+    return imported("freebody.errors").MissingPackageError(f"fb.{name}", package)
 
 
 def __dir__() -> list[str]:

@@ -19,7 +19,6 @@ from freebody.figures.fbd import free_body_diagram as free_body_diagram
 from freebody.figures.illustrate import derive as derive
 from freebody.figures.kinematic import kinematic_diagram as kinematic_diagram
 from freebody.figures.loci import singularity_diagram as singularity_diagram
-from freebody.figures.notes.catalogue import notes_figure as notes_figure
 from freebody.formats.loading import load as load
 from freebody.formats.saving import save as save
 from freebody.inverse.kinematics import inverse_kinematics as inverse_kinematics
@@ -100,5 +99,6 @@ from freebody.trees.states import difference as difference
 from freebody.trees.states import integrate as integrate
 from freebody.trees.states import neutral as neutral
 from freebody.trees.states import random_state as random_state
+from freebody_notes.figures.catalogue import notes_figure as notes_figure
 
 __version__: str

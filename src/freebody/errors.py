@@ -154,6 +154,16 @@ class MissingValueError(FreebodyError, ValueError):
         )
 
 
+class MissingPackageError(FreebodyError, ImportError):
+    """Something whose package is not installed."""
+
+    def __init__(self, what: str, package: str):
+        super().__init__(
+            f"{what}: needs the package {package}, which is not installed; it comes with "
+            f"freebody: pip install --force-reinstall freebody."
+        )
+
+
 class ModelError(FreebodyError, ValueError):
     """A mechanism that cannot be: names the body or joint and the remedy."""
 

@@ -28,8 +28,12 @@ IMPORTS = threading.RLock()
 above."""
 
 
+_OURS = ("freebody.", "freebody_notes.")
+"""What names of this distribution's modules begin with."""
+
+
 def imported(module: str) -> ModuleType:
-    """A module of freebody, so that no fork falls into its import."""
+    """A module of freebody, or of a package beside it, so that no fork falls into its import."""
     with IMPORTS:
         return importlib.import_module(module)
 
@@ -39,7 +43,7 @@ def _take() -> None:
     COMPILER.acquire()
     IMPORTS.acquire()
     # modules that other threads import by a statement: asking for one again waits until it is there
-    for name in [name for name in list(sys.modules) if name.startswith("freebody.")]:
+    for name in [name for name in list(sys.modules) if name.startswith(_OURS)]:
         importlib.import_module(name)
 
 

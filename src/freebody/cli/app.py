@@ -6,6 +6,7 @@ Exit status 0: done. 1: a finding, such as a failed check. 2: bad input.
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from typing import Annotated
 
 import typer
@@ -18,12 +19,12 @@ from freebody.cli import (
     export,
     fbd,
     models,
-    notes,
     show,
     study,
     terminal,
 )
-from freebody.errors import FreebodyError
+from freebody.errors import FreebodyError, MissingPackageError
+from freebody.locks import imported
 
 _UNREAD = 141
 """128 and the number of SIGPIPE, as shells count: `| head` has read enough."""
@@ -42,8 +43,39 @@ app.command(epilog=derive.EXAMPLE, cls=derive.Command)(derive.derive)
 app.command(epilog=check.EXAMPLE)(check.check)
 app.command(epilog=fbd.EXAMPLE)(fbd.fbd)
 app.command(epilog=export.EXAMPLE)(export.export)
-app.command(epilog=notes.EXAMPLE)(notes.notes)
 app.command(epilog=models.EXAMPLE)(models.models)
+
+BESIDE = {"notes": "freebody_notes.command"}
+"""Commands of packages that build on freebody, each with the module that has the function of this
+name, and an EXAMPLE."""
+
+
+def _add(name: str, module: str) -> None:
+    """A command from beside; where its package is not installed, one that says so."""
+    package = module.partition(".")[0]
+    try:
+        found = imported(module)
+    except ModuleNotFoundError as failure:
+        if failure.name != package:
+            raise
+        anything = {"allow_extra_args": True, "ignore_unknown_options": True}
+        short = f"Needs the package {package}, which is not installed."
+        app.command(name, help=short, context_settings=anything, add_help_option=False)(
+            _missing(name, package)
+        )
+    else:
+        app.command(name, epilog=found.EXAMPLE)(getattr(found, name))
+
+
+def _missing(name: str, package: str) -> Callable[[], None]:
+    def refuse() -> None:
+        raise MissingPackageError(f"freebody {name}", package)
+
+    return refuse
+
+
+for _name, _module in BESIDE.items():
+    _add(_name, _module)
 
 
 @app.callback(invoke_without_command=True)

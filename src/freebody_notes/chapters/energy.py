@@ -1,0 +1,76 @@
+"""Section 5.1: kinetic and potential energies (5.1-5.5)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import freebody as fb
+from freebody_notes.checks import Related
+from freebody_notes.item import Item
+
+
+def moving_bar(turning=1.4, sliding=1.0, pinned=False):
+    """A uniform bar, its energy as the sum over ten thousand pieces, each ½ dm v²; and that of
+    freebody."""
+    l, m = 1.2, 3.0
+    body = fb.planar(
+        "PPR", m=[0, 0, m], lc=[0, 0, l / 2], I=[0, 0, m * l**2 / 12], l=[0, 0, l], g=0
+    )
+    q, qd = [0.3, -0.4, 0.7], [0.9 * sliding, -0.5 * sliding, turning]
+    if pinned:
+        qd[0] = qd[1] = 0.0
+    u, w = np.polynomial.legendre.leggauss(8)
+    points = [fb.velocity(body, q, qd, "link3", point=[x, 0.0])[:2] for x in l / 2 * (u + 1)]
+    v_G = fb.velocity(body, q, qd, "link3", point=[l / 2, 0.0])[:2]
+    return {
+        "T": fb.kinetic_energy(body, q, qd), "T_pieces": float(m / 4 * w @ np.sum(np.square(points), axis=1)),
+        "m": m, "v": points[0], "v_G": v_G, "omega": turning, "I_G": m * l**2 / 12, "I_o": m * l**2 / 3,
+    }  # fmt: skip
+
+
+def translating_bar():
+    return moving_bar(turning=0.0)
+
+
+def pinned_bar():
+    return moving_bar(pinned=True)
+
+
+def lifted():
+    """A body on a vertical slide: its potential energy, and the work W of its weight on the way up
+    from 0."""
+    lift = fb.planar("P", m=["m"], lc=[0], I=["I"], angles=[np.pi / 2])
+    free = fb.quantities(lift)
+    height = free["rc1"][1]
+    return free | {"h": height, "W": free["m"] * free["gravity"][1] * height}
+
+
+def stretched_spring():
+    """A slide on a spring without weight; the force that holds it is the slope of the energy."""
+    slide = fb.planar("P", m=["m"], lc=[0], I=["I"], g=0, drives=[fb.Drive(stiffness="k")])
+    free = fb.quantities(slide)
+    return free | {"x": free["d1"]}
+
+
+ITEMS = (
+    Item(
+        "eq-5.1", "5.1.1", "Energy of translation", "definition", "All points have the same velocity.",
+        "T = 1/2*m*v^2 = T_pieces", Related(translating_bar), figure="5.1",
+    ),
+    Item(
+        "eq-5.2", "5.1.1", "Energy of rotation about a fixed axis", "definition", "With the inertia about the axis.",
+        "T = 1/2*I_o*omega^2 = T_pieces", Related(pinned_bar), figure="5.1",
+    ),
+    Item(
+        "eq-5.3", "5.1.1", "Energy of any motion", "definition", "Turning about the centre of mass, and moving with it.",
+        "T = 1/2*I_G*omega^2 + 1/2*m*v_G^2 = T_pieces", Related(moving_bar), figure="5.1",
+    ),
+    Item(
+        "eq-5.4", "5.1.2", "Energy of height", "definition", "Minus the work W of the weight on the way up.",
+        "V = m*g*h = -W", Related(lifted),
+    ),
+    Item(
+        "eq-5.5", "5.1.2", "Energy of a spring", "definition", "Its slope is the force that holds the spring.",
+        "V = 1/2*k*x^2; partial(V, x) = k*x", Related(stretched_spring),
+    ),
+)  # fmt: skip

@@ -1,0 +1,103 @@
+"""Section 6.1: one rigid body in space, and the gyro (6.1-6.7)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import freebody as fb
+from freebody.derivations.values import Each
+from freebody.model.assembly import assemble
+from freebody.model.inertia import combined
+from freebody.model.parts import Joint, Link, RobotDescription
+from freebody_notes.checks import Digits, Related
+from freebody_notes.item import Item
+
+
+def thrown_body():
+    """Five particles in one rigid body that flies and turns anyhow: Newton's law holds for each of
+    them."""
+    masses = np.array([2.0, 1.0, 3.0, 1.5, 2.5])
+    points = np.random.default_rng(3).normal(size=(5, 3))
+    points -= masses @ points / masses.sum()
+    inertia = combined([fb.Inertia.point(m, p) for m, p in zip(masses, points, strict=True)])
+    flyer = fb.load("quadrotor")
+    q, qd, qdd = (x[0] for x in fb.random_state(flyer, 4, 1))
+    R = fb.forward_kinematics(flyer, q)[:3, :3]
+    velocity, acceleration = fb.velocity(flyer, q, qd), fb.acceleration(flyer, q, qd, qdd)
+    a_i = [fb.acceleration(flyer, q, qd, qdd, point=p)[:3] for p in points]
+    F_i = Each(tuple(m * a) for m, a in zip(masses, a_i, strict=True))
+    rho_i = Each(tuple(R @ p) for p in points)
+    omega, omega_d = velocity[3:], acceleration[3:]
+    n = sum(np.cross(r, F) for r, F in zip(rho_i, F_i, strict=True))
+    about_com = sum(
+        m * (r @ r * np.eye(3) - np.outer(r, r))
+        for m, r in zip(masses, np.array(rho_i), strict=True)
+    )
+    return {
+        "m": inertia.mass, "F_i": F_i, "rho_i": rho_i, "v_c_d": acceleration[:3], "R": R, "n": n, "I": about_com,
+        "I_prime": inertia.numbers()[2], "omega": omega, "omega_d": omega_d,
+        "n_prime": R.T @ n, "omega_prime": R.T @ omega, "omega_prime_d": R.T @ omega_d,
+    }  # fmt: skip
+
+
+def rotor():
+    """The gyro's rotor on a ball joint at its centre; a constant ω' in its own axes."""
+    links = (Link("base"), Link("rotor", fb.Inertia.of(1, [0, 0, 0], [10, 0, 0, 5, 0, 5])))
+    pivot = Joint("pivot", "spherical", "base", "rotor")
+    body = assemble(RobotDescription("rotor", 3, links, (pivot,), (0.0, (0.0, 0.0, -1.0))))
+    omega, still = np.array([5.0, 0.0, 3.0]), np.zeros(3)
+    return {
+        "n_prime": fb.inverse_dynamics(body, [1, 0, 0, 0], omega, still), "I_prime": np.diag([10.0, 5.0, 5.0]),
+        "omega_prime": omega, "omega_prime_d": still,
+    }  # fmt: skip
+
+
+def gyro():
+    """n_1: ω' is constant in the rotor's own axes. n_2: it rolls at a constant 5 rad/s while its
+    ring yaws at 3 rad/s."""
+    mounted = fb.load("gyro")
+    rates = {"yaw": 3.0, "roll": 5.0}
+    roll = mounted.joint_names.index("roll")
+    still = {"yaw": 0.0, "roll": 0.0}
+    driven = fb.joint_wrenches(mounted, still, rates, still, reference="child")[roll, 3:]
+    return {"n_1": rotor()["n_prime"], "n_2": driven, "n": driven}
+
+
+BODY, ROTOR = Related(thrown_body), Related(rotor)
+_EULER = "I_prime*omega_prime_d + cross(omega_prime, I_prime*omega_prime)"
+
+ITEMS = (
+    Item("eq-6.1", "6.1", "Newton in space", "identity", "As in the plane, with three components.", "sum(F_i) = m*v_c_d", BODY, figure="6.1"),
+    Item(
+        "eq-6.2", "6.1", "Euler in space", "identity",
+        "Moments about the centre of mass change the angular momentum, which also changes because the inertia turns along.",
+        "sum(cross(rho_i, F_i)) = I*omega_d + cross(omega, I*omega)", BODY, figure="6.1",
+    ),
+    Item(
+        "eq-6.3", "6.1", "Tensor in global and local axes", "identity",
+        "The inertia in the body's own axes, which is constant, turned into the world's.", "I = R*I_prime*transpose(R)", BODY,
+    ),
+    Item(
+        "eq-6.4", "6.1", "Euler in global components", "identity", "With the tensor that turns along.",
+        "n = I*omega_d + cross(omega, I*omega)", BODY,
+    ),
+    Item(
+        "eq-6.5", "6.1", "Euler in local components", "identity", "With the constant tensor; the frame must be fixed to the body.",
+        f"n_prime = {_EULER}", BODY,
+    ),
+    Item(
+        "ex-6.1-gyro", "6.1", "Example 1: a gyro", "worked-example",
+        "Driving torques of a gyro with constant yaw and roll, ω = (5, 0, 3) rad/s in a local, moving frame, "
+        "I = diag(10, 5, 5) kg m².",
+        "n = [0, 75, 0]", Digits(gyro), "incomplete", "n_1 = [0, 75, 0]; n_2 = [0, 150, 0]",
+        "75 N m belongs to an ω′ that is constant in axes fixed to the rotor, which is rotation about an axis fixed in "
+        "space. A rotor that rolls at a constant 5 rad/s while its mount yaws at a constant 3 rad/s has ω̇′ = (0, 15, 0) at "
+        "that instant and needs 150 N m. Which is meant has to be said.",
+        figure="6.2",
+    ),
+    Item("eq-6.6", "6.1", "The gyro's equation", "worked-example", "(6.5).", f"n_prime = {_EULER}", ROTOR, figure="6.2"),
+    Item(
+        "eq-6.7", "6.1", "The gyro's torque", "worked-example", "With ω̇′ = 0, as is assumed.",
+        "n_prime = cross(omega_prime, I_prime*omega_prime) = [0, 75, 0]", Digits(rotor), figure="6.2",
+    ),
+)  # fmt: skip

@@ -1,0 +1,200 @@
+"""`freebody notes`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from freebody.cli import terminal
+from freebody.errors import FreebodyError
+from freebody.outputs.files import write
+
+if TYPE_CHECKING:
+    from freebody_notes.item import Finding, Item
+
+EXAMPLE = "Example: freebody notes eq-3.22"
+
+COLOURS = {"holds": "green", "misprint": "red", "inconsistent": "magenta", "incomplete": "yellow"}
+
+
+class VerdictChoice(StrEnum):
+    """What an item is found to be."""
+
+    holds = "holds"
+    misprint = "misprint"
+    inconsistent = "inconsistent"
+    incomplete = "incomplete"
+
+
+def notes(
+    item: Annotated[
+        str | None,
+        typer.Argument(
+            help="One item: eq-3.22, fig-2.3, ex-1.1a, or an equation's number.", show_default=False
+        ),
+    ] = None,
+    chapter: Annotated[int | None, typer.Option(min=1, max=6, help="Only this chapter.")] = None,
+    verdict: Annotated[
+        VerdictChoice | None, typer.Option(help="Only items found to be so.")
+    ] = None,
+    errata: Annotated[
+        bool, typer.Option("--errata", help="The list of errata, as Markdown.")
+    ] = False,
+    html: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write all as one page that needs no network."),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write the item's figure (.svg), or the errata, there."),
+    ] = None,
+) -> None:
+    """Execute the lecture notes: every equation, worked example and figure, with its verdict and
+    corrections."""
+    given: dict[str, object] = {"an item": item, "--html": html, "--errata": errata, "--out": out}
+    given |= {"--chapter": chapter, "--verdict": verdict}
+    _require_used([name for name, value in given.items() if value not in (None, False)])
+    if item is not None:
+        _one(item, out)
+    elif html is not None:
+        _page(html)
+    elif errata:
+        _errata(out)
+    else:
+        _table(chapter, verdict)
+
+
+_WITH = {
+    "an item": ("--out",),
+    "--html": (),
+    "--errata": ("--out",),
+    "": ("--chapter", "--verdict"),
+}
+"""What may be given beside an item, --html or --errata, the first of which counts; "": beside none
+of them."""
+
+
+def _require_used(given: Sequence[str]) -> None:
+    """Refuse options that would be left unused."""
+    chosen = next((name for name in _WITH if name in given), "")
+    unused = [name for name in given if name != chosen and name not in _WITH[chosen]]
+    if not unused:
+        return
+    if unused == ["--out"] and not chosen:
+        raise FreebodyError(
+            "notes: --out needs something to write: an item with a figure, or --errata. The table "
+            "goes to the "
+            "terminal; --html FILE writes everything as a page."
+        )
+    allowed = " or ".join(_WITH[chosen]) or "alone"
+    raise FreebodyError(
+        f"notes: {', '.join(unused)} is not used with {chosen or 'the table'}, which goes with "
+        f"{allowed}; leave it out."
+    )
+
+
+def _run(items: Sequence[Item]) -> list[Finding]:
+    from freebody_notes.run import run_all
+
+    with terminal.progress("executing the notes") as told:
+        return run_all(items, told)
+
+
+def _one(name: str, out: Path | None) -> None:
+    from freebody_notes.registry import item as found_item
+    from freebody_notes.text import item_text
+
+    item = found_item(name)
+    (finding,) = _run([item])
+    console = terminal.out()
+    console.print(item_text(finding, min(console.width, 100)), markup=False, soft_wrap=True)
+    console.print(f"\n{finding.verdict}", style=f"bold {COLOURS[finding.verdict]}")
+    if out is not None:
+        _figure(item, out)
+    elif item.figure:
+        console.print(
+            f"Figure {item.figure}: freebody notes {item.id} --out figure.svg", markup=False
+        )
+
+
+def _figure(item: Item, out: Path) -> None:
+    from freebody_notes.figures.catalogue import notes_figure
+
+    if not item.figure:
+        raise FreebodyError(f"{item.id} has no figure; leave out --out.")
+    terminal.out().print(f"written: {notes_figure(item.figure).save(out)}", markup=False)
+
+
+def _page(path: Path) -> None:
+    from freebody_notes.page import page
+    from freebody_notes.registry import items
+
+    text = page(_run(items()))
+    terminal.out().print(f"written: {write(path, text)}", markup=False)
+
+
+def _errata(out: Path | None) -> None:
+    from freebody_notes.errata import errata
+    from freebody_notes.registry import items
+
+    text = errata(_run(items()))
+    if out is None:
+        terminal.out().print(text, markup=False, soft_wrap=True, end="")
+        return
+    terminal.out().print(f"written: {write(out, text)}", markup=False)
+
+
+def _table(chapter: int | None, verdict: VerdictChoice | None) -> None:
+    from freebody_notes.registry import items
+
+    found = _run([x for x in items() if chapter is None or x.chapter == chapter])
+    shown = [f for f in found if verdict is None or f.verdict == verdict.value]
+    for number in dict.fromkeys(f.item.chapter for f in shown):
+        _chapter(number, [f for f in shown if f.item.chapter == number])
+    _summary(found)
+
+
+def _chapter(number: int, found: Sequence[Finding]) -> None:
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(
+        "item",
+        "verdict",
+        "what it says",
+        box=None,
+        pad_edge=False,
+        header_style="bold",
+        title_justify="left",
+    )
+    table.title = f"Chapter {number}"
+    for f in found:
+        said = f.item.title if f.verdict == "holds" else f"{f.item.title}: {f.item.why}"
+        table.add_row(f.item.id, Text(f.verdict, COLOURS[f.verdict]), Text(said))
+    terminal.out().print(table)
+    terminal.out().print()
+
+
+def _summary(found: Sequence[Finding]) -> None:
+    from rich.text import Text
+
+    from freebody_notes.item import VERDICTS
+
+    line = Text(f"{len(found)} items executed: ")
+    counts = [(verdict, sum(f.verdict == verdict for f in found)) for verdict in VERDICTS]
+    words = {
+        "holds": "hold",
+        "misprint": "misprints",
+        "inconsistent": "inconsistent",
+        "incomplete": "incomplete",
+    }
+    for k, (verdict, count) in enumerate(counts):
+        line.append(", " * bool(k))
+        line.append(f"{count} {words[verdict]}", COLOURS[verdict])
+    only = sum(f.item.is_text for f in found)
+    line.append(f". {only} of them are text without an equation." if only else ".")
+    terminal.out().print(line)

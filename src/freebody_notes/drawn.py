@@ -1,0 +1,116 @@
+"""A figure executed: drawn from a model, and what has to be in it looked for in the drawing's
+data."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import UnknownNameError
+from freebody.figures.drawing import Arc, Arrow, Line, places
+from freebody.figures.figure import Figure
+from freebody_notes.checks import Related, source
+from freebody_notes.figures.catalogue import notes_figure
+from freebody_notes.item import Outcome
+
+Facts = Callable[["Panel"], Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Panel:
+    """The elements of a figure by name, in one of its drawings or in any."""
+
+    figure: Figure
+
+    def start(self, name: str, panel: int | None = None) -> Array:
+        """Where an element begins or stands."""
+        return np.asarray(places(self.figure.named(name, panel))[0])
+
+    def end(self, name: str, panel: int | None = None) -> Array:
+        """Where an arrow or a line ends."""
+        element = self.figure.named(name, panel)
+        assert isinstance(element, Arrow | Line)
+        return np.asarray(places(element)[-1])
+
+    def span(self, name: str, panel: int | None = None) -> Array:
+        """The vector that is drawn."""
+        return self.end(name, panel) - self.start(name, panel)
+
+    def of(self, name: str, panel: int | None = None) -> Any:
+        """The quantity that an arrow, a turn or an angle shows."""
+        element: Any = self.figure.named(name, panel)
+        found = element.value if hasattr(element, "value") else element.sweep
+        return np.asarray(found) if isinstance(found, tuple) else found
+
+    def direction(self, name: str, panel: int | None = None) -> float:
+        """The direction (rad) from which an angle is measured."""
+        element = self.figure.named(name, panel)
+        assert isinstance(element, Arc)
+        return element.start
+
+    def points(self, name: str, panel: int | None = None) -> Array:
+        """All points of a line."""
+        return np.asarray(places(self.figure.named(name, panel)))
+
+    def along(self, name: str, panel: int | None = None) -> float:
+        """1 where an arrow points along its quantity, -1 where against it."""
+        shown, value = self.span(name, panel), self.of(name, panel)
+        return round(float(shown @ value / (np.linalg.norm(shown) * np.linalg.norm(value))), 9)
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """needs: names of what has to be in each drawing; the form relates the facts that are read off
+    the drawing."""
+
+    number: str
+    needs: tuple[tuple[str, ...], ...]
+    facts: Facts
+    bold: Collection[str] = ()
+
+    def call(self, form: str) -> str:
+        lines = [f"figure = fb.notes_figure({self.number!r})", source(self.facts)]
+        return "\n".join(lines)
+
+    def run(self, form: str) -> Outcome:
+        figure = notes_figure(self.number)
+        try:
+            for k, names in enumerate(self.needs):
+                for name in names:
+                    figure.named(name, k)
+        except UnknownNameError as problem:
+            return Outcome(False, (str(problem),))
+        outcome = Related(lambda: self.facts(Panel(figure))).run(form)
+        listed = [", ".join(names) for names in self.needs]
+        return Outcome(
+            outcome.holds, (f"Drawn, with {'; '.join(listed)}.", *outcome.lines), outcome.example
+        )
+
+
+@dataclass(frozen=True)
+class Caption:
+    """Words about a figure, each of which promises something that has to be in it."""
+
+    number: str
+    promises: Mapping[str, tuple[str, ...]]
+    bold: Collection[str] = ()
+
+    def call(self, form: str) -> str:
+        return f"fb.notes_figure({self.number!r})"
+
+    def run(self, form: str) -> Outcome:
+        figure = notes_figure(self.number)
+        there = {element.name for drawing in figure.drawings for element in drawing.elements}
+        lines, holds = [], True
+        for words, names in self.promises.items():
+            if words in form:
+                missing = [name for name in names if name not in there]
+                holds = holds and not missing
+                lines.append(
+                    f"“{words}”: {'no ' + ', '.join(missing) if missing else 'all is there'}."
+                )
+        return Outcome(holds and bool(lines), tuple(lines))

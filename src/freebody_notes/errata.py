@@ -1,0 +1,84 @@
+"""The list of errata as Markdown, to be sent to the author of the notes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from freebody.derivations.expression import Words
+from freebody.derivations.render.prose import markdown_prose
+from freebody_notes.item import SOURCE, Finding
+from freebody_notes.text import shown
+
+_WORDS = {
+    "misprint": "A slip of the pen",
+    "inconsistent": "At odds with other equations of the notes",
+    "incomplete": "Something that has to be said with it",
+}
+
+
+def errata(findings: Sequence[Finding]) -> str:
+    """The list: place, what is printed, what is wrong with it and how that was found, what it
+    should be."""
+    wrong = [finding for finding in findings if finding.verdict != "holds"]
+    counts = {verdict: sum(f.verdict == verdict for f in wrong) for verdict in _WORDS}
+    lines = [
+        "# Errata",
+        "",
+        f"to: {SOURCE}.",
+        "",
+        "With thanks for notes that are a pleasure to compute with.",
+        "",
+        "Every numbered equation, formula, worked example and figure of chapters 1 to 6 was "
+        "executed with freebody: "
+        f"{len(findings)} items, of which {len(findings) - len(wrong)} hold as printed. The other "
+        f"{len(wrong)} are "
+        f"listed here in the order of the notes: {counts['misprint']} misprints, "
+        f"{counts['inconsistent']} places where "
+        f"the notes are at odds with themselves, and {counts['incomplete']} where something is "
+        f"left unsaid, exercises "
+        "included. "
+        "`freebody notes ID` repeats each finding.",
+    ]
+    chapter = 0
+    for number, finding in enumerate(wrong, 1):
+        if finding.item.chapter != chapter:
+            chapter = finding.item.chapter
+            lines += ["", f"## Chapter {chapter}"]
+        lines += ["", *_entry(number, finding)]
+    return "\n".join(lines) + "\n"
+
+
+def _entry(number: int, finding: Finding) -> list[str]:
+    item = finding.item
+    place = item.number[0].upper() + item.number[1:]
+    kind = (
+        "Left to the reader"
+        if not item.printed and item.id.startswith("ex-")
+        else _WORDS[finding.verdict]
+    )
+    rows = [
+        f"### {number}. {place}: {item.title}",
+        "",
+        f"`{item.id}`, section {item.section}. {kind}.",
+        "",
+    ]
+    rows.append(f"- Printed: {_form(finding, item.printed) or 'nothing'}")
+    rows.append(f"- {markdown_prose(item.why)}")
+    evidence = " ".join(finding.printed.lines[:3])
+    if item.printed and not item.is_text:
+        rows.append(f"- Found by execution: {evidence}")
+    if finding.printed.example:
+        rows.append(f"- Counterexample: {finding.printed.example}")
+    rows.append(
+        f"- {'Should be' if item.printed else 'Could be added'}: "
+        f"{_form(finding, item.corrected) or 'deleted.'}"
+    )
+    return rows
+
+
+def _form(finding: Finding, form: str) -> str:
+    """Formulas between dollar signs, words as they are."""
+    nodes = shown(finding.item, form)
+    return "; ".join(
+        node.text if isinstance(node, Words) else f"${node.latex()}$" for node in nodes
+    )

@@ -1,0 +1,213 @@
+"""What the notes leave to the reader: a hint, and the solution worked out when it is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from markupsafe import Markup, escape
+
+import freebody as fb
+from freebody.derivations.derivation import Derivation
+from freebody.derivations.derive import compare
+from freebody.derivations.expression import eq
+from freebody.derivations.formula import parse, symbol
+from freebody.derivations.quantities import Quantities
+from freebody.derivations.render import page
+from freebody_notes.chapters.first_kind import pinned_bar
+from freebody_notes.chapters.five_bar import limbs, robot
+from freebody_notes.chapters.recursion import as_vectors
+from freebody_notes.checks import number
+from freebody_notes.steps import ROWS
+
+
+@dataclass(frozen=True)
+class Exercise:
+    """A question of the notes; `solution` is HTML."""
+
+    id: str
+    chapter: int
+    title: str
+    question: str
+    hint: str
+    solution: Callable[[], str]
+
+
+def _paragraph(text: str) -> str:
+    return f"<p>{escape(text)}</p>"
+
+
+def _values(values: Quantities, *names: str) -> str:
+    """name = value for vectors and scalars of a model."""
+    lines = [
+        eq(symbol(name, isinstance(values[name], tuple)), values.form(values[name]))
+        for name in names
+    ]
+    return page.html([lines])
+
+
+def _steps(derivation: Derivation, *remarks: str) -> str:
+    return "".join(map(_paragraph, remarks)) + derivation._repr_html_()
+
+
+# ---------------------------------------------------------------- solutions
+def tip_acceleration() -> str:
+    free = fb.quantities(fb.planar("RR"))
+    steps = "Each length stands with the square of its link's rate towards the joint, and with its second rate across."
+    return _values(free, "r", "r_d", "r_dd") + _paragraph(steps)
+
+
+def point_acceleration() -> str:
+    free = as_vectors()
+    left = eq(parse("d_dt(d_dt(r_A))", ["r_A"]), free.form(free["v_A_d"]))
+    right = parse(
+        "v_B_d + cross(omega_d, s) + cross(omega, cross(omega, s))",
+        ["v_B_d", "omega", "omega_d", "s"],
+    )
+    holds = bool(
+        fb.relation(
+            free, "d_dt(d_dt(r_A)) = v_B_d + cross(omega_d, s) + cross(omega, cross(omega, s))"
+        )
+    )
+    proof = "Both are the same polynomials, term by term." if holds else "They differ."
+    said = "Write A by lengths and angles and differentiate twice; then put the geometric parts together:"
+    return (
+        _paragraph(said)
+        + page.html([[left], [eq(right, free.form(free["v_A_d"]))]])
+        + _paragraph(proof)
+    )
+
+
+def five_bar() -> str:
+    """Inverse and forward position, and where either fails."""
+    model, q = robot()
+    lengths = model.parameters
+    limbs_ = {side: fb.planar("RR", l=[lengths[x] for x in l], lc=[0, 0], m=[0, 0], I=[0, 0])
+              for side, l in ((-1, ("l1", "l3")), (1, ("l2", "l4")))}  # fmt: skip
+    cranks = [
+        fb.inverse_kinematics(arm, q[2:] - [side * lengths["b"], 0]).q[:, 0]
+        for side, arm in limbs_.items()
+    ]
+    pairs = [f"θ₁ = {a:.4f}, θ₂ = {b:.4f}".replace("-", "−") for a in cranks[0] for b in cranks[1]]
+    modes = fb.assembly_modes(model, q, free=["x", "y"])[:, 2:]
+    io = fb.input_output(model, q)
+    symbols = limbs()
+    J_a = symbols["J_a"]
+    across = (J_a[0][0] * J_a[1][1] - J_a[0][1] * J_a[1][0]) / 4
+    singular = [
+        *(eq(symbol(name), symbols.form(symbols[name])) for name in ("j_b1", "j_b2")),
+        eq(parse("det(J_a)/4"), symbols.form(across)),
+    ]
+    return "".join([
+        _paragraph("Inverse: each limb is an arm of two links with its base at A or C, so fb.inverse_kinematics gives two "
+                   f"angles for each crank; in all four combinations for P = {number(q[2:], 4)}:"),
+        "<ul>" + "".join(f"<li>{escape(pair)}</li>" for pair in pairs) + "</ul>",
+        _paragraph("Forward: with the cranks' angles B and D are known, and P lies where the circles about them meet. "
+                   f"fb.assembly_modes finds {len(modes)} places for θ = {number(q[:2])}: {' and '.join(number(x, 4) for x in modes)}."),
+        _paragraph("Singular poses of the first type, where a crank's entry of J_b vanishes: AB and BP in line (or CD and DP), "
+                   "and P at the edge of its workspace. Of the second type, where det J_a vanishes: BP and DP in line, and the "
+                   f"cranks cannot hold P. Here fb.input_output says: {io.kind}, {io.first:.3f} from the first type and "
+                   f"{io.second:.3f} from the second."),
+        page.html([singular]),
+    ])  # fmt: skip
+
+
+def joint_forces() -> str:
+    return _steps(
+        fb.derive(fb.planar("RR", g=[0, 0]), "statics"), "From link 2 first: f₂ = −f, then f₁ = f₂."
+    )
+
+
+def newton_euler() -> str:
+    return _steps(fb.derive(fb.planar("RR"), "newton-euler"))
+
+
+def two_links_by_recursion() -> str:
+    return _steps(fb.derive(fb.planar("RR"), "recursive"))
+
+
+def lagrange() -> str:
+    arm = fb.planar("RR")
+    first, second = fb.derive(arm, "lagrange"), fb.derive(arm, "newton-euler")
+    return _steps(first) + _paragraph(str(compare(first, second)).replace("\n", " "))
+
+
+def bar_on_a_pin() -> str:
+    """The first kind on a bar."""
+    found = pinned_bar()
+    lines = [
+        eq(parse("Phi", ["Phi"]), parse("[x - r*cos(theta), y - r*sin(theta)]")),
+        eq(parse("Phi_q", ["Phi_q"]), parse("[[1, 0, r*sin(theta)], [0, 1, -r*cos(theta)]]")),
+        eq(parse("M"), parse("[[m, 0, 0], [0, m, 0], [0, 0, I_c]]")),
+        eq(parse("c", ["c"]), parse("[-r*cos(theta)*theta_d^2, -r*sin(theta)*theta_d^2]")),
+        eq(parse("n", ["n"]), parse("[0, -m*g, tau]")),
+    ]
+    agree = np.allclose(found["f_pin"], found["f_hinged"]) and np.isclose(
+        found["alpha"], found["alpha_hinged"]
+    )
+    text = (
+        f"For m = 3 kg, I_c = 0.25 kg m², r = 0.5 m, τ = 4 N m at θ = 0.7, θ̇ = 1.9 rad/s the system (5.29) gives "
+        f"θ̈ = {number(found['alpha'])} rad/s² and λ = {number(found['lam'])}; the pin's force on the bar is −λ."
+        f"{' A bar on a revolute joint, which needs no multipliers, has the same acceleration and the same force.' if agree else ''}"
+    )
+    first = "A free bar has the coordinates x, y of its middle and θ; the pin holds its end at the origin:"
+    how = (
+        'fb.planar("PPR", …).with_loop("pin", "point", ("base", "tip")) is this bar; fb.forward_dynamics and fb.reactions '
+        "solve it, and fb.simulate keeps its end on the pin. fb.derive(fb.load('five_bar_rods'), 'lagrange-first-kind') "
+        "derives the robot of section 2.3 in this way, step by step."
+    )
+    return _paragraph(first) + page.html([lines]) + _paragraph(text) + _paragraph(how)
+
+
+def sliding_joint() -> str:
+    chain = fb.dh(ROWS[1:], convention="modified", name="RP")
+    return _steps(
+        fb.derive(chain, "recursive"), "A turning joint, then a sliding one, in modified frames."
+    )
+
+
+EXERCISES = (
+    Exercise(
+        "ex-1.2-acceleration", 1, "Acceleration of the tip", "Find the acceleration of the tip of the arm of two links, whose velocity is (1.14).",
+        "The angle θ₁+θ₂ changes at the rate θ̇₁+θ̇₂; every product of a rate and a sine has two derivatives.", tip_acceleration,
+    ),
+    Exercise(
+        "five-bar", 2, "Position of the robot with five bars", "Section 2.3 sets up the constraints only. Find the cranks' angles for a given P, P "
+        "for given angles, and the poses where either goes wrong.",
+        "Each limb is an arm of two links; two circles meet in two points.", five_bar,
+    ),
+    Exercise(
+        "joint-forces", 2, "Forces in the joints", "Equations (2.41)–(2.44) determine f₁ and f₂ too. Find them.",
+        "Begin with link 2, on which only f₂ is not known.", joint_forces,
+    ),
+    Exercise(
+        "closed-form", 3, "From the free bodies to the closed form", "Section 3.3 skips the substitution of the velocities into (3.14) and (3.15). Carry it out.",
+        "Differentiate (3.18) and (3.19) first; then start with τ₂, which needs link 2 alone.", newton_euler,
+    ),
+    Exercise(
+        "ex-4.5-verify", 4, "Acceleration from point to point", "Verify (4.5) by differentiating positions.",
+        "Let A lie at the distance |s| from B under an angle whose rate is ω; z × (z × s) = −s.", point_acceleration,
+    ),
+    Exercise(
+        "two-link-recursion", 4, "The arm of two links by recursion", "Section 4.3 describes the steps in words. Write them out.",
+        "Outward over link 1, then link 2; start inward with what is behind the tip, which is nothing.", two_links_by_recursion,
+    ),
+    Exercise(
+        "lagrange-2r", 5, "Lagrange's equations evaluated", "Carry out (5.15) and (5.16), and compare with chapter 3.",
+        "No kinetic energy depends on θ₁, so ∂T/∂θ₁ is zero; but ∂V/∂θ₁ is not.", lagrange,
+    ),
+    Exercise(
+        "first-kind", 5, "An example of the first kind", "Section 5.4 has no example. Treat a bar on a pin as a free body with two constraints.",
+        "Three coordinates, two constraints; the multipliers are minus the pin's force.", bar_on_a_pin,
+    ),
+    Exercise(
+        "prismatic", 6, "Inward recursion with a sliding joint", "Section 6.3.2 refers to the literature for it. Write it out for an arm with a turning and a sliding joint.",
+        "Forces and moments add up as before; what the motor gives is f·z instead of n·z.", sliding_joint,
+    ),
+)  # fmt: skip
+
+
+def solution(exercise: Exercise) -> Markup:
+    """The solution as HTML."""
+    return Markup(exercise.solution())

@@ -1,0 +1,180 @@
+"""Figures of planar arms in chapters 1 to 5: geometry, vectors, velocities, accelerations, free
+bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from freebody.figures.drawing import Arrow, Drawing, Turn, point
+from freebody.figures.figure import Figure, to_one_scale
+from freebody.figures.names import Names, bold
+from freebody.figures.sketch import arm, forces, motion, vectors
+from freebody.figures.sketch.snapshot import Snapshot, snapshot
+from freebody.model.planar import planar
+from freebody.trees.calls import Vector
+from freebody.trees.dynamics import forward_dynamics
+from freebody_notes.figures.bodies import pinned
+from freebody_notes.figures.panels import GEOMETRY, NAMES, RATES, SECOND, TIP, panel, two_links
+
+
+def _single(before: str, n: str) -> str:
+    """Chapters 1 and 2 call a reaction by the joint's number alone."""
+    return n
+
+
+CHAPTER_1 = Names(force=_single, letter="F", load="F")
+CHAPTER_2 = Names(force=_single)
+PENDULUM = Names(index=lambda n: "", point=lambda n: "A", tip="B", force=lambda before, n: "0,1")
+
+
+def arm_and_vectors(q: Vector | None = None) -> Figure:
+    """Figures 1.2 and 2.1: the arm with lengths, angles, centres of mass; and s_1, s_2, r."""
+    seen = two_links(q)
+    first = panel(seen, "(a) lengths, angles, centres of mass", GEOMETRY)
+    second = panel(seen, "(b) position vectors", (vectors.links, _to_tip, arm.angles), faint=True)
+    return _together("A planar arm with two links", first, second)
+
+
+def _to_tip(drawing: Drawing, seen: Snapshot, names: Names) -> None:
+    vectors.to_tip(drawing, seen)
+
+
+def free_bodies(q: Vector | None = None, load: Vector = TIP) -> Figure:
+    """Figure 1.4: the arm at rest under a load F at P, and its links apart: F_1, ∓F_2, F, weights,
+    torques."""
+    load = [10 * x for x in np.asarray(load)]  # of the size of the weights, to be seen beside them
+    seen = two_links(q, wrenches=load)
+    first = panel(seen, "(a) the arm", GEOMETRY, CHAPTER_1)
+    second = forces.apart(seen, CHAPTER_1, ("r",), scaled=True)
+    second.notes = ["(b) its links, with all that acts on each"]
+    return Figure("Free-body diagrams of a planar arm with two links", (first, second))
+
+
+def statics(q: Vector = (0.9, 0.75), load: Vector = TIP) -> Figure:
+    """Figure 2.3: a force f on the tip of the arm, without weights; its links apart: f_1, ∓f_2, f,
+    τ_1, ∓τ_2."""
+    seen = two_links(q, wrenches=load)
+    seen = snapshot(seen.model.replace(gravity=0.0), seen.q, seen.qd, seen.qdd, load)
+    first = panel(seen, "(a) the arm, loaded at P", (*GEOMETRY, _tip_force))
+    second = forces.apart(seen, CHAPTER_2, ("s",), scaled=True)
+    second.notes = ["(b) its links in equilibrium"]
+    return Figure("Static forces on the arm and on each of its links", (first, second))
+
+
+def _tip_force(drawing: Drawing, seen: Snapshot, names: Names) -> None:
+    """The external force at the tip."""
+    for load in seen.loads[-1].loads:
+        if load.role == "external":
+            size = float(np.linalg.norm(load.force))
+            end = load.place + 0.3 * seen.size * load.force / size
+            arrow = Arrow(
+                point(load.place),
+                point(end),
+                names.load,
+                "external",
+                bold(names.load),
+                point(load.force),
+                "N",
+            )
+            drawing.add(arrow)
+
+
+def pendulum(q: Vector = (0.85,), qd: Vector = (1.2,), qdd: Vector = (0.8,)) -> Figure:
+    """Figure 3.1: a bar that turns about A, with r_c and v_c; its free body."""
+    seen = _bar(q, qd, qdd)
+    first = _bar_panel(seen, "(a) the bar and its motion")
+    vectors.position(first, np.zeros(2), seen.pose.bodies[0].com, "r_{c}", -vectors.BESIDE)
+    first.add(*_velocity(seen))
+    second = forces.apart(seen, PENDULUM, (), scaled=True)
+    second.notes = ["(b) its free body"]
+    return Figure("A pendulum", (first, second))
+
+
+def one_link(q: Vector = (0.85,)) -> Figure:
+    """Figure 5.2: the same bar with l, θ and C."""
+    return Figure(
+        "An arm with one degree of freedom", (_bar_panel(_bar(q, (0.0,), (0.0,)), ""),), 1
+    )
+
+
+def _bar(q: Vector, qd: Vector, qdd: Vector) -> Snapshot:
+    """A uniform bar of 1 m and 2 kg."""
+    model = planar("R", l=[1.0], lc=[0.5], m=[2.0], I=[2.0 / 12])
+    return snapshot(model.replace(name="pendulum"), q, qd, qdd)
+
+
+def _bar_panel(seen: Snapshot, note: str) -> Drawing:
+    drawing = panel(seen, note, GEOMETRY, PENDULUM)
+    drawing.notes = [note] if note else []
+    return drawing
+
+
+def _velocity(seen: Snapshot) -> tuple[Arrow, Turn]:
+    """v_c of the bar, and its rate."""
+    body = seen.pose.bodies[0]
+    v = seen.velocity_at(body, body.com)
+    end = body.com + 0.35 * seen.size * v / np.linalg.norm(v)
+    u, w = arm.clear_way(seen, body)
+    rate = Turn(
+        point(body.origin), float(seen.qd[0]), "θ\u0307", "velocity", "θ\u0307", "rad/s", 20.0,
+        float(np.degrees(np.arctan2(w, u))), 150.0,
+    )  # fmt: skip
+    return Arrow(point(body.com), point(end), "v_{c}", "velocity", "*v*_{c}", point(v), "m/s"), rate
+
+
+def dynamics(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND) -> Figure:
+    """Figure 3.2: the moving arm with θ̇_i and v_ci; its links apart, with s_i, s_ci, forces and
+    torques."""
+    seen = two_links(q, qd, qdd)
+    velocities = partial(motion.of_centres, scaled=True)
+    first = panel(seen, "(a) angles, rates, velocities", (*GEOMETRY, motion.rates, velocities))
+    second = forces.apart(seen, NAMES, ("s", "sc"), scaled=True)
+    second.notes = ["(b) its links, with all that acts on each"]
+    return Figure("Dynamics of a planar arm with two links", (first, second))
+
+
+def recursion(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND) -> Figure:
+    """Figure 4.3: θ_i with its rates, v̇_ci, s_ci and (m_i, I_i); below, the links apart."""
+    seen = two_links(q, qd, qdd)
+    first = panel(seen, "(a) accelerations", (*_accelerated(), vectors.to_centres))
+    second = forces.apart(seen, NAMES, ("s", "sc"), scaled=True)
+    second.notes = ["(b) forces"]
+    return Figure("Accelerations and forces of a planar arm with two links", (first, second))
+
+
+def energies(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND) -> Figure:
+    """Figure 5.3: as the upper part of 4.3, with r_c1 and r_c2 from the origin."""
+    seen = two_links(q, qd, qdd)
+    drawing = panel(seen, "", (*_accelerated(), vectors.of_centres))
+    drawing.notes = []
+    return Figure("An arm with two degrees of freedom", (drawing,), 1, 460.0, 430.0)
+
+
+def _accelerated() -> tuple[Callable, ...]:
+    rates = partial(motion.rates, second=True)
+    accelerations = partial(motion.second_of_centres, scaled=True)
+    return arm.angles, arm.lengths, arm.centres, arm.inertias, rates, accelerations
+
+
+def fixed_axis(q: Vector = (0.7,), force: Vector = (8.0, 30.0)) -> Figure:
+    """Figure 1.5: a body pinned at O under a force F (N) at its end; the pin's reaction f, a_G and
+    α, no weight."""
+    model = planar("R", l=[1.0], lc=[0.55], m=[2.0], I=[0.2]).replace(gravity=0.0, name="body")
+    still = snapshot(model, q, (0.8,), (0.0,))
+    wrench = [*np.asarray(force, dtype=float), 0.0]
+    qdd = forward_dynamics(model, still.q, still.qd, [0.0], wrenches=wrench)
+    seen = snapshot(model, still.q, still.qd, qdd, wrench)
+    first, second = (
+        pinned(seen, "(a) what is applied", False),
+        pinned(seen, "(b) reaction and motion", True),
+    )
+    return _together("Rotation about a fixed axis", first, second)
+
+
+def _together(title: str, *drawings: Drawing) -> Figure:
+    """Drawings to one scale."""
+    to_one_scale(drawings)
+    return Figure(title, drawings)

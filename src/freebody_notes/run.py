@@ -1,0 +1,49 @@
+"""Items executed: the verdict comes out of the printed form, and of the corrected one where that
+fails."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+
+from freebody.errors import FreebodyError
+from freebody_notes.item import VERDICTS, Finding, Item
+
+
+class NotesError(FreebodyError):
+    """An item whose check decides nothing: the printed form fails, and so does the correction."""
+
+
+def run(item: Item) -> Finding:
+    """Execute one item.
+
+    Where the printed form holds so does the item; where it fails the corrected form has to hold by
+    the same check.
+    """
+    start = time.perf_counter()
+    printed = item.test.run(item.printed)
+    if printed.holds:
+        return Finding(item, "holds", printed, seconds=time.perf_counter() - start)
+    if item.flaw not in VERDICTS[1:]:
+        raise NotesError(
+            f"{item.id}: the printed form {item.printed!r} fails: {'; '.join(printed.lines)}"
+        )
+    corrected = item.test.run(item.corrected)
+    if not corrected.holds:
+        raise NotesError(
+            f"{item.id}: the correction {item.corrected!r} fails: {'; '.join(corrected.lines)}"
+        )
+    return Finding(item, item.flaw, printed, corrected, time.perf_counter() - start)
+
+
+def run_all(
+    items: Iterable[Item], told: Callable[[str, float], None] | None = None
+) -> list[Finding]:
+    """Execute items in order; `told` hears which one comes next and how much is done."""
+    rows = list(items)
+    found = []
+    for k, item in enumerate(rows):
+        if told is not None:
+            told(item.id, k / len(rows))
+        found.append(run(item))
+    return found

@@ -1,0 +1,76 @@
+"""An item and its finding as text for a terminal."""
+
+from __future__ import annotations
+
+import textwrap
+
+from freebody.derivations.expression import Equation, Expression
+from freebody.derivations.formula import as_printed
+from freebody.derivations.render import page
+from freebody_notes.checks import parts
+from freebody_notes.item import Finding, Item
+from freebody_notes.steps import place_of
+
+WIDTH = 100
+_INDENT = 12
+
+
+def shown(item: Item, form: str) -> list[Expression]:
+    """The equations of a form as they are printed."""
+    primed = getattr(item.test, "primed", ())
+    return [as_printed(part, item.test.bold, primed) for part in parts(form)]
+
+
+def form_text(item: Item, form: str, width: int = WIDTH) -> str:
+    """A form as lines of text."""
+    nodes = shown(item, form)
+    equations = [node for node in nodes if isinstance(node, Equation)]
+    if nodes and len(equations) == len(nodes):
+        return page.text([equations], width)
+    return "\n".join(textwrap.fill(str(node), width) for node in nodes)
+
+
+def item_text(finding: Finding, width: int = WIDTH) -> str:
+    """All there is to say about one item."""
+    item, inner = finding.item, width - _INDENT
+    rows = [("printed", form_text(item, item.printed, inner) or "nothing")]
+    rows.append(("computed", _filled(finding.printed.lines, inner)))
+    if finding.printed.example:
+        rows.append(("example", _filled((finding.printed.example,), inner)))
+    if finding.corrected is not None:
+        rows.append(("corrected", form_text(item, item.corrected, inner)))
+        rows.append(("proof", _filled(finding.corrected.lines, inner)))
+        rows.append(("why", _filled((item.why,), inner)))
+    rows.append(("call", item.test.call(item.printed or item.corrected)))
+    head = f"{item.title} — {item.number}"
+    blocks = [head, "=" * len(head), textwrap.fill(item.statement, width), ""]
+    blocks += [_row(name, text) for name, text in rows if text]
+    return "\n".join(blocks + _derived(item, width))
+
+
+def _derived(item: Item, width: int) -> list[str]:
+    place = place_of(item)
+    if place is None:
+        return []
+    return [
+        "",
+        f"In {place.call}, “{place.step.operation}”:",
+        textwrap.fill(place.step.reason, width),
+        "",
+        textwrap.indent(page.text([place.step.equations], width - 4), "    "),
+    ]
+
+
+def _filled(lines: tuple[str, ...], width: int) -> str:
+    return "\n".join(_wrapped(line, width) for line in lines)
+
+
+def _wrapped(line: str, width: int) -> str:
+    """A sentence broken into lines; a line of a caret stays where it points."""
+    return line if line.startswith(" ") else textwrap.fill(line, width, break_long_words=False)
+
+
+def _row(name: str, text: str) -> str:
+    """A label, and its text beside it."""
+    first, *rest = text.splitlines()
+    return "\n".join([f"{name:<{_INDENT}}{first}", *(" " * _INDENT + line for line in rest)])

@@ -1,0 +1,17 @@
+"""Every source file of what is installed, for rules that hold everywhere."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import freebody
+
+SRC = Path(freebody.__file__).parents[1]
+SOURCES = sorted(
+    path for package in ("freebody", "freebody_notes") for path in (SRC / package).rglob("*.py")
+)
+
+
+def place(path: Path) -> str:
+    """program/program.py in freebody, freebody_notes/page.py beside it."""
+    return path.relative_to(SRC).as_posix().removeprefix("freebody/")
