@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.outputs.display import MOST, Table, counted
+from freebody.outputs.display import MOST, TextTable, counted
 from support.hostile import hostile
 
 
@@ -94,10 +94,10 @@ def test_names_of_strangers_stay_text(tmp_path, monkeypatch):
 
 
 def test_long_tables_say_what_is_left_out():
-    table = Table(("k",), [(str(k),) for k in range(100)], ["a & b"])
+    table = TextTable(("k",), [(str(k),) for k in range(100)], ["a & b"])
     assert table.html(most=3).count("<tr>") == 4
     assert "<p>… and 97 more</p><p>a &amp; b</p>" in table.html(most=3)
-    assert Table((), ()).html("nothing <here>") == "<p><b>nothing &lt;here&gt;</b></p>"
+    assert TextTable((), ()).html("nothing <here>") == "<p><b>nothing &lt;here&gt;</b></p>"
 
 
 def test_counted():

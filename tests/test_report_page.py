@@ -8,7 +8,7 @@ from html.parser import HTMLParser
 import pytest
 
 import freebody as fb
-from freebody.report.tables import Number, Text, aligned, significant, typeset
+from freebody.report.tables import PrintedNumber, Text, aligned, significant, typeset
 from support.report_numbers import compare, data_file
 
 
@@ -98,7 +98,7 @@ def test_names_from_a_file_are_text_not_markup(tmp_path):
 
 # ---------------------------------------------------------------- how numbers are printed
 def numbers(*values: float) -> list[str]:
-    return [cell.text for cell in aligned([Number(v, "x", {}) for v in values])]
+    return [cell.text for cell in aligned([PrintedNumber(v, "x", {}) for v in values])]
 
 
 def test_column_has_one_number_of_decimals():

@@ -39,7 +39,7 @@ class Moving(NamedTuple):
     second: Pose
 
 
-class Balance(NamedTuple):
+class BodyResiduals(NamedTuple):
     """Of every body of the model, about its joint's origin, world axes."""
 
     force: Matrix
@@ -55,7 +55,7 @@ def balance(
     moving: Sequence[Moving],
     wrenches: Sequence[Vector],
     external: Sequence[tuple[str, Vector]],
-) -> Balance:
+) -> BodyResiduals:
     """How well reactions and external wrenches, world axes, explain a motion.
 
     moving: of every body of the tree. wrenches: of joints and loops, as `closed_wrenches` gives
@@ -79,7 +79,7 @@ def balance(
         acting.add(tree.frames[name][0], wrench[: space.dim], wrench[space.dim :], place)
     sums = [(add(*acting.forces[i]), add(*acting.moments[i])) for i in tree.body_of]
     largest = (_largest(acting.forces), _largest(acting.moments))
-    return Balance(tuple(f for f, _ in sums), tuple(n for _, n in sums), largest)
+    return BodyResiduals(tuple(f for f, _ in sums), tuple(n for _, n in sums), largest)
 
 
 @dataclass

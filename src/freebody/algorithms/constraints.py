@@ -47,7 +47,7 @@ from freebody.spatial import (
 
 
 @dataclass(frozen=True)
-class Equation:
+class LoopEquation:
     """One loop equation: its value, what its multiplier presses with, and how that changes with
     time."""
 
@@ -61,26 +61,28 @@ Velocities = tuple[Column, Column]
 """(ω, v) of A and of B."""
 
 
-def loop_equations(space: AnySpace, loop: TreeLoop, a: Pose, b: Pose) -> list[Equation]:
+def loop_equations(space: AnySpace, loop: TreeLoop, a: Pose, b: Pose) -> list[LoopEquation]:
     """The equations of a loop whose frames stand at a and b."""
     (R_a, p_a), (R_b, p_b) = a, b
     r = sub(p_b, p_a)
     none = space.zero_angular
     found = []
     if loop.closure.point:
-        found += [Equation(x, e, none, none) for x, e in zip(r, identity(space.dim), strict=True)]
+        found += [
+            LoopEquation(x, e, none, none) for x, e in zip(r, identity(space.dim), strict=True)
+        ]
     if loop.closure.distance:
         # (|r|² - d²) / 2d: at closure its gradient is a unit vector, so λ is the tension
         d = loop.distance
         value = (dot(r, r) - d * d) * (0.5 / d)
-        found.append(Equation(value, scale(1.0 / d, r), none, none))
+        found.append(LoopEquation(value, scale(1.0 / d, r), none, none))
     for n in loop.closure.slides:
         f = times(R_a, n)
-        found.append(Equation(dot(f, r), f, space.moment(r, f), none))
+        found.append(LoopEquation(dot(f, r), f, space.moment(r, f), none))
     for n, u in loop.closure.turns:
         n_world, u_world = times(R_a, n), times(R_b, u)
         moment = space.moment(u_world, n_world)
-        found.append(Equation(dot(n_world, u_world), space.zero, moment, moment))
+        found.append(LoopEquation(dot(n_world, u_world), space.zero, moment, moment))
     return found
 
 

@@ -105,7 +105,7 @@ def weighted(columns: tuple[Column, ...], rates: Vector) -> Column:
 
 
 @dataclass
-class Motion:
+class BodyMotions:
     """Velocities and accelerations of every body, in its own axes, of its own origin."""
 
     joints: list[Pose]
@@ -119,14 +119,14 @@ class Motion:
 
 def outward(
     tree: Tree, q: Vector, qd: Vector, qdd: Vector, base_acceleration: Vector | None = None
-) -> Motion:
+) -> BodyMotions:
     """Outward recursion (4.6-4.11; 6.16-6.22 revolute, 6.23-6.27 prismatic, in one form).
 
     v̇ is the acceleration of the body's origin (time derivative of its velocity), in body axes. A
     base acceleration of -g makes gravity part of it.
     """
     space = tree.space
-    motion = Motion(joint_poses(tree, q), [], [], [], [], [])
+    motion = BodyMotions(joint_poses(tree, q), [], [], [], [], [])
     still = (space.zero_angular, space.zero_angular, space.zero, base_acceleration or space.zero)
     for i, body in enumerate(tree.bodies):
         R, p = motion.joints[i]
@@ -166,7 +166,7 @@ def outward(
 
 
 def frame_motion(
-    tree: Tree, motion: Motion, frame: str, point: Vector | None = None
+    tree: Tree, motion: BodyMotions, frame: str, point: Vector | None = None
 ) -> tuple[Column, Column]:
     """((ω, v), (ω̇, v̇)) of a point fixed to a frame (default its origin), in world axes."""
     space = tree.space

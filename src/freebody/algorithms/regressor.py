@@ -6,7 +6,7 @@ Their names and order are those of `model.identified`.
 from __future__ import annotations
 
 from freebody.algorithms.crba import own_inertia
-from freebody.algorithms.kinematics import Motion, ancestors, outward, world_poses
+from freebody.algorithms.kinematics import BodyMotions, ancestors, outward, world_poses
 from freebody.algorithms.world import columns_at_origin, dot_motion
 from freebody.elementary import Scalar, sign
 from freebody.model.tree import Tree, TreeBody
@@ -105,7 +105,7 @@ def _unit_inertias(space: AnySpace) -> list[Scalar]:
     ]
 
 
-def _unit_wrenches(space: AnySpace, motion: Motion, i: int) -> list[tuple[Vector, Vector]]:
+def _unit_wrenches(space: AnySpace, motion: BodyMotions, i: int) -> list[tuple[Vector, Vector]]:
     """(moment, force) that each parameter of body i, being 1, needs; body axes, at its origin."""
     w, wd, vd, rates = motion.w[i], motion.wd[i], motion.vd[i], motion.rates[i]
     result = [(space.zero_angular, vd)]

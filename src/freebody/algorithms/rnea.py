@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from freebody.algorithms.kinematics import Motion, joint_poses, outward, world_poses
+from freebody.algorithms.kinematics import BodyMotions, joint_poses, outward, world_poses
 from freebody.elementary import Scalar, sign
 from freebody.model.tree import Tree, TreeBody
 from freebody.spatial import Vector, add, dot, neg, scale, sub, times, transposed
@@ -32,7 +32,7 @@ External = tuple[int, Vector, Vector]
 class Recursion:
     """All intermediates of one inverse dynamics, per body, in body axes."""
 
-    motion: Motion
+    motion: BodyMotions
     vd_com: list[list[Vector]] = field(default_factory=list)
     """Acceleration of each mass's centre (6.22)."""
     F: list[list[Vector]] = field(default_factory=list)
@@ -123,7 +123,7 @@ def drive_torque(body: TreeBody, q: Vector, qd: Vector) -> Scalar:
     )
 
 
-def _fields(tree: Tree, motion: Motion) -> list[Vector]:
+def _fields(tree: Tree, motion: BodyMotions) -> list[Vector]:
     """The gravity field in each body's axes."""
     fields: list[Vector] = []
     for body, (R, _) in zip(tree.bodies, motion.joints, strict=True):

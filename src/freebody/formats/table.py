@@ -40,7 +40,7 @@ def is_name(text: str) -> bool:
 
 
 @dataclass(frozen=True)
-class Table:
+class TomlTable:
     """A table, where it stands, and what to call it in errors."""
 
     file: str
@@ -54,9 +54,9 @@ class Table:
         """Its line."""
         return line_of(self.lines, self.path)
 
-    def called(self, where: str) -> Table:
+    def called(self, where: str) -> TomlTable:
         """The same table with another name in errors."""
-        return Table(self.file, self.lines, self.path, self.data, where)
+        return TomlTable(self.file, self.lines, self.path, self.data, where)
 
     def refuse(self, problem: str, *at: str | int) -> NoReturn:
         """Raise FileError at a key or entry of this table."""
@@ -68,7 +68,7 @@ class Table:
         problem = str(UnknownNameError(what, name, self.where or "the file", known))
         raise FileError(self.file, line_of(self.lines, (*self.path, *at)), problem)
 
-    def only(self, *known: str) -> Table:
+    def only(self, *known: str) -> TomlTable:
         """Refuse keys that nothing reads."""
         for key in self.data:
             if key not in known:
@@ -146,11 +146,11 @@ class Table:
             for i, row in enumerate(rows)
         )
 
-    def table(self, key: str) -> Table | None:
+    def table(self, key: str) -> TomlTable | None:
         """The table of that key, or None."""
         return self.inner(self.data[key], key) if key in self.data else None
 
-    def tables(self, key: str) -> list[Table]:
+    def tables(self, key: str) -> list[TomlTable]:
         """The tables of an array of tables, perhaps none."""
         items = self.data.get(key, [])
         if not isinstance(items, list):
@@ -167,13 +167,13 @@ class Table:
             self.refuse(f"{key} is missing; add {key} = ...")
         return default
 
-    def inner(self, value: Any, *at: str | int) -> Table:
+    def inner(self, value: Any, *at: str | int) -> TomlTable:
         """A table inside this one."""
         if not isinstance(value, dict):
             self.refuse(
                 f"{_label(at)} is {_kind(value)}, expected a table such as {{ key = value }}.", *at
             )
-        return Table(self.file, self.lines, (*self.path, *at), value, self.where)
+        return TomlTable(self.file, self.lines, (*self.path, *at), value, self.where)
 
     def listed(self, value: Any, key: str, size: int | None, *at: int) -> list[Any]:
         if not isinstance(value, list):

@@ -12,7 +12,7 @@ from typing import Any
 from freebody.errors import FileError, ModelError, UnknownNameError
 from freebody.formats import toml_parts as parts
 from freebody.formats.lines import bounded, lines
-from freebody.formats.table import Table
+from freebody.formats.table import TomlTable
 from freebody.model import dh, planar
 from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
 from freebody.model.parts import MASS_NOTICES, Link, Notice, RobotDescription
@@ -78,7 +78,7 @@ def describe(file: str, text: str, *, name: str) -> RobotDescription:
     return _with_values(top, extra)
 
 
-def _table(file: str, text: str) -> Table:
+def _table(file: str, text: str) -> TomlTable:
     """The parsed text, with its lines."""
     bounded(file, text)
     try:
@@ -94,10 +94,10 @@ def _table(file: str, text: str) -> Table:
         long = re.search(r"[0-9_]{4000,}", text)
         line = text.count("\n", 0, long.start()) + 1 if long else None
         raise FileError(file, line, "a number has more than 4300 digits.") from None
-    return Table(file, found, (), data)
+    return TomlTable(file, found, (), data)
 
 
-def _tree(top: Table) -> RobotDescription:
+def _tree(top: TomlTable) -> RobotDescription:
     """Links and joints one by one."""
     dim = int(given) if (given := top.number("dim", default=3.0)) in (2.0, 3.0) else 0
     if not dim:
@@ -109,7 +109,7 @@ def _tree(top: Table) -> RobotDescription:
     return RobotDescription("", dim, links, joints, parts.gravity(top, dim))
 
 
-def _planar(top: Table) -> RobotDescription:
+def _planar(top: TomlTable) -> RobotDescription:
     """An arm in the plane from a word over R and P."""
     if "dim" in top and top.data["dim"] != 2:
         top.refuse("a [planar] arm has dim = 2; remove dim.", "dim")
@@ -136,7 +136,7 @@ def _planar(top: Table) -> RobotDescription:
     return replace(described, links=links, gravity=parts.gravity(top, 2))
 
 
-def _texts(table: Table, key: str) -> list[str]:
+def _texts(table: TomlTable, key: str) -> list[str]:
     """A list of names, empty where nothing is said."""
     names = table.data.get(key, [])
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
@@ -144,7 +144,7 @@ def _texts(table: Table, key: str) -> list[str]:
     return names
 
 
-def _dh(top: Table) -> RobotDescription:
+def _dh(top: TomlTable) -> RobotDescription:
     """A serial arm from a Denavit-Hartenberg table."""
     if "dim" in top and top.data["dim"] != 3:
         top.refuse("a [dh] arm has dim = 3; remove dim.", "dim")
@@ -169,7 +169,7 @@ def _on_line(link: Link, line: int | None) -> Link:
     return replace(link, line=line)
 
 
-def _with_values(top: Table, described: RobotDescription) -> RobotDescription:
+def _with_values(top: TomlTable, described: RobotDescription) -> RobotDescription:
     """Values from [parameters] given to the names; every one must be used, and no name may have two
     values."""
     table = top.table("parameters")

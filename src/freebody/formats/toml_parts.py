@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from freebody.errors import ModelError
-from freebody.formats.table import Table
+from freebody.formats.table import TomlTable
 from freebody.model.closures import LOOP_KINDS
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
@@ -36,7 +36,7 @@ _SHAPES: dict[str, tuple[str, ...]] = {
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
-def link(table: Table, dim: int) -> Link:
+def link(table: TomlTable, dim: int) -> Link:
     """[[link]]"""
     table = table.called(f"link {table.text('name')!r}").only("name", *MASS, "inertia_frame")
     inner = table.table("inertia_frame")
@@ -49,7 +49,7 @@ def link(table: Table, dim: int) -> Link:
     return Link(table.text("name"), body, frame, table.line)
 
 
-def inertia(table: Table, dim: int) -> Inertia:
+def inertia(table: TomlTable, dim: int) -> Inertia:
     """mass, com, and inertia or shape."""
     mass = table.quantity("mass")
     com = table.quantities("com", dim, default=(0.0,) * dim)
@@ -63,7 +63,7 @@ def inertia(table: Table, dim: int) -> Inertia:
         table.refuse(str(error), "inertia" if "inertia" in table else "mass")
 
 
-def _tensor(table: Table, dim: int) -> tuple[Quantity, ...]:
+def _tensor(table: TomlTable, dim: int) -> tuple[Quantity, ...]:
     """One number in the plane; six in space, or a symmetric 3×3 matrix of numbers."""
     if dim == 2:
         return (table.quantity("inertia", default=0.0),)
@@ -74,7 +74,7 @@ def _tensor(table: Table, dim: int) -> tuple[Quantity, ...]:
     return table.quantities("inertia", 6, default=(0.0,) * 6)
 
 
-def _shape(table: Table, dim: int, mass: Quantity, com: tuple[Quantity, ...]) -> Inertia:
+def _shape(table: TomlTable, dim: int, mass: Quantity, com: tuple[Quantity, ...]) -> Inertia:
     """shape = { bar = { length = 0.4 } }"""
     outer = table.inner(table.data["shape"], "shape").only(*_SHAPES)
     if len(outer.data) != 1:
@@ -100,7 +100,7 @@ def _shape(table: Table, dim: int, mass: Quantity, com: tuple[Quantity, ...]) ->
     return Inertia(mass, com, body.tensor)
 
 
-def joint(table: Table, dim: int) -> Joint:
+def joint(table: TomlTable, dim: int) -> Joint:
     """[[joint]]"""
     table = table.called(f"joint {table.text('name')!r}")
     table.only(
@@ -138,14 +138,14 @@ def joint(table: Table, dim: int) -> Joint:
     )
 
 
-def _axis(table: Table, kind: str, dim: int) -> tuple[float, ...]:
+def _axis(table: TomlTable, kind: str, dim: int) -> tuple[float, ...]:
     """A vector, or "x", "-z"; in the plane a revolute joint's is 1 (counterclockwise) or -1."""
     if KINDS[kind].axis_size(dim) == 1:
         return (table.number("axis", default=1.0),)
     return _axis_vector(table, dim)
 
 
-def _axis_vector(table: Table, dim: int) -> tuple[float, ...]:
+def _axis_vector(table: TomlTable, dim: int) -> tuple[float, ...]:
     given = table.data.get("axis")
     if isinstance(given, str):
         sign, letter = (-1.0, given[1:]) if given.startswith("-") else (1.0, given)
@@ -159,13 +159,13 @@ def _axis_vector(table: Table, dim: int) -> tuple[float, ...]:
     return table.vector("axis", dim)
 
 
-def limits(table: Table, angles: bool) -> Limits:
+def limits(table: TomlTable, angles: bool) -> Limits:
     """limits = { lower, upper, velocity, effort }; angles: of an angle, not a length."""
     inner = table.table("limits")
     return limits_of(inner.called(f"{table.where}, limits"), angles) if inner else Limits()
 
 
-def limits_of(table: Table, angles: bool) -> Limits:
+def limits_of(table: TomlTable, angles: bool) -> Limits:
     """The same from its own table."""
     table.only("lower", "upper", "velocity", "effort")
     angle, rate = ("angle", "rate") if angles else ("number", "number")
@@ -177,10 +177,10 @@ def limits_of(table: Table, angles: bool) -> Limits:
     )
 
 
-def drive(table: Table) -> Drive:
+def drive(table: TomlTable) -> Drive:
     """friction, rotor and spring."""
 
-    def part(key: str, *known: str) -> Table | None:
+    def part(key: str, *known: str) -> TomlTable | None:
         inner = table.table(key)
         return inner.called(f"{table.where}, {key}").only(*known) if inner else None
 
@@ -196,7 +196,7 @@ def drive(table: Table) -> Drive:
     )
 
 
-def _mimic(table: Table) -> Mimic | None:
+def _mimic(table: TomlTable) -> Mimic | None:
     inner = table.table("mimic")
     if inner is None:
         return None
@@ -208,7 +208,7 @@ def _mimic(table: Table) -> Mimic | None:
     )
 
 
-def placement(table: Table, dim: int) -> Placement:
+def placement(table: TomlTable, dim: int) -> Placement:
     """origin, then one rotation; or a list of steps."""
     if "steps" in table:
         if any(key in table for key in ("origin", *TURNS)):
@@ -226,7 +226,7 @@ def placement(table: Table, dim: int) -> Placement:
     return origin.then(_rotation(table, turns[0], dim)) if turns else origin
 
 
-def _rotation(table: Table, key: str, dim: int) -> Placement:
+def _rotation(table: TomlTable, key: str, dim: int) -> Placement:
     if key == "angle":
         return turn("z", table.quantity(key, "angle"))
     if key == "rpy":
@@ -260,14 +260,14 @@ def _about(axis: Iterable[float], length: float, angle: float) -> np.ndarray:
     return np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * (K @ K)
 
 
-def _matrix(table: Table, dim: int) -> Placement:
+def _matrix(table: TomlTable, dim: int) -> Placement:
     try:
         return rotate(table.matrix("matrix", dim))
     except ModelError as error:
         table.refuse(str(error), "matrix")
 
 
-def _step(table: Table, dim: int) -> Shift | Turn | Rotate:
+def _step(table: TomlTable, dim: int) -> Shift | Turn | Rotate:
     """{ shift = [...] }, { turn = "z", angle = ... } or { matrix = [...] }; kept as written."""
     table.only("shift", "turn", "angle", "matrix")
     if "shift" in table:
@@ -280,19 +280,19 @@ def _step(table: Table, dim: int) -> Shift | Turn | Rotate:
     return Rotate(table.matrix("matrix", dim))
 
 
-def mount(table: Table, dim: int, parents: Collection[str]) -> Mount:
+def mount(table: TomlTable, dim: int, parents: Collection[str]) -> Mount:
     """[[frame]]"""
     table = table.called(f"frame {table.text('name')!r}").only("name", "parent", *PLACE)
     return Mount(table.text("name"), table.choice("parent", parents), placement(table, dim))
 
 
-def payload(table: Table, dim: int, frames: Collection[str]) -> Payload:
+def payload(table: TomlTable, dim: int, frames: Collection[str]) -> Payload:
     """[[payload]]"""
     table = table.called(f"payload {table.text('name')!r}").only("name", "frame", *MASS)
     return Payload(table.text("name"), table.choice("frame", frames), inertia(table, dim))
 
 
-def loop(table: Table, dim: int) -> Loop:
+def loop(table: TomlTable, dim: int) -> Loop:
     """[[loop]]"""
     table = table.called(f"loop {table.text('name')!r}").only(
         "name", "kind", "frames", "axis", "distance"
@@ -311,7 +311,7 @@ def loop(table: Table, dim: int) -> Loop:
     )
 
 
-def loop_tolerance(top: Table) -> tuple[float, float] | None:
+def loop_tolerance(top: TomlTable) -> tuple[float, float] | None:
     """loop_tolerance = [metres, radians]"""
     key = "loop_tolerance"
     if key not in top:
@@ -327,7 +327,7 @@ def loop_tolerance(top: Table) -> tuple[float, float] | None:
         top.refuse(str(error), key)
 
 
-def home(top: Table) -> tuple[tuple[str, float], ...]:
+def home(top: TomlTable) -> tuple[tuple[str, float], ...]:
     """[home]: positions by name."""
     inner = top.table("home")
     if inner is None:
@@ -336,7 +336,7 @@ def home(top: Table) -> tuple[tuple[str, float], ...]:
     return tuple((name, inner.number(name, "angle")) for name in inner.data)
 
 
-def gravity(top: Table, dim: int) -> tuple[Quantity, tuple[float, ...]]:
+def gravity(top: TomlTable, dim: int) -> tuple[Quantity, tuple[float, ...]]:
     """A size, a name, a vector, or { size, direction }; 9.81 m/s² downwards, called g, where the
     file says nothing."""
     down = (0.0,) * (dim - 1) + (-1.0,)
@@ -368,7 +368,7 @@ DH_NUMBERS = {
 DH_ROW = ("joint", "name", "joint_name", *DH_NUMBERS, "com", "I", "friction", "limits", "passive")
 
 
-def dh_row(table: Table) -> dict[str, Any]:
+def dh_row(table: TomlTable) -> dict[str, Any]:
     """One row of a DH table, as `fb.dh` takes it, and joint_name."""
     table.only(*DH_ROW)
     row: dict[str, Any] = {

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.inverse.closed_form import Displacement, Form
+from freebody.inverse.closed_form import ClosedFormSolver, Displacement
 from freebody.inverse.problem import Found, Problem
 from freebody.inverse.solutions import Solutions, Verified, within
 from freebody.inverse.workspace import distances
@@ -18,7 +18,7 @@ Away = Callable[[Array], tuple[Array, list[str]]]
 
 def gathered(
     problem: Problem,
-    form: Form | None,
+    form: ClosedFormSolver | None,
     X: Displacement | None,
     found: Found,
     batch: tuple[int, ...],
@@ -29,11 +29,11 @@ def gathered(
 
     away: how far targets are out of reach; by default as of an open chain.
     """
-    seeker, N = problem.seeker, len(problem.target)
-    fine = [within(seeker, s.q) for s in found.solutions]
+    solver, N = problem.solver, len(problem.target)
+    fine = [within(solver, s.q) for s in found.solutions]
     chosen = [f if problem.limits == "drop" else np.ones(len(f), dtype=bool) for f in fine]
     k = max((int(c.sum()) for c in chosen), default=0)
-    q, residual = np.full((N, k, seeker.model.nq), np.nan), np.full((N, k), np.nan)
+    q, residual = np.full((N, k, solver.model.nq), np.nan), np.full((N, k), np.nan)
     branches = np.full((N, k), "", dtype=object)
     inside = np.zeros((N, k), dtype=bool)
     for i, (s, names, f, c) in enumerate(
@@ -52,11 +52,11 @@ def gathered(
     if lost:
         part = None if X is None else Displacement(X.R[lost], X.p[lost])
         goals = problem.target[lost]
-        distance[lost], sentences = away(goals) if away else distances(seeker, form, part, goals)
+        distance[lost], sentences = away(goals) if away else distances(solver, form, part, goals)
         notes += _each_once(sentences, lost, N)
     notes += _each_once(*_dropped(problem, found.solutions, chosen), N)
     return Solutions(
-        q.reshape(*batch, k, -1) if k else q.reshape(*batch, 0, seeker.model.nq),
+        q.reshape(*batch, k, -1) if k else q.reshape(*batch, 0, solver.model.nq),
         branches.astype(str).reshape(*batch, k),
         residual.reshape(*batch, k),
         inside.reshape(*batch, k),
@@ -71,8 +71,8 @@ def _dropped(
 ) -> tuple[list[str], list[int]]:
     """A sentence for each target all of whose solutions lie outside the limits."""
     sentences, rows = [], []
-    low, high = problem.seeker.bounds
-    names = problem.seeker.model.position_names
+    low, high = problem.solver.bounds
+    names = problem.solver.model.position_names
     for i, (s, c) in enumerate(zip(solutions, chosen, strict=True)):
         if len(s.q) and not c.any():
             bad = [

@@ -62,7 +62,7 @@ def _cross(w: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Chain:
+class ScrewChain:
     """Screws from the base to a frame, its pose R (3, 3), p (3,) at zero, and which coordinate
     moves which screw."""
 
@@ -88,7 +88,7 @@ class Chain:
         return q[..., self.index] * self.ratio + self.offset
 
 
-def chain_to(model: Model, frame: str) -> Chain | None:
+def chain_to(model: Model, frame: str) -> ScrewChain | None:
     """The screws to a frame; None where a joint has several coordinates of its own, or two share
     one."""
     tree = model.tree
@@ -109,7 +109,7 @@ def chain_to(model: Model, frame: str) -> Chain | None:
     home_R, home_p = _in_space(*compose(pose, (R, p)))
     at = [tree.bodies[i].coordinates for i in path]
     steps = np.diff(np.array([*points, home_p]), axis=0)
-    return Chain(
+    return ScrewChain(
         tuple(screws),
         home_R,
         home_p,

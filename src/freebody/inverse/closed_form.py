@@ -17,8 +17,8 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.inverse import labels
 from freebody.inverse import subproblems as sp
-from freebody.inverse.chain import Chain, Screw
-from freebody.inverse.position import Found, can_meet, last_of_three, meet, reach
+from freebody.inverse.chain import Screw, ScrewChain
+from freebody.inverse.position import Candidates, can_meet, last_of_three, meet, reach
 
 Reached = tuple[tuple[Screw, ...], Array, Array]
 
@@ -41,17 +41,17 @@ class Displacement:
 
 
 @dataclass(frozen=True, eq=False)
-class Form(ABC):
+class ClosedFormSolver(ABC):
     """A closed form for one chain."""
 
-    chain: Chain
+    chain: ScrewChain
 
     @abstractmethod
     def name(self) -> str:
         """What is done, with its source."""
 
     @abstractmethod
-    def solve(self, X: Displacement, prefer: Array) -> Found:
+    def solve(self, X: Displacement, prefer: Array) -> Candidates:
         """Candidates (N, k, n); joints that could stand anywhere stay at `prefer` (n,)."""
 
     @abstractmethod
@@ -74,13 +74,13 @@ class Form(ABC):
         return self.chain.length
 
 
-class Reaching(Form):
+class ThreeJointPosition(ClosedFormSolver):
     """Three joints and the position of the frame: circles and lines, or Pieper's quartic."""
 
     def name(self) -> str:
         return "closed form: position by three joints (Pieper 1968)"
 
-    def solve(self, X: Displacement, prefer: Array) -> Found:
+    def solve(self, X: Displacement, prefer: Array) -> Candidates:
         found = reach(self.screws, self.chain.p, X.of(self.chain.p), prefer, self.scale)
         assert found is not None  # `fitting` has tried
         return found
@@ -92,13 +92,13 @@ class Reaching(Form):
         return self.screws, self.chain.p, X.of(self.chain.p)
 
 
-class Turning(Form):
+class ThreeJointOrientation(ClosedFormSolver):
     """Three turning joints and the orientation of the frame."""
 
     def name(self) -> str:
         return "closed form: orientation by three turning joints (a spherical triangle)"
 
-    def solve(self, X: Displacement, prefer: Array) -> Found:
+    def solve(self, X: Displacement, prefer: Array) -> Candidates:
         return wrist(self.screws, X.R, prefer)
 
     def label(self, x: Array) -> list[str]:
@@ -106,7 +106,7 @@ class Turning(Form):
 
 
 @dataclass(frozen=True, eq=False)
-class Wristed(Form):
+class SphericalWristArm(ClosedFormSolver):
     """Six joints, the last three through one point c, which the first three bring to its place
     (Pieper 1968)."""
 
@@ -115,7 +115,7 @@ class Wristed(Form):
     def name(self) -> str:
         return "closed form: spherical wrist (Pieper 1968; Paden and Kahan's subproblems)"
 
-    def solve(self, X: Displacement, prefer: Array) -> Found:
+    def solve(self, X: Displacement, prefer: Array) -> Candidates:
         arm = reach(self.screws[:3], self.c, X.of(self.c), prefer[:3], self.scale)
         assert arm is not None
         R = np.eye(3)
@@ -132,7 +132,7 @@ class Wristed(Form):
 
 
 @dataclass(frozen=True, eq=False)
-class ThreeParallel(Form):
+class ThreeParallelAxes(ClosedFormSolver):
     """Six turning joints, axes 2, 3, 4 parallel, 5 and 6 through one point c: Universal Robots and
     their like.
 
@@ -146,7 +146,7 @@ class ThreeParallel(Form):
     def name(self) -> str:
         return "closed form: three parallel axes (Elias and Wen 2022)"
 
-    def solve(self, X: Displacement, prefer: Array) -> Found:
+    def solve(self, X: Displacement, prefer: Array) -> Candidates:
         s1, s2, s3, s4, s5, s6 = self.screws
         w = s2.w
         back = Screw(True, -s1.w, s1.p)
@@ -169,7 +169,7 @@ class ThreeParallel(Form):
         free = np.zeros(x.shape, dtype=bool)
         free[..., 1:3], free[..., 5] = pair.free, outer[3]
         shape = (len(X.p), -1, 6)
-        return Found(x.reshape(shape), free.reshape(shape))
+        return Candidates(x.reshape(shape), free.reshape(shape))
 
     def _rest(self, X: Displacement, x1: Array, x5: Array, x6: Array) -> Displacement:
         """e1⁻¹ X e6⁻¹ e5⁻¹."""
@@ -191,18 +191,18 @@ class ThreeParallel(Form):
 
 
 @dataclass(frozen=True, eq=False)
-class Backwards(Form):
+class ReversedArm(ClosedFormSolver):
     """A form for the arm seen from its frame: joints in reverse order, X⁻¹ for X, turns the other
     way."""
 
-    forward: Form
+    forward: ClosedFormSolver
 
     def name(self) -> str:
         return self.forward.name() + ", seen from the tip"
 
-    def solve(self, X: Displacement, prefer: Array) -> Found:
+    def solve(self, X: Displacement, prefer: Array) -> Candidates:
         found = self.forward.solve(X.inverse(), -prefer[::-1])
-        return Found(-found.x[..., ::-1], found.free[..., ::-1])
+        return Candidates(-found.x[..., ::-1], found.free[..., ::-1])
 
     def label(self, x: Array) -> list[str]:
         return self.forward.label(-x[::-1])
@@ -211,7 +211,7 @@ class Backwards(Form):
         return self.forward.reached(X.inverse())
 
 
-def wrist(screws: Sequence[Screw], R: Array, prefer: Array) -> Found:
+def wrist(screws: Sequence[Screw], R: Array, prefer: Array) -> Candidates:
     """Turns (..., 2, 3) with R4 R5 R6 = R (..., 3, 3); where axes 4 and 6 fall together joint 4 is
     free."""
     s4, s5, s6 = screws
@@ -223,43 +223,47 @@ def wrist(screws: Sequence[Screw], R: Array, prefer: Array) -> Found:
     rest = np.swapaxes(s4.rotation(x4) @ s5.rotation(x5), -1, -2) @ R[..., None, :, :]
     x = np.stack([x4, x5, sp.turn_of(rest, s6.w)], axis=-1)
     none = np.zeros_like(free)
-    return Found(x, np.stack([free, none, none], axis=-1))
+    return Candidates(x, np.stack([free, none, none], axis=-1))
 
 
-def _every_pair(arm: Found, hand: Found) -> Found:
+def _every_pair(arm: Candidates, hand: Candidates) -> Candidates:
     """Each solution of the arm (N, k, 3) with those of the hand (N, k, 2, 3) that belong to it."""
     shape = (*hand.x.shape[:-1], 3)
     x = np.concatenate([np.broadcast_to(arm.x[..., None, :], shape), hand.x], axis=-1)
     free = np.concatenate([np.broadcast_to(arm.free[..., None, :], shape), hand.free], axis=-1)
-    return Found(x.reshape(len(x), -1, 6), free.reshape(len(x), -1, 6))
+    return Candidates(x.reshape(len(x), -1, 6), free.reshape(len(x), -1, 6))
 
 
 # ---------------------------------------------------------------- which form fits
-def six_joints(chain: Chain) -> Form | None:
+def six_joints(chain: ScrewChain) -> ClosedFormSolver | None:
     """The form for the whole pose of a six-joint arm."""
     for turned in (chain, reversed_chain(chain)):
         form = _wristed(turned) or _three_parallel(turned)
         if form is not None:
-            return form if turned is chain else Backwards(chain, form)
+            return form if turned is chain else ReversedArm(chain, form)
     return None
 
 
-def three_joints(chain: Chain) -> Form | None:
+def three_joints(chain: ScrewChain) -> ClosedFormSolver | None:
     """The form for the position of a three-joint arm."""
     s1, s2, s3 = chain.screws
-    return Reaching(chain) if last_of_three(s1, s2, s3, chain.p, chain.length) is not None else None
+    return (
+        ThreeJointPosition(chain)
+        if last_of_three(s1, s2, s3, chain.p, chain.length) is not None
+        else None
+    )
 
 
-def three_turns(chain: Chain) -> Form | None:
+def three_turns(chain: ScrewChain) -> ClosedFormSolver | None:
     """The form for the orientation of a three-joint arm."""
     s = chain.screws
     bent = not sp.parallel(s[0].w, s[1].w) and not sp.parallel(s[1].w, s[2].w)
-    return Turning(chain) if bent and all(x.turning for x in s) else None
+    return ThreeJointOrientation(chain) if bent and all(x.turning for x in s) else None
 
 
-def reversed_chain(chain: Chain) -> Chain:
+def reversed_chain(chain: ScrewChain) -> ScrewChain:
     """The screws in reverse order."""
-    return Chain(
+    return ScrewChain(
         chain.screws[::-1],
         chain.R,
         chain.p,
@@ -270,7 +274,7 @@ def reversed_chain(chain: Chain) -> Chain:
     )
 
 
-def _wristed(chain: Chain) -> Form | None:
+def _wristed(chain: ScrewChain) -> ClosedFormSolver | None:
     s = chain.screws
     if (
         not all(x.turning for x in s[3:])
@@ -281,10 +285,10 @@ def _wristed(chain: Chain) -> Form | None:
     c = common_point(s[3:], chain.length)
     if c is None or last_of_three(s[0], s[1], s[2], c, chain.length) is None:
         return None
-    return Wristed(chain, c)
+    return SphericalWristArm(chain, c)
 
 
-def _three_parallel(chain: Chain) -> Form | None:
+def _three_parallel(chain: ScrewChain) -> ClosedFormSolver | None:
     s = chain.screws
     if not all(x.turning for x in s) or not (
         sp.parallel(s[1].w, s[2].w) and sp.parallel(s[2].w, s[3].w)
@@ -295,7 +299,7 @@ def _three_parallel(chain: Chain) -> Form | None:
     c = common_point(s[4:], chain.length)
     if c is None or not can_meet(s[1], s[2], chain.length):
         return None
-    return ThreeParallel(chain, c)
+    return ThreeParallelAxes(chain, c)
 
 
 def common_point(screws: Sequence[Screw], scale: float) -> np.ndarray | None:

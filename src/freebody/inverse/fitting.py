@@ -8,16 +8,22 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.inverse import subproblems as sp
-from freebody.inverse.chain import SAME, Chain, chain_to
-from freebody.inverse.closed_form import Displacement, Form, six_joints, three_joints, three_turns
-from freebody.inverse.level import Level, level
+from freebody.inverse.chain import SAME, ScrewChain, chain_to
+from freebody.inverse.closed_form import (
+    ClosedFormSolver,
+    Displacement,
+    six_joints,
+    three_joints,
+    three_turns,
+)
+from freebody.inverse.level import ParallelAxesArm, level
 from freebody.inverse.task import Task
 from freebody.model.model import Model
 
 _UP = np.array([0.0, 0.0, 1.0])
 
 
-def fitting(model: Model, frame: str, task: Task) -> Form | None:
+def fitting(model: Model, frame: str, task: Task) -> ClosedFormSolver | None:
     """The closed form that gives all solutions of a task, or None."""
     chain = chain_to(model, frame)
     if chain is not None and not task.angular:
@@ -36,7 +42,7 @@ def fitting(model: Model, frame: str, task: Task) -> Form | None:
     return form
 
 
-def _without_idle(chain: Chain) -> Chain:
+def _without_idle(chain: ScrewChain) -> ScrewChain:
     """The chain but for its last joints that turn about the frame's origin: they do not move it."""
     n = len(chain.screws)
     while n > 1 and chain.screws[n - 1].turning:
@@ -53,9 +59,9 @@ def _without_idle(chain: Chain) -> Chain:
     )
 
 
-def _level_in_space(model: Model, chain: Chain, task: Task) -> Form | None:
+def _level_in_space(model: Model, chain: ScrewChain, task: Task) -> ClosedFormSolver | None:
     form = level(chain, None, bool(task.angular), _elbows(model, chain))
-    if not isinstance(form, Level):
+    if not isinstance(form, ParallelAxesArm):
         return None
     along = [k for k in range(3) if sp.parallel(np.eye(3)[k], form.normal)]
     needed = {k for k in range(3) if k not in along or form.lift is not None}
@@ -63,7 +69,7 @@ def _level_in_space(model: Model, chain: Chain, task: Task) -> Form | None:
     return form if needed <= set(task.linear) and turned else None
 
 
-def _elbows(model: Model, chain: Chain) -> tuple[str, str]:
+def _elbows(model: Model, chain: ScrewChain) -> tuple[str, str]:
     """Up and down for an arm that moves in an upright plane, left and right (from above) for one
     that moves level."""
     axis = next((s.w for s in chain.screws if s.turning), None)
@@ -75,7 +81,7 @@ def _elbows(model: Model, chain: Chain) -> tuple[str, str]:
     )
 
 
-def displacement(chain: Chain, target: Array) -> Displacement:
+def displacement(chain: ScrewChain, target: Array) -> Displacement:
     """X = T T(0)⁻¹ of targets (N, …), those in the plane put into z = 0."""
     d = target.shape[-1] - 1
     R = np.broadcast_to(np.eye(3), (len(target), 3, 3)).copy()
@@ -85,7 +91,7 @@ def displacement(chain: Chain, target: Array) -> Displacement:
     return Displacement(R, p - R @ chain.p)
 
 
-def displacement_to_points(chain: Chain, target: Array) -> Displacement:
+def displacement_to_points(chain: ScrewChain, target: Array) -> Displacement:
     """The shifts that bring the frame from zero to the points of targets (N, …); their rotation is
     not asked for."""
     d = target.shape[-1] - 1
@@ -94,9 +100,9 @@ def displacement_to_points(chain: Chain, target: Array) -> Displacement:
     return Displacement(np.broadcast_to(np.eye(3), (len(target), 3, 3)), p - chain.p)
 
 
-def can_serve(form: Form, task: Task, X: Displacement) -> bool:
+def can_serve(form: ClosedFormSolver, task: Task, X: Displacement) -> bool:
     """Whether the form fits these targets too: a partial orientation must be a turn about the arm's
     own axis."""
-    if not isinstance(form, Level) or task.turns or not task.angular:
+    if not isinstance(form, ParallelAxesArm) or task.turns or not task.angular:
         return True
     return bool(np.abs(X.R @ form.normal - form.normal).max(initial=0.0) < 1e-9)

@@ -11,12 +11,12 @@ from numpy.typing import ArrayLike
 
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.inverse.answer import gathered
-from freebody.inverse.closed_form import Displacement, Form
+from freebody.inverse.closed_form import ClosedFormSolver, Displacement
 from freebody.inverse.fitting import can_serve, displacement, displacement_to_points, fitting
 from freebody.inverse.loops import of_closed_chain
 from freebody.inverse.problem import Found, Problem
 from freebody.inverse.search import by_search
-from freebody.inverse.seek import Seeker
+from freebody.inverse.seek import NumericalSolver
 from freebody.inverse.solutions import Solutions, verified
 from freebody.inverse.task import read_target
 from freebody.model.model import Model
@@ -68,17 +68,17 @@ def inverse_kinematics(
     if starts is not None and starts < 1:
         raise FreebodyError(f"inverse_kinematics: starts is {starts}, expected at least 1.")
     chosen, poses = read_target("inverse_kinematics", model, target, task)
-    seeker = Seeker(model, model.frame(frame).name, chosen)
+    solver = NumericalSolver(model, model.frame(frame).name, chosen)
     flat = poses.reshape(-1, *poses.shape[-2:])
     start = None if q0 is None else finite_vector("inverse_kinematics", model, "q0", q0)
     if start is not None and start.ndim != 1:
         raise FreebodyError(
             f"inverse_kinematics: q0 has shape {start.shape}, expected ({model.nq},)."
         )
-    problem = Problem(seeker, flat, start, limits, starts, seed)
+    problem = Problem(solver, flat, start, limits, starts, seed)
     if model.loops:
         return of_closed_chain(problem, poses.shape[:-2])
-    form = fitting(model, seeker.frame, chosen)
+    form = fitting(model, solver.frame, chosen)
     X = None
     if form is not None:
         X = (displacement if chosen.angular else displacement_to_points)(form.chain, flat)
@@ -94,14 +94,14 @@ def inverse_kinematics(
 
 
 # ---------------------------------------------------------------- in closed form
-def _by_form(problem: Problem, form: Form, X: Displacement) -> Found:
-    seeker, chain = problem.seeker, form.chain
-    rest = np.zeros(seeker.model.nq) if problem.q0 is None else problem.q0
-    base = np.clip(neutral(seeker.model), *seeker.bounds) if problem.q0 is None else problem.q0
+def _by_form(problem: Problem, form: ClosedFormSolver, X: Displacement) -> Found:
+    solver, chain = problem.solver, form.chain
+    rest = np.zeros(solver.model.nq) if problem.q0 is None else problem.q0
+    base = np.clip(neutral(solver.model), *solver.bounds) if problem.q0 is None else problem.q0
     with np.errstate(invalid="ignore"):
         candidates = form.solve(X, chain.positions(rest))
     q = chain.coordinates(candidates.x, base)
-    solutions = verified(seeker, q, problem.target, problem.reference)
+    solutions = verified(solver, q, problem.target, problem.reference)
     branches = [
         [", ".join(filter(None, form.label(chain.positions(row)))) for row in s.q]
         for s in solutions
@@ -109,21 +109,21 @@ def _by_form(problem: Problem, form: Form, X: Displacement) -> Found:
     free = np.zeros(len(chain.screws), dtype=bool)
     for i, s in enumerate(solutions):
         free |= candidates.free[i][s.row].any(axis=0)
-    names = [_joint_at(seeker.model, int(chain.index[k])) for k in np.flatnonzero(free)]
+    names = [_joint_at(solver.model, int(chain.index[k])) for k in np.flatnonzero(free)]
     notes = [_free_note(name) for name in names]
-    idle = seeker.moving.copy()
+    idle = solver.moving.copy()
     idle[chain.index] = False
     if idle.any():
-        names = ", ".join(repr(_joint_at(seeker.model, int(k))) for k in np.flatnonzero(idle))
+        names = ", ".join(repr(_joint_at(solver.model, int(k))) for k in np.flatnonzero(idle))
         notes.append(f"Left alone, as they do not move the target's point: {names}.")
     return Found(solutions, branches, form.name(), notes)
 
 
-def _with_families(problem: Problem, form: Form, found: Found) -> Found:
+def _with_families(problem: Problem, form: ClosedFormSolver, found: Found) -> Found:
     """A form for fewer rows than the task counts gives one member of a family of solutions: the
     right one is sought."""
     lost = [i for i, s in enumerate(found.solutions) if not len(s.q)]
-    if not lost or len(problem.seeker.task.rows) <= len(form.screws):
+    if not lost or len(problem.solver.task.rows) <= len(form.screws):
         return found
     sought = by_search(replace(problem, target=problem.target[lost]))
     for i, s in zip(lost, sought.solutions, strict=True):

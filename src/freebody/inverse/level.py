@@ -15,13 +15,13 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.inverse import labels
 from freebody.inverse import subproblems as sp
-from freebody.inverse.chain import Chain, Screw
-from freebody.inverse.closed_form import Displacement, Form, Reached
-from freebody.inverse.position import Found, can_meet, meet
+from freebody.inverse.chain import Screw, ScrewChain
+from freebody.inverse.closed_form import ClosedFormSolver, Displacement, Reached
+from freebody.inverse.position import Candidates, can_meet, meet
 
 
 @dataclass(frozen=True, eq=False)
-class Level(Form):
+class ParallelAxesArm(ClosedFormSolver):
     """Up to three joints across `normal` at places `across` of the chain, and perhaps a lift at
     place `lift`."""
 
@@ -37,7 +37,7 @@ class Level(Form):
         source = " (2.14, 2.15)" if word.startswith("RR") else ""
         return f"closed form: {word} across parallel axes{lifted}{source}"
 
-    def solve(self, X: Displacement, prefer: Array) -> Found:
+    def solve(self, X: Displacement, prefer: Array) -> Candidates:
         n = self.normal
         rise = (X.of(self.chain.p) - self.chain.p) @ n
         flat = X if self.lift is None else replace(X, p=X.p - rise[:, None] * n)
@@ -47,9 +47,9 @@ class Level(Form):
         x[..., list(self.across)], free[..., list(self.across)] = found.x, found.free
         if self.lift is not None:
             x[..., self.lift] = (rise * (n @ self.screws[self.lift].w))[:, None]
-        return Found(x, free)
+        return Candidates(x, free)
 
-    def _across(self, X: Displacement, prefer: Array) -> Found:
+    def _across(self, X: Displacement, prefer: Array) -> Candidates:
         s = [self.screws[i] for i in self.across]
         if len(s) == 1:
             return _one(s[0], X, self.chain.p, prefer, self.scale)
@@ -59,7 +59,7 @@ class Level(Form):
             return _last_turns(s, X, prefer, self.scale)
         if s[0].turning:
             back = _last_turns(s[::-1], X.inverse(), -prefer[::-1], self.scale)
-            return Found(-back.x[..., ::-1], back.free[..., ::-1])
+            return Candidates(-back.x[..., ::-1], back.free[..., ::-1])
         return _turn_between_slides(s, X)
 
     def label(self, x: Array) -> list[str]:
@@ -91,23 +91,23 @@ class Level(Form):
         return self.screws, self.chain.p, X.of(self.chain.p)
 
 
-def _one(s: Screw, X: Displacement, c: Array, prefer: Array, scale: float) -> Found:
+def _one(s: Screw, X: Displacement, c: Array, prefer: Array, scale: float) -> Candidates:
     x, free = sp.onto(s, np.broadcast_to(c, X.p.shape), X.of(c), prefer[0], scale)
     if s.turning:  # the frame may stand on the axis
         x, free = np.where(free, sp.turn_of(X.R, s.w), x), np.zeros_like(free)
-    return Found(x[:, None, None], free[:, None, None])
+    return Candidates(x[:, None, None], free[:, None, None])
 
 
-def _last_turns(s: Sequence[Screw], X: Displacement, prefer: Array, scale: float) -> Found:
+def _last_turns(s: Sequence[Screw], X: Displacement, prefer: Array, scale: float) -> Candidates:
     """The first two joints bring a point of the third's axis home, the third turns the rest."""
     pair = meet(s[0], s[1], s[2].p, X.of(s[2].p), prefer[:2], scale)
     senses = np.array([(screw.w @ s[2].w) * screw.turning for screw in s[:2]])
     x3 = sp.turn_of(X.R, s[2].w)[..., None] - pair.x @ senses
     free = np.concatenate([pair.free, np.zeros_like(pair.free[..., :1])], axis=-1)
-    return Found(np.concatenate([pair.x, x3[..., None]], axis=-1), free)
+    return Candidates(np.concatenate([pair.x, x3[..., None]], axis=-1), free)
 
 
-def _turn_between_slides(s: Sequence[Screw], X: Displacement) -> Found:
+def _turn_between_slides(s: Sequence[Screw], X: Displacement) -> Candidates:
     """P R P: the turn is given; what the two slides must do is linear."""
     x2 = sp.turn_of(X.R, s[1].w)
     second = s[1].turned(x2, np.broadcast_to(s[2].w, X.p.shape))
@@ -118,10 +118,12 @@ def _turn_between_slides(s: Sequence[Screw], X: Displacement) -> Found:
         x3 = np.where(np.abs(across) > 1e-9, (way @ m) / across, np.nan)
     x1 = (way - x3[:, None] * second) @ s[0].w
     x = np.stack([x1, x2, x3], axis=-1)[:, None]
-    return Found(x, np.zeros(x.shape, dtype=bool))
+    return Candidates(x, np.zeros(x.shape, dtype=bool))
 
 
-def level(chain: Chain, normal: Array | None, turned: bool, words: tuple[str, str]) -> Form | None:
+def level(
+    chain: ScrewChain, normal: Array | None, turned: bool, words: tuple[str, str]
+) -> ClosedFormSolver | None:
     """The form for a chain across a normal (None: found), for the pose if `turned`, else for the
     position alone."""
     axes = [s.w for s in chain.screws if s.turning]
@@ -135,11 +137,11 @@ def level(chain: Chain, normal: Array | None, turned: bool, words: tuple[str, st
     ):
         return None
     across = tuple(i for i in range(len(chain.screws)) if i not in lifts)
-    form = Level(chain, n, across, lifts[0] if lifts else None, words)
+    form = ParallelAxesArm(chain, n, across, lifts[0] if lifts else None, words)
     return form if _is_regular(form, turned) else None
 
 
-def _is_regular(form: Level, turned: bool) -> bool:
+def _is_regular(form: ParallelAxesArm, turned: bool) -> bool:
     """Whether the joints across are as many as they have to do, and do not repeat each other."""
     s = [form.screws[i] for i in form.across]
     if len(s) == 3 and turned and any(screw.turning for screw in s):

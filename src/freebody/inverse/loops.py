@@ -11,7 +11,7 @@ from freebody.arrays import Array
 from freebody.inverse.answer import gathered
 from freebody.inverse.descent import descend
 from freebody.inverse.problem import Found, Problem
-from freebody.inverse.seek import EXACT, Seeker
+from freebody.inverse.seek import EXACT, NumericalSolver
 from freebody.inverse.solutions import ALIKE, APART, Solutions, Verified, wrapped
 from freebody.lazy import cached_property
 from freebody.loops.decompose import Decomposition, decomposed
@@ -87,17 +87,17 @@ class _Held:
     problem: Problem
 
     @property
-    def seeker(self) -> Seeker:
+    def solver(self) -> NumericalSolver:
         """Frame and task."""
-        return self.problem.seeker
+        return self.problem.solver
 
     @cached_property
     def plan(self) -> Decomposition | None:
         """In dyads, for tasks that count a position in the plane, or a pose."""
-        model, task = self.seeker.model, self.seeker.task
+        model, task = self.solver.model, self.solver.task
         if model.dim != 2 or task.rows not in ((0, 1), (0, 1, 2)):
             return None
-        return decomposed(model, range(model.nq), self.seeker.frame, oriented=len(task.rows) == 3)
+        return decomposed(model, range(model.nq), self.solver.frame, oriented=len(task.rows) == 3)
 
     @cached_property
     def rest(self) -> Array:
@@ -107,7 +107,7 @@ class _Held:
     @cached_property
     def _scales(self) -> tuple[Array, Array]:
         """Of the tip's rows, of rates."""
-        model, task = self.seeker.model, self.seeker.task
+        model, task = self.solver.model, self.solver.task
         linear = len(task.linear)
         tip = np.array([1.0 / length(model)] * linear + [1.0] * (len(task.rows) - linear))
         return tip, rate_scale(model)
@@ -116,9 +116,9 @@ class _Held:
         """(what is missing (..., r + m), the Jacobian (..., r + m, nv)), scaled; loops count
         `weight` times."""
         tip, rates = self._scales
-        T, J = self.seeker.pose_and_jacobian(q)
-        model = self.seeker.model
-        missing = [tip * self.seeker.task.error(T, target), -weight * scaled_residual(model, q)]
+        T, J = self.solver.pose_and_jacobian(q)
+        model = self.solver.model
+        missing = [tip * self.solver.task.error(T, target), -weight * scaled_residual(model, q)]
         slopes = [tip[:, None] * J * rates, weight * scaled_jacobian(model, q)]
         return np.concatenate(missing, axis=-1), np.concatenate(slopes, axis=-2)
 
@@ -132,14 +132,14 @@ class _Held:
             return self.equations(q, target[rows], weight)
 
         def move(q: Array, step: Array) -> Array:
-            return integrate(self.seeker.model, q, step * rates)
+            return integrate(self.solver.model, q, step * rates)
 
         goal = 1e-14 if weight == 1.0 else 0.0
         return descend(at, starts, move, goal=goal, iterations=iterations)
 
     def starts(self, count: int) -> Array:
         """(count, nq): the reference, some near it, and some anywhere."""
-        model = self.seeker.model
+        model = self.solver.model
         q, noise, _ = random_state(model, self.problem.seed, count)
         if self.problem.q0 is not None:
             near = max(1, count // 2)
@@ -154,20 +154,20 @@ class _Held:
         good = q[np.isfinite(q).all(axis=-1)]
         goals = np.broadcast_to(target, (len(good), *target.shape))
         good = self._polished(good, goals)
-        good = wrapped(self.seeker, good, self.rest)
-        miss = self.seeker.miss(good, goals) if len(good) else np.zeros(0)
+        good = wrapped(self.solver, good, self.rest)
+        miss = self.solver.miss(good, goals) if len(good) else np.zeros(0)
         rows = np.flatnonzero((miss <= EXACT) & self._closed(good))
         order = rows[np.argsort(np.linalg.norm(good[rows] - self.rest, axis=-1), kind="stable")]
         if self.plan is not None:
             order = np.sort(rows)
         kept: list[int] = []
         for row in order:
-            if all(_apart(self.seeker.model, good[row], good[other]) > APART for other in kept):
+            if all(_apart(self.solver.model, good[row], good[other]) > APART for other in kept):
                 kept.append(int(row))
         return Verified(good[kept], miss[kept], np.array(kept, dtype=int))
 
     def _closed(self, q: Array) -> np.ndarray:
-        model = self.seeker.model
+        model = self.solver.model
         if not len(q):
             return np.zeros(0, dtype=bool)
         left = np.abs(scaled_residual(model, q)).max(axis=-1, initial=0.0)
@@ -180,7 +180,7 @@ class _Held:
         for _ in range(4 if len(q) else 0):
             e, E = self.equations(q, target)
             step = (np.linalg.pinv(E, rcond=1e-9) @ e[..., None])[..., 0] * rates
-            trial = integrate(self.seeker.model, q, step)
+            trial = integrate(self.solver.model, q, step)
             after, _ = self.equations(trial, target)
             better = np.linalg.norm(after, axis=-1) < np.linalg.norm(e, axis=-1)
             q = np.where(better[:, None], trial, q)
@@ -188,7 +188,7 @@ class _Held:
 
     def freedom(self, q: Array) -> int:
         """Motions that are left with the tip held."""
-        _, E = self.equations(q, self.seeker.pose_and_jacobian(q)[0])
+        _, E = self.equations(q, self.solver.pose_and_jacobian(q)[0])
         return E.shape[-1] - int(np.linalg.matrix_rank(E, rtol=1e-8))
 
     def thinned(self, s: Verified) -> Verified:
@@ -196,7 +196,7 @@ class _Held:
         kept: list[int] = []
         for row in range(len(s.q)):
             if len(kept) < _SHOWN and all(
-                _apart(self.seeker.model, s.q[row], s.q[k]) > ALIKE for k in kept
+                _apart(self.solver.model, s.q[row], s.q[k]) > ALIKE for k in kept
             ):
                 kept.append(row)
         return Verified(s.q[kept], s.miss[kept], s.row[kept])
@@ -205,7 +205,7 @@ class _Held:
     def away(self, target: Array) -> tuple[Array, list[str]]:
         """(m, a sentence) for targets (N, …) that cannot be reached: to the nearest closed position
         found."""
-        near = 1e-7 * length(self.seeker.model)
+        near = 1e-7 * length(self.solver.model)
         found = [self._nearest(goal) for goal in target]
         sentences = []
         for goal, (distance, turned) in zip(target, found, strict=True):
@@ -215,22 +215,22 @@ class _Held:
 
     def _nearest(self, target: Array) -> tuple[float, float]:
         """(m, rad) that are missing at the nearest closed position found."""
-        model = self.seeker.model
+        model = self.solver.model
         q = self.starts(48)
         goals = np.broadcast_to(target, (len(q), *target.shape))
         for weight in _SETTLING:
             q, _ = self.descend(goals, q, weight, 60)
         q, _ = closing(model, q, range(model.nv))
         open_by = gaps(model, scaled_residual(model, q)).max(axis=-1)
-        error = self.seeker.task.error(self.seeker.pose_and_jacobian(q)[0], goals)
-        k = len(self.seeker.task.linear)
+        error = self.solver.task.error(self.solver.pose_and_jacobian(q)[0], goals)
+        k = len(self.solver.task.linear)
         parts = [np.linalg.norm(part, axis=-1) for part in (error[:, :k], error[:, k:])]
         cost = np.where(open_by < 1e-9 * length(model), parts[0] + length(model) * parts[1], np.inf)
         best = int(np.argmin(cost))
         return float(parts[0][best]), float(parts[1][best])
 
     def _sentence(self, distance: float, turned: float, near: float) -> str:
-        frame = f"frame {self.seeker.frame!r} of {self.seeker.model.name!r}"
+        frame = f"frame {self.solver.frame!r} of {self.solver.model.name!r}"
         if distance > near:
             return (
                 f"Out of reach: the target is about {distance:.6g} m from what {frame} can "

@@ -21,7 +21,7 @@ Polynomial = Callable[[Array], Array]
 
 
 @dataclass(frozen=True)
-class Found:
+class Candidates:
     """Candidates x (..., k, n), NaN where there is none; free marks the joints that could stand
     anywhere."""
 
@@ -29,13 +29,13 @@ class Found:
     free: np.ndarray
 
 
-def meet(s1: Screw, s2: Screw, c: Array, p: Array, prefer: Array, scale: float) -> Found:
+def meet(s1: Screw, s2: Screw, c: Array, p: Array, prefer: Array, scale: float) -> Candidates:
     """Positions (..., 2, 2) of two joints with e1 e2 c = p; c, p (..., 3)."""
     y = _meeting_points(s1, s2, c, p)
     c, p = np.broadcast_arrays(c[..., None, :], p[..., None, :])
     x2, free2 = sp.onto(s2, c, y, prefer[1], scale)
     x1, free1 = sp.onto(s1, s2.moved(x2, c), p, prefer[0], scale)
-    return Found(np.stack([x1, x2], axis=-1), np.stack([free1, free2], axis=-1))
+    return Candidates(np.stack([x1, x2], axis=-1), np.stack([free1, free2], axis=-1))
 
 
 def _meeting_points(s1: Screw, s2: Screw, c: Array, p: Array) -> Array:
@@ -180,7 +180,9 @@ def _roots(coefficients: np.ndarray) -> np.ndarray:
     return np.roots(np.where(negligible, 0.0, coefficients))
 
 
-def reach(screws: Sequence[Screw], c: Array, p: Array, prefer: Array, scale: float) -> Found | None:
+def reach(
+    screws: Sequence[Screw], c: Array, p: Array, prefer: Array, scale: float
+) -> Candidates | None:
     """Positions (..., k, 3) of three joints with e1 e2 e3 c = p, c (3,), p (..., 3); None where
     they are no arm."""
     s1, s2, s3 = screws
@@ -193,4 +195,4 @@ def reach(screws: Sequence[Screw], c: Array, p: Array, prefer: Array, scale: flo
     x = np.concatenate([pair.x, x3], axis=-1)
     free = np.concatenate([pair.free, np.zeros_like(x3, dtype=bool)], axis=-1)
     shape = (*p.shape[:-1], -1, 3)
-    return Found(x.reshape(shape), free.reshape(shape))
+    return Candidates(x.reshape(shape), free.reshape(shape))

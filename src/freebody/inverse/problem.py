@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.inverse.seek import Seeker
+from freebody.inverse.seek import NumericalSolver
 from freebody.inverse.solutions import Verified
 from freebody.trees.states import neutral
 
@@ -16,7 +16,7 @@ from freebody.trees.states import neutral
 class Problem:
     """What was asked for: targets (N, …) of a frame and task."""
 
-    seeker: Seeker
+    solver: NumericalSolver
     target: Array
     q0: Array | None
     limits: str
@@ -28,9 +28,9 @@ class Problem:
         """q (nq,) next to which angles are wrapped: q0, else the middle of the limits, else 0."""
         if self.q0 is not None:
             return self.q0
-        low, high = self.seeker.bounds
+        low, high = self.solver.bounds
         both = np.isfinite(low) & np.isfinite(high)
-        middle = neutral(self.seeker.model)
+        middle = neutral(self.solver.model)
         middle[both] = (low[both] + high[both]) / 2
         return np.clip(middle, low, high)
 

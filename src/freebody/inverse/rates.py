@@ -97,7 +97,7 @@ def _solved(
     batch = common_batch(function, {"q": J[..., 0], letter: wanted})
     _refuse_too_few(function, model, name, J, rows)
     return _inverted(
-        _Problem(function, model, name, rows, letter),
+        _JacobianRows(function, model, name, rows, letter),
         J,
         np.broadcast_to(wanted, (*batch, len(rows))),
         damping,
@@ -140,7 +140,7 @@ def _row_labels(model: Model, given: Any, task: str | Sequence[str] | None) -> t
     return names if set(labels_of(given)) - set(names[: model.dim]) else names[: model.dim]
 
 
-class _Problem:
+class _JacobianRows:
     """Where a Jacobian comes from, for messages."""
 
     def __init__(self, function: str, model: Model, frame: str, rows: list[int], letter: str):
@@ -173,7 +173,7 @@ def _refuse_too_few(function: str, model: Model, frame: str, J: Array, rows: lis
     )
 
 
-def _inverted(problem: _Problem, J: Array, wanted: Array, damping: float | None) -> Array:
+def _inverted(problem: _JacobianRows, J: Array, wanted: Array, damping: float | None) -> Array:
     """Σ σ / (σ² + λ²) v uᵀ wanted, λ = 0 but near a singularity."""
     U, sigma, Vt = np.linalg.svd(problem.scale[:, None] * J, full_matrices=False)
     if sigma.shape[-1] == 0 or not wanted.size:
@@ -193,7 +193,7 @@ def _inverted(problem: _Problem, J: Array, wanted: Array, damping: float | None)
     return rates
 
 
-def _refuse_singular(problem: _Problem, U: Array, singular: np.ndarray) -> None:
+def _refuse_singular(problem: _JacobianRows, U: Array, singular: np.ndarray) -> None:
     at = tuple(int(i) for i in np.argwhere(singular)[0]) if np.ndim(singular) else ()
     where = f" at sample {at[0] if len(at) == 1 else at}" if at else ""
     lost = U[(*at, slice(None), -1)] * problem.scale  # lost · J = 0
@@ -218,7 +218,7 @@ def _linear(factors: Array, names: list[str]) -> str:
     return text
 
 
-def _say_damped(problem: _Problem, J: Array, rates: Array, wanted: Array) -> None:
+def _say_damped(problem: _JacobianRows, J: Array, rates: Array, wanted: Array) -> None:
     off = np.abs((J @ rates[..., None])[..., 0] - wanted)
     worst = float(off.max())
     if worst > 1e-9 * max(1.0, float(np.abs(wanted).max())):

@@ -17,17 +17,17 @@ _SHOWN = 8
 
 def by_search(problem: Problem) -> Found:
     """What the starts lead to: within the limits, and beyond them where nothing is found within."""
-    seeker, N = problem.seeker, len(problem.target)
-    redundant = seeker.freedom > 0
+    solver, N = problem.solver, len(problem.target)
+    redundant = solver.freedom > 0
     K = problem.starts or (32 if redundant else 96)
     starts = _starts(problem, K)
     goals = np.repeat(problem.target, K, axis=0)
     keep = problem.limits != "ignore"
-    q, _ = seeker.seek(goals, np.tile(starts, (N, 1)), within=keep)
+    q, _ = solver.solve(goals, np.tile(starts, (N, 1)), within=keep)
     solutions = _sorted_out(problem, q.reshape(N, K, -1), keep)
     lost = [i for i, s in enumerate(solutions) if not len(s.q)]
     if lost and keep:  # perhaps beyond the limits
-        q, _ = seeker.seek(
+        q, _ = solver.solve(
             np.repeat(problem.target[lost], K, axis=0), np.tile(starts, (len(lost), 1))
         )
         again = replace(problem, target=problem.target[lost])
@@ -51,25 +51,25 @@ def by_search(problem: Problem) -> Found:
 
 def _starts(problem: Problem, K: int) -> Array:
     """(K, nq): q0, some near it, and some anywhere; without q0 all anywhere within the limits."""
-    model, seeker = problem.seeker.model, problem.seeker
+    model, solver = problem.solver.model, problem.solver
     q, noise, _ = random_state(model, problem.seed, K)
     if problem.q0 is not None:
         near = max(1, K // 2)
         spread = np.linspace(0.0, 0.5, near)[:, None]
-        q[:near] = seeker.moved(np.tile(problem.q0, (near, 1)), spread * noise[:near])
-    return np.where(seeker.moving, q, problem.reference)
+        q[:near] = solver.moved(np.tile(problem.q0, (near, 1)), spread * noise[:near])
+    return np.where(solver.moving, q, problem.reference)
 
 
 def _sorted_out(problem: Problem, q: Array, keep: bool) -> list[Verified]:
     """Solutions among what was found (N, K, nq), nearest to the reference first; `keep`: only those
     within limits."""
-    seeker, reference = problem.seeker, problem.reference
-    redundant = seeker.freedom > 0
-    if redundant and problem.q0 is not None and seeker.model.nq == seeker.model.nv:
+    solver, reference = problem.solver, problem.reference
+    redundant = solver.freedom > 0
+    if redundant and problem.q0 is not None and solver.model.nq == solver.model.nv:
         q = _settled(problem, q, problem.q0, keep)
-    results = verified(seeker, q, problem.target, reference, ALIKE if redundant else APART)
+    results = verified(solver, q, problem.target, reference, ALIKE if redundant else APART)
     for i, s in enumerate(results):
-        fine = within(seeker, s.q) if keep else np.ones(len(s.q), dtype=bool)
+        fine = within(solver, s.q) if keep else np.ones(len(s.q), dtype=bool)
         order = np.argsort(np.linalg.norm(s.q - reference, axis=-1), kind="stable")
         order = order[fine[order]][: _SHOWN if redundant else None]
         results[i] = Verified(s.q[order], s.miss[order], s.row[order])
@@ -79,7 +79,7 @@ def _sorted_out(problem: Problem, q: Array, keep: bool) -> list[Verified]:
 def _settled(problem: Problem, q: Array, q0: Array, keep: bool) -> Array:
     """What reached its target, slid along the solutions as near to q0 as can be."""
     flat, goals = q.reshape(-1, q.shape[-1]), np.repeat(problem.target, q.shape[1], axis=0)
-    good = problem.seeker.miss(flat, goals) < 1e-6
+    good = problem.solver.miss(flat, goals) < 1e-6
     if good.any():
-        flat[good] = problem.seeker.settled(flat[good], goals[good], q0, keep)
+        flat[good] = problem.solver.settled(flat[good], goals[good], q0, keep)
     return flat.reshape(q.shape)

@@ -24,8 +24,8 @@ EXACT = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class Seeker:
-    """A frame of a model and a task for it."""
+class NumericalSolver:
+    """Finds positions of a frame of a model that do a task, from many starts."""
 
     model: Model
     frame: str
@@ -81,7 +81,7 @@ class Seeker:
         """q moved along a step (..., nv)."""
         return q + step if self.model.nq == self.model.nv else integrate(self.model, q, step)
 
-    def seek(
+    def solve(
         self,
         target: Array,
         starts: Array,

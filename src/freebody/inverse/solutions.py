@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.inverse.seek import EXACT, Seeker
+from freebody.inverse.seek import EXACT, NumericalSolver
 from freebody.model.model import Model
-from freebody.outputs.display import Table, Tabled, counted
+from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.values import ByValue
 
 _OUTSIDE = "  (outside the limits)"
@@ -60,9 +60,9 @@ class Solutions(Tabled, ByValue):
     def _title(self) -> str:
         return f"Solutions: {self._found()}"
 
-    def _table(self) -> Table:
+    def _table(self) -> TextTable:
         if self.q.ndim > 2:
-            return Table((), (), self.notes)
+            return TextTable((), (), self.notes)
         head = (
             "",
             "name",
@@ -76,7 +76,7 @@ class Solutions(Tabled, ByValue):
                 zip(self.q, self.branches, self.residual, self.within_limits, strict=True)
             )
         ]
-        return Table(head, rows, self.notes)
+        return TextTable(head, rows, self.notes)
 
     def __str__(self) -> str:
         if self.q.ndim > 2:
@@ -99,7 +99,7 @@ class Verified:
 
 
 def verified(
-    seeker: Seeker, q: Array, target: Array, reference: Array, apart: float = APART
+    solver: NumericalSolver, q: Array, target: Array, reference: Array, apart: float = APART
 ) -> list[Verified]:
     """Of candidates q (N, k, nq) for targets (N, …) those that reach them, polished, wrapped, each
     once.
@@ -111,30 +111,30 @@ def verified(
     good = np.flatnonzero(np.isfinite(flat).all(axis=-1))
     miss = np.full(N * k, np.inf)
     if len(good):
-        near = good[seeker.miss(flat[good], goals[good]) < 1e-4 * max(1.0, seeker.length)]
+        near = good[solver.miss(flat[good], goals[good]) < 1e-4 * max(1.0, solver.length)]
         if len(near):
             flat = flat.copy()
-            flat[near], miss[near] = seeker.polished(flat[near], goals[near])
-            flat[near] = wrapped(seeker, flat[near], reference)
-            miss[near] = seeker.miss(flat[near], goals[near])
+            flat[near], miss[near] = solver.polished(flat[near], goals[near])
+            flat[near] = wrapped(solver, flat[near], reference)
+            miss[near] = solver.miss(flat[near], goals[near])
     results = []
     for i in range(N):
         rows = np.arange(i * k, (i + 1) * k)
-        rows = _distinct(seeker.model, flat, rows[miss[rows] <= EXACT], apart)
+        rows = _distinct(solver.model, flat, rows[miss[rows] <= EXACT], apart)
         results.append(Verified(flat[rows], miss[rows], rows - i * k))
     return results
 
 
-def wrapped(seeker: Seeker, q: Array, reference: Array) -> Array:
+def wrapped(solver: NumericalSolver, q: Array, reference: Array) -> Array:
     """Angles of q (N, nq) moved by whole turns: into their limits where that can be, and there next
     to `reference`."""
     q = q.copy()
-    low, high = seeker.bounds
-    for body, at in zip(seeker.model.bodies, seeker.model.coordinates, strict=True):
+    low, high = solver.bounds
+    for body, at in zip(solver.model.bodies, solver.model.coordinates, strict=True):
         if body.joint.mimic is not None or not body.kind.turns:
             continue
         k, turn = at.q[0], 2 * np.pi
-        if not _repeats(seeker.model, k):
+        if not _repeats(solver.model, k):
             continue
         x = q[:, k] - turn * np.round((q[:, k] - reference[k]) / turn)
         with np.errstate(invalid="ignore"):
@@ -181,7 +181,7 @@ def turning_coordinates(model: Model) -> np.ndarray:
     return mask
 
 
-def within(seeker: Seeker, q: Array) -> np.ndarray:
+def within(solver: NumericalSolver, q: Array) -> np.ndarray:
     """Whether q (..., nq) lies within the limits, to rounding."""
-    low, high = seeker.bounds
+    low, high = solver.bounds
     return np.asarray(((q >= low - 1e-9) & (q <= high + 1e-9)).all(axis=-1))

@@ -8,9 +8,9 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.inverse.chain import Screw
-from freebody.inverse.closed_form import Displacement, Form
+from freebody.inverse.closed_form import ClosedFormSolver, Displacement
 from freebody.inverse.descent import descend
-from freebody.inverse.seek import Seeker
+from freebody.inverse.seek import NumericalSolver
 from freebody.inverse.task import Task
 from freebody.trees.states import random_state
 
@@ -19,36 +19,36 @@ _NEAR = 1e-7  # nearer than this (in arm lengths) is reached
 
 
 def distances(
-    seeker: Seeker, form: Form | None, X: Displacement | None, target: Array
+    solver: NumericalSolver, form: ClosedFormSolver | None, X: Displacement | None, target: Array
 ) -> tuple[Array, list[str]]:
     """(m, a sentence) for targets (N, …) without solution; the distance is 0 where only the
     orientation is wrong."""
-    if not seeker.task.linear:
+    if not solver.task.linear:
         count = len(target)
         return np.zeros(count), ["The frame cannot be turned so."] * count
-    near = _NEAR * seeker.length
+    near = _NEAR * solver.length
     chained = form.reached(X) if form is not None and X is not None else None
     if chained is not None:
-        away = distance_of_points(*chained, seeker.length)
+        away = distance_of_points(*chained, solver.length)
         how = ""
     else:
-        away, turned = _nearest(seeker, target)
+        away, turned = _nearest(solver, target)
         how = "about "
-        if seeker.task.angular and (turned > 1e-6).any():
-            places = replace(seeker, task=Task(seeker.task.dim, seeker.task.linear))
+        if solver.task.angular and (turned > 1e-6).any():
+            places = replace(solver, task=Task(solver.task.dim, solver.task.linear))
             away = np.where(turned > 1e-6, _nearest(places, target)[0], away)
-    return np.where(away > near, away, 0.0), [_sentence(seeker, d, d > near, how) for d in away]
+    return np.where(away > near, away, 0.0), [_sentence(solver, d, d > near, how) for d in away]
 
 
-def _sentence(seeker: Seeker, distance: float, out: bool, how: str) -> str:
-    frame = f"frame {seeker.frame!r} of {seeker.model.name!r}"
+def _sentence(solver: NumericalSolver, distance: float, out: bool, how: str) -> str:
+    frame = f"frame {solver.frame!r} of {solver.model.name!r}"
     if out:
-        oriented = " with this orientation" if seeker.task.angular else ""
+        oriented = " with this orientation" if solver.task.angular else ""
         return (
             f"Out of reach: the target is {how}{distance:.6g} m from what {frame} can "
             f"reach{oriented}."
         )
-    if seeker.task.angular:
+    if solver.task.angular:
         return (
             f"The position is within reach of {frame}, but not with this orientation; "
             'task="position" leaves the orientation free.'
@@ -87,15 +87,15 @@ def _speed(screw: Screw, p: Array) -> Array:
     return np.cross(screw.w, p - screw.p) if screw.turning else np.broadcast_to(screw.w, p.shape)
 
 
-def _nearest(seeker: Seeker, target: Array) -> tuple[Array, Array]:
+def _nearest(solver: NumericalSolver, target: Array) -> tuple[Array, Array]:
     """(distance, angle) left (N,) by the best of many descents in which an angle counts a
     thousandfold."""
-    q, _, _ = random_state(seeker.model, 1, _STARTS)
+    q, _, _ = random_state(solver.model, 1, _STARTS)
     starts, goals = np.tile(q, (len(target), 1)), np.repeat(target, _STARTS, axis=0)
-    q, cost = seeker.seek(goals, starts, weight=30.0, iterations=60)
-    q, cost = seeker.seek(goals, q, weight=1000.0, iterations=100)
+    q, cost = solver.solve(goals, starts, weight=30.0, iterations=60)
+    q, cost = solver.solve(goals, q, weight=1000.0, iterations=100)
     best = np.argmin(cost.reshape(len(target), _STARTS), axis=-1)
     q = q.reshape(len(target), _STARTS, -1)[np.arange(len(target)), best]
-    error = seeker.task.error(seeker.pose_and_jacobian(q)[0], target)
-    k = len(seeker.task.linear)
+    error = solver.task.error(solver.pose_and_jacobian(q)[0], target)
+    k = len(solver.task.linear)
     return np.linalg.norm(error[:, :k], axis=-1), np.linalg.norm(error[:, k:], axis=-1)

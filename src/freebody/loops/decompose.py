@@ -16,9 +16,9 @@ from freebody.loops.dyads import (
     OF_TWO,
     Chain,
     Coincident,
+    ConstructionStep,
     Crossing,
     Posture,
-    Step,
     chain,
     coordinate,
     coordinates,
@@ -34,7 +34,7 @@ class Decomposition:
     """Steps that find all unknown coordinates, one after the other."""
 
     model: Model
-    steps: tuple[Step, ...]
+    steps: tuple[ConstructionStep, ...]
 
     def solve(self, q: Array, target: Array | None = None) -> Array | None:
         """All solutions (N, K, nq) with the known coordinates of q (N, nq), NaN where a branch has
@@ -91,7 +91,7 @@ class Decomposition:
                 found.append(_obstacle(*reach))
         return found
 
-    def _carried_by(self, step: Step) -> set[int]:
+    def _carried_by(self, step: ConstructionStep) -> set[int]:
         """The coordinates that a step's frames hang on."""
         tree = self.model.tree
         bodies = [tree.frames[frame][0] for frame in step.frames]
@@ -145,9 +145,9 @@ def decomposed(
 
 def _found(
     model: Model, left: set[int], pending: list[Chain], held: str | None
-) -> list[Step] | None:
+) -> list[ConstructionStep] | None:
     """Steps for all coordinates in `left`, or None."""
-    steps: list[Step] = []
+    steps: list[ConstructionStep] = []
     if held is not None:
         turns = [
             c
@@ -173,7 +173,7 @@ def _found(
 
 def _next(
     model: Model, left: set[int], pending: list[Chain]
-) -> tuple[Step, tuple[Chain, ...]] | None:
+) -> tuple[ConstructionStep, tuple[Chain, ...]] | None:
     """The next step, and the chains that it closes."""
     tree = model.tree
 

@@ -93,7 +93,7 @@ def _problem(
     frame: str | None,
     rows: Sequence[str] | None,
     hold: dict[str, float],
-) -> _Problem:
+) -> _SingularPositions:
     assemble(model)  # refuses a mechanism that cannot be closed
     kept = list(independent_rows(model))
     driven = model.driven
@@ -136,11 +136,13 @@ def _problem(
 
     measure = first if kind == "first" else second
     indices = [k[0] for k in held]
-    return _Problem(model, kind, measure, kept, indices, np.array([hold[name] for name in hold]))
+    return _SingularPositions(
+        model, kind, measure, kept, indices, np.array([hold[name] for name in hold])
+    )
 
 
 @dataclass(frozen=True)
-class _Problem:
+class _SingularPositions:
     """Φ = 0, the measure 0, and held coordinates: what a singular position satisfies."""
 
     model: Model

@@ -28,7 +28,7 @@ from freebody.loops.scaled import (
 from freebody.loops.solving import RANK
 from freebody.model.geometry import first_member
 from freebody.model.model import Model
-from freebody.outputs.display import Table, Tabled
+from freebody.outputs.display import Tabled, TextTable
 from freebody.trees.balance import balance
 from freebody.trees.calls import Vector, Wrenches, checked_inputs
 from freebody.trees.kinematics import checked_reference
@@ -68,9 +68,9 @@ class Reactions(Tabled, ByValue):
     def _title(self) -> str:
         return f"Reactions at {', '.join(self.names)}, of shape {self.wrenches.shape}"
 
-    def _table(self) -> Table:
+    def _table(self) -> TextTable:
         if self.wrenches.ndim > 2:
-            return Table(
+            return TextTable(
                 (),
                 (),
                 (f"At one instant: wrenches[{', '.join(['k'] * (self.wrenches.ndim - 2))}].",),
@@ -90,7 +90,7 @@ class Reactions(Tabled, ByValue):
         undetermined = (
             () if self.determined.all() else ("* not determined: the smallest possible.",)
         )
-        return Table(("N, N m", *axes), rows, undetermined)
+        return TextTable(("N, N m", *axes), rows, undetermined)
 
     def __getitem__(self, name: str) -> Array:
         """The wrench (..., six) of one joint or loop."""

@@ -27,7 +27,7 @@ from freebody.model.parts import ESTIMATED, Loop, Notice
 from freebody.model.reading import VALUES
 from freebody.model.structure import Structure, numbers_of, structure_of
 from freebody.model.tree import Attached, Coordinates, Tree, lower
-from freebody.outputs.display import Table, Tabled, counted
+from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.values import ByValue
 
 
@@ -526,6 +526,6 @@ class Model(Tabled, ByValue):
         members = f"; a family of shape {self.family}" if self.family else ""
         return f"Model {self.name!r}: {sizes}{loops}{members}"
 
-    def _table(self) -> Table:
+    def _table(self) -> TextTable:
         loops = [f"loop {x.name}: {x.kind}, {x.frames[0]} and {x.frames[1]}" for x in self.loops]
-        return Table(listing.titles(self), [listing.row(body) for body in self.bodies], loops)
+        return TextTable(listing.titles(self), [listing.row(body) for body in self.bodies], loops)

@@ -21,7 +21,7 @@ from freebody.model.loops import checked_distance
 from freebody.model.members import Members, arrays_in, common_shape, is_array, members, one_family
 from freebody.model.parameters import LARGEST, Parameter, Quantity, finite, real
 from freebody.model.reading import EXACT
-from freebody.outputs.display import Table
+from freebody.outputs.display import TextTable
 from freebody.outputs.text import legal
 from freebody.values import ByValue
 
@@ -109,7 +109,7 @@ class Parameters(Sequence[ModelParameter]):
 
     def _repr_html_(self) -> str:
         rows = [(r.name, _cell(r.value), r.unit, _what(r)) for r in self._records]
-        return Table(("name", "value", "unit", ""), rows).html(most=len(rows))
+        return TextTable(("name", "value", "unit", ""), rows).html(most=len(rows))
 
 
 def _cell(value: float | Array | None) -> str:

@@ -13,10 +13,10 @@ from freebody.arrays import Array, as_floats
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
-from freebody.outputs.display import Table, Tabled, counted
+from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.trees.calls import vector
 from freebody.trees.coordinates import (
-    Layout,
+    CoordinateLayout,
     continuous,
     layout,
     position_acceleration,
@@ -44,7 +44,7 @@ class Motion(Tabled, ByValue):
     qdd: Array
     source: str
     """Where the motion comes from, in words."""
-    layout: Layout
+    layout: CoordinateLayout
     notices: tuple[str, ...] = ()
     differentiated: Literal["", "positions", "rates"] = ""
     """What samples the accelerations are derivatives of, where they were not given."""
@@ -58,7 +58,7 @@ class Motion(Tabled, ByValue):
             f"positions; {self.source}"
         )
 
-    def _table(self) -> Table:
+    def _table(self) -> TextTable:
         rows = [(f"q[{k}]", f"{x.min():.4g} … {x.max():.4g}") for k, x in enumerate(self.q.T)]
         rates = [
             (f"{abs(v).max():.4g}", f"{abs(a).max():.4g}")
@@ -66,10 +66,10 @@ class Motion(Tabled, ByValue):
         ]
         if self.layout.flat:
             rows = [(*row, *rate) for row, rate in zip(rows, rates, strict=True)]
-            return Table(
+            return TextTable(
                 ("position", "range", "largest rate", "largest acceleration"), rows, self.notices
             )
-        return Table(("position", "range"), rows, self.notices)
+        return TextTable(("position", "range"), rows, self.notices)
 
     @property
     def duration(self) -> float:

@@ -15,7 +15,7 @@ from freebody.kernels.structural import fetch
 from freebody.loops.dynamics import accelerations
 from freebody.model.model import Model
 from freebody.motion.friction import WIDTH, SmoothFriction, smooth_friction
-from freebody.trees.coordinates import Layout, layout, normalised, position_rate
+from freebody.trees.coordinates import CoordinateLayout, layout, normalised, position_rate
 from freebody.trees.dynamics import mass_matrix
 from freebody.trees.massless import refuse_massless
 
@@ -34,7 +34,7 @@ class System:
     """The right-hand side and its derivative; batches of states are welcome everywhere."""
 
     model: Model
-    layout: Layout
+    layout: CoordinateLayout
     friction: SmoothFriction
     forward: Callable[..., Array]
     inverse: Callable[..., Array]

@@ -16,7 +16,7 @@ _LONGEST = 160
 
 
 @dataclass(frozen=True)
-class Table:
+class TextTable:
     """A table of texts: its head, its rows, and sentences below it."""
 
     head: Sequence[str]
@@ -55,7 +55,7 @@ class Titled:
 class Tabled(Titled):
     """Shows itself in a notebook as a table too."""
 
-    def _table(self) -> Table:
+    def _table(self) -> TextTable:
         raise NotImplementedError
 
     def _repr_html_(self) -> str:

@@ -34,14 +34,14 @@ _PARTS = {
 
 
 @dataclass(frozen=True)
-class Figure:
+class CaptionedDrawing:
     """SVG text and the words under it."""
 
     svg: str
     caption: str = ""
 
 
-def robot(study: Study) -> Figure:
+def robot(study: Study) -> CaptionedDrawing:
     """The robot at the worst instant, with poses before and after."""
     model = study.model.replace(tip=study.tip)
     q = study.motion.q
@@ -57,23 +57,24 @@ def robot(study: Study) -> Figure:
     svg = picture(robot_drawing(model, q[study.worst.index], ghosts, path[::step]), 640, 540).text(
         css=False
     )
-    return Figure(
+    return CaptionedDrawing(
         svg,
         f"At the worst instant, t = {study.worst.time:.3g} s; fainter: other poses of the motion. "
         f"Orange: the path of {study.tip}.",
     )
 
 
-def free_bodies(study: Study) -> tuple[list[Figure], tuple[BodyLoads, ...]]:
+def free_bodies(study: Study) -> tuple[list[CaptionedDrawing], tuple[BodyLoads, ...]]:
     """The diagram of each body at the worst instant, and the loads they show."""
     k, m = study.worst.index, study.motion
     found = body_loads(study.model, m.q[k], m.qd[k], m.qdd[k])
     return [
-        Figure(picture(d, PANEL, TALLEST).text(css=False)) for d in diagrams(found, study.model.dim)
+        CaptionedDrawing(picture(d, PANEL, TALLEST).text(css=False))
+        for d in diagrams(found, study.model.dim)
     ], found
 
 
-def motion(study: Study) -> Iterator[Figure]:
+def motion(study: Study) -> Iterator[CaptionedDrawing]:
     """Positions, rates, accelerations."""
     for variable, what, suffix in (
         ("q", "Position", ""),
@@ -83,7 +84,7 @@ def motion(study: Study) -> Iterator[Figure]:
         yield from _overlays(study, variable, what, suffix)
 
 
-def torques(study: Study) -> Iterator[Figure]:
+def torques(study: Study) -> Iterator[CaptionedDrawing]:
     """Each coordinate's torque with its parts and limits."""
     data, limits = study.data, allowed(study.model).effort
     shown = parts(study)
@@ -104,7 +105,7 @@ def parts(study: Study) -> dict[str, str]:
     }
 
 
-def powers(study: Study) -> Iterator[Figure]:
+def powers(study: Study) -> Iterator[CaptionedDrawing]:
     """Mechanical power of the drives, and of all together."""
     data = study.data
     for group in _groups(study.model.driven_names):
@@ -120,7 +121,7 @@ def powers(study: Study) -> Iterator[Figure]:
     )
 
 
-def energies(study: Study) -> Iterator[Figure]:
+def energies(study: Study) -> Iterator[CaptionedDrawing]:
     """Energies, and how far their balance is off."""
     data = study.data
     kinetic, potential = data["kinetic_energy"].values, data["potential_energy"].values
@@ -142,7 +143,7 @@ def energies(study: Study) -> Iterator[Figure]:
     )
 
 
-def kinematics(study: Study) -> Iterator[Figure]:
+def kinematics(study: Study) -> Iterator[CaptionedDrawing]:
     """The tip's path and speed, and how near the arm is to a singular pose."""
     data = study.data
     position = data["tip_position"]
@@ -161,12 +162,12 @@ def kinematics(study: Study) -> Iterator[Figure]:
     )
 
 
-def gravity(study: Study) -> Iterator[Figure]:
+def gravity(study: Study) -> Iterator[CaptionedDrawing]:
     """The gravity part of the torques."""
     yield from _overlays(study, "tau_gravity", "Gravity load", "", "effort_unit")
 
 
-def reactions(study: Study) -> Iterator[Figure]:
+def reactions(study: Study) -> Iterator[CaptionedDrawing]:
     """Magnitude of each joint's reaction."""
     for variable, what, unit in (
         ("reaction_force", "Reaction force", "N"),
@@ -179,7 +180,7 @@ def reactions(study: Study) -> Iterator[Figure]:
             yield _plot(study, what, curves, unit)
 
 
-def drift(study: Study) -> Iterator[Figure]:
+def drift(study: Study) -> Iterator[CaptionedDrawing]:
     """How far the open-loop run is from the reference."""
     replay = study.replay
     if replay is None or len(replay.drift_time) < 2:
@@ -195,12 +196,12 @@ def drift(study: Study) -> Iterator[Figure]:
         legend=False,
         log=True,
     )
-    yield Figure(plot(what).text(css=False))
+    yield CaptionedDrawing(plot(what).text(css=False))
 
 
 def _overlays(
     study: Study, variable: str, what: str, suffix: str, unit_name: str = "unit"
-) -> Iterator[Figure]:
+) -> Iterator[CaptionedDrawing]:
     """Coordinates of one unit together, at most eight a picture."""
     array = study.data[variable]
     dim = "position" if "position" in array.dims else "coordinate"
@@ -237,7 +238,7 @@ def _plot(
     study: Study, title: str, curves: dict[str, np.ndarray], unit: str, *,
     limits: tuple[float, ...] = (),
     legend: bool = True, peaks: bool = False, now: float | None = None,
-) -> Figure:  # fmt: skip
+) -> CaptionedDrawing:  # fmt: skip
     at = study.worst.time if now is None else now
     what = Plot(title, study.motion.t, curves, unit, limits, at, peaks, legend)
-    return Figure(plot(what).text(css=False))
+    return CaptionedDrawing(plot(what).text(css=False))

@@ -14,7 +14,16 @@ from freebody.figures.loads import BodyLoads, Load
 from freebody.figures.text import html
 from freebody.model.parts import Joint
 from freebody.report.facts import facts
-from freebody.report.tables import Cell, Head, Number, Table, Text, alone, table, typeset
+from freebody.report.tables import (
+    Cell,
+    Head,
+    PrintedNumber,
+    ReportTable,
+    Text,
+    alone,
+    table,
+    typeset,
+)
 
 if TYPE_CHECKING:
     from freebody.report.study import Study
@@ -48,7 +57,7 @@ class Printed:
         units = [self.unit] * len(names) if isinstance(self.unit, str) else list(self.unit)
         same = len(set(units)) == 1
         cells = [
-            Number(
+            PrintedNumber(
                 float(x),
                 self.variable,
                 {dim: name, **dict(self.at)},
@@ -61,7 +70,7 @@ class Printed:
         return Head(self.title, "%" if self.share else units[0] if same else "", self.tip), cells
 
 
-def drives(study: Study) -> Table:
+def drives(study: Study) -> ReportTable:
     """What motors and gears are chosen by."""
     names = study.model.driven_names
     at = [study.model.velocity_names.index(name) for name in names]
@@ -86,7 +95,7 @@ def drives(study: Study) -> Table:
     return _by_coordinate("What each drive must give", study, names, columns)
 
 
-def work(study: Study) -> Table:
+def work(study: Study) -> ReportTable:
     """What each drive puts in and takes up."""
     columns = [
         Printed("Work done", "work_done", "J", "where torque and speed have the same sign"),
@@ -107,7 +116,7 @@ def work(study: Study) -> Table:
     )
 
 
-def ranges(study: Study) -> Table | None:
+def ranges(study: Study) -> ReportTable | None:
     """How far each coordinate goes, and its limits; None where no coordinate has a range."""
     units = _units(study, "unit")
     if not np.isfinite(study.summary["lowest"].values).any():
@@ -130,7 +139,7 @@ def ranges(study: Study) -> Table | None:
     return _by_coordinate("How far the motion goes", study, study.model.velocity_names, columns)
 
 
-def bodies(study: Study) -> Table:
+def bodies(study: Study) -> ReportTable:
     """Masses and centres of mass, and what carries each body."""
     model = study.model
     names = [body.name for body in model.bodies]
@@ -150,7 +159,7 @@ def bodies(study: Study) -> Table:
     return _listed("Bodies: what moves as one piece", "Body", names, columns)
 
 
-def gravity(study: Study) -> Table | None:
+def gravity(study: Study) -> ReportTable | None:
     """The worst poses at rest, and the largest gravity load along the motion; None where gravity
     loads nothing."""
     names = [pose.coordinate for pose in study.static]
@@ -184,7 +193,7 @@ def gravity(study: Study) -> Table | None:
     return _by_coordinate("What gravity alone asks", study, names, columns)
 
 
-def reactions(study: Study) -> Table:
+def reactions(study: Study) -> ReportTable:
     """What bearings are chosen by."""
     names = study.model.reaction_names
     loads = [
@@ -213,7 +222,7 @@ def _drive_units(study: Study) -> list[str]:
     return ["N" if name in sliding else "N m" for name in study.model.reaction_names]
 
 
-def checks(study: Study) -> Table:
+def checks(study: Study) -> ReportTable:
     """Each check with its value and bar."""
     names, book = [c.name for c in study.checks], facts(study)
     results = [
@@ -226,7 +235,9 @@ def checks(study: Study) -> Table:
         Printed("Bar", "check_bar", tip="the largest value that passes"),
     ):
         head, cells = printed.column(book, "check", names)
-        columns.append((head, [alone(cell, 2) for cell in cells if isinstance(cell, Number)]))
+        columns.append(
+            (head, [alone(cell, 2) for cell in cells if isinstance(cell, PrintedNumber)])
+        )
     columns.append(
         (
             Head("What is compared", number=False),
@@ -236,7 +247,7 @@ def checks(study: Study) -> Table:
     return _listed("Two ways to the same quantity", "Check", names, columns)
 
 
-def loads(study: Study, body: BodyLoads) -> Table:
+def loads(study: Study, body: BodyLoads) -> ReportTable:
     """Components of all that acts on a body at the worst instant, world axes."""
     forces, moments = _axes(study, "axis"), _axes(study, "moment_axis")
     symbols = [
@@ -259,7 +270,9 @@ def loads(study: Study, body: BodyLoads) -> Table:
 def _force(study: Study, body: BodyLoads, load: Load, axis: str, j: int) -> Cell:
     """A component of a reaction or a weight."""
     if load.joint is None:
-        return Number(float(load.force[j]), "body_weight", {"body": body.body.name, "axis": axis})
+        return PrintedNumber(
+            float(load.force[j]), "body_weight", {"body": body.body.name, "axis": axis}
+        )
     return _reaction(study, "reaction_force", load, {"axis": axis}, float(load.force[j]))
 
 
@@ -271,7 +284,7 @@ def _moment(study: Study, load: Load, axis: str, j: int) -> Cell:
 
 def _reaction(
     study: Study, variable: str, load: Load, axis: dict[str, str | int], value: float
-) -> Number:
+) -> PrintedNumber:
     """On the child as in the data; on the parent its opposite."""
     sign = -1.0 if load.role == "counter" else 1.0
     assert load.joint is not None
@@ -280,7 +293,7 @@ def _reaction(
         "joint": study.model.reaction_names[load.joint],
         **axis,
     }
-    return Number(sign * value, variable, at, scale=sign)
+    return PrintedNumber(sign * value, variable, at, scale=sign)
 
 
 def _kind(joint: Joint) -> str:
@@ -289,7 +302,7 @@ def _kind(joint: Joint) -> str:
 
 def _by_coordinate(
     caption: str, study: Study, names: Sequence[str], columns: Sequence[Printed]
-) -> Table:
+) -> ReportTable:
     """Rows are coordinates, numbered as in the drawings; columns without any finite number are left
     out."""
     book = xr.merge([study.summary, facts(study)], compat="no_conflicts", combine_attrs="drop")
@@ -308,7 +321,7 @@ def _listed(
     names: Iterable[str],
     columns: Sequence[Column],
     numbers: Iterable[int] | None = None,
-) -> Table:
+) -> ReportTable:
     """Named rows with numbers, by default from 1."""
     first: list[Cell] = [Text(name, strong=True) for name in names]
     counted = range(1, len(first) + 1) if numbers is None else numbers

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from freebody.arrays import Array
-from freebody.outputs.display import Table, Tabled
+from freebody.outputs.display import Tabled, TextTable
 
 CLOSE = 1e-9
 """Of a limit: what is beyond it by less is on it, and so within."""
@@ -16,7 +16,7 @@ Outcome = Literal["feasible", "not feasible", "not judged"]
 
 
 @dataclass(frozen=True)
-class Use:
+class LimitUse:
     """How much of one limit a motion uses."""
 
     quantity: str
@@ -53,14 +53,14 @@ class Use:
 
 
 @dataclass(frozen=True, repr=False)
-class Verdict(Tabled):
+class MotionVerdict(Tabled):
     """Whether the robot can make the motion, as far as its description tells; the first line of a
     study."""
 
     outcome: Outcome
     reason: str
     """Why, in a sentence or a few."""
-    uses: tuple[Use, ...]
+    uses: tuple[LimitUse, ...]
     """Every limit that is given, with what the motion uses of it; most used first."""
     missing: tuple[str, ...]
     """What would have to be given, in words, such as "an effort limit of elbow"; empty if all is
@@ -78,7 +78,7 @@ class Verdict(Tabled):
     def _title(self) -> str:
         return f"Verdict: {self.text}"
 
-    def _table(self) -> Table:
+    def _table(self) -> TextTable:
         rows = [
             (
                 x.quantity,
@@ -90,7 +90,7 @@ class Verdict(Tabled):
             for x in self.uses
         ]
         notes = [f"Not given: {x}." for x in self.missing] + list(self.masses)
-        return Table(("of", "joint", "needed", "limit", "used"), rows, notes)
+        return TextTable(("of", "joint", "needed", "limit", "used"), rows, notes)
 
     @property
     def heading(self) -> str:
@@ -112,7 +112,7 @@ class Verdict(Tabled):
         return self.outcome != "not feasible" and not self.masses
 
     @property
-    def binding(self) -> Use | None:
+    def binding(self) -> LimitUse | None:
         """The limit that the motion uses most of, or exceeds most."""
         return self.uses[0] if self.uses else None
 

@@ -17,13 +17,13 @@ from freebody.motion.default import default_motion
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import ranges
 from freebody.motion.table import motion_from_dataset, read_motion
-from freebody.outputs.display import Table, Tabled, counted
+from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.report.checks import checks
 from freebody.report.jacobians import singularity
 from freebody.report.measured import Smooth, filtered
 from freebody.report.pace import at_pace, pace
 from freebody.report.replay import replayed
-from freebody.report.results import Check, Replay, Singularity, StaticPose, Verdict, Worst
+from freebody.report.results import Check, MotionVerdict, Replay, Singularity, StaticPose, Worst
 from freebody.report.series import series, torque_parts
 from freebody.report.static import worst_poses
 from freebody.report.summary import limit_notices, summary, worst
@@ -93,7 +93,7 @@ class Study(Tabled, ByValue):
     singularity: Singularity
     checks: tuple[Check, ...]
     """Of freebody on itself: quantities computed in two ways."""
-    verdict: Verdict
+    verdict: MotionVerdict
     """Whether the robot can make the motion: feasible, not feasible, or not judged, and why."""
     replay: Replay | None
     replay_skipped: str
@@ -114,7 +114,7 @@ class Study(Tabled, ByValue):
             f"{self.verdict.heading}"
         )
 
-    def _table(self) -> Table:
+    def _table(self) -> TextTable:
         s = self.summary
         units = zip(s.unit.values, s.effort_unit.values, strict=True)
         columns = (s.coordinate, s.peak_torque, s.rms_torque, s.peak_speed, s.peak_power)
@@ -131,7 +131,7 @@ class Study(Tabled, ByValue):
             )
         ]
         head = ("joint", "peak torque", "RMS torque", "peak speed", "peak power")
-        return Table(head, rows, [self.verdict.text, *self.warnings])
+        return TextTable(head, rows, [self.verdict.text, *self.warnings])
 
     @property
     def checked(self) -> bool:

@@ -17,7 +17,7 @@ _NOISE = 1e-9  # of the largest in a column: rounding, printed as 0
 
 
 @dataclass(frozen=True)
-class Number:
+class PrintedNumber:
     """A printed number: the entry `at` (labels; for time the sample's index) of an array `variable`
     of the data file.
 
@@ -54,7 +54,7 @@ class Text:
     css: str = ""
 
 
-Cell = Number | Text
+Cell = PrintedNumber | Text
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Head:
 
 
 @dataclass(frozen=True)
-class Table:
+class ReportTable:
     """Rows under heads; `caption` says what it shows."""
 
     caption: str
@@ -76,10 +76,10 @@ class Table:
     rows: tuple[tuple[Cell, ...], ...]
 
 
-def table(caption: str, heads: Sequence[Head], columns: Sequence[Sequence[Cell]]) -> Table:
+def table(caption: str, heads: Sequence[Head], columns: Sequence[Sequence[Cell]]) -> ReportTable:
     """A table from its columns, the numbers of each printed with the same decimals."""
     printed = [aligned(column) for column in columns]
-    return Table(caption, tuple(heads), tuple(zip(*printed, strict=True)))
+    return ReportTable(caption, tuple(heads), tuple(zip(*printed, strict=True)))
 
 
 def aligned(column: Sequence[Cell]) -> list[Cell]:
@@ -88,7 +88,7 @@ def aligned(column: Sequence[Cell]) -> list[Cell]:
     sizes = sorted(
         abs(cell.value * cell.scale)
         for cell in column
-        if isinstance(cell, Number) and math.isfinite(cell.value) and cell.value != 0
+        if isinstance(cell, PrintedNumber) and math.isfinite(cell.value) and cell.value != 0
     )
     if not sizes:
         return [_printed(cell, 0, 0.0) for cell in column]
@@ -117,7 +117,7 @@ def typeset(text: str) -> Markup:
     return Markup(re.sub(r"(?<![\w.])-(?=\d)", "−", text))
 
 
-def alone(number: Number, digits: int = 3) -> Number:
+def alone(number: PrintedNumber, digits: int = 3) -> PrintedNumber:
     """A number with its own digits, for columns of unlike sizes."""
     return replace(number, text=significant(number.value * number.scale, digits))
 

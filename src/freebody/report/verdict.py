@@ -20,7 +20,7 @@ from freebody.model.parts import DOUBTFUL, ESTIMATED
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges, with_drive
 from freebody.report.pace import Pace, pace, parts
-from freebody.report.results import CLOSE, Outcome, Use, Verdict, percent
+from freebody.report.results import CLOSE, LimitUse, MotionVerdict, Outcome, percent
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,7 +36,7 @@ _TIGHT = 1.001  # a pace below it is called "as fast as it goes"
 
 def verdict(
     model: Model, motion: Motion, data: xr.Dataset, found: xr.Dataset, noisy: bool = False
-) -> Verdict:
+) -> MotionVerdict:
     """Judge a motion by `Study.data` and `Study.summary`; noisy: the motion's noise is part of its
     torques."""
     allowed = ranges(model)
@@ -74,7 +74,7 @@ def verdict(
     if estimated:
         sentences.append("The inertias are estimated, and so are all torques.")
     factor = float("nan") if masses or loose or not uses else run.factor
-    return Verdict(outcome, " ".join(sentences), uses, missing, masses, estimated, factor)
+    return MotionVerdict(outcome, " ".join(sentences), uses, missing, masses, estimated, factor)
 
 
 def effort_limits(model: Model, allowed: Ranges) -> np.ndarray:
@@ -83,7 +83,7 @@ def effort_limits(model: Model, allowed: Ranges) -> np.ndarray:
 
 
 # ------------------------------------------------------------ what is used of each limit
-def _uses(model: Model, motion: Motion, allowed: Ranges, found: xr.Dataset) -> Iterator[Use]:
+def _uses(model: Model, motion: Motion, allowed: Ranges, found: xr.Dataset) -> Iterator[LimitUse]:
     driven = set(model.driven_names)
     iq, iv = position_columns(model)
     column = dict(zip(iv.tolist(), iq.tolist(), strict=True))
@@ -100,10 +100,10 @@ def _uses(model: Model, motion: Motion, allowed: Ranges, found: xr.Dataset) -> I
         top, most = float(allowed.velocity[k]), float(allowed.effort[k])
         if np.isfinite(top):
             fraction, when = of["velocity_fraction"], of["peak_speed_time"]
-            yield Use("speed", name, of["peak_speed"], top, fraction, when, f"{unit}/s")
+            yield LimitUse("speed", name, of["peak_speed"], top, fraction, when, f"{unit}/s")
         if name not in driven or not np.isfinite(most):
             continue
-        yield Use(
+        yield LimitUse(
             what,
             name,
             of["peak_torque"],
@@ -112,7 +112,7 @@ def _uses(model: Model, motion: Motion, allowed: Ranges, found: xr.Dataset) -> I
             of["peak_torque_time"],
             effort_unit,
         )
-        yield Use(
+        yield LimitUse(
             f"RMS {what}",
             name,
             of["rms_torque"],
@@ -123,12 +123,12 @@ def _uses(model: Model, motion: Motion, allowed: Ranges, found: xr.Dataset) -> I
         )
         if np.isfinite(top):
             fraction, when = of["power_fraction"], of["peak_power_time"]
-            yield Use("power", name, of["peak_power"], most * top, fraction, when, "W")
+            yield LimitUse("power", name, of["peak_power"], most * top, fraction, when, "W")
 
 
 def _position(
     motion: Motion, allowed: Ranges, k: int, column: int, name: str, unit: str, fraction: float
-) -> Iterator[Use]:
+) -> Iterator[LimitUse]:
     """The nearest approach to, or the farthest excess of, a position limit; one-sided ranges count
     when left."""
     q, lower, upper = motion.q[:, column], float(allowed.lower[k]), float(allowed.upper[k])
@@ -142,7 +142,7 @@ def _position(
         if beyond <= CLOSE * max(1.0, abs(limit)):
             return
         fraction = 1.0 + beyond / (2 * np.pi if allowed.turns[k] else 1.0)
-    yield Use("position", name, float(q[at]), limit, fraction, float(motion.t[at]), unit)
+    yield LimitUse("position", name, float(q[at]), limit, fraction, float(motion.t[at]), unit)
 
 
 # ------------------------------------------------------------ what is not there
@@ -237,8 +237,8 @@ def _is_massless(model: Model) -> bool:
 # ------------------------------------------------------------ in words
 def _reasons(
     outcome: Outcome,
-    uses: Sequence[Use],
-    over: Sequence[Use],
+    uses: Sequence[LimitUse],
+    over: Sequence[LimitUse],
     undriven: Sequence[str],
     missing: Sequence[str],
     masses: Sequence[str],
@@ -262,7 +262,12 @@ def _reasons(
 
 
 def _paces(
-    model: Model, run: Pace, uses: Sequence[Use], over: Sequence[Use], undriven: bool, partly: bool
+    model: Model,
+    run: Pace,
+    uses: Sequence[LimitUse],
+    over: Sequence[LimitUse],
+    undriven: bool,
+    partly: bool,
 ) -> list[str]:
     """How much faster, or slower."""
     out = any(use.exceeded and use.quantity == "position" for use in uses)

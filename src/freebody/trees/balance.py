@@ -12,7 +12,7 @@ from freebody.model.model import Model
 
 
 @dataclass(frozen=True)
-class Balance:
+class NewtonEulerResiduals:
     """ΣF - m a (..., nj, dim) and ΣM - Ḣ (..., nj, 3 or 1) of every body, and the largest force and
     moment that entered."""
 
@@ -24,7 +24,7 @@ class Balance:
 
 def balance(
     model: Model, q: Array, qd: Array, qdd: Array, wrenches: Array, external: Mapping[str, Array]
-) -> Balance:
+) -> NewtonEulerResiduals:
     """How well reactions and external wrenches, world axes, explain a motion q (..., nq), qd, qdd
     (..., nv).
 
@@ -34,4 +34,4 @@ def balance(
     kernel = fetch(model, ("balance",), Option(wrench_frames=tuple(external)))
     force, moment, largest = kernel(q, qd, qdd, wrenches, *external.values())
     sizes = largest.reshape(-1, 2).max(axis=0, initial=0.0)
-    return Balance(force, moment, float(sizes[0]), float(sizes[1]))
+    return NewtonEulerResiduals(force, moment, float(sizes[0]), float(sizes[1]))

@@ -19,7 +19,7 @@ Index = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
-class Layout:
+class CoordinateLayout:
     """Where a model's coordinates stand: plain ones (q̇ = v), quaternions, and positions of free
     joints.
 
@@ -39,7 +39,7 @@ class Layout:
         return not self.turns
 
 
-def layout(model: Model) -> Layout:
+def layout(model: Model) -> CoordinateLayout:
     """The layout of a model's coordinates."""
     iq: list[int] = []
     iv: list[int] = []
@@ -56,10 +56,10 @@ def layout(model: Model) -> Layout:
         if body.kind.nq == 7:
             shifts.append((slice(at.q[0], at.q[3]), turn[0], slice(at.v[0], at.v[3]), turn[1]))
     plain = np.array(iq, dtype=int), np.array(iv, dtype=int)
-    return Layout(model.nq, model.nv, plain, tuple(turns), tuple(shifts))
+    return CoordinateLayout(model.nq, model.nv, plain, tuple(turns), tuple(shifts))
 
 
-def position_rate(where: Layout, q: Array, v: Array) -> Array:
+def position_rate(where: CoordinateLayout, q: Array, v: Array) -> Array:
     """q̇ (..., nq) of v (..., nv)."""
     if where.flat:
         return v
@@ -72,7 +72,7 @@ def position_rate(where: Layout, q: Array, v: Array) -> Array:
     return rate
 
 
-def position_acceleration(where: Layout, q: Array, v: Array, a: Array) -> Array:
+def position_acceleration(where: CoordinateLayout, q: Array, v: Array, a: Array) -> Array:
     """q̈ of the position coordinates (..., nq) from rates v and their derivatives a (..., nv)."""
     if where.flat:
         return a
@@ -86,7 +86,9 @@ def position_acceleration(where: Layout, q: Array, v: Array, a: Array) -> Array:
     return second
 
 
-def state_of(where: Layout, x: Array, xd: Array, xdd: Array) -> tuple[Array, Array, Array]:
+def state_of(
+    where: CoordinateLayout, x: Array, xd: Array, xdd: Array
+) -> tuple[Array, Array, Array]:
     """(q, v, v̇) of position coordinates x with their time derivatives; quaternions of any length
     are normalised."""
     if where.flat:
@@ -113,7 +115,7 @@ def state_of(where: Layout, x: Array, xd: Array, xdd: Array) -> tuple[Array, Arr
     return q, v, a
 
 
-def normalised(where: Layout, q: Array) -> Array:
+def normalised(where: CoordinateLayout, q: Array) -> Array:
     """q with its quaternions of unit length."""
     if where.flat:
         return q
@@ -123,7 +125,7 @@ def normalised(where: Layout, q: Array) -> Array:
     return q
 
 
-def continuous(where: Layout, q: Array) -> Array:
+def continuous(where: CoordinateLayout, q: Array) -> Array:
     """Samples q (T, nq) with the signs of quaternions chosen so that neighbours are near."""
     if where.flat:
         return q

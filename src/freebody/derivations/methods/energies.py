@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from freebody.algorithms.kinematics import Motion
+from freebody.algorithms.kinematics import BodyMotions
 from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Step
 from freebody.derivations.expression import Equation, eq
@@ -20,7 +20,7 @@ HALF = ex.num(Fraction(1, 2))
 class Energies:
     """The energies as polynomials; accelerations do not occur in them."""
 
-    def __init__(self, setting: Setting, moving: Motion):
+    def __init__(self, setting: Setting, moving: BodyMotions):
         self.s = setting
         self.moving = moving
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from fractions import Fraction
 
-from freebody.algorithms.kinematics import Motion, outward
+from freebody.algorithms.kinematics import BodyMotions, outward
 from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expression import Expression, eq
@@ -97,7 +97,7 @@ def _positions(s: Setting) -> Step:
     return Step("Positions of the centres of mass", reason, tuple(lines), figure="centres")
 
 
-def _angular_velocities(s: Setting, moving: Motion) -> Step:
+def _angular_velocities(s: Setting, moving: BodyMotions) -> Step:
     lines = []
     for i in s.order:
         parent = s.tree.bodies[i].parent

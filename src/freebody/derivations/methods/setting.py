@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from freebody.algorithms.kinematics import Motion, Pose, outward, world_poses
+from freebody.algorithms.kinematics import BodyMotions, Pose, outward, world_poses
 from freebody.derivations import expression as ex
 from freebody.derivations.equations import Equations
 from freebody.derivations.expression import Expression
@@ -67,7 +67,7 @@ class Setting:
         return self.equations.layout
 
     @cached_property
-    def motion(self) -> Motion:
+    def motion(self) -> BodyMotions:
         """Velocities and accelerations of every body, base at rest, body axes."""
         still = (0.0,) * self.tree.nv
         rates = (still, still) if self.at_rest else (self.symbols.qd, self.symbols.qdd)

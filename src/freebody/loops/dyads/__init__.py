@@ -12,7 +12,7 @@ from freebody.loops.dyads.chain import Chain, Crossing, chain, coordinate, coord
 from freebody.loops.dyads.geometry import Coincident
 from freebody.loops.dyads.heading import heading
 from freebody.loops.dyads.posture import Posture
-from freebody.loops.dyads.step import OfOne, OfTwo, Step
+from freebody.loops.dyads.step import ConstructionStep, OfOne, OfTwo
 from freebody.loops.dyads.stretch import STRETCH
 from freebody.loops.dyads.swing import SWING
 from freebody.loops.dyads.triangle import TRIANGLE
@@ -25,9 +25,9 @@ __all__ = [
     "OF_TWO",
     "Chain",
     "Coincident",
+    "ConstructionStep",
     "Crossing",
     "Posture",
-    "Step",
     "chain",
     "coordinate",
     "coordinates",

@@ -5,10 +5,10 @@ from __future__ import annotations
 from freebody.arrays import Array
 from freebody.loops.dyads.chain import Crossing
 from freebody.loops.dyads.posture import Posture
-from freebody.loops.dyads.step import Step
+from freebody.loops.dyads.step import ConstructionStep
 
 
-class Heading(Step):
+class Heading(ConstructionStep):
     """Name: of the frame whose direction is wanted; it closes no chain."""
 
     @property
@@ -20,6 +20,6 @@ class Heading(Step):
         return [at.turned((self.crossings[0], at.angle - at.heading(self.names[0])))]
 
 
-def heading(frame: str, turn: Crossing) -> Step:
+def heading(frame: str, turn: Crossing) -> ConstructionStep:
     """The step that turns a frame."""
     return Heading((), (turn,), (frame,))

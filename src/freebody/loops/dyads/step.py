@@ -18,7 +18,7 @@ to."""
 
 
 @dataclass(frozen=True)
-class Step(ABC):
+class ConstructionStep(ABC):
     """Unknown joints of one chain, or of two, found from the others."""
 
     chains: tuple[Chain, ...]
@@ -71,9 +71,11 @@ class OfOne:
     """The unknown joints in their order: R pins, P slides."""
     rod: bool
     """Whether the chain's ends stay a distance apart, or meet."""
-    make: Callable[[Chain, Sequence[Crossing], NameOf], Step]
+    make: Callable[[Chain, Sequence[Crossing], NameOf], ConstructionStep]
 
 
-OfTwo = Callable[[Tree, tuple[Chain, Chain], tuple[list[Crossing], list[Crossing]]], Step | None]
+OfTwo = Callable[
+    [Tree, tuple[Chain, Chain], tuple[list[Crossing], list[Crossing]]], ConstructionStep | None
+]
 """A kind of step that closes two chains at once, whose unknown joints are these; None where it is
 not made for them."""

@@ -7,10 +7,10 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.loops.dyads.geometry import across, along, root
 from freebody.loops.dyads.posture import Posture
-from freebody.loops.dyads.step import OfOne, Step
+from freebody.loops.dyads.step import ConstructionStep, OfOne
 
 
-class Stretch(Step):
+class Stretch(ConstructionStep):
     """Name: of the slide."""
 
     ways = ("forward", "backward")

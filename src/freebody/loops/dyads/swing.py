@@ -10,10 +10,10 @@ from freebody.arrays import Array
 from freebody.loops.dyads.chain import Chain, Crossing
 from freebody.loops.dyads.geometry import corner, refuse_coincident, side
 from freebody.loops.dyads.posture import Posture
-from freebody.loops.dyads.step import NameOf, OfOne, Reach, Step
+from freebody.loops.dyads.step import ConstructionStep, NameOf, OfOne, Reach
 
 
-class Swing(Step):
+class Swing(ConstructionStep):
     """Names: of the pin, and of the end that turns about it."""
 
     @property
@@ -45,7 +45,7 @@ class Swing(Step):
         return self.names[0], other, base, np.abs(leg - d), leg + d
 
 
-def _made(chain: Chain, free: Sequence[Crossing], name_of: NameOf) -> Step:
+def _made(chain: Chain, free: Sequence[Crossing], name_of: NameOf) -> ConstructionStep:
     (turn,) = free
     end = chain.ends[1] if turn[1] > 0 else chain.ends[0]
     return Swing((chain,), (turn,), (name_of(turn), str(end)))

@@ -10,10 +10,10 @@ from freebody.arrays import Array
 from freebody.loops.dyads.chain import Chain, Crossing
 from freebody.loops.dyads.geometry import corner, refuse_coincident, side
 from freebody.loops.dyads.posture import Complex, Posture
-from freebody.loops.dyads.step import NameOf, OfOne, Reach, Step
+from freebody.loops.dyads.step import ConstructionStep, NameOf, OfOne, Reach
 
 
-class Triangle(Step):
+class Triangle(ConstructionStep):
     """Names: of the first pin, the second, the cut."""
 
     @property
@@ -65,7 +65,7 @@ class Triangle(Step):
         return np.abs(start - p), np.abs(r - p), np.abs(end - r)
 
 
-def _made(chain: Chain, free: Sequence[Crossing], name_of: NameOf) -> Step:
+def _made(chain: Chain, free: Sequence[Crossing], name_of: NameOf) -> ConstructionStep:
     one, two = free
     return Triangle(
         (chain,), (one, two), (name_of(one), name_of(two), chain.ends[0] or chain.ends[1])

@@ -10,10 +10,10 @@ from freebody.arrays import Array
 from freebody.loops.dyads.chain import Chain, Crossing
 from freebody.loops.dyads.geometry import across, along, refuse_coincident, root
 from freebody.loops.dyads.posture import Complex, Posture
-from freebody.loops.dyads.step import NameOf, OfOne, Step
+from freebody.loops.dyads.step import ConstructionStep, NameOf, OfOne
 
 
-class TurnAndSlide(Step):
+class TurnAndSlide(ConstructionStep):
     """Crossings: the pin, then the slide. Name: of the slide."""
 
     ways = ("forward", "backward")
@@ -48,7 +48,7 @@ class TurnAndSlide(Step):
         return (near, far, e, behind) if behind else (far, near, -e, behind)
 
 
-def _turn_first(chain: Chain, free: Sequence[Crossing], name_of: NameOf) -> Step:
+def _turn_first(chain: Chain, free: Sequence[Crossing], name_of: NameOf) -> ConstructionStep:
     turn, slide = free
     return TurnAndSlide((chain,), (turn, slide), (name_of(slide),))
 

@@ -10,12 +10,12 @@ from freebody.arrays import Array
 from freebody.loops.dyads.chain import Chain, Crossing, is_turning
 from freebody.loops.dyads.geometry import corner, refuse_coincident, shifted, side
 from freebody.loops.dyads.posture import Complex, Posture
-from freebody.loops.dyads.step import Reach, Step
+from freebody.loops.dyads.step import ConstructionStep, Reach
 from freebody.model.tree import Tree
 
 
 @dataclass(frozen=True)
-class TwoCircles(Step):
+class TwoCircles(ConstructionStep):
     """Name: of what the slides carry."""
 
     signs: tuple[float, ...] = ()
@@ -55,7 +55,7 @@ class TwoCircles(Step):
 
 def two_circles(
     tree: Tree, chains: tuple[Chain, Chain], free: tuple[list[Crossing], list[Crossing]]
-) -> Step | None:
+) -> ConstructionStep | None:
     """The step for two rods whose unknown joints are the same two slides."""
     bodies = [sorted(i for i, _ in row) for row in free]
     signs = [{sign for _, sign in row} for row in free]

@@ -5,10 +5,10 @@ from __future__ import annotations
 from freebody.arrays import Array
 from freebody.loops.dyads.geometry import shifted
 from freebody.loops.dyads.posture import Posture
-from freebody.loops.dyads.step import OfOne, Step
+from freebody.loops.dyads.step import ConstructionStep, OfOne
 
 
-class TwoSlides(Step):
+class TwoSlides(ConstructionStep):
     """Nothing to tell apart, so without names."""
 
     def solve(self, at: Posture) -> list[Array]:
