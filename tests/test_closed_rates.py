@@ -8,7 +8,11 @@ import pytest
 
 import freebody as fb
 from freebody.errors import FreebodyError, LoopError
+from freebody.kernels.formulas import Option
+from freebody.kernels.tracing import program
 from freebody.loops.scaled import rate_scale
+from freebody.program import Program
+from freebody.targets import compile_program
 from support.helpers import close
 
 MECHANISMS = [
@@ -77,6 +81,46 @@ def test_single_calls_and_batches_are_one(name: str):
         )
 
 
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_numbers_of_32_bits_tell_rates_and_forces_too(name: str):
+    """What is allowed to be left of equations is measured by their rounding, not by that of 64
+    bits."""
+    model, q, qd = _states(name, samples=30)
+    q, qd = q.astype(np.float32), qd.astype(np.float32)
+    x = np.random.default_rng(3).normal(size=qd.shape).astype(np.float32)
+    given = {"q": q, "qd": qd, "x": x}
+    for quantity in ("loop_velocity", "loop_acceleration", "drive_torques", "loop_multipliers"):
+        fine, coarse = (fb.kernel(model, quantity, dtype=d) for d in ("float64", "float32"))
+        arrays = [given[a.name] for a in coarse.program.inputs]
+        found = coarse(*arrays)
+        assert found.dtype == np.float32
+        assert np.isfinite(found).all()
+        exact = fine(*(_closed_in_64_bits(model, q) if a is q else a for a in arrays))
+        size = np.abs(exact).max(axis=-1, keepdims=True)
+        off = np.abs(found - exact) / size
+        assert np.median(off) < 1e-6
+        assert off.max() < 1e-4
+
+
+def _closed_in_64_bits(model: fb.Model, q: np.ndarray) -> np.ndarray:
+    return fb.assemble(model, q.astype(float))
+
+
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_rates_that_contradict_the_loops_and_positions_that_tell_none_are_nan(dtype: str):
+    model, q, qd = _states("four_bar")
+    program = _held(model, (0, 1))
+    kernel = compile_program(program, dtype=dtype)
+    assert np.isfinite(kernel(q, qd)).all()
+    wrong = qd + np.array([0.0, 0.02, 0.0])
+    assert np.isnan(kernel(q, wrong)).all()
+
+
+def _held(model: fb.Model, held: tuple[int, ...]) -> Program:
+    """The rates that those of some coordinates tell, one more than need be."""
+    return program(model, ("loop_velocity",), Option(held=held, equations=(0, 1)))
+
+
 def test_one_careful_sample_among_many():
     """A parallelogram that is almost flat takes the careful way, its neighbours do not."""
     flat = fb.load("four_bar").bind(l1=0.3, l3=0.3, l2=1.0, d=1.0)
@@ -87,11 +131,9 @@ def test_one_careful_sample_among_many():
     for given in ({"crank_pin": 1.0}, expected):
         found = fb.loop_velocity(flat, q, given)
         close(found, np.broadcast_to(expected, (3, 3)), 1e-7, 1.0)
-    assert np.isnan(fb.kernel(flat, "loop_velocity")(q, expected)).any(axis=-1).tolist() == [
-        False,
-        True,
-        False,
-    ]
+    for dtype in ("float64", "float32"):
+        quick = fb.kernel(flat, "loop_velocity", dtype=dtype)(q, expected)
+        assert np.isnan(quick).any(axis=-1).tolist() == [False, True, False]
     q[1] += 0.01
     with pytest.raises(LoopError, match=r"is open by .* sample 1"):
         fb.loop_velocity(flat, q, expected)

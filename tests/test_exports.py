@@ -25,7 +25,7 @@ import typer
 
 import freebody as fb
 from freebody.cli.app import app, run
-from freebody.elementary import less, less_equal, maximum, minimum, sign, sin, sqrt, where
+from freebody.elementary import epsilon, less, less_equal, maximum, minimum, sign, sin, sqrt, where
 from freebody.kernels.formulas import FORMULAS
 from freebody.kernels.vectors import vectors
 from freebody.program import Argument, Program, trace
@@ -167,6 +167,7 @@ def everything() -> Program:
         later = k + 17.25  # operands that may be swapped are ordered by age
         made += [less(f(x, nan), 99.0) for f in (minimum, maximum) for x in (1.0, later)]
         made += [where(nan, 2.0, 3.0), less(nan, 5.0), less_equal(5.0, nan)]
+        made += [less(epsilon(k), x) for x in (2e-16, 3e-16, 1.1e-7, 1.3e-7)]
         return (
             made,
             [[total, -total, q[1]], [k, 0.0, -2.5e-7]],
@@ -176,7 +177,7 @@ def everything() -> Program:
         )
 
     outputs = [
-        Argument("y", (len(OPERATIONS) + 7,)),
+        Argument("y", (len(OPERATIONS) + 11,)),
         Argument("Y", (2, 3)),
         Argument("z", (1,)),
         Argument("s", ()),
@@ -425,6 +426,24 @@ def test_the_vectors_of_a_kernel_with_inputs_are_near_the_robots_own_numbers(tmp
     names = json.loads((tmp_path / "names.json").read_text())
     listed = re.findall(r"p \[\d+\] (\w+)", text)
     assert [names["numbers"][word] for word in listed] == list(kernel.parameters)
+
+
+@pytest.mark.parametrize("name", ["five_bar", "bricard"])
+def test_rates_and_forces_of_loops_in_32_bits(name, tmp_path):
+    """Of Bricard's loop one equation follows from the others, as exactly as numbers of 32 bits
+    can."""
+    require("c")
+    model = fb.load(name)
+    names = ["loop_velocity", "loop_acceleration", "drive_torques"]
+    fb.export(model, names, tmp_path, dtype="float32", name="f")
+    passes(tmp_path, "c", "f")
+    given = vectors(fb.kernel(model, names, target="numpy").program, "float32", model).inputs
+    library, outs = compiled(tmp_path, "f"), np.zeros((3, model.nv), np.float32)
+    for sample in zip(*(x.astype(np.float32) for x in given), strict=True):
+        outs[:] = 0.0
+        assert library.f(*map(pointer, (*sample, *outs))) == 0
+        assert np.isfinite(outs).all()
+        assert outs.any(axis=-1).all()
 
 
 def test_the_self_test_of_loop_equations_asks_for_agreement():

@@ -22,6 +22,7 @@ from freebody.scalars.trig import TrigRing
 from freebody.targets import compile_program
 from freebody.targets.interpret import FUNCTION
 from freebody.targets.llvm.instructions import INSTRUCTION
+from freebody.targets.target import target_named
 from freebody.targets.text import LANGUAGES, Unit
 from support.programs import every_target
 
@@ -228,6 +229,28 @@ def _in_domain(x):
     return abs(x) <= 1.0
 
 
+@every_target
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_epsilon_is_that_of_the_numbers_that_a_kernel_computes_with(dtype, target, width):
+    inputs = [Argument("x", (2,)), Argument("y", ())]
+    program = trace(
+        "f",
+        lambda x, y: (1.0 + elementary.epsilon(x[1] * y - 3.0), elementary.epsilon(y) / 2.0 + 1.0),
+        inputs,
+        [Argument("next", ()), Argument("same", ())],
+    )
+    known = target_named(target).widths
+    if dtype not in known:
+        pytest.skip(f"{target} has no {dtype}")
+    width = width if width in known[dtype] else None
+    kernel = compile_program(program, target=target, width=width, dtype=dtype)
+    above, same = kernel(np.ones((9, 2)), np.ones(9))
+    assert (above == np.nextafter(np.ones(1, dtype), 2)).all()
+    assert (same == 1.0).all()
+    assert elementary.epsilon(np.ones(3, dtype)) == np.finfo(dtype).eps
+    assert elementary.epsilon(1) == elementary.epsilon(1.0) == 2.0**-52
+
+
 def test_what_folds():
     graph = Graph()
     x, y = graph.input("x"), graph.input("y")
@@ -240,6 +263,7 @@ def test_what_folds():
     assert e.minimum(x, x) == e.maximum(x, x) == x
     assert e.absolute(-x) == e.absolute(e.absolute(x)) == abs(x)
     assert e.absolute(e.sqrt(x)) == e.sqrt(x)
+    assert hash(e.epsilon(2.0 * e.sin(x) - y)) in (hash(e.epsilon(x)), hash(e.epsilon(y)))
 
 
 @pytest.mark.parametrize("name", [x for x in NAMED if OPERATIONS[x].partials])

@@ -53,6 +53,11 @@ def _where(condition: Any, a: Any, b: Any) -> Any:
     return np.where(np.not_equal(condition, 0.0), a, b)[()]
 
 
+def _epsilon(x: Any) -> Any:
+    kind = np.result_type(x)
+    return np.finfo(kind if kind.kind == "f" else np.float64).eps
+
+
 sin: _One = _dispatch("sin", np.sin, "Sine of an angle in radians.")
 cos: _One = _dispatch("cos", np.cos, "Cosine of an angle in radians.")
 sqrt: _One = _dispatch("sqrt", np.sqrt, "Square root; NaN where negative.")
@@ -89,4 +94,10 @@ maximum: _Two = _dispatch(
     "maximum",
     np.maximum,
     "The larger one, NaN if one is NaN; where they are equal, the derivative is a's.",
+)
+epsilon: _One = _dispatch(
+    "epsilon",
+    _epsilon,
+    "The distance from 1 to the next number of the type that x is computed in: 2^-52 of 64 bits, "
+    "2^-23 of 32.",
 )

@@ -30,6 +30,7 @@ from freebody.algorithms.kinematics import (
 )
 from freebody.algorithms.loop_scales import equations_of_lengths, mechanism_length
 from freebody.algorithms.rnea import External
+from freebody.algorithms.rounding import no_finer
 from freebody.elementary import Scalar, maximum, minimum, sign, sqrt
 from freebody.model.tree import Tree, TreeLoop
 from freebody.spatial import (
@@ -268,8 +269,10 @@ def closed(
     )
     sizes = [s * s * pivot for s, pivot in zip(scales, pivots, strict=True)]
     gaps = tuple(s * x for s, x in zip(scales, left, strict=True))
-    independent = reduce(minimum, sizes) - _PIVOT * reduce(maximum, sizes)
-    valid = one_if_positive(independent, _OPEN**2 - dot(gaps, gaps))
+    most, gap = reduce(maximum, sizes), dot(gaps, gaps)
+    independent = reduce(minimum, sizes) - no_finer(_PIVOT, most, _ROUNDINGS) * most
+    allowed = no_finer(_OPEN, gap, _ROUNDINGS)
+    valid = one_if_positive(independent, allowed * allowed - gap)
     return scale(valid, q), scale(valid, on)
 
 
@@ -278,6 +281,8 @@ _PIVOT = 1e-10
 to project with."""
 _OPEN = 1e-5
 """rad, or lengths of the mechanism: loops that a Newton step leaves open by more are not closed."""
+_ROUNDINGS = 128.0
+"""Both in units of rounding, of numbers of 32 bits."""
 
 
 def one_if_positive(*margins: Scalar) -> Scalar:

@@ -22,6 +22,7 @@ from freebody.algorithms.constraints import constraint_jacobian, loop_loads, one
 from freebody.algorithms.crba import only_inertia
 from freebody.algorithms.loop_scales import scales
 from freebody.algorithms.rnea import Recursion, rnea
+from freebody.algorithms.rounding import no_finer
 from freebody.elementary import Scalar, maximum, minimum, sqrt
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, add, dot, scale, sub, times, transposed
@@ -31,6 +32,8 @@ _PIVOT = 1e-3
 to divide by."""
 _LEFT = 1e-9
 """Of a scaled equation: what rounding leaves of one that follows from others."""
+_ROUNDINGS = 4096.0
+"""The same in units of rounding, of numbers of 32 bits."""
 
 
 class Partition(NamedTuple):
@@ -175,8 +178,8 @@ def loose_recursions(tree: Tree, q: Vector, partition: Partition) -> list[tuple[
 
 def _where_it_holds(split: _Split, left: Scalar) -> Scalar:
     """1 where the partition's choice is good, NaN elsewhere; left: as of `_loose`."""
-    margins = split.factors.margins
-    return one_if_positive(*margins, _LEFT**2 - left) if margins else 1.0
+    margins, least = split.factors.margins, no_finer(_LEFT, left, _ROUNDINGS)
+    return one_if_positive(*margins, least * least - left) if margins else 1.0
 
 
 def scaled_jacobian(tree: Tree, q: Vector) -> Matrix:

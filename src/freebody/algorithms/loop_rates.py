@@ -14,6 +14,7 @@ from freebody.algorithms.constraints import solved
 from freebody.algorithms.loop_checks import largest
 from freebody.algorithms.loop_forces import Orthogonal, Partition, orthogonal, scaled_jacobian
 from freebody.algorithms.loop_scales import scales
+from freebody.algorithms.rounding import no_finer
 from freebody.elementary import Scalar, absolute, maximum
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, dot, sub, transposed
@@ -21,6 +22,9 @@ from freebody.spatial import Matrix, Vector, dot, sub, transposed
 ALLOWED = 1e-8
 """What a scaled equation may leave, relative to the largest angular rate: more, and the values
 given contradict it."""
+_ROUNDINGS = 4096.0
+"""The same in units of rounding, of numbers of 32 bits: a thousand for columns that may be nearly
+dependent, and a few for sums."""
 
 
 def nearest(
@@ -91,5 +95,6 @@ def _checked(
     """The angular rates x as rates, and whether they satisfy every equation."""
     left = [absolute(c - dot(row, x)) for c, row in zip(wanted, phi, strict=True)]
     result = tuple(r * value for r, value in zip(rates, x, strict=True))
-    allowed = ALLOWED * (1.0 + largest(result, rates)) - reduce(maximum, left, 0.0)
+    most = 1.0 + largest(result, rates)
+    allowed = no_finer(ALLOWED, most, _ROUNDINGS) * most - reduce(maximum, left, 0.0)
     return result, [allowed, *factors.margins]

@@ -13,6 +13,7 @@ from freebody.kernels.closed_chains import closed
 from freebody.kernels.formulas import INPUTS, POSITIONS
 from freebody.model.model import Model
 from freebody.program import Program
+from freebody.program.passes import with_epsilon
 from freebody.targets.interpret import Interpreter
 from freebody.targets.text import SelfTestSamples
 
@@ -46,7 +47,8 @@ def vectors(
     if model is not None and model.loops:
         given = _closed(model, [a.name for a in program.inputs], given)
     given = [x.astype(dtype).astype(np.float64) for x in given]
-    exact = _run(program, given, np.longdouble)
+    epsilon = float(np.finfo(dtype).eps)  # the same samples are valid, but for rounding
+    exact = _run(with_epsilon(program, epsilon), given, np.longdouble)
     fine = np.logical_and.reduce([np.isfinite(x).all(axis=1) for x in exact])
     if not fine.any():
         raise FreebodyError(

@@ -60,6 +60,17 @@ def without_unread(program: Program, name: str) -> tuple[Program, tuple[int, ...
     return verify(replace(program, inputs=inputs, a=a)), tuple(read)
 
 
+def with_epsilon(program: Program, value: float) -> Program:
+    """The program that counts as rounding what numbers with this epsilon do, whatever computes
+    it."""
+    rows = [
+        ("const", len(program.constants), -1, -1) if op == "epsilon" else (op, *row)
+        for op, *row in zip(program.op, program.a, program.b, program.c, strict=True)
+    ]
+    op, a, b, c = map(tuple, zip(*rows, strict=True)) if rows else ((), (), (), ())
+    return replace(program, op=op, a=a, b=b, c=c, constants=(*program.constants, value))
+
+
 def share_reciprocals(program: Program) -> Program:
     """Quotients by one denominator become products with its reciprocal; a quotient by a uniform one
     does.

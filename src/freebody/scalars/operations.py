@@ -85,6 +85,14 @@ def _absolute(g: Nodes, a: int) -> int | None:
     return a if g.op[a] in ("absolute", "sqrt") else None
 
 
+def _epsilon(g: Nodes, a: int) -> int | None:
+    """That of an input which the operand comes from: they are of one type."""
+    while ARITY[g.op[a]]:
+        operands = (g.a[a], g.b[a], g.c[a])
+        a = next(i for i in operands if i >= 0 and i not in g.constant_of)
+    return None if a in g.constant_of else g.node("epsilon", a)
+
+
 def _of_angle(angle: Scalar, y: Scalar, x: Scalar) -> tuple[Scalar, Scalar]:
     square = x * x + y * y
     return x / square, -(y / square)
@@ -122,6 +130,7 @@ _RECORDS = (
     Operation(
         "maximum", 2, max, chooses=lambda a, b: less_equal(b, a), fold=_alike(None), commutes=True
     ),
+    Operation("epsilon", 1, lambda x: 2.0**-52, fold=_epsilon),  # constants have 64 bits
 )
 
 OPERATIONS: dict[str, Operation] = {record.name: record for record in _RECORDS}

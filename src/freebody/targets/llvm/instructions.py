@@ -65,6 +65,7 @@ INSTRUCTION = {
     "{v} {c}",
     "minimum": _EXTREMUM.replace("ORDER", "olt"),
     "maximum": _EXTREMUM.replace("ORDER", "ogt"),
+    "epsilon": "{r} = fadd {v} {epsilon}, zeroinitializer",
     CHOICE: "{r} = select {mask} {a}.c, {v} {b}, {v} {c}",
 } | {name: _call(name) for name in FUNCTIONS}
 """Only contraction to fused multiply-add is allowed: other fast-math flags break range reduction
@@ -75,6 +76,7 @@ def instructions(lanes: Lanes) -> dict[str, str]:
     """The table for such vectors; what is left to say is {0}, the name of the result, and {1}, … of
     the operands."""
     words = {"v": lanes.v, "n": lanes.suffix, "mask": lanes.mask, "one": lanes.constant(1.0)}
+    words["epsilon"] = lanes.constant(lanes.real.epsilon)
     places = {"r": "{0}", "a": "{1}", "b": "{2}", "c": "{3}"}
     return {op: text.format(**words, **places) for op, text in INSTRUCTION.items()}
 

@@ -10,11 +10,12 @@ from typing import Any
 @dataclass(frozen=True)
 class Real:
     """A floating-point type: its name in LLVM, in NumPy, its number and code in NumPy's C
-    interface."""
+    interface, and the digits (of two) that a number has."""
 
     name: str
     dtype: str
     bits: int
+    digits: int
     number: int
     code: str
 
@@ -22,6 +23,11 @@ class Real:
     def size(self) -> int:
         """Bytes."""
         return self.bits // 8
+
+    @property
+    def epsilon(self) -> float:
+        """The distance from 1 to the next number."""
+        return 2.0 ** (1 - self.digits)
 
     @property
     def integer(self) -> str:
@@ -35,8 +41,8 @@ class Real:
         return f"0x{struct.unpack('<Q', struct.pack('<d', nearest))[0]:016X}"
 
 
-DOUBLE = Real("double", "float64", 64, 12, "<d")
-FLOAT = Real("float", "float32", 32, 11, "<f")
+DOUBLE = Real("double", "float64", 64, 53, 12, "<d")
+FLOAT = Real("float", "float32", 32, 24, 11, "<f")
 REALS = {real.dtype: real for real in (DOUBLE, FLOAT)}
 """By the name that NumPy has for them."""
 

@@ -41,6 +41,7 @@ FUNCTIONS = {op: f"{op}{{f}}({{a}})" for op in _ONE} | {
     "where": "({a} != {zero} ? {b} : {c})",
     "minimum": "min_of({a}, {b})",
     "maximum": "max_of({a}, {b})",
+    "epsilon": "{epsilon}",
 }
 _HELPERS = {
     "sign": "{before}{t} sign_of({t} x)\n{{\n    return {cast}((x > {zero}) - (x < {zero}));\n}}\n",
@@ -107,6 +108,7 @@ class _Dialect:
     t: str
     f: str
     number: Callable[[float], str]
+    epsilon: str
     before: str = "static "
     head: str = ""
     finite: str = "isfinite(x[i])"
@@ -114,8 +116,11 @@ class _Dialect:
 
     def written(self, text: str) -> str:
         """The template of an operation, {a}, {b} and {c} left open."""
-        one, zero = self.number(1.0), self.number(0.0)
-        return text.replace("{f}", self.f).replace("{one}", one).replace("{zero}", zero)
+        words = {"f": self.f, "one": self.number(1.0), "zero": self.number(0.0)}
+        words["epsilon"] = self.epsilon
+        for word, written in words.items():
+            text = text.replace(f"{{{word}}}", written)
+        return text
 
     def filled(self, text: str) -> str:
         """A template of code in this dialect."""
@@ -129,12 +134,13 @@ class _Dialect:
         )
 
 
-_DOUBLE = _Dialect("double", "", number)
-_FLOAT = _Dialect("float", "f", partial(single, suffix="f"))
+_DOUBLE = _Dialect("double", "", number, number(2.0**-52))
+_FLOAT = _Dialect("float", "f", partial(single, suffix="f"), single(2.0**-23, "f"))
 _TEMPLATE = _Dialect(
     "S",
     "",
     lambda value: f"S({value!r})",
+    "S(std::numeric_limits<S>::epsilon())",
     "template <class S>\n",
     "template <class S>\n",
     "x[i]*S(0.0) == S(0.0)",
@@ -262,7 +268,7 @@ def _emit_cpp(unit: Unit) -> str:
         [
             *_head(unit, scalar),
             f"#ifndef {guard}\n#define {guard}\n",
-            "#include <cmath>\n",
+            "#include <cmath>\n#include <limits>\n",
             f"namespace {words_of(unit, RESERVED).function}_detail {{\n",
             *using,
             "",

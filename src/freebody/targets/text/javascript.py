@@ -41,6 +41,7 @@ FUNCTIONS = {op: f"Math.{op}({{a}})" for op in _ONE} | {
     "where": "({a} !== 0.0 ? {b} : {c})",
     "minimum": "Math.min({a}, {b})",
     "maximum": "Math.max({a}, {b})",
+    "epsilon": "Number.EPSILON",
 }
 _CHECKS = """function all_finite(n, x) {
   for (let i = 0; i < n; i++) {

@@ -39,6 +39,7 @@ FUNCTIONS = (
         "where": "({a} != 0 ? {b} : {c})",
         "minimum": "min({a}, {b})",
         "maximum": "max({a}, {b})",
+        "epsilon": "eps(typeof({a}))",
     }
 )
 _HELPERS = {

@@ -34,6 +34,7 @@ FUNCTIONS = (
         "where": "where_of({a}, {b}, {c})",
         "minimum": "min_of({a}, {b})",
         "maximum": "max_of({a}, {b})",
+        "epsilon": "eps",
     }
 )
 _HELPERS = {
@@ -52,7 +53,7 @@ RESERVED = (
         """worst bad any break case catch classdef continue else elseif end for function global if
         otherwise parfor persistent return spmd switch try while end_try_catch end_unwind_protect
         endfor endfunction endif endswitch endwhile until unwind_protect unwind_protect_cleanup do
-        abs all ans disp error exit fprintf i inf Inf isfinite j max min nan NaN numel ones pi
+        abs all ans disp eps error exit fprintf i inf Inf isfinite j max min nan NaN numel ones pi
         reshape zeros false true nargin nargout"""
     )
     | numbered("found")

@@ -27,6 +27,7 @@ _FUNCTIONS = {op: f"{op}({{a}})" for op in _IMPORTED} | {
     "where": "xp.where({a} != 0.0, {b}, {c})",
     "minimum": "xp.minimum({a}, {b})",
     "maximum": "xp.maximum({a}, {b})",
+    "epsilon": "xp.finfo(xp.result_type({a})).eps",
 }
 _CASADI = {op: f"ca.{op}({{a}})" for op in (*_IMPORTED, "exp", "log", "tanh", "asin", "acos")} | {
     "absolute": "ca.fabs({a})",
@@ -37,6 +38,7 @@ _CASADI = {op: f"ca.{op}({{a}})" for op in (*_IMPORTED, "exp", "log", "tanh", "a
     "where": "ca.if_else({a} != 0.0, {b}, {c})",
     "minimum": "min_of({a}, {b})",
     "maximum": "max_of({a}, {b})",
+    "epsilon": number(2.0**-52),
 }
 _CASADI_HELPERS = {
     op: f"def {name}(a, b):\n    return ca.if_else(ca.logic_or({test}, a != a), a, b)\n\n\n"

@@ -42,6 +42,7 @@ FUNCTIONS = {op: f"{{t}}::{op}({{a}})" for op in _ONE} | {
     "where": "(if {a} != 0.0 {{ {b} }} else {{ {c} }})",
     "minimum": "min_of({a}, {b})",
     "maximum": "max_of({a}, {b})",
+    "epsilon": "{t}::EPSILON",
 }
 _CHOICE = (
     "fn NAME(a: {t}, b: {t}) -> {t} {{\n    if TEST || a.is_nan() {{\n        a\n    }} else {{\n  "
