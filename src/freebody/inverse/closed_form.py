@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.inverse import labels
+from freebody.inverse import branch_names
 from freebody.inverse import subproblems as sp
 from freebody.inverse.chain import Screw, ScrewChain
 from freebody.inverse.position import Candidates, can_meet, last_of_three, meet, reach
@@ -82,11 +82,11 @@ class ThreeJointPosition(ClosedFormSolver):
 
     def solve(self, X: Displacement, prefer: Array) -> Candidates:
         found = reach(self.screws, self.chain.p, X.of(self.chain.p), prefer, self.scale)
-        assert found is not None  # `fitting` has tried
+        assert found is not None  # `closed_form_for` has tried
         return found
 
     def label(self, x: Array) -> list[str]:
-        return labels.arm(self.screws, self.chain.p, x)
+        return branch_names.arm(self.screws, self.chain.p, x)
 
     def reached(self, X: Displacement) -> Reached | None:
         return self.screws, self.chain.p, X.of(self.chain.p)
@@ -102,7 +102,7 @@ class ThreeJointOrientation(ClosedFormSolver):
         return wrist(self.screws, X.R, prefer)
 
     def label(self, x: Array) -> list[str]:
-        return labels.wrist(self.screws, x)
+        return branch_names.wrist(self.screws, x)
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +125,9 @@ class SphericalWristArm(ClosedFormSolver):
         return _every_pair(arm, hand)
 
     def label(self, x: Array) -> list[str]:
-        return labels.arm(self.screws[:3], self.c, x[:3]) + labels.wrist(self.screws[3:], x[3:])
+        return branch_names.arm(self.screws[:3], self.c, x[:3]) + branch_names.wrist(
+            self.screws[3:], x[3:]
+        )
 
     def reached(self, X: Displacement) -> Reached | None:
         return self.screws[:3], self.c, X.of(self.c)
@@ -185,9 +187,9 @@ class ThreeParallelAxes(ClosedFormSolver):
 
     def label(self, x: Array) -> list[str]:
         s1, s2, s3, s4, s5, s6 = self.screws
-        side = labels.shoulder(s1, s2, s2.moved(x[1], s3.moved(x[2], s4.moved(x[3], self.c))))
-        elbow = labels.elbow(s2, s3, s4.p, x[1:3], side)
-        return [side, elbow, labels.flip(s2.w, s5, s6.w, x[4])]
+        side = branch_names.shoulder(s1, s2, s2.moved(x[1], s3.moved(x[2], s4.moved(x[3], self.c))))
+        elbow = branch_names.elbow(s2, s3, s4.p, x[1:3], side)
+        return [side, elbow, branch_names.flip(s2.w, s5, s6.w, x[4])]
 
 
 @dataclass(frozen=True, eq=False)

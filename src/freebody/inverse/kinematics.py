@@ -11,12 +11,17 @@ from numpy.typing import ArrayLike
 
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.inverse.answer import gathered
+from freebody.inverse.choose_closed_form import (
+    can_serve,
+    closed_form_for,
+    displacement,
+    displacement_to_points,
+)
+from freebody.inverse.closed_chains import of_closed_chain
 from freebody.inverse.closed_form import ClosedFormSolver, Displacement
-from freebody.inverse.fitting import can_serve, displacement, displacement_to_points, fitting
-from freebody.inverse.loops import of_closed_chain
+from freebody.inverse.many_starts import by_search
+from freebody.inverse.numerical_solver import NumericalSolver
 from freebody.inverse.problem import Found, Problem
-from freebody.inverse.search import by_search
-from freebody.inverse.seek import NumericalSolver
 from freebody.inverse.solutions import Solutions, verified
 from freebody.inverse.task import read_target
 from freebody.model.model import Model
@@ -78,7 +83,7 @@ def inverse_kinematics(
     problem = Problem(solver, flat, start, limits, starts, seed)
     if model.loops:
         return of_closed_chain(problem, poses.shape[:-2])
-    form = fitting(model, solver.frame, chosen)
+    form = closed_form_for(model, solver.frame, chosen)
     X = None
     if form is not None:
         X = (displacement if chosen.angular else displacement_to_points)(form.chain, flat)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.inverse.seek import NumericalSolver
+from freebody.inverse.numerical_solver import NumericalSolver
 from freebody.inverse.solutions import Verified
 from freebody.trees.states import neutral
 

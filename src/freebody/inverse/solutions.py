@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.inverse.seek import EXACT, NumericalSolver
+from freebody.inverse.numerical_solver import EXACT, NumericalSolver
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.values import ByValue

@@ -9,8 +9,8 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.inverse.chain import Screw
 from freebody.inverse.closed_form import ClosedFormSolver, Displacement
-from freebody.inverse.descent import descend
-from freebody.inverse.seek import NumericalSolver
+from freebody.inverse.levenberg_marquardt import descend
+from freebody.inverse.numerical_solver import NumericalSolver
 from freebody.inverse.task import Task
 from freebody.trees.states import random_state
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.inverse import labels
+from freebody.inverse import branch_names
 from freebody.inverse import subproblems as sp
 from freebody.inverse.chain import Screw, ScrewChain
 from freebody.inverse.closed_form import ClosedFormSolver, Displacement, Reached
@@ -76,8 +76,8 @@ class ParallelAxesArm(ClosedFormSolver):
         ):  # names do not depend on the sense of the axes
             upper, fore = (replace(up, p=screw.p) for screw in s[:2])
             bent = y[:2] * [screw.w @ self.normal for screw in s[:2]]
-            return [labels.elbow(upper, fore, c, bent, words=self.words)]
-        return labels.pair(s[0], s[1], c, y[:2]) if len(s) > 1 else []
+            return [branch_names.elbow(upper, fore, c, bent, words=self.words)]
+        return branch_names.pair(s[0], s[1], c, y[:2]) if len(s) > 1 else []
 
     def reached(self, X: Displacement) -> Reached | None:
         if len(self.across) < 3:
@@ -121,7 +121,7 @@ def _turn_between_slides(s: Sequence[Screw], X: Displacement) -> Candidates:
     return Candidates(x, np.zeros(x.shape, dtype=bool))
 
 
-def level(
+def parallel_axes_arm(
     chain: ScrewChain, normal: Array | None, turned: bool, words: tuple[str, str]
 ) -> ClosedFormSolver | None:
     """The form for a chain across a normal (None: found), for the pose if `turned`, else for the

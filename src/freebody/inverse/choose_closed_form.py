@@ -16,14 +16,14 @@ from freebody.inverse.closed_form import (
     three_joints,
     three_turns,
 )
-from freebody.inverse.level import ParallelAxesArm, level
+from freebody.inverse.parallel_axes import ParallelAxesArm, parallel_axes_arm
 from freebody.inverse.task import Task
 from freebody.model.model import Model
 
 _UP = np.array([0.0, 0.0, 1.0])
 
 
-def fitting(model: Model, frame: str, task: Task) -> ClosedFormSolver | None:
+def closed_form_for(model: Model, frame: str, task: Task) -> ClosedFormSolver | None:
     """The closed form that gives all solutions of a task, or None."""
     chain = chain_to(model, frame)
     if chain is not None and not task.angular:
@@ -31,7 +31,7 @@ def fitting(model: Model, frame: str, task: Task) -> ClosedFormSolver | None:
     if chain is None or len(chain.screws) > 6:
         return None
     if model.dim == 2:
-        return level(chain, _UP, task.turns, ("up", "down")) if task.places else None
+        return parallel_axes_arm(chain, _UP, task.turns, ("up", "down")) if task.places else None
     if task.places and task.turns and len(chain.screws) == 6:
         return six_joints(chain)
     form = _level_in_space(model, chain, task)
@@ -60,7 +60,7 @@ def _without_idle(chain: ScrewChain) -> ScrewChain:
 
 
 def _level_in_space(model: Model, chain: ScrewChain, task: Task) -> ClosedFormSolver | None:
-    form = level(chain, None, bool(task.angular), _elbows(model, chain))
+    form = parallel_axes_arm(chain, None, bool(task.angular), _elbows(model, chain))
     if not isinstance(form, ParallelAxesArm):
         return None
     along = [k for k in range(3) if sp.parallel(np.eye(3)[k], form.normal)]

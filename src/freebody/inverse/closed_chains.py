@@ -9,9 +9,9 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.inverse.answer import gathered
-from freebody.inverse.descent import descend
+from freebody.inverse.levenberg_marquardt import descend
+from freebody.inverse.numerical_solver import EXACT, NumericalSolver
 from freebody.inverse.problem import Found, Problem
-from freebody.inverse.seek import EXACT, NumericalSolver
 from freebody.inverse.solutions import ALIKE, APART, Solutions, Verified, wrapped
 from freebody.lazy import cached_property
 from freebody.loops.decompose import Decomposition, decomposed

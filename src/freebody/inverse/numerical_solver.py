@@ -11,7 +11,7 @@ import numpy as np
 from freebody.algorithms.kinematics import ancestors
 from freebody.arrays import Array
 from freebody.inverse.chain import arm_length
-from freebody.inverse.descent import descend
+from freebody.inverse.levenberg_marquardt import descend
 from freebody.inverse.task import Task
 from freebody.kernels import structural
 from freebody.kernels.formulas import Option
