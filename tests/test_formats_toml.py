@@ -12,8 +12,8 @@ import pytest
 
 import freebody as fb
 from freebody.formats import dh_csv, toml
-from freebody.formats.lines import line_of, lines
 from freebody.formats.saving import as_toml
+from freebody.formats.toml_lines import line_of, lines
 from freebody.model.assembly import assemble
 from freebody.model.joints import KINDS, JointKind
 from freebody.model.joints.prismatic import SLIDING

@@ -10,8 +10,8 @@ import pytest
 import freebody as fb
 from freebody.cli.app import run
 from freebody.cli.fbd import _values as positions
-from freebody.formats import source
-from freebody.formats.numbers import number
+from freebody.formats import read_file
+from freebody.formats.number_text import number
 from freebody.motion.table import read_motion
 
 BODY = (
@@ -109,9 +109,9 @@ def test_a_file_that_is_too_large_is_not_read_to_its_end(tmp_path, reader: str):
 def test_a_file_that_says_nothing_of_its_size_is_read_to_the_limit_alone(tmp_path):
     if not Path("/proc/self/mem").exists():
         pytest.skip("no /proc")
-    assert source.read("/proc/self/status").startswith(b"Name:")
+    assert read_file.read("/proc/self/status").startswith(b"Name:")
     assert "too much for a robot description" in refusal(
-        lambda: source.read("/proc/self/status", 20)
+        lambda: read_file.read("/proc/self/status", 20)
     )
 
 

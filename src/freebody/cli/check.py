@@ -60,7 +60,7 @@ def check(
 
 def _text(answer: str) -> str:
     """What a file, stdin or the argument itself says."""
-    from freebody.formats import source
+    from freebody.formats import read_file
 
     if answer == "-":
         data = sys.stdin.buffer.read(_LARGEST + 1) if sys.stdin else b""
@@ -69,15 +69,15 @@ def _text(answer: str) -> str:
                 f"check: standard input gives more than {_LARGEST // 1000} kB, too much for an "
                 f"answer."
             )
-        return source.decoded("standard input", data)
+        return read_file.decoded("standard input", data)
     if "=" in answer or "\n" in answer:
         return answer
     try:
-        data = source.read(answer, _LARGEST, "an answer")
+        data = read_file.read(answer, _LARGEST, "an answer")
     except FileError as error:
         hint = "an answer is a file, an equation such as 'H12 = …', or - for what is piped in"
         raise FileError(answer, None, f"{error.problem.rstrip('.')}; {hint}.") from None
-    return source.decoded(answer, data)
+    return read_file.decoded(answer, data)
 
 
 def _renaming(text: str) -> tuple[str, str]:

@@ -11,7 +11,7 @@ import typer
 
 from freebody.cli import options, terminal
 from freebody.errors import FreebodyError, shown
-from freebody.formats import numbers
+from freebody.formats import number_text
 from freebody.outputs.files import stem
 
 if TYPE_CHECKING:
@@ -80,8 +80,8 @@ def _values(name: str, text: str | None) -> list[float] | None:
         return None
     values = []
     for piece in re.sub(r" ?(deg|°)", r"deg", " ".join(text.split())).replace(",", " ").split():
-        value = numbers.number(piece.removesuffix("deg"))
-        if value is None or numbers.fault(value):
+        value = number_text.number(piece.removesuffix("deg"))
+        if value is None or number_text.fault(value):
             raise FreebodyError(
                 f"--{name} {shown(text)}: {shown(piece)} is not a number that can be used; "
                 f'write for example --{name} "0.5, 30 deg".'

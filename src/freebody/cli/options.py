@@ -68,10 +68,10 @@ Physical = Annotated[
 
 def number(text: str | float) -> float:
     """An option's number; the parser's own would also take 1_0 and digits of other scripts."""
-    from freebody.formats import numbers
+    from freebody.formats import number_text
 
-    value = numbers.number(text) if isinstance(text, str) else text
-    if value is None or numbers.fault(value):
+    value = number_text.number(text) if isinstance(text, str) else text
+    if value is None or number_text.fault(value):
         raise typer.BadParameter(f"{shown(text)} is not a number that can be used.")
     return value
 

@@ -11,7 +11,7 @@ import typer
 from freebody.cli import options, terminal
 from freebody.cli.options import MimicChoice, PhysicalChoice
 from freebody.errors import FreebodyError, OutputError
-from freebody.formats.numbers import number
+from freebody.formats.number_text import number
 from freebody.outputs.folder import prepare
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ import re
 from typing import Any, NoReturn
 
 from freebody.errors import FileError, UnknownNameError, shown
-from freebody.formats import numbers, source
-from freebody.formats.table import in_units, is_name
+from freebody.formats import number_text, read_file
+from freebody.formats.toml_table import in_units, is_name
 from freebody.model import dh
 from freebody.model.parameters import Parameter, Quantity
 from freebody.model.parts import INFINITE, MOST_LINKS, Limits, RobotDescription
@@ -30,7 +30,7 @@ def describe(
     """The description in a DH table. Raises FileError with the line."""
     remarks: dict[str, tuple[int, str]] = {}
     lines: list[tuple[int, str]] = []
-    for number, line in enumerate(source.lines(text), 1):
+    for number, line in enumerate(read_file.lines(text), 1):
         if line.lstrip().startswith("#"):
             remark = _REMARK.fullmatch(line.strip())
             if remark and not remark[2].strip():
@@ -57,7 +57,7 @@ def describe(
         raise FileError(file, lines[0][0], "the table has a header but no rows; add one a joint.")
     number, given = remarks.get("gravity", (None, "9.81"))
     gravity = in_units(given, "number")
-    if gravity is None or numbers.fault(gravity):
+    if gravity is None or number_text.fault(gravity):
         raise FileError(file, number, f"gravity is {shown(given)}, expected a number in m/s².")
     return dh.describe(
         rows,
@@ -111,7 +111,7 @@ class _Header:
                 raise FileError(file, line, f"column {column!r} appears twice; keep one.")
 
     def cells(self, line: int, text: str) -> list[str]:
-        return source.cells(self.file, line, text, self.delimiter)
+        return read_file.cells(self.file, line, text, self.delimiter)
 
 
 class _Row:
@@ -154,7 +154,7 @@ class _Row:
         if column not in self.cells:
             return default
         value = in_units(self.cells[column], self.unit(column))
-        if value is None or numbers.fault(value, infinite=True):
+        if value is None or number_text.fault(value, infinite=True):
             self.refuse(
                 f"{column} is {shown(self.cells[column])}, expected a number{self.hint(column)}."
             )
@@ -169,7 +169,7 @@ class _Row:
             self.refuse(
                 f"{column} is {shown(cell)}, expected a number or a name{self.hint(column)}."
             )
-        problem = numbers.fault(value)
+        problem = number_text.fault(value)
         if problem:
             self.refuse(f"{column} is {value:g}, {problem}.")
         return value

@@ -10,8 +10,8 @@ from pathlib import Path
 from freebody.errors import FileError, FreebodyError, MassWarning, UnknownNameError, shown
 from freebody.formats import dh_csv, toml, urdf
 from freebody.formats import source as sources
-from freebody.formats.doubts import doubts
-from freebody.formats.estimate import estimated
+from freebody.formats.estimated_inertias import estimated
+from freebody.formats.implausible_masses import implausible_masses
 from freebody.formats.urdf_elements import xacro
 from freebody.model import planar
 from freebody.model.assembly import BasePolicy, MimicPolicy, Policy, assemble
@@ -90,7 +90,7 @@ def _weighed(model: Model, description: RobotDescription, estimate: bool, warn: 
     """The model with notices on what is doubtful about its masses, where they are to be those of a
     machine."""
     if description.real:
-        found = doubts(model, {link.name: link.shapes for link in description.links}, estimate)
+        found = implausible_masses(model, {link.name: link.shapes for link in description.links}, estimate)
         model = replace(model, notices=(*model.notices, *found)) if found else model
     for notice in model.notices if warn else ():
         if notice.kind == DOUBTFUL:

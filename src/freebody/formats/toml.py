@@ -11,8 +11,8 @@ from typing import Any
 
 from freebody.errors import FileError, ModelError, UnknownNameError
 from freebody.formats import toml_parts as parts
-from freebody.formats.lines import bounded, lines
-from freebody.formats.table import TomlTable
+from freebody.formats.toml_lines import bounded, lines
+from freebody.formats.toml_table import TomlTable
 from freebody.model import dh, planar
 from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
 from freebody.model.parts import MASS_NOTICES, Link, Notice, RobotDescription

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from freebody.errors import ModelError
-from freebody.formats.table import TomlTable
+from freebody.formats.toml_table import TomlTable
 from freebody.model.closures import LOOP_KINDS
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia

@@ -8,7 +8,7 @@ from itertools import islice
 from typing import NoReturn
 
 from freebody.errors import FileError, shown
-from freebody.formats import numbers
+from freebody.formats import number_text
 from freebody.formats.xml import Element
 from freebody.model.parts import Notice
 
@@ -74,9 +74,9 @@ class Elements:
     def read(
         self, element: Element, key: str, word: str, where: str, infinite: bool = False
     ) -> float:
-        value = numbers.number(word)
-        problem = None if value is None else numbers.fault(value, infinite)
-        if value is None or problem == numbers.NOT_FINITE:
+        value = number_text.number(word)
+        problem = None if value is None else number_text.fault(value, infinite)
+        if value is None or problem == number_text.NOT_FINITE:
             hint = f"; it is a xacro expression: {xacro('FILE', 'out')}" if "${" in word else ""
             kind = "number" if infinite else "finite number"
             self.refuse(

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Literal
 
-from freebody.formats import numbers
+from freebody.formats import number_text
 from freebody.formats.xml import Element
 from freebody.model.placement import Placement, rpy, shift
 from freebody.model.shapes import Shape
@@ -65,7 +65,9 @@ def _sizes(text: str, count: int) -> tuple[float, ...]:
 
 def _numbers(text: str, count: int) -> tuple[float, ...]:
     values = tuple(
-        x for x in map(numbers.number, text.split()) if x is not None and not numbers.fault(x)
+        x
+        for x in map(number_text.number, text.split())
+        if x is not None and not number_text.fault(x)
     )
     if len(values) != count:
         raise ValueError(text)

@@ -17,7 +17,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import FileError, listed, shown
-from freebody.formats import numbers, source
+from freebody.formats import number_text, read_file
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
 from freebody.outputs.text import as_meant
@@ -57,7 +57,7 @@ class Sheet:
         """(rows, columns) in SI units. Raises FileError with the line of what is no number."""
         found = np.empty((len(self.rows) - 1, len(self.header)))
         for k, (line, text) in enumerate(self.rows[1:]):
-            cells = source.cells(self.path, line, text.split("#")[0], self.separator)
+            cells = read_file.cells(self.path, line, text.split("#")[0], self.separator)
             if len(cells) == len(self.header) + 1 and not cells[-1]:
                 cells.pop()  # a separator at the end
             found[k] = _numbers(self.path, line, self.header, cells, self.separator)
@@ -95,8 +95,8 @@ def factor(column: str, unit: str, quantities: Mapping[str, str]) -> float | str
 
 def read_sheet(model: Model, path: Path) -> Sheet:
     """The table in a file. Raises FileError with the line."""
-    text = source.decoded(str(path), source.read(path, _LARGEST, "a motion"))
-    lines = enumerate(source.lines(text), 1)
+    text = read_file.decoded(str(path), read_file.read(path, _LARGEST, "a motion"))
+    lines = enumerate(read_file.lines(text), 1)
     rows = [(line, row) for line, row in lines if row.split("#")[0].strip(" ,;\t")]
     if not rows:
         raise FileError(
@@ -106,7 +106,7 @@ def read_sheet(model: Model, path: Path) -> Sheet:
         )
     line, first = rows[0]
     separator = next((mark for mark in (";", "\t") if mark in first), ",")
-    cells = [as_meant(cell) for cell in source.cells(path, line, first, separator)]
+    cells = [as_meant(cell) for cell in read_file.cells(path, line, first, separator)]
     if len(cells) > 1 and not cells[-1]:
         cells.pop()
     if len(cells) * (len(rows) - 1) > _MOST_VALUES:
@@ -172,13 +172,13 @@ def _numbers(
         )
     values = []
     for name, cell in zip(header, cells, strict=True):
-        value = numbers.number(cell if separator == "," else cell.replace(",", ".", 1))
+        value = number_text.number(cell if separator == "," else cell.replace(",", ".", 1))
         if value is None:
             what = f"{shown(cell)} is not a number" if cell else "there is no number"
             if any(cell in units for units in _UNITS.values()):
                 what += "; a unit stands behind the name in the header, as in 'joint1 (deg)'"
             raise FileError(path, line, f"column {name!r}: {what}.")
-        problem = numbers.fault(value)
+        problem = number_text.fault(value)
         if problem:
             raise FileError(path, line, f"column {name!r}: {shown(cell)} is {problem}.")
         values.append(value)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 
-from freebody.formats.source import bundled_names, bundled_text
+from freebody.formats.read_file import bundled_names, bundled_text
 
 
 class Models(dict[str, str]):

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import Any, NoReturn
 
 from freebody.errors import FileError, UnknownNameError, shown
-from freebody.formats import numbers
-from freebody.formats.lines import Path, line_of
+from freebody.formats import number_text
+from freebody.formats.toml_lines import Path, line_of
 from freebody.model.parameters import Parameter, Quantity
 
 _TEXT_NUMBER = re.compile(rf"({numbers.DECIMAL})(?:\s*([a-z/]+))?", re.ASCII)
@@ -203,7 +203,7 @@ class TomlTable:
                 number = math.inf
         else:
             self.refuse(f"{_label(at)} is {_kind(value)}, expected {expected}.", *at)
-        problem = numbers.fault(number, infinite)
+        problem = number_text.fault(number, infinite)
         if problem:
             self.refuse(f"{_label(at)} is {number:g}, {problem}.", *at)
         return number

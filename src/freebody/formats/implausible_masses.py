@@ -58,7 +58,7 @@ class _LinkInertia:
     tensor: np.ndarray
 
 
-def doubts(
+def implausible_masses(
     model: Model, shapes: Mapping[str, tuple[Shape, ...]], only_missing: bool = False
 ) -> list[Notice]:
     """Notices on the masses of a model, whose links have `shapes`; model.source is the file."""

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from freebody.errors import FileError, FreebodyError
-from freebody.formats.source import contents
+from freebody.formats.read_file import contents
 from freebody.model.inertia import Inertia, combined
 from freebody.model.parts import DOUBTFUL, ESTIMATED, Link, Notice, RobotDescription
 from freebody.model.placement import Placement
