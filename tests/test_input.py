@@ -12,7 +12,7 @@ from freebody.cli.app import run
 from freebody.cli.fbd import _values as positions
 from freebody.formats import read_file
 from freebody.formats.number_text import number
-from freebody.motion.table import read_motion
+from freebody.motion.read_motion import read_motion
 
 BODY = (
     '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" '

@@ -11,8 +11,8 @@ import freebody as fb
 from freebody.errors import FreebodyError
 from freebody.motion.measured import recognised
 from freebody.motion.motion import Motion
+from freebody.motion.read_motion import read_motion
 from freebody.motion.smoothing import noise, smooth
-from freebody.motion.table import read_motion
 from freebody.report.measured import filtered
 
 ARM = fb.planar(

@@ -16,7 +16,7 @@ from freebody.model.gravity import gravity_of
 from freebody.model.parts import Joint, Link, RobotDescription
 from freebody.motion.motion import motion_of
 from freebody.motion.ranges import position_columns, ranges
-from freebody.motion.table import motion_from_dataset, read_motion
+from freebody.motion.read_motion import motion_from_dataset, read_motion
 from support.helpers import OPEN_CHAINS
 
 pytestmark = pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")

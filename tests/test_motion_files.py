@@ -12,7 +12,7 @@ import xarray as xr
 
 import freebody as fb
 from freebody.errors import FileError, FreebodyError
-from freebody.motion.table import motion_from_dataset, read_motion
+from freebody.motion.read_motion import motion_from_dataset, read_motion
 
 ARM = fb.planar(
     "RP", l=[0.5, 0], lc=[0.2, 0.1], m=[2, 1], I=[0.1, 0.1], limits=[(-3.2, 3.2), (0.0, 0.9)]

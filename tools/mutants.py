@@ -58,7 +58,7 @@ AREAS = (
     ),
     Area(
         "closed chains",
-        ("loops/*.py", "model/closures.py", "model/loops.py", "motion/clos*.py",
+        ("loops/*.py", "model/closures.py", "model/loops.py", "motion/closed_chain*.py",
          "trees/balance.py"),
         ("closed_*", "dyads", "simulate"),
     ),

@@ -50,11 +50,11 @@ from freebody.model.parameters import Parameter as Parameter
 from freebody.model.parts import Drive as Drive
 from freebody.model.parts import Limits as Limits
 from freebody.model.planar import planar as planar
-from freebody.motion.default import default_motion as default_motion
+from freebody.motion.default_motion import default_motion as default_motion
 from freebody.motion.measured import smoothed as smoothed
 from freebody.motion.motion import Motion as Motion
+from freebody.motion.read_motion import read_motion as read_motion
 from freebody.motion.simulate import simulate as simulate
-from freebody.motion.table import read_motion as read_motion
 from freebody.report.study import Study as Study
 from freebody.report.study import study as study
 from freebody.robots import models as models

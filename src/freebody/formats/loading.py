@@ -90,7 +90,9 @@ def _weighed(model: Model, description: RobotDescription, estimate: bool, warn: 
     """The model with notices on what is doubtful about its masses, where they are to be those of a
     machine."""
     if description.real:
-        found = implausible_masses(model, {link.name: link.shapes for link in description.links}, estimate)
+        found = implausible_masses(
+            model, {link.name: link.shapes for link in description.links}, estimate
+        )
         model = replace(model, notices=(*model.notices, *found)) if found else model
     for notice in model.notices if warn else ():
         if notice.kind == DOUBTFUL:

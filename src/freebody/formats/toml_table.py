@@ -14,7 +14,7 @@ from freebody.formats import number_text
 from freebody.formats.toml_lines import Path, line_of
 from freebody.model.parameters import Parameter, Quantity
 
-_TEXT_NUMBER = re.compile(rf"({numbers.DECIMAL})(?:\s*([a-z/]+))?", re.ASCII)
+_TEXT_NUMBER = re.compile(rf"({number_text.DECIMAL})(?:\s*([a-z/]+))?", re.ASCII)
 UNITS: dict[str, dict[str, float]] = {
     "number": {},
     "angle": {"rad": 1.0, "deg": math.pi / 180},

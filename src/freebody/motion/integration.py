@@ -12,7 +12,7 @@ from scipy.integrate import BDF, DOP853, LSODA, RK45, OdeSolver, Radau
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.motion.system import Drive, System
+from freebody.motion.first_order_system import Drive, System
 from freebody.motion.torques import Schedule
 
 METHODS: dict[str, type[OdeSolver]] = {

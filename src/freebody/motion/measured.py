@@ -12,7 +12,7 @@ from scipy.special import beta
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.model.model import Model
-from freebody.motion.closing import completed
+from freebody.motion.closed_chain_motion import completed
 from freebody.motion.motion import Motion, derivatives
 from freebody.motion.ranges import angular
 from freebody.motion.smoothing import best_cutoff, noise, smooth

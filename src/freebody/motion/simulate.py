@@ -11,11 +11,11 @@ from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.loops.equations import gaps, require_closed, scaled_rate, scaled_residual
 from freebody.model.model import Model
-from freebody.motion.closed import EXPLICIT, closed_scheme
+from freebody.motion.closed_chain_integration import EXPLICIT, closed_scheme
+from freebody.motion.first_order_system import System, constant_loads, suited_method, system
 from freebody.motion.friction import WIDTH
 from freebody.motion.integration import METHODS, integrated, open_scheme, step_tolerance
 from freebody.motion.ranges import angular
-from freebody.motion.system import System, constant_loads, suited_method, system
 from freebody.motion.torques import Schedule, Torque, schedule
 from freebody.trees import dynamics
 from freebody.trees.calls import Vector, Wrenches, vector, wrenches_by_frame

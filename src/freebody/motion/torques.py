@@ -13,7 +13,7 @@ from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.errors import FreebodyError
 from freebody.labels import is_labelled, row_times
 from freebody.model.model import Model
-from freebody.motion.system import Drive
+from freebody.motion.first_order_system import Drive
 from freebody.trees.calls import vector
 from freebody.trees.passive import refuse_passive
 

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 
 from freebody.errors import FreebodyError, KindError, SingularError
 from freebody.model.model import Model
-from freebody.motion.default import default_motion
+from freebody.motion.default_motion import default_motion
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import ranges
-from freebody.motion.table import motion_from_dataset, read_motion
+from freebody.motion.read_motion import motion_from_dataset, read_motion
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.report.checks import checks
 from freebody.report.jacobians import singularity

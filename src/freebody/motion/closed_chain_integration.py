@@ -21,8 +21,8 @@ from freebody.loops.equations import (
 )
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled import rate_scale
+from freebody.motion.first_order_system import Drive, System
 from freebody.motion.integration import Scheme
-from freebody.motion.system import Drive, System
 from freebody.trees.states import integrate
 
 EXPLICIT = ("DOP853", "RK45")

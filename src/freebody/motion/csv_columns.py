@@ -39,7 +39,7 @@ _NAMED = re.compile(r"(.*\S)\s*(?:\(([^()]*)\)|\[([^\[\]]*)\])")
 
 
 @dataclass(frozen=True)
-class Sheet:
+class CsvColumns:
     """A file whose header is understood."""
 
     path: Path
@@ -93,7 +93,7 @@ def factor(column: str, unit: str, quantities: Mapping[str, str]) -> float | str
     return f"{shown(unit)} is no unit of {what[ending]}; units: {', '.join(known)}."
 
 
-def read_sheet(model: Model, path: Path) -> Sheet:
+def read_columns(model: Model, path: Path) -> CsvColumns:
     """The table in a file. Raises FileError with the line."""
     text = read_file.decoded(str(path), read_file.read(path, _LARGEST, "a motion"))
     lines = enumerate(read_file.lines(text), 1)
@@ -111,7 +111,7 @@ def read_sheet(model: Model, path: Path) -> Sheet:
         cells.pop()
     if len(cells) * (len(rows) - 1) > _MOST_VALUES:
         raise FileError(path, None, f"the motion has more than {_MOST_VALUES} values.")
-    return Sheet(path, *_header(model, path, line, cells), separator, rows)
+    return CsvColumns(path, *_header(model, path, line, cells), separator, rows)
 
 
 def _header(

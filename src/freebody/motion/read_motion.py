@@ -19,12 +19,12 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FileError, FreebodyError, LoopError, UnknownNameError
 from freebody.model.model import Model
-from freebody.motion.closing import completed
-from freebody.motion.doubts import doubts
+from freebody.motion.closed_chain_motion import completed
+from freebody.motion.csv_columns import factor, kinds, quoted, read_columns
+from freebody.motion.implausible_units import implausible_units
 from freebody.motion.measured import along_rates, rested
 from freebody.motion.motion import FEWEST, Motion, derivatives, motion_of
 from freebody.motion.ranges import angular, position_columns
-from freebody.motion.sheet import factor, kinds, quoted, read_sheet
 from freebody.trees.coordinates import layout, state_of
 
 if TYPE_CHECKING:
@@ -46,24 +46,24 @@ def read_motion(model: Model, path: str | os.PathLike[str]) -> Motion:
     the fastest of its kind is rest. Raises FileError with the line.
     """
     file = Path(path)
-    sheet = read_sheet(model, file)
+    read = read_columns(model, file)
 
     def problem(text: str, row: int | None = None) -> FileError:
-        return FileError(file, sheet.rows[0 if row is None else row + 1][0], text)
+        return FileError(file, read.rows[0 if row is None else row + 1][0], text)
 
-    _check_names(model, sheet.header, problem)
-    count = len(sheet.rows) - 1
+    _check_names(model, read.header, problem)
+    count = len(read.rows) - 1
     if count < FEWEST:
         raise problem(f"{_count(count)} of numbers; a motion needs at least {FEWEST}.")
-    table = sheet.values()
-    columns = {name: table[:, k] for k, name in enumerate(sheet.header)}
+    table = read.values()
+    columns = {name: table[:, k] for k, name in enumerate(read.header)}
     t = columns.pop("t")
     late = np.flatnonzero(np.diff(t) <= 0)
     if len(late):
         k = int(late[0]) + 1
         raise problem(f"t = {t[k]:g} does not come after {t[k - 1]:g}; times must increase.", k)
     motion = _motion(model, t, columns, f"read from {file.name}, {count} rows", problem)
-    return _doubted(model, motion, columns, sheet.told, "'{} ({})' in the header")
+    return _doubted(model, motion, columns, read.told, "'{} ({})' in the header")
 
 
 def motion_from_dataset(model: Model, data: xr.Dataset) -> Motion:
@@ -108,7 +108,7 @@ def _doubted(
     """The motion with a notice on what looks like another unit; positions that were not given are
     not looked at."""
     found = told | {name for name in model.position_names if name not in columns}
-    said = doubts(model, motion.t, motion.q, found, where)
+    said = implausible_units(model, motion.t, motion.q, found, where)
     return replace(motion, notices=(*said, *motion.notices))
 
 

@@ -15,7 +15,9 @@ _FAR = 50.0  # m, without a range
 _SLOW = 1.0, 100  # s between samples, and so many of them
 
 
-def doubts(model: Model, t: Array, q: Array, told: frozenset[str], where: str) -> list[str]:
+def implausible_units(
+    model: Model, t: Array, q: Array, told: frozenset[str], where: str
+) -> list[str]:
     """Sentences on positions q (T, nq) and times t that are in SI units only if the motion is a
     strange one.
 

@@ -8,7 +8,14 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, LoopError, listed
 from freebody.model.model import Model
-from freebody.motion.closing import consistent_rates, followed, home, leaders, outside, regularity
+from freebody.motion.closed_chain_motion import (
+    consistent_rates,
+    followed,
+    home,
+    leaders,
+    outside,
+    regularity,
+)
 from freebody.motion.measured import rested
 from freebody.motion.motion import Motion, derivatives
 from freebody.motion.ranges import Ranges, ranges
