@@ -8,8 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from freebody.errors import FileError, FreebodyError, MassWarning, UnknownNameError, shown
-from freebody.formats import dh_csv, toml, urdf
-from freebody.formats import source as sources
+from freebody.formats import dh_csv, read_file, toml, urdf
 from freebody.formats.estimated_inertias import estimated
 from freebody.formats.implausible_masses import implausible_masses
 from freebody.formats.urdf_elements import xacro
@@ -129,10 +128,10 @@ def read(
         raise FileError(
             path, None, f"freebody does not know {suffix or _BARE}; it reads {', '.join(SUFFIXES)}."
         )
-    data = sources.read(path)
+    data = read_file.read(path)
     if suffix == ".urdf":
         return urdf.describe(given, data, name=path.stem, snap_angles=snap_angles)
-    text = sources.decoded(given, data)
+    text = read_file.decoded(given, data)
     if suffix == ".csv":
         return dh_csv.describe(given, text, name=path.stem, convention=convention)
     return toml.describe(given, text, name=path.stem)
@@ -156,9 +155,9 @@ def _path(source: object) -> str:
 
 def _named(name: str) -> RobotDescription:
     """A bundled model; of another name that is all R and P, the planar arm of these joints."""
-    names = sources.bundled_names()
+    names = read_file.bundled_names()
     if name in names:
-        return toml.describe(f"{name}.toml", sources.bundled_text(name), name=name)
+        return toml.describe(f"{name}.toml", read_file.bundled_text(name), name=name)
     if name and not set(name) - set("RP"):
         return planar.describe(name)
     if name == "-":
