@@ -11,8 +11,8 @@ import pytest
 import freebody as fb
 from freebody.algorithms.regressor import regressor
 from freebody.derivations.base import base_parameters, by_base_parameters
-from freebody.derivations.evaluate import evaluate
 from freebody.model.model import Model
+from support.printed_values import evaluate
 from support.symbolic import spatial_arm, with_values
 
 WORDS = ["".join(w) for n in (1, 2, 3) for w in itertools.product("RP", repeat=n)]

@@ -15,10 +15,10 @@ import pytest
 
 import freebody as fb
 from freebody.derivations.derive import compare
-from freebody.derivations.evaluate import evaluate
 from freebody.derivations.expression import Equation, Symbol, nodes
 from freebody.derivations.render.cited import cited
 from freebody.model.model import Model
+from support.printed_values import evaluate
 from support.symbolic import METHODS, WAYS, spatial_arm, with_values
 
 WORDS = ["".join(w) for n in (1, 2, 3, 4) for w in itertools.product("RP", repeat=n)]

@@ -19,7 +19,6 @@ import pytest
 
 import freebody as fb
 from freebody.derivations.equations import Equations
-from freebody.derivations.evaluate import evaluate
 from freebody.derivations.symbols import RATE, SECOND
 from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
 from freebody.model.assembly import assemble
@@ -29,6 +28,7 @@ from freebody.model.parameters import Parameter
 from freebody.model.parts import Drive, Joint, Link, Mimic, RobotDescription
 from freebody.model.placement import shift, turn
 from support.helpers import numbers
+from support.printed_values import evaluate
 
 WORDS = ["".join(w) for n in (1, 2, 3) for w in itertools.product("RP", repeat=n)]
 DRIVES = [

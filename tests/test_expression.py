@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from fractions import Fraction
 from unicodedata import normalize
 
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 from freebody.derivations import expression as ex
-from freebody.derivations.evaluate import evaluate
+from freebody.derivations.evaluate import NoValue
 from freebody.derivations.expression import (
     add,
     cos,
@@ -27,10 +28,13 @@ from freebody.derivations.expression import (
     sub,
 )
 from freebody.derivations.names import entry, sym, vec
+from freebody.derivations.nodes import nodes, replaced
 from freebody.derivations.render.lines import broken, text_lines
 from freebody.derivations.render.sympy import to_sympy
 from freebody.derivations.render.text import breakable
+from freebody.derivations.values import value
 from freebody.errors import FreebodyError, UnknownNameError
+from support.printed_values import evaluate
 
 
 @pytest.mark.parametrize(
@@ -158,8 +162,8 @@ def test_building() -> None:
 
 def test_evaluate() -> None:
     at = {"a": np.array([1.0, 2.0]), "b": 3.0, "theta1": 0.5, "theta1_d": -2.0}
-    value = evaluate(eq("x", add(mul(2, "a", power("b", 2)), neg(div("b", "a")))), at)
-    np.testing.assert_allclose(value, [15.0, 34.5])
+    found = evaluate(eq("x", add(mul(2, "a", power("b", 2)), neg(div("b", "a")))), at)
+    np.testing.assert_allclose(found, [15.0, 34.5])
     assert evaluate(mul(sin("theta1"), ex.sgn("theta1_d")), at) == -np.sin(0.5)
     assert evaluate(cross(ex.vector(1, 2), ex.vector(3, 5)), at) == -1
     np.testing.assert_allclose(
@@ -169,10 +173,28 @@ def test_evaluate() -> None:
     np.testing.assert_allclose(
         evaluate(ex.transposed(ex.matrix([[1, 2], [3, "b"]])), at), [[1, 3], [2, 3]]
     )
-    with pytest.raises(UnknownNameError, match="no value 'c'"):
-        evaluate(sym("c"), at)
-    with pytest.raises(FreebodyError, match="for print only"):
-        evaluate(d_dt("a"), at)
+    with pytest.raises(UnknownNameError, match="no quantity 'c'"):
+        value(sym("c"), at)
+    with pytest.raises(NoValue, match="for print only") as told:
+        evaluate(add("a", d_dt("a")), at)
+    assert told.value.node == d_dt("a")
+
+
+def test_pieces_of_a_text_are_equal_to_themselves_alone() -> None:
+    """A printed node is what it prints; of two pieces of a text that say the same, each is its
+    own."""
+    one, other = ex.Product((sym("a"), sym("b"))), mul("a", "b")
+    assert one == other
+    assert hash(one) == hash(other)
+    first, second = (replace(sym("a"), span=span) for span in ((0, 1), (4, 5)))
+    assert first == first
+    assert first != second
+    assert first != sym("a")
+    whole = ex.Sum((first, second), span=(0, 5))
+    found = {first: 1, second: 2, whole: 3}
+    assert [found[node] for node in nodes(whole)] == [3, 1, 2]
+    assert replaced(whole, {second: sym("b")}).parts == (first, sym("b"))  # type: ignore[attr-defined]
+    assert [str(x) for x in nodes(ex.matrix([["a", "b"], ["c", 1]]))][1:] == ["a", "b", "c", "1"]
 
 
 def test_sympy() -> None:

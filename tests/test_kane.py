@@ -7,9 +7,9 @@ import pytest
 
 import freebody as fb
 from freebody.derivations.derivation import Derivation
-from freebody.derivations.evaluate import evaluate
 from freebody.derivations.expression import Equation, Symbol
 from freebody.figures.skeleton import skeleton
+from support.printed_values import evaluate
 from support.symbolic import spatial_arm, with_values
 
 ARMS = [fb.planar("RPR"), fb.planar("PR"), spatial_arm(5, 2), spatial_arm(8, 2)]

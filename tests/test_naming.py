@@ -12,7 +12,6 @@ import pytest
 import freebody as fb
 from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Derivation
-from freebody.derivations.evaluate import evaluate
 from freebody.derivations.methods import METHODS
 from freebody.derivations.names import sym
 from freebody.derivations.naming import Naming
@@ -26,6 +25,7 @@ from freebody.model.inertia import Inertia
 from freebody.model.parameters import Parameter
 from freebody.model.parts import Drive, Joint, Link, Mount, RobotDescription
 from freebody.model.placement import Placement, shift
+from support.printed_values import evaluate
 
 OPEN = {
     "newton-euler about pivots": {"route": "pivot"}, "newton-euler loaded": {"load": True},

@@ -11,9 +11,9 @@ import freebody as fb
 from freebody.derivations.check.example import example
 from freebody.derivations.check.setting import setting
 from freebody.derivations.closed.linear import product
-from freebody.derivations.evaluate import evaluate
 from freebody.derivations.names import sym
 from freebody.derivations.render.latex import width
+from support.printed_values import evaluate
 
 
 def test_a_name_that_is_nothing_but_the_mark_of_a_rate_is_a_name():

@@ -1,72 +1,80 @@
-"""The value of a printed expression at numbers: what a reader would compute from the page."""
+"""The value of an expression over any scalars: one walk, and a table of rules for each kind of
+scalar."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import operator
+from collections.abc import Callable, Iterable, Mapping
 from functools import reduce
 from typing import Any
 
-import numpy as np
-
-from freebody.derivations.expression import (
-    Cross,
-    Dot,
-    Equation,
+from freebody.derivations.nodes import (
     Expression,
-    Function,
-    Matrix,
     Negative,
     Number,
     Power,
     Product,
     Quotient,
     Sum,
-    Symbol,
-    Transposed,
-    Vector,
 )
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody.errors import FreebodyError
 
-FUNCTIONS = {"sin": np.sin, "cos": np.cos, "sgn": np.sign}
+Rule = Callable[[Any, Callable[[Expression], Any]], Any]
+"""The value of a node, given the node and a function that gives the values of its parts."""
 
-
-def evaluate(node: Expression, values: Mapping[str, Any]) -> Any:
-    """A number or array; `values` gives each symbol's by name. Of an equation the last side;
-    vectors become rows."""
-    rule = _RULES.get(type(node))
-    if rule is None:
-        raise FreebodyError(f"{node} has no value: {type(node).__name__} is for print only.")
-    return rule(node, lambda part: evaluate(part, values), values)
+Rules = Mapping[type, Rule]
 
 
-def _symbol(node: Symbol, at: Any, values: Mapping[str, Any]) -> Any:
-    if node.name not in values:
-        raise UnknownNameError("value", node.name, "the values given", values)
-    return values[node.name]
+class NoValue(FreebodyError, ValueError):
+    """A piece of an expression that has no value: `node`, the innermost one."""
+
+    def __init__(self, problem: str, node: Expression | None = None):
+        self.problem, self.node = problem, node
+        super().__init__(problem)
 
 
-def _cross(node: Cross, at: Any, values: Any) -> Any:
-    a, b = np.asarray(at(node.left)), np.asarray(at(node.right))
-    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0] if a.shape[-1] == 2 else np.cross(a, b)
+def evaluate(node: Expression, rules: Rules, known: Mapping[Expression, Any] | None = None) -> Any:
+    """The value of an expression by the rules for the types of its nodes; `known`: values of nodes
+    that need not be worked out. Raises NoValue."""
+
+    def at(part: Expression) -> Any:
+        if known is not None and (found := known.get(part)) is not None:
+            return found
+        rule = rules.get(type(part))
+        if rule is None:
+            raise NoValue(f"{part} is for print only.", part)
+        try:
+            return rule(part, at)
+        except NoValue as problem:
+            problem.node = problem.node or part
+            raise
+
+    return at(node)
 
 
-_RULES: dict[type, Any] = {
-    Number: lambda node, at, _: node.value.numerator / node.value.denominator,
-    Symbol: _symbol,
-    Sum: lambda node, at, _: reduce(lambda a, b: a + b, map(at, node.terms)),
-    Negative: lambda node, at, _: -at(node.operand),
-    Product: lambda node, at, _: reduce(lambda a, b: a * b, map(at, node.factors)),
-    Quotient: lambda node, at, _: at(node.above) / at(node.below),
-    Power: lambda node, at, _: at(node.base) ** node.exponent,
-    Transposed: lambda node, at, _: np.swapaxes(np.asarray(at(node.operand)), -1, -2),
-    Function: lambda node, at, _: FUNCTIONS[node.name](at(node.argument)),
-    Cross: _cross,
-    Dot: lambda node, at, _: np.sum(
-        np.asarray(at(node.left)) * np.asarray(at(node.right)), axis=-1
-    ),
-    Vector: lambda node, at, _: np.stack(np.broadcast_arrays(*map(at, node.entries)), axis=-1),
-    Matrix: lambda node, at, _: np.stack(
-        np.broadcast_arrays(*(at(Vector(row)) for row in node.rows)), axis=-2
-    ),
-    Equation: lambda node, at, _: at(node.rhs),
-}
+def _total(terms: Iterable[Any]) -> Any:
+    return reduce(operator.add, terms)
+
+
+def _product(factors: Iterable[Any]) -> Any:
+    return reduce(operator.mul, factors)
+
+
+def arithmetic(
+    number: Callable[[Any], Any],
+    total: Callable[[Iterable[Any]], Any] = _total,
+    product: Callable[[Iterable[Any]], Any] = _product,
+    negative: Callable[[Any], Any] = operator.neg,
+    quotient: Callable[[Any, Any], Any] = operator.truediv,
+    power: Callable[[Any, int], Any] = operator.pow,
+) -> dict[type, Rule]:
+    """The rules of arithmetic: `number` makes a scalar of a fraction, the others work with scalars,
+    by default by their own operators."""
+    return {
+        Number: lambda node, at: number(node.value),
+        Sum: lambda node, at: total(map(at, node.terms)),
+        Product: lambda node, at: product(map(at, node.factors)),
+        Negative: lambda node, at: negative(at(node.operand)),
+        Quotient: lambda node, at: quotient(at(node.above), at(node.below)),
+        Power: lambda node, at: power(at(node.base), node.exponent),
+    }

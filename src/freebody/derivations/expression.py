@@ -10,8 +10,7 @@ Wherever an expression is expected, a number or the name of a symbol will do:
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import fields
+from collections.abc import Iterable
 from fractions import Fraction
 from numbers import Rational
 
@@ -35,6 +34,7 @@ from freebody.derivations.nodes import (  # noqa: F401  (the nodes are asked for
     Transposed,
     Vector,
     Words,
+    nodes,
 )
 
 Like = Expression | Rational | int | str
@@ -186,16 +186,6 @@ def eq(*sides: Like) -> Equation:
 
 
 # ---------------------------------------------------------------- looking inside
-def nodes(x: Expression) -> Iterator[Expression]:
-    """An expression and all that is in it."""
-    yield x
-    for part in (getattr(x, f.name) for f in fields(x)):  # type: ignore[arg-type]
-        for inner in part if isinstance(part, tuple) else (part,):
-            for deeper in inner if isinstance(inner, tuple) else (inner,):
-                if isinstance(deeper, Expression):
-                    yield from nodes(deeper)
-
-
 def size(x: Expression) -> int:
     """How many numbers and symbols are read."""
     return sum(isinstance(node, Number | Symbol) for node in nodes(x))

@@ -1,20 +1,63 @@
-"""The nodes of expressions as they are printed: a small immutable tree. What builds them is in
-`expression`."""
+"""The nodes of expressions, printed ones and those read from a text: a small immutable tree. What
+builds them is in `expression`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import Any
+from typing import Any, ClassVar, Self
+
+Span = tuple[int, int]
+"""Start and end of a piece of text."""
+
+NOWHERE: Span = (-1, -1)
 
 STYLES: dict[str, Callable[[Expression], str]] = {}
 """How an expression is written: "text", "latex", "mathml". The renderers stand above the nodes and
 fill it in."""
 
 
+@dataclass(frozen=True, eq=False)
 class Expression:
-    """A node; `str` gives its text for a terminal."""
+    """A node; `str` gives its text for a terminal.
+
+    Two nodes with the same content are equal, unless they are pieces of a text: a piece is equal to
+    itself alone.
+    """
+
+    span: Span = field(default=NOWHERE, kw_only=True, repr=False)
+    """Where in a text it was read."""
+
+    __match_args__: ClassVar[tuple[str, ...]] = ()
+    """Names of the fields that are its content, as `dataclass` lists them."""
+
+    def __eq__(self, other: object) -> bool:
+        if self is other or type(self) is not type(other):
+            return self is other
+        apart = self.span != NOWHERE or other.span != NOWHERE  # type: ignore[attr-defined]
+        return not apart and self._content() == other._content()  # type: ignore[attr-defined]
+
+    def __hash__(self) -> int:
+        if self.span != NOWHERE:
+            return object.__hash__(self)
+        return hash((type(self), *self._content()))
+
+    def _content(self) -> tuple[Any, ...]:
+        return tuple(getattr(self, name) for name in self.__match_args__)
+
+    @property
+    def parts(self) -> tuple[Expression, ...]:
+        """The nodes that it is made of."""
+        return tuple(_expressions(self._content()))
+
+    def mapped(self, f: Callable[[Expression], Expression]) -> Self:
+        """The same with f of each of its parts in their place; itself where they stay."""
+        new = list(map(f, self.parts))
+        if all(a is b for a, b in zip(new, self.parts, strict=True)):
+            return self
+        rest = iter(new)
+        return replace(self, **{x: _filled(getattr(self, x), rest) for x in self.__match_args__})
 
     def __str__(self) -> str:
         return STYLES["text"](self)
@@ -34,7 +77,34 @@ class Expression:
         printer.text(str(self))
 
 
-@dataclass(frozen=True)
+def _expressions(content: tuple[Any, ...]) -> Iterator[Expression]:
+    for x in content:
+        if isinstance(x, Expression):
+            yield x
+        elif isinstance(x, tuple):
+            yield from _expressions(x)
+
+
+def _filled(x: Any, rest: Iterator[Expression]) -> Any:
+    """What a field holds, its expressions replaced by the next ones of `rest`."""
+    if isinstance(x, tuple):
+        return tuple(_filled(entry, rest) for entry in x)
+    return next(rest) if isinstance(x, Expression) else x
+
+
+def nodes(x: Expression) -> Iterator[Expression]:
+    """An expression and all that is in it."""
+    yield x
+    for part in x.parts:
+        yield from nodes(part)
+
+
+def replaced(x: Expression, new: Mapping[Expression, Expression]) -> Expression:
+    """An expression with some of its nodes replaced by others."""
+    return new[x] if x in new else x.mapped(lambda part: replaced(part, new))
+
+
+@dataclass(frozen=True, eq=False)
 class Number(Expression):
     """An exact number; `decimal` prints 1/2 as 0.5."""
 
@@ -42,7 +112,7 @@ class Number(Expression):
     decimal: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Symbol(Expression):
     """A letter with subscripts, dots and a superscript; `name` is what it is called in code. Bold
     for vectors."""
@@ -55,28 +125,28 @@ class Symbol(Expression):
     high: str = ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Sum(Expression):
     """Terms added up; a `Negative` term prints with its minus."""
 
     terms: tuple[Expression, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Negative(Expression):
     """- operand."""
 
     operand: Expression
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Product(Expression):
     """Factors side by side."""
 
     factors: tuple[Expression, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Quotient(Expression):
     """above / below."""
 
@@ -84,7 +154,7 @@ class Quotient(Expression):
     below: Expression
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Power(Expression):
     """base to a whole exponent; -1 of a matrix is its inverse."""
 
@@ -92,14 +162,14 @@ class Power(Expression):
     exponent: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Transposed(Expression):
     """Transpose of a vector or matrix."""
 
     operand: Expression
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Function(Expression):
     """sin, cos, sgn, … of one argument."""
 
@@ -107,14 +177,14 @@ class Function(Expression):
     argument: Expression
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Arguments(Expression):
     """Several arguments of one function, atan2(y, x)."""
 
     entries: tuple[Expression, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Derivative(Expression):
     """∂ of / ∂ by, or d of / d by; by the time where `by` is the symbol t."""
 
@@ -123,7 +193,7 @@ class Derivative(Expression):
     partial: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Cross(Expression):
     """left × right: in space a vector, in the plane the scalar a₁b₂ - a₂b₁."""
 
@@ -131,7 +201,7 @@ class Cross(Expression):
     right: Expression
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Dot(Expression):
     """left · right."""
 
@@ -139,21 +209,21 @@ class Dot(Expression):
     right: Expression
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Vector(Expression):
     """A column of components."""
 
     entries: tuple[Expression, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Matrix(Expression):
     """Rows of entries."""
 
     rows: tuple[tuple[Expression, ...], ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Equation(Expression):
     """Sides that are equal: two, or more in a chain."""
 
@@ -170,7 +240,7 @@ class Equation(Expression):
         return self.sides[-1]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Words(Expression):
     """Upright words inside a formula."""
 

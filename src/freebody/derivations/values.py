@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from freebody import elementary
+from freebody.derivations.evaluate import NoValue, Rules, arithmetic, evaluate
 from freebody.derivations.expression import (
     Arguments,
     Cross,
@@ -20,12 +21,6 @@ from freebody.derivations.expression import (
     Expression,
     Function,
     Matrix,
-    Negative,
-    Number,
-    Power,
-    Product,
-    Quotient,
-    Sum,
     Symbol,
     Transposed,
     Vector,
@@ -45,10 +40,16 @@ class Each(tuple):
 
 def value(node: Expression, values: Mapping[str, Value]) -> Value:
     """The value of an expression, given each symbol's by name."""
-    rule = _RULES.get(type(node))
-    if rule is None:
-        raise FormulaError(f"{node} is for print only.")
-    return rule(node, values)
+
+    def symbol(node: Symbol, at: Any) -> Value:
+        if node.name not in values:
+            raise UnknownNameError("quantity", node.name, "the values given", values)
+        return plain(values[node.name])
+
+    try:
+        return evaluate(node, {**_RULES, Symbol: symbol})
+    except NoValue as problem:
+        raise FormulaError(problem.problem) from None
 
 
 def plain(x: Any) -> Value:
@@ -140,10 +141,6 @@ def _each(rule: Any, a: Value, b: Value) -> Value:
 
 
 # ---------------------------------------------------------------- functions and powers
-def _power(node: Power, values: Mapping[str, Value]) -> Value:
-    return _raised(value(node.base, values), node.exponent)
-
-
 def _raised(base: Value, exponent: int) -> Value:
     """base to a whole exponent: -1 of a matrix is its inverse, r² of a vector r·r."""
     if isinstance(base, Each):
@@ -207,9 +204,8 @@ _FUNCTIONS: dict[str, Any] = {name: _elementary(name) for name in ("sin", "cos",
 }  # fmt: skip
 
 
-def _derivative(node: Derivative, values: Mapping[str, Value]) -> Value:
-    of = value(node.of, values)
-    return _slope(of, _variable(value(node.by, values)) if node.partial else None)
+def _derivative(node: Derivative, at: Any) -> Value:
+    return _slope(at(node.of), _variable(at(node.by)) if node.partial else None)
 
 
 def _variable(x: Value) -> str:
@@ -242,11 +238,6 @@ def time_rates(ring: TrigRing) -> dict[str, Trig]:
     return first | {x + RATE: ring[x + SECOND] for x in ring.names if x + SECOND in ring.index}
 
 
-def _quotient(node: Quotient, values: Mapping[str, Value]) -> Value:
-    above, below = value(node.above, values), value(node.below, values)
-    return divided(above, below)
-
-
 def divided(a: Value, b: Value) -> Value:
     """a / b: anything by a scalar; exact where both are whole."""
     if isinstance(a, tuple):
@@ -270,26 +261,21 @@ def _stacked(entries: list[Value]) -> Value:
     return Each(zip(*rows, strict=True))
 
 
-def _symbol(node: Symbol, values: Mapping[str, Value]) -> Value:
-    if node.name not in values:
-        raise UnknownNameError("quantity", node.name, "the values given", values)
-    return plain(values[node.name])
-
-
-_RULES: dict[type, Any] = {
-    Number: lambda node, v: int(node.value) if node.value.denominator == 1 else node.value,
-    Symbol: _symbol,
-    Sum: lambda node, v: reduce(plus, (value(x, v) for x in node.terms)),
-    Negative: lambda node, v: minus(value(node.operand, v)),
-    Product: lambda node, v: reduce(multiplied, (value(x, v) for x in node.factors)),
-    Quotient: _quotient,
-    Power: _power,
-    Transposed: lambda node, v: transposed(value(node.operand, v)),
-    Function: lambda node, v: _applied(_FUNCTIONS[node.name], value(node.argument, v), node.name),
-    Cross: lambda node, v: crossed(value(node.left, v), value(node.right, v)),
+_RULES: Rules = {
+    **arithmetic(
+        lambda number: int(number) if number.denominator == 1 else number,
+        total=lambda terms: reduce(plus, terms),
+        product=lambda factors: reduce(multiplied, factors),
+        negative=minus,
+        quotient=divided,
+        power=_raised,
+    ),
+    Transposed: lambda node, at: transposed(at(node.operand)),
+    Function: lambda node, at: _applied(_FUNCTIONS[node.name], at(node.argument), node.name),
+    Cross: lambda node, at: crossed(at(node.left), at(node.right)),
     Derivative: _derivative,
-    Dot: lambda node, v: dotted(value(node.left, v), value(node.right, v)),
-    Arguments: lambda node, v: tuple(value(x, v) for x in node.entries),
-    Vector: lambda node, v: _stacked([value(x, v) for x in node.entries]),
-    Matrix: lambda node, v: tuple(tuple(value(x, v) for x in row) for row in node.rows),
+    Dot: lambda node, at: dotted(at(node.left), at(node.right)),
+    Arguments: lambda node, at: tuple(map(at, node.entries)),
+    Vector: lambda node, at: _stacked(list(map(at, node.entries))),
+    Matrix: lambda node, at: tuple(tuple(map(at, row)) for row in node.rows),
 }

@@ -10,13 +10,14 @@ from dataclasses import dataclass
 from freebody.derivations.check import idle, words
 from freebody.derivations.check.exact import Reader
 from freebody.derivations.check.lexer import Token, tokens
-from freebody.derivations.check.parser import Parser
+from freebody.derivations.check.parser import Parser, around
 from freebody.derivations.check.references import Use, refuse_circles, uses
 from freebody.derivations.check.setting import FAMILIES, Setting
 from freebody.derivations.check.source import AnswerError, Source
 from freebody.derivations.check.targets import Target, Targets
-from freebody.derivations.check.tree import Negative, Node, Sum, Symbol, Table
+from freebody.derivations.check.tree import Named
 from freebody.derivations.check.vocabulary import Vocabulary, spellings
+from freebody.derivations.nodes import Expression, Matrix, Negative, Sum
 from freebody.errors import listed
 from freebody.scalars.trig import Trig
 
@@ -29,7 +30,7 @@ class Claim:
 
     label: str
     target: Target
-    node: Node
+    node: Expression
     value: Trig
     source: Source
     uses: tuple[Use, ...] = ()
@@ -204,11 +205,11 @@ class _Reading:
         self.setting = vocabulary.setting
         self.replaced: dict[str, Trig] = {}
 
-    def parse(self, side: Sequence[Token]) -> Node:
+    def parse(self, side: Sequence[Token]) -> Expression:
         """A side as tree."""
         return Parser(self.source, side, self.vocabulary, self._quantity).side()
 
-    def value(self, node: Node) -> Trig:
+    def value(self, node: Expression) -> Trig:
         """A tree as polynomial."""
         return Reader(self.source, self.setting.ring).read(node)
 
@@ -220,7 +221,7 @@ class _Reading:
         target = self.targets.single[name]
         return self.setting.zero if target.idle else target.compute()
 
-    def _claim(self, label: str, target: Target, node: Node) -> Claim:
+    def _claim(self, label: str, target: Target, node: Expression) -> Claim:
         """What a tree says of a quantity."""
         used = tuple(uses(node, self.targets.single, self.vocabulary))
         return Claim(label, target, node, self.value(node), self.source, used)
@@ -286,11 +287,11 @@ class _Reading:
             return side[0].text
         return None
 
-    def _pairs(self, name: Token, node: Node) -> list[Claim]:
+    def _pairs(self, name: Token, node: Expression) -> list[Claim]:
         """The claims of name = node, entry by entry where it is a vector or matrix."""
         label = self.source[name.span]
         single, table = self.targets.single.get(name.text), self.targets.tables.get(name.text)
-        if not isinstance(node, Table):
+        if not isinstance(node, Matrix):
             if single is None:
                 self.source.fail(
                     f"{label} is a vector or matrix: write it as [[…, …], […, …]]", name.span
@@ -301,7 +302,7 @@ class _Reading:
         return self._entries(label, name, node, table or [])
 
     def _entries(
-        self, label: str, name: Token, node: Table, table: list[list[Target]]
+        self, label: str, name: Token, node: Matrix, table: list[list[Target]]
     ) -> list[Claim]:
         rows = [list(row) for row in node.rows]
         if len(rows) == 1 and table and len(table[0]) == 1:
@@ -348,7 +349,7 @@ class _Reading:
         rest, slope = self._solved(line, target)
         if slope is None:
             self.source.fail(f"this equation cannot be solved for {name}", span)
-        node = Symbol(*span, name, rest / -slope)
+        node = Named(name, rest / -slope, span=span)
         nodes = map(self.parse, line)
         used = [use for side in nodes for use in uses(side, self.targets.single, self.vocabulary)]
         used = [use for use in used if use.target != target]
@@ -358,7 +359,7 @@ class _Reading:
         """An equation without torque: that of a joint which nothing drives."""
         left, right = map(self.parse, line)
         values = self.value(left), self.value(right)
-        node: Node = Sum(left.start, right.end, (left, Negative(right.start, right.end, right)))
+        node: Expression = Sum((left, Negative(right, span=right.span)), span=around(left, right))
         for side, value in ((right, values[0]), (left, values[1])):
             if value.is_zero:
                 node = side

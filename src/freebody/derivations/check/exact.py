@@ -2,25 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import operator
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import NoReturn
+from functools import reduce
 
 from freebody.derivations.check.source import Source
-from freebody.derivations.check.tree import (
-    Angle,
-    Negative,
-    Node,
-    Number,
-    Power,
-    Product,
-    Quotient,
-    Sum,
-    Symbol,
-    Table,
-    Wave,
-)
+from freebody.derivations.check.tree import Angle, Named, Wave
+from freebody.derivations.evaluate import NoValue, Rules, arithmetic, evaluate
+from freebody.derivations.nodes import Expression, Matrix, Quotient
 from freebody.errors import FreebodyError
 from freebody.scalars.trig import Trig, TrigRing
 
@@ -37,24 +28,28 @@ class Reader:
     source: Source
     ring: TrigRing
     work: int = 0
-    rules: dict[type, Callable[..., Trig]] = field(init=False)
+    rules: Rules = field(init=False)
 
     def __post_init__(self) -> None:
         self.rules = {
-            Number: lambda node: self.constant(node.value),
-            Symbol: lambda node: node.value,
-            Wave: lambda node: self._wave(node),
-            Sum: self._sum,
-            Product: self._product,
-            Negative: lambda node: -self.read(node.operand),
-            Power: self._power,
-            Quotient: self._quotient,
-            Table: self._table,
+            **arithmetic(
+                self.constant,
+                total=lambda terms: _checked(reduce(operator.add, terms)),
+                product=self._product,
+                power=lambda base, exponent: self._product([base] * exponent),
+            ),
+            Quotient: lambda node, at: self._quotient(node, at(node.above), at(node.below)),
+            Named: lambda node, at: node.value,
+            Wave: lambda node, at: self._wave(node),
+            Matrix: _no_matrix,
         }
 
-    def read(self, node: Node) -> Trig:
+    def read(self, node: Expression) -> Trig:
         """The polynomial of a tree."""
-        return self.rules[type(node)](node)
+        try:
+            return evaluate(node, self.rules)
+        except NoValue as problem:
+            self.source.fail(problem.problem, (problem.node or node).span)
 
     def constant(self, value: Fraction) -> Trig:
         """A number."""
@@ -67,65 +62,35 @@ class Reader:
         x = angle.sin() if node.function == "sin" else angle.cos()
         return x if isinstance(x, Trig) else self.constant(Fraction(x))
 
-    def _sum(self, node: Sum) -> Trig:
-        total = self.read(node.terms[0])
-        for term in node.terms[1:]:
-            total = total + self.read(term)
-        return self._checked(total, node)
-
-    def _product(self, node: Product) -> Trig:
-        total = self.read(node.factors[0])
-        for factor in node.factors[1:]:
-            total = self._times(total, self.read(factor), node)
-        return total
-
-    def _power(self, node: Power) -> Trig:
-        base = self.read(node.base)
+    def _product(self, factors: Iterable[Trig]) -> Trig:
         total = self.constant(Fraction(1))
-        for _ in range(node.exponent):
-            total = self._times(total, base, node)
+        for factor in factors:
+            total = self._times(total, factor)
         return total
 
-    def _quotient(self, node: Quotient) -> Trig:
-        above, below = self.read(node.above), self.read(node.below)
+    def _quotient(self, node: Quotient, above: Trig, below: Trig) -> Trig:
         if below.is_zero:
-            self.source.fail("division by zero", node.below.span)
+            raise NoValue("division by zero", node.below)
         try:
-            return self._checked(above / below, node)
+            quotient = above / below
         except FreebodyError:
-            self.source.fail(
+            raise NoValue(
                 f"division by {self.source[node.below.span]}: the answer must be a polynomial in "
-                f"the symbols, "
-                "with numbers only below a fraction bar",
-                node.below.span,
-            )
+                "the symbols, with numbers only below a fraction bar",
+                node.below,
+            ) from None
+        return _checked(quotient)
 
-    def _table(self, node: Table) -> NoReturn:
-        self.source.fail("a vector or matrix stands where one expression is expected", node.span)
-
-    def _times(self, a: Trig, b: Trig, node: Node) -> Trig:
+    def _times(self, a: Trig, b: Trig) -> Trig:
         self.work += len(a) * len(b)
         if len(a) and len(b) and a.poly.total_degree() + b.poly.total_degree() > HIGHEST_DEGREE:
-            self.source.fail(f"more than {HIGHEST_DEGREE} symbols are multiplied here", node.span)
+            raise NoValue(f"more than {HIGHEST_DEGREE} symbols are multiplied here")
         if self.work > MOST_WORK:
-            self.source.fail("multiplied out, this has too many terms to compare", node.span)
+            raise NoValue("multiplied out, this has too many terms to compare")
         product = a * b
-        return self._checked(
-            product if isinstance(product, Trig) else self.constant(Fraction(0)), node
-        )
+        return _checked(product if isinstance(product, Trig) else self.constant(Fraction(0)))
 
-    def _checked(self, x: Trig, node: Node) -> Trig:
-        if len(x) > MOST_TERMS:
-            self.source.fail("multiplied out, this has too many terms to compare", node.span)
-        if (
-            len(x)
-            and max(abs(x.leading_coefficient.numerator), x.leading_coefficient.denominator)
-            >> MOST_BITS
-        ):
-            self.source.fail("this number is too large", node.span)
-        return x
-
-    def angle(self, node: Node) -> tuple[Angle, Fraction]:
+    def angle(self, node: Expression) -> tuple[Angle, Fraction]:
         """A tree as sum of whole multiples of angles and a constant."""
         multiples: list[tuple[str, int]] = []
         turn = Fraction(0)
@@ -148,3 +113,17 @@ class Reader:
         if sum(abs(k) for _, k in multiples) > MOST_TURNS or abs(turn) > 1000:
             self.source.fail("a multiple of an angle this large is not read", node.span)
         return tuple(sorted(multiples, key=lambda row: self.ring.angles.index(row[0]))), turn
+
+
+def _no_matrix(node: Matrix, at: object) -> Trig:
+    raise NoValue("a vector or matrix stands where one expression is expected", node)
+
+
+def _checked(x: Trig) -> Trig:
+    if len(x) > MOST_TERMS:
+        raise NoValue("multiplied out, this has too many terms to compare")
+    if len(x) and (
+        max(abs(x.leading_coefficient.numerator), x.leading_coefficient.denominator) >> MOST_BITS
+    ):
+        raise NoValue("this number is too large")
+    return x

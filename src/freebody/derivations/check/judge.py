@@ -25,13 +25,14 @@ from freebody.derivations.check.rounded import MEASURED, Rounded
 from freebody.derivations.check.setting import Setting
 from freebody.derivations.check.source import Source
 from freebody.derivations.check.targets import Targets
-from freebody.derivations.check.tree import Symbol, nodes
+from freebody.derivations.check.tree import Named
 from freebody.derivations.check.units import misfit, unit_text
 from freebody.derivations.check.verdict import Equation, Finding
 from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.check.wording import Wording, quoted
 from freebody.derivations.check.workspace import Workspace
 from freebody.derivations.names import sym
+from freebody.derivations.nodes import nodes
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
@@ -145,7 +146,7 @@ class Judge:
 
     def _zeros(self, claim: Claim) -> str:
         """A sentence about parameters in the answer that are 0 in this model."""
-        names = {x.name: sym(x.name) for x in nodes(claim.node) if isinstance(x, Symbol)}
+        names = {x.name: sym(x.name) for x in nodes(claim.node) if isinstance(x, Named)}
         found = [str(names[name]) for name in names if name in self.setting.zeros]
         if not found:
             return ""

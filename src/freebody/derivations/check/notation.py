@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from freebody.derivations.check.answer import Claim
 from freebody.derivations.check.setting import Setting
 from freebody.derivations.check.targets import Targets
-from freebody.derivations.check.tree import Negative, Node, Number, Sum, Symbol, Wave, replaced
+from freebody.derivations.check.tree import Named, Wave
 from freebody.derivations.check.verdict import Finding
 from freebody.derivations.check.workspace import Workspace
+from freebody.derivations.nodes import Expression, Negative, Number, Sum, replaced
 from freebody.derivations.symbols import RATE, SECOND
 
 _GRAVITY = ("9.8", "9.81", "9.807", "9.80665", "10")
@@ -21,7 +22,7 @@ _GRAVITY = ("9.8", "9.81", "9.807", "9.80665", "10")
 class Reading:
     """Nodes that may stand for something else, and how to say so."""
 
-    new: dict[Node, Node]
+    new: dict[Expression, Expression]
     text: str
     right: str
     is_doubtful: bool = True
@@ -43,7 +44,7 @@ def misread(
     for reading in readings:
         if work.point.at(replaced(work.root, reading.new)) == right:
             node = next(iter(reading.new))
-            line, column = claim.source.place(node.start)
+            line, column = claim.source.place(node.span[0])
             text = f"{reading.text} With that the equation is right."
             yours, context = claim.source[node.span], claim.source.caret(node.span)
             return Finding("symbol", text, yours, reading.right, line, column, context), ""
@@ -55,7 +56,7 @@ def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator
     """c1 as a term of its own in a torque: it is read as cos θ1."""
     if claim.target.family != "tau":
         return
-    found: dict[Node, Node] = {}
+    found: dict[Expression, Expression] = {}
     for node in work.values:
         index = re.fullmatch(
             r"c_?\{?(\d+)\}?", claim.source[node.span].replace("₁", "1").replace("₂", "2")
@@ -68,10 +69,10 @@ def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator
             and f"v{index[1]}" in targets.single
         ):
             value = targets.single[f"v{index[1]}"].compute()
-            found[node] = Symbol(*node.span, f"v{index[1]}", value)
+            found[node] = Named(f"v{index[1]}", value, span=node.span)
     if found:
         written, name = claim.source[next(iter(found)).span], next(iter(found.values()))
-        assert isinstance(name, Symbol)
+        assert isinstance(name, Named)
         text = f"‘{written}’ on the right is read as a cosine; write {name.name} for the velocity term."
         yield Reading(found, text, name.name)
 
@@ -80,17 +81,17 @@ def _cosines(
     setting: Setting, targets: Targets, claim: Claim, work: Workspace
 ) -> Iterator[Reading]:
     """C2, C12 on the right: read as quantities of the dynamics, where cosines may be meant."""
-    found: dict[Node, Node] = {}
+    found: dict[Expression, Expression] = {}
     for node in work.values:
-        if not isinstance(node, Symbol) or node.name not in targets.single:
+        if not isinstance(node, Named) or node.name not in targets.single:
             continue
         index = re.fullmatch(r"C([1-9]+)", node.name)
         angle = tuple((f"theta{k}", 1) for k in index[1]) if index else ()
         if angle and all(x in setting.ring.angles for x, _ in angle):
-            found[node] = Wave(*node.span, "cos", angle)
+            found[node] = Wave("cos", angle, span=node.span)
     if found:
         node = next(iter(found))
-        assert isinstance(node, Symbol)
+        assert isinstance(node, Named)
         written, right = claim.source[node.span], claim.source[node.span].replace("C", "c", 1)
         title = targets.single[node.name].title
         text = f"‘{written}’ on the right is read as {title}; write {right} for the cosine."
@@ -104,14 +105,14 @@ def _slides(setting: Setting, targets: Targets, work: Workspace) -> Iterator[Rea
         return
     (slide,), found = slides, {}
     for node in work.values:
-        target = targets.single.get(node.name) if isinstance(node, Symbol) else None
+        target = targets.single.get(node.name) if isinstance(node, Named) else None
         if (
             target is not None
-            and isinstance(node, Symbol)
+            and isinstance(node, Named)
             and re.fullmatch(r"[˙'d]*x[˙'dot]*", node.name)
         ):
             name = slide + {"tip": "", "tip_d": RATE, "tip_dd": SECOND}[target.family]
-            found[node] = Symbol(*node.span, name, setting.ring[name])
+            found[node] = Named(name, setting.ring[name], span=node.span)
     if found:
         text = f"x is read as the tip's coordinate; for the slide write {slide}, or say names={{'x': '{slide}'}}."
         yield Reading(found, text, slide)
@@ -120,8 +121,8 @@ def _slides(setting: Setting, targets: Targets, work: Workspace) -> Iterator[Rea
 def _numbers(setting: Setting, claim: Claim, work: Workspace) -> Iterator[Reading]:
     """9.81 for g."""
     g = setting.order.gravity
-    found: dict[Node, Node] = {
-        node: Symbol(*node.span, g, setting.ring[g])
+    found: dict[Expression, Expression] = {
+        node: Named(g, setting.ring[g], span=node.span)
         for node in work.values
         if g and isinstance(node, Number) and claim.source[node.span] in _GRAVITY
     }

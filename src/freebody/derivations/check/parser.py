@@ -10,20 +10,19 @@ from fractions import Fraction
 
 from freebody.derivations.check.exact import LARGEST_EXPONENT, Reader
 from freebody.derivations.check.lexer import Token
-from freebody.derivations.check.source import Source
-from freebody.derivations.check.tree import (
+from freebody.derivations.check.source import Source, Span
+from freebody.derivations.check.tree import Named, Wave
+from freebody.derivations.check.vocabulary import Vocabulary
+from freebody.derivations.nodes import (
+    Expression,
+    Matrix,
     Negative,
-    Node,
     Number,
     Power,
     Product,
     Quotient,
     Sum,
-    Symbol,
-    Table,
-    Wave,
 )
-from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.errors import FreebodyError
 from freebody.scalars.trig import Trig
 
@@ -69,6 +68,10 @@ class Parser:
         self.at += 1
         return token
 
+    def _since(self, start: int) -> Span:
+        """From there to the end of the last token that was used up."""
+        return start, self.tokens[self.at - 1].end
+
     def is_operator(self, *texts: str) -> bool:
         """Whether one of these operators comes next."""
         return self.token.kind == "operator" and self.token.text in texts
@@ -80,7 +83,7 @@ class Parser:
         self.source.fail(f"{found} where {expected} is expected", token.span)
 
     # ------------------------------------------------------------ sides
-    def side(self) -> Node:
+    def side(self) -> Expression:
         """A whole side: an expression, or a vector or matrix of expressions."""
         node = self.table() if self._is_table() else self.expression()
         if self.token.kind == "close":
@@ -107,7 +110,7 @@ class Parser:
                 return True
         return False
 
-    def table(self) -> Table:
+    def table(self) -> Matrix:
         """[[a, b], [c, d]], [a, b], Matrix(…), or a LaTeX matrix."""
         first = self.take()
         if first.kind == "begin":
@@ -121,10 +124,12 @@ class Parser:
             rows = self._nested()
         else:
             rows = self._rows(("comma",), ("line", "row"), "close")
-        return Table(first.start, self.tokens[self.at - 1].end, tuple(map(tuple, rows)))
+        return Matrix(tuple(map(tuple, rows)), span=self._since(first.start))
 
-    def _rows(self, column: tuple[str, ...], row: tuple[str, ...], end: str) -> list[list[Node]]:
-        rows: list[list[Node]] = [[]]
+    def _rows(
+        self, column: tuple[str, ...], row: tuple[str, ...], end: str
+    ) -> list[list[Expression]]:
+        rows: list[list[Expression]] = [[]]
         while True:
             rows[-1].append(self.expression())
             token = self.take()
@@ -138,7 +143,7 @@ class Parser:
                 self.at -= 1
                 self.fail_here("the next entry of the matrix")
 
-    def _nested(self) -> list[list[Node]]:
+    def _nested(self) -> list[list[Expression]]:
         rows = []
         while True:
             self._expect("open", "'['")
@@ -156,22 +161,24 @@ class Parser:
         return self.take()
 
     # ------------------------------------------------------------ expressions
-    def expression(self) -> Node:
+    def expression(self) -> Expression:
         """term ± term …"""
         terms = [self._signed_term()]
         while self.is_operator("+", "-"):
             terms.append(self._signed_term())
-        return terms[0] if len(terms) == 1 else Sum(terms[0].start, terms[-1].end, tuple(terms))
+        if len(terms) == 1:
+            return terms[0]
+        return Sum(tuple(terms), span=around(terms[0], terms[-1]))
 
-    def _signed_term(self) -> Node:
+    def _signed_term(self) -> Expression:
         """A term with the signs before it."""
         start, negative = self.token.start, False
         while self.is_operator("+", "-"):
             negative ^= self.take().text == "-"
         term = self.product()
-        return Negative(start, term.end, term) if negative else term
+        return Negative(term, span=(start, term.span[1])) if negative else term
 
-    def product(self) -> Node:
+    def product(self) -> Expression:
         """Factors with * and / between them or nothing."""
         node = self.factor()
         factors = [node]
@@ -200,27 +207,26 @@ class Parser:
             token.span,
         )
 
-    def _signed_factor(self) -> Node:
+    def _signed_factor(self) -> Expression:
         start, negative = self.token.start, False
         while self.is_operator("+", "-"):
             negative ^= self.take().text == "-"
         factor = self.factor()
-        return Negative(start, factor.end, factor) if negative else factor
+        return Negative(factor, span=(start, factor.span[1])) if negative else factor
 
-    def factor(self) -> Node:
+    def factor(self) -> Expression:
         """A primary with its powers."""
         node = self.primary()
         while True:
             if self.token.kind == "power" or self.is_operator("^"):
-                start = node.start
                 exponent = self._exponent()
-                end = self.tokens[self.at - 1].end
+                span = self._since(node.span[0])
                 node = (
-                    replace(node, end=end) if exponent == 1 else Power(start, end, node, exponent)
+                    replace(node, span=span) if exponent == 1 else Power(node, exponent, span=span)
                 )
             elif self.token.kind == "degree":
-                end = self.take().end
-                node = Product(node.start, end, (node, Number(node.start, end, _PI / 180)))
+                span = (node.span[0], self.take().end)
+                node = Product((node, Number(_PI / 180, span=span)), span=span)
             else:
                 return node
 
@@ -245,12 +251,12 @@ class Parser:
             self.source.fail("a power of a power needs brackets", self.token.span)
         return int(value)
 
-    def primary(self) -> Node:
+    def primary(self) -> Expression:
         """A number, name, function, fraction or bracket."""
         token = self.token
         if token.kind == "number":
             self.take()
-            return Number(token.start, token.end, token.value)
+            return Number(token.value, span=token.span)
         if token.kind == "name":
             return self._name()
         if token.kind == "open":
@@ -262,7 +268,7 @@ class Parser:
         self.fail_here("a term")
         raise AssertionError
 
-    def bracket(self) -> Node:
+    def bracket(self) -> Expression:
         """( … ), the node as wide as its brackets."""
         token = self.take()
         self._deeper(token)
@@ -276,14 +282,14 @@ class Parser:
         if close.text != _PAIR[token.text]:
             self.source.fail(f"{token.text!r} is closed by {close.text!r}", close.span)
         self.take()
-        return replace(node, start=token.start, end=close.end)
+        return replace(node, span=(token.start, close.end))
 
     def _deeper(self, token: Token) -> None:
         self.depth += 1
         if self.depth > DEEPEST:
             self.source.fail(f"more than {DEEPEST} brackets inside one another", token.span)
 
-    def _nested_call(self) -> Node:
+    def _nested_call(self) -> Expression:
         """A function or fraction; both may hold others."""
         token = self.token
         self._deeper(token)
@@ -291,29 +297,29 @@ class Parser:
         self.depth -= 1
         return node
 
-    def _fraction(self) -> Node:
+    def _fraction(self) -> Expression:
         """\\frac{above}{below}, \\frac12."""
         start = self.take().start
         above, below = (
             self.bracket() if self.token.kind == "open" else self.primary() for _ in range(2)
         )
-        return replace(_quotient(above, below), start=start)
+        return replace(_quotient(above, below), span=(start, below.span[1]))
 
     # ------------------------------------------------------------ names and functions
-    def _name(self) -> Node:
+    def _name(self) -> Expression:
         """A symbol, c12, or a quantity that stands for its right value; theta1(t) is theta1."""
         token = self.take()
         name = token.text
         if [self.ahead(k).text for k in range(3)] == ["(", "t", ")"]:
             self.at += 3
-        end = self.tokens[self.at - 1].end
+        span = self._since(token.start)
         vocabulary = self.vocabulary
         if name in vocabulary.symbols:
-            return Symbol(token.start, end, name, vocabulary.symbols[name])
+            return Named(name, vocabulary.symbols[name], span=span)
         if name in vocabulary.waves:
-            return Wave(token.start, end, *vocabulary.waves[name])
+            return Wave(*vocabulary.waves[name], span=span)
         if name == "pi":
-            return Number(token.start, end, _PI)
+            return Number(_PI, span=span)
         if name == "t":
             self.source.fail("the time t does not occur in these equations", token.span)
         value = self.quantity(name)
@@ -322,12 +328,12 @@ class Parser:
                 f"{self.source[token.span]} is a vector or matrix, which cannot stand in a product",
                 token.span,
             )
-        return Symbol(token.start, end, name, value)
+        return Named(name, value, span=span)
 
     def _function(self, token: Token) -> str:
         return self.vocabulary.functions[token.text]
 
-    def _call(self) -> Node:
+    def _call(self) -> Expression:
         """A function with its argument; cos²(x) is a power of it."""
         token = self.take()
         function = self._function(token)
@@ -337,27 +343,25 @@ class Parser:
             self.source.fail("a matrix must be a whole side of the equation", token.span)
         exponent = self._exponent() if self.token.kind == "power" or self.is_operator("^") else 1
         argument = self._argument(token)
-        end = self.tokens[self.at - 1].end
+        span = self._since(token.start)
         if function == "sgn":
-            node: Node = Symbol(
-                token.start, end, self.source[token.start, end], self._sign(argument)
-            )
+            node: Expression = Named(self.source[span], self._sign(argument), span=span)
         else:
-            node = Wave(token.start, end, function, *self.reader.angle(argument))
-        return node if exponent == 1 else Power(token.start, end, node, exponent)
+            node = Wave(function, *self.reader.angle(argument), span=span)
+        return node if exponent == 1 else Power(node, exponent, span=span)
 
-    def _argument(self, function: Token) -> Node:
+    def _argument(self, function: Token) -> Expression:
         """A bracket; or, without one, numbers and one angle: cos 2θ1."""
         if self.token.kind == "open":
             return self.bracket()
-        factors: list[Node] = []
+        factors: list[Expression] = []
         while self.token.kind in ("number", "fraction") or self.is_operator("-", "*"):
             if self.is_operator("-", "*"):
                 token = self.take()
                 if token.text == "*" and not factors:
                     self.source.fail(f"{function.text} needs an angle behind it", token.span)
                 if token.text == "-":
-                    factors.append(Number(token.start, token.end, Fraction(-1)))
+                    factors.append(Number(Fraction(-1), span=token.span))
             else:
                 factors.append(self.primary())
         if self.token.kind == "name":
@@ -365,7 +369,7 @@ class Parser:
         if not factors:
             self.fail_here(f"the angle of {function.text}")
         if self.token.kind == "power" or self.is_operator("^"):
-            angle = self.source[factors[0].start, factors[-1].end]
+            angle = self.source[around(factors[0], factors[-1])]
             self.source.fail(
                 f"this power may belong to the angle or to {function.text}: write "
                 f"{function.text}^2({angle})",
@@ -373,13 +377,13 @@ class Parser:
             )
         return _product(factors)
 
-    def _sign(self, argument: Node) -> Trig:
+    def _sign(self, argument: Expression) -> Trig:
         try:
             return self.reader.read(argument).sign()
         except FreebodyError:
             self.source.fail("sgn needs a single rate here", argument.span)
 
-    def _derivative(self, token: Token) -> Node:
+    def _derivative(self, token: Token) -> Expression:
         """Derivative(theta1(t), t), Derivative(theta1(t), (t, 2))."""
         self._expect("open", "'('")
         value = self.reader.read(self.expression())
@@ -397,26 +401,27 @@ class Parser:
                 times = int(self._expect("number", "the order").value)
                 self._expect("close", "')'")
             order += times
-        end = self._expect("close", "')'").end
+        span = (token.start, self._expect("close", "')'").end)
         if not 1 <= order <= 2:
-            self.source.fail(
-                "a derivative must be the first or second one by t", (token.start, end)
-            )
+            self.source.fail("a derivative must be the first or second one by t", span)
         for _ in range(order):
             value = value.along(self.vocabulary.setting.symbols.rates)
-        return Symbol(token.start, end, self.source[token.start, end], value)
+        return Named(self.source[span], value, span=span)
 
 
-def _product(factors: list[Node]) -> Node:
-    return (
-        factors[0]
-        if len(factors) == 1
-        else Product(factors[0].start, factors[-1].end, tuple(factors))
-    )
+def around(first: Expression, last: Expression) -> Span:
+    """From the start of one piece to the end of another."""
+    return first.span[0], last.span[1]
 
 
-def _quotient(above: Node, below: Node) -> Node:
+def _product(factors: list[Expression]) -> Expression:
+    if len(factors) == 1:
+        return factors[0]
+    return Product(tuple(factors), span=around(factors[0], factors[-1]))
+
+
+def _quotient(above: Expression, below: Expression) -> Expression:
     """A fraction; of two numbers one number."""
     if isinstance(above, Number) and isinstance(below, Number) and below.value:
-        return Number(above.start, below.end, above.value / below.value)
-    return Quotient(above.start, below.end, above, below)
+        return Number(above.value / below.value, span=around(above, below))
+    return Quotient(above, below, span=around(above, below))

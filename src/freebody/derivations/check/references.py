@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 from freebody.derivations.check.source import Source, Span
 from freebody.derivations.check.targets import Target
-from freebody.derivations.check.tree import Node, Symbol, nodes
+from freebody.derivations.check.tree import Named
 from freebody.derivations.check.vocabulary import Vocabulary
+from freebody.derivations.nodes import Expression, nodes
 
 if TYPE_CHECKING:
     from freebody.derivations.check.answer import Claim
@@ -24,10 +25,12 @@ class Use:
     span: Span
 
 
-def uses(node: Node, quantities: Mapping[str, Target], vocabulary: Vocabulary) -> Iterator[Use]:
+def uses(
+    node: Expression, quantities: Mapping[str, Target], vocabulary: Vocabulary
+) -> Iterator[Use]:
     """The quantities in a tree, also those inside names of the user's own."""
     for part in nodes(node):
-        if not isinstance(part, Symbol):
+        if not isinstance(part, Named):
             continue
         if part.name in vocabulary.uses:
             yield from (Use(target, part.span) for target in vocabulary.uses[part.name])

@@ -16,20 +16,18 @@ from itertools import combinations
 
 from freebody.derivations.check.residues import PRIME, rational
 from freebody.derivations.check.setting import Setting
-from freebody.derivations.check.tree import (
-    Angle,
+from freebody.derivations.check.tree import Angle, Named, Wave
+from freebody.derivations.check.workspace import Workspace
+from freebody.derivations.nodes import (
+    Expression,
     Negative,
-    Node,
     Number,
     Power,
     Product,
     Sum,
-    Symbol,
-    Wave,
     nodes,
     replaced,
 )
-from freebody.derivations.check.workspace import Workspace
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
@@ -51,8 +49,8 @@ class Repair:
 
     kind: str
     cost: float
-    node: Node
-    new: Node
+    node: Expression
+    new: Expression
     change: int = 0
     factor: Fraction = Fraction(1)
 
@@ -84,7 +82,7 @@ class Repairs:
         may be missing."""
         whole = self.work.root
         for term, value in insertions:
-            new = Sum(*whole.span, (whole, Symbol(*whole.span, "", term)))
+            new = Sum((whole, Named("", term, span=whole.span)), span=whole.span)
             self.tried.append(Repair("missing", 2.0, whole, new, value))
         by_change: dict[int, list[Repair]] = {}
         for repair in self.tried:
@@ -134,40 +132,19 @@ class Repairs:
     def _value(self, repair: Repair) -> int:
         """The value of the whole after a change, of which only the changed piece is computed
         anew."""
-        return self.work.with_value(repair.node, self._local(repair.new))
-
-    def _local(self, node: Node) -> int:
-        """The value of a node that is made of known ones."""
-        known = self.work.values.get(node)
-        if known is not None:
-            return known
-        match node:
-            case Product():
-                total = 1
-                for factor in node.factors:
-                    total = total * self._local(factor) % PRIME
-                return total
-            case Sum():
-                return sum(map(self._local, node.terms)) % PRIME
-            case Power():
-                return pow(self._local(node.base), node.exponent, PRIME)
-            case Negative():
-                return -self._local(node.operand) % PRIME
-        return self.work.point.at(node)
+        value = self.work.point.at(repair.new, self.work.values)
+        return self.work.with_value(repair.node, value)
 
     # ------------------------------------------------------------ terms: sign, factor, too many
     def _scaled(self) -> Iterator[Repair]:
         """Terms which a number would make right; the number is computed, not guessed."""
         for node in self.work.addends():
-            value = self.work.values[node]
-            if not self.work.is_linear_in(node) or value == 0:
-                continue
-            slope = self.work.slope(node) * value % PRIME
+            slope = (self.work.slopes[node] or 0) * self.work.values[node] % PRIME
             factor = rational(1 + self.gap * pow(slope, -1, PRIME)) if slope else None
             if factor is not None:
                 yield _scaling(node, factor, self._depth(node))
 
-    def _depth(self, node: Node) -> int:
+    def _depth(self, node: Expression) -> int:
         """In how many brackets a term stands."""
         depth = 0
         while node is not self.work.root:
@@ -190,7 +167,7 @@ class Repairs:
             match node:
                 case Wave():
                     yield from self._waves(node)
-                case Symbol():
+                case Named():
                     yield from self._symbols(node)
                 case Power():
                     yield from _powers(node)
@@ -210,29 +187,32 @@ class Repairs:
         """The other function, another angle."""
         other = "sin" if node.function == "cos" else "cos"
         span = node.span
-        yield Repair("function", 1.0, node, Wave(*span, other, node.angle, node.turn))
+        yield Repair("function", 1.0, node, Wave(other, node.angle, node.turn, span=span))
         for angle in self.angles:
             if angle == node.angle:
                 continue
             near = _is_chain(angle)
             yield Repair(
-                "angle", 1.4 if near else 2.4, node, Wave(*span, node.function, angle, node.turn)
+                "angle",
+                1.4 if near else 2.4,
+                node,
+                Wave(node.function, angle, node.turn, span=span),
             )
-            yield Repair("angle", 3.5, node, Wave(*span, other, angle, node.turn))
+            yield Repair("angle", 3.5, node, Wave(other, angle, node.turn, span=span))
         if len(node.angle) > 1:
             for k in range(len(node.angle)):
                 flipped = tuple((x, -e if j == k else e) for j, (x, e) in enumerate(node.angle))
-                yield Repair("angle", 1.6, node, Wave(*span, node.function, flipped, node.turn))
+                yield Repair("angle", 1.6, node, Wave(node.function, flipped, node.turn, span=span))
         if node.turn:
-            yield Repair("angle", 1.5, node, Wave(*span, node.function, node.angle))
-        yield Repair("extra factor", 3.0, node, Number(*span, Fraction(1)))
+            yield Repair("angle", 1.5, node, Wave(node.function, node.angle, span=span))
+        yield Repair("extra factor", 3.0, node, Number(Fraction(1), span=span))
 
-    def _symbols(self, node: Symbol) -> Iterator[Repair]:
+    def _symbols(self, node: Named) -> Iterator[Repair]:
         """Another symbol in its place, its square, none."""
         name = self._generator(node)
         if name is None:
             for other, value in self.related(node.name).items():
-                yield Repair("index", 1.0, node, Symbol(*node.span, other, value))
+                yield Repair("index", 1.0, node, Named(other, value, span=node.span))
             return
         for other in self._names:
             if other != name:
@@ -241,19 +221,19 @@ class Repairs:
         if re.search(r"_dd?$", name):
             yield from self._rate_sums(node, name)
         if not isinstance(self.work.parents.get(node), Power):
-            yield Repair("exponent", 2.0, node, Power(*node.span, node, 2))
-        yield Repair("extra factor", 3.0, node, Number(*node.span, Fraction(1)))
+            yield Repair("exponent", 2.0, node, Power(node, 2, span=node.span))
+        yield Repair("extra factor", 3.0, node, Number(Fraction(1), span=node.span))
 
-    def _generator(self, node: Symbol) -> str | None:
+    def _generator(self, node: Named) -> str | None:
         """The generator that a symbol is."""
         terms = list(node.value.terms())
         if len(terms) != 1 or terms[0][1] != 1 or sum(terms[0][0].values()) != 1:
             return None
         return next(iter(terms[0][0]))
 
-    def _symbol(self, place: Node, name: str) -> Symbol:
+    def _symbol(self, place: Expression, name: str) -> Named:
         """A generator at the place of a node."""
-        return Symbol(*place.span, name, self._generators[name], is_generator=True)
+        return Named(name, self._generators[name], is_generator=True, span=place.span)
 
     @cached_property
     def _generators(self) -> dict[str, Trig]:
@@ -269,44 +249,46 @@ class Repairs:
             if x not in ring.angles and x not in self.setting.foreign and not x.startswith("sgn_")
         ]
 
-    def _rate_sums(self, node: Symbol, name: str) -> Iterator[Repair]:
+    def _rate_sums(self, node: Named, name: str) -> Iterator[Repair]:
         """Sums of rates for a rate: the absolute angular velocity."""
         ending = re.findall(r"_dd?$", name)[0]
         for angle in self.angles:
             if len(angle) > 1 and _is_chain(angle):
                 rates = [x + ending for x, _ in angle]
                 terms = tuple(self._symbol(node, x) for x in rates)
-                yield Repair("rate", 2.0, node, Sum(*node.span, terms))
+                yield Repair("rate", 2.0, node, Sum(terms, span=node.span))
 
     def _lacking(self) -> Iterator[Repair]:
         """Terms that lack a factor."""
         for node in self.work.addends():
             for name in self._names:
                 lacking = (node, self._symbol(node, name))
-                yield Repair("missing factor", 3.0, node, Product(*node.span, lacking))
+                yield Repair("missing factor", 3.0, node, Product(lacking, span=node.span))
             for angle in self.angles:
                 if _is_chain(angle):
                     for function in ("sin", "cos"):
-                        wave = Wave(*node.span, function, angle)
-                        yield Repair("missing factor", 3.5, node, Product(*node.span, (node, wave)))
+                        wave = Wave(function, angle, span=node.span)
+                        yield Repair(
+                            "missing factor", 3.5, node, Product((node, wave), span=node.span)
+                        )
 
-    def _inserted(self, node: Node) -> Iterator[Repair]:
+    def _inserted(self, node: Expression) -> Iterator[Repair]:
         """Brackets, and factors that may have been one, that lack a single symbol."""
         parent = self.work.parents.get(node)
-        is_factor = isinstance(parent, Product | Power) and isinstance(node, Symbol)
+        is_factor = isinstance(parent, Product | Power) and isinstance(node, Named)
         if not (isinstance(node, Sum) and parent is not None) and not is_factor:
             return
         for name in self._names:
             symbol = self._symbol(node, name)
-            yield Repair("missing", 2.5, node, Sum(*node.span, (node, symbol)))
+            yield Repair("missing", 2.5, node, Sum((node, symbol), span=node.span))
             yield Repair(
-                "missing", 2.6, node, Sum(*node.span, (node, Negative(*node.span, symbol)))
+                "missing", 2.6, node, Sum((node, Negative(symbol, span=node.span)), span=node.span)
             )
 
 
-def _scaling(node: Node, factor: Fraction, depth: int = 0) -> Repair:
+def _scaling(node: Expression, factor: Fraction, depth: int = 0) -> Repair:
     """A term times a number; times 0 it goes. Terms inside brackets cost a little more."""
-    new = Product(*node.span, (Number(*node.span, factor), node))
+    new = Product((Number(factor, span=node.span), node), span=node.span)
     size = max(abs(factor.numerator), factor.denominator)
     if factor == 0:
         return Repair("extra", 1.1 + depth / 10, node, new, factor=factor)
@@ -320,7 +302,7 @@ def _scaling(node: Node, factor: Fraction, depth: int = 0) -> Repair:
 def _powers(node: Power) -> Iterator[Repair]:
     """A power one higher or lower."""
     for exponent in (node.exponent - 1, node.exponent + 1):
-        new = node.base if exponent == 1 else Power(*node.span, node.base, exponent)
+        new = node.base if exponent == 1 else Power(node.base, exponent, span=node.span)
         if exponent:
             yield Repair("exponent", 1.8, node, new)
 

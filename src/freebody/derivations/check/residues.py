@@ -11,19 +11,12 @@ import random
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
 
-from freebody.derivations.check.tree import (
-    Angle,
-    Negative,
-    Node,
-    Number,
-    Power,
-    Product,
-    Quotient,
-    Sum,
-    Symbol,
-    Wave,
-)
+from freebody.derivations.check.tree import Angle, Named, Wave
+from freebody.derivations.evaluate import Rules, arithmetic, evaluate
+from freebody.derivations.nodes import Expression
+from freebody.lazy import cached_property
 from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import Trig, TrigRing
 
@@ -87,35 +80,25 @@ class Point:
             total = plus(total, (residue(s), residue(c)))
         return total
 
-    def at(self, node: Node, known: dict[Node, int] | None = None) -> int:
-        """The value of a tree; the values of its nodes are noted in `known`."""
-        value = self._at(node, known) % PRIME
-        if known is not None:
-            known[node] = value
-        return value
+    def at(self, node: Expression, known: Mapping[Expression, int] | None = None) -> int:
+        """The value of a tree; `known`: the values of some of its nodes."""
+        return evaluate(node, self._rules, known) % PRIME
 
-    def _at(self, node: Node, known: dict[Node, int] | None) -> int:
-        match node:
-            case Number():
-                return residue(node.value)
-            case Symbol():
-                return self.values[node.name] if node.is_generator else self.of(node.value)
-            case Wave():
-                return self.turn(node.angle, node.turn)[node.function == "cos"]
-            case Sum():
-                return sum(self.at(term, known) for term in node.terms)
-            case Product():
-                total = 1
-                for factor in node.factors:
-                    total = total * self.at(factor, known) % PRIME
-                return total
-            case Negative():
-                return -self.at(node.operand, known)
-            case Power():
-                return pow(self.at(node.base, known), node.exponent, PRIME)
-            case Quotient():
-                return self.at(node.above, known) * pow(self.at(node.below, known), -1, PRIME)
-        raise TypeError(type(node).__name__)
+    @cached_property
+    def _rules(self) -> Rules:
+        return {
+            **arithmetic(
+                residue,
+                total=sum,
+                product=lambda factors: reduce(lambda a, b: a * b % PRIME, factors),
+                quotient=lambda a, b: a * pow(b, -1, PRIME),
+                power=lambda base, exponent: pow(base, exponent, PRIME),
+            ),
+            Named: lambda node, at: (
+                self.values[node.name] if node.is_generator else self.of(node.value)
+            ),
+            Wave: lambda node, at: self.turn(node.angle, node.turn)[node.function == "cos"],
+        }
 
 
 def random_point(ring: TrigRing, seed: int = 0) -> Point:

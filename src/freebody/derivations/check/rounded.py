@@ -17,7 +17,7 @@ from freebody.derivations.check.exact import Reader
 from freebody.derivations.check.parts import Parts, Product, parts, whole
 from freebody.derivations.check.setting import Setting
 from freebody.derivations.check.source import Source
-from freebody.derivations.check.tree import Node, Number, nodes, replaced
+from freebody.derivations.nodes import Expression, Number, nodes, replaced
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.scalars.rational import exactly, rational_sin_cos
@@ -38,7 +38,7 @@ class Rounded:
 
     setting: Setting
     source: Source
-    node: Node
+    node: Expression
     yours: Trig
     right: Trig
     values: Mapping[str, float]

@@ -12,6 +12,7 @@ from freebody.algorithms.kinematics import frame_pose, jacobian, joint_poses, wo
 from freebody.derivations import expression as ex
 from freebody.derivations.check.setting import Setting
 from freebody.derivations.check.vocabulary import spellings
+from freebody.derivations.evaluate import arithmetic, evaluate
 from freebody.derivations.expression import Expression
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
@@ -240,31 +241,12 @@ class Targets:
 
 def polynomial(setting: Setting, node: Expression) -> Trig:
     """A printed expression as polynomial."""
-
-    def at(part: Expression) -> Any:
-        return polynomial(setting, part)
-
-    one = setting.zero + 1
-    match node:
-        case ex.Number():
-            return one * node.value if node.value else setting.zero
-        case ex.Symbol():
-            return setting.ring[node.name]
-        case ex.Negative():
-            return -at(node.operand)
-        case ex.Sum():
-            return sum(map(at, node.terms), setting.zero)
-        case ex.Product():
-            for factor in node.factors:
-                one = one * at(factor)
-            return one
-        case ex.Power():
-            return at(node.base) ** node.exponent
-        case ex.Quotient():
-            return at(node.above) / at(node.below)
-        case ex.Function():
-            return getattr(at(node.argument), node.name)()
-    raise TypeError(type(node).__name__)
+    rules = {
+        **arithmetic(lambda number: setting.zero + number),
+        ex.Symbol: lambda node, at: setting.ring[node.name],
+        ex.Function: lambda node, at: getattr(at(node.argument), node.name)(),
+    }
+    return evaluate(node, rules)
 
 
 def _determinant(rows: list[list[Trig]]) -> Trig:

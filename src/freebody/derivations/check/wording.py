@@ -12,10 +12,11 @@ from freebody.derivations.check.exact import Reader
 from freebody.derivations.check.repairs import Repair
 from freebody.derivations.check.setting import Setting
 from freebody.derivations.check.source import Source
-from freebody.derivations.check.tree import Node, Number, Power, Product, Sum, Symbol, Wave
+from freebody.derivations.check.tree import Named, Wave
 from freebody.derivations.check.verdict import Finding
 from freebody.derivations.check.workspace import Workspace
 from freebody.derivations.names import sym
+from freebody.derivations.nodes import Expression, Number, Power, Product, Sum
 
 _LONG = 70
 _OPPOSITE = {
@@ -47,7 +48,7 @@ class Wording:
         if repair.node is work.root and isinstance(repair.node, Sum):
             written = "The whole answer"
         message = self._sentence(repair, written, _cut(should), inside)
-        line, column = self.source.place(repair.node.start)
+        line, column = self.source.place(repair.node.span[0])
         context = self.source.caret(repair.node.span)
         return Finding(
             repair.kind, message, self.source[repair.node.span], should, line, column, context
@@ -73,7 +74,7 @@ class Wording:
         reason = self._reason(repair.kind, repair.node, repair.new)
         return f"{written} must be {should}{inside}{reason}."
 
-    def _reason(self, kind: str, old: Node, new: Node) -> str:
+    def _reason(self, kind: str, old: Expression, new: Expression) -> str:
         """Why, in half a sentence."""
         name = self._name(old)
         if name in self.setting.foreign:
@@ -95,9 +96,9 @@ class Wording:
             return ": rates are relative to the link before, so that a link's angular velocity is a sum of rates"
         return ""
 
-    def _name(self, node: Node) -> str:
+    def _name(self, node: Expression) -> str:
         """The generator that a node is."""
-        if isinstance(node, Symbol):
+        if isinstance(node, Named):
             names = [next(iter(p), "") for p, _ in node.value.terms()]
             return names[0] if len(names) == 1 else ""
         return ""
@@ -177,24 +178,24 @@ class Wording:
         """What stands in the text, in quotes, cut where it is long."""
         return quoted(self.source[span])
 
-    def node(self, node: Node) -> str:
+    def node(self, node: Expression) -> str:
         """A piece of a repaired answer, as it prints."""
         match node:
-            case Symbol() if node.name in self.setting.ring.index:
+            case Named() if node.name in self.setting.ring.index:
                 return str(sym(node.name))
-            case Symbol() if re.fullmatch(r"(?:H|G|tau|v|J)\d+", node.name):
+            case Named() if re.fullmatch(r"(?:H|G|tau|v|J)\d+", node.name):
                 return node.name.replace("tau", "τ")
             case Wave():
                 angle = ex.add(*(ex.mul(k, sym(x)) for x, k in node.angle))
                 text = str(ex.Function(node.function, angle))
                 return text if not node.turn else self._form(node)
-            case Power(base=Symbol() | Wave()):
+            case Power(base=Named() | Wave()):
                 return str(ex.power(sym("x"), node.exponent)).replace("x", self.node(node.base), 1)
             case Number():
                 return str(ex.num(node.value))
         return self._form(node)
 
-    def _form(self, node: Node) -> str:
+    def _form(self, node: Expression) -> str:
         return self.setting.form(Reader(self.source, self.setting.ring).read(node))
 
 

@@ -6,23 +6,28 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from freebody.derivations.check.residues import PRIME, Point
-from freebody.derivations.check.tree import Negative, Node, Power, Product, Quotient, Sum, nodes
+from freebody.derivations.nodes import Expression, Negative, Power, Product, Quotient, Sum, nodes
 from freebody.lazy import cached_property
 
 
 class Workspace:
     """A tree with the values of its nodes."""
 
-    def __init__(self, root: Node, point: Point):
+    def __init__(self, root: Expression, point: Point):
         self.root, self.point = root, point
-        self.values: dict[Node, int] = {}
-        self.value = point.at(root, self.values)
-        self.parents: dict[Node, Node] = {part: node for node in nodes(root) for part in node.parts}
+        self.values: dict[Expression, int] = {}
+        """Of each node, those inside others first."""
+        for node in _inner_first(root):
+            self.values[node] = point.at(node, self.values)
+        self.value = self.values[root]
+        self.parents: dict[Expression, Expression] = {
+            part: node for node in nodes(root) for part in node.parts
+        }
 
     @cached_property
-    def cofactors(self) -> dict[Node, int]:
+    def cofactors(self) -> dict[Expression, int]:
         """Of each factor of a product, the product of the others."""
-        found: dict[Node, int] = {}
+        found: dict[Expression, int] = {}
         for node in self.values:
             if isinstance(node, Product):
                 before = 1
@@ -35,57 +40,67 @@ class Workspace:
                     after = after * self.values[factor] % PRIME
         return found
 
-    def with_value(self, node: Node, value: int) -> int:
-        """The value of the whole if this node had another one."""
-        while node is not self.root:
-            parent = self.parents[node]
-            value = self._above(parent, node, value)
-            node = parent
-        return value % PRIME
+    @cached_property
+    def slopes(self) -> dict[Expression, int | None]:
+        """Of each node what the whole changes by when it is 1 more; None below a power or a
+        fraction bar, where the whole is not linear in it."""
+        found: dict[Expression, int | None] = {self.root: 1}
+        for node in nodes(self.root):
+            whole = found[node]
+            for part in node.parts:
+                own = None if whole is None else self._slope(node, part)
+                found[part] = None if own is None else whole * own % PRIME  # type: ignore[operator]
+        return found
 
-    def _above(self, parent: Node, node: Node, value: int) -> int:
-        match parent:
+    def _slope(self, node: Expression, part: Expression) -> int | None:
+        """What a node changes by when one of its parts is 1 more."""
+        match node:
             case Sum():
-                return self.values[parent] - self.values[node] + value
-            case Product():
-                return self.cofactors[node] * value % PRIME
+                return 1
             case Negative():
-                return -value
+                return -1
+            case Product():
+                return self.cofactors[part]
+            case Quotient() if part is node.above:
+                return pow(self.values[node.below], -1, PRIME)
+        return None
+
+    def with_value(self, node: Expression, value: int) -> int:
+        """The value of the whole if this node had another one."""
+        while (slope := self.slopes[node]) is None:
+            parent = self.parents[node]
+            value = self._above(parent, node, value) % PRIME
+            node = parent
+        return (self.value + slope * (value - self.values[node])) % PRIME
+
+    def _above(self, parent: Expression, node: Expression, value: int) -> int:
+        """The value of a node if one of its parts had another one."""
+        slope = self._slope(parent, node)
+        if slope is not None:
+            return self.values[parent] + slope * (value - self.values[node])
+        match parent:
             case Power():
-                return pow(value % PRIME, parent.exponent, PRIME)
-            case Quotient() if node is parent.above:
-                return value * pow(self.values[parent.below], -1, PRIME) % PRIME
+                return pow(value, parent.exponent, PRIME)
             case Quotient():
-                return (
-                    self.values[parent.above] * pow(value % PRIME, -1, PRIME)
-                    if value % PRIME
-                    else 0
-                )
+                return self.values[parent.above] * pow(value, -1, PRIME) if value % PRIME else 0
         raise TypeError(type(parent).__name__)
 
-    def is_linear_in(self, node: Node) -> bool:
-        """Whether the whole depends linearly on this node: it is below no power or fraction bar."""
-        while node is not self.root:
-            parent = self.parents[node]
-            if isinstance(parent, Power) or (isinstance(parent, Quotient) and node is parent.below):
-                return False
-            node = parent
-        return True
-
-    def slope(self, node: Node) -> int:
-        """What the whole is multiplied with where it is linear in a node."""
-        return (self.with_value(node, self.values[node] + 1) - self.value) % PRIME
-
-    def addends(self) -> Iterator[Node]:
+    def addends(self) -> Iterator[Expression]:
         """The terms of all sums, and the whole; brackets in brackets too."""
         yield self.root
         for node in self.values:
             if isinstance(node, Sum):
                 yield from node.terms
 
-    def addend_of(self, node: Node) -> Node:
+    def addend_of(self, node: Expression) -> Expression:
         """The smallest term of a sum that a node is in; the whole where there is no sum around
         it."""
         while node is not self.root and not isinstance(self.parents[node], Sum):
             node = self.parents[node]
         return node
+
+
+def _inner_first(node: Expression) -> Iterator[Expression]:
+    for part in node.parts:
+        yield from _inner_first(part)
+    yield node

@@ -4,20 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from freebody.derivations.expression import (
-    Expression,
-    Function,
-    Matrix,
-    Negative,
-    Number,
-    Power,
-    Product,
-    Quotient,
-    Sum,
-    Symbol,
-    Vector,
-)
+from freebody.derivations.evaluate import NoValue, arithmetic, evaluate
+from freebody.derivations.expression import Expression, Function, Matrix, Symbol, Vector
 from freebody.errors import FreebodyError
+
+_NAMES = {x: x for x in ("sin", "cos", "tan", "sqrt", "exp", "log")} | {"sgn": "sign"}
 
 
 def to_sympy(node: Expression) -> Any:
@@ -25,22 +16,19 @@ def to_sympy(node: Expression) -> Any:
     l1, …)."""
     import sympy
 
-    if type(node) not in _TABLE:
-        raise FreebodyError(f"{node}: {type(node).__name__} has no counterpart in SymPy.")
-    return _TABLE[type(node)](node, sympy)
-
-
-_NAMES = {x: x for x in ("sin", "cos", "tan", "sqrt", "exp", "log")} | {"sgn": "sign"}
-
-_TABLE: dict[type, Any] = {
-    Number: lambda node, sympy: sympy.Rational(node.value.numerator, node.value.denominator),
-    Symbol: lambda node, sympy: sympy.Symbol(node.name, real=True),
-    Sum: lambda node, sympy: sympy.Add(*map(to_sympy, node.terms)),
-    Negative: lambda node, sympy: -to_sympy(node.operand),
-    Product: lambda node, sympy: sympy.Mul(*map(to_sympy, node.factors)),
-    Quotient: lambda node, sympy: to_sympy(node.above) / to_sympy(node.below),
-    Power: lambda node, sympy: to_sympy(node.base) ** node.exponent,
-    Function: lambda node, sympy: getattr(sympy, _NAMES[node.name])(to_sympy(node.argument)),
-    Vector: lambda node, sympy: sympy.Matrix([to_sympy(x) for x in node.entries]),
-    Matrix: lambda node, sympy: sympy.Matrix([[to_sympy(x) for x in row] for row in node.rows]),
-}
+    rules = {
+        **arithmetic(
+            lambda number: sympy.Rational(number.numerator, number.denominator),
+            total=lambda terms: sympy.Add(*terms),
+            product=lambda factors: sympy.Mul(*factors),
+        ),
+        Symbol: lambda node, at: sympy.Symbol(node.name, real=True),
+        Function: lambda node, at: getattr(sympy, _NAMES[node.name])(at(node.argument)),
+        Vector: lambda node, at: sympy.Matrix(list(map(at, node.entries))),
+        Matrix: lambda node, at: sympy.Matrix([list(map(at, row)) for row in node.rows]),
+    }
+    try:
+        return evaluate(node, rules)
+    except NoValue as problem:
+        kind = type(problem.node).__name__
+        raise FreebodyError(f"{problem.node}: {kind} has no counterpart in SymPy.") from None

@@ -1,0 +1,48 @@
+"""The value of a printed expression at numbers: what a reader would compute from the page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from freebody.derivations import evaluate as walk
+from freebody.derivations.expression import (
+    Cross,
+    Dot,
+    Equation,
+    Expression,
+    Function,
+    Matrix,
+    Symbol,
+    Transposed,
+    Vector,
+)
+
+FUNCTIONS = {"sin": np.sin, "cos": np.cos, "sgn": np.sign}
+
+
+def evaluate(node: Expression, values: Mapping[str, Any]) -> Any:
+    """A number or array; `values` gives each symbol's by name. Of an equation the last side;
+    vectors become rows."""
+    rules = {
+        **walk.arithmetic(float),
+        Symbol: lambda node, at: values[node.name],
+        Transposed: lambda node, at: np.swapaxes(at(node.operand), -1, -2),
+        Function: lambda node, at: FUNCTIONS[node.name](at(node.argument)),
+        Cross: lambda node, at: _cross(at(node.left), at(node.right)),
+        Dot: lambda node, at: np.sum(at(node.left) * at(node.right), axis=-1),
+        Vector: lambda node, at: _stacked(map(at, node.entries), -1),
+        Matrix: lambda node, at: _stacked((_stacked(map(at, row), -1) for row in node.rows), -2),
+        Equation: lambda node, at: at(node.rhs),
+    }
+    return walk.evaluate(node, rules)
+
+
+def _stacked(entries: Any, axis: int) -> Any:
+    return np.stack(np.broadcast_arrays(*entries), axis=axis)
+
+
+def _cross(a: Any, b: Any) -> Any:
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0] if a.shape[-1] == 2 else np.cross(a, b)
