@@ -21,7 +21,7 @@ from freebody.identifiers import identifiers, in_words, is_identifier
 from freebody.program import Argument, ProgramError, trace
 from freebody.targets import compile_program
 from freebody.targets.text import LANGUAGES, Unit
-from freebody_notes import registry, steps
+from freebody_notes import contents, steps
 from support.sources import SOURCES, place
 
 EXECUTES = {
@@ -58,7 +58,7 @@ KNOWN = {
     ("targets/llvm/gufunc.py", "import_module"): "a constant: NumPy's own module",
     ("targets/target.py", "import_module"): "modules of the table of targets",
     ("kernels/closed_chains.py", "import_module"): "modules of the table that stands there",
-    ("freebody_notes/registry.py", "import_module"): "the chapters, listed there",
+    ("freebody_notes/contents.py", "import_module"): "the parts that contents.toml lists",
     (
         "targets/llvm/machine.py",
         "parse_assembly",
@@ -160,10 +160,9 @@ def test_templates_are_files_and_escape():
 
 
 def test_calls_that_the_notes_execute_are_made_with_the_package():
-    """The items are put together when their modules are imported; their calls name nothing but
-    freebody and NumPy."""
+    """No call stands in a data file; those of the checks name nothing but freebody and NumPy."""
     calls = [call for chapter in steps._CALLS.values() for call in chapter]
-    for item in registry.items():
+    for item in contents.items():
         calls += [
             x
             for name in ("model", "values")

@@ -2,6 +2,7 @@
 fail."""
 
 import re
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,8 +11,8 @@ import pytest
 from freebody.derivations.formula import FormulaError
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody_notes.checks import Answer, Digits, Reading, Related
+from freebody_notes.contents import item, items
 from freebody_notes.item import Item, Outcome
-from freebody_notes.registry import item, items
 from freebody_notes.run import NotesError, run
 from support.notes_verdicts import VERDICTS
 
@@ -55,10 +56,7 @@ def test_the_corrected_form_flips_the_verdict(name: str):
     assert found.corrected is not None
     assert found.corrected.holds
     x = found.item
-    assert (
-        run(Item(x.id, x.section, x.title, x.kind, x.statement, x.corrected, x.test)).verdict
-        == "holds"
-    )
+    assert run(Item(x.id, x.section, x.title, x.test, printed=x.corrected)).verdict == "holds"
     assert x.why
 
 
@@ -138,10 +136,10 @@ def test_an_item_is_found_by_its_number():
 
 def test_a_correction_that_is_wrong_itself_is_no_verdict():
     x = BY_ID["eq-3.23"]
-    bad = Item(x.id, x.section, x.title, x.kind, x.statement, x.printed, x.test, x.flaw, "H22 = I2")
+    bad = replace(x, corrected="H22 = I2")
     with pytest.raises(NotesError, match=r"the correction 'H22 = I2' fails"):
         run(bad)
-    bad = Item(x.id, x.section, x.title, x.kind, x.statement, x.printed, x.test)
+    bad = replace(x, flaw="", corrected="")
     with pytest.raises(NotesError, match="the printed form"):
         run(bad)
 

@@ -3,6 +3,7 @@ exercises."""
 
 from __future__ import annotations
 
+import importlib
 import re
 import subprocess
 import sys
@@ -11,12 +12,15 @@ from pathlib import Path
 
 import pytest
 
+import freebody_notes
 from freebody.cli.app import run as program
 from freebody.derivations.formula import as_printed
+from freebody.errors import UnknownNameError
+from freebody_notes.contents import _item, chapters, item, items
+from freebody_notes.data import data
 from freebody_notes.errata import errata
-from freebody_notes.exercises import EXERCISES, solution
-from freebody_notes.page import CHAPTERS, SECTIONS, page
-from freebody_notes.registry import item, items
+from freebody_notes.exercises import SOLUTIONS, exercises, solution
+from freebody_notes.page import page
 from freebody_notes.run import run, run_all
 from freebody_notes.steps import place_of
 from freebody_notes.text import item_text
@@ -110,7 +114,7 @@ def test_the_page_holds_every_item_and_figure_and_fetches_nothing(html):
     assert not re.search(r"<script|<link (?!rel=\"icon\" href=\"data:,\")|@import|url\(|src=", html)
     addresses = set(re.findall(r"https?://[^\"'<> ]+", html))
     assert addresses <= {"http://www.w3.org/1998/Math/MathML", "http://www.w3.org/2000/svg"}
-    assert len(re.findall("<details>", html)) == len(VERDICTS) + 2 * len(EXERCISES)
+    assert len(re.findall("<details>", html)) == len(VERDICTS) + 2 * len(exercises())
     assert set(re.findall(r'href="#([^"]+)"', html)) <= set(re.findall(r'id="([^"]+)"', html))
 
 
@@ -120,11 +124,48 @@ def test_formulas_of_the_page_are_sound(html):
 
 
 def test_sections_and_chapters_have_titles():
-    assert {x.section for x in items()} == set(SECTIONS)
-    assert {x.chapter for x in items()} == set(CHAPTERS)
+    assert {x.section for x in items()} == {s for c in chapters().values() for s in c.sections}
+    assert {x.chapter for x in items()} == set(chapters())
 
 
-@pytest.mark.parametrize("exercise", EXERCISES, ids=lambda e: e.id)
+def test_every_data_file_is_in_the_contents_and_every_check_is_used():
+    folder = Path(freebody_notes.__file__).parent / "chapters"
+    parts = {part for chapter in chapters().values() for part in chapter.parts}
+    assert {path.stem for path in folder.glob("*.toml")} == parts
+    assert {path.stem for path in folder.glob("*.py")} - {"__init__"} == parts
+    for part in parts:
+        checks = importlib.import_module(f"freebody_notes.chapters.{part}").CHECKS
+        entries = [
+            e for section in data(f"chapters/{part}.toml").values() for e in section.values()
+        ]
+        assert set(checks) <= {entry["check"] for entry in entries}, part
+        for entry in entries:
+            assert entry["title"], part
+            assert entry["says"], part
+    assert list(SOLUTIONS) == [exercise.id for exercise in exercises()]
+
+
+def test_a_check_that_no_file_has_is_named():
+    entry = {"title": "", "check": "pendulun"}
+    with pytest.raises(UnknownNameError, match=r"no check 'pendulun' in eq-1\.1\. Did you mean"):
+        _item("eq-1.1", "1.1", entry, {"pendulum": None})
+
+
+def test_white_space_in_a_text_of_the_data_does_no_more_than_wrap():
+    texts = [
+        text for part in chapters()[1].parts for text in texts_in(data(f"chapters/{part}.toml"))
+    ]
+    assert len(texts) > 300
+    assert not [text for text in texts if text != " ".join(text.split())]
+
+
+def texts_in(x):
+    if isinstance(x, str):
+        return [x]
+    return [text for y in (x.values() if isinstance(x, dict) else x) for text in texts_in(y)]
+
+
+@pytest.mark.parametrize("exercise", exercises(), ids=lambda e: e.id)
 def test_exercises_are_solved(exercise):
     found = solution(exercise)
     assert "<math" in found
@@ -132,7 +173,7 @@ def test_exercises_are_solved(exercise):
 
 
 def test_solutions_prove_themselves():
-    text = {e.id: solution(e) for e in EXERCISES}
+    text = {e.id: solution(e) for e in exercises()}
     assert text["five-bar"].count("<li>") == 4
     assert "Both are the same polynomials" in text["ex-4.5-verify"]
     assert "identical" in text["lagrange-2r"]

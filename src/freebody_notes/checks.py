@@ -314,8 +314,8 @@ class Reading:
     """Words that nothing executes: the form is held against what has to stand there, for the reason
     given."""
 
-    right: str
-    reason: str
+    right: str = ""
+    reason: str = ""
     bold: Collection[str] = ()
 
     def call(self, form: str) -> str:
@@ -338,3 +338,11 @@ def source(function: Callable[..., Any]) -> str:
     return "\n".join(
         line.replace("  # fmt: skip", "") for line in lines if not line.startswith("@")
     )
+
+
+SHARED: Mapping[str, Any] = {
+    "arm": Related(),
+    "answer": Answer(),
+    "reading": Reading(),
+}
+"""Checks that items of all chapters name; `right` and `reason` of a reading stand with the item."""

@@ -105,7 +105,7 @@ def _run(items: Sequence[Item]) -> list[Finding]:
 
 
 def _one(name: str, out: Path | None) -> None:
-    from freebody_notes.registry import item as found_item
+    from freebody_notes.contents import item as found_item
     from freebody_notes.text import item_text
 
     item = found_item(name)
@@ -130,16 +130,16 @@ def _figure(item: Item, out: Path) -> None:
 
 
 def _page(path: Path) -> None:
+    from freebody_notes.contents import items
     from freebody_notes.page import page
-    from freebody_notes.registry import items
 
     text = page(_run(items()))
     terminal.out().print(f"written: {write(path, text)}", markup=False)
 
 
 def _errata(out: Path | None) -> None:
+    from freebody_notes.contents import items
     from freebody_notes.errata import errata
-    from freebody_notes.registry import items
 
     text = errata(_run(items()))
     if out is None:
@@ -149,7 +149,7 @@ def _errata(out: Path | None) -> None:
 
 
 def _table(chapter: int | None, verdict: VerdictChoice | None) -> None:
-    from freebody_notes.registry import items
+    from freebody_notes.contents import items
 
     found = _run([x for x in items() if chapter is None or x.chapter == chapter])
     shown = [f for f in found if verdict is None or f.verdict == verdict.value]

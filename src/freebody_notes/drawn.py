@@ -4,7 +4,7 @@ data."""
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -64,12 +64,12 @@ class Panel:
 
 @dataclass(frozen=True)
 class Drawn:
-    """needs: names of what has to be in each drawing; the form relates the facts that are read off
-    the drawing."""
+    """The form relates the facts that are read off the drawing; needs: names of what has to be in
+    each of its panels, which stand with the item."""
 
     number: str
-    needs: tuple[tuple[str, ...], ...]
     facts: Facts
+    needs: tuple[tuple[str, ...], ...] = ()
     bold: Collection[str] = ()
 
     def call(self, form: str) -> str:
@@ -93,10 +93,11 @@ class Drawn:
 
 @dataclass(frozen=True)
 class Caption:
-    """Words about a figure, each of which promises something that has to be in it."""
+    """Words about a figure, each of which promises something that has to be in it; the promises
+    stand with the item."""
 
     number: str
-    promises: Mapping[str, tuple[str, ...]]
+    promises: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     bold: Collection[str] = ()
 
     def call(self, form: str) -> str:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from markupsafe import Markup, escape
@@ -19,19 +19,19 @@ from freebody_notes.chapters.first_kind import pinned_bar
 from freebody_notes.chapters.five_bar import limbs, robot
 from freebody_notes.chapters.recursion import as_vectors
 from freebody_notes.checks import number
+from freebody_notes.data import data
 from freebody_notes.steps import ROWS
 
 
 @dataclass(frozen=True)
 class Exercise:
-    """A question of the notes; `solution` is HTML."""
+    """A question of the notes, with a hint."""
 
     id: str
     chapter: int
     title: str
     question: str
     hint: str
-    solution: Callable[[], str]
 
 
 def _paragraph(text: str) -> str:
@@ -54,7 +54,10 @@ def _steps(derivation: Derivation, *remarks: str) -> str:
 # ---------------------------------------------------------------- solutions
 def tip_acceleration() -> str:
     free = fb.quantities(fb.planar("RR"))
-    steps = "Each length stands with the square of its link's rate towards the joint, and with its second rate across."
+    steps = (
+        "Each length stands with the square of its link's rate towards the joint, "
+        "and with its second rate across."
+    )
     return _values(free, "r", "r_d", "r_dd") + _paragraph(steps)
 
 
@@ -71,7 +74,10 @@ def point_acceleration() -> str:
         )
     )
     proof = "Both are the same polynomials, term by term." if holds else "They differ."
-    said = "Write A by lengths and angles and differentiate twice; then put the geometric parts together:"
+    said = (
+        "Write A by lengths and angles and differentiate twice; "
+        "then put the geometric parts together:"
+    )
     return (
         _paragraph(said)
         + page.html([[left], [eq(right, free.form(free["v_A_d"]))]])
@@ -99,18 +105,26 @@ def five_bar() -> str:
         *(eq(symbol(name), symbols.form(symbols[name])) for name in ("j_b1", "j_b2")),
         eq(parse("det(J_a)/4"), symbols.form(across)),
     ]
-    return "".join([
-        _paragraph("Inverse: each limb is an arm of two links with its base at A or C, so fb.inverse_kinematics gives two "
-                   f"angles for each crank; in all four combinations for P = {number(q[2:], 4)}:"),
-        "<ul>" + "".join(f"<li>{escape(pair)}</li>" for pair in pairs) + "</ul>",
-        _paragraph("Forward: with the cranks' angles B and D are known, and P lies where the circles about them meet. "
-                   f"fb.assembly_modes finds {len(modes)} places for θ = {number(q[:2])}: {' and '.join(number(x, 4) for x in modes)}."),
-        _paragraph("Singular poses of the first type, where a crank's entry of J_b vanishes: AB and BP in line (or CD and DP), "
-                   "and P at the edge of its workspace. Of the second type, where det J_a vanishes: BP and DP in line, and the "
-                   f"cranks cannot hold P. Here fb.input_output says: {io.kind}, {io.first:.3f} from the first type and "
-                   f"{io.second:.3f} from the second."),
-        page.html([singular]),
-    ])  # fmt: skip
+    inverse = (
+        "Inverse: each limb is an arm of two links with its base at A or C, so "
+        "fb.inverse_kinematics gives two angles for each crank; "
+        f"in all four combinations for P = {number(q[2:], 4)}:"
+    )
+    forward = (
+        "Forward: with the cranks' angles B and D are known, and P lies where the circles about "
+        f"them meet. fb.assembly_modes finds {len(modes)} places for θ = {number(q[:2])}: "
+        f"{' and '.join(number(x, 4) for x in modes)}."
+    )
+    poses = (
+        "Singular poses of the first type, where a crank's entry of J_b vanishes: AB and BP in "
+        "line (or CD and DP), and P at the edge of its workspace. Of the second type, where det "
+        "J_a vanishes: BP and DP in line, and the cranks cannot hold P. Here fb.input_output "
+        f"says: {io.kind}, {io.first:.3f} from the first type and {io.second:.3f} from the second."
+    )
+    listed = "<ul>" + "".join(f"<li>{escape(pair)}</li>" for pair in pairs) + "</ul>"
+    return "".join(
+        [_paragraph(inverse), listed, _paragraph(forward), _paragraph(poses), page.html([singular])]
+    )
 
 
 def joint_forces() -> str:
@@ -146,16 +160,24 @@ def bar_on_a_pin() -> str:
     agree = np.allclose(found["f_pin"], found["f_hinged"]) and np.isclose(
         found["alpha"], found["alpha_hinged"]
     )
-    text = (
-        f"For m = 3 kg, I_c = 0.25 kg m², r = 0.5 m, τ = 4 N m at θ = 0.7, θ̇ = 1.9 rad/s the system (5.29) gives "
-        f"θ̈ = {number(found['alpha'])} rad/s² and λ = {number(found['lam'])}; the pin's force on the bar is −λ."
-        f"{' A bar on a revolute joint, which needs no multipliers, has the same acceleration and the same force.' if agree else ''}"
+    same = (
+        " A bar on a revolute joint, which needs no multipliers, has the same acceleration and "
+        "the same force."
     )
-    first = "A free bar has the coordinates x, y of its middle and θ; the pin holds its end at the origin:"
+    text = (
+        "For m = 3 kg, I_c = 0.25 kg m², r = 0.5 m, τ = 4 N m at θ = 0.7, θ̇ = 1.9 rad/s the "
+        f"system (5.29) gives θ̈ = {number(found['alpha'])} rad/s² and "
+        f"λ = {number(found['lam'])}; the pin's force on the bar is −λ.{same if agree else ''}"
+    )
+    first = (
+        "A free bar has the coordinates x, y of its middle and θ; "
+        "the pin holds its end at the origin:"
+    )
     how = (
-        'fb.planar("PPR", …).with_loop("pin", "point", ("base", "tip")) is this bar; fb.forward_dynamics and fb.reactions '
-        "solve it, and fb.simulate keeps its end on the pin. fb.derive(fb.load('five_bar_rods'), 'lagrange-first-kind') "
-        "derives the robot of section 2.3 in this way, step by step."
+        'fb.planar("PPR", …).with_loop("pin", "point", ("base", "tip")) is this bar; '
+        "fb.forward_dynamics and fb.reactions solve it, and fb.simulate keeps its end on the pin. "
+        "fb.derive(fb.load('five_bar_rods'), 'lagrange-first-kind') derives the robot of section "
+        "2.3 in this way, step by step."
     )
     return _paragraph(first) + page.html([lines]) + _paragraph(text) + _paragraph(how)
 
@@ -167,47 +189,26 @@ def sliding_joint() -> str:
     )
 
 
-EXERCISES = (
-    Exercise(
-        "ex-1.2-acceleration", 1, "Acceleration of the tip", "Find the acceleration of the tip of the arm of two links, whose velocity is (1.14).",
-        "The angle θ₁+θ₂ changes at the rate θ̇₁+θ̇₂; every product of a rate and a sine has two derivatives.", tip_acceleration,
-    ),
-    Exercise(
-        "five-bar", 2, "Position of the robot with five bars", "Section 2.3 sets up the constraints only. Find the cranks' angles for a given P, P "
-        "for given angles, and the poses where either goes wrong.",
-        "Each limb is an arm of two links; two circles meet in two points.", five_bar,
-    ),
-    Exercise(
-        "joint-forces", 2, "Forces in the joints", "Equations (2.41)–(2.44) determine f₁ and f₂ too. Find them.",
-        "Begin with link 2, on which only f₂ is not known.", joint_forces,
-    ),
-    Exercise(
-        "closed-form", 3, "From the free bodies to the closed form", "Section 3.3 skips the substitution of the velocities into (3.14) and (3.15). Carry it out.",
-        "Differentiate (3.18) and (3.19) first; then start with τ₂, which needs link 2 alone.", newton_euler,
-    ),
-    Exercise(
-        "ex-4.5-verify", 4, "Acceleration from point to point", "Verify (4.5) by differentiating positions.",
-        "Let A lie at the distance |s| from B under an angle whose rate is ω; z × (z × s) = −s.", point_acceleration,
-    ),
-    Exercise(
-        "two-link-recursion", 4, "The arm of two links by recursion", "Section 4.3 describes the steps in words. Write them out.",
-        "Outward over link 1, then link 2; start inward with what is behind the tip, which is nothing.", two_links_by_recursion,
-    ),
-    Exercise(
-        "lagrange-2r", 5, "Lagrange's equations evaluated", "Carry out (5.15) and (5.16), and compare with chapter 3.",
-        "No kinetic energy depends on θ₁, so ∂T/∂θ₁ is zero; but ∂V/∂θ₁ is not.", lagrange,
-    ),
-    Exercise(
-        "first-kind", 5, "An example of the first kind", "Section 5.4 has no example. Treat a bar on a pin as a free body with two constraints.",
-        "Three coordinates, two constraints; the multipliers are minus the pin's force.", bar_on_a_pin,
-    ),
-    Exercise(
-        "prismatic", 6, "Inward recursion with a sliding joint", "Section 6.3.2 refers to the literature for it. Write it out for an arm with a turning and a sliding joint.",
-        "Forces and moments add up as before; what the motor gives is f·z instead of n·z.", sliding_joint,
-    ),
-)  # fmt: skip
+SOLUTIONS = {
+    "ex-1.2-acceleration": tip_acceleration,
+    "five-bar": five_bar,
+    "joint-forces": joint_forces,
+    "closed-form": newton_euler,
+    "ex-4.5-verify": point_acceleration,
+    "two-link-recursion": two_links_by_recursion,
+    "lagrange-2r": lagrange,
+    "first-kind": bar_on_a_pin,
+    "prismatic": sliding_joint,
+}
+"""How each exercise of exercises.toml is solved."""
+
+
+@cache
+def exercises() -> tuple[Exercise, ...]:
+    """All exercises, in the order of the notes."""
+    return tuple(Exercise(name, **words) for name, words in data("exercises.toml").items())
 
 
 def solution(exercise: Exercise) -> Markup:
     """The solution as HTML."""
-    return Markup(exercise.solution())
+    return Markup(SOLUTIONS[exercise.id]())

@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass, field
-from typing import Literal, Protocol
-
-Kind = Literal[
-    "definition", "derivation", "identity", "algorithm", "worked-example", "figure", "text"
-]
+from typing import Protocol
 
 VERDICTS = ("holds", "misprint", "inconsistent", "incomplete")
 """As printed: true; a slip of the pen; at odds with the rest of the notes; true only with what is
@@ -52,10 +48,10 @@ class Item:
     id: str
     section: str
     title: str
-    kind: Kind
-    statement: str
-    printed: str
     test: Test
+    says: str = ""
+    """What it states, in other words than the notes'."""
+    printed: str = ""
     flaw: str = ""
     """What it is called where the printed form fails: misprint, inconsistent or incomplete."""
     corrected: str = ""
@@ -80,7 +76,12 @@ class Item:
     @property
     def is_text(self) -> bool:
         """Whether there is nothing to execute."""
-        return self.kind == "text"
+        return not self.test.call(self.printed or self.corrected)
+
+    @property
+    def is_figure(self) -> bool:
+        """Whether it is a figure, and no equation or sentence."""
+        return self.id.startswith("fig-")
 
 
 @dataclass(frozen=True)

@@ -18,30 +18,12 @@ from freebody.derivations.render.mathml import mathml
 from freebody.derivations.render.prose import web_prose
 from freebody.figures import theme
 from freebody.outputs.page import policy
-from freebody_notes.exercises import EXERCISES, solution
+from freebody_notes.contents import Chapter, chapters
+from freebody_notes.exercises import exercises, solution
 from freebody_notes.figures.catalogue import notes_figure
 from freebody_notes.item import SOURCE, VERDICTS, Finding, Item
 from freebody_notes.steps import Place, place_of
 from freebody_notes.text import shown
-
-CHAPTERS = {
-    1: "Motion, mass, and the laws", 2: "Kinematics and statics", 3: "Newton and Euler, body by body",
-    4: "The recursive method", 5: "Lagrange's equations", 6: "Space",
-}  # fmt: skip
-
-SECTIONS = {
-    "1.1": "What dynamics asks", "1.2.1": "Position, velocity, acceleration", "1.2.2": "Mass and moment of inertia",
-    "1.3": "Free bodies", "1.4": "Equations of motion", "1.4.1": "Translation", "1.4.2": "Rotation about a fixed axis",
-    "2.1.1": "Jacobian matrices", "2.2.1": "Position of an arm of two links", "2.2.2": "Its velocity",
-    "2.2.3": "Its singular poses", "2.2.4": "Its acceleration", "2.3": "A robot with five bars", "2.4": "Statics",
-    "3.1": "The laws again", "3.2": "An arm of one link", "3.3": "An arm of two links",
-    "4.2.1": "Angular velocity", "4.2.2": "Velocity and acceleration of points", "4.3": "Two sweeps",
-    "4.3.1": "The recursion in the plane",
-    "5.1.1": "Kinetic energy", "5.1.2": "Potential energy", "5.2": "Lagrange's equations", "5.3": "Two examples",
-    "5.4": "Lagrange's equations of the first kind",
-    "6.1": "One body in space", "6.2": "Lagrange's equations in space", "6.3.1.1": "Recursion outward: turning joints",
-    "6.3.1.2": "Recursion outward: sliding joints", "6.3.2": "Recursion inward",
-}  # fmt: skip
 
 WORDS = {
     "holds": "holds as printed", "misprint": "misprint", "inconsistent": "at odds with the notes",
@@ -92,29 +74,33 @@ def page(findings: Sequence[Finding]) -> str:
             policy=Markup(policy()),
             source=SOURCE,
             version=freebody.__version__,
-            chapters=[_chapter(number, cards) for number in CHAPTERS],
-            titles=CHAPTERS,
+            chapters=[_chapter(number, chapter, cards) for number, chapter in chapters().items()],
             wrong=wrong,
             counts=counts,
             words=COUNTED,
             total=len(findings),
             only_words=sum(f.item.is_text for f in findings),
             seconds=sum(f.seconds for f in findings),
-            exercises=[(exercise, solution(exercise)) for exercise in EXERCISES],
+            exercises=[(exercise, solution(exercise)) for exercise in exercises()],
             colours=(theme.page_colours(dark=False), theme.page_colours(dark=True)),
             figure_style=Markup(theme.style("@media screen and (prefers-color-scheme:dark)")),
         )
     )
 
 
-def _chapter(number: int, cards: Sequence[Card]) -> dict:
+def _chapter(number: int, chapter: Chapter, cards: Sequence[Card]) -> dict:
     own = [c for c in cards if c.item.chapter == number]
     sections = dict.fromkeys(c.item.section for c in own)
     return {
-        "number": number, "title": CHAPTERS[number], "count": len(own),
+        "number": number,
+        "title": chapter.title,
+        "count": len(own),
         "wrong": sum(c.finding.verdict != "holds" for c in own),
-        "sections": [(s, SECTIONS[s], [c for c in own if c.item.section == s]) for s in sections],
-    }  # fmt: skip
+        "sections": [
+            (section, chapter.sections[section], [c for c in own if c.item.section == section])
+            for section in sections
+        ],
+    }
 
 
 def card(finding: Finding) -> Card:
@@ -138,7 +124,7 @@ def _form(item: Item, form: str) -> Markup:
     """A form as MathML, words as they are; the facts read off a drawing are no formula of the
     notes."""
     nodes = shown(item, form)
-    if item.kind == "figure" and not any(isinstance(node, Words) for node in nodes):
+    if item.is_figure and not any(isinstance(node, Words) for node in nodes):
         return Markup()
     equations = [node for node in nodes if isinstance(node, Equation)]
     if nodes and len(equations) == len(nodes):

@@ -43,7 +43,7 @@ def item_text(finding: Finding, width: int = WIDTH) -> str:
         rows.append(("why", _filled((item.why,), inner)))
     rows.append(("call", item.test.call(item.printed or item.corrected)))
     head = f"{item.title} — {item.number}"
-    blocks = [head, "=" * len(head), textwrap.fill(item.statement, width), ""]
+    blocks = [head, "=" * len(head), textwrap.fill(item.says, width), ""]
     blocks += [_row(name, text) for name, text in rows if text]
     return "\n".join(blocks + _derived(item, width))
 

@@ -60,8 +60,8 @@ def hostile_study(tmp_path_factory: pytest.TempPathFactory) -> fb.Study:
 @cache
 def pages(arm: fb.Study) -> dict[str, str]:
     from freebody.report.html import page as study_page
+    from freebody_notes.contents import items
     from freebody_notes.page import page as notes_page
-    from freebody_notes.registry import items
     from freebody_notes.run import run_all
 
     made = {"study": study_page(arm), "notes": notes_page(run_all(items()[:3]))}

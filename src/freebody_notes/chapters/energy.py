@@ -6,7 +6,6 @@ import numpy as np
 
 import freebody as fb
 from freebody_notes.checks import Related
-from freebody_notes.item import Item
 
 
 def moving_bar(turning=1.4, sliding=1.0, pinned=False):
@@ -23,8 +22,9 @@ def moving_bar(turning=1.4, sliding=1.0, pinned=False):
     points = [fb.velocity(body, q, qd, "link3", point=[x, 0.0])[:2] for x in l / 2 * (u + 1)]
     v_G = fb.velocity(body, q, qd, "link3", point=[l / 2, 0.0])[:2]
     return {
-        "T": fb.kinetic_energy(body, q, qd), "T_pieces": float(m / 4 * w @ np.sum(np.square(points), axis=1)),
-        "m": m, "v": points[0], "v_G": v_G, "omega": turning, "I_G": m * l**2 / 12, "I_o": m * l**2 / 3,
+        "T": fb.kinetic_energy(body, q, qd),
+        "T_pieces": float(m / 4 * w @ np.sum(np.square(points), axis=1)), "m": m, "v": points[0],
+        "v_G": v_G, "omega": turning, "I_G": m * l**2 / 12, "I_o": m * l**2 / 3,
     }  # fmt: skip
 
 
@@ -52,25 +52,10 @@ def stretched_spring():
     return free | {"x": free["d1"]}
 
 
-ITEMS = (
-    Item(
-        "eq-5.1", "5.1.1", "Energy of translation", "definition", "All points have the same velocity.",
-        "T = 1/2*m*v^2 = T_pieces", Related(translating_bar), figure="5.1",
-    ),
-    Item(
-        "eq-5.2", "5.1.1", "Energy of rotation about a fixed axis", "definition", "With the inertia about the axis.",
-        "T = 1/2*I_o*omega^2 = T_pieces", Related(pinned_bar), figure="5.1",
-    ),
-    Item(
-        "eq-5.3", "5.1.1", "Energy of any motion", "definition", "Turning about the centre of mass, and moving with it.",
-        "T = 1/2*I_G*omega^2 + 1/2*m*v_G^2 = T_pieces", Related(moving_bar), figure="5.1",
-    ),
-    Item(
-        "eq-5.4", "5.1.2", "Energy of height", "definition", "Minus the work W of the weight on the way up.",
-        "V = m*g*h = -W", Related(lifted),
-    ),
-    Item(
-        "eq-5.5", "5.1.2", "Energy of a spring", "definition", "Its slope is the force that holds the spring.",
-        "V = 1/2*k*x^2; partial(V, x) = k*x", Related(stretched_spring),
-    ),
-)  # fmt: skip
+CHECKS = {
+    "translating_bar": Related(translating_bar),
+    "pinned_bar": Related(pinned_bar),
+    "moving_bar": Related(moving_bar),
+    "lifted": Related(lifted),
+    "stretched_spring": Related(stretched_spring),
+}

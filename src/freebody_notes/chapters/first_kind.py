@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import freebody as fb
-from freebody_notes.checks import ARM, Related
-from freebody_notes.item import Item
+from freebody_notes.checks import Related
 
 
 def pinned_bar():
@@ -36,11 +35,12 @@ def pinned_bar():
     alpha = fb.forward_dynamics(hinged, [theta], [omega], [tau])
     pin = fb.joint_wrenches(hinged, [theta], [omega], alpha)[0, :2]
     return {
-        "Phi": along[0], "Phi_q": phi.jacobian_at([*q, r])[:, :3], "qd": qd, "x": q[0], "y": q[1], "theta": theta, "r": r,
-        "Phi_d": (8 * (along[1] - along[2]) - (along[3] - along[4])) / 12e-3, "lam": -pin, "Q_ex": Q_ex,
-        "E_L": fb.inverse_dynamics(free, q, qd, qdd), "alpha": qdd[2], "alpha_hinged": alpha[0],
-        "f_pin": fb.reactions(held, q, qd, tau=Q_ex)["pin"][:2], "f_hinged": pin,
-        "f": fb.mobility(held, q).generic, "n": free.nv, "m": len(phi.rows),
+        "Phi": along[0], "Phi_q": phi.jacobian_at([*q, r])[:, :3], "qd": qd, "x": q[0], "y": q[1],
+        "theta": theta, "r": r,
+        "Phi_d": (8 * (along[1] - along[2]) - (along[3] - along[4])) / 12e-3, "lam": -pin,
+        "Q_ex": Q_ex, "E_L": fb.inverse_dynamics(free, q, qd, qdd), "alpha": qdd[2],
+        "alpha_hinged": alpha[0], "f_pin": fb.reactions(held, q, qd, tau=Q_ex)["pin"][:2],
+        "f_hinged": pin, "f": fb.mobility(held, q).generic, "n": free.nv, "m": len(phi.rows),
     }  # fmt: skip
 
 
@@ -73,59 +73,14 @@ def guided_arm():
     Phi_q, Phi_q_d = J[1:], fb.jacobian_dot(arm, q, qd)[1:2]
     L_q = slopes["T"] - slopes["V"]
     return {
-        "M": fb.mass_matrix(arm, q), "qdd": pushed[0] + force * (pushed[1] - pushed[0]), "qd": qd, "Phi_q": Phi_q,
-        "Phi_q_d": Phi_q_d, "lam": np.array([-force]), "Q_ex": tau, "L_q": L_q, "T_q": slopes["T"], "V_q": slopes["V"],
-        "M_d": np.array(M_d), "c": -Phi_q_d @ qd, "n": tau + L_q - np.array(M_d) @ qd,
+        "M": fb.mass_matrix(arm, q), "qdd": pushed[0] + force * (pushed[1] - pushed[0]), "qd": qd,
+        "Phi_q": Phi_q, "Phi_q_d": Phi_q_d, "lam": np.array([-force]), "Q_ex": tau, "L_q": L_q,
+        "T_q": slopes["T"], "V_q": slopes["V"], "M_d": np.array(M_d), "c": -Phi_q_d @ qd,
+        "n": tau + L_q - np.array(M_d) @ qd,
     }  # fmt: skip
 
 
-FREE, PINNED, GUIDED = Related(f"fb.quantities({ARM})"), Related(pinned_bar), Related(guided_arm)
-_MOMENTA = "[d_dt(partial(L, theta1_d)), d_dt(partial(L, theta2_d))]"
-_SLOPES = "[partial({0}, theta1), partial({0}, theta2)]"
-
-ITEMS = (
-    Item(
-        "eq-5.21", "5.4", "Constraints", "definition", "Dependent coordinates satisfy equations; here those of a bar whose end is on a pin.",
-        "Phi = [x - r*cos(theta), y - r*sin(theta)] = 0", PINNED,
-    ),
-    Item(
-        "uf-5.21-dof", "5.4", "Degrees of freedom", "definition", "Coordinates less independent constraints: of the pinned bar 3 − 2 = 1.",
-        "f = n - m", PINNED,
-    ),
-    Item(
-        "eq-5.22", "5.4", "Constraints on velocities", "derivation", "Differentiated by the chain rule; the matrix is that of the bar.",
-        "Phi_d = Phi_q*qd = 0; Phi_q = [[1, 0, r*sin(theta)], [0, 1, -r*cos(theta)]]", PINNED,
-    ),
-    Item(
-        "eq-5.23", "5.4", "Lagrange's equations of the first kind", "identity",
-        "Multipliers stand for the forces that hold the constraints: what the constraint does to the bar is −Φ_qᵀ λ. E_L stands for d/dt ∂L/∂q̇ − ∂L/∂q.",
-        "E_L + transpose(Phi_q)*lam = Q_ex", Related(pinned_bar, also="alpha = alpha_hinged; f_pin = f_hinged; lam = -f_hinged"),
-    ),
-    Item(
-        "eq-5.24", "5.4", "The second kind", "identity", "With independent coordinates there are no multipliers; here of the arm of two links.",
-        f"{_MOMENTA} - {_SLOPES.format('L')} = tau", FREE,
-    ),
-    Item(
-        "eq-5.25", "5.4", "Kinetic energy", "definition", "A quadratic form of the rates.", "T = 1/2*dot(qd, M*qd) = T1 + T2", FREE,
-    ),
-    Item(
-        "eq-5.26", "5.4", "Both terms", "derivation", "The derivatives of the Lagrangian by mass matrix and energies.",
-        f"{_MOMENTA} = M*qdd + d_dt(M)*qd; {_SLOPES.format('L')} = {_SLOPES.format('T')} - {_SLOPES.format('V')}", FREE,
-    ),
-    Item(
-        "eq-5.27", "5.4", "The first kind written out", "derivation", "(5.26) put into (5.23); here of an arm whose tip runs on a line.",
-        "M*qdd + transpose(Phi_q)*lam = Q_ex + L_q - M_d*qd; L_q = T_q - V_q", GUIDED,
-    ),
-    Item(
-        "eq-5.28", "5.4", "Constraints on accelerations", "derivation", "The constraints differentiated twice.",
-        "Phi_q*qd = 0; Phi_q*qdd + Phi_q_d*qd = 0", GUIDED,
-    ),
-    Item(
-        "uf-5.28-c-n", "5.4", "Right sides", "definition", "What is known once positions and rates are.",
-        "c = -Phi_q_d*qd; n = Q_ex + L_q - M_d*qd; Phi_q*qdd = c", GUIDED,
-    ),
-    Item(
-        "eq-5.29", "5.4", "The system of both", "algorithm", "Accelerations and multipliers are found together, from two rows of blocks.",
-        "M*qdd + transpose(Phi_q)*lam = n; Phi_q*qdd = c", GUIDED,
-    ),
-)  # fmt: skip
+CHECKS = {
+    "pinned_bar": Related(pinned_bar),
+    "guided_arm": Related(guided_arm),
+}

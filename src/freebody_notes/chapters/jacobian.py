@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
 import freebody as fb
 from freebody.derivations.formula import parse
 from freebody.derivations.values import value
-from freebody_notes.checks import ARM, Related, Run, number, parts
-from freebody_notes.item import Item, Outcome
+from freebody_notes.checks import Related, Run, number, parts
+from freebody_notes.figures.catalogue import notes_figure
+from freebody_notes.item import Outcome
 
 
 def a_map():
@@ -76,7 +79,10 @@ def shoulder(printed: str) -> Outcome:
     hits, count = recovered(printed, 0)
     _, q, _ = poses()
     ahead = int(np.sum(np.cos(q[:, 0]) > 0))
-    line = f"In {hits} of {count} random poses the formula gives back the θ₁ of the pose; cos θ₁ > 0 in {ahead}."
+    line = (
+        f"In {hits} of {count} random poses the formula gives back the θ₁ of the pose; "
+        f"cos θ₁ > 0 in {ahead}."
+    )
     return Outcome(hits == count, (line,))
 
 
@@ -93,7 +99,8 @@ def inverse_rates():
     r_dd = fb.acceleration(arm, q, qd, qdd)[:2]
     return {
         "qd": fb.inverse_velocity(arm, q, r_d), "qdd": fb.inverse_acceleration(arm, q, qd, r_dd),
-        "r_d": r_d, "r_dd": r_dd, "J": fb.jacobian(arm, q)[:2], "J_d": fb.jacobian_dot(arm, q, qd)[:2],
+        "r_d": r_d, "r_dd": r_dd, "J": fb.jacobian(arm, q)[:2],
+        "J_d": fb.jacobian_dot(arm, q, qd)[:2],
     }  # fmt: skip
 
 
@@ -114,130 +121,31 @@ def where_singular(printed: str) -> Outcome:
     )
 
 
-TIP = Related(f"fb.quantities({ARM})")
-MAP, ANGLES, RATES = Related(a_map), Related(two_angles), Related(inverse_rates)
+def which_figure(form: str) -> Outcome:
+    """What the text speaks of there are the vectors of an arm."""
+    number = re.findall(r"\d\.\d", form)[0]
+    there = {
+        element.name for drawing in notes_figure(number).drawings for element in drawing.elements
+    }
+    missing = {"s_1", "s_2", "r"} - there
+    words = f"has no {', '.join(sorted(missing))}" if missing else "has s_1, s_2 and r"
+    return Outcome(not missing, (f"Figure {number} {words}.",))
 
 
-def _proved(also: str) -> Related:
-    return Related(f"fb.quantities({ARM})", also=also)
-
-
-_C = "(x^2 + y^2 - (l1^2 + l2^2))/(2*l1*l2)"
-_ABOVE, _BELOW = (
-    "-l2*sin(theta2)*x + (l1 + l2*cos(theta2))*y",
-    "l2*sin(theta2)*y + (l1 + l2*cos(theta2))*x",
-)
-
-ITEMS = (
-    Item(
-        "eq-2.1", "2.1.1", "Vector function", "definition",
-        "Several functions of several variables, written as one vector; here three of three.",
-        "y = [x1*x2, sin(x3) + x1, x1^2 + x3^3]", MAP,
+CHECKS = {
+    "a_map": Related(a_map),
+    "two_angles": Related(two_angles),
+    "elbow": Run(
+        elbow,
+        calls='fb.inverse_kinematics(fb.load("2R"), [x, y])  # at the tips of random poses',
     ),
-    Item("eq-2.2", "2.1.1", "First row", "definition", "The first function of the example.", "y1 = x1*x2", MAP),
-    Item("eq-2.3", "2.1.1", "Second row", "definition", "The second function.", "y2 = sin(x3) + x1", MAP),
-    Item(
-        "eq-2.4", "2.1.1", "Rows between", "definition",
-        "A row of dots that carries a number: all rows between the second and the last.", "y = [y1, y2, y3]", MAP,
+    "shoulder": Run(
+        shoulder,
+        calls='fb.forward_kinematics(fb.load("2R"), q)[:2, 2]  '
+        "# at random poses; the formula has to give q back",
     ),
-    Item("eq-2.5", "2.1.1", "Last row", "definition", "The last function.", "y3 = x1^2 + x3^3", MAP),
-    Item(
-        "eq-2.6", "2.1.1", "Jacobian matrix", "definition",
-        "Entry i, j of the Jacobian is the derivative of function i by variable j; here also found by differences.",
-        "J = [[x2, x1, 0], [1, 0, cos(x3)], [2*x1, 0, 3*x3^2]]", Related(a_map, also="J = J_differences"),
-    ),
-    Item(
-        "ex-2.1-jacobian", "2.1.1", "Example: two angles", "worked-example",
-        "The Jacobian of a map of two angles, both counted from the x axis (unlike in 2.2, where θ₂ is relative).",
-        "J = [[-3*sin(theta1), -2*sin(theta2)], [3*cos(theta1), 2*cos(theta2)]]", ANGLES,
-    ),
-    Item("eq-2.7", "2.1.1", "Given x", "worked-example", "The first function.", "x = 3*cos(theta1) + 2*cos(theta2)", ANGLES),
-    Item("eq-2.8", "2.1.1", "Given y", "worked-example", "The second function.", "y = 3*sin(theta1) + 2*sin(theta2)", ANGLES),
-    Item(
-        "eq-2.9", "2.1.1", "Its Jacobian", "worked-example", "The derivatives by both angles.",
-        "J = [[-3*sin(theta1), -2*sin(theta2)], [3*cos(theta1), 2*cos(theta2)]]", ANGLES,
-    ),
-    Item(
-        "eq-2.10", "2.2.1", "Chain of vectors", "derivation", "The tip along both links.",
-        "r = s1 + s2", TIP, figure="2.1",
-    ),
-    Item(
-        "eq-2.11", "2.2.1", "Link by link", "derivation", "Each link by its length and its angle with x.",
-        "[x, y] = [l1*cos(theta1), l1*sin(theta1)] + [l2*cos(theta1+theta2), l2*sin(theta1+theta2)]", TIP, figure="2.1",
-    ),
-    Item(
-        "eq-2.12", "2.2.1", "x of the tip", "derivation", "The first component.",
-        "x = l1*cos(theta1) + l2*cos(theta1+theta2)", TIP, figure="2.1",
-    ),
-    Item(
-        "eq-2.13", "2.2.1", "y of the tip", "derivation", "The second component.",
-        "y = l1*sin(theta1) + l2*sin(theta1+theta2)", TIP, figure="2.1",
-    ),
-    Item(
-        "eq-2.14", "2.2.1", "The elbow's angle from the tip", "derivation",
-        "The law of cosines gives cos θ₂.",
-        f"theta2 = arccos({_C})", Run(elbow, calls='fb.inverse_kinematics(fb.load("2R"), [x, y])  # at the tips of random poses'), "incomplete",
-        f"theta2 = arccos({_C}); theta2 = -arccos({_C})",
-        "The arc cosine gives angles from 0 to π only: the arm with its elbow on the other side is lost. There are two "
-        "branches, real for |l₁ − l₂| ≤ √(x² + y²) ≤ l₁ + l₂ only, and one where the arm is stretched or folded.",
-    ),
-    Item(
-        "eq-2.15", "2.2.1", "The shoulder's angle from the tip", "derivation",
-        "With θ₂ known, two linear equations in cos θ₁ and sin θ₁.",
-        f"theta1 = arctan(({_ABOVE})/({_BELOW}))", Run(shoulder, calls='fb.forward_kinematics(fb.load("2R"), q)[:2, 2]  # at random poses; the formula has to give q back'), "incomplete",
-        f"theta1 = atan2({_ABOVE}, {_BELOW})",
-        "The signs are right, but the plain arc tangent loses the quadrant: it is off by π wherever cos θ₁ < 0. atan2 of "
-        "numerator and denominator, once for each θ₂, is right except at x = y = 0, where θ₁ is free.",
-    ),
-    Item(
-        "eq-2.16", "2.2.2", "Velocity of the tip, x", "derivation", "The position differentiated.",
-        "x_d = -l1*theta1_d*sin(theta1) - l2*(theta1_d+theta2_d)*sin(theta1+theta2)", _proved("x_d = d_dt(x)"),
-    ),
-    Item(
-        "eq-2.17", "2.2.2", "Velocity of the tip, y", "derivation", "The position differentiated.",
-        "y_d = l1*theta1_d*cos(theta1) + l2*(theta1_d+theta2_d)*cos(theta1+theta2)", _proved("y_d = d_dt(y)"),
-    ),
-    Item(
-        "eq-2.18", "2.2.2", "Velocity as a linear map", "derivation",
-        "The velocity of the tip is the Jacobian times the joint rates.", "r_d = J*qd", TIP,
-    ),
-    Item(
-        "eq-2.19", "2.2.2", "The arm's Jacobian", "derivation", "The derivatives of the tip's position by both angles.",
-        "J = [[-l1*sin(theta1) - l2*sin(theta1+theta2), -l2*sin(theta1+theta2)], "
-        "[l1*cos(theta1) + l2*cos(theta1+theta2), l2*cos(theta1+theta2)]]", TIP,
-    ),
-    Item(
-        "eq-2.20", "2.2.3", "Singular", "definition",
-        "Where the determinant of the Jacobian vanishes, the tip cannot move in every direction; so with the arm folded.",
-        "det(J) = 0; sigma = 0", Related(stretched),
-    ),
-    Item(
-        "eq-2.21", "2.2.3", "The determinant written out", "derivation", "Two products of entries.",
-        "det(J) = -sin(theta1)*cos(theta1+theta2)*l1*l2 + sin(theta1+theta2)*cos(theta1)*l1*l2", TIP,
-    ),
-    Item(
-        "eq-2.22", "2.2.3", "The determinant simplified", "derivation", "Sine of a difference of angles.",
-        "det(J) = l1*l2*sin(theta2)", TIP,
-    ),
-    Item(
-        "eq-2.23", "2.2.3", "Singular poses", "derivation", "The zeros of sin θ₂.",
-        "theta2 = 0; theta2 = pi", Run(where_singular, calls='print(fb.singularities(fb.planar("RR")))'),
-    ),
-    Item(
-        "uf-2.23-collinear", "2.2.3", "Links in line", "identity",
-        "The arm is singular where its links lie on one line: their cross product is the determinant.",
-        "cross(s1, s2) = l1*l2*sin(theta2) = det(J)", TIP,
-    ),
-    Item(
-        "eq-2.24", "2.2.4", "Acceleration", "derivation",
-        "The velocity differentiated; the Jacobian changes too.", "r_dd = J*qdd + J_d*qd", TIP,
-    ),
-    Item(
-        "eq-2.25", "2.2.4", "Rates from the tip's velocity", "derivation",
-        "Away from singular poses the map can be inverted.", "qd = J^-1*r_d", RATES,
-    ),
-    Item(
-        "eq-2.26", "2.2.4", "Joint accelerations from the tip's acceleration", "derivation",
-        "The same one derivative further.", "qdd = J^-1*(r_dd - J_d*qd)", RATES,
-    ),
-)  # fmt: skip
+    "which_figure": Run(which_figure, calls='fb.notes_figure("2.1").named("s_1")'),
+    "stretched": Related(stretched),
+    "where_singular": Run(where_singular, calls='print(fb.singularities(fb.planar("RR")))'),
+    "inverse_rates": Related(inverse_rates),
+}

@@ -8,7 +8,7 @@ import freebody as fb
 from freebody.derivations.values import Each
 from freebody.model.inertia import combined
 from freebody_notes.checks import Related, Run
-from freebody_notes.item import Item, Outcome
+from freebody_notes.item import Outcome
 
 
 def particles():
@@ -18,8 +18,8 @@ def particles():
     rho, omega = points - np.array(body.com), 1.7
     speed = omega * np.linalg.norm(rho, axis=1)
     return {
-        "m": body.mass, "r_G": body.com, "I_G": body.tensor[0], "omega": omega,
-        "m_i": Each(masses), "r_i": Each(map(tuple, points)), "rho_i": Each(map(tuple, rho)), "v_i": Each(speed),
+        "m": body.mass, "r_G": body.com, "I_G": body.tensor[0], "omega": omega, "m_i": Each(masses),
+        "r_i": Each(map(tuple, points)), "rho_i": Each(map(tuple, rho)), "v_i": Each(speed),
     }  # fmt: skip
 
 
@@ -89,71 +89,12 @@ def parallel_axes(printed: str) -> Outcome:
     return Outcome(False, ("an inertia smaller than m d² was taken",))
 
 
-PARTICLES, BAR = Related(particles), Related(bar)
-
-ITEMS = (
-    Item(
-        "eq-1.15", "1.2.2", "Centre of mass of particles", "definition",
-        "The centre of mass is the mean of the positions, weighted by the masses.",
-        "r_G = 1/m*sum(m_i*r_i)", PARTICLES, figure="1.3",
-    ),
-    Item(
-        "uf-1.15-total-mass", "1.2.2", "Total mass", "definition",
-        "The mass of the whole is the sum of the masses.",
-        "m = sum(m_i)", PARTICLES,
-    ),
-    Item(
-        "eq-1.16", "1.2.2", "Centre of mass of a continuum", "definition",
-        "For a continuous body the sum becomes an integral over its mass: here of a uniform bar, against ten thousand pieces.",
-        "r_G = r_pieces = [l/2, 0]", BAR,
-    ),
-    Item(
-        "uf-1.16-com-zero", "1.2.2", "Origin in the centre of mass", "identity",
-        "With the origin in the centre of mass the mass-weighted positions add up to nothing.",
-        "r = 0; sum(m_i*r_i) = sum(m_i*rho_i) = 0", Related(particles_about_com),
-        "misprint", "r_G = 0; sum(m_i*r_i) = sum(m_i*rho_i) = 0",
-        "What vanishes is r_G, the position of the centre of mass; the position r of a particle does not.",
-        figure="1.3",
-    ),
-    Item(
-        "eq-1.17", "1.2.2", "Moment of inertia of particles", "definition",
-        "Masses times the squares of their distances from G; it is what stands with ω²/2 in the kinetic energy.",
-        "I_G = sum(m_i*rho_i^2); 1/2*I_G*omega^2 = sum(1/2*m_i*v_i^2)", PARTICLES,
-    ),
-    Item(
-        "eq-1.18", "1.2.2", "Moment of inertia of a continuum", "definition",
-        "The integral of ρ² over the mass; here of a uniform bar, against many small pieces.",
-        "I_G = I_pieces", Related(bar_in_pieces),
-    ),
-    Item(
-        "uf-1.18-disc", "1.2.2", "Disc", "definition",
-        "A uniform round plate of radius r, about its axis: by integration over the plate.",
-        "I_G = 1/2*m*r^2", Related(disc),
-    ),
-    Item(
-        "uf-1.18-ring", "1.2.2", "Ring", "definition",
-        "A ring of radius r, about its axis. It has to be thin: a thick one has mass nearer to the axis.",
-        "I_G = m*r^2", Related(ring),
-    ),
-    Item(
-        "uf-1.18-bar", "1.2.2", "Bar", "definition",
-        "A slender uniform bar of length l, about its middle.",
-        "I_G = 1/12*m*l^2", BAR,
-    ),
-    Item(
-        "eq-1.19", "1.2.2", "Parallel axes", "identity",
-        "The inertia about an axis at the distance d from the centre of mass; the right side has to start from the centre "
-        "of mass and no other point.",
-        "I_O = I_G + m*d^2", Run(parallel_axes, calls="fb.inertia_from(m, r_G, I_O, about=O).tensor"),
-    ),
-    Item(
-        "ex-1.3-bar-pin", "1.2.2", "Example: a bar on a pin", "worked-example",
-        "The moment of inertia of a uniform bar about a pin at its end.",
-        "I_O = 1/3*m*l^2", BAR,
-    ),
-    Item(
-        "eq-1.20", "1.2.2", "Bar about its end", "worked-example",
-        "The same by parallel axes, with d half the length.",
-        "I_O = 1/12*m*l^2 + m*(l/2)^2 = 1/3*m*l^2", BAR,
-    ),
-)  # fmt: skip
+CHECKS = {
+    "particles": Related(particles),
+    "particles_about_com": Related(particles_about_com),
+    "bar": Related(bar),
+    "bar_in_pieces": Related(bar_in_pieces),
+    "disc": Related(disc),
+    "ring": Related(ring),
+    "parallel_axes": Run(parallel_axes, calls="fb.inertia_from(m, r_G, I_O, about=O).tensor"),
+}

@@ -8,7 +8,6 @@ import freebody as fb
 from freebody.derivations.values import Each
 from freebody.model.inertia import combined
 from freebody_notes.checks import ARM, Related
-from freebody_notes.item import Item
 
 _MASSES, _POINTS = (2.0, 1.0, 3.0), np.array([[0.2, 0.1], [-0.4, 0.3], [0.5, -0.2]])
 
@@ -52,7 +51,8 @@ def pinned_body():
 
     return {
         "m": m, "I_G": I, "I_O": I + m * lc**2, "alpha": alpha[0], "a_G": a_G, "F": F, "f": f,
-        "M_O": Each((cross(P, F), 0.0)), "M_G": Each((cross(P - G, F), cross(-G, f))), "F_j": Each((F, f)),
+        "M_O": Each((cross(P, F), 0.0)), "M_G": Each((cross(P - G, F), cross(-G, f))),
+        "F_j": Each((F, f)),
     }  # fmt: skip
 
 
@@ -60,69 +60,23 @@ def cut_free():
     """The free bodies of the arm: every joint force twice, with opposite signs."""
     free = fb.quantities(fb.planar("RR"), load=True)
     return free | {
-        "F_1": [a - b + w for a, b, w in zip(free["f01"], free["f12"], _weight(free, 1), strict=True)],
-        "F_2": [a + w + f for a, w, f in zip(free["f12"], _weight(free, 2), free["f"], strict=True)],
-    }  # fmt: skip
+        "F_1": [
+            a - b + w for a, b, w in zip(free["f01"], free["f12"], _weight(free, 1), strict=True)
+        ],
+        "F_2": [
+            a + w + f for a, w, f in zip(free["f12"], _weight(free, 2), free["f"], strict=True)
+        ],
+    }
 
 
 def _weight(free, i):
     return [free[f"m{i}"] * x for x in free["gravity"]]
 
 
-BODY, PIN = Related(thrown_body), Related(pinned_body)
-
-ITEMS = (
-    Item(
-        "alg-1.3-fbd", "1.3", "How to draw a free body", "algorithm",
-        "Take the body out of its surroundings; collect drives, reactions, friction, weight and whatever else acts; draw each "
-        "at its point. All forces of a body together give its mass times the acceleration of its centre.",
-        "f01 - f12 + m1*gravity = m1*vc1_d; f12 + m2*gravity + f = m2*vc2_d",
-        Related(f"fb.quantities({ARM}, load=True)"), figure="1.4",
-    ),
-    Item(
-        "uf-1.3-newton3", "1.3", "Action and reaction", "identity",
-        "A force in a joint acts on both bodies with opposite signs, so it drops out of the sum over both; directions of "
-        "unknown forces may be drawn at will.",
-        "F_1 + F_2 = f01 + m1*gravity + m2*gravity + f", Related(cut_free), figure="1.4",
-    ),
-    Item(
-        "eq-1.21", "1.4", "Newton", "identity",
-        "All forces on a body add up to its mass times the acceleration of its centre of mass.",
-        "sum(F_i) = m*a_G", BODY,
-    ),
-    Item(
-        "eq-1.22", "1.4", "Euler", "identity",
-        "Their moments about the centre of mass add up to the inertia about it times the angular acceleration.",
-        "sum(cross(rho_i, F_i)) = I_G*alpha", BODY,
-    ),
-    Item(
-        "eq-1.23", "1.4.1", "Translation", "identity",
-        "Without turning all points have the same acceleration.",
-        "sum(F_i) = m*a", Related(pushed_along),
-    ),
-    Item(
-        "eq-1.24", "1.4.1", "Translation: moments", "identity",
-        "Without turning the moments about the centre of mass cancel.",
-        "sum(cross(rho_i, F_i)) = I_G*alpha = 0", Related(pushed_along),
-    ),
-    Item(
-        "eq-1.25", "1.4.2", "Rotation about a fixed axis", "identity",
-        "Moments about the axis, to which the pin's force contributes nothing.",
-        "sum(M_O) = I_O*alpha", PIN, figure="1.5",
-    ),
-    Item(
-        "eq-1.26", "1.4.2", "With the pin's force", "identity",
-        "Where the reaction of the axis is wanted, Newton's law gives it.",
-        "sum(F_j) = m*a_G", PIN, figure="1.5",
-    ),
-    Item(
-        "eq-1.27", "1.4.2", "With the pin's force: moments", "identity",
-        "Moments about the centre of mass, with that of the reaction.",
-        "sum(M_G) = I_G*alpha", PIN, figure="1.5",
-    ),
-    Item(
-        "uf-1.27-resultant", "1.4.2", "All forces", "definition",
-        "The applied force and the pin's together; the weight too, where there is one.",
-        "sum(F_j) = F + f", PIN, figure="1.5",
-    ),
-)  # fmt: skip
+CHECKS = {
+    "loaded_arm": Related(f"fb.quantities({ARM}, load=True)"),
+    "cut_free": Related(cut_free),
+    "thrown_body": Related(thrown_body),
+    "pushed_along": Related(pushed_along),
+    "pinned_body": Related(pinned_body),
+}

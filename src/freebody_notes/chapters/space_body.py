@@ -10,7 +10,6 @@ from freebody.model.assembly import assemble
 from freebody.model.inertia import combined
 from freebody.model.parts import Joint, Link, RobotDescription
 from freebody_notes.checks import Digits, Related
-from freebody_notes.item import Item
 
 
 def thrown_body():
@@ -34,8 +33,8 @@ def thrown_body():
         for m, r in zip(masses, np.array(rho_i), strict=True)
     )
     return {
-        "m": inertia.mass, "F_i": F_i, "rho_i": rho_i, "v_c_d": acceleration[:3], "R": R, "n": n, "I": about_com,
-        "I_prime": inertia.numbers()[2], "omega": omega, "omega_d": omega_d,
+        "m": inertia.mass, "F_i": F_i, "rho_i": rho_i, "v_c_d": acceleration[:3], "R": R, "n": n,
+        "I": about_com, "I_prime": inertia.numbers()[2], "omega": omega, "omega_d": omega_d,
         "n_prime": R.T @ n, "omega_prime": R.T @ omega, "omega_prime_d": R.T @ omega_d,
     }  # fmt: skip
 
@@ -47,8 +46,8 @@ def rotor():
     body = assemble(RobotDescription("rotor", 3, links, (pivot,), (0.0, (0.0, 0.0, -1.0))))
     omega, still = np.array([5.0, 0.0, 3.0]), np.zeros(3)
     return {
-        "n_prime": fb.inverse_dynamics(body, [1, 0, 0, 0], omega, still), "I_prime": np.diag([10.0, 5.0, 5.0]),
-        "omega_prime": omega, "omega_prime_d": still,
+        "n_prime": fb.inverse_dynamics(body, [1, 0, 0, 0], omega, still),
+        "I_prime": np.diag([10.0, 5.0, 5.0]), "omega_prime": omega, "omega_prime_d": still,
     }  # fmt: skip
 
 
@@ -63,41 +62,9 @@ def gyro():
     return {"n_1": rotor()["n_prime"], "n_2": driven, "n": driven}
 
 
-BODY, ROTOR = Related(thrown_body), Related(rotor)
-_EULER = "I_prime*omega_prime_d + cross(omega_prime, I_prime*omega_prime)"
-
-ITEMS = (
-    Item("eq-6.1", "6.1", "Newton in space", "identity", "As in the plane, with three components.", "sum(F_i) = m*v_c_d", BODY, figure="6.1"),
-    Item(
-        "eq-6.2", "6.1", "Euler in space", "identity",
-        "Moments about the centre of mass change the angular momentum, which also changes because the inertia turns along.",
-        "sum(cross(rho_i, F_i)) = I*omega_d + cross(omega, I*omega)", BODY, figure="6.1",
-    ),
-    Item(
-        "eq-6.3", "6.1", "Tensor in global and local axes", "identity",
-        "The inertia in the body's own axes, which is constant, turned into the world's.", "I = R*I_prime*transpose(R)", BODY,
-    ),
-    Item(
-        "eq-6.4", "6.1", "Euler in global components", "identity", "With the tensor that turns along.",
-        "n = I*omega_d + cross(omega, I*omega)", BODY,
-    ),
-    Item(
-        "eq-6.5", "6.1", "Euler in local components", "identity", "With the constant tensor; the frame must be fixed to the body.",
-        f"n_prime = {_EULER}", BODY,
-    ),
-    Item(
-        "ex-6.1-gyro", "6.1", "Example 1: a gyro", "worked-example",
-        "Driving torques of a gyro with constant yaw and roll, ω = (5, 0, 3) rad/s in a local, moving frame, "
-        "I = diag(10, 5, 5) kg m².",
-        "n = [0, 75, 0]", Digits(gyro), "incomplete", "n_1 = [0, 75, 0]; n_2 = [0, 150, 0]",
-        "75 N m belongs to an ω′ that is constant in axes fixed to the rotor, which is rotation about an axis fixed in "
-        "space. A rotor that rolls at a constant 5 rad/s while its mount yaws at a constant 3 rad/s has ω̇′ = (0, 15, 0) at "
-        "that instant and needs 150 N m. Which is meant has to be said.",
-        figure="6.2",
-    ),
-    Item("eq-6.6", "6.1", "The gyro's equation", "worked-example", "(6.5).", f"n_prime = {_EULER}", ROTOR, figure="6.2"),
-    Item(
-        "eq-6.7", "6.1", "The gyro's torque", "worked-example", "With ω̇′ = 0, as is assumed.",
-        "n_prime = cross(omega_prime, I_prime*omega_prime) = [0, 75, 0]", Digits(rotor), figure="6.2",
-    ),
-)  # fmt: skip
+CHECKS = {
+    "thrown_body": Related(thrown_body),
+    "gyro": Digits(gyro),
+    "rotor": Related(rotor),
+    "rotor_digits": Digits(rotor),
+}

@@ -3,20 +3,23 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
 import freebody as fb
-from freebody_notes.checks import Reading, Related, Run, number
-from freebody_notes.item import Item, Outcome
+from freebody_notes.checks import Related, Run, number
+from freebody_notes.item import Outcome
 
 ROWS = (
-    {"joint": "R", "a": 0.0, "alpha": 0.0, "d": 0.3, "m": 2.0, "com": [0.1, -0.2, 0.05], "I": [0.3, 0.02, 0.01, 0.4, -0.03, 0.5]},
-    {"joint": "P", "a": 0.4, "alpha": 0.7, "theta": 0.2, "m": 1.5, "com": [-0.05, 0.1, 0.2], "I": [0.2, 0.01, 0.0, 0.1, 0.02, 0.2]},
-    {"joint": "R", "a": -0.2, "alpha": -1.1, "d": 0.1, "m": 1.0, "com": [0.15, 0.05, 0.1], "I": [0.05, 0.0, 0.01, 0.06, 0.0, 0.04]},
-    {"joint": "P", "a": 0.1, "alpha": 0.4, "theta": -0.5, "m": 0.5, "com": [0.0, 0.02, -0.1], "I": [0.02, 0.0, 0.0, 0.03, 0.0, 0.01]},
+    {"joint": "R", "a": 0.0, "alpha": 0.0, "d": 0.3,
+     "m": 2.0, "com": [0.1, -0.2, 0.05], "I": [0.3, 0.02, 0.01, 0.4, -0.03, 0.5]},
+    {"joint": "P", "a": 0.4, "alpha": 0.7, "theta": 0.2,
+     "m": 1.5, "com": [-0.05, 0.1, 0.2], "I": [0.2, 0.01, 0.0, 0.1, 0.02, 0.2]},
+    {"joint": "R", "a": -0.2, "alpha": -1.1, "d": 0.1,
+     "m": 1.0, "com": [0.15, 0.05, 0.1], "I": [0.05, 0.0, 0.01, 0.06, 0.0, 0.04]},
+    {"joint": "P", "a": 0.1, "alpha": 0.4, "theta": -0.5,
+     "m": 0.5, "com": [0.0, 0.02, -0.1], "I": [0.02, 0.0, 0.0, 0.03, 0.0, 0.01]},
 )  # fmt: skip
 """A chain with both kinds of joints, skew axes, full inertia tensors."""
 
@@ -115,9 +118,12 @@ def tip_load():
 
 
 STANDARD = (
-    {"joint": "R", "a": 0.3, "alpha": 0.7, "d": 0.2, "m": 2.0, "com": [0.1, -0.2, 0.05], "I": [0.3, 0.02, 0.01, 0.4, -0.03, 0.5]},
-    {"joint": "P", "a": 0.1, "alpha": -0.4, "theta": 0.3, "m": 1.5, "com": [-0.05, 0.1, 0.2], "I": [0.2, 0.01, 0, 0.1, 0.02, 0.2]},
-    {"joint": "R", "a": -0.2, "alpha": 1.1, "d": 0.1, "m": 1.0, "com": [0.15, 0.05, 0.1], "I": [0.05, 0, 0.01, 0.06, 0, 0.04]},
+    {"joint": "R", "a": 0.3, "alpha": 0.7, "d": 0.2,
+     "m": 2.0, "com": [0.1, -0.2, 0.05], "I": [0.3, 0.02, 0.01, 0.4, -0.03, 0.5]},
+    {"joint": "P", "a": 0.1, "alpha": -0.4, "theta": 0.3,
+     "m": 1.5, "com": [-0.05, 0.1, 0.2], "I": [0.2, 0.01, 0, 0.1, 0.02, 0.2]},
+    {"joint": "R", "a": -0.2, "alpha": 1.1, "d": 0.1,
+     "m": 1.0, "com": [0.15, 0.05, 0.1], "I": [0.05, 0, 0.01, 0.06, 0, 0.04]},
 )  # fmt: skip
 
 
@@ -191,146 +197,31 @@ def _outward_standard(q, qd, qdd):
     return links
 
 
-SWEPT = 'fb.quantities(chain, gravity="base"); fb.derive(chain, "lagrange").tau'
 CHAIN = 'fb.quantities(fb.dh(rows, convention="modified", gravity=[0.3, -1.2, -9.7]))  # R P R P'
-UNPRIMED = f"{CHAIN}\nvalues['s2'] = R2 @ p2_3  # without a prime s has global components"
-REVOLUTE, PRISMATIC = (Related(explicit, links, calls=CHAIN) for links in ((1, 3), (2, 4)))
-READ_LITERALLY = Related(explicit, (1, 3), calls=UNPRIMED)
-BOTH = Related(explicit, (1, 2, 3, 4), calls=CHAIN)
+REVOLUTE = Related(explicit, (1, 3), calls=CHAIN)
 
-
-def _proved(test: Related, also: str) -> Related:
-    return replace(test, also=also)
-
-
-_C = "v_i_d + cross(omega_i_d, sc_i) + cross(omega_i, cross(omega_i, sc_i))"
-
-ITEMS = (
-    Item(
-        "eq-6.15", "6.2", "Lagrange in space", "identity", "The equations are the same as in the plane.",
-        "d_dt(partial(L, theta_i_d)) - partial(L, theta_i) = tau_i", REVOLUTE,
+CHECKS = {
+    "revolute": REVOLUTE,
+    "prismatic": Related(explicit, (2, 4), calls=CHAIN),
+    "both": Related(explicit, (1, 2, 3, 4), calls=CHAIN),
+    "read_literally": Related(
+        explicit,
+        (1, 3),
+        calls=f"{CHAIN}\nvalues['s2'] = R2 @ p2_3  # without a prime s has global components",
     ),
-    Item(
-        "uf-6.15-T", "6.2", "Kinetic energy of a link", "definition", "Moving with the centre of mass and turning about it.",
-        "T_i = 1/2*m_i*dot(vc_i, vc_i) + 1/2*dot(omega_i, I_i*omega_i)", _proved(BOTH, "T1 + T2 + T3 + T4 = 1/2*dot(qd, M*qd)"),
+    "upright": Related(upright, (1, 2, 3, 4)),
+    "frames": Run(
+        frames,
+        ("Rh_i", "ph_i"),
+        calls='fb.forward_kinematics(fb.dh([row], convention="modified"), [theta])  '
+        '# and "standard"',
     ),
-    Item(
-        "uf-6.15-V", "6.2", "Potential energy of a link", "definition", "By its height, or by the field for any direction of it.",
-        "V_i = m_i*g*h_i = -m_i*dot(gravity, rc_i)", Related(upright, links=(1, 2, 3, 4)),
+    "direction": Run(direction, ("Ri_h", "R_i", "R_h"), calls=CHAIN),
+    "accelerated": Related(
+        accelerated,
+        (1, 2, 3, 4),
+        calls='fb.quantities(chain, gravity="base"); fb.derive(chain, "lagrange").tau',
     ),
-    Item(
-        "uf-6.16-dh", "6.3.1.1", "Denavit and Hartenberg's frames", "definition",
-        "The frames are said to follow the convention of Denavit and Hartenberg; no matrix is given.",
-        "by the convention of Denavit and Hartenberg", Run(frames, ("Rh_i", "ph_i"), calls='fb.forward_kinematics(fb.dh([row], convention="modified"), [theta])  # and "standard"'), "incomplete",
-        "Rh_i = [[cos(theta), -sin(theta), 0], [sin(theta)*cos(alpha), cos(theta)*cos(alpha), -sin(alpha)], "
-        "[sin(theta)*sin(alpha), cos(theta)*sin(alpha), cos(alpha)]]; ph_i = [a, -sin(alpha)*d, cos(alpha)*d]",
-        "The formulas put joint i on z of the frame that is fixed to link i: that is the modified convention (a and α those "
-        "of link i−1), while the name alone usually means the standard one.",
-        figure="6.4",
-    ),
-    Item(
-        "eq-6.16", "6.3.1.1", "Turning joint: angular velocity", "derivation", "The joint adds its rate about its axis.",
-        "w_i = w_h + theta_i_d*z_i", _proved(REVOLUTE, "d_dt(R_i) = skew(w_i)*R_i"), figure="6.4",
-    ),
-    Item(
-        "eq-6.17", "6.3.1.1", "In components", "derivation", "Each vector by its local components.",
-        "R_i*omega_i = R_h*omega_h + theta_i_d*(R_i*z)", REVOLUTE,
-    ),
-    Item(
-        "eq-6.18", "6.3.1.1", "In local components", "derivation", "Multiplied by R_i transposed.",
-        "omega_i = Ri_h*omega_h + theta_i_d*z", REVOLUTE,
-    ),
-    Item(
-        "uf-6.18-defs", "6.3.1.1", "Which way the matrix turns", "definition",
-        "The matrix is called the one that relates links i−1 and i.",
-        "the rotation matrix relating link i−1 and link i", Run(direction, ("Ri_h", "R_i", "R_h"), calls=CHAIN), "incomplete",
-        "Ri_h = transpose(R_i)*R_h",
-        "Only one of two readings fits (6.18): it takes components of frame i−1 to frame i.",
-    ),
-    Item(
-        "eq-6.19", "6.3.1.1", "Turning joint: velocity", "derivation", "Joint i is a point of link i−1.",
-        "v_i = Ri_h*(v_h + cross(omega_h, s_h))", _proved(READ_LITERALLY, "R_i*v_i = d_dt(r_i)"), "misprint",
-        "v_i = Ri_h*(v_h + cross(omega_h, ph_i))",
-        "The prime is missing on s: it needs components in frame i−1, as the p of (6.26) has.",
-    ),
-    Item(
-        "eq-6.20", "6.3.1.1", "Turning joint: angular acceleration", "derivation", "(6.18) differentiated; the joint's axis turns too.",
-        "omega_i_d = Ri_h*omega_h_d + theta_i_dd*z + cross(Ri_h*omega_h, theta_i_d*z)",
-        _proved(REVOLUTE, "R_i*omega_i_d = d_dt(R_i*omega_i)"),
-    ),
-    Item(
-        "eq-6.21", "6.3.1.1", "Turning joint: acceleration", "derivation", "(6.19) differentiated.",
-        "v_i_d = Ri_h*(v_h_d + cross(omega_h_d, pi_h) + cross(omega_h, cross(omega_h, s_h)))",
-        _proved(READ_LITERALLY, "R_i*v_i_d = d_dt(R_i*v_i)"), "inconsistent",
-        "v_i_d = Ri_h*(v_h_d + cross(omega_h_d, ph_i) + cross(omega_h, cross(omega_h, ph_i)))",
-        "One vector stands under two names, s without a prime and p with its indices exchanged; it is p of (6.26). The dotted "
-        "v′ are components of the acceleration, not derivatives of components.",
-    ),
-    Item(
-        "eq-6.22", "6.3.1.1", "Acceleration of the centre of mass", "derivation", "A point of link i.",
-        f"vc_i_d = {_C}", _proved(BOTH, "R_i*vc_i_d = d_dt(d_dt(rc_i))"),
-    ),
-    Item(
-        "uf-6.22-com-velocity", "6.3.1.1", "Velocity of the centre of mass", "derivation",
-        "The energies of 6.2 need it, and section 6.2 refers to 6.3 for it.", "", _proved(BOTH, "R_i*vc_i = d_dt(rc_i)"),
-        "incomplete", "vc_i = v_i + cross(omega_i, sc_i)", "It is not printed there.",
-    ),
-    Item(
-        "uf-6.23-equal-omega", "6.3.1.2", "Sliding joint", "identity", "Both links turn alike.", "w_i = w_h", PRISMATIC, figure="6.5",
-    ),
-    Item("eq-6.23", "6.3.1.2", "In components", "derivation", "By local components.", "R_i*omega_i = R_h*omega_h", PRISMATIC, figure="6.5"),
-    Item(
-        "eq-6.24", "6.3.1.2", "In local components", "derivation", "The matrix is constant.",
-        "omega_i = Ri_h*omega_h", _proved(PRISMATIC, "d_dt(Ri_h) = 0"),
-    ),
-    Item(
-        "eq-6.25", "6.3.1.2", "Sliding joint: angular acceleration", "derivation", "(6.24) differentiated.",
-        "omega_i_d = Ri_h*omega_h_d", _proved(PRISMATIC, "R_i*omega_i_d = d_dt(R_i*omega_i)"),
-    ),
-    Item(
-        "eq-6.26", "6.3.1.2", "Sliding joint: velocity", "derivation", "A point of link i−1, and the sliding; p holds the slide itself.",
-        "v_i = Ri_h*(v_h + cross(omega_h, ph_i)) + d_i_d*z", _proved(PRISMATIC, "R_i*v_i = d_dt(r_i)"), figure="6.5",
-    ),
-    Item(
-        "eq-6.27", "6.3.1.2", "Sliding joint: acceleration", "derivation", "(6.26) differentiated, with Coriolis' term.",
-        "v_i_d = Ri_h*(v_h_d + cross(omega_h_d, ph_i) + cross(omega_h, cross(omega_h, ph_i))) "
-        "+ 2*cross(omega_i, d_i_d*z) + d_i_dd*z", _proved(PRISMATIC, "R_i*v_i_d = d_dt(R_i*v_i)"), figure="6.5",
-    ),
-    Item("eq-6.28", "6.3.2", "Force of inertia", "definition", "In local components.", "fc_i = m_i*vc_i_d", BOTH),
-    Item(
-        "eq-6.29", "6.3.2", "Moment of inertia", "definition", "(6.5) for link i; the tensor is the local one, I′ of (6.3).",
-        "nc_i = I_i*omega_i_d + cross(omega_i, I_i*omega_i)", _proved(BOTH, "R_i*nc_i = d_dt(R_i*(I_i*omega_i))"),
-    ),
-    Item(
-        "uf-6.29-inward-text", "6.3.2", "Which recursion", "text",
-        "Forces and torques are said to be found by the outward recursion.", "through the outward recursion",
-        Reading("through the inward recursion", "the section is called inward recursion, and forces go from the tip to the base (chapter 4)."),
-        "misprint", "through the inward recursion", "It is the inward recursion that finds forces and torques.",
-    ),
-    Item(
-        "uf-6.29-inward-missing", "6.3.2", "Inward recursion", "algorithm",
-        "The section of this title stops before its equations, and refers to the literature for sliding joints.",
-        "", Related(accelerated, (1, 2, 3, 4), "tau = tau_L", SWEPT), "incomplete",
-        "f_hi = fc_i + Ri_k*f_ik; n_i = nc_i + Ri_k*n_k + cross(sc_i, fc_i) + cross(pi_k, Ri_k*f_ik); "
-        "tau1 = dot(n1, z); tau2 = dot(f12, z); tau3 = dot(n3, z); tau4 = dot(f34, z)",
-        "With v̇₀ = −g. A turning joint's motor gives the moment about z, a sliding one's the force along z; the other five "
-        "components are the bearing's.",
-    ),
-    Item(
-        "uf-6.29-tip-load", "6.3.2", "A load on the tip", "algorithm", "The notes give no values behind the last link.",
-        "", Related(tip_load), "incomplete", "tau_tip - tau_free = transpose(J_v)*f + transpose(J_w)*n",
-        "A wrench that the last link exerts on its surroundings adds exactly Jᵀ times itself.",
-    ),
-    Item(
-        "uf-6.29-classic-dh", "6.3.2", "The same in standard frames", "algorithm",
-        "For frames by the standard convention, where joint i acts along z of frame i−1, the recursion reads differently.",
-        "", Related(standard_frames), "incomplete",
-        "omega2 = E2*omega1; omega2_d = E2*omega1_d; v2 = E2*(v1 + d2_d*z) + cross(omega2, p2); "
-        "v2_d = E2*(v1_d + d2_dd*z) + cross(omega2_d, p2) + 2*cross(omega2, E2*(d2_d*z)) + cross(omega2, cross(omega2, p2)); "
-        "omega3 = E3*(omega2 + theta3_d*z); omega3_d = E3*(omega2_d + theta3_dd*z + cross(omega2, theta3_d*z)); "
-        "v3 = E3*v2 + cross(omega3, p3); v3_d = E3*v2_d + cross(omega3_d, p3) + cross(omega3, cross(omega3, p3)); tau_swept = tau",
-        "E takes components of the link before to those of the link, p leads from the frame before to this one, (a, d sin α, d cos α); "
-        "here joint 2 slides and joint 3 turns. Inward the moment gains (p + s_C) × f_C and p × what the next link passes on; "
-        "the motor's part of it is along E z.",
-    ),
-)  # fmt: skip
+    "tip_load": Related(tip_load),
+    "standard_frames": Related(standard_frames),
+}

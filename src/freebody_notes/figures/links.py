@@ -137,8 +137,8 @@ def one_of_many() -> Figure:
     add_body(drawing, body)
     for link in (before, body, after):
         drawing.add(*flat_joint(link))
-        drawing.add(Label(point(link.origin), _GENERAL.point(link.number), f"label {_GENERAL.point(link.number)}",
-                          direction=(0.7, -1.0)))  # fmt: skip
+        name = _GENERAL.point(link.number)
+        drawing.add(Label(point(link.origin), name, f"label {name}", direction=(0.7, -1.0)))
     drawing.add(Mark(point(body.com), "com", "C_i", "com", size=6.0))
     drawing.add(Label(point(body.com), "C_i", "label C_i", direction=(0.5, -1.0)))
     position(drawing, before.origin, body.origin, "s_{i−1}", -BESIDE)

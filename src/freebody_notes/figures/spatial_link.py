@@ -30,8 +30,11 @@ def link_symbols() -> Figure:
     view = axonometric(-62.0, 16.0)
     drawing = frames.blank("Link i of an arm in space with the symbols of its dynamics", view)
     parts = [
-        *_faint(before), *_faint(after), *space.solids_of(body, 0.05, 11.0), *solid_joint(after, 0.05)
-    ]  # fmt: skip
+        *_faint(before),
+        *_faint(after),
+        *space.solids_of(body, 0.05, 11.0),
+        *solid_joint(after, 0.05),
+    ]
     drawing.add(*sorted(parts, key=lambda e: space.depth(e, view)))
     _axis(drawing, body, "z_i", "θ\u0307_i", float(seen.qd[1]))
     _axis(drawing, after, "z_{i+1}", "θ\u0307_{i+1}", float(seen.qd[2]))

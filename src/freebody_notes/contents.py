@@ -1,0 +1,74 @@
+"""The contents of the notes: chapters and sections, all items in their order, and how one is found.
+
+`contents.toml` names the files of `chapters`: of each, the .toml file holds what the notes say, the
+.py file the checks.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, replace
+from functools import cache
+from typing import Any
+
+from freebody.errors import UnknownNameError
+from freebody_notes.checks import SHARED
+from freebody_notes.data import data
+from freebody_notes.item import Item
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """A chapter: its title, the titles of its sections by number, and the files that hold it."""
+
+    title: str
+    parts: tuple[str, ...]
+    sections: Mapping[str, str]
+
+
+@cache
+def chapters() -> Mapping[int, Chapter]:
+    """The chapters by their numbers."""
+    return {int(number): Chapter(**words) for number, words in data("contents.toml").items()}
+
+
+@cache
+def items() -> tuple[Item, ...]:
+    """Every item of the notes."""
+    parts = dict.fromkeys(part for chapter in chapters().values() for part in chapter.parts)
+    return tuple(sorted((item for part in parts for item in _of_part(part)), key=_place))
+
+
+def _of_part(part: str) -> Iterator[Item]:
+    checks = SHARED | importlib.import_module(f"freebody_notes.chapters.{part}").CHECKS
+    for section, entries in data(f"chapters/{part}.toml").items():
+        for name, entry in entries.items():
+            yield _item(name, section, entry, checks)
+
+
+_FIELDS = {field.name for field in fields(Item)}
+
+
+def _item(name: str, section: str, entry: dict[str, Any], checks: Mapping[str, Any]) -> Item:
+    """An item; what its entry says beside an item's own fields, it says of the check."""
+    check = entry.pop("check")
+    if check not in checks:
+        raise UnknownNameError("check", check, name, checks)
+    details = {key: entry.pop(key) for key in sorted(entry.keys() - _FIELDS)}
+    return Item(name, section, test=replace(checks[check], **details), **entry)
+
+
+def _place(item: Item) -> tuple[list[int], bool]:
+    """By section, the figures in front; within that as the files have them."""
+    return [int(n) for n in item.section.split(".")], not item.is_figure
+
+
+def item(name: str) -> Item:
+    """The item of an id; "3.22" and "(3.22)" are eq-3.22."""
+    by_id = {x.id: x for x in items()}
+    plain = name.strip().strip("()").lower()
+    for spelling in (name, plain, f"eq-{plain}"):
+        if spelling in by_id:
+            return by_id[spelling]
+    raise UnknownNameError("item", name, "the notes", by_id)
