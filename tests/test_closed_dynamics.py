@@ -11,7 +11,7 @@ import pytest
 import freebody as fb
 from freebody.errors import SingularError
 from freebody.model.model import Model
-from freebody.trees.balance import balance
+from freebody.trees.newton_euler_residuals import balance
 from support.helpers import FIRST, STEPS, close, numbers
 
 ALL = (

@@ -13,7 +13,7 @@ from freebody.motion.measured import recognised
 from freebody.motion.motion import Motion
 from freebody.motion.read_motion import read_motion
 from freebody.motion.smoothing import noise, smooth
-from freebody.report.measured import filtered
+from freebody.report.measured_noise import filtered
 
 ARM = fb.planar(
     "RR",

@@ -12,7 +12,7 @@ import freebody as fb
 from freebody.algorithms.aba import aba
 from freebody.algorithms.crba import bias, crba
 from freebody.algorithms.kinematics import coordinate_rates
-from freebody.algorithms.regroup import lightened
+from freebody.algorithms.regrouped_parameters import lightened
 from freebody.errors import FreebodyError
 from freebody.kernels.formulas import FORMULAS, Option
 from freebody.model.assembly import assemble

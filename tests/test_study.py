@@ -18,7 +18,7 @@ from freebody.motion.motion import motion_of
 from freebody.report import replay as replays
 from freebody.report.checks import checks
 from freebody.report.tip import chosen_tip
-from freebody.scalars.jets import Jet, parts
+from freebody.scalars.time_derivatives import Jet, parts
 from freebody.spatial import space
 
 pytestmark = pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")

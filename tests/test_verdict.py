@@ -14,8 +14,8 @@ import freebody as fb
 from freebody.cli.app import run
 from freebody.motion.motion import Motion, motion_of
 from freebody.report.bearings import bearing_loads
-from freebody.report.pace import at_pace, pace
 from freebody.report.summary import parted
+from freebody.report.time_scaling import at_pace, pace
 
 ARM = """<robot name="arm">
   <link name="base"/>

@@ -59,7 +59,7 @@ AREAS = (
     Area(
         "closed chains",
         ("loops/*.py", "model/closures.py", "model/loops.py", "motion/closed_chain*.py",
-         "trees/balance.py"),
+         "trees/newton_euler_residuals.py"),
         ("closed_*", "dyads", "simulate"),
     ),
     Area(

@@ -9,7 +9,7 @@ from freebody.algorithms.crba import momentum_of, own_inertia
 from freebody.algorithms.kinematics import joint_poses
 from freebody.algorithms.plucker import columns, inertia_matrix, parts, transform
 from freebody.algorithms.rnea import External, drive_torque
-from freebody.algorithms.world import cross_force, cross_motion
+from freebody.algorithms.world_axes import cross_force, cross_motion
 from freebody.elementary import Scalar
 from freebody.model.tree import Tree
 from freebody.spatial import (

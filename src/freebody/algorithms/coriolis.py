@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from freebody.algorithms.crba import momentum_of
 from freebody.algorithms.kinematics import Column, ancestors, weighted
-from freebody.algorithms.world import (
+from freebody.algorithms.world_axes import (
     Force,
     coriolis_times,
     coriolis_transposed_times,

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 from freebody.algorithms.crba import factor, forward_dynamics, momentum_of, substitute
 from freebody.algorithms.kinematics import Column, ancestors, weighted
-from freebody.algorithms.world import (
+from freebody.algorithms.world_axes import (
     Force,
     WorldTree,
     coriolis_times,

@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from functools import reduce
 
-from freebody.algorithms.constraints import (
+from freebody.algorithms.crba import Factors
+from freebody.algorithms.loop_constraints import (
     Constrained,
     constraint,
     constraint_bias,
@@ -19,7 +20,6 @@ from freebody.algorithms.constraints import (
     loop_ends,
     one_if_positive,
 )
-from freebody.algorithms.crba import Factors
 from freebody.algorithms.loop_scales import scales
 from freebody.elementary import Scalar, absolute, maximum, minimum
 from freebody.model.tree import Tree

@@ -18,8 +18,13 @@ from dataclasses import dataclass, replace
 from functools import reduce
 from typing import NamedTuple
 
-from freebody.algorithms.constraints import constraint_jacobian, loop_loads, one_if_positive, solved
 from freebody.algorithms.crba import only_inertia
+from freebody.algorithms.loop_constraints import (
+    constraint_jacobian,
+    loop_loads,
+    one_if_positive,
+    solved,
+)
 from freebody.algorithms.loop_scales import scales
 from freebody.algorithms.rnea import Recursion, rnea
 from freebody.algorithms.rounding import no_finer

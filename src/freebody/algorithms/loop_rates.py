@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import reduce
 
-from freebody.algorithms.constraints import solved
 from freebody.algorithms.loop_checks import largest
+from freebody.algorithms.loop_constraints import solved
 from freebody.algorithms.loop_forces import Orthogonal, Partition, orthogonal, scaled_jacobian
 from freebody.algorithms.loop_scales import scales
 from freebody.algorithms.rounding import no_finer

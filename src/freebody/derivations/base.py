@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from freebody.algorithms.regressor import driven, regressor
-from freebody.algorithms.regroup import kept, regrouped
+from freebody.algorithms.regrouped_parameters import kept, regrouped
 from freebody.derivations import expression as ex
 from freebody.derivations.closed_form import SHORT, ClosedForm
 from freebody.derivations.expression import Equation

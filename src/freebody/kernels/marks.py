@@ -14,7 +14,7 @@ import numpy as np
 
 from freebody.algorithms.crba import composites, crba
 from freebody.algorithms.kinematics import world_poses
-from freebody.algorithms.regroup import lightened
+from freebody.algorithms.regrouped_parameters import lightened
 from freebody.algorithms.rnea import rnea
 from freebody.elementary import Scalar
 from freebody.kernels.formulas import Option

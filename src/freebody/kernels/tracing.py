@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from freebody.algorithms.regroup import lightened
+from freebody.algorithms.regrouped_parameters import lightened
 from freebody.elementary import Scalar
 from freebody.errors import SingularError
 from freebody.kernels.arguments import arguments, chosen, shape

@@ -29,9 +29,9 @@ from freebody.loops.solving import RANK
 from freebody.model.geometry import first_member
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable
-from freebody.trees.balance import balance
 from freebody.trees.calls import Vector, Wrenches, checked_inputs
 from freebody.trees.kinematics import checked_reference
+from freebody.trees.newton_euler_residuals import balance
 from freebody.trees.passive import refuse_passive
 from freebody.values import ByValue
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from freebody.algorithms.steps import FRICTION_WIDTH
+from freebody.algorithms.simulation_steps import FRICTION_WIDTH
 from freebody.arrays import Array
 from freebody.lazy import cached_property
 from freebody.model.model import Model

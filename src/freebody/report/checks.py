@@ -21,7 +21,7 @@ from freebody.motion.ranges import ranges
 from freebody.motion.simulate import simulate
 from freebody.report.results import Check, Replay
 from freebody.trees import dynamics
-from freebody.trees.balance import balance
+from freebody.trees.newton_euler_residuals import balance
 from freebody.trees.passive import all_driven
 from freebody.trees.states import difference
 

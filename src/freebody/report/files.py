@@ -14,8 +14,8 @@ import freebody
 from freebody.motion.ranges import position_columns
 from freebody.outputs.folder import Makers, write_folder
 from freebody.outputs.text import csv_text, encodable
-from freebody.report.facts import facts
 from freebody.report.html import page
+from freebody.report.results_dataset import facts
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -20,13 +20,13 @@ from freebody.motion.read_motion import motion_from_dataset, read_motion
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.report.checks import checks
 from freebody.report.jacobians import singularity
-from freebody.report.measured import Smooth, filtered
-from freebody.report.pace import at_pace, pace
+from freebody.report.measured_noise import Smooth, filtered
 from freebody.report.replay import replayed
 from freebody.report.results import Check, MotionVerdict, Replay, Singularity, StaticPose, Worst
 from freebody.report.series import series, torque_parts
-from freebody.report.static import worst_poses
+from freebody.report.static_poses import worst_poses
 from freebody.report.summary import limit_notices, summary, worst
+from freebody.report.time_scaling import at_pace, pace
 from freebody.report.tip import chosen_tip
 from freebody.report.verdict import effort_limits, verdict
 from freebody.values import ByValue

@@ -19,8 +19,8 @@ from freebody.model.model import Model
 from freebody.model.parts import DOUBTFUL, ESTIMATED
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges, with_drive
-from freebody.report.pace import Pace, pace, parts
 from freebody.report.results import CLOSE, LimitUse, MotionVerdict, Outcome, percent
+from freebody.report.time_scaling import Pace, pace, parts
 
 if TYPE_CHECKING:
     import xarray as xr

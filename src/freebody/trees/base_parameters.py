@@ -9,7 +9,7 @@ import numpy as np
 
 from freebody.algorithms.crba import Composite
 from freebody.algorithms.regressor import driven, regressor
-from freebody.algorithms.regroup import kept, regroup
+from freebody.algorithms.regrouped_parameters import kept, regroup
 from freebody.arrays import Array
 from freebody.model.identified import DRIVE, body_parameters
 from freebody.model.model import Model

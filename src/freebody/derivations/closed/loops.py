@@ -1,7 +1,7 @@
 """Loop equations in closed form: Φ(q) = 0, Φ_q and c as exact polynomials (2.33, 2.34, 5.21, 5.22,
 5.28).
 
-The text is that of `algorithms.constraints`. There the equation of a distance d is (|r|² - d²) /
+The text is that of `algorithms.loop_constraints`. There the equation of a distance d is (|r|² - d²) /
 2d, whose gradient is a unit vector; here it is the notes' |r|² - d², a polynomial, 2d times as
 large.
 """
@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from freebody.algorithms import constraints
+from freebody.algorithms import loop_constraints
 from freebody.algorithms.kinematics import Pose, frame_pose, joint_poses, world_poses
 from freebody.arrays import Array
 from freebody.derivations import expression as ex
@@ -92,19 +92,21 @@ class LoopEquations(Titled, ByValue):
                 values.append(dot(r, r) - loop.distance * loop.distance)
             else:
                 ends = (frame_pose(self.tree, self.world, frame) for frame in own.frames)
-                values += [e.value for e in constraints.loop_equations(self.tree.space, own, *ends)]
+                values += [
+                    e.value for e in loop_constraints.loop_equations(self.tree.space, own, *ends)
+                ]
         return [self.symbols.element(x) for x in values]
 
     @cached_property
     def Phi_q(self) -> Entries:
         """∂Φ/∂q (5.22)."""
-        return self._entries(constraints.constraint_jacobian(self.tree, self.symbols.q))
+        return self._entries(loop_constraints.constraint_jacobian(self.tree, self.symbols.q))
 
     @cached_property
     def c(self) -> list[Trig]:
         """-Φ̇_q q̇ (5.28): what Φ_q q̈ must be."""
         s = self.symbols
-        return [s.element(x) for x in constraints.constraint_bias(self.tree, s.q, s.qd)]
+        return [s.element(x) for x in loop_constraints.constraint_bias(self.tree, s.q, s.qd)]
 
     @cached_property
     def scale(self) -> list[Trig]:

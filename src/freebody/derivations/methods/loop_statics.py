@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from freebody.algorithms import constraints
+from freebody.algorithms import loop_constraints
 from freebody.algorithms.kinematics import frame_pose
 from freebody.derivations import expression as ex
 from freebody.derivations.closed.linear import Ratio, product
@@ -52,7 +52,7 @@ class _LoopReactions(Reactions):
     """Reactions with the loops' wrenches on the bodies."""
 
     def __init__(self, setting: Setting, loops: Loops):
-        self.loads = constraints.loop_loads(
+        self.loads = loop_constraints.loop_loads(
             loops.equations.tree, setting.symbols.q, tuple(loops.system.multipliers)
         )
         super().__init__(setting)

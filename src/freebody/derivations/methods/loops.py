@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from freebody.algorithms import constraints
+from freebody.algorithms import loop_constraints
 from freebody.algorithms.kinematics import frame_pose
 from freebody.derivations import expression as ex
 from freebody.derivations.closed.first_kind import FirstKind, multiplier_names
@@ -223,7 +223,9 @@ class Loops:
         force, moment = space.zero, space.zero_angular
         names = multiplier_names(self.equations)
         for k, e in zip(
-            self.equations.rows(loop), constraints.loop_equations(space, own, *ends), strict=True
+            self.equations.rows(loop),
+            loop_constraints.loop_equations(space, own, *ends),
+            strict=True,
         ):
             weight = -s.symbols.ring[names[k]]
             force = add(force, scale(weight, e.f))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from freebody.algorithms.aba import aba
-from freebody.algorithms.constraints import constrained_motion
 from freebody.algorithms.coriolis import coriolis_matrix, coriolis_product
 from freebody.algorithms.crba import (
     bias,
@@ -22,7 +21,8 @@ from freebody.algorithms.loop_checks import (
     solution_margins,
     sure,
 )
-from freebody.algorithms.operational import mass_matrix_inverse
+from freebody.algorithms.loop_constraints import constrained_motion
+from freebody.algorithms.operational_space import mass_matrix_inverse
 from freebody.algorithms.rnea import External, joint_wrenches, rnea
 from freebody.kernels.formulas import by_columns
 from freebody.kernels.formulas.choices import driven, external, still

@@ -6,8 +6,8 @@ from __future__ import annotations
 from typing import Any
 
 from freebody.algorithms import kinematics
-from freebody.algorithms.balance import Moving, balance
-from freebody.algorithms.constraints import (
+from freebody.algorithms.loop_checks import closed_margins, sure
+from freebody.algorithms.loop_constraints import (
     constrained_dynamics,
     constraint,
     constraint_bias,
@@ -16,15 +16,15 @@ from freebody.algorithms.constraints import (
     loop_loads,
     loop_wrenches,
 )
-from freebody.algorithms.loop_checks import closed_margins, sure
 from freebody.algorithms.loop_forces import drive_torques, loop_multipliers, loose_recursions
 from freebody.algorithms.loop_rates import led, nearest
+from freebody.algorithms.newton_euler_residuals import Moving, balance
 from freebody.algorithms.rnea import joint_wrenches, rnea
 from freebody.kernels.formulas.choices import external, partition_of, seeded
 from freebody.kernels.formulas.record import Formula, Option, Output
 from freebody.model.tree import Tree
 from freebody.scalars.dual import slopes
-from freebody.scalars.jets import Jet, parts
+from freebody.scalars.time_derivatives import Jet, parts
 from freebody.spatial import Vector, sub, times
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from freebody.algorithms.operational import centroidal_momentum_matrix, operational_space
+from freebody.algorithms.operational_space import centroidal_momentum_matrix, operational_space
 from freebody.kernels.formulas.choices import frame_of
 from freebody.kernels.formulas.record import Formula, Output
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from freebody.algorithms import steps
-from freebody.algorithms.regroup import lightened
+from freebody.algorithms import simulation_steps
+from freebody.algorithms.regrouped_parameters import lightened
 from freebody.algorithms.rnea import External
 from freebody.elementary import Scalar
 from freebody.kernels.formulas.choices import external
@@ -16,7 +16,7 @@ from freebody.model.tree import Tree
 from freebody.spatial import Vector
 
 
-def _explicit(method: Callable[..., steps.State]) -> Evaluate:
+def _explicit(method: Callable[..., simulation_steps.State]) -> Evaluate:
     """A step by an explicit method, the torque and the wrenches held."""
 
     def evaluate(
@@ -27,7 +27,7 @@ def _explicit(method: Callable[..., steps.State]) -> Evaluate:
         def acceleration(q: Vector, qd: Vector) -> Vector:
             return forward(tree, o, q, qd, tau, wrenches)[0]
 
-        return steps.on_loops(tree, q, method(tree, q, qd, h, acceleration), o.equations)
+        return simulation_steps.on_loops(tree, q, method(tree, q, qd, h, acceleration), o.equations)
 
     return evaluate
 
@@ -46,9 +46,9 @@ def _implicit(
         return external(tree, o, q, wrenches)
 
     tree = lightened(tree)
-    law = steps.Feedback(**feedback) if feedback else None
-    reached = steps.implicit(tree, q, qd, tau, h, loads, law, o.equations)
-    return steps.on_loops(tree, q, reached, o.equations)
+    law = simulation_steps.Feedback(**feedback) if feedback else None
+    reached = simulation_steps.implicit(tree, q, qd, tau, h, loads, law, o.equations)
+    return simulation_steps.on_loops(tree, q, reached, o.equations)
 
 
 def _step(evaluate: Evaluate, *more: str) -> Formula:
@@ -64,8 +64,8 @@ def _step(evaluate: Evaluate, *more: str) -> Formula:
 
 
 FORMULAS = {
-    "semi_implicit_step": _step(_explicit(steps.semi_implicit)),
-    "rk4_step": _step(_explicit(steps.runge_kutta)),
+    "semi_implicit_step": _step(_explicit(simulation_steps.semi_implicit)),
+    "rk4_step": _step(_explicit(simulation_steps.runge_kutta)),
     "implicit_step": _step(_implicit),
     "implicit_feedback_step": _step(_implicit, "q_ref", "qd_ref", "kp", "kd"),
 }

@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from freebody.algorithms.constraints import closed, constrained_motion
 from freebody.algorithms.crba import bias, crba, factor, substitute, without
 from freebody.algorithms.kinematics import between, coordinate_rates, moved
+from freebody.algorithms.loop_constraints import closed, constrained_motion
 from freebody.algorithms.rnea import External
 from freebody.elementary import Scalar, sqrt
 from freebody.model.tree import Tree
