@@ -230,6 +230,8 @@ def _drive_table(effort: str, position: str, rotor: str) -> tuple[tuple[str, str
 
 
 _DRIVE = {True: _drive_table("N m", "rad", "kg m²"), False: _drive_table("N", "m", "kg")}
+DRIVE = {attribute: label for label, attribute, _, _ in _DRIVE[True]}
+"""What follows a joint's name in the names of its drive's numbers."""
 _LIMITS = {
     True: {"lower": "rad", "upper": "rad", "velocity": "rad/s", "effort": "N m"},
     False: {"lower": "m", "upper": "m", "velocity": "m/s", "effort": "N"},

@@ -4,7 +4,7 @@ in space."""
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from numbers import Real
 from typing import TYPE_CHECKING, Any
@@ -16,7 +16,6 @@ from freebody.errors import ModelError, UnknownNameError, shown
 from freebody.model.bodies import Body, Frame
 from freebody.model.closures import LOOP_KINDS
 from freebody.model.inertia import Inertia, faults
-from freebody.model.inherited import made_from
 from freebody.model.loops import checked_loop
 from freebody.model.members import Members, is_array, is_nested, members, one_family
 from freebody.model.parameters import LARGEST, Quantity, finite, quantity
@@ -101,7 +100,7 @@ def _entries(com: Any, dim: int) -> tuple[Quantity, ...]:
     return tuple(members(x, "with_payload: com", LARGEST) if is_array(x) else x for x in com)
 
 
-def with_drive(model: Model, joint: str, given: dict[str, Any]) -> Model:
+def with_drive(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
     """See `Model.with_drive`."""
     free = [body.joint.name for body in model.bodies if body.kind.nv == 1]
     if joint not in free:
@@ -113,11 +112,9 @@ def with_drive(model: Model, joint: str, given: dict[str, Any]) -> Model:
         if is_array(x)
         else quantity(x, f"with_drive: {name}")
         for name, x in given.items()
-        if x is not None
     }
     driven = replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **numbers)))
-    other = made_from(put(model, ("bodies", k), driven), model)
-    return one_family(other, model, *numbers.values())
+    return one_family(put(model, ("bodies", k), driven), model, *numbers.values())
 
 
 def with_payload(model: Model, inertia: Inertia, frame: str | None, name: str) -> Model:
@@ -125,9 +122,7 @@ def with_payload(model: Model, inertia: Inertia, frame: str | None, name: str) -
     at = model.frame(frame)
     added = attached(inertia, at.placement, name, at.name, model.dim, model.name)
     path = ("base_inertias",) if at.body < 0 else ("bodies", at.body, "inertias")
-    return one_family(
-        made_from(put(model, path, (*get(model, path), added)), model), model, inertia
-    )
+    return one_family(put(model, path, (*get(model, path), added)), model, inertia)
 
 
 def attached(

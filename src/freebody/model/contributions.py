@@ -18,7 +18,7 @@ from freebody.lazy import kept
 from freebody.model.placement import Placement
 from freebody.model.reading import VALUES
 from freebody.model.tree import Attached, Pose, drive_of, placed_composite
-from freebody.spatial import AnySpace, Matrix, of_dimension
+from freebody.spatial import AnySpace, Matrix, Vector, of_dimension
 
 if TYPE_CHECKING:
     from freebody.model.bodies import Body
@@ -134,9 +134,12 @@ def _joint_form(kind: str, axis: tuple[float, ...], placed: SharedForm) -> Share
 def _drive_part(drive: Drive) -> tuple[Array, bool]:
     """Its numbers, and whether friction, a rotor or a spring acts."""
     scalars = drive_of(drive, VALUES)
-    return as_row(scalars), any(
-        x.any() if isinstance(x, np.ndarray) else x != 0.0 for x in scalars[:4]
-    )
+    return as_row(scalars), acting(scalars)
+
+
+def acting(drive: Sequence[Scalar]) -> bool:
+    """Whether friction, a rotor or a spring acts; of a family, on some member."""
+    return any(x.any() if isinstance(x, np.ndarray) else x != 0.0 for x in drive[:4])
 
 
 def pose_part(placement: Placement, dim: int) -> PoseContribution:
@@ -217,24 +220,31 @@ def inertial(parts: tuple[Attached, ...], dim: int) -> Array:
     of all its parts."""
     if not parts:
         return _NOTHING[dim]
-    total = _linear(parts[0], dim)
+    total = linear_row(parts[0], dim)
     for part in parts[1:]:
-        total = total + _linear(part, dim)
+        total = total + linear_row(part, dim)
     return total
 
 
-def _linear(part: Attached, dim: int) -> Array:
+def linear_row(part: Attached, dim: int) -> Array:
+    """The same of one part."""
     return kept(part, _NAME[dim], _linear_row, of_dimension(dim), part)
 
 
 def _linear_row(space: AnySpace, part: Attached) -> Array:
-    m, h, inertia = placed_composite(
-        space, part.inertia.lower(VALUES), pose_part(part.placement, space.dim).pose
-    )
+    pose = pose_part(part.placement, space.dim).pose
+    return as_row(inertial_entries(space, part.inertia.lower(VALUES), pose))
+
+
+def inertial_entries(
+    space: AnySpace, inertia: tuple[Scalar, Vector, Scalar], pose: Pose
+) -> tuple[Scalar, ...]:
+    """The same of (mass, centre, inertia about it) at a pose, as scalars."""
+    m, h, about = placed_composite(space, inertia, pose)
     if space.dim == 2:
-        return as_row((m, *h, inertia))
-    (_, yy, yz), zz = inertia[1], inertia[2][2]
-    return as_row((m, *h, *inertia[0], yy, yz, zz))
+        return m, *h, about
+    (_, yy, yz), zz = about[1], about[2][2]
+    return m, *h, *about[0], yy, yz, zz
 
 
 _NOTHING = {2: np.zeros(4), 3: np.zeros(10)}

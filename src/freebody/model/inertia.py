@@ -162,12 +162,7 @@ class Inertia:
 
     def lower(self, reader: QuantityReader) -> tuple[Scalar, Vector, Scalar]:
         """(mass, com, tensor) in scalars: a 3×3 matrix in space, a number in the plane."""
-        read = reader.quantities((self.mass, *self.com, *self.tensor))
-        if self.dim == 2:
-            m, x, y, zz = read
-            return m, (x, y), zz
-        m, x, y, z, xx, xy, xz, yy, yz, zz = read
-        return m, (x, y, z), ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+        return in_shape(self.dim, reader.quantities((self.mass, *self.com, *self.tensor)))
 
     def about(self, point: Sequence[float]) -> np.ndarray:
         """Tensor (3, 3), or (1, 1) in the plane, about a point of the frame: parallel axis theorem
@@ -196,7 +191,7 @@ class Inertia:
     def fault(self) -> str | None:
         """Why no rigid body has this inertia, or None. Inertias with parameters without value
         pass."""
-        if self._is_surely_physical():
+        if is_surely_physical(self.mass, self.tensor):
             return None
         if any(p.value is None for p in each_parameter(self)):
             return None
@@ -221,24 +216,34 @@ class Inertia:
             f"+ {b:g} < {c:g})"
         )
 
-    def _is_surely_physical(self) -> bool:
-        """Whether the second moments are positive by a margin or diagonal, found without their
-        eigenvalues."""
-        if type(self.mass) is not float or self.mass < 0.0 or {float} != {*map(type, self.tensor)}:
-            return False
-        if self.dim == 2:
-            return self.tensor[0] >= 0.0  # type: ignore[operator]
-        xx, xy, xz, yy, yz, zz = self.tensor
-        half = 0.5 * (xx + yy + zz)  # type: ignore[operator]
-        a, b, c, d, e, f = half - xx, half - yy, half - zz, xy * xy, xz * xz, yz * yz  # type: ignore[operator]
-        if min(a, b, c) < 0.0:
-            return False
-        if d == e == f == 0.0:
-            return True
-        size = a + b + c
-        minors = min(a * b - d, a * c - e, b * c - f)
-        determinant = a * b * c - a * f - b * e - c * d - 2.0 * xy * xz * yz  # type: ignore[operator]
-        return minors > _MARGIN * size**2 and determinant > _MARGIN * size**3
+
+def in_shape(dim: int, entries: Sequence[Scalar]) -> tuple[Scalar, Vector, Scalar]:
+    """(mass, com, tensor) of mass, com and tensor entry by entry."""
+    if dim == 2:
+        m, x, y, zz = entries
+        return m, (x, y), zz
+    m, x, y, z, xx, xy, xz, yy, yz, zz = entries
+    return m, (x, y, z), ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+
+
+def is_surely_physical(mass: Any, tensor: Sequence[Any]) -> bool:
+    """Whether the second moments are positive by a margin or diagonal, found without their
+    eigenvalues."""
+    if type(mass) is not float or mass < 0.0 or {float} != {*map(type, tensor)}:
+        return False
+    if len(tensor) == 1:
+        return tensor[0] >= 0.0
+    xx, xy, xz, yy, yz, zz = tensor
+    half = 0.5 * (xx + yy + zz)
+    a, b, c, d, e, f = half - xx, half - yy, half - zz, xy * xy, xz * xz, yz * yz
+    if min(a, b, c) < 0.0:
+        return False
+    if d == e == f == 0.0:
+        return True
+    size = a + b + c
+    minors = min(a * b - d, a * c - e, b * c - f)
+    determinant = a * b * c - a * f - b * e - c * d - 2.0 * xy * xz * yz
+    return minors > _MARGIN * size**2 and determinant > _MARGIN * size**3
 
 
 def _are_plain(values: tuple[Any, ...]) -> bool:
@@ -256,7 +261,7 @@ def _number(x: Any, owner: str) -> Quantity:
 
 def faults(inertia: Inertia) -> str | None:
     """`Inertia.fault`, of a family that of the first member that has one, by its index."""
-    if inertia._is_surely_physical():
+    if is_surely_physical(inertia.mass, inertia.tensor):
         return None
     arrays = arrays_in(inertia)
     if not arrays:

@@ -195,9 +195,9 @@ def copied(thing: Any) -> Any:
     """The same with all fields as they are, for who puts others there at once."""
     kind = type(thing)
     copy = object.__new__(kind)
-    old, own = thing.__dict__, copy.__dict__
+    own = copy.__dict__
     for name in fields_of(kind):
-        own[name] = old[name]
+        own[name] = getattr(thing, name)
     return copy
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, MissingValueError, ModelError, UnknownNameError, shown
 from freebody.lazy import cached_property
 from freebody.model import changes as changed
-from freebody.model import identified, listing, numbers
+from freebody.model import edits, identified, listing, numbers
 from freebody.model.bodies import Body, Frame, JointLimits
 from freebody.model.geometry import Geometry, geometry_of
 from freebody.model.gravity import gravity_of
@@ -42,7 +42,7 @@ class Model(Tabled, ByValue):
     frames: tuple[Frame, ...]
     gravity_size: Quantity
     gravity_direction: tuple[Any, ...]
-    base_inertias: tuple[Attached, ...] = ()
+    base_inertias: tuple[Attached, ...] = field(default_factory=tuple)
     loops: tuple[Loop, ...] = ()
     home: tuple[tuple[str, float], ...] = ()
     """(position name, value): where closing the loops starts from; others are neutral."""
@@ -53,6 +53,11 @@ class Model(Tabled, ByValue):
     """(m, rad): by how much rounded numbers may keep loops from closing; None: the default, 1 mm or
     a thousandth of the loop's size, and 1 mrad."""
     _aside = ("name", "source", "notices")  # a file's name, or what somebody called the robot
+
+    if not TYPE_CHECKING:  # a checker is to know the attributes that there are
+
+        def __getattr__(self, name: str) -> Any:
+            return edits.piece(self, name)
 
     # ------------------------------------------------------------ sizes and names
     @cached_property
@@ -79,12 +84,12 @@ class Model(Tabled, ByValue):
             )
         return tuple(result)
 
-    @property
+    @cached_property
     def nq(self) -> int:
         """Number of position coordinates."""
         return sum(body.kind.nq for body in self.bodies if body.joint.mimic is None)
 
-    @property
+    @cached_property
     def nv(self) -> int:
         """Number of velocity coordinates: the degrees of freedom."""
         return sum(body.kind.nv for body in self.bodies if body.joint.mimic is None)
@@ -375,7 +380,7 @@ class Model(Tabled, ByValue):
         broadcast together. Raises UnknownNameError, ModelError for what no rigid body is, naming
         the member.
         """
-        return numbers.bind(self, {**(values or {}), **symbols})
+        return edits.bound(self, {**(values or {}), **symbols})
 
     def replace(
         self,
@@ -427,7 +432,7 @@ class Model(Tabled, ByValue):
             "rotor": rotor, "gear": gear, "viscous": viscous, "coulomb": coulomb,
             "stiffness": stiffness, "rest": rest,
         }  # fmt: skip
-        return changed.with_drive(self, joint, given)
+        return edits.driven(self, joint, {k: x for k, x in given.items() if x is not None})
 
     def with_inertial_parameters(self, pi: Any) -> Model:
         """The model with other inertial parameters π (..., k), in the order and units of
@@ -461,7 +466,7 @@ class Model(Tabled, ByValue):
         own, of a particle the origin. Arrays of masses, and of centres (..., dim), give each member
         of a family its own. Raises ModelError for a load that no rigid body is.
         """
-        return changed.with_payload(self, changed.load(inertia, mass, com, self.dim), frame, name)
+        return edits.loaded(self, changed.load(inertia, mass, com, self.dim), frame, name)
 
     def with_frame(
         self,

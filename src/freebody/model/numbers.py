@@ -13,10 +13,10 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import ModelError, UnknownNameError, likely, listed, shown
+from freebody.lazy import kept
 from freebody.model.catalogue import Catalogue, ModelNumber, catalogue
 from freebody.model.gravity import direction_fault
 from freebody.model.inertia import faults
-from freebody.model.inherited import made_from
 from freebody.model.loops import checked_distance
 from freebody.model.members import Members, arrays_in, common_shape, is_array, members, one_family
 from freebody.model.parameters import LARGEST, Parameter, Quantity, finite, real
@@ -142,10 +142,7 @@ def parameters(model: Model) -> Parameters:
 def known(model: Model) -> Catalogue:
     """The model's catalogue, made once and handed on to copies in which other numbers stand at the
     same places."""
-    kept = model.__dict__.get("_catalogue")
-    if kept is None:
-        kept = model.__dict__.setdefault("_catalogue", catalogue(model))
-    return kept
+    return kept(model, "_catalogue", catalogue, model)
 
 
 def _records(model: Model, names: Catalogue) -> Iterator[ModelParameter]:
@@ -279,7 +276,7 @@ def written(model: Model, wanted: Mapping[str, Quantity]) -> Model:
     if same_places:
         result.__dict__["_catalogue"] = names
     _check(model, result)
-    return one_family(made_from(result, model), model, *wanted.values())
+    return one_family(result, model, *wanted.values())
 
 
 def _same(old: Quantity, new: Quantity) -> bool:

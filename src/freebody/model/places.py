@@ -170,6 +170,11 @@ class Editor(Protocol):
         """Field -> number, symbol, or members: of all fields, or at least of those wanted."""
         ...
 
+    def alone(self, model: Model, field: str) -> tuple[Path, ...]:
+        """Where the number of a field stands as it is, if to write it is no more than to put
+        another there."""
+        ...
+
     def write(self, model: Model, values: Fields) -> Model:
         """The model with other numbers in some fields."""
         ...
@@ -185,6 +190,9 @@ class Leaves:
 
     def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
         return {"": get(model, self.paths[0])}
+
+    def alone(self, model: Model, field: str) -> tuple[Path, ...]:
+        return self.paths
 
     def write(self, model: Model, values: Fields) -> Model:
         value = values[""]
@@ -212,6 +220,9 @@ class Attributes:
         piece = get(model, self.path)
         return {field: getattr(piece, name) for field, name in self.attributes.items()}
 
+    def alone(self, model: Model, field: str) -> tuple[Path, ...]:
+        return ((*self.path, self.attributes[field]),)
+
     def write(self, model: Model, values: Fields) -> Model:
         piece = get(model, self.path)
         return put(
@@ -231,6 +242,9 @@ class Items:
     def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
         piece = get(model, self.path)
         return {field: piece[k] for field, k in self.places.items()}
+
+    def alone(self, model: Model, field: str) -> tuple[Path, ...]:
+        return ((*self.path, self.places[field]),)
 
     def write(self, model: Model, values: Fields) -> Model:
         for field, value in values.items():
@@ -258,6 +272,15 @@ class LinkInertiaEditor:
         if wanted is not None and _FACTORS.issuperset(wanted):
             return {"mass": part.inertia.mass, "scale": 1.0}
         return self._fields(self._told(model, part).inertia) | {"scale": 1.0}
+
+    def alone(self, model: Model, field: str) -> tuple[Path, ...]:
+        part, dim = get(model, self.path), self.space.dim
+        if field == "mass":
+            return ((*self.path, "inertia", "mass"),)
+        if field == "scale" or self._told(model, part) is not part:
+            return ()
+        name, labels = ("com", _CENTRE[dim]) if field in _CENTRE[dim] else ("tensor", _TENSOR[dim])
+        return ((*self.path, "inertia", name, labels.index(field)),)
 
     def write(self, model: Model, values: Fields) -> Model:
         part = get(model, self.path)
@@ -312,6 +335,9 @@ class NewPayloadEditor:
     def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
         return dict.fromkeys(("mass", *_CENTRE[self.space.dim], *_TENSOR[self.space.dim]), 0.0)
 
+    def alone(self, model: Model, field: str) -> tuple[Path, ...]:
+        return ()
+
     def write(self, model: Model, values: Fields) -> Model:
         at = model.frame(self.frame)
         added = Attached(self.name, Inertia.nothing(self.space.dim), at.placement, True, self.frame)
@@ -356,6 +382,18 @@ class PoseEditor:
     def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
         by, turns = self._split(get(model, self.path).steps[self.start(model) :])
         return self._fields(by, turns)
+
+    def alone(self, model: Model, field: str) -> tuple[Path, ...]:
+        start = self.start(model)
+        first, *rest = get(model, self.path).steps[start:] or (None,)
+        if (
+            self.frame  # what is fixed to it moves too
+            or field not in self.space.axes
+            or not isinstance(first, Shift)
+            or any(isinstance(step, Shift) for step in rest)
+        ):
+            return ()
+        return ((*self.path, "steps", start, "by", self.space.axes.index(field)),)
 
     def write(self, model: Model, values: Fields) -> Model:
         old = get(model, self.path)

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator, Sequence
 from itertools import accumulate
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakValueDictionary
 
 import numpy as np
@@ -36,7 +36,6 @@ from freebody.model.contributions import (
     pose_part,
     rows_of,
 )
-from freebody.model.inherited import hand_on, inherited, let_go
 from freebody.model.placement import Placement
 from freebody.model.reading import VALUES
 from freebody.model.tree import (
@@ -60,6 +59,17 @@ _RECENT = 16
 """Structures that are kept, with what is compiled for them, though no model of theirs is left."""
 
 
+class Rows(NamedTuple):
+    """Where the numbers of a body stand: of its joint's placement the position, mass and first
+    moment and inertia, and drive, which may be nothing."""
+
+    position: slice
+    inertia: slice
+    drive: slice
+    turns: bool
+    """Whether its joint does nothing but turn."""
+
+
 class Structure:
     """What models have in common that differ in numbers and names alone; equal structures are one
     object."""
@@ -68,6 +78,8 @@ class Structure:
         self.key = key
         self.driven: bool = key[-1]
         """Whether the numbers of drives are among the numbers."""
+        self.followers: bool = bool(key[3])
+        """Whether a joint follows another."""
         self.order = tuple(parents_first(model))
         self.quaternions = tuple(
             at.q[body.kind.quaternion]
@@ -77,28 +89,44 @@ class Structure:
         """Where in q a quaternion begins, for each there is."""
         self.kernels: dict[Any, Any] = {}
         """What has been compiled for it; filled and read by `kernels`."""
-        known = body_parts(model)
-        sizes = [sum(row.shape[-1] for row in rows_of(known[i], self.driven)) for i in self.order]
-        self.starts = dict(zip(self.order, accumulate(sizes, initial=0), strict=False))
-        """Where the numbers of each body begin."""
-        self.gravity = sum(sizes)
-        """Where those of gravity begin."""
+        self.rows, self.gravity = self._rows(model)
+        """Where the numbers of each body stand, in that order, and where those of gravity begin."""
         self.geometric = np.flatnonzero(
             [placed for row, placed in _pieces(model, self) for _ in range(row.shape[-1])]
         )
         """Which of the numbers say where something is, or how far: the others are inertias, drives
         and gravity."""
 
+    def _rows(self, model: Model) -> tuple[tuple[Rows, ...], int]:
+        known, found, end = body_parts(model), [], 0
+        for i in self.order:
+            part, kind = known[i], model.bodies[i].kind
+            sizes = [row.shape[-1] for row in rows_of(part, self.driven)]
+            _, *ends = accumulate(sizes, initial=end)
+            shift = sum([x != 0.0 for x in part.joint.form.content[2].content.p])
+            found.append(
+                Rows(
+                    slice(ends[0] - shift, ends[0]),
+                    slice(ends[0], ends[1]),
+                    slice(ends[1], ends[-1]),
+                    all(kind.angular),
+                )
+            )
+            end = ends[-1]
+        return tuple(found), end
+
 
 def structure_of(model: Model) -> Structure:
     """The structure of a model with all values."""
-    both = inherited(model)
-    if both is None:
+    own = model.__dict__
+    edits, numbers = own.get("edits"), None
+    if edits is not None:
+        numbers = own["layout"].numbers_with(edits, own["leaves"])
+    if numbers is None:
         found = _structure(model)
     else:
-        found, numbers = both
-        model.__dict__.setdefault("numbers", numbers)
-        let_go(model)
+        found = own["layout"].structure
+        own.setdefault("numbers", numbers)
     if not _recent or _recent[-1] is not found:
         _recent.append(found)
     return found
@@ -133,7 +161,6 @@ def numbers_of(model: Model) -> Array:
     if found is None:
         found = joined([row for row, _ in _pieces(model, structure)])
         found.setflags(write=False)
-        hand_on(model, found)
     return found
 
 

@@ -354,7 +354,13 @@ def _is_zero(inertia: Scalar) -> bool:
 def drive_of(drive: Drive, reader: QuantityReader) -> tuple[Scalar, ...]:
     """Viscous and Coulomb friction, reflected rotor inertia, stiffness and rest position."""
     own = (drive.viscous, drive.coulomb, drive.rotor, drive.gear, drive.stiffness, drive.rest)
-    viscous, coulomb, rotor, gear, stiffness, rest = [reader.quantity(x) for x in own]
+    return drive_numbers(*map(reader.quantity, own))
+
+
+def drive_numbers(
+    viscous: Scalar, coulomb: Scalar, rotor: Scalar, gear: Scalar, stiffness: Scalar, rest: Scalar
+) -> tuple[Scalar, ...]:
+    """The same of what a drive is made of."""
     return viscous, coulomb, rotor * gear * gear, stiffness, rest
 
 

@@ -7,17 +7,13 @@ that a new payload does too. Only of others is the mass matrix looked at.
 from __future__ import annotations
 
 import math
-from functools import partial
-from typing import NamedTuple
+from functools import lru_cache
 
 import numpy as np
 
 from freebody.algorithms.crba import crba, supports
 from freebody.arrays import Array
 from freebody.errors import SingularError, listed
-from freebody.lazy import kept
-from freebody.model.bodies import Body
-from freebody.model.contributions import part_of, pose_part
 from freebody.model.facts import fact
 from freebody.model.members import of_member
 from freebody.model.model import Model
@@ -71,23 +67,6 @@ def _found(model: Model) -> tuple[tuple[str, ...], tuple[int, ...]]:
     return (), ()
 
 
-class _Alone(NamedTuple):
-    """A body and its joint, without the rest."""
-
-    least: float
-    """What the smallest eigenvalue of its inertia at its origin, of translations (m/s) and turns
-    (rad/s), surely is."""
-    mass: float
-    inertia: float
-    """Trace of the inertia about its origin."""
-    rotor: float
-    reach: float
-    """How far its origin may be from that of its parent."""
-
-
-_UNSURE = _Alone(-math.inf, 0.0, 0.0, 0.0, 0.0)
-
-
 def _all_sound(model: Model) -> bool:
     """Whether each pivot of M is far above rounding, by what each body weighs alone; no other
     answer is sure.
@@ -96,45 +75,31 @@ def _all_sound(model: Model) -> bool:
     joint rests; the energy of the joint's own body is a part of it, and that of the others is not
     negative.
     """
-    if [body for body in model.bodies if body.joint.mimic is not None]:
+    structure, numbers = model.structure, model.numbers  # refused where some are missing
+    if numbers.ndim > 1:
+        rows = numbers.reshape(-1, numbers.shape[-1])[:, : structure.gravity]
+        if (rows != rows[0]).any():
+            return False
+        numbers = rows[0]
+    if structure.followers:
         return False
-    order = model.structure.order  # which refuses numbers that are missing
-    alone = [_known_alone(model.bodies[i], model.dim) for i in order]
-    far = sum([x.reach for x in alone])
-    bound = sum([2.0 * (x.mass * (1.0 + far * far) + x.inertia) + x.rotor for x in alone])
-    return min([x.least for x in alone], default=1.0) > _CLEAR * bound
+    entries = numbers.tolist()
+    least, far, mass, inertia, rotor = math.inf, 0.0, 0.0, 0.0, 0.0
+    for row in structure.rows:
+        own = entries[row.inertia]
+        eigenvalue, about = _least(tuple(own))
+        least, mass, inertia = min(least, eigenvalue), mass + own[0], inertia + about
+        far += math.hypot(*entries[row.position]) + (0.0 if row.turns else _TRAVEL)
+        for reflected in entries[row.drive][2:3]:
+            if reflected < 0.0:  # a rotor that takes inertia away
+                return False
+            rotor += reflected
+    bound = 2.0 * (mass * (1.0 + far * far) + inertia) + rotor
+    return least > _CLEAR * bound
 
 
-def _known_alone(body: Body, dim: int) -> _Alone:
-    """Kept with the body; a new payload and one call are to take microseconds."""
-    name = _NAME[dim]
-    return body.__dict__.get(name) or kept(body, name, partial(_alone, body, dim))
-
-
-_NAME = {2: "alone in the plane", 3: "alone in space"}
-
-
-def _alone(body: Body, dim: int) -> _Alone:
-    part = part_of(body, dim)
-    inertia, drive = part.inertia, part.joint.drive
-    _, origin = pose_part(body.joint.placement, dim).pose
-    several = [x for x in origin if isinstance(x, np.ndarray)]
-    if inertia.ndim > 1 or (drive is not None and drive.ndim > 1) or several:
-        return _UNSURE  # a family, whose members are looked at
-    if drive is not None and drive[2] < 0.0:
-        return _UNSURE  # a rotor that takes inertia away
-    least, about = _least(inertia.tolist())
-    travel = 0.0 if all(body.kind.angular) else _TRAVEL
-    return _Alone(
-        least,
-        float(inertia[0]),
-        about,
-        0.0 if drive is None else float(drive[2]),
-        math.hypot(*origin) + travel,
-    )
-
-
-def _least(inertia: list[float]) -> tuple[float, float]:
+@lru_cache(maxsize=1024)
+def _least(inertia: tuple[float, ...]) -> tuple[float, float]:
     """(bound from below of the smallest eigenvalue, trace of the inertia about the origin) of a
     body's inertia.
 
