@@ -1,7 +1,7 @@
 """Copies of a model in which a few numbers are other: its numbers are found at once, its pieces when
 somebody looks at them.
 
-An edited copy is a `Layout` and its *edits*, {slot: number}; an edit of an edited copy is one of
+An edited copy is a `NumberLayout` and its *edits*, {slot: number}; an edit of an edited copy is one of
 the same layout, so that a row of changes keeps no row of models. Whatever is no plain change
 (arrays of a family, angles, what has to be looked at closely or refused) is not done here: None
 says so, and the general way answers.
@@ -16,7 +16,7 @@ from freebody.errors import MissingValueError
 from freebody.model import changes, numbers
 from freebody.model.catalogue import DRIVE
 from freebody.model.inertia import Inertia, is_surely_physical
-from freebody.model.layout import CHANGING, Layout, Leaves
+from freebody.model.layout import CHANGING, NumberLayout, SlotValues
 from freebody.model.parameters import LARGEST
 
 if TYPE_CHECKING:
@@ -112,7 +112,7 @@ _NO_EDITS: Edits = {}
 _FLOAT = {float}
 
 
-def _copy(layout: Layout, edits: Edits, leaves: Leaves) -> Model:
+def _copy(layout: NumberLayout, edits: Edits, leaves: SlotValues) -> Model:
     copy = object.__new__(type(layout.origin))
     own = copy.__dict__
     own.update(layout.shared)
@@ -121,7 +121,7 @@ def _copy(layout: Layout, edits: Edits, leaves: Leaves) -> Model:
 
 
 # ---------------------------------------------------------------- when it is worth while
-def _layout(model: Model) -> Layout | None:
+def _layout(model: Model) -> NumberLayout | None:
     """The model's layout, which takes as long to find as many changes: found when the model, or
     those that it is made from, have been changed before. None for families and where values are
     missing."""
@@ -132,7 +132,7 @@ def _layout(model: Model) -> Layout | None:
         own[_ASKED] = True
         return None
     try:
-        found = None if model.family else Layout(model)
+        found = None if model.family else NumberLayout(model)
     except MissingValueError:
         found = None
     return own.setdefault("layout", found)

@@ -26,7 +26,7 @@ from freebody.model.inertia import Inertia, in_shape, is_surely_physical
 from freebody.model.members import copied, fields_of
 from freebody.model.numbers import known
 from freebody.model.placement import Placement, Shift
-from freebody.model.places import Load, Path, put
+from freebody.model.places import NewPayloadEditor, Path, put
 from freebody.model.reading import VALUES
 from freebody.model.tree import Attached, drive_numbers
 from freebody.spatial import Matrix, Vector, add, identity, of_dimension, times
@@ -36,42 +36,42 @@ if TYPE_CHECKING:
     from freebody.model.parameters import Quantity
     from freebody.model.parts import Drive
 
-Leaves = list[float]
+SlotValues = list[float]
 """The number in each slot."""
-Take = Callable[[Any], tuple[Any, ...]]
+TakeSlots = Callable[[Any], tuple[Any, ...]]
 """Picks the entries of several slots."""
-Entries = Callable[[Leaves, list[Vector]], Any]
-"""Numbers of the structure, given the leaves and the positions of `Layout`; None where the
+RowEntries = Callable[[SlotValues, list[Vector]], Any]
+"""Numbers of the structure, given the leaves and the positions of `NumberLayout`; None where the
 structure is another."""
 
 
-class Part(NamedTuple):
+class RowPart(NamedTuple):
     """What adds to a row of numbers: the slots that it follows from, how, and what it is."""
 
     slots: frozenset[int]
-    entries: Entries
+    entries: RowEntries
     now: tuple[float, ...]
 
 
-class Block(NamedTuple):
+class NumberRow(NamedTuple):
     """A row of the structure's numbers: where it stands, and what adds up to it."""
 
     at: slice
-    parts: tuple[Part, ...]
+    parts: tuple[RowPart, ...]
 
 
-Plan = tuple[list[int], list[tuple[slice, list[Entries]]]]
+RowPlan = tuple[list[int], list[tuple[slice, list[RowEntries]]]]
 """Which positions, and which blocks by which parts, are found again."""
 
 
-class Position(NamedTuple):
+class ShiftSum(NamedTuple):
     """Where a placement leads: the sum of its shifts, each in turned axes, where it is not None."""
 
     slots: frozenset[int]
-    terms: tuple[tuple[Matrix | None, Take], ...]
+    terms: tuple[tuple[Matrix | None, TakeSlots], ...]
 
 
-class Layout:
+class NumberLayout:
     """The places of the numbers of a model that is one robot and has all values."""
 
     def __init__(self, model: Model):
@@ -80,14 +80,14 @@ class Layout:
         self.origin.__dict__["_catalogue"] = names
         self.space = of_dimension(model.dim)
         self.structure, self.numbers = model.structure, model.numbers
-        self.leaves: Leaves = []
+        self.leaves: SlotValues = []
         self.at: dict[Path, int] = {}
         """The slot that stands at a path."""
         self.owner: dict[int, str] = {}
         """The name of the number in a slot."""
-        self.inertias: dict[int, list[Take]] = {}
+        self.inertias: dict[int, list[TakeSlots]] = {}
         """Of a slot, what picks mass and tensor of the inertias that it belongs to."""
-        self._positions: list[Position] = []
+        self._positions: list[ShiftSum] = []
         self._places: list[Vector] = []
         self._index: dict[Any, int] = {}
         self._named: dict[Path, str] = {}
@@ -109,7 +109,9 @@ class Layout:
         self.told = names.told.keys()
         """Names that some of them have besides."""
         self.absent = {
-            name: row.editor for name, row in names.rows.items() if isinstance(row.editor, Load)
+            name: row.editor
+            for name, row in names.rows.items()
+            if isinstance(row.editor, NewPayloadEditor)
         }
         """The numbers of a load that is not there yet."""
         self.shared: dict[str, Any] = {
@@ -119,8 +121,8 @@ class Layout:
         }
         self.shared["_catalogue"] = names
         """What edited copies have in common, as their attributes."""
-        self._plans: dict[tuple[int, ...], Plan] = {}
-        self._loads: dict[tuple[Any, Any], Loaded | None] = {}
+        self._plans: dict[tuple[int, ...], RowPlan] = {}
+        self._loads: dict[tuple[Any, Any], LoadedLayout | None] = {}
 
     def _leads(self, path: Path) -> bool:
         """Whether all that follows from the number at a path is known; frames of a tree are none of
@@ -139,7 +141,7 @@ class Layout:
         self.at[path] = slot
         return slot
 
-    def _all_blocks(self) -> Iterable[Block]:
+    def _all_blocks(self) -> Iterable[NumberRow]:
         """In the order of the structure's numbers."""
         model, dim = self.origin, self.space.dim
         for i, rows in zip(self.structure.order, self.structure.rows, strict=True):
@@ -172,12 +174,12 @@ class Layout:
         key = tuple(terms)
         if key not in self._index:
             self._index[key] = len(self._positions)
-            position = Position(frozenset(slots), tuple((R, itemgetter(*s)) for R, s in terms))
+            position = ShiftSum(frozenset(slots), tuple((R, itemgetter(*s)) for R, s in terms))
             self._positions.append(position)
             self._places.append(self._sum(position, self.leaves))
         return self._index[key]
 
-    def _sum(self, position: Position, leaves: Leaves) -> Vector:
+    def _sum(self, position: ShiftSum, leaves: SlotValues) -> Vector:
         """As `Placement.lower` finds it."""
         zero = p = self.space.zero
         for R, take in position.terms:
@@ -186,23 +188,23 @@ class Layout:
                 p = add(p, by if R is None else times(R, by))
         return p
 
-    def _pose(self, placement: Placement, path: Path, at: slice) -> Block:
+    def _pose(self, placement: Placement, path: Path, at: slice) -> NumberRow:
         k = self._position(placement, path)
         now = self._places[k]
         zeros = tuple([x == 0.0 for x in now])
 
-        def entries(_: Leaves, places: list[Vector]) -> Any:
+        def entries(_: SlotValues, places: list[Vector]) -> Any:
             p = places[k]
             return (
                 tuple([x for x in p if x != 0.0]) if tuple([x == 0.0 for x in p]) == zeros else None
             )
 
-        return Block(at, (Part(self._positions[k].slots, entries, now),))
+        return NumberRow(at, (RowPart(self._positions[k].slots, entries, now),))
 
-    def _inertial(self, parts: tuple[Attached, ...], path: Path, at: slice) -> Block:
-        return Block(at, tuple(self._part(part, (*path, k)) for k, part in enumerate(parts)))
+    def _inertial(self, parts: tuple[Attached, ...], path: Path, at: slice) -> NumberRow:
+        return NumberRow(at, tuple(self._part(part, (*path, k)) for k, part in enumerate(parts)))
 
-    def _part(self, part: Attached, path: Path) -> Part:
+    def _part(self, part: Attached, path: Path) -> RowPart:
         inertia, own = part.inertia, (*path, "inertia")
         mass = self._slot((*own, "mass"), inertia.mass)
         com = [self._slot((*own, "com", j), x) for j, x in enumerate(inertia.com)]
@@ -213,29 +215,29 @@ class Layout:
         (R, _), dim = pose_part(part.placement, self.space.dim).pose, self.space.dim
         take = itemgetter(mass, *com, *tensor)
 
-        def entries(leaves: Leaves, places: list[Vector]) -> Any:
+        def entries(leaves: SlotValues, places: list[Vector]) -> Any:
             return inertial_entries(self.space, in_shape(dim, take(leaves)), (R, places[k]))
 
         slots = frozenset((mass, *com, *tensor)) | self._positions[k].slots
-        return Part(slots, entries, tuple(linear_row(part, dim).tolist()))
+        return RowPart(slots, entries, tuple(linear_row(part, dim).tolist()))
 
-    def _drive(self, drive: Drive, path: Path, at: slice) -> Block:
+    def _drive(self, drive: Drive, path: Path, at: slice) -> NumberRow:
         """Without a place among the numbers of a model none of whose drives acts."""
         those = [
             self._slot((*path, name), getattr(drive, name))
             for name in ("viscous", "coulomb", "rotor", "gear", "stiffness", "rest")
         ]
-        take: Take = itemgetter(*those)
+        take: TakeSlots = itemgetter(*those)
         now = drive_numbers(*take(self.leaves))
         acts, present = acting(now), at.stop > at.start
 
-        def entries(leaves: Leaves, _: list[Vector]) -> Any:
+        def entries(leaves: SlotValues, _: list[Vector]) -> Any:
             found = drive_numbers(*take(leaves))
             return None if acting(found) != acts else found if present else ()
 
-        return Block(at, (Part(frozenset(those), entries, now),))
+        return NumberRow(at, (RowPart(frozenset(those), entries, now),))
 
-    def _gravity(self, start: int) -> Block:
+    def _gravity(self, start: int) -> NumberRow:
         model = self.origin
         slot = self._slot(("gravity_size",), model.gravity_size)
         zeros, now = gravity_part(model)
@@ -245,22 +247,22 @@ class Layout:
             if not zero
         ]
 
-        def entries(leaves: Leaves, _: list[Vector]) -> Any:
+        def entries(leaves: SlotValues, _: list[Vector]) -> Any:
             size = leaves[slot]
             return [size * x for x in along]
 
-        part = Part(frozenset((slot,)), entries, tuple(now.tolist()))
-        return Block(slice(start, start + len(now)), (part,))
+        part = RowPart(frozenset((slot,)), entries, tuple(now.tolist()))
+        return NumberRow(slice(start, start + len(now)), (part,))
 
     # ------------------------------------------------------------ what follows
-    def filled(self, edits: dict[int, float]) -> Leaves:
+    def filled(self, edits: dict[int, float]) -> SlotValues:
         """The leaves, other numbers in some slots."""
         leaves = self.leaves.copy()
         for slot, value in edits.items():
             leaves[slot] = value
         return leaves
 
-    def is_physical(self, slots: Iterable[int], leaves: Leaves) -> bool:
+    def is_physical(self, slots: Iterable[int], leaves: SlotValues) -> bool:
         """Whether the inertias that these slots belong to surely are those of rigid bodies."""
         for slot in slots:
             for take in self.inertias.get(slot, ()):
@@ -269,7 +271,7 @@ class Layout:
                     return False
         return True
 
-    def numbers_with(self, edits: dict[int, float], leaves: Leaves) -> Array | None:
+    def numbers_with(self, edits: dict[int, float], leaves: SlotValues) -> Array | None:
         """The numbers of the structure, those of `edits` being in the leaves; None where the
         structure is another."""
         slots = tuple(edits)
@@ -288,7 +290,7 @@ class Layout:
         numbers.setflags(write=False)
         return numbers
 
-    def _planned(self, slots: tuple[int, ...]) -> Plan:
+    def _planned(self, slots: tuple[int, ...]) -> RowPlan:
         """The positions and blocks that follow from slots."""
         touched = frozenset(slots)
         positions = [k for k, x in enumerate(self._positions) if x.slots & touched]
@@ -301,7 +303,7 @@ class Layout:
         return self._plans.setdefault(slots, (positions, blocks))
 
     # ------------------------------------------------------------ loads
-    def loaded(self, frame: str | None, name: str) -> Loaded | None:
+    def loaded(self, frame: str | None, name: str) -> LoadedLayout | None:
         """The layout with a load more; None when it is first asked for, since most are once."""
         key = frame, name
         if key not in self._loads:
@@ -311,13 +313,13 @@ class Layout:
             return None
         return self._loads[key] or self._grown(key)
 
-    def _grown(self, key: tuple[str | None, str]) -> Loaded:
+    def _grown(self, key: tuple[str | None, str]) -> LoadedLayout:
         frame, name = key
         at = self.origin.frame(frame)
         added = Attached(name, Inertia.nothing(self.space.dim), at.placement, True, at.name)
         path = ("base_inertias",) if at.body < 0 else ("bodies", at.body, "inertias")
         there = self.origin.base_inertias if at.body < 0 else self.origin.bodies[at.body].inertias
-        layout = Layout(put(self.origin, path, (*there, added)))
+        layout = NumberLayout(put(self.origin, path, (*there, added)))
         own = (*path, len(there), "inertia")
         slots = (
             layout.at[*own, "mass"],
@@ -325,18 +327,18 @@ class Layout:
             *(layout.at[*own, "tensor", j] for j in range(len(added.inertia.tensor))),
         )
         moved = {slot: layout.at[path] for path, slot in self.at.items()}
-        self._loads[key] = found = Loaded(layout, moved, slots)
+        self._loads[key] = found = LoadedLayout(layout, moved, slots)
         return found
 
 
-def _known(part: Part) -> Entries:
+def _known(part: RowPart) -> RowEntries:
     return lambda leaves, places: part.now
 
 
-class Loaded(NamedTuple):
+class LoadedLayout(NamedTuple):
     """A layout with a load more."""
 
-    layout: Layout
+    layout: NumberLayout
     moved: dict[int, int]
     """Slots before -> slots in it."""
     slots: tuple[int, ...]

@@ -59,7 +59,7 @@ _RECENT = 16
 """Structures that are kept, with what is compiled for them, though no model of theirs is left."""
 
 
-class Rows(NamedTuple):
+class BodyRows(NamedTuple):
     """Where the numbers of a body stand: of its joint's placement the position, mass and first
     moment and inertia, and drive, which may be nothing."""
 
@@ -97,7 +97,7 @@ class Structure:
         """Which of the numbers say where something is, or how far: the others are inertias, drives
         and gravity."""
 
-    def _rows(self, model: Model) -> tuple[tuple[Rows, ...], int]:
+    def _rows(self, model: Model) -> tuple[tuple[BodyRows, ...], int]:
         known, found, end = body_parts(model), [], 0
         for i in self.order:
             part, kind = known[i], model.bodies[i].kind
@@ -105,7 +105,7 @@ class Structure:
             _, *ends = accumulate(sizes, initial=end)
             shift = sum([x != 0.0 for x in part.joint.form.content[2].content.p])
             found.append(
-                Rows(
+                BodyRows(
                     slice(ends[0] - shift, ends[0]),
                     slice(ends[0], ends[1]),
                     slice(ends[1], ends[-1]),
