@@ -79,7 +79,10 @@ KNOWN = {
         "trimesh",
     ): "bytes of four formats of shapes, only where estimate_inertia asks for it",
     ("targets/llvm/gufunc.py", "PYFUNCTYPE"): "functions of NumPy's table",
-    ("freebody_notes/checks.py", "eval"): "calls that stand in freebody_notes; held to that below",
+    (
+        "freebody_notes/checks/calls.py",
+        "eval",
+    ): "calls that stand in freebody_notes; held to that below",
     ("freebody_notes/steps.py", "eval"): "calls that stand in freebody_notes; held to that below",
     ("report/html.py", "Markup"): "our own style, and drawings, whose text is escaped",
     ("report/tables.py", "Markup"): "text that has just been escaped",
@@ -166,7 +169,7 @@ def test_calls_that_the_notes_execute_are_made_with_the_package():
         calls += [
             x
             for name in ("model", "values")
-            if isinstance(x := getattr(item.test, name, None), str)
+            if isinstance(x := getattr(item.check, name, None), str)
         ]
     assert len(calls) > 60
     for call in calls:

@@ -10,7 +10,7 @@ import pytest
 
 from freebody.derivations.formula import FormulaError
 from freebody.errors import FreebodyError, UnknownNameError
-from freebody_notes.checks import Answer, Digits, Reading, Related
+from freebody_notes.checks import Answer, ByReading, Digits, Related
 from freebody_notes.contents import item, items
 from freebody_notes.item import Item, Outcome
 from freebody_notes.run import NotesError, run
@@ -56,7 +56,7 @@ def test_the_corrected_form_flips_the_verdict(name: str):
     assert found.corrected is not None
     assert found.corrected.holds
     x = found.item
-    assert run(Item(x.id, x.section, x.title, x.test, printed=x.corrected)).verdict == "holds"
+    assert run(Item(x.id, x.section, x.title, x.check, printed=x.corrected)).verdict == "holds"
     assert x.why
 
 
@@ -93,7 +93,7 @@ UNREADABLE = (
 def fails(x: Item, form: str) -> bool:
     """Whether a form is found wrong, and not merely unreadable."""
     try:
-        outcome = x.test.run(form)
+        outcome = x.check.run(form)
     except (FreebodyError, ValueError, KeyError, IndexError, np.linalg.LinAlgError):
         return False
     return not outcome.holds and not any(
@@ -103,7 +103,7 @@ def fails(x: Item, form: str) -> bool:
 
 def test_what_is_of_words_only_is_marked_and_little():
     assert {x.id for x in items() if x.is_text} == WORDS_ONLY
-    assert {x.id for x in items() if isinstance(x.test, Reading)} == WORDS_ONLY
+    assert {x.id for x in items() if isinstance(x.check, ByReading)} == WORDS_ONLY
 
 
 def test_a_counterexample_stands_with_what_is_wrong_in_symbols():
@@ -163,10 +163,10 @@ def test_calls_shown_are_calls_that_run():
     import freebody as fb
 
     for x in items():
-        if isinstance(x.test, Related) and isinstance(x.test.values, str) and x.printed:
-            exec(x.test.call(x.printed), {"fb": fb})
-        if isinstance(x.test, Answer):
-            assert bool(eval(x.test.call(x.corrected or x.printed), {"fb": fb})), x.id
+        if isinstance(x.check, Related) and isinstance(x.check.values, str) and x.printed:
+            exec(x.check.call(x.printed), {"fb": fb})
+        if isinstance(x.check, Answer):
+            assert bool(eval(x.check.call(x.corrected or x.printed), {"fb": fb})), x.id
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from freebody.errors import FreebodyError
 from freebody.outputs.files import write
 
 if TYPE_CHECKING:
-    from freebody_notes.item import Finding, Item
+    from freebody_notes.item import ExecutedItem, Item
 
 EXAMPLE = "Example: freebody notes eq-3.22"
 
@@ -97,7 +97,7 @@ def _require_used(given: Sequence[str]) -> None:
     )
 
 
-def _run(items: Sequence[Item]) -> list[Finding]:
+def _run(items: Sequence[Item]) -> list[ExecutedItem]:
     from freebody_notes.run import run_all
 
     with terminal.progress("executing the notes") as told:
@@ -158,7 +158,7 @@ def _table(chapter: int | None, verdict: VerdictChoice | None) -> None:
     _summary(found)
 
 
-def _chapter(number: int, found: Sequence[Finding]) -> None:
+def _chapter(number: int, found: Sequence[ExecutedItem]) -> None:
     from rich.table import Table
     from rich.text import Text
 
@@ -179,7 +179,7 @@ def _chapter(number: int, found: Sequence[Finding]) -> None:
     terminal.out().print()
 
 
-def _summary(found: Sequence[Finding]) -> None:
+def _summary(found: Sequence[ExecutedItem]) -> None:
     from rich.text import Text
 
     from freebody_notes.item import VERDICTS

@@ -56,7 +56,7 @@ def _item(name: str, section: str, entry: dict[str, Any], checks: Mapping[str, A
     if check not in checks:
         raise UnknownNameError("check", check, name, checks)
     details = {key: entry.pop(key) for key in sorted(entry.keys() - _FIELDS)}
-    return Item(name, section, test=replace(checks[check], **details), **entry)
+    return Item(name, section, check=replace(checks[check], **details), **entry)
 
 
 def _place(item: Item) -> tuple[list[int], bool]:

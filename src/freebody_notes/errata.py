@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from freebody.derivations.expression import Words
 from freebody.derivations.render.prose import markdown_prose
-from freebody_notes.item import SOURCE, Finding
+from freebody_notes.item import SOURCE, ExecutedItem
 from freebody_notes.text import shown
 
 _WORDS = {
@@ -16,7 +16,7 @@ _WORDS = {
 }
 
 
-def errata(findings: Sequence[Finding]) -> str:
+def errata(findings: Sequence[ExecutedItem]) -> str:
     """The list: place, what is printed, what is wrong with it and how that was found, what it
     should be."""
     wrong = [finding for finding in findings if finding.verdict != "holds"]
@@ -48,7 +48,7 @@ def errata(findings: Sequence[Finding]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _entry(number: int, finding: Finding) -> list[str]:
+def _entry(number: int, finding: ExecutedItem) -> list[str]:
     item = finding.item
     place = item.number[0].upper() + item.number[1:]
     kind = (
@@ -76,7 +76,7 @@ def _entry(number: int, finding: Finding) -> list[str]:
     return rows
 
 
-def _form(finding: Finding, form: str) -> str:
+def _form(finding: ExecutedItem, form: str) -> str:
     """Formulas between dollar signs, words as they are."""
     nodes = shown(finding.item, form)
     return "; ".join(

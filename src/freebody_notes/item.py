@@ -13,6 +13,11 @@ not said."""
 SOURCE = "S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019"
 
 
+def parts(form: str) -> list[str]:
+    """The equations of a form, which stand between semicolons."""
+    return [part.strip() for part in form.split(";") if part.strip()]
+
+
 @dataclass(frozen=True)
 class Outcome:
     """What became of one form: whether it holds, what was computed, and numbers at which it
@@ -23,7 +28,7 @@ class Outcome:
     example: str = ""
 
 
-class Test(Protocol):
+class Check(Protocol):
     """A way to execute a form."""
 
     def run(self, form: str) -> Outcome:
@@ -48,7 +53,7 @@ class Item:
     id: str
     section: str
     title: str
-    test: Test
+    check: Check
     says: str = ""
     """What it states, in other words than the notes'."""
     printed: str = ""
@@ -76,7 +81,7 @@ class Item:
     @property
     def is_text(self) -> bool:
         """Whether there is nothing to execute."""
-        return not self.test.call(self.printed or self.corrected)
+        return not self.check.call(self.printed or self.corrected)
 
     @property
     def is_figure(self) -> bool:
@@ -85,7 +90,7 @@ class Item:
 
 
 @dataclass(frozen=True)
-class Finding:
+class ExecutedItem:
     """What running an item's check finds."""
 
     item: Item

@@ -21,7 +21,7 @@ from freebody.outputs.page import policy
 from freebody_notes.contents import Chapter, chapters
 from freebody_notes.exercises import exercises, solution
 from freebody_notes.figures.catalogue import notes_figure
-from freebody_notes.item import SOURCE, VERDICTS, Finding, Item
+from freebody_notes.item import SOURCE, VERDICTS, ExecutedItem, Item
 from freebody_notes.steps import Place, place_of
 from freebody_notes.text import shown
 
@@ -41,7 +41,7 @@ COUNTED = {
 class Card:
     """An item as the page shows it."""
 
-    finding: Finding
+    finding: ExecutedItem
     label: str
     """Its number, or nothing."""
     printed: Markup
@@ -62,7 +62,7 @@ class Card:
         return WORDS[self.finding.verdict]
 
 
-def page(findings: Sequence[Finding]) -> str:
+def page(findings: Sequence[ExecutedItem]) -> str:
     """The whole page."""
     cards = [card(finding) for finding in findings]
     wrong = [c for c in cards if c.finding.verdict != "holds"]
@@ -103,7 +103,7 @@ def _chapter(number: int, chapter: Chapter, cards: Sequence[Card]) -> dict:
     }
 
 
-def card(finding: Finding) -> Card:
+def card(finding: ExecutedItem) -> Card:
     """An item ready for the page."""
     item = finding.item
     kind, _, rest = item.id.partition("-")
@@ -114,7 +114,7 @@ def card(finding: Finding) -> Card:
         _form(item, item.printed),
         _form(item, item.corrected) if finding.corrected else Markup(),
         Markup(notes_figure(rest).picture.inline()) if kind == "fig" else Markup(),
-        item.test.call(item.printed or item.corrected),
+        item.check.call(item.printed or item.corrected),
         place,
         Markup(formulas.html([place.step.equations])) if place else Markup(),
     )

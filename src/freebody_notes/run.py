@@ -7,38 +7,38 @@ import time
 from collections.abc import Callable, Iterable
 
 from freebody.errors import FreebodyError
-from freebody_notes.item import VERDICTS, Finding, Item
+from freebody_notes.item import VERDICTS, ExecutedItem, Item
 
 
 class NotesError(FreebodyError):
     """An item whose check decides nothing: the printed form fails, and so does the correction."""
 
 
-def run(item: Item) -> Finding:
+def run(item: Item) -> ExecutedItem:
     """Execute one item.
 
     Where the printed form holds so does the item; where it fails the corrected form has to hold by
     the same check.
     """
     start = time.perf_counter()
-    printed = item.test.run(item.printed)
+    printed = item.check.run(item.printed)
     if printed.holds:
-        return Finding(item, "holds", printed, seconds=time.perf_counter() - start)
+        return ExecutedItem(item, "holds", printed, seconds=time.perf_counter() - start)
     if item.flaw not in VERDICTS[1:]:
         raise NotesError(
             f"{item.id}: the printed form {item.printed!r} fails: {'; '.join(printed.lines)}"
         )
-    corrected = item.test.run(item.corrected)
+    corrected = item.check.run(item.corrected)
     if not corrected.holds:
         raise NotesError(
             f"{item.id}: the correction {item.corrected!r} fails: {'; '.join(corrected.lines)}"
         )
-    return Finding(item, item.flaw, printed, corrected, time.perf_counter() - start)
+    return ExecutedItem(item, item.flaw, printed, corrected, time.perf_counter() - start)
 
 
 def run_all(
     items: Iterable[Item], told: Callable[[str, float], None] | None = None
-) -> list[Finding]:
+) -> list[ExecutedItem]:
     """Execute items in order; `told` hears which one comes next and how much is done."""
     rows = list(items)
     found = []

@@ -7,8 +7,7 @@ import textwrap
 from freebody.derivations.expression import Equation, Expression
 from freebody.derivations.formula import as_printed
 from freebody.derivations.render import page
-from freebody_notes.checks import parts
-from freebody_notes.item import Finding, Item
+from freebody_notes.item import ExecutedItem, Item, parts
 from freebody_notes.steps import place_of
 
 WIDTH = 100
@@ -17,8 +16,8 @@ _INDENT = 12
 
 def shown(item: Item, form: str) -> list[Expression]:
     """The equations of a form as they are printed."""
-    primed = getattr(item.test, "primed", ())
-    return [as_printed(part, item.test.bold, primed) for part in parts(form)]
+    primed = getattr(item.check, "primed", ())
+    return [as_printed(part, item.check.bold, primed) for part in parts(form)]
 
 
 def form_text(item: Item, form: str, width: int = WIDTH) -> str:
@@ -30,7 +29,7 @@ def form_text(item: Item, form: str, width: int = WIDTH) -> str:
     return "\n".join(textwrap.fill(str(node), width) for node in nodes)
 
 
-def item_text(finding: Finding, width: int = WIDTH) -> str:
+def item_text(finding: ExecutedItem, width: int = WIDTH) -> str:
     """All there is to say about one item."""
     item, inner = finding.item, width - _INDENT
     rows = [("printed", form_text(item, item.printed, inner) or "nothing")]
@@ -41,7 +40,7 @@ def item_text(finding: Finding, width: int = WIDTH) -> str:
         rows.append(("corrected", form_text(item, item.corrected, inner)))
         rows.append(("proof", _filled(finding.corrected.lines, inner)))
         rows.append(("why", _filled((item.why,), inner)))
-    rows.append(("call", item.test.call(item.printed or item.corrected)))
+    rows.append(("call", item.check.call(item.printed or item.corrected)))
     head = f"{item.title} — {item.number}"
     blocks = [head, "=" * len(head), textwrap.fill(item.says, width), ""]
     blocks += [_row(name, text) for name, text in rows if text]

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from freebody_notes.checks import Run
-from freebody_notes.drawn import Caption, Drawn, Facts, Panel
+from freebody_notes.checks import ByFunction
+from freebody_notes.checks.figure import Caption, Drawn, Facts, Panel
 from freebody_notes.figures.catalogue import notes_figure
 from freebody_notes.item import Outcome
 
@@ -229,5 +229,5 @@ FACTS: Mapping[str, Facts] = {
 CHECKS = {
     **{number: Drawn(number, facts) for number, facts in FACTS.items()},
     **{number: Caption(number) for number in ("2.3", "6.1")},
-    "velocity_labels": Run(velocity_labels, calls='fb.notes_figure("3.2").named("v_{c2}")'),
+    "velocity_labels": ByFunction(velocity_labels, calls='fb.notes_figure("3.2").named("v_{c2}")'),
 }

@@ -9,9 +9,9 @@ import numpy as np
 import freebody as fb
 from freebody.derivations.formula import parse
 from freebody.derivations.values import value
-from freebody_notes.checks import Related, Run, number, parts
+from freebody_notes.checks import ByFunction, Related, number
 from freebody_notes.figures.catalogue import notes_figure
-from freebody_notes.item import Outcome
+from freebody_notes.item import Outcome, parts
 
 
 def a_map():
@@ -135,17 +135,17 @@ def which_figure(form: str) -> Outcome:
 CHECKS = {
     "a_map": Related(a_map),
     "two_angles": Related(two_angles),
-    "elbow": Run(
+    "elbow": ByFunction(
         elbow,
         calls='fb.inverse_kinematics(fb.load("2R"), [x, y])  # at the tips of random poses',
     ),
-    "shoulder": Run(
+    "shoulder": ByFunction(
         shoulder,
         calls='fb.forward_kinematics(fb.load("2R"), q)[:2, 2]  '
         "# at random poses; the formula has to give q back",
     ),
-    "which_figure": Run(which_figure, calls='fb.notes_figure("2.1").named("s_1")'),
+    "which_figure": ByFunction(which_figure, calls='fb.notes_figure("2.1").named("s_1")'),
     "stretched": Related(stretched),
-    "where_singular": Run(where_singular, calls='print(fb.singularities(fb.planar("RR")))'),
+    "where_singular": ByFunction(where_singular, calls='print(fb.singularities(fb.planar("RR")))'),
     "inverse_rates": Related(inverse_rates),
 }

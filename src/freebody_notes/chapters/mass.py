@@ -7,7 +7,7 @@ import numpy as np
 import freebody as fb
 from freebody.derivations.values import Each
 from freebody.model.inertia import combined
-from freebody_notes.checks import Related, Run
+from freebody_notes.checks import ByFunction, Related
 from freebody_notes.item import Outcome
 
 
@@ -96,5 +96,7 @@ CHECKS = {
     "bar_in_pieces": Related(bar_in_pieces),
     "disc": Related(disc),
     "ring": Related(ring),
-    "parallel_axes": Run(parallel_axes, calls="fb.inertia_from(m, r_G, I_O, about=O).tensor"),
+    "parallel_axes": ByFunction(
+        parallel_axes, calls="fb.inertia_from(m, r_G, I_O, about=O).tensor"
+    ),
 }

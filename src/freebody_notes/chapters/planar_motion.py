@@ -8,7 +8,7 @@ import freebody as fb
 from freebody.derivations.formula import parse
 from freebody.derivations.relation import printed_numbers
 from freebody.derivations.values import value
-from freebody_notes.checks import Related, Run
+from freebody_notes.checks import ByFunction, Related
 from freebody_notes.item import Outcome
 
 
@@ -64,7 +64,7 @@ CHECKS = {
     "round_trip": Related(round_trip),
     "curve": Related(curve),
     "circle": Related(circle),
-    "rounded_circle": Run(
+    "rounded_circle": ByFunction(
         rounded_circle,
         ("r_d", "r_dd"),
         calls='fb.trajectory("5*cos(3.14*t)", "5*sin(3.14*t)").velocity.expressions',

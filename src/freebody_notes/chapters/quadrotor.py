@@ -7,7 +7,7 @@ import numpy as np
 import freebody as fb
 from freebody.derivations.relation import printed_numbers
 from freebody.derivations.values import Each
-from freebody_notes.checks import Digits, Related, Run, number
+from freebody_notes.checks import ByFunction, Digits, Related, number
 from freebody_notes.item import Outcome
 
 
@@ -88,12 +88,12 @@ CHECKS = {
     "flight": Related(flight),
     "flight_digits": Digits(flight),
     "euler_angles": Digits(euler_angles),
-    "inertia": Run(
+    "inertia": ByFunction(
         inertia,
         ("I", "R"),
         calls="R = fb.rotation('ZXZ', [np.pi/4, 0.1, 0.2]); R @ np.diag([5, 5, 10]) @ R.T",
     ),
-    "turning": Run(
+    "turning": ByFunction(
         turning,
         ("omega_d", "I", "n", "omega"),
         calls='fb.forward_dynamics(fb.load("quadrotor").replace(gravity=[0, 0, -9.8]), '

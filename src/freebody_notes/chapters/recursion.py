@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import freebody as fb
-from freebody_notes.checks import Related, Run
+from freebody_notes.checks import ByFunction, Related
 from freebody_notes.item import Outcome
 
 
@@ -76,12 +76,12 @@ BASE = Related(f'fb.quantities({THREE}, gravity="base")', links=(1, 2, 3))
 CHECKS = {
     "two_links": Related(two_links),
     "as_vectors": Related(as_vectors),
-    "which_are_vectors": Run(
+    "which_are_vectors": ByFunction(
         which_are_vectors, calls='fb.quantities(fb.planar("RR"))["omega2_d"]  # a scalar'
     ),
     "accelerated_base": Related(f'fb.quantities({THREE}, gravity="base")'),
     "three_links": EXPLICIT,
-    "with_weights": Run(
+    "with_weights": ByFunction(
         with_weights,
         ("f_hi", "fc_i", "f_ik", "sc_i", "s_i"),
         calls='fb.relation(fb.quantities(fb.planar("RRR")), form)  '

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 
 import freebody as fb
-from freebody_notes.checks import Related, Run, number
+from freebody_notes.checks import ByFunction, Related, number
 from freebody_notes.item import Outcome
 
 ROWS = (
@@ -210,13 +210,13 @@ CHECKS = {
         calls=f"{CHAIN}\nvalues['s2'] = R2 @ p2_3  # without a prime s has global components",
     ),
     "upright": Related(upright, (1, 2, 3, 4)),
-    "frames": Run(
+    "frames": ByFunction(
         frames,
         ("Rh_i", "ph_i"),
         calls='fb.forward_kinematics(fb.dh([row], convention="modified"), [theta])  '
         '# and "standard"',
     ),
-    "direction": Run(direction, ("Ri_h", "R_i", "R_h"), calls=CHAIN),
+    "direction": ByFunction(direction, ("Ri_h", "R_i", "R_h"), calls=CHAIN),
     "accelerated": Related(
         accelerated,
         (1, 2, 3, 4),

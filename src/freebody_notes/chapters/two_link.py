@@ -8,8 +8,8 @@ import freebody as fb
 from freebody.derivations.formula import parse
 from freebody.derivations.quantities import Quantities
 from freebody.derivations.values import value
-from freebody_notes.checks import ARM, Answer, Related, Run, number, parts
-from freebody_notes.item import Outcome
+from freebody_notes.checks import ARM, Answer, ByFunction, Related, number
+from freebody_notes.item import Outcome, parts
 
 
 def closed_form():
@@ -79,7 +79,9 @@ def unit_rods(printed: str) -> Outcome:
     )
 
 
-UNIT_RODS = Run(unit_rods, calls='fb.check(fb.planar("RR"), "H11 = …"); np.linalg.eigvalsh(M)')
+UNIT_RODS = ByFunction(
+    unit_rods, calls='fb.check(fb.planar("RR"), "H11 = …"); np.linalg.eigvalsh(M)'
+)
 
 CHECKS = {
     "unit_rods": UNIT_RODS,

@@ -13,7 +13,8 @@ from freebody.arrays import Array
 from freebody.errors import UnknownNameError
 from freebody.figures.drawing import Arc, Arrow, Line, places
 from freebody.figures.figure import Figure
-from freebody_notes.checks import Related, source
+from freebody_notes.checks.calls import source
+from freebody_notes.checks.relation import Related
 from freebody_notes.figures.catalogue import notes_figure
 from freebody_notes.item import Outcome
 

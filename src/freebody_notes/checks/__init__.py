@@ -1,0 +1,22 @@
+"""Ways to execute an item: as an answer to be checked, as a relation, against printed digits, by a
+function, by drawing its figure; or by reading, where there is nothing to execute."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from freebody_notes.checks.answer import Answer
+from freebody_notes.checks.by_function import ByFunction
+from freebody_notes.checks.by_reading import ByReading
+from freebody_notes.checks.calls import ARM
+from freebody_notes.checks.digits import Digits
+from freebody_notes.checks.evidence import number
+from freebody_notes.checks.relation import Related
+
+__all__ = ["ARM", "SHARED", "Answer", "ByFunction", "ByReading", "Digits", "Related", "number"]
+
+SHARED: Mapping[str, Any] = {
+    "arm": Related(),
+    "answer": Answer(),
+    "reading": ByReading(),
+}
+"""Checks that items of all chapters name; `right` and `reason` of a reading stand with the item."""

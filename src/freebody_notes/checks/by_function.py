@@ -1,0 +1,25 @@
+"""A function decides about a form."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+
+from freebody_notes.checks.calls import source
+from freebody_notes.item import Outcome
+
+
+@dataclass(frozen=True)
+class ByFunction:
+    """A function of the form decides."""
+
+    function: Callable[[str], Outcome]
+    bold: Collection[str] = ()
+    calls: str = ""
+    """What a user types to see the same."""
+
+    def call(self, form: str) -> str:
+        return f"{self.calls}\n\n{source(self.function)}".lstrip()
+
+    def run(self, form: str) -> Outcome:
+        return self.function(form)

@@ -1,0 +1,46 @@
+"""Computed numbers against printed digits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from freebody.derivations.formula import as_printed, parse
+from freebody.derivations.relation import agrees, relation
+from freebody.derivations.values import value
+from freebody_notes.checks.calls import source
+from freebody_notes.checks.evidence import number
+from freebody_notes.checks.relation import vectors
+from freebody_notes.item import Outcome, parts
+
+
+@dataclass(frozen=True)
+class Digits:
+    """The left side is computed, the right side are numbers as printed: equal to one unit of their
+    last digit."""
+
+    values: Callable[[], Mapping[str, Any]]
+
+    @property
+    def bold(self) -> Collection[str]:
+        return vectors(self.values())
+
+    def call(self, form: str) -> str:
+        left = form.partition("=")[0].strip()
+        return f"{source(self.values)}\n\n{self.values.__name__}()[{left!r}]"
+
+    def run(self, form: str) -> Outcome:
+        outcomes = [self._one(part) for part in parts(form)]
+        return Outcome(
+            bool(outcomes) and all(o.holds for o in outcomes),
+            tuple(x for o in outcomes for x in o.lines),
+        )
+
+    def _one(self, form: str) -> Outcome:
+        values = self.values()
+        *left, right = form.split("=")
+        computed = value(parse(left[0]), values)
+        same = len(left) == 1 or bool(relation(values, "=".join(left)))
+        line = f"{as_printed(left[0])}: computed {number(computed, 8)}, printed {right.strip()}."
+        return Outcome(same and agrees(computed, right), (line,))
