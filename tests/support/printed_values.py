@@ -19,16 +19,23 @@ from freebody.derivations.expression import (
     Transposed,
     Vector,
 )
+from freebody.errors import UnknownNameError
 
 FUNCTIONS = {"sin": np.sin, "cos": np.cos, "sgn": np.sign}
 
 
 def evaluate(node: Expression, values: Mapping[str, Any]) -> Any:
     """A number or array; `values` gives each symbol's by name. Of an equation the last side;
-    vectors become rows."""
+    vectors become rows. Raises UnknownNameError for a symbol without value."""
+
+    def symbol(node: Symbol, at: Any) -> Any:
+        if node.name not in values:
+            raise UnknownNameError("value", node.name, "the values given", values)
+        return values[node.name]
+
     rules = {
         **walk.arithmetic(float),
-        Symbol: lambda node, at: values[node.name],
+        Symbol: symbol,
         Transposed: lambda node, at: np.swapaxes(at(node.operand), -1, -2),
         Function: lambda node, at: FUNCTIONS[node.name](at(node.argument)),
         Cross: lambda node, at: _cross(at(node.left), at(node.right)),
