@@ -282,7 +282,7 @@ def test_loops():
         (LINKS + JOINT.replace("revolute", "revolut"),
          "arm.toml:7: no kind 'revolut' in joint 'a'. Did you mean "
          "'revolute'? Kinds: "
-         "revolute, continuous, prismatic, fixed, planar, spherical, free."),
+         "revolute, continuous, prismatic, helical, fixed, cylindrical, universal, planar, spherical, free."),
         (LINKS + JOINT, "arm.toml:5: joint 'a': axis is missing; add axis = ..."),
         (LINKS + JOINT + "axis = 'w'\n",
          "arm.toml:10: joint 'a': axis is 'w', expected x, y, z, one of them with a "
@@ -497,24 +497,24 @@ def test_examples_of_the_reference():
 
 
 def test_a_joint_kind_of_tomorrow_says_itself_whether_it_has_an_axis(tmp_path, monkeypatch):
-    """A cylindrical joint: a file and a line, and its files are written and read."""
+    """A joint of two motions: a file and a line, and its files are written and read."""
 
-    class Cylindrical(JointKind):
-        name, nq, nv, needs_axis = "cylindrical", 2, 2, True
+    class Sleeve(JointKind):
+        name, nq, nv, needs_axis = "sleeve", 2, 2, True
         position_names = velocity_names = ("turn", "slide")
         angular, coordinates = (True, False), ("theta", "d")
 
-        def primitives(self, space, axis):
+        def primitives(self, space, axis, numbers):
             return ((TURNING, axis), (SLIDING, axis))
 
-    monkeypatch.setitem(KINDS, "cylindrical", Cylindrical())
-    model = read(LINKS + JOINT.replace("revolute", "cylindrical") + "axis = [0, 0.6, 0.8]\n")
+    monkeypatch.setitem(KINDS, "sleeve", Sleeve())
+    model = read(LINKS + JOINT.replace("revolute", "sleeve") + "axis = [0, 0.6, 0.8]\n")
     fb.save(model, tmp_path / "saved.toml")
     for arm in (model, fb.load(tmp_path / "saved.toml")):
         velocity = fb.velocity(arm, [0.3, 0.2], [1.0, 2.0], frame="arm")
         np.testing.assert_allclose(velocity, [0.0, 1.2, 1.6, 0.0, 0.6, 0.8], atol=1e-15)
-    assert "a cylindrical joint has no friction; remove it" in message(
+    assert "a sleeve joint has no friction; remove it" in message(
         LINKS
-        + JOINT.replace("revolute", "cylindrical")
+        + JOINT.replace("revolute", "sleeve")
         + "axis = [0, 0, 1]\nfriction = { viscous = 1.0 }\n"
     )

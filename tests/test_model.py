@@ -138,7 +138,7 @@ def test_lines_of_a_file_are_the_ones_to_look_at():
 
 
 def test_joints_that_cannot_be():
-    kinds = "Joint kinds: revolute, continuous, prismatic, fixed, planar, spherical, free."
+    kinds = "Joint kinds: revolute, continuous, prismatic, helical, fixed, cylindrical, universal, planar, spherical, free."
     says(
         f"no joint kind 'revolut' in joint 'elbow'. Did you mean 'revolute'? {kinds}",
         changed(1, kind="revolut"),

@@ -17,17 +17,11 @@ from freebody.model.model import Model
 from freebody.model.parts import Drive, Joint, Limits, Link, Mimic, Mount, Payload, RobotDescription
 from freebody.model.placement import Placement, rotate, shift, turn
 
-SPATIAL = ("revolute", "continuous", "prismatic", "planar", "spherical", "free")
-PLANAR = ("revolute", "continuous", "prismatic", "planar")
-ONE_AXIS = ("revolute", "continuous", "prismatic")
-_WEIGHTS = {
-    "revolute": 5,
-    "continuous": 3,
-    "prismatic": 4,
-    "planar": 1.5,
-    "spherical": 2,
-    "free": 1.5,
-}
+MOVING = {name: kind for name, kind in KINDS.items() if kind.nv}
+SPATIAL = tuple(name for name, kind in MOVING.items() if 3 in kind.dimensions)
+PLANAR = tuple(name for name, kind in MOVING.items() if 2 in kind.dimensions)
+ONE_AXIS = tuple(name for name, kind in MOVING.items() if kind.nv == 1)
+_WEIGHTS = dict.fromkeys(MOVING, 1.2) | {"revolute": 6.0, "continuous": 3.0, "prismatic": 4.0}
 
 
 @lru_cache(maxsize=64)
@@ -155,18 +149,19 @@ class _Tree:
             self.massless.add(name)
         leaders = [joint.name for joint in self.joints if joint.kind in ONE_AXIS]
         mimic = None
-        if one_axis and leaders and not general and rng.random() < 0.2:
+        if one_axis and leaders and not general and rng.random() < 0.25:
             following = [joint.name for joint in self.joints if joint.mimic]
-            leader = rng.choice(following if following and rng.random() < 0.3 else leaders)
+            leader = rng.choice(following if following and rng.random() < 0.4 else leaders)
             mimic = Mimic(str(leader), float(rng.uniform(-2, 2)), float(rng.normal(scale=0.3)))
         axis: tuple[float, ...] = ()
         if KINDS[kind].needs_axis:
             axis = self.axis(kind, general)
         limits = (
             Limits(-1.5, 2.0, 3.0, 50.0)
-            if kind in ("revolute", "prismatic") and rng.random() < 0.5
+            if one_axis and MOVING[kind].ranged and rng.random() < 0.5
             else Limits()
         )
+        numbers = tuple(float(rng.normal(scale=0.2)) for _ in MOVING[kind].numbers)
         self.joints.append(
             Joint(
                 f"joint{i + 1}",
@@ -178,6 +173,7 @@ class _Tree:
                 limits,
                 self.drive() if one_axis else Drive(),
                 mimic,
+                numbers=numbers,
             )
         )
         inertia = None if massless else random_inertia(rng, self.dim)
@@ -187,7 +183,7 @@ class _Tree:
     def kind(self, after_massless: bool) -> str:
         kinds = SPATIAL if self.dim == 3 else PLANAR
         if after_massless:  # a body that is free already has no use for one more joint
-            kinds = ONE_AXIS
+            kinds = tuple(name for name in kinds if name in ONE_AXIS)
         weights = np.array([_WEIGHTS[k] for k in kinds])
         return str(self.rng.choice(kinds, p=weights / weights.sum()))
 
@@ -285,15 +281,15 @@ def moved_frames(
     """Link frames moved where the meaning of q allows it, with the pose of the new frame in the old
     for each link.
 
-    Behind a prismatic joint anywhere, behind a revolute one along and about its axis and turned at
-    will, along z behind a planar one, anywhere on a fixed link. A description in space, with no
+    Behind a prismatic joint anywhere, behind one that turns about an axis along and about that and
+    turned at will, along z behind a planar one, anywhere on a fixed link. A description in space, with no
     mimics lost.
     """
     rng = np.random.default_rng(seed)
     moves: dict[str, Placement] = {link.name: Placement() for link in description.links}
     for joint in description.joints:
         along = np.zeros(3)
-        if joint.kind in ("revolute", "continuous"):
+        if joint.kind in ("revolute", "continuous", "helical", "cylindrical"):
             along = np.array(joint.axis) / np.linalg.norm(joint.axis) * rng.normal()
         elif joint.kind in ("prismatic", "fixed"):
             along = rng.normal(size=3)

@@ -42,8 +42,18 @@ def rates_of_lengths(tree: Tree) -> tuple[bool, ...]:
     """For each rate whether it is one of lengths (m/s); others are angular."""
     found = [False] * tree.nv
     for body in tree.bodies:
+        for k, (angular, linear) in zip(body.coordinates.v, body.columns, strict=True):
+            found[k] = found[k] or (_vanishes(angular) and not _vanishes(linear))
+    return tuple(found)
+
+
+def repeating(tree: Tree) -> tuple[bool, ...]:
+    """For each rate whether a whole turn of its coordinate changes nothing."""
+    found = [True] * tree.nv
+    for body in tree.bodies:
+        ratio = body.coordinates.ratio
         for k, (_, linear) in zip(body.coordinates.v, body.columns, strict=True):
-            found[k] = found[k] or not _vanishes(linear)
+            found[k] = found[k] and _vanishes(linear) and ratio == round(ratio)
     return tuple(found)
 
 

@@ -128,7 +128,7 @@ def _body(
     body, at = model.bodies[i], tree.body_of[i]
     node = tree.bodies[at]
     R, p = world[at]
-    first = tree.bodies[_first(tree, model, i)]
+    first = tree.bodies[_first(tree, i)]
     above_R, above_p = world[first.parent] if first.parent >= 0 else rest
     carrier, carrier_R = (
         above_p + above_R @ np.asarray(first.p, dtype=float),
@@ -153,10 +153,9 @@ def _body(
     )  # fmt: skip
 
 
-def _first(tree: Tree, model: Model, i: int) -> int:
+def _first(tree: Tree, i: int) -> int:
     """Index of the first primitive of a joint that is a chain of them."""
-    body = model.bodies[i]
-    return tree.body_of[i] - (len(body.kind.primitives(tree.space, body.joint.axis)) - 1)
+    return 1 + max((last for last in tree.body_of if last < tree.body_of[i]), default=-1)
 
 
 def _leaves(model: Model, frames: dict, at: int, R: Array, p: Array) -> list[End]:

@@ -135,6 +135,8 @@ def _joint(joint: Joint, parent: Placement, dim: int) -> str:
     entries.update(_place(_behind(parent, joint.placement), dim))
     if KINDS[joint.kind].needs_axis:
         entries["axis"] = repr(joint.axis[0]) if len(joint.axis) == 1 else _vector(joint.axis)
+    for number, value in zip(KINDS[joint.kind].numbers, joint.numbers, strict=True):
+        entries[number.name] = _quantity(value)
     if joint.limits != Limits():
         limits = {
             key: getattr(joint.limits, key) for key in ("lower", "upper", "velocity", "effort")

@@ -24,6 +24,7 @@ TURNS = ("rpy", "axis_angle", "quat_wxyz", "matrix", "angle")
 PLACE = ("origin", *TURNS, "steps")
 MASS = ("mass", "com", "inertia", "shape")
 DRIVE = ("friction", "rotor", "spring")
+_OWN = tuple(number.name for kind in KINDS.values() for number in kind.numbers)
 _SHAPES: dict[str, tuple[str, ...]] = {
     "point": (),
     "disc": ("radius",),
@@ -104,14 +105,17 @@ def joint(table: TomlTable, dim: int) -> Joint:
     """[[joint]]"""
     table = table.called(f"joint {table.text('name')!r}")
     table.only(
-        "name", "kind", "parent", "child", *PLACE, "axis", "limits", *DRIVE, "mimic", "passive"
+        *("name", "kind", "parent", "child", *PLACE, "axis", *_OWN),
+        *("limits", *DRIVE, "mimic", "passive"),
     )
     kind = table.choice("kind", KINDS)
     one = KINDS[kind].nv == 1
+    own = [number.name for number in KINDS[kind].numbers]
     taken = {
         "axis": KINDS[kind].needs_axis,
         "limits": one,
         **dict.fromkeys(DRIVE, one),
+        **{name: name in own for name in _OWN},
         "mimic": one,
     }
     if unused := [key for key, has_it in taken.items() if key in table and not has_it]:
@@ -135,6 +139,7 @@ def joint(table: TomlTable, dim: int) -> Joint:
         _mimic(table),
         table.line,
         table.flag("passive"),
+        tuple(map(table.quantity, own)),
     )
 
 

@@ -10,7 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.algorithms.kinematics import ancestors, frame_pose, joint_poses, world_poses
-from freebody.algorithms.loop_scales import equations_of_lengths, mechanism_length, rates_of_lengths
+from freebody.algorithms.loop_scales import (
+    equations_of_lengths,
+    mechanism_length,
+    rates_of_lengths,
+    repeating,
+)
 from freebody.arrays import Array
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
@@ -107,10 +112,7 @@ def scales(model: Model) -> Scales:
         apart, turned = tolerance_of_loop(model, i)
         tolerance += [apart / reach] * lengths + [turned] * turns
     along = np.array(rates_of_lengths(tree), dtype=bool)
-    whole = ~along
-    for body in tree.bodies:
-        ratio = body.coordinates.ratio
-        whole[list(body.coordinates.v)] &= ratio == round(ratio)
+    whole = np.array(repeating(tree), dtype=bool)
     lengths, rates = np.array(equations_of_lengths(tree), dtype=bool), np.where(along, reach, 1.0)
     return Scales(
         reach, np.where(lengths, 1.0 / reach, 1.0), lengths, rates, whole, np.array(tolerance)

@@ -17,6 +17,7 @@ from freebody.model.bodies import Body, Frame
 from freebody.model.joints import KINDS
 from freebody.model.loops import checked_loop
 from freebody.model.model import Model
+from freebody.model.parameters import Quantity, quantity
 from freebody.model.parts import (
     MOST_LINKS,
     Drive,
@@ -141,7 +142,8 @@ class _Assembly:
                 joint.line,
             )
         self.check_limits(joint, where)
-        return replace(joint, axis=self.unit_axis(joint, where) if kind.needs_axis else ())
+        axis = self.unit_axis(joint, where) if kind.needs_axis else ()
+        return replace(joint, axis=axis, numbers=self.own_numbers(joint, where))
 
     def unit_axis(self, joint: Joint, where: str) -> tuple[float, ...]:
         """The joint's axis, of unit length: for a planar revolute joint (±1,)."""
@@ -153,6 +155,25 @@ class _Assembly:
                 joint.line,
             )
         return unit(axis)
+
+    def own_numbers(self, joint: Joint, where: str) -> tuple[Quantity, ...]:
+        """The numbers of the joint's kind, such as a pitch; refuses too few, too many, and what is
+        none."""
+        own = KINDS[joint.kind].numbers
+        if len(joint.numbers) != len(own):
+            named = ", ".join(f"{number.name} ({number.unit})" for number in own) or "none"
+            self.refuse(
+                f"{where}: numbers has {len(joint.numbers)} entries; those of a {joint.kind} joint "
+                f"are: {named}.",
+                joint.line,
+            )
+        try:
+            return tuple(
+                quantity(x, f"{where}: {number.name}")
+                for x, number in zip(joint.numbers, own, strict=True)
+            )
+        except ModelError as error:
+            self.refuse(str(error), joint.line)
 
     def check_limits(self, joint: Joint, where: str) -> None:
         problem = joint.limits.fault()

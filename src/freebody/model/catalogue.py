@@ -194,6 +194,13 @@ def _joint(
         yield from _pose(
             model, joint.name, "joint", pose, f"of the origin of joint {joint.name!r} in {where}"
         )
+    for k, number in enumerate(body.kind.numbers):
+        own = Items((*path, "joint", "numbers"), {number.name: k})
+        what = f"{number.what} of joint {joint.name!r}"
+        yield (
+            Row((joint.name, number.name), "joint", own, number.name, number.unit, what),
+            (*own.path, k),
+        )
     if body.kind.nv != 1:
         return
     (turns,) = body.kind.angular

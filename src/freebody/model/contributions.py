@@ -76,8 +76,8 @@ class PoseContribution(NamedTuple):
 
 
 class JointContribution(NamedTuple):
-    """What a joint contributes: structure, numbers of its placement, and of a one-axis joint those
-    of its drive."""
+    """What a joint contributes: structure, numbers of its placement and of its kind, and of a
+    one-axis joint those of its drive."""
 
     form: SharedForm
     placed: Array
@@ -121,9 +121,9 @@ def _joint_part(joint: Joint, one_axis: bool, dim: int) -> JointContribution:
     drive, driven = (
         kept(joint.drive, "part", _drive_part, joint.drive) if one_axis else (None, False)
     )
-    return JointContribution(
-        _joint_form(joint.kind, joint.axis, placed.form), placed.numbers, drive, driven
-    )
+    own = [as_row([VALUES.quantity(x)]) for x in joint.numbers]
+    where = joined([placed.numbers, *own]) if own else placed.numbers
+    return JointContribution(_joint_form(joint.kind, joint.axis, placed.form), where, drive, driven)
 
 
 @lru_cache(maxsize=1024)

@@ -147,6 +147,8 @@ class NumberLayout:
         for i, rows in zip(self.structure.order, self.structure.rows, strict=True):
             path, body = ("bodies", i), model.bodies[i]
             yield self._pose(body.joint.placement, (*path, "joint", "placement"), rows.position)
+            if body.joint.numbers:
+                yield self._own(body.joint.numbers, (*path, "joint", "numbers"), rows.joint)
             yield self._inertial(body.inertias, (*path, "inertias"), rows.inertia)
             if body.kind.nv == 1:
                 yield self._drive(body.joint.drive, (*path, "joint", "drive"), rows.drive)
@@ -200,6 +202,15 @@ class NumberLayout:
             )
 
         return NumberRow(at, (RowPart(self._positions[k].slots, entries, now),))
+
+    def _own(self, numbers: tuple[Quantity, ...], path: Path, at: slice) -> NumberRow:
+        """What a joint's kind has besides."""
+        those = [self._slot((*path, k), x) for k, x in enumerate(numbers)]
+
+        def entries(leaves: SlotValues, _: list[Vector]) -> Any:
+            return tuple([leaves[slot] for slot in those])
+
+        return NumberRow(at, (RowPart(frozenset(those), entries, entries(self.leaves, [])),))
 
     def _inertial(self, parts: tuple[Attached, ...], path: Path, at: slice) -> NumberRow:
         return NumberRow(at, tuple(self._part(part, (*path, k)) for k, part in enumerate(parts)))

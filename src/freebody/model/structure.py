@@ -6,9 +6,9 @@ placements and of gravity's direction the entries that are exactly 0 or ±1 (of 
 gravity: exactly 0). Names are not part of it.
 
 Numbers, in the order of `numbers`: of each body, parents first, the entries of its joint's
-placement that are not exact (of a rotation about a coordinate axis its cosine and sine), its mass,
-first moment and inertia about its origin, and, if any joint of the model has a drive, friction,
-rotor and spring; then gravity, the loops' distances and the mass of the base, and of closed chains
+placement that are not exact (of a rotation about a coordinate axis its cosine and sine), what its
+kind has besides, such as a pitch, its mass, first moment and inertia about its origin, and, if any
+joint of the model has a drive, friction, rotor and spring; then gravity, the loops' distances and the mass of the base, and of closed chains
 the frames' poses. They are numbers whether zero or not. What each piece of a model contributes is
 found once and kept with the piece, so that a changed copy of a model costs what was changed.
 """
@@ -54,16 +54,18 @@ if TYPE_CHECKING:
     from freebody.model.bodies import Body, Frame
     from freebody.model.model import Model
     from freebody.model.parameters import Quantity
+    from freebody.model.parts import Joint
 
 _RECENT = 16
 """Structures that are kept, with what is compiled for them, though no model of theirs is left."""
 
 
 class BodyRows(NamedTuple):
-    """Where the numbers of a body stand: of its joint's placement the position, mass and first
-    moment and inertia, and drive, which may be nothing."""
+    """Where the numbers of a body stand: of its joint's placement the position, those that the
+    joint's kind has besides, mass and first moment and inertia, and drive, which may be nothing."""
 
     position: slice
+    joint: slice
     inertia: slice
     drive: slice
     turns: bool
@@ -104,9 +106,11 @@ class Structure:
             sizes = [row.shape[-1] for row in rows_of(part, self.driven)]
             _, *ends = accumulate(sizes, initial=end)
             shift = sum([x != 0.0 for x in part.joint.form.content[2].content.p])
+            start = ends[0] - len(kind.numbers)
             found.append(
                 BodyRows(
-                    slice(ends[0] - shift, ends[0]),
+                    slice(start - shift, start),
+                    slice(start, ends[0]),
                     slice(ends[0], ends[1]),
                     slice(ends[1], ends[-1]),
                     all(kind.angular),
@@ -206,6 +210,9 @@ class ScalarPieces(Pieces):
     def pose(self, placement: Placement) -> Pose:
         part = pose_part(placement, self.space.dim)
         return part.form.content.filled(self._next(part.numbers.shape[-1]))
+
+    def own(self, joint: Joint) -> Vector:
+        return tuple(self._next(len(joint.numbers)))
 
     def masses(self, parts: tuple[Attached, ...]) -> tuple[Mass, ...]:
         dim = self.space.dim

@@ -24,7 +24,7 @@ from freebody.spatial import AnySpace, Matrix, Vector, add, identity, of_dimensi
 if TYPE_CHECKING:
     from freebody.model.bodies import Body, Frame
     from freebody.model.model import Model
-    from freebody.model.parts import Drive
+    from freebody.model.parts import Drive, Joint
 
 
 Pose = tuple[Matrix, Vector]
@@ -166,6 +166,10 @@ class Pieces:
         """The constant unit axis of a joint."""
         return self.reader.axis(axis)
 
+    def own(self, joint: Joint) -> Vector:
+        """The numbers that a joint's kind has besides an axis; asked for behind its pose."""
+        return tuple(map(self.reader.quantity, joint.numbers))
+
     def masses(self, parts: tuple[Attached, ...]) -> tuple[Mass, ...]:
         """What is fixed to a body."""
         return _masses(self.space, parts, self.reader)
@@ -202,8 +206,9 @@ def tree_of(model: Model, pieces: Pieces) -> Tree:
         body = model.bodies[i]
         at = model.coordinates[i]
         R, p = pieces.pose(body.joint.placement)
+        own = pieces.own(body.joint)
         masses = pieces.masses(body.inertias)
-        chain = body.kind.primitives(space, pieces.axis(body.joint.axis))
+        chain = body.kind.primitives(space, pieces.axis(body.joint.axis), own)
         drive = pieces.drive(body) if len(chain) == 1 else None
         parent = body_of[body.parent]
         iq = iv = 0

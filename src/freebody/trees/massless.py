@@ -87,6 +87,8 @@ def _all_sound(model: Model) -> bool:
     least, far, mass, inertia, rotor = math.inf, 0.0, 0.0, 0.0, 0.0
     for row in structure.rows:
         own = entries[row.inertia]
+        if entries[row.joint]:  # how far the joint takes its body is theirs to say
+            return False
         eigenvalue, about = _least(tuple(own))
         least, mass, inertia = min(least, eigenvalue), mass + own[0], inertia + about
         far += math.hypot(*entries[row.position]) + (0.0 if row.turns else _TRAVEL)

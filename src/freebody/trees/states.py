@@ -156,7 +156,8 @@ def _joint_by_joint(
         if body.joint.mimic is None:
             # kinds of several primitives are those whose positions add, as those of any one
             # primitive of theirs do
-            joint = body.kind.primitives(space, space.zero)[0][0]
+            own = (0.0,) * len(body.joint.numbers)  # how positions add does not depend on them
+            joint = body.kind.primitives(space, space.zero, own)[0][0]
             entries = (at.q if x.shape[-1] == model.nq else at.v for x in given)
             columns = [tuple(x[..., k] for k in ks) for x, ks in zip(given, entries, strict=True)]
             result[..., at.q if size == model.nq else at.v] = np.stack(

@@ -17,5 +17,7 @@ class Fixed(JointKind):
     coordinates = ()
     dimensions = (2, 3)
 
-    def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
+    def primitives(
+        self, space: AnySpace, axis: Vector, numbers: Vector
+    ) -> tuple[tuple[Primitive, Vector], ...]:
         return ()

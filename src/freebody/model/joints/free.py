@@ -69,5 +69,7 @@ class Free(JointKind):
     holds = False
     mark = ""
 
-    def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
+    def primitives(
+        self, space: AnySpace, axis: Vector, numbers: Vector
+    ) -> tuple[tuple[Primitive, Vector], ...]:
         return ((FLOATING, axis),)

@@ -31,6 +31,16 @@ class JointWords(NamedTuple):
     effort_unit: str
 
 
+class Own(NamedTuple):
+    """A number that belongs to joints of one kind, such as the pitch of a screw."""
+
+    name: str
+    """In files, and behind the joint's in `fb.parameters`."""
+    unit: str
+    what: str
+    """What it is: the lead of a screw."""
+
+
 class Primitive(ABC):
     """A joint with constant motion columns."""
 
@@ -38,6 +48,10 @@ class Primitive(ABC):
     nv: ClassVar[int]
     words: ClassVar[JointWords]
     """Of one axis."""
+    turns: ClassVar[bool] = False
+    """Of one axis: whether its motion turns the child about it."""
+    slides: ClassVar[bool] = False
+    """Of one axis: whether its motion takes the child along it."""
 
     @abstractmethod
     def pose(self, space: AnySpace, axis: Vector, q: Vector) -> tuple[Matrix, Vector]:
@@ -81,6 +95,8 @@ class JointKind(ABC):
     position_names: ClassVar[tuple[str, ...]] = ("",)
     """What each entry of q is called behind the joint's name; of one-axis joints nothing."""
     velocity_names: ClassVar[tuple[str, ...]] = ("",)
+    numbers: ClassVar[tuple[Own, ...]] = ()
+    """What such a joint has besides its axis, in the order of `Joint.numbers`."""
     quaternion: ClassVar[int | None] = None
     """Where in q a unit quaternion w, x, y, z begins."""
     angular: ClassVar[tuple[bool, ...]]
@@ -103,15 +119,18 @@ class JointKind(ABC):
     dimensions: ClassVar[tuple[int, ...]] = (3,)
     """Spaces (2, 3) in which the kind makes sense."""
 
+    motion: ClassVar[type[Primitive] | None] = None
+    """Of one axis: the primitive that it is."""
+
     @property
     def turns(self) -> bool:
         """Whether all that it does is turn about one axis."""
-        return self.angular == (True,)
+        return self.motion is not None and self.motion.turns and not self.motion.slides
 
     @property
     def slides(self) -> bool:
         """Whether all that it does is slide along one axis."""
-        return self.angular == (False,)
+        return self.motion is not None and self.motion.slides and not self.motion.turns
 
     def frees(self, dim: int) -> bool:
         """Whether it leaves a body all its motion in a space of so many dimensions."""
@@ -122,9 +141,11 @@ class JointKind(ABC):
         return dim
 
     @abstractmethod
-    def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
-        """The chain of primitives, each with its axis, that stands for this joint; their
-        coordinates in order."""
+    def primitives(
+        self, space: AnySpace, axis: Vector, numbers: Vector
+    ) -> tuple[tuple[Primitive, Vector], ...]:
+        """The chain of primitives, each with its axis, that stands for a joint of this kind with
+        these `numbers`; their coordinates in order."""
 
     def axis_in_space(self, axis: tuple[float, ...]) -> tuple[float, ...]:
         """The axis of the planar model's joint in its twin in space, whose xy-plane the plane

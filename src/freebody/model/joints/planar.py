@@ -22,7 +22,9 @@ class Planar(JointKind):
     mark = ""
     dimensions = (2, 3)
 
-    def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
+    def primitives(
+        self, space: AnySpace, axis: Vector, numbers: Vector
+    ) -> tuple[tuple[Primitive, Vector], ...]:
         x, y = ((1.0, 0.0, 0.0)[: space.dim], (0.0, 1.0, 0.0)[: space.dim])
         z = (0.0, 0.0, 1.0) if space.dim == 3 else (1.0,)
         return ((SLIDING, x), (SLIDING, y), (TURNING, z))

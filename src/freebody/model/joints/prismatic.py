@@ -10,6 +10,7 @@ class Sliding(Primitive):
     """Translation by q[0] (m) along the axis."""
 
     nq = nv = 1
+    slides = True
     words = JointWords("prismatic", "displacement", "force", "guide", "m", "N")
 
     def pose(self, space: AnySpace, axis: Vector, q: Vector) -> tuple[Matrix, Vector]:
@@ -26,6 +27,7 @@ class Prismatic(JointKind):
     """Prismatic."""
 
     name = "prismatic"
+    motion = Sliding
     nq = nv = 1
     angular = (False,)
     coordinates = ("d",)
@@ -35,7 +37,9 @@ class Prismatic(JointKind):
     needs_axis = True
     dimensions = (2, 3)
 
-    def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
+    def primitives(
+        self, space: AnySpace, axis: Vector, numbers: Vector
+    ) -> tuple[tuple[Primitive, Vector], ...]:
         return ((SLIDING, axis),)
 
     def axis_in_space(self, axis: tuple[float, ...]) -> tuple[float, ...]:

@@ -10,6 +10,7 @@ class Turning(Primitive):
     """Rotation by q[0] (rad) about the axis."""
 
     nq = nv = 1
+    turns = True
     words = JointWords("revolute", "angle", "torque", "bearing", "rad", "N m")
 
     def pose(self, space: AnySpace, axis: Vector, q: Vector) -> tuple[Matrix, Vector]:
@@ -26,6 +27,7 @@ class Revolute(JointKind):
     """Revolute, usually with limits."""
 
     name = "revolute"
+    motion = Turning
     nq = nv = 1
     angular = (True,)
     coordinates = ("theta",)
@@ -33,7 +35,9 @@ class Revolute(JointKind):
     needs_axis = True
     dimensions = (2, 3)
 
-    def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
+    def primitives(
+        self, space: AnySpace, axis: Vector, numbers: Vector
+    ) -> tuple[tuple[Primitive, Vector], ...]:
         return ((TURNING, axis),)
 
     def axis_size(self, dim: int) -> int:

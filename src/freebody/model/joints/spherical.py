@@ -61,5 +61,7 @@ class Spherical(JointKind):
     coordinates = None
     mark = "sphere"
 
-    def primitives(self, space: AnySpace, axis: Vector) -> tuple[tuple[Primitive, Vector], ...]:
+    def primitives(
+        self, space: AnySpace, axis: Vector, numbers: Vector
+    ) -> tuple[tuple[Primitive, Vector], ...]:
         return ((PIVOTING, axis),)

@@ -1,0 +1,25 @@
+"""Cylindrical joint: turns about a constant axis and slides along it, one as free as the other."""
+
+from __future__ import annotations
+
+from freebody.model.joints.kind import JointKind, Primitive
+from freebody.model.joints.prismatic import SLIDING
+from freebody.model.joints.revolute import TURNING
+from freebody.spatial import AnySpace, Vector
+
+
+class Cylindrical(JointKind):
+    """Cylindrical."""
+
+    name = "cylindrical"
+    nq = nv = 2
+    position_names = velocity_names = ("theta", "d")
+    angular = (True, False)
+    coordinates = ("theta", "d")
+    mark = "slider"
+    needs_axis = True
+
+    def primitives(
+        self, space: AnySpace, axis: Vector, numbers: Vector
+    ) -> tuple[tuple[Primitive, Vector], ...]:
+        return ((TURNING, axis), (SLIDING, axis))

@@ -1,0 +1,24 @@
+"""Universal joint: turns about x of the joint's frame, then about y as the first turn leaves it
+(Hooke's joint). It is two revolute joints without mass between."""
+
+from __future__ import annotations
+
+from freebody.model.joints.kind import JointKind, Primitive
+from freebody.model.joints.revolute import TURNING
+from freebody.spatial import AnySpace, Vector
+
+
+class Universal(JointKind):
+    """Universal."""
+
+    name = "universal"
+    nq = nv = 2
+    position_names = velocity_names = ("phi", "psi")
+    angular = (True, True)
+    coordinates = ("phi", "psi")
+    mark = "sphere"
+
+    def primitives(
+        self, space: AnySpace, axis: Vector, numbers: Vector
+    ) -> tuple[tuple[Primitive, Vector], ...]:
+        return ((TURNING, (1.0, 0.0, 0.0)), (TURNING, (0.0, 1.0, 0.0)))
