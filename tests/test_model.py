@@ -15,6 +15,7 @@ import freebody as fb
 from freebody.errors import FileError, ModelError
 from freebody.model.assembly import assemble
 from freebody.model.inertia import Inertia
+from freebody.model.joints import KINDS
 from freebody.model.parameters import Parameter
 from freebody.model.parts import (
     Drive,
@@ -138,7 +139,7 @@ def test_lines_of_a_file_are_the_ones_to_look_at():
 
 
 def test_joints_that_cannot_be():
-    kinds = "Joint kinds: revolute, continuous, prismatic, helical, fixed, cylindrical, universal, planar, spherical, free."
+    kinds = f"Joint kinds: {', '.join(KINDS)}."
     says(
         f"no joint kind 'revolut' in joint 'elbow'. Did you mean 'revolute'? {kinds}",
         changed(1, kind="revolut"),

@@ -34,19 +34,27 @@ class Theirs:
         self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
         self.data = mujoco.MjData(self.model)
         self.q, self.v = [], []
-        for body in ours.bodies:
-            parts = (
-                [f"{body.joint.name}_{x}" for x in "xyz"]
-                if body.joint.kind == "planar"
-                else [body.joint.name]
-            )
-            for part in parts:
-                j = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_JOINT, part)
-                assert j >= 0
+        self.screws = []  # (place of their slide in q and q̇, of ours in q and q̇, pitch)
+        for body, at in zip(ours.bodies, ours.coordinates, strict=True):
+            several = {"planar": "xyz", "universal": "xy", "cylindrical": ["", "slide"]}
+            for part in several.get(body.joint.kind, [""]):
+                j = self.joint(part_of(body.joint, part))
                 nq, nv = {"free": (7, 6), "spherical": (4, 3)}.get(body.joint.kind, (1, 1))
                 self.q += range(self.model.jnt_qposadr[j], self.model.jnt_qposadr[j] + nq)
                 self.v += range(self.model.jnt_dofadr[j], self.model.jnt_dofadr[j] + nv)
-        assert (len(self.q), len(self.v)) == (self.model.nq, self.model.nv) == (ours.nq, ours.nv)
+            if body.joint.kind == "helical":
+                j = self.joint(part_of(body.joint, "slide"))
+                place = (int(self.model.jnt_qposadr[j]), int(self.model.jnt_dofadr[j]))
+                self.screws.append((*place, at.q[0], at.v[0], body.joint.numbers[0]))
+        assert (len(self.q), len(self.v)) == (ours.nq, ours.nv)
+        more = len(self.screws)
+        assert (self.model.nq, self.model.nv) == (ours.nq + more, ours.nv + more)
+
+    def joint(self, name: str) -> int:
+        """Their number of a joint."""
+        number = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_JOINT, name)
+        assert number >= 0
+        return number
 
     def rates(self, q: np.ndarray) -> np.ndarray:
         """G with their rates = G q̇: the velocity of a free body is in world axes there, its ω in
@@ -57,6 +65,8 @@ class Theirs:
             if body.joint.kind == "free":
                 k = list(at.v[:3])
                 G[np.ix_([self.v[i] for i in k], k)] = standing[body.name][:3, :3]
+        for _, slide, _, k, pitch in self.screws:
+            G[slide, k] = pitch
         return G
 
     def check(self, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> None:
@@ -70,6 +80,8 @@ class Theirs:
                     :3, :3
                 ] @ np.cross(qd[k[3:]], qd[k[:3]])
         data.qpos[self.q] = q
+        for slide, _, k, _, pitch in self.screws:
+            data.qpos[slide] = pitch * q[k]
         data.qvel[:] = G @ qd
         data.qacc[:] = G @ qdd + turning
         mujoco.mj_forward(model, data)
@@ -112,6 +124,11 @@ def mjcf(description: RobotDescription) -> str:
     return tostring(root, encoding="unicode")
 
 
+def part_of(joint: Joint, part: str) -> str:
+    """The name of one of several of their joints that are one of ours."""
+    return f"{joint.name}_{part}" if part else joint.name
+
+
 def attach(
     parent: Element,
     link: Link,
@@ -128,18 +145,21 @@ def attach(
             "stiffness": text(drive.stiffness),
             "springref": text(drive.rest),
         }
-        if joint.kind == "planar":
-            for letter, kind, axis in (
-                ("x", "slide", "1 0 0"),
-                ("y", "slide", "0 1 0"),
-                ("z", "hinge", "0 0 1"),
-            ):
-                SubElement(body, "joint", name=f"{joint.name}_{letter}", type=kind, axis=axis)
+        parts = {
+            "planar": (("x", "slide", "1 0 0"), ("y", "slide", "0 1 0"), ("z", "hinge", "0 0 1")),
+            "universal": (("x", "hinge", "1 0 0"), ("y", "hinge", "0 1 0")),
+        }
+        if joint.kind in parts:
+            for letter, kind, axis in parts[joint.kind]:
+                SubElement(body, "joint", name=part_of(joint, letter), type=kind, axis=axis)
         elif joint.kind == "spherical":
             SubElement(body, "joint", name=joint.name, type="ball")
         else:
             kind = "slide" if joint.kind == "prismatic" else "hinge"
             SubElement(body, "joint", name=joint.name, type=kind, axis=text(joint.axis), **extra)
+            if joint.kind in ("cylindrical", "helical"):  # a screw's slide follows its hinge
+                name = part_of(joint, "slide")
+                SubElement(body, "joint", name=name, type="slide", axis=text(joint.axis))
     if link.inertia is not None:
         m, c, tensor = link.inertia.numbers()
         T = generate.matrix(link.placement)
@@ -170,13 +190,7 @@ SEEDS = [seed for seed in range(120) if comparable(seed)]
 
 def test_the_trees_hold_every_kind_but_free():
     kinds = [joint.kind for seed in SEEDS for joint in generate.tree(seed).joints]
-    assert (
-        min(
-            kinds.count(kind)
-            for kind in ("revolute", "continuous", "prismatic", "planar", "spherical")
-        )
-        >= 10
-    )
+    assert min(kinds.count(kind) for kind in generate.MOVING if kind != "free") >= 10
 
 
 @pytest.mark.parametrize("seed", SEEDS)

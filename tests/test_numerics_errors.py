@@ -398,7 +398,7 @@ def test_quaternions_off_unit_length():
     )
     says(
         f"integrate: the quaternion of joint 'base' has length 2; {remedy}",
-        lambda: fb.integrate(model, 2 * q, np.zeros(9)),
+        lambda: fb.integrate(model, 2 * q, np.zeros(model.nv)),
     )
     near = q.copy()
     near[3:7] *= 1 + 5e-7
@@ -407,7 +407,7 @@ def test_quaternions_off_unit_length():
     )
     says(
         "mass_matrix: q is nan for 'base.x'; every entry must be a finite number.",
-        lambda: fb.mass_matrix(model, np.full(10, NAN)),
+        lambda: fb.mass_matrix(model, np.full(model.nq, NAN)),
     )
 
 
@@ -417,7 +417,7 @@ def test_the_quaternion_at_fault_is_quoted():
     q[1, 3:7] *= 0.5
     remedy = "it must be 1 within 1e-6: divide it by its length."
     text = f"the quaternion of joint 'base' at sample 1 has length 0.5; {remedy}"
-    says(f"bias: {text}", lambda: fb.bias(model, q, np.zeros(9)))
+    says(f"bias: {text}", lambda: fb.bias(model, q, np.zeros(model.nv)))
     says(f"difference: {text}", lambda: fb.difference(model, q[0], q))
 
 

@@ -41,6 +41,35 @@ def _box(body: BodyPlace, radius: float, name: str) -> list[Element]:
     return [Prism(at, axis, 1.15 * radius, 1.5 * radius, name, "joint", sides=4)]
 
 
+def _sleeve(body: BodyPlace, radius: float, name: str) -> list[Element]:
+    """A tube along the axis, where the joint begins, and the rod in it."""
+    if body.axis is None:
+        return []
+    at, axis = point(body.carrier), point(body.axis)
+    return [
+        Prism(at, axis, 0.5 * radius, 2.6 * radius, name, "joint"),
+        Prism(at, axis, 1.1 * radius, 1.5 * radius, name, "joint"),
+    ]
+
+
+def _screw(body: BodyPlace, radius: float, name: str) -> list[Element]:
+    """A nut where the joint begins, and the spindle that turns in it."""
+    if body.axis is None:
+        return []
+    axis = point(body.axis)
+    return [
+        Prism(point(body.origin), axis, 0.55 * radius, 2.6 * radius, name, "joint"),
+        Prism(point(body.carrier), axis, 1.3 * radius, 0.8 * radius, name, "joint", sides=6),
+    ]
+
+
+def _cross(body: BodyPlace, radius: float, name: str) -> list[Element]:
+    """Two pins that cross: one held by what is before, one by the body."""
+    at = point(body.origin)
+    first, second = point(body.carrier_rotation[:, 0]), point(body.rotation[:, 1])
+    return [Prism(at, axis, 0.5 * radius, 1.7 * radius, name, "joint") for axis in (first, second)]
+
+
 def _ball(body: BodyPlace, radius: float, name: str) -> list[Element]:
     return [Mark(point(body.origin), "sphere", name, "joint", size=8.0)]
 
@@ -52,6 +81,9 @@ def _nothing(body: BodyPlace, radius: float, name: str) -> list[Element]:
 JOINTS = {
     "joint": JointSymbol("joint", _cylinder),
     "slider": JointSymbol("slider", _box, 8.0),
+    "sleeve": JointSymbol("slider", _sleeve, 8.0),
+    "screw": JointSymbol("joint", _screw),
+    "cross": JointSymbol("joint", _cross),
     "sphere": JointSymbol("sphere", _ball, 8.0),
     "": JointSymbol("", _nothing),
 }

@@ -198,7 +198,7 @@ def _joint(
         own = Items((*path, "joint", "numbers"), {number.name: k})
         what = f"{number.what} of joint {joint.name!r}"
         yield (
-            Row((joint.name, number.name), "joint", own, number.name, number.unit, what),
+            ModelNumber((joint.name, number.name), "joint", own, number.name, number.unit, what),
             (*own.path, k),
         )
     if body.kind.nv != 1:

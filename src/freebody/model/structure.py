@@ -8,9 +8,10 @@ gravity: exactly 0). Names are not part of it.
 Numbers, in the order of `numbers`: of each body, parents first, the entries of its joint's
 placement that are not exact (of a rotation about a coordinate axis its cosine and sine), what its
 kind has besides, such as a pitch, its mass, first moment and inertia about its origin, and, if any
-joint of the model has a drive, friction, rotor and spring; then gravity, the loops' distances and the mass of the base, and of closed chains
-the frames' poses. They are numbers whether zero or not. What each piece of a model contributes is
-found once and kept with the piece, so that a changed copy of a model costs what was changed.
+joint of the model has a drive, friction, rotor and spring; then gravity, the loops' distances and
+the mass of the base, and of closed chains the frames' poses. They are numbers whether zero or not.
+What each piece of a model contributes is found once and kept with the piece, so that a changed copy
+of a model costs what was changed.
 """
 
 from __future__ import annotations

@@ -12,7 +12,10 @@ from typing import Any
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.model.bodies import Body
 from freebody.model.model import Model
+from freebody.model.reading import VALUES
+from freebody.spatial import of_dimension
 
 LOADS = {
     "axial_force": ("N", "force along the axis of a turning joint, on the child"),
@@ -21,7 +24,8 @@ LOADS = {
     "guide_moment": ("N m", "moment about the axis of a sliding joint, carried by its guide"),
     "drive_load": (
         "N m|N",
-        "moment about the axis of a turning joint, force along that of a sliding one: the drive's",
+        "moment about the axis of a turning joint (of a screw with pitch times the force along it), "
+        "force along that of a sliding one: the drive's",
     ),
 }
 """Unit and meaning; of joints without one axis, and where a plane has no such load, NaN."""
@@ -32,34 +36,36 @@ def bearing_loads(model: Model, force: Array, moment: Array) -> dict[str, Any]:
     joints, 3 or 1)."""
     found = {name: np.full(force.shape[:2], np.nan) for name in LOADS}
     for k, body in enumerate(model.bodies):
-        if body.kind.turns and model.dim == 2:
-            parts = {
-                "radial_force": _size(force[:, k]),
-                "drive_load": body.joint.axis[0] * moment[:, k, 0],
-            }
-        elif body.kind.turns:
-            axial, radial = _split(force[:, k], body.joint.axis)
-            driving, tilting = _split(moment[:, k], body.joint.axis)
-            parts = {
-                "axial_force": axial,
-                "radial_force": radial,
-                "tilting_moment": tilting,
-                "drive_load": driving,
-            }
-        elif body.kind.slides:
-            driving, radial = _split(force[:, k], body.joint.axis)
-            parts = {"radial_force": radial, "drive_load": driving}
-            if model.dim == 2:
-                parts["tilting_moment"] = np.abs(moment[:, k, 0])
-            else:
-                parts["guide_moment"], parts["tilting_moment"] = _split(
-                    moment[:, k], body.joint.axis
-                )
-        else:
-            continue
-        for name, value in parts.items():
-            found[name][:, k] = value
+        if body.kind.needs_axis:
+            for name, value in _along_axis(body, force[:, k], moment[:, k]).items():
+                found[name][:, k] = value
     return {name: (("time", "joint"), found[name], *LOADS[name]) for name in LOADS}
+
+
+def _along_axis(body: Body, force: Array, moment: Array) -> dict[str, Array]:
+    """Of a joint with an axis, whose drive is what the reactions do along its motion; force (T,
+    dim), moment (T, 3 or 1)."""
+    joint, motion, dim = body.joint, body.kind.motion, force.shape[-1]
+    parts: dict[str, Array] = {}
+    turning, sliding = motion is None or motion.turns, motion is None or motion.slides
+    if len(joint.axis) == dim:
+        axial, parts["radial_force"] = _split(force, joint.axis)
+        if not sliding or (turning and motion is not None):
+            parts["axial_force"] = axial
+    else:
+        parts["radial_force"] = _size(force)
+    if dim == 3:
+        about, parts["tilting_moment"] = _split(moment, joint.axis)
+        if not turning:
+            parts["guide_moment"] = about
+    elif not turning:
+        parts["tilting_moment"] = np.abs(moment[:, 0])
+    if motion is not None:
+        numbers = tuple(map(VALUES.quantity, joint.numbers))
+        ((primitive, axis),) = body.kind.primitives(of_dimension(dim), joint.axis, numbers)
+        ((w, v),) = primitive.columns(of_dimension(dim), axis)
+        parts["drive_load"] = moment @ np.asarray(w) + force @ np.asarray(v)
+    return parts
 
 
 def _split(vectors: Array, axis: tuple[float, ...]) -> tuple[Array, Array]:

@@ -16,7 +16,7 @@ class Cylindrical(JointKind):
     position_names = velocity_names = ("theta", "d")
     angular = (True, False)
     coordinates = ("theta", "d")
-    mark = "slider"
+    mark = "sleeve"
     needs_axis = True
 
     def primitives(

@@ -16,7 +16,7 @@ class Universal(JointKind):
     position_names = velocity_names = ("phi", "psi")
     angular = (True, True)
     coordinates = ("phi", "psi")
-    mark = "sphere"
+    mark = "cross"
 
     def primitives(
         self, space: AnySpace, axis: Vector, numbers: Vector

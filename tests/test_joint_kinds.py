@@ -1,0 +1,191 @@
+"""Helical, cylindrical and universal joints: against Pinocchio's own, against the same motions made
+of revolute and prismatic joints, and their numbers by name. Random trees have them too
+(`support.generate`)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.model.assembly import assemble
+from freebody.model.gravity import gravity_of
+from freebody.model.joints import KINDS
+from freebody.model.parts import Joint, Link, Mimic, RobotDescription
+from freebody.model.placement import rpy, shift
+from support import generate
+from support.helpers import close
+
+PITCH = 0.03
+AXIS = (0.0, 0.6, 0.8)
+
+
+def described(*joints: Joint) -> RobotDescription:
+    """A chain of links with masses, or none where the name says so."""
+    rng = np.random.default_rng(3)
+    links = [Link("base")]
+    for joint in joints:
+        inertia = None if joint.child.startswith("no_mass") else generate.random_inertia(rng)
+        links.append(Link(joint.child, inertia))
+    gravity = gravity_of((1.0, 2.0, -9.0), 3)
+    return RobotDescription("chain", 3, tuple(links), joints, gravity)
+
+
+def screw(name: str, parent: str, child: str, pitch: object = PITCH) -> Joint:
+    at = shift(0.1, 0.0, 0.2).then(rpy(0.3, 0.2, 0.1))
+    return Joint(name, "helical", parent, child, at, AXIS, numbers=(pitch,))
+
+
+THREE = (
+    screw("s", "base", "a"),
+    Joint("u", "universal", "a", "b", shift(0.0, 0.2, 0.3).then(rpy(0.1, 0.4, 0.2))),
+    Joint("c", "cylindrical", "b", "c", shift(0.0, 0.2, 0.3), (1.0, 2.0, 3.0)),
+)
+
+
+def dynamics(model: fb.Model, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> list[np.ndarray]:
+    return [
+        fb.mass_matrix(model, q),
+        fb.inverse_dynamics(model, q, qd, qdd),
+        fb.forward_dynamics(model, q, qd, qdd),
+        fb.forward_kinematics(model, q),
+        fb.jacobian(model, q),
+        fb.kinetic_energy(model, q, qd),
+    ]
+
+
+def test_pinocchio_has_the_same_helical_and_universal_joint():
+    pin = pytest.importorskip("pinocchio")
+    model = assemble(described(*THREE))
+    theirs = pin.Model()
+    theirs.gravity.linear[:] = model.gravity
+    axis = np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
+    kinds = [
+        pin.JointModelHelicalUnaligned(np.array(AXIS), PITCH),
+        pin.JointModelUniversal(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])),
+        pin.JointModelRevoluteUnaligned(axis),
+        pin.JointModelPrismaticUnaligned(axis),
+    ]
+    last = 0
+    for k, kind in enumerate(kinds):
+        T = generate.matrix(THREE[k].placement) if k < 3 else np.eye(4)
+        last = theirs.addJoint(last, kind, pin.SE3(T), str(k))
+        body = model.bodies[k] if k < 2 else model.bodies[2]
+        if k != 2:
+            m, c, tensor = body.inertias[0].inertia.numbers()
+            theirs.appendBodyToJoint(last, pin.Inertia(m, c, tensor), pin.SE3.Identity())
+    data = theirs.createData()
+    for q, qd, qdd in zip(*fb.random_state(model, 0, 5), strict=True):
+        tau = pin.rnea(theirs, data, q, qd, qdd)
+        close(fb.inverse_dynamics(model, q, qd, qdd), tau, 1e-12)
+        close(fb.mass_matrix(model, q), pin.crba(theirs, data, q), 1e-12)
+        close(fb.forward_dynamics(model, q, qd, tau), qdd, 1e-10)
+        pin.forwardKinematics(theirs, data, q)
+        close(fb.forward_kinematics(model, q), np.array(data.oMi[last]), 1e-13)
+
+
+def test_they_are_chains_of_revolute_and_prismatic_joints():
+    """A screw is a turn, and a slide that follows it; the others are free to do both."""
+    q, qd, qdd = fb.random_state(assemble(described(*THREE)), 1, 4)
+    s, u, c = THREE
+    parts = (
+        replace(s, name="s", kind="revolute", child="no_mass_1", numbers=()),
+        Joint("s2", "prismatic", "no_mass_1", "a", axis=AXIS, mimic=Mimic("s", PITCH)),
+        replace(u, name="u1", kind="revolute", child="no_mass_2", axis=(1.0, 0.0, 0.0)),
+        Joint("u2", "revolute", "no_mass_2", "b", axis=(0.0, 1.0, 0.0)),
+        replace(c, name="c1", kind="revolute", child="no_mass_3"),
+        Joint("c2", "prismatic", "no_mass_3", "c", axis=(1.0, 2.0, 3.0)),
+    )
+    whole = assemble(described(*THREE))
+    masses = {body.name: body.inertias for body in whole.bodies}
+    made = assemble(described(*parts))
+    made = replace(
+        made,
+        bodies=tuple(replace(body, inertias=masses.get(body.name, ())) for body in made.bodies),
+    )
+    for ours, theirs in zip(dynamics(whole, q, qd, qdd), dynamics(made, q, qd, qdd), strict=True):
+        close(ours, theirs, 1e-11)
+
+
+# ---------------------------------------------------------------- the pitch is a number
+def test_a_pitch_is_a_number_like_others():
+    model = assemble(described(screw("s", "base", "a")))
+    found = fb.parameters(model)["s.pitch"]
+    assert (found.value, found.unit) == (PITCH, "m/rad")
+    q, qd, qdd = fb.random_state(model, 0)
+    pitches = np.array([0.01, 0.05])
+    family = model.bind({"s.pitch": pitches})
+    alone = [model.bind({"s.pitch": float(x)}) for x in pitches]
+    expected = [fb.inverse_dynamics(one, q, qd, qdd) for one in alone]
+    close(fb.inverse_dynamics(family, q, qd, qdd), np.array(expected), 1e-15)
+    assert alone[0].structure is model.structure is model.bind({"s.pitch": 0.0}).structure
+    kernel = fb.kernel(model, "inverse_dynamics", inputs=["s.pitch"])
+    close(kernel(q, qd, qdd, pitches[:, None]), np.array(expected), 1e-14)
+    slope = fb.kernel(model, "inverse_dynamics", inputs=["s.pitch"], by="p")
+    step = 1e-5
+    ends = [
+        fb.inverse_dynamics(model.bind({"s.pitch": PITCH + x}), q, qd, qdd) for x in (step, -step)
+    ]
+    close(slope(q, qd, qdd, [PITCH])[1][..., 0], (ends[0] - ends[1]) / (2.0 * step), 1e-8)
+
+
+def test_a_pitch_in_files(tmp_path):
+    text = """
+name = "press"
+[[link]]
+name = "base"
+[[link]]
+name = "ram"
+mass = 2.0
+[[joint]]
+name = "spindle"
+kind = "helical"
+parent = "base"
+child = "ram"
+axis = "z"
+"""
+
+    def read(more: str, kind: str = "helical") -> fb.Model:
+        (tmp_path / "press.toml").write_text(text.replace("helical", kind) + more)
+        return fb.load(tmp_path / "press.toml")
+
+    model = read("pitch = { name = 'h', value = 0.002 }\nlimits = { upper = '20 deg' }\n")
+    fb.save(model, tmp_path / "saved.toml")
+    again = fb.load(tmp_path / "saved.toml")
+    assert again.bodies[0].joint.numbers == model.bodies[0].joint.numbers
+    close(fb.gravity_torque(again, [0.3]), [0.002 * 2.0 * 9.81], 1e-14)
+    with pytest.raises(fb.FreebodyError, match=r"joint 'spindle': pitch is missing; add pitch ="):
+        read("")
+    with pytest.raises(fb.FreebodyError, match=r"toml:14: joint 'spindle': a prismatic joint has "
+                       r"no pitch; remove it\."):  # fmt: skip
+        read("pitch = 0.1\n", "prismatic")
+
+
+def test_numbers_that_do_not_fit_the_kind():
+    for joint, text in (
+        (replace(THREE[0], numbers=()), r"joint 's': numbers has 0 entries; those of a helical "
+         r"joint are: pitch \(m/rad\)\."),
+        (replace(THREE[1], numbers=(1.0,), parent="base"), r"joint 'u': numbers has 1 entries; "
+         r"those of a universal joint are: none\."),
+        (screw("s", "base", "a", float("nan")), r"joint 's': pitch: nan is not a finite number\."),
+    ):  # fmt: skip
+        with pytest.raises(fb.FreebodyError, match=text):
+            assemble(described(joint))
+
+
+# ---------------------------------------------------------------- every kind says what it is
+@pytest.mark.parametrize("name", KINDS)
+def test_a_kind_of_one_axis_names_its_primitive(name):
+    """Its motion, words and units are the primitive's; `turns` and `slides` are alone what they
+    say."""
+    kind = KINDS[name]
+    assert len(kind.angular) == kind.nv == len(kind.velocity_names)
+    if kind.nv != 1:
+        assert kind.motion is None
+        return
+    assert kind.motion is not None
+    assert kind.motion.words.unit == ("rad" if kind.angular[0] else "m")
+    assert kind.motion.turns or kind.motion.slides
+    assert kind.turns + kind.slides == (kind.motion.turns != kind.motion.slides)
