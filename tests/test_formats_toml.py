@@ -168,7 +168,7 @@ def test_dh_table_is_the_builder():
         rows = [
             { alpha = "90 deg", d = "d1", m = 2, com = [0, 0, 0.1], I = [
                 [1, 0, 0], [0, 1, 0], [0, 0, 1]] },
-            { joint = "P", theta = 0.5, a = 0.3, limits = { lower=0, upper=1 }, friction={ viscous=2 } },
+        { joint = "P", theta = 0.5, a = 0.3, limits = { lower=0, upper=1 }, friction={ viscous=2 } },
         ]
     """)
     rows = [
