@@ -163,13 +163,13 @@ def test_planar_limits_and_drives():
 
 def test_dh_table_is_the_builder():
     model = read("""
-        [dh]
-        convention = "modified"
-        rows = [
-            { alpha = "90 deg", d = "d1", m = 2, com = [0, 0, 0.1], I = [
-                [1, 0, 0], [0, 1, 0], [0, 0, 1]] },
-        { joint = "P", theta = 0.5, a = 0.3, limits = { lower=0, upper=1 }, friction={ viscous=2 } },
-        ]
+    [dh]
+    convention = "modified"
+    rows = [
+      { alpha = "90 deg", d = "d1", m = 2, com = [0, 0, 0.1], I = [
+          [1, 0, 0], [0, 1, 0], [0, 0, 1]] },
+      { joint = "P", theta = 0.5, a = 0.3, limits = {lower=0, upper=1}, friction = {viscous=2} },
+    ]
     """)
     rows = [
         {"alpha": math.radians(90), "d": "d1", "m": 2, "com": (0, 0, 0.1), "I": (1, 0, 0, 1, 0, 1)},
