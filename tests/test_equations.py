@@ -464,6 +464,15 @@ def test_latex_compiles_and_fits(tmp_path: Path) -> None:
     assert "Overfull \\hbox" not in run.stdout
 
 
+def test_without_sympy_the_error_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "sympy", None)
+    with pytest.raises(ImportError) as refused:
+        fb.equations(fb.planar("R")).to_sympy()
+    message = "to_sympy: SymPy is not installed; pip install 'freebody[sympy]'."
+    assert str(refused.value) == message
+    assert isinstance(refused.value, fb.FreebodyError)
+
+
 def test_sympy_is_imported_only_when_asked_for() -> None:
     code = (
         "import sys, freebody as fb; fb.equations(fb.planar('RR')).text(); "

@@ -237,7 +237,7 @@ print(run(["notes", "eq-3.22", "--errata"]), run(["models"]), run(["--help"]))
 def test_without_the_course_freebody_does_the_rest_and_says_what_is_missing():
     done = subprocess.run([sys.executable, "-c", WITHOUT], capture_output=True, text=True)
     missing = (
-        "needs the package freebody_notes, which is not installed; it comes with freebody: "
+        "freebody_notes is not installed; it comes with freebody: "
         "pip install --force-reinstall freebody."
     )
     said = done.stdout.splitlines()

@@ -164,6 +164,60 @@ def test_trajectory_derivatives_and_numbers():
     assert str(path.velocity.expressions[0]) == "9 t² + 4 t"
 
 
+WRITTEN = {
+    "3*x^3*y - x/2 + 1": lambda x, y: 3 * x**3 * y - x / 2 + 1,
+    "sin(2*x)*exp(y) - cos(x - y)^2": lambda x, y: np.sin(2 * x) * np.exp(y) - np.cos(x - y) ** 2,
+    "sqrt(x)*log(x*y)/(1 + y^2)": lambda x, y: np.sqrt(x) * np.log(x * y) / (1 + y**2),
+    "tan(x)/y^2 + sqrt(x + sin(y)^3)": lambda x, y: np.tan(x) / y**2 + np.sqrt(x + np.sin(y) ** 3),
+    "exp(x)*exp(-2*y)/(x + 2*y)^3": lambda x, y: np.exp(x - 2 * y) / (x + 2 * y) ** 3,
+    "1/sqrt(x*y) + log(2 + cos(exp(x)))": lambda x, y: (
+        1 / np.sqrt(x * y) + np.log(2 + np.cos(np.exp(x)))
+    ),
+}
+
+
+@pytest.mark.parametrize("row", WRITTEN)
+def test_functions_are_those_written_and_their_slopes_those_of_differences(row: str):
+    f = fb.vector_function([row], ["x", "y"])
+    at = np.random.default_rng(3).uniform(0.3, 1.2, (20, 2))
+    np.testing.assert_allclose(f(at)[:, 0], WRITTEN[row](*at.T), rtol=1e-13)
+    steps = 1e-3 * np.eye(2)[:, None]
+    near = [f(at + k * steps)[..., 0] for k in (1, -1, 2, -2)]
+    slopes = (8 * (near[0] - near[1]) - (near[2] - near[3])) / 12e-3
+    np.testing.assert_allclose(f.jacobian_at(at)[:, 0], slopes.T, rtol=1e-8, atol=1e-8)
+    printed = [value(f.expressions[0], {"x": x, "y": y}) for x, y in at]
+    np.testing.assert_allclose(printed, f(at)[:, 0], rtol=1e-13)
+
+
+def test_functions_are_compared_exactly_and_else_by_numbers():
+    f = fb.vector_function(["x", "y"], ["x", "y"])
+    at = dict(zip("xy", f.symbols, strict=True))
+    same = (
+        "(x + y)^2 = x^2 + 2*x*y + y^2",
+        "sin(x)^2 + cos(x)^2 = 1",
+        "exp(x)*exp(y) = exp(x + y)",
+        "sqrt(x)*sqrt(x) = x",
+        "sin(x - y) = -sin(y - x)",
+        "x/(2*y) = 0.5*x*y^-1",
+        "sin(x - x) + cos(y - y) + exp(x - x) + log(1 + x - x) + sqrt(4 + x - x) = 4",
+    )
+    for form in same:
+        found = fb.relation(at, form)
+        assert (bool(found), found.exact) == (True, True), form
+    beside_rounding = fb.relation(at, "sin(2*x) = 2*sin(x)*cos(x)")
+    assert (bool(beside_rounding), beside_rounding.exact) == (True, False)
+    wrong = fb.relation(at, "sin(2*x) = 2*sin(x)*cos(y)")
+    assert (bool(wrong), wrong.exact) == (False, True)
+    assert wrong.example() is not None
+    assert not fb.relation(at, "log(-x) = log(-2*x)")  # a number nowhere
+    with pytest.raises(FreebodyError, match="tanh of a formula: closed forms have sin, cos"):
+        fb.math.tanh(f.symbols[0])
+    with pytest.raises(FreebodyError, match="divided by 0"):
+        fb.relation(at, "1/(x - x) = y")
+    with pytest.raises(FreebodyError, match="more than 300 terms"):
+        fb.vector_function(["(x + y)^2000"], ["x", "y"])
+
+
 def test_a_path_through_samples_has_the_derivatives_of_the_curve():
     exact = fb.trajectory("5*cos(3.14*t)", "5*sin(3.14*t)")
     t = np.linspace(0, 1, 101)

@@ -155,13 +155,16 @@ class MissingValueError(FreebodyError, ValueError):
 
 
 class MissingPackageError(FreebodyError, ImportError):
-    """Something whose package is not installed."""
+    """Something whose package is not installed: that of an extra, or one that comes with
+    freebody."""
 
-    def __init__(self, what: str, package: str):
-        super().__init__(
-            f"{what}: needs the package {package}, which is not installed; it comes with "
-            f"freebody: pip install --force-reinstall freebody."
+    def __init__(self, what: str, package: str, extra: str = ""):
+        remedy = (
+            f"pip install 'freebody[{extra}]'"
+            if extra
+            else "it comes with freebody: pip install --force-reinstall freebody"
         )
+        super().__init__(f"{what}: {package} is not installed; {remedy}.")
 
 
 class ModelError(FreebodyError, ValueError):

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any
 
+from freebody.derivations import expression as ex
 from freebody.derivations import source, views
 from freebody.derivations.base import by_base_parameters
 from freebody.derivations.closed_form import ClosedForm
@@ -118,16 +119,20 @@ class Equations(Titled, ClosedForm):
     # ------------------------------------------------------------ for other programs
     def to_sympy(self) -> dict[str, Any]:
         """SymPy matrices M, C, c, g, drives, tau and expressions T, V; symbols are named as in code
-        and real."""
-        import sympy
+        and real.
 
-        def convert(x: Any) -> Any:
-            return (
-                to_sympy(self.form(x)) if isinstance(x, Trig) else sympy.Matrix(_nested(x, convert))
-            )
-
+        SymPy is an extra: `pip install 'freebody[sympy]'`. Raises MissingPackageError.
+        """
         names = ("M", "C", "c", "g", "drives", "tau", "T", "V")
-        return {name: convert(getattr(self, name)) for name in names}
+        return {name: to_sympy(self._expression(getattr(self, name))) for name in names}
+
+    def _expression(self, x: Any) -> ex.Expression:
+        """A polynomial, a vector or a matrix of them as one expression."""
+        if isinstance(x, Trig):
+            return self.form(x)
+        if isinstance(x[0], Trig):
+            return ex.vector(*map(self.form, x))
+        return ex.matrix([map(self.form, row) for row in x])
 
     def python(self) -> str:
         """Source of a Python function dynamics(q, qd, qdd, parameters…) that returns M, c, G,
@@ -150,13 +155,6 @@ class Equations(Titled, ClosedForm):
             lambda p: finite(numbers[p.name], p.name) if p.name in numbers else p,
         )
         return equations(model, self.symbols.reader.numbers)
-
-
-def _nested(x: Any, convert: Any) -> Any:
-    """Rows of rows converted, a vector as it stands."""
-    return [
-        [convert(entry) for entry in row] if isinstance(row, list) else convert(row) for row in x
-    ]
 
 
 def equations(model: Model, numbers: bool = False) -> Equations:

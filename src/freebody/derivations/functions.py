@@ -1,7 +1,5 @@
 """Functions given as formulas: values, Jacobians and time derivatives in closed form (notes,
 1.1-1.9, 2.1-2.9).
-
-SymPy differentiates; it is imported when a function is made.
 """
 
 from __future__ import annotations
@@ -19,10 +17,11 @@ from freebody.derivations import expression as ex
 from freebody.derivations.expression import Expression
 from freebody.derivations.formula import FormulaError, parse
 from freebody.derivations.names import sym
-from freebody.derivations.render.sympy import to_sympy
+from freebody.derivations.values import value
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.outputs.display import Titled
+from freebody.scalars.composed import Composed, Factor, Monomial
 
 
 @dataclass(frozen=True)
@@ -30,8 +29,8 @@ class VectorFunction:
     """y = f(x) of several variables (2.1); call it with numbers (..., n) for the values (...,
     m)."""
 
-    rows: tuple[Any, ...]
-    """SymPy expressions."""
+    rows: tuple[Composed, ...]
+    """The entries, exact; Python's arithmetic and `freebody.math` take them."""
     names: tuple[str, ...]
     decimal: bool = False
     """Whether numbers print as decimals."""
@@ -41,21 +40,19 @@ class VectorFunction:
         """The entries as they are printed."""
         return tuple(self.form(row) for row in self.rows)
 
-    def form(self, x: Any) -> Expression:
-        """A SymPy expression in these variables as it is printed."""
+    def form(self, x: Composed) -> Expression:
+        """An exact function of these variables as it is printed."""
         return printed(x, self.decimal)
 
     @cached_property
-    def jacobian(self) -> tuple[tuple[Any, ...], ...]:
-        """∂y_i/∂x_j (2.6) as rows of SymPy expressions."""
-        return tuple(tuple(row.diff(x) for x in self.symbols) for row in self.rows)
+    def jacobian(self) -> tuple[tuple[Composed, ...], ...]:
+        """∂y_i/∂x_j (2.6), exact, row by row."""
+        return tuple(tuple(row.derivative(x) for x in self.names) for row in self.rows)
 
-    @cached_property
-    def symbols(self) -> tuple[Any, ...]:
-        """The variables as SymPy's symbols."""
-        import sympy
-
-        return tuple(sympy.Symbol(name, real=True) for name in self.names)
+    @property
+    def symbols(self) -> tuple[Composed, ...]:
+        """The variables."""
+        return tuple(map(Composed.variable, self.names))
 
     def __call__(self, x: ArrayLike) -> Array:
         """Values (..., m) at x (..., n)."""
@@ -66,18 +63,13 @@ class VectorFunction:
         flat = self._numbers(tuple(entry for row in self.jacobian for entry in row), x)
         return flat.reshape(*flat.shape[:-1], len(self.rows), len(self.names))
 
-    def _numbers(self, rows: Sequence[Any], x: ArrayLike) -> Array:
-        import sympy
-
+    def _numbers(self, rows: Sequence[Composed], x: ArrayLike) -> Array:
         x = np.asarray(x, dtype=float)
         if not x.ndim or x.shape[-1] != len(self.names):
             raise ShapeError("VectorFunction", "x", x.shape, f"(..., {len(self.names)})")
-        columns = sympy.lambdify(self.symbols, list(rows), "numpy", dummify=True)(
-            *np.moveaxis(x, -1, 0)
-        )
-        return np.stack(
-            [np.broadcast_to(np.asarray(c, dtype=float), x.shape[:-1]) for c in columns], axis=-1
-        )
+        at = dict(zip(self.names, np.moveaxis(x, -1, 0), strict=True))
+        columns = [np.broadcast_to(row.evaluate(at), x.shape[:-1]) for row in rows]
+        return np.stack(columns, axis=-1)
 
 
 @dataclass(frozen=True)
@@ -97,10 +89,10 @@ class Trajectory:
         return self._derivative(2)
 
     def _derivative(self, order: int) -> VectorFunction:
-        r = self.position
-        return VectorFunction(
-            tuple(x.diff(r.symbols[0], order) for x in r.rows), r.names, r.decimal
-        )
+        rows = self.position.rows
+        for _ in range(order):
+            rows = tuple(row.derivative("t") for row in rows)
+        return VectorFunction(rows, self.position.names, self.position.decimal)
 
     def at(self, t: ArrayLike) -> tuple[Array, Array, Array]:
         """Position, velocity, acceleration (..., dim) at the times t (...)."""
@@ -172,7 +164,10 @@ def vector_function(rows: Sequence[str], names: Sequence[str]) -> VectorFunction
     decimal = any(
         isinstance(part, ex.Number) and part.decimal for node in parsed for part in ex.nodes(node)
     )
-    return VectorFunction(tuple(map(to_sympy, parsed)), tuple(names), decimal)
+    at = {name: Composed.variable(name) for name in names}
+    return VectorFunction(
+        tuple(Composed.of(value(node, at)) for node in parsed), tuple(names), decimal
+    )
 
 
 def trajectory(*rows: str) -> Trajectory:
@@ -183,21 +178,26 @@ def trajectory(*rows: str) -> Trajectory:
     return Trajectory(vector_function(rows, ("t",)))
 
 
-def printed(x: Any, decimal: bool) -> Expression:
-    """A SymPy expression as expression."""
-    if x.is_Rational:
-        return ex.num(Fraction(int(x.p), int(x.q)), decimal)
-    if x.is_Symbol:
-        return sym(x.name)
-    if x.is_Add:
-        return ex.add(*(printed(term, decimal) for term in x.as_ordered_terms()))
-    if x.is_Mul:
-        number, rest = x.as_coeff_Mul()
-        factors = [printed(factor, decimal) for factor in rest.as_ordered_factors()]
-        return ex.mul(printed(number, decimal), *factors)
-    if x.is_Pow and x.exp.is_Integer:
-        base = printed(x.base, decimal)
-        return ex.power(base, int(x.exp)) if x.exp > 0 else ex.div(1, ex.power(base, -int(x.exp)))
-    if x.is_Pow and x.exp == 0.5:
-        return ex.Function("sqrt", printed(x.base, decimal))
-    return ex.Function(x.func.__name__, printed(x.args[0], decimal))
+def printed(x: Composed, decimal: bool) -> Expression:
+    """An exact function as expression: terms of the highest powers first."""
+    terms = sorted(x.terms, key=lambda m: (-_degree(m), str(_term(m, Fraction(1), decimal))))
+    return ex.add(*(_term(m, x.terms[m], decimal) for m in terms))
+
+
+def _degree(monomial: Monomial) -> int:
+    return sum(exponent for factor, exponent in monomial if not factor.function)
+
+
+def _term(monomial: Monomial, coefficient: Fraction, decimal: bool) -> Expression:
+    above, below = (
+        ex.mul(*(ex.power(_factor(f, decimal), s * e) for f, e in monomial if s * e > 0))
+        for s in (1, -1)
+    )
+    return ex.mul(ex.num(coefficient, decimal), ex.div(above, below))
+
+
+def _factor(factor: Factor, decimal: bool) -> Expression:
+    if isinstance(factor.of, str):
+        return sym(factor.of)
+    inner = printed(factor.of, decimal)
+    return inner if factor.function == "sum" else ex.Function(factor.function, inner)

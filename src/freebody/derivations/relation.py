@@ -15,10 +15,13 @@ from freebody.derivations.expression import Equation
 from freebody.derivations.formula import FormulaError, names_in, parse
 from freebody.derivations.quantities import of_link
 from freebody.derivations.values import Each, Value, minus, plain, plus, rank, shape_name, value
+from freebody.scalars.composed import Composed
 from freebody.scalars.trig import Trig
 
 ROUNDING = 1e-9
 """Of the largest number of either side: what floats may differ by."""
+PLACES = 16
+"""Where functions are compared by numbers."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +33,7 @@ class Relation:
     """Values of the sides; none where they cannot be formed."""
     equal: bool
     exact: bool
-    """Whether both sides are polynomials, compared term by term."""
+    """Whether both sides are polynomials or exact functions, compared term by term."""
     problem: str = ""
     """Why the sides cannot be compared."""
 
@@ -41,9 +44,7 @@ class Relation:
     def differences(self) -> list[Value]:
         """First side minus the last, entry by entry."""
         return (
-            [_short(x) for x in _entries(plus(self.sides[0], minus(self.sides[-1])))]
-            if not self.problem
-            else []
+            list(_entries(plus(self.sides[0], minus(self.sides[-1])))) if not self.problem else []
         )
 
     def at(self, values: Mapping[str, float]) -> tuple[Any, ...]:
@@ -60,10 +61,9 @@ class Relation:
         return numbers, self.at(numbers)
 
     def _example_of_functions(self) -> tuple[dict[str, float], tuple[Any, ...]] | None:
-        names = {
-            s for side in self.sides for x in _entries(side) for s in getattr(x, "free_symbols", ())
-        }
-        numbers = {s.name: 0.5 + k for k, s in enumerate(sorted(names, key=str))}
+        functions = [x for side in self.sides for x in _entries(side) if isinstance(x, Composed)]
+        names = sorted({name for x in functions for name in x.variables})
+        numbers = {name: 0.5 + k for k, name in enumerate(names)}
         return (numbers, self.at(numbers)) if names else None
 
 
@@ -92,11 +92,12 @@ def relation(values: Mapping[str, Any], formula: str, *, link: int | None = None
         names = " and ".join(dict.fromkeys(map(shape_name, sides)))
         return Relation(formula, sides, False, False, f"{names} are never equal")
     entries = [list(_entries(side)) for side in sides]
-    exact = any(isinstance(x, Trig) or hasattr(x, "free_symbols") for row in entries for x in row)
-    equal = all(
-        _equal(a, b, row) for row in entries[1:] for a, b in zip(entries[0], row, strict=True)
-    )
-    return Relation(formula, sides, equal, exact)
+    found = [
+        _compared(a, b, row) for row in entries[1:] for a, b in zip(entries[0], row, strict=True)
+    ]
+    exact = any(isinstance(x, Trig | Composed) for row in entries for x in row)
+    equal = all(equal for equal, _ in found)
+    return Relation(formula, sides, equal, exact and all(certain for _, certain in found))
 
 
 def symbols_of(formula: str) -> list[str]:
@@ -114,15 +115,6 @@ def _is_zero(x: Value) -> bool:
     return bool(x.is_zero) if hasattr(x, "is_zero") else bool(np.all(np.asarray(x) == 0))
 
 
-def _short(x: Value) -> Value:
-    """A SymPy expression simplified, anything else as it is."""
-    if not hasattr(x, "free_symbols"):
-        return x
-    import sympy
-
-    return sympy.simplify(x)
-
-
 def _shape(x: Value) -> tuple[int, ...]:
     return (len(x), *_shape(x[0])) if isinstance(x, tuple) and x else ()
 
@@ -135,11 +127,29 @@ def _entries(x: Value) -> Iterator[Value]:
         yield x
 
 
-def _equal(a: Value, b: Value, scale: list[Value]) -> bool:
-    if hasattr(a, "free_symbols") or hasattr(b, "free_symbols"):
-        import sympy
+def _compared(a: Value, b: Value, scale: list[Value]) -> tuple[bool, bool]:
+    """Whether two scalars are equal, and whether that is certain beside rounding.
 
-        return sympy.simplify(sympy.sympify(a, strict=True) - sympy.sympify(b, strict=True)) == 0
+    A difference of functions that does not become 0 is looked at in places: where it is 0 in all of
+    them, the functions are taken as equal, to rounding.
+    """
+    if not isinstance(a, Composed) and not isinstance(b, Composed):
+        return _equal(a, b, scale), True
+    a, b = Composed.of(a), Composed.of(b)
+    if (a - b).is_zero:
+        return True, True
+    names = sorted({*a.variables, *b.variables})
+    places = np.random.default_rng(0).uniform(0.1, 2.0, (len(names), PLACES))
+    at = dict(zip(names, places, strict=True))
+    with np.errstate(all="ignore"):
+        left, right = (np.broadcast_to(x.evaluate(at), PLACES) for x in (a, b))
+    seen = np.isfinite(left) & np.isfinite(right)
+    close = np.abs(left - right) <= ROUNDING * np.maximum(1.0, np.abs(left))
+    equal = bool(seen.any() and close[seen].all())
+    return equal, not equal
+
+
+def _equal(a: Value, b: Value, scale: list[Value]) -> bool:
     if isinstance(a, Trig) or isinstance(b, Trig):
         return (a - b).is_zero if isinstance(a, Trig) else (b - a).is_zero
     numbers = [x for x in (a, b, *scale) if not isinstance(x, Trig)]
@@ -159,9 +169,7 @@ def _occurs(name: str, x: Trig) -> bool:
 def _numbers(side: Value, values: Mapping[str, float]) -> Any:
     if isinstance(side, tuple):
         return tuple(_numbers(x, values) for x in side)
-    if hasattr(side, "free_symbols"):
-        return float(side.subs({s: values[s.name] for s in side.free_symbols}))
-    return float(side.evaluate(values)) if isinstance(side, Trig) else float(side)
+    return float(side.evaluate(values)) if isinstance(side, Trig | Composed) else float(side)
 
 
 # ---------------------------------------------------------------- numbers as printed

@@ -28,6 +28,8 @@ from freebody.derivations.expression import (
 from freebody.derivations.formula import FormulaError
 from freebody.derivations.symbols import RATE, SECOND
 from freebody.errors import UnknownNameError
+from freebody.math import tan
+from freebody.scalars.composed import Composed
 from freebody.scalars.trig import Trig, TrigRing
 from freebody.spatial import product, times, transposed
 
@@ -183,21 +185,9 @@ def _skew(x: Value) -> Value:
     return ((0.0, -c, b), (c, 0.0, -a), (-b, a, 0.0))
 
 
-def _elementary(name: str) -> Any:
-    """A function of polynomials, SymPy's expressions and numbers."""
-
-    def function(x: Value) -> Value:
-        if hasattr(x, "free_symbols"):
-            import sympy
-
-            return getattr(sympy, name)(x)
-        return getattr(elementary, name)(x) if hasattr(elementary, name) else getattr(np, name)(x)
-
-    return function
-
-
-_FUNCTIONS: dict[str, Any] = {name: _elementary(name) for name in ("sin", "cos", "sqrt", "tan", "exp", "log")} | {
-    "sgn": elementary.sign,
+_FUNCTIONS: dict[str, Any] = {
+    "sin": elementary.sin, "cos": elementary.cos, "tan": tan, "sqrt": elementary.sqrt,
+    "exp": elementary.exp, "log": elementary.log, "sgn": elementary.sign,
     "arcsin": math.asin, "arccos": math.acos, "arctan": math.atan,
     "norm": _norm, "atan2": lambda yx: math.atan2(*yx), "det": _determinant, "∑": _added,
     "diag": _diagonal, "skew": _skew,
@@ -210,10 +200,10 @@ def _derivative(node: Derivative, at: Any) -> Value:
 
 def _variable(x: Value) -> str:
     """The name of a symbol of a ring."""
-    if isinstance(x, Trig):
-        for name in x.ring.names:
-            if x == x.ring[name]:
-                return name
+    names = x.ring.names if isinstance(x, Trig) else x.variables if isinstance(x, Composed) else ()
+    for name in names:
+        if x == (x.ring[name] if isinstance(x, Trig) else Composed.variable(name)):
+            return name
     raise FormulaError("a partial derivative is taken by a coordinate, a rate or a parameter.")
 
 
@@ -221,12 +211,8 @@ def _slope(x: Value, by: str | None) -> Value:
     """The partial derivative by a symbol, or the time derivative."""
     if rank(x):
         return tuple(_slope(entry, by) for entry in x)
-    if hasattr(x, "free_symbols"):
-        return (
-            x.diff(next(s for s in x.free_symbols if s.name == (by or "t")))
-            if x.free_symbols
-            else x * 0
-        )
+    if isinstance(x, Composed):
+        return x.derivative(by or "t")
     if not isinstance(x, Trig):
         raise FormulaError("only exact polynomials are differentiated.")
     return x.derivative(by) if by is not None else x.along(time_rates(x.ring))

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from freebody.errors import FileError, FreebodyError
+from freebody.errors import FileError, FreebodyError, MissingPackageError
 from freebody.formats.read_file import contents
 from freebody.model.inertia import Inertia, combined
 from freebody.model.parts import DOUBTFUL, ESTIMATED, Link, Notice, RobotDescription
@@ -117,10 +117,8 @@ def _mesh(shape: Shape, link: Link, file: str) -> Inertia:
     try:
         import trimesh  # an extra
     except ImportError:
-        raise FreebodyError(
-            "load: estimating inertias from meshes needs trimesh; install it with `pip install "
-            "'freebody[mesh]'`."
-        ) from None
+        what = "load: estimating inertias from meshes"
+        raise MissingPackageError(what, "trimesh", "mesh") from None
     suffix = path.suffix.lower()
     if suffix not in _MESHES:
         raise FileError(

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from freebody.errors import FreebodyError, ShapeError
+from freebody.errors import MissingPackageError, ShapeError
 from freebody.kernels.asked import Asked, asked
 from freebody.kernels.differentials import Differentiable, of_quantities
 from freebody.kernels.inputs import InputKernel
@@ -42,7 +42,7 @@ def to_jax(
     try:
         import jax
     except ImportError:
-        raise FreebodyError("to_jax: JAX is not installed; pip install 'freebody[jax]'.") from None
+        raise MissingPackageError("fb.to_jax", "JAX", "jax") from None
     from freebody.kernels.jax_derivatives import JaxFunction
 
     if isinstance(chosen, Asked):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from freebody.errors import FreebodyError, KindError
+from freebody.errors import FreebodyError, KindError, MissingPackageError
 from freebody.kernels.inputs import InputKernel
 from freebody.kernels.lookup import kernel
 from freebody.model.model import Model
@@ -75,9 +75,7 @@ class TorchFunction:
 
             from freebody.targets import in_torch
         except ImportError:
-            raise FreebodyError(
-                "fb.to_torch: PyTorch is not installed; pip install 'freebody[torch]'."
-            ) from None
+            raise MissingPackageError("fb.to_torch", "PyTorch", "torch") from None
         known = {name: kind for kind, name in in_torch.DTYPES.items()}
         if dtype is not None and dtype not in known:
             raise KernelError(

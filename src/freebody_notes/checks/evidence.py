@@ -11,6 +11,7 @@ from freebody.derivations.functions import printed
 from freebody.derivations.names import sym
 from freebody.derivations.quantities import Quantities
 from freebody.derivations.relation import Relation
+from freebody.scalars.composed import Composed
 from freebody.scalars.trig import Trig
 from freebody_notes.item import Outcome
 
@@ -83,7 +84,7 @@ def number(x: Any, digits: int = 6) -> str:
     """Numbers, vectors and matrices in a line."""
     if isinstance(x, tuple | list | np.ndarray):
         return f"[{', '.join(number(y, digits) for y in x)}]"
-    if hasattr(x, "free_symbols"):
+    if isinstance(x, Composed):
         return str(printed(x, decimal=False))
     x = float(x)
     return f"{0.0 if abs(x) < ROUNDING else x:.{digits}g}".replace("-", "−")

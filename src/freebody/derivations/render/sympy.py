@@ -6,15 +6,21 @@ from typing import Any
 
 from freebody.derivations.evaluate import NoValue, arithmetic, evaluate
 from freebody.derivations.expression import Expression, Function, Matrix, Symbol, Vector
-from freebody.errors import FreebodyError
+from freebody.errors import FreebodyError, MissingPackageError
 
 _NAMES = {x: x for x in ("sin", "cos", "tan", "sqrt", "exp", "log")} | {"sgn": "sign"}
 
 
 def to_sympy(node: Expression) -> Any:
     """The same expression in SymPy; symbols are real and carry the names of code (theta1, theta1_d,
-    l1, …)."""
-    import sympy
+    l1, …).
+
+    Raises MissingPackageError, FreebodyError.
+    """
+    try:
+        import sympy
+    except ImportError:
+        raise MissingPackageError("to_sympy", "SymPy", "sympy") from None
 
     rules = {
         **arithmetic(
