@@ -72,7 +72,7 @@ def test_angles_are_measured_as_in_the_notes(arm):
 def test_slider_stands_at_the_end_of_its_rail():
     arm = fb.planar("RP", l=[0.3, 0.2], lc=[0.1, 0.1], m=[1.0, 1.0], I=[0.1, 0.1])
     drawing = robot_drawing(arm, [0.5, 0.25])
-    slider, rail = drawing.named("joint 2"), drawing.named("rail 2")
+    slider, rail = drawing.named("joint 2"), drawing.named("rod 2")
     assert isinstance(slider, Mark)
     assert isinstance(rail, Line)
     assert slider.kind == "slider"
@@ -224,7 +224,7 @@ def test_rounding_is_no_load(q, tmp_path, capsys, monkeypatch):
     assert not [e for d in figure.drawings for e in d.elements if isinstance(e, Turn)]
     assert "τ_1" in figure.drawings[0].notes[0], "it is said to be 0"
     seen = snapshot(arm, at, [0, 0], [0, 0])
-    sketches = [forces.alone(seen, body, Names()) for body in seen.pose.bodies]
+    sketches = [forces.alone(seen, body, Names(), forces.BOOK[2]) for body in seen.pose.bodies]
     assert not [e for d in sketches for e in d.elements if isinstance(e, Turn)]
 
 

@@ -98,7 +98,7 @@ _PLACES = {
     "freebody.motion.default_motion": ("default_motion",),
     "freebody.motion.read_motion": ("read_motion",),
     "freebody.motion.simulate": ("simulate",),
-    "freebody.figures.fbd": ("free_body_diagram",),
+    "freebody.figures.free_body": ("free_body_diagram",),
     "freebody.figures.loci": ("singularity_diagram",),
     "freebody.figures.kinematic": ("kinematic_diagram",),
     "freebody_notes.figures.catalogue": ("notes_figure",),

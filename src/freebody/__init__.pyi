@@ -15,7 +15,7 @@ from freebody.errors import LoopError as LoopError
 from freebody.errors import MassWarning as MassWarning
 from freebody.errors import PassiveJointError as PassiveJointError
 from freebody.errors import PhysicalWarning as PhysicalWarning
-from freebody.figures.fbd import free_body_diagram as free_body_diagram
+from freebody.figures.free_body import free_body_diagram as free_body_diagram
 from freebody.figures.illustrate import derive as derive
 from freebody.figures.kinematic import kinematic_diagram as kinematic_diagram
 from freebody.figures.loci import singularity_diagram as singularity_diagram

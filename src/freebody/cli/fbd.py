@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from freebody.arrays import Array
-    from freebody.figures.fbd import FreeBodyDiagram
+    from freebody.figures.free_body import FreeBodyDiagram
 
 EXAMPLE = 'Example: freebody fbd 2R --q "0.5, 60 deg" --body link2 --out link2.svg'
 
@@ -53,7 +53,7 @@ def fbd(
     """Draw the free-body diagram of each body, all forces and moments to scale, and list them."""
     model = options.load(robot, tip, base, convention=convention)
     with terminal.progress("free bodies"):
-        from freebody.figures.fbd import free_body_diagram
+        from freebody.figures.free_body import free_body_diagram
         from freebody.figures.sketch.snapshot import clear_pose
         from freebody.loops.assembly import assemble
 

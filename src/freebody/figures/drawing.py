@@ -13,12 +13,16 @@ import re
 import unicodedata
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from freebody.arrays import Array
 
 Point = tuple[float, ...]
+
+SAME = 1e-6
+"""Metres: places nearer than this are one."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +130,7 @@ class Prism:
 
 @dataclass(frozen=True)
 class Label:
-    """Text near a place; the writer looks for room around it, in `direction` first."""
+    """A formula near a place; the writer looks for room around it, in `direction` first."""
 
     at: Point
     text: str
@@ -202,8 +206,8 @@ class Drawing:
     """Scale bars: length in metres of the world, text, role."""
     scale: float | None = None
     """Pixels a metre; default: what fits."""
-    formulas: bool = False
-    """Whether labels are formulas (`mathtext`) in a text face with serifs."""
+    labels: str = "names"
+    """What stands beside the elements, one of `labelling.LABELS`."""
     moved: dict[int, Point] = field(default_factory=dict)
     """How far bodies, by their number, are drawn from where they are, metres: links pulled
     apart."""
@@ -211,6 +215,46 @@ class Drawing:
     def add(self, *elements: Element) -> None:
         """Draw more."""
         self.elements.extend(elements)
+
+    def line(self, points: Iterable[Iterable[float]], name: str, role: str, **how: Any) -> None:
+        """Draw a line through places; how: of `Line`, as in what follows of its element."""
+        self.add(Line(tuple(map(point, points)), name, role, **how))
+
+    def mark(self, at: Iterable[float], kind: str, name: str, role: str, size: float) -> None:
+        """Draw a symbol."""
+        self.add(Mark(point(at), kind, name, role, size=size))
+
+    def write(self, at: Iterable[float], text: str, direction: Iterable[float]) -> None:
+        """Write a formula near a place, in that direction if there is room."""
+        self.add(Label(point(at), text, f"label {text}", direction=point(direction)))
+
+    def centre(self, at: Iterable[float], name: str, direction: Iterable[float]) -> None:
+        """Draw a centre of mass, with its name."""
+        at = point(at)
+        self.mark(at, "com", name, "com", 6.0)
+        self.write(at, name, direction)
+
+    def arrow(
+        self,
+        start: Iterable[float],
+        end: Iterable[float],
+        name: str,
+        role: str,
+        value: Iterable[float] = (),
+        unit: str = "",
+        *,
+        label: str | None = None,
+        **how: Any,
+    ) -> None:
+        """Draw a vector; its label is its name in bold, if no other is given."""
+        text = bold(name) if label is None else label
+        self.add(Arrow(point(start), point(end), name, role, text, point(value), unit, **how))
+
+    def position(self, start: Array, end: Array, name: str, aside: float = 0.0) -> None:
+        """Draw a position vector, its label beside its middle; none where it has no length."""
+        if np.linalg.norm(np.subtract(end, start)) > SAME:
+            value = np.subtract(end, start)
+            self.arrow(start, end, name, "position", value, "m", beside=0.5, aside=aside)
 
     def named(self, name: str) -> Element:
         """The element of that name, "s_1" or "s_{1}"; KeyError lists the names."""
@@ -252,6 +296,14 @@ def places(element: Element) -> tuple[Point, ...]:
             return tuple(middle + axis), tuple(middle - axis), *map(tuple, rim)
         case _:
             return (element.at,)
+
+
+def bold(name: str) -> str:
+    """A vector's label: its letters bold; a sign in front, a subscript and what is in brackets stay
+    as they are."""
+    sign, rest = (name[0], name[1:]) if name[:1] in ("−", "-") else ("", name)
+    letters = re.split(r"[_^(]", rest, maxsplit=1)[0]
+    return f"{sign}*{letters}*{rest[len(letters) :]}"
 
 
 def canonical(name: str) -> str:

@@ -28,6 +28,11 @@ class Figure(Titled):
     width: float = WIDE
     """Of one drawing, pixels."""
     tallest: float = TALL
+    caller: str = "a figure"
+    """What made it, for errors."""
+    level: float = 1.0
+    """In a row, drawings stand on a common lower edge (1), where captions are, or an upper one
+    (0)."""
 
     def _title(self) -> str:
         return f"Figure: {self.title}"
@@ -41,7 +46,17 @@ class Figure(Titled):
     def picture(self) -> Picture:
         """The sheet."""
         pictures = [picture(drawing, self.width, self.tallest) for drawing in self.drawings]
-        return sheet(pictures, self.title, self.columns)
+        return sheet(pictures, self.title, self.columns, self.level)
+
+    @property
+    def drawing(self) -> Drawing:
+        """The only drawing; with several take one of `drawings`."""
+        if len(self.drawings) != 1:
+            raise FreebodyError(
+                f"{self.title}: it has {len(self.drawings)} drawings; take one of .drawings, or "
+                f"name a body."
+            )
+        return self.drawings[0]
 
     def named(self, name: str, panel: int | None = None) -> Element:
         """The element of that name in the first drawing that has it, or in drawing `panel` (from
@@ -62,7 +77,7 @@ class Figure(Titled):
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the SVG; the path."""
-        return save(self.svg, path, "a figure")
+        return save(self.svg, path, self.caller)
 
 
 def sheet(pictures: Sequence[Picture], title: str, columns: int = 2, level: float = 1.0) -> Picture:

@@ -3,10 +3,8 @@ and free bodies."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable
 from dataclasses import replace
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
 from typing import Any
 
@@ -20,11 +18,12 @@ from freebody.derivations.names import vec
 from freebody.figures import theme
 from freebody.figures.drawing import Drawing, Element, canonical
 from freebody.figures.figure import save
-from freebody.figures.kinematic import view
 from freebody.figures.loads import label
 from freebody.figures.names import Names, names_of
-from freebody.figures.sketch import arm, forces, frames, motion, space_forces, vectors
+from freebody.figures.sketch import axes, forces, geometry, motion, vectors
 from freebody.figures.sketch.snapshot import Snapshot, resting_pose, snapshot, with_values
+from freebody.figures.sketch.structure import Layer, drawn
+from freebody.figures.sketch.views import VIEWS
 from freebody.figures.svg import picture
 from freebody.model.model import Model
 
@@ -131,78 +130,23 @@ def _tip_load(model: Model) -> list[float]:
 
 def _drawn(seen: Snapshot, names: Names, name: str) -> Drawing | None:
     """The drawing that a step calls by its name; None where there is none of this robot."""
-    cut = re.fullmatch(r"(free-body|carried) (\d+)", name)
-    if cut:
-        body = seen.pose.bodies[int(cut[2]) - 1]
-        if seen.model.dim == 2:
-            return (forces.alone if cut[1] == "free-body" else forces.carried)(seen, body, names)
-        view_of_all = frames.viewed(seen)
-        return space_forces.alone(seen, body, names, view_of_all) if cut[1] == "free-body" else None
-    alone = re.fullmatch(r"partial (\d+)", name)
-    if alone:
-        return _partial(seen, names, int(alone[1])) if seen.model.dim == 2 else None
-    draw = (_PLANE if seen.model.dim == 2 else _SPACE).get(name)
-    return draw(seen, names) if draw else None
-
-
-def _overview(seen: Snapshot, names: Names) -> Drawing:
-    drawing = view(seen, "geometry", names)
-    if seen.wrenches is not None:
-        loaded = seen.pose.bodies[seen.model.frame().body]
-        forces.act(drawing, seen, loaded, names, ("external",))
-    return _noted(drawing, "Coordinates, lengths and centres of mass")
-
-
-def _vectors(seen: Snapshot, names: Names) -> Drawing:
-    drawing = arm.blank(f"{seen.model.name}: vectors")
-    arm.structure(drawing, seen, names)
-    arm.centres(drawing, seen, names)
-    vectors.links(drawing, seen, names, vectors.BESIDE)
-    vectors.to_centres(drawing, seen, names)
-    vectors.directions(drawing, seen, names)
-    return _noted(drawing, "The vectors, drawn beside the bodies they lie on")
-
-
-def _tip(order: int, note: str) -> Callable[[Snapshot, Names], Drawing]:
-    """The way to the tip (order 0), its velocity (1) or its acceleration (2), with the joints'
-    rates."""
-    name = label(vec("r_P" + ("", "_d", "_dd")[order]))
-
-    def plane(seen: Snapshot, names: Names) -> Drawing:
-        drawing = arm.blank(f"{seen.model.name}: {note.lower()}")
-        arm.structure(drawing, seen, names, faint=not order)
-        for layer in (arm.angles, arm.slides):
-            layer(drawing, seen, names)
-        if not order:
-            vectors.links(drawing, seen, names)
-            vectors.to_tip(drawing, seen, name)
-        else:
-            motion.rates(drawing, seen, names, second=order == 2)
-            motion.of_tip(drawing, seen, name, second=order == 2)
-        return _noted(drawing, note)
-
-    def space(seen: Snapshot, names: Names) -> Drawing:
-        drawing = frames.blank(f"{seen.model.name}: {note.lower()}", frames.viewed(seen))
-        frames.structure(drawing, seen)
-        if not order:
-            vectors.to_tip(drawing, seen, name)
-        else:
-            frames.variables(drawing, seen, names)
-            motion.of_tip(drawing, seen, name, second=order == 2)
-        return _noted(drawing, note)
-
-    return lambda seen, names: (plane if seen.model.dim == 2 else space)(seen, names)
-
-
-def _partial(seen: Snapshot, names: Names, joint: int) -> Drawing:
-    """How the centres of mass move when one joint alone does."""
-    note = f"Partial velocities: joint {joint} alone moves, at the rate 1"
-    drawing = arm.blank(f"{seen.model.name}: {note.lower()}")
-    arm.structure(drawing, seen, names)
-    for layer in (arm.angles, arm.slides, arm.centres):
-        layer(drawing, seen, names)
-    motion.partial_of_centres(drawing, seen, joint)
-    return _noted(drawing, note)
+    plane = seen.model.dim == 2
+    kind, _, number = name.rpartition(" ")
+    if kind == "free-body":
+        body = seen.pose.bodies[int(number) - 1]
+        return forces.alone(seen, body, names, forces.BOOK[seen.model.dim])
+    if kind == "carried":
+        return forces.carried(seen, seen.pose.bodies[int(number) - 1], names) if plane else None
+    if kind == "partial":
+        alone = partial(motion.partial_of_centres, joint=int(number))
+        note = f"Partial velocities: joint {number} alone moves, at the rate 1"
+        layers = (geometry.angles, geometry.slides, geometry.centres, alone)
+        return _noted(drawn(seen, names, note.lower(), layers), note) if plane else None
+    recipe = _RECIPES[seen.model.dim].get(name)
+    if recipe is None:
+        return None
+    note, layers = recipe
+    return _noted(drawn(seen, names, note.lower(), layers, faint=name == "tip"), note)
 
 
 def _noted(drawing: Drawing, note: str) -> Drawing:
@@ -210,27 +154,53 @@ def _noted(drawing: Drawing, note: str) -> Drawing:
     return drawing
 
 
-def _view(show: str, note: str) -> Callable[[Snapshot, Names], Drawing]:
-    return lambda seen, names: _noted(view(seen, show, names), note)
+def _load(drawing: Drawing, seen: Snapshot, names: Names) -> None:
+    """The force on the tip, if there is one."""
+    if seen.wrenches is not None:
+        body = seen.pose.bodies[seen.model.frame().body]
+        forces.act(drawing, seen, body, names, ("external",))
 
 
-_TIP = {
-    "tip": _tip(0, "The way to the tip"),
-    "tip velocity": _tip(1, "The velocity of the tip"),
-    "tip acceleration": _tip(2, "The acceleration of the tip"),
-}
-_PLANE: dict[str, Callable[[Snapshot, Names], Drawing]] = {
-    "overview": _overview,
-    "vectors": _vectors,
-    "centres": _view("centres", "Where the centres of mass are"),
-    "velocities": _view("velocities", "Joint rates and velocities of the centres of mass"),
-    "accelerations": _view(
-        "accelerations", "Joint accelerations and accelerations of the centres of mass"
-    ),
-    **_TIP,
-}
-_SPACE: dict[str, Callable[[Snapshot, Names], Drawing]] = {
-    "overview": _view("frames", "Joint axes and joint variables"),
-    "vectors": _view("vectors", "Vectors from joint to joint, and centres of mass"),
-    **_TIP,
-}
+def _tip(*layers: Layer) -> dict[str, tuple[str, tuple[Layer, ...]]]:
+    """The way to the tip, its velocity and its acceleration, with the joints' rates, on layers."""
+    r, v, a = (label(vec("r_P" + ending)) for ending in ("", "_d", "_dd"))
+    rates, velocity = motion.rates, partial(motion.of_tip, name=v)
+    acceleration = partial(motion.of_tip, name=a, second=True)
+    return {
+        "tip": ("The way to the tip", (*layers, vectors.links, partial(vectors.to_tip, name=r))),
+        "tip velocity": ("The velocity of the tip", (*layers, rates, velocity)),
+        "tip acceleration": (
+            "The acceleration of the tip", (*layers, partial(rates, second=True), acceleration)
+        ),
+    }  # fmt: skip
+
+
+_RECIPES: dict[int, dict[str, tuple[str, tuple[Layer, ...]]]] = {
+    2: {
+        "overview": (
+            "Coordinates, lengths and centres of mass", (*VIEWS[2]["geometry"], _load)
+        ),
+        "vectors": (
+            "The vectors, drawn beside the bodies they lie on",
+            (
+                geometry.centres, partial(vectors.links, aside=vectors.BESIDE),
+                vectors.to_centres, vectors.directions,
+            ),
+        ),
+        "centres": ("Where the centres of mass are", VIEWS[2]["centres"]),
+        "velocities": (
+            "Joint rates and velocities of the centres of mass", VIEWS[2]["velocities"]
+        ),
+        "accelerations": (
+            "Joint accelerations and accelerations of the centres of mass",
+            VIEWS[2]["accelerations"],
+        ),
+        **_tip(geometry.angles, geometry.slides),
+    },
+    3: {
+        "overview": ("Joint axes and joint variables", VIEWS[3]["frames"]),
+        "vectors": ("Vectors from joint to joint, and centres of mass", VIEWS[3]["vectors"]),
+        **_tip(axes.variables),
+    },
+}  # fmt: skip
+"""By dimension and by the name that steps give them: a line of words, and the layers."""

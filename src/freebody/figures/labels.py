@@ -31,6 +31,8 @@ class Wanted:
     size: float = 13.0
     width: float | None = None
     """Pixels; default: as `text.width` estimates."""
+    after: str = ""
+    """Plain text that follows."""
 
 
 @dataclass

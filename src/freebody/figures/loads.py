@@ -22,7 +22,6 @@ from freebody.figures.skeleton import BodyPlace, Skeleton, extent, skeleton
 from freebody.model.model import Model
 from freebody.trees.calls import Vector, Wrenches, single_vector, wrenches_by_frame
 from freebody.trees.dynamics import joint_wrenches
-from freebody.trees.kinematics import forward_kinematics
 
 NOISE = 1e-9
 """Of the largest force or moment on the mechanism: components below are rounding, and 0 in all
@@ -93,8 +92,8 @@ def body_loads(
     names, reactions = Naming(model), np.asarray(joint_wrenches(model, *state, wrenches=given))
     first, second, third = (tuple(map(float, x)) for x in state)
     recursion = rnea(model.tree, first, second, third, gravity="explicit")
-    external = _external(model, state[0], given)
-    closing = _loops(names, pose, state[0], reactions)
+    external = _external(model, pose, given)
+    closing = _loops(names, pose, reactions)
     acting = [
         (
             *_reactions(names, pose, body, reactions),
@@ -207,34 +206,23 @@ def _reaction(
     return Load(label(force), label(moment), role, by, place, w[:d], w[d:], joint)
 
 
-def _loops(names: Naming, pose: Skeleton, q: Array, wrenches: Array) -> list[tuple[int, Load]]:
+def _loops(names: Naming, pose: Skeleton, wrenches: Array) -> list[tuple[int, Load]]:
     """(body, load) of both sides of each loop, where the wrench acts: at the origin of the second
     frame, or of a rod, which pulls along itself, at each end."""
-    model, found = names.model, []
-    by = {body.index: body.name for body in pose.bodies}
-    for k, loop in enumerate(model.loops):
-        ends = [model.frame(frame).body for frame in loop.frames]
-        places = [
-            np.asarray(forward_kinematics(model, q, frame))[: model.dim, -1]
-            for frame in loop.frames
-        ]
-        rod = model.tree.loops[k].closure.distance
-        index = len(model.bodies) + k
-        force, moment = names.loop_force(k), names.loop_moment(k)
-        if ends[1] >= 0:
-            other = by.get(ends[0], "the ground")
-            found.append(
-                (
-                    ends[1],
-                    _reaction(force, moment, "reaction", other, places[1], wrenches[index], index),
-                )
-            )
-        if ends[0] >= 0:
-            other, place = by.get(ends[1], "the ground"), places[0 if rod else 1]
-            opposite = ex.neg(force), ex.neg(moment)
-            found.append(
-                (ends[0], _reaction(*opposite, "counter", other, place, -wrenches[index], index))
-            )
+    found = []
+    called = [body.name for body in pose.bodies] + ["the ground"]
+    for k, loop in enumerate(pose.loops):
+        index = len(pose.bodies) + k
+        force, moment, w = names.loop_force(k), names.loop_moment(k), wrenches[index]
+        first, second = loop.bodies
+        here = loop.places[0 if loop.rod else 1]
+        opposite = (ex.neg(force), ex.neg(moment), "counter")
+        for on, by, names_, at, value in (
+            (second, first, (force, moment, "reaction"), loop.places[1], w),
+            (first, second, opposite, here, -w),
+        ):
+            if on >= 0:
+                found.append((on, _reaction(*names_, called[by], at, value, index)))
     return found
 
 
@@ -261,12 +249,12 @@ def _rates(model: Model, body: BodyPlace, recursion: Recursion) -> tuple[Array, 
     return force, turning
 
 
-def _external(model: Model, q: Array, given: dict[str, Array]) -> list[tuple[int, Load]]:
+def _external(model: Model, pose: Skeleton, given: dict[str, Array]) -> list[tuple[int, Load]]:
     """(body, load) of each external wrench."""
     found = []
     for k, (frame, w) in enumerate(given.items(), 1):
-        place = np.asarray(forward_kinematics(model, q, frame))[: model.dim, -1]
         low = f"_{k}" if len(given) > 1 else ""
-        load = Load(f"f{low}", f"n{low}", "external", frame, place, w[: model.dim], w[model.dim :])
+        force, moment = w[: model.dim], w[model.dim :]
+        load = Load(f"f{low}", f"n{low}", "external", frame, pose.frames[frame], force, moment)
         found.append((model.frame(frame).body, load))
     return found

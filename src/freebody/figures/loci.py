@@ -9,11 +9,11 @@ from typing import Literal
 import numpy as np
 
 from freebody.errors import FreebodyError
-from freebody.figures.drawing import Drawing, Line, Mark, point
+from freebody.figures.drawing import FLAT, Drawing
 from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.names import names_of
-from freebody.figures.sketch import arm
 from freebody.figures.sketch.snapshot import snapshot
+from freebody.figures.sketch.structure import structure
 from freebody.loops.loci import Locus, singularity_loci
 from freebody.model.model import Model
 from freebody.trees.kinematics import forward_kinematics
@@ -43,12 +43,12 @@ def singularity_diagram(
         raise FreebodyError(
             f"singularity_diagram: {model.name!r} is in space; loci are drawn in the plane only."
         )
-    drawing = arm.blank(f"Singular positions of {model.name}")
+    drawing = Drawing(FLAT, f"Singular positions of {model.name}")
     for kind, name in _KINDS:
         loci = singularity_loci(model, kind, frame=frame, rows=rows, hold=hold)
         _curves(drawing, model, loci, name, kind, frame)
     seen = snapshot(model)
-    arm.structure(drawing, seen, names_of(seen.model))
+    structure(drawing, seen, names_of(seen.model))
     drawing.notes = [
         "type 1, blue: the tip stands still in some direction though the drives turn",
         "type 2, red: the tip gives way though the drives stand still",
@@ -70,9 +70,9 @@ def _curves(
         role = f"locus-{kind}"
         label = f"{name}, curve {len(drawn)}"
         if np.ptp(tip, axis=0).max() < _POINT:
-            drawing.add(Mark(point(tip[0]), "dot", label, role, size=4.0))
+            drawing.mark(tip[0], "dot", label, role, 4.0)
         else:
-            drawing.add(Line(tuple(point(p) for p in tip), label, role))
+            drawing.line(tip, label, role)
 
 
 def _same(a: np.ndarray, b: np.ndarray) -> bool:

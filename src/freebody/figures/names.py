@@ -6,7 +6,6 @@ Joints are the points O, A, B, …, the tip is P.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -160,11 +159,3 @@ class ModelNames(Names):
 def names_of(model: Model, weights: bool = True) -> ModelNames:
     """The names in a model's drawings."""
     return ModelNames(naming=Naming(model), weights=weights)
-
-
-def bold(name: str) -> str:
-    """A vector's label: its letters bold; a sign in front, a subscript and what is in brackets stay
-    as they are."""
-    sign, rest = (name[0], name[1:]) if name[0] in "−-" else ("", name)
-    letters = re.split(r"[_^(]", rest, maxsplit=1)[0]
-    return f"{sign}*{letters}*{rest[len(letters) :]}"

@@ -1,5 +1,4 @@
-"""The robot as a stick drawing, in the plane as textbooks draw it, in space as an axonometric
-picture."""
+"""The robot as a drawing with its numbers: one pose, fainter ones behind it, the way of its tip."""
 
 from __future__ import annotations
 
@@ -8,11 +7,18 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.figures import plane, space
-from freebody.figures.drawing import Drawing
-from freebody.figures.skeleton import skeleton
+from freebody.figures.drawing import FLAT, Drawing, best_view
+from freebody.figures.labelling import metres
+from freebody.figures.names import names_of
+from freebody.figures.skeleton import extent, skeleton
+from freebody.figures.sketch import geometry, space
+from freebody.figures.sketch.snapshot import Snapshot, snapshot
+from freebody.figures.sketch.structure import structure
 from freebody.figures.svg import picture
 from freebody.model.model import Model
+
+_GEOMETRY = (geometry.angles, geometry.slides, geometry.centres, geometry.lengths)
+_CROWDED = 12  # bodies; the joints of more are not numbered
 
 
 def robot_drawing(
@@ -20,11 +26,42 @@ def robot_drawing(
 ) -> Drawing:
     """The robot at q (nq,), with fainter poses `ghosts` and the tip's `path` (k, dim) in world
     metres."""
-    pose = skeleton(model, q)
-    others = [skeleton(model, ghost) for ghost in ghosts]
+    still = np.zeros(model.nv)
+    seen = snapshot(model, q, still, still)
+    poses = [seen.pose, *(skeleton(model, ghost) for ghost in ghosts)]
     track = None if path is None else np.asarray(path, dtype=float)
-    draw = plane.draw if model.dim == 2 else space.draw
-    return draw(model, pose, others, track)
+    sticks = [ends for pose in poses for ends in space.sticks(pose)]
+    view = FLAT if model.dim == 2 else best_view(sticks or [(np.zeros(3), np.ones(3))])
+    drawing = Drawing(view, f"{model.name}: the robot at one position", labels="both")
+    if model.dim == 3:
+        space.floor(drawing, seen, poses)
+    for pose in poses[1:]:
+        for ends in space.sticks(pose):
+            drawing.line(ends, "ghost", "ghost")
+    if track is not None:
+        drawing.line(track, "tip path", "tippath")
+        drawing.mark(track[0], "dot", "path start", "tipdot", 3.0)
+    names = names_of(model)
+    structure(drawing, seen, names)
+    if model.dim == 2:
+        for layer in _GEOMETRY:
+            layer(drawing, seen, names)
+    else:
+        _numbered(drawing, seen)
+    length = space.round_down(extent(poses, track) / 5)
+    drawing.rulers.append((length, metres(length, 2), "length"))
+    return drawing
+
+
+def _numbered(drawing: Drawing, seen: Snapshot) -> None:
+    """The frame of the tip, and the numbers of the joints."""
+    pose = seen.pose
+    if pose.tip is not None and pose.tip_rotation is not None:
+        axes = [f"tip {name}" for name in "xyz"]
+        space.triad(drawing, pose.tip, pose.tip_rotation, 0.1 * seen.size, axes, said=False)
+    if len(pose.bodies) <= _CROWDED:
+        for body in pose.bodies:
+            drawing.write(body.origin, str(body.number), (0.0, 0.0, -1.0))
 
 
 def robot_svg(

@@ -3,20 +3,20 @@ axes."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.algorithms.kinematics import joint_poses, world_poses
 from freebody.arrays import Array
+from freebody.figures.drawing import SAME
 from freebody.model.joints import JointKind
 from freebody.model.model import Model
 from freebody.model.tree import Mass, Tree
 from freebody.trees.calls import single_vector
-
-_SAME = 1e-6  # metres: places nearer than this are one
 
 
 @dataclass(frozen=True)
@@ -57,10 +57,22 @@ class BodyPlace:
     def outline(self) -> tuple[tuple[Array, Array], ...]:
         """Segments of its stick: from its joint to where others hang, else to its centre of
         mass."""
-        far = [end.place for end in self.ends if np.linalg.norm(end.place - self.origin) > _SAME]
-        if not far and self.mass > 0 and np.linalg.norm(self.com - self.origin) > _SAME:
+        far = [end.place for end in self.ends if np.linalg.norm(end.place - self.origin) > SAME]
+        if not far and self.mass > 0 and np.linalg.norm(self.com - self.origin) > SAME:
             far = [self.com]
         return tuple((self.origin, place) for place in far)
+
+
+@dataclass(frozen=True)
+class LoopPlace:
+    """Where a loop closes."""
+
+    name: str
+    bodies: tuple[int, int]
+    """Indices of those that it ties; -1: the base."""
+    places: tuple[Array, Array]
+    """Of its frames: one place, or the ends of a rod."""
+    rod: bool
 
 
 @dataclass(frozen=True)
@@ -69,6 +81,9 @@ class Skeleton:
 
     dim: int
     bodies: tuple[BodyPlace, ...]
+    frames: Mapping[str, Array]
+    """Place of each frame."""
+    loops: tuple[LoopPlace, ...]
     tip: Array | None
     tip_rotation: Array | None
 
@@ -99,20 +114,29 @@ def skeleton(model: Model, q: ArrayLike) -> Skeleton:
         (np.asarray(R), np.asarray(p))
         for R, p in world_poses(tree, joint_poses(tree, tuple(map(float, q_checked))))
     ]
-    frames = {
-        name: (body, np.asarray(R, dtype=float), np.asarray(p, dtype=float))
-        for name, (body, R, p) in tree.frames.items()
-    }
-    rest = (np.eye(model.dim), np.zeros(model.dim))
-    bodies = []
-    for i in range(len(model.bodies)):
-        bodies.append(_body(model, tree, world, frames, i, rest))
-    tip = tip_rotation = None
-    if model.tip is not None:
-        at, R, p = frames[model.tip]
-        W, o = world[at] if at >= 0 else rest
-        tip, tip_rotation = o + W @ p, W @ R
-    return Skeleton(model.dim, tuple(bodies), tip, tip_rotation)
+    frames = {name: _pose(tree, world, *frame) for name, frame in tree.frames.items()}
+    places = {name: p for name, (_, p) in frames.items()}
+    loops = [
+        LoopPlace(
+            loop.name,
+            (model.frame(loop.frames[0]).body, model.frame(loop.frames[1]).body),
+            (places[loop.frames[0]], places[loop.frames[1]]),
+            bool(made.closure.distance),
+        )
+        for loop, made in zip(model.loops, tree.loops, strict=True)
+    ]
+    bodies = [_body(model, tree, world, places, i) for i in range(len(model.bodies))]
+    tip = (None, None) if model.tip is None else frames[model.tip]
+    return Skeleton(model.dim, tuple(bodies), places, tuple(loops), tip[1], tip[0])
+
+
+def _pose(tree: Tree, world: list, body: int, R: Any, p: Any) -> tuple[Array, Array]:
+    """A pose given in a body of the tree (-1: the base), in the world."""
+    R, p = np.asarray(R, dtype=float), np.asarray(p, dtype=float)
+    if body < 0:
+        return R, p
+    above, origin = world[body]
+    return above @ R, origin + above @ p
 
 
 def extent(poses: Sequence[Skeleton], path: Array | None = None) -> float:
@@ -122,30 +146,20 @@ def extent(poses: Sequence[Skeleton], path: Array | None = None) -> float:
     return size if size > 1e-6 else 1.0
 
 
-def _body(
-    model: Model, tree: Tree, world: list, frames: dict, i: int, rest: tuple[Array, Array]
-) -> BodyPlace:
+def _body(model: Model, tree: Tree, world: list, places: dict, i: int) -> BodyPlace:
     body, at = model.bodies[i], tree.body_of[i]
-    node = tree.bodies[at]
-    R, p = world[at]
+    node, (R, p) = tree.bodies[at], world[at]
     first = tree.bodies[_first(tree, i)]
-    above_R, above_p = world[first.parent] if first.parent >= 0 else rest
-    carrier, carrier_R = (
-        above_p + above_R @ np.asarray(first.p, dtype=float),
-        above_R @ np.asarray(first.R, dtype=float),
-    )
+    carrier_R, carrier = _pose(tree, world, first.parent, first.R, first.p)
     one_axis = body.kind.nv == 1 and len(node.axis) == model.dim and model.dim > 1
     mass, centre = _centre(node.masses, model.dim)
     ends = [
-        End(child.joint.name, k, world[tree.body_of[k]][1])
-        if not child.kind.slides
-        else End(
-            child.joint.name, k, p + R @ np.asarray(tree.bodies[tree.body_of[k]].p, dtype=float)
-        )
+        End(child.joint.name, k, _pose(tree, world, at, np.eye(model.dim), hung.p)[1])
         for k, child in enumerate(model.bodies)
         if child.parent == i
+        for hung in [tree.bodies[_first(tree, k)]]
     ]
-    ends += _leaves(model, frames, at, R, p)
+    ends += _leaves(model, tree, places, at)
     return BodyPlace(
         i, body.name, body.kind, body.parent, p, R, carrier, carrier_R,
         R @ np.asarray(node.axis, dtype=float) if one_axis else None,
@@ -158,19 +172,14 @@ def _first(tree: Tree, i: int) -> int:
     return 1 + max((last for last in tree.body_of if last < tree.body_of[i]), default=-1)
 
 
-def _leaves(model: Model, frames: dict, at: int, R: Array, p: Array) -> list[End]:
-    """The tip and the leaves that this body carries, farthest first; of several leaves at one place
-    the first."""
-    names = [
-        *([model.tip] if model.tip else []),
-        *(leaf for leaf in model.leaves if leaf != model.tip),
-    ]
+def _leaves(model: Model, tree: Tree, places: dict, at: int) -> list[End]:
+    """The tip and the leaves that this body carries; of several at one place the first."""
+    names = [*filter(None, [model.tip]), *(leaf for leaf in model.leaves if leaf != model.tip)]
     ends: list[End] = []
     for name in names:
-        carried, _, local = frames[name]
-        place = p + R @ local
-        if carried == at and all(np.linalg.norm(place - end.place) > _SAME for end in ends):
-            ends.append(End(name, None, place))
+        free = all(np.linalg.norm(places[name] - end.place) > SAME for end in ends)
+        if tree.frames[name][0] == at and free:
+            ends.append(End(name, None, places[name]))
     return ends
 
 

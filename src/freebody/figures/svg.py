@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures import mathtext, symbols, theme
+from freebody.figures import labelling, mathtext, symbols, theme
 from freebody.figures import text as texts
 from freebody.figures.drawing import (
     Arc,
@@ -34,6 +34,7 @@ XMLNS = 'xmlns="http://www.w3.org/2000/svg"'
 _NOTE = 17.0  # height of a line of notes
 _MARGIN = 46.0  # pixels around everything, for labels
 _STRIP = 14.0  # below, for scale bars
+_VALUE = 12.0  # height of the letters of values
 
 
 @dataclass
@@ -60,14 +61,13 @@ class Page:
         return (float(x / size), float(-y / size)) if size > 1e-9 else (1.0, 0.0)
 
     def want(
-        self, text: str, css: str, anchors: Sequence[tuple[float, float, float, float]]
+        self, element: Element, css: str, anchors: Sequence[tuple[float, float, float, float]]
     ) -> None:
-        """Ask for a label, as a formula where the drawing has formulas; words stay words."""
-        if self.drawing.formulas and "name" not in css:
-            css, size, wide = f"{css} f", mathtext.SIZE, mathtext.width(text)
-            self.wanted.append(Wanted(text, css, anchors, size, wide))
-        else:
-            self.wanted.append(Wanted(text, css, anchors))
+        """Ask for room for what stands beside an element."""
+        formula, after = labelling.label(element, self.drawing.labels)
+        if formula or after:
+            wide = mathtext.width(formula) + texts.width(after, _VALUE)
+            self.wanted.append(Wanted(formula, css, anchors, mathtext.SIZE, wide, after))
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ class Picture:
 def picture(drawing: Drawing, width: float = 560.0, tallest: float = 460.0) -> Picture:
     """The drawing on a page `width` pixels wide and as tall as it needs."""
     page, height, labels = laid_out(drawing, width, tallest)
-    page.body += [_label(drawing, placed) for placed in labels]
+    page.body += [_label(placed) for placed in labels]
     page.body += _corners(drawing, page, height)
     page.body += [
         _centred("n", width / 2, height + 4 + _NOTE * (k + 0.6), note)
@@ -163,14 +163,12 @@ def _line(page: Page, e: Line) -> None:
                 page.crowd.keep_clear(a, b, e.width / 2 + 2)
     if e.label:
         k = len(points) // 2
-        page.want(
-            e.label, f"{e.role}-text num", [(*points[k], 1.0, -1.0), (*points[k // 2], 1.0, -1.0)]
-        )
+        page.want(e, f"{e.role}-text", [(*points[k], 1.0, -1.0), (*points[k // 2], 1.0, -1.0)])
 
 
 def _arrow(page: Page, e: Arrow) -> None:
     a, b = _beside(page.at(e.start), page.at(e.end), e.aside)
-    page.body.append(symbols.arrow(a, b, e.role, e.heads, _tooltip(page, e.label or e.name)))
+    page.body.append(symbols.arrow(a, b, e.role, e.heads, _tooltip(page, e)))
     page.crowd.keep_clear(a, b)
     if e.label:
         dx, dy = (b[0] - a[0], b[1] - a[1])
@@ -183,7 +181,7 @@ def _arrow(page: Page, e: Arrow) -> None:
         )
         sides = left + right if e.aside >= 0 else right + left
         anchors = [*sides, beyond] if e.beside else [beyond, sides[0], sides[3]]
-        page.want(e.label, f"{e.role}-text num", anchors)
+        page.want(e, f"{e.role}-text", anchors)
 
 
 def _beside(
@@ -209,15 +207,13 @@ def _dimension(page: Page, e: Dimension) -> None:
         anchors = [
             (a[0] + k * (b[0] - a[0]), a[1] + k * (b[1] - a[1]), dx, dy) for k in (0.5, 0.65, 0.35)
         ]
-        page.want(e.label, "dimension-text num", anchors)
+        page.want(e, "dimension-text", anchors)
 
 
 def _turn(page: Page, e: Turn) -> None:
     x, y = page.at(e.at)
     page.body.append(
-        symbols.turn(
-            (x, y), e.radius, e.value, e.role, _tooltip(page, e.label or e.name), e.facing, e.span
-        )
+        symbols.turn((x, y), e.radius, e.value, e.role, _tooltip(page, e), e.facing, e.span)
     )
     for k in range(25):
         a = math.radians(e.facing + e.span * (k / 24 - 0.5))
@@ -228,7 +224,7 @@ def _turn(page: Page, e: Turn) -> None:
         anchors = [
             (x + r * math.cos(a), y - r * math.sin(a), math.cos(a), -math.sin(a)) for a in around
         ]
-        page.want(e.label, f"{e.role}-text num", anchors)
+        page.want(e, f"{e.role}-text", anchors)
 
 
 def _arc(page: Page, e: Arc) -> None:
@@ -243,7 +239,7 @@ def _arc(page: Page, e: Arc) -> None:
         anchors = [
             (x + r * math.cos(a), y - r * math.sin(a), math.cos(a), -math.sin(a)) for a in around
         ]
-        page.want(e.label, "num", anchors)
+        page.want(e, "", anchors)
 
 
 def _mark(page: Page, e: Mark) -> None:
@@ -275,8 +271,7 @@ def _prism(page: Page, e: Prism) -> None:
 def _text(page: Page, e: Label) -> None:
     x, y = page.at(e.at)
     dx, dy = page.towards(e.direction) if e.direction else (0.8, -0.8)
-    css = "name" if e.role == "name" else f"{e.role}-text num"
-    page.want(e.text, css, [(x, y, dx, dy), (x, y, -dx, -dy)])
+    page.want(e, f"{e.role}-text", [(x, y, dx, dy), (x, y, -dx, -dy)])
 
 
 _DRAW = {
@@ -292,22 +287,23 @@ _DRAW = {
 assert set(_DRAW) == set(Element.__args__)
 
 
-def _tooltip(page: Page, text: str) -> str:
-    plain = mathtext.plain if page.drawing.formulas else texts.plain
-    return f"<title>{escape(plain(text))}</title>"
+def _tooltip(page: Page, e: Arrow | Turn) -> str:
+    _, after = labelling.label(e, page.drawing.labels)
+    return f"<title>{escape(mathtext.plain(e.label or e.name) + after)}</title>"
 
 
 def _centred(css: str, x: float, y: float, text: str) -> str:
     return f'<text class="{css}" x="{x:.1f}" y="{y:.1f}" text-anchor="middle">{texts.marked(text)}</text>'
 
 
-def _label(drawing: Drawing, placed: Placed) -> str:
-    left, top, right, bottom = placed.box
-    x, y, css = (left + right) / 2, bottom - (bottom - top) * 0.27, f"halo {placed.wanted.css}"
-    if drawing.formulas and "name" not in css:
-        formula = mathtext.marked(placed.wanted.text)
-        return f'<text class="{css}" x="{x:.1f}" y="{y:.1f}" text-anchor="middle">{formula}</text>'
-    return _centred(css, x, y, placed.wanted.text)
+def _label(placed: Placed) -> str:
+    (left, top, right, bottom), wanted = placed.box, placed.wanted
+    x, y = (left + right) / 2, bottom - (bottom - top) * 0.27
+    after = f'<tspan class="num">{escape(wanted.after)}</tspan>' if wanted.after else ""
+    return (
+        f'<text class="halo f {wanted.css}" x="{x:.1f}" y="{y:.1f}" text-anchor="middle">'
+        f"{mathtext.marked(wanted.text)}{after}</text>"
+    )
 
 
 def _corners(drawing: Drawing, page: Page, height: float) -> list[str]:

@@ -5,6 +5,15 @@ from __future__ import annotations
 SERIES = 8
 """Number of distinct colours for curves."""
 
+FORCES = {
+    "reaction": "reaction",
+    "counter": "reaction",
+    "weight": "weight",
+    "external": "external",
+    "moment": "moment",
+}
+"""The colour, one of those below, of what acts on a body, by its role (`loads.Load`)."""
+
 _LIGHT = {
     "paper": "#ffffff", "ink": "#1c2430", "soft": "#66707d", "dimension": "#66707d", "faint": "#c9d0d8",
     "hair": "#e6eaee",
@@ -58,6 +67,7 @@ _RULES = """
 .fig .now{fill:none;stroke:@soft;stroke-width:1;stroke-dasharray:2 3}
 .fig .name{font-size:13px;font-weight:600}
 .fig .f{font-family:"STIX Two Text","Cambria Math",Cambria,"Times New Roman","Liberation Serif",serif;font-size:15px}
+.fig .f .num{font-family:system-ui,-apple-system,"Segoe UI",Roboto,Arial,sans-serif}
 .fig .f .r{font-style:normal}.fig .f .b{font-weight:700}
 .fig .solid{fill:@solid;stroke:@link-edge;stroke-width:1.6;stroke-linejoin:round}
 .fig .curveline{fill:none;stroke:@link-edge;stroke-width:2}

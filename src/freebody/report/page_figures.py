@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from freebody.figures.body import PANEL, TALLEST, diagrams
-from freebody.figures.loads import BodyLoads, body_loads
+from freebody.figures.free_body import PANEL, TALLEST, diagrams
+from freebody.figures.loads import BodyLoads
+from freebody.figures.names import names_of
 from freebody.figures.plots import Plot, plot
 from freebody.figures.robot import robot_drawing
+from freebody.figures.sketch.snapshot import snapshot
 from freebody.figures.svg import picture
 from freebody.motion.ranges import ranges as allowed
 from freebody.report.tables import shortened
@@ -67,11 +69,11 @@ def robot(study: Study) -> CaptionedDrawing:
 def free_bodies(study: Study) -> tuple[list[CaptionedDrawing], tuple[BodyLoads, ...]]:
     """The diagram of each body at the worst instant, and the loads they show."""
     k, m = study.worst.index, study.motion
-    found = body_loads(study.model, m.q[k], m.qd[k], m.qdd[k])
+    seen = snapshot(study.model, m.q[k], m.qd[k], m.qdd[k])
+    drawings = diagrams(seen, names_of(study.model))
     return [
-        CaptionedDrawing(picture(d, PANEL, TALLEST).text(css=False))
-        for d in diagrams(found, study.model.dim)
-    ], found
+        CaptionedDrawing(picture(d, PANEL, TALLEST).text(css=False)) for d in drawings
+    ], seen.loads
 
 
 def motion(study: Study) -> Iterator[CaptionedDrawing]:

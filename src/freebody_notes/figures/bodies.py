@@ -6,11 +6,10 @@ from __future__ import annotations
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures.drawing import Arrow, Drawing, Label, Line, Mark, Turn, point
+from freebody.figures.drawing import FLAT, Arrow, Drawing, Label, Line, Mark, Turn, bold, point
 from freebody.figures.figure import Figure, to_one_scale
-from freebody.figures.names import bold
 from freebody.figures.skeleton import BodyPlace
-from freebody.figures.sketch.arm import axes, blank
+from freebody.figures.sketch.plane import axes
 from freebody.figures.sketch.snapshot import Snapshot, snapshot
 from freebody.model.model import Model
 from freebody.model.planar import planar
@@ -49,7 +48,10 @@ def _rounded(corners: Array, rounds: int = 5) -> Array:
 def pinned(seen: Snapshot, note: str, answered: bool) -> Drawing:
     """A body on a pin at O with the force F; answered: with the pin's reaction f, a_G and α as
     well."""
-    body, drawing = seen.pose.bodies[0], blank(f"A body that turns about a fixed axis: {note}")
+    body, drawing = (
+        seen.pose.bodies[0],
+        Drawing(FLAT, f"A body that turns about a fixed axis: {note}"),
+    )
     drawing.add(outline(body, np.array(_OUTLINE)))
     drawing.add(Mark((0.0, 0.0), "ground", "ground", "ground", (0.0, 1.0), 9.0))
     drawing.add(Mark((0.0, 0.0), "joint", "O", "joint", size=6.0))
@@ -105,7 +107,7 @@ def _last(word: str, angles: list[float]) -> Model:
 def _moving(model: Model, q: list[float], qd: list[float], kind: str, turned: float) -> Drawing:
     """A body that hangs on the last joint of a model, with the velocities of points of it."""
     seen = snapshot(model, q, qd, [0.0] * model.nv)
-    body, drawing = seen.pose.bodies[-1], blank(f"A body in {kind}")
+    body, drawing = seen.pose.bodies[-1], Drawing(FLAT, f"A body in {kind}")
     axes(drawing, 1.0, share=0.4)
     c, s = np.cos(turned), np.sin(turned)
     shape = np.array(_OUTLINE) @ np.array([[c, s], [-s, c]])

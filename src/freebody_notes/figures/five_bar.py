@@ -9,10 +9,9 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.figures.drawing import Arc, Dimension, Drawing, Label, Line, Mark, point
+from freebody.figures.drawing import FLAT, Arc, Dimension, Drawing, Label, Line, Mark, point
 from freebody.figures.figure import Figure, to_one_scale
-from freebody.figures.sketch.arm import axes, blank
-from freebody.figures.sketch.vectors import position
+from freebody.figures.sketch.plane import axes
 from freebody.formats.loading import load
 
 
@@ -36,7 +35,7 @@ def five_bar(
     _lengths(first, places)
     second = _robot(places, angles, "(b) the vectors of the two limbs")
     for start, end in ("AB", "CD", "AP", "CP"):
-        position(second, places[start], places[end], start + end)
+        second.position(places[start], places[end], start + end)
     for drawing in (first, second):
         drawing.add(Label(point(places["P"]), "P(x, y)", "label P", direction=(0.0, 1.0)))
     to_one_scale((first, second))
@@ -68,7 +67,7 @@ def closed(
 
 
 def _robot(places: dict[str, Array], angles: Sequence[float], note: str) -> Drawing:
-    drawing = blank(f"A planar robot with five bars: {note}")
+    drawing = Drawing(FLAT, f"A planar robot with five bars: {note}")
     size = float(np.linalg.norm(places["P"] - places["A"]))
     axes(drawing, size, share=0.55)
     drawing.add(Label((0.0, 0.0), "O", "label O", direction=(0.7, -0.8)))

@@ -9,11 +9,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures.drawing import Label, Line, Mark, Prism, axonometric, point
+from freebody.figures.drawing import Drawing, Label, Line, Mark, Prism, axonometric, point
 from freebody.figures.figure import Figure
-from freebody.figures.sketch import frames
 from freebody.figures.sketch.snapshot import snapshot
-from freebody.figures.sketch.vectors import arrow
 from freebody.formats.loading import load
 from freebody.trees.dynamics import joint_wrenches
 
@@ -37,7 +35,7 @@ def gyro(
         raise ValueError("the gyro turns about two axes")
     x, z, y = roll.axis, yaw.axis, np.cross(yaw.axis, roll.axis)
     view = axonometric(-35.0, 20.0)
-    drawing = frames.blank("A gyro with its axes of roll and yaw", view)
+    drawing = Drawing(view, "A gyro with its axes of roll and yaw")
     half = _ring(x, z)
     for part, points in zip(("ring, behind", "ring"), half, strict=True):
         drawing.add(Line(tuple(map(point, points)), part, "link", width=6.0, far=part != "ring"))
@@ -55,8 +53,7 @@ def gyro(
     rate = 0.45 / max(abs(float(v)) for v in qd)
     for axis, value, name in ((x, seen.qd[1], "ω_{x′}"), (z, seen.qd[0], "ω_{z′}")):
         start = (_RING + 0.04) * axis
-        arrow(
-            drawing,
+        drawing.arrow(
             start,
             start + rate * value * axis,
             name,
@@ -67,7 +64,7 @@ def gyro(
         )
     moment = _moment(seen.model, seen.q, seen.qd, seen.qdd)
     end = 0.9 * moment / np.linalg.norm(moment)
-    arrow(drawing, np.zeros(3), end, "n_{y′}", "moment", moment, "N m", heads=2)
+    drawing.arrow(np.zeros(3), end, "n_{y′}", "moment", moment, "N m", heads=2)
     drawing.add(Mark((0.0, 0.0, 0.0), "com", "C", "com", size=5.0))
     spin, turn, n = (
         f"{abs(v):g}" for v in (seen.qd[1], seen.qd[0], round(float(np.linalg.norm(moment)), 6))

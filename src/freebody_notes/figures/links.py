@@ -7,15 +7,16 @@ import math
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures.drawing import Arc, Drawing, Label, Line, Mark, Turn, point
+from freebody.figures.drawing import FLAT, Arc, Drawing, Label, Line, Mark, Turn, point
 from freebody.figures.figure import Figure
 from freebody.figures.joints import flat_joint
 from freebody.figures.names import Names
-from freebody.figures.plane import add_body
 from freebody.figures.skeleton import BodyPlace
-from freebody.figures.sketch import arm, forces
+from freebody.figures.sketch import forces, geometry, plane
+from freebody.figures.sketch.plane import add_body
 from freebody.figures.sketch.snapshot import Snapshot, snapshot
-from freebody.figures.sketch.vectors import BESIDE, arrow, position
+from freebody.figures.sketch.structure import structure
+from freebody.figures.sketch.vectors import BESIDE
 from freebody.model.planar import planar
 from freebody.trees.calls import Vector
 
@@ -37,11 +38,11 @@ def relative_velocity(q: Vector = (0.45, 0.6), qd: Vector = (0.8, 0.7)) -> Figur
 
 
 def _two_rates(seen: Snapshot) -> Drawing:
-    drawing = arm.blank("Two links with their angular velocities")
-    arm.structure(drawing, seen, _RELATIVE)
-    arm.angles(drawing, seen, _RELATIVE)
+    drawing = Drawing(FLAT, "Two links with their angular velocities")
+    structure(drawing, seen, _RELATIVE)
+    geometry.angles(drawing, seen, _RELATIVE)
     first, second = seen.pose.bodies
-    position(drawing, second.origin, _tip(seen), "s", -BESIDE)
+    drawing.position(second.origin, _tip(seen), "s", -BESIDE)
     scale = _speed_scale(seen)
     _speed(drawing, seen, second, second.origin, "v_B", scale)
     _speed(drawing, seen, second, _tip(seen), "v_A", scale)
@@ -53,21 +54,21 @@ def _two_rates(seen: Snapshot) -> Drawing:
 
 def _construction(seen: Snapshot) -> Drawing:
     """Link B-A alone: v_B at both ends, ω × s on top of it at A, their sum v_A."""
-    drawing = arm.blank("v_A as the sum of v_B and ω × s")
+    drawing = Drawing(FLAT, "v_A as the sum of v_B and ω × s")
     body, tip, scale = seen.pose.bodies[1], _tip(seen), _speed_scale(seen)
-    arm.axes(drawing, seen.size)
+    plane.axes(drawing, seen.size)
     add_body(drawing, body)
     for place, name, way in ((body.origin, "B", (1.0, -0.6)), (tip, "A", (1.0, 0.3))):
         drawing.add(Mark(point(place), "joint", name, "joint", size=6.0))
         drawing.add(Label(point(place), name, f"label {name}", direction=way))
-    position(drawing, np.zeros(2), body.origin, "r")
-    position(drawing, body.origin, tip, "s", -BESIDE)
+    drawing.position(np.zeros(2), body.origin, "r")
+    drawing.position(body.origin, tip, "s", -BESIDE)
     v_b, v_a = (seen.velocity_at(body, place) for place in (body.origin, tip))
     middle = tip + scale * v_b
     _speed(drawing, seen, body, body.origin, "v_B", scale)
-    arrow(drawing, tip, middle, "v_B at A", "inertia", v_b, "m/s", label="*v*_B", beside=0.5)
+    drawing.arrow(tip, middle, "v_B at A", "inertia", v_b, "m/s", label="*v*_B", beside=0.5)
     end, turned = middle + scale * (v_a - v_b), "*ω* × *s*"
-    arrow(drawing, middle, end, "ω × s", "velocity", v_a - v_b, "m/s", label=turned, beside=0.5)
+    drawing.arrow(middle, end, "ω × s", "velocity", v_a - v_b, "m/s", label=turned, beside=0.5)
     _speed(drawing, seen, body, tip, "v_A", scale)
     _turning(drawing, seen, body, "ω")
     _inclination(drawing, seen, body)
@@ -80,7 +81,7 @@ def _inclination(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
     reach = 0.15 * seen.size
     end = body.origin + np.array([1.6 * reach, 0.0])
     drawing.add(Line((point(body.origin), point(end)), "reference φ", "guide"))
-    along = arm.heading(seen, body)
+    along = seen.heading(body)
     drawing.add(Arc(point(body.origin), reach, 0.0, math.atan2(along[1], along[0]), "φ", label="φ"))
 
 
@@ -99,14 +100,14 @@ def _speed(
     drawing: Drawing, seen: Snapshot, body: BodyPlace, place: Array, name: str, scale: float
 ) -> None:
     v = seen.velocity_at(body, place)
-    arrow(drawing, place, place + scale * v, name, "velocity", v, "m/s")
+    drawing.arrow(place, place + scale * v, name, "velocity", v, "m/s")
 
 
 def _turning(
     drawing: Drawing, seen: Snapshot, body: BodyPlace, name: str, share: float = 0.5
 ) -> None:
     """The angular velocity of a body on its left, around a point at a share of its length."""
-    end, along = seen.end(body), arm.heading(seen, body)
+    end, along = seen.end(body), seen.heading(body)
     at = body.origin + share * ((body.com if end is None else end) - body.origin)
     left, value = math.degrees(math.atan2(along[0], -along[1])), float(seen.angular(body)[0])
     drawing.add(Turn(point(at), value, name, "velocity", name, "rad/s", 24.0, left, 140.0))
@@ -124,7 +125,7 @@ def one_of_many() -> Figure:
         (0.5, 0.3, 0.4, 0.3),
         (0.5, 0.9, -3.0, 0.2),
     )
-    drawing = arm.blank("Link i of a planar arm with the forces on it")
+    drawing = Drawing(FLAT, "Link i of a planar arm with the forces on it")
     before, body, after = seen.pose.bodies[1:4]
     for link in (before, after):
         name = f"link {_INDICES[link.number]}"
@@ -141,16 +142,16 @@ def one_of_many() -> Figure:
         drawing.add(Label(point(link.origin), name, f"label {name}", direction=(0.7, -1.0)))
     drawing.add(Mark(point(body.com), "com", "C_i", "com", size=6.0))
     drawing.add(Label(point(body.com), "C_i", "label C_i", direction=(0.5, -1.0)))
-    position(drawing, before.origin, body.origin, "s_{i−1}", -BESIDE)
-    position(drawing, body.origin, after.origin, "s_i", -BESIDE - 6)
-    position(drawing, body.origin, body.com, "s_{ci}", BESIDE)
+    drawing.position(before.origin, body.origin, "s_{i−1}", -BESIDE)
+    drawing.position(body.origin, after.origin, "s_i", -BESIDE - 6)
+    drawing.position(body.origin, body.com, "s_{ci}", BESIDE)
     speeds = [seen.velocity_at(link, link.origin) for link in (before, body)]
     scale = 0.2 * seen.size / max(float(np.linalg.norm(v)) for v in speeds)
     _speed(drawing, seen, before, before.origin, "v_{i−1}", scale)
     _speed(drawing, seen, body, body.origin, "v_i", scale)
     a = seen.acceleration_at(body, body.com)
     end = body.com + 0.2 * seen.size * a / np.linalg.norm(a)
-    arrow(drawing, body.com, end, "v\u0307_{ci}", "acceleration", a, "m/s²")
+    drawing.arrow(body.com, end, "v\u0307_{ci}", "acceleration", a, "m/s²")
     _turning(drawing, seen, body, "ω_i", 0.78)
     forces.act(drawing, seen, body, _GENERAL, ("reaction", "counter"))
     return Figure("Forces on a single body", (drawing,), 1, 560.0, 460.0)

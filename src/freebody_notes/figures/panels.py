@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
-from freebody.figures.drawing import Drawing
+from freebody.figures.drawing import FLAT, Drawing
 from freebody.figures.names import Names
-from freebody.figures.sketch import arm
+from freebody.figures.sketch import geometry
 from freebody.figures.sketch.snapshot import Snapshot, snapshot
+from freebody.figures.sketch.structure import Layer, structure
 from freebody.formats.loading import load
 from freebody.trees.calls import Vector, Wrenches
 
-Layer = Callable[[Drawing, Snapshot, Names], None]
-
 NAMES = Names()
-GEOMETRY: tuple[Layer, ...] = (arm.angles, arm.lengths, arm.centres)
+GEOMETRY: tuple[Layer, ...] = (geometry.angles, geometry.lengths, geometry.centres)
 RATES, SECOND = [0.9, 1.1], [1.5, 1.0]
 """Joint rates (rad/s) and accelerations (rad/s²) of the two-link arm in the figures that show its
 motion."""
@@ -36,8 +35,8 @@ def panel(
     seen: Snapshot, note: str, layers: Sequence[Layer], names: Names = NAMES, faint: bool = False
 ) -> Drawing:
     """An arm with some layers, and a line of words below."""
-    drawing = arm.blank(f"{seen.model.name}: {note}")
-    arm.structure(drawing, seen, names, faint)
+    drawing = Drawing(FLAT, f"{seen.model.name}: {note}")
+    structure(drawing, seen, names, faint)
     for layer in layers:
         layer(drawing, seen, names)
     drawing.notes = [note]

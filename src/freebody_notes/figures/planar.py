@@ -8,10 +8,10 @@ from functools import partial
 
 import numpy as np
 
-from freebody.figures.drawing import Arrow, Drawing, Turn, point
+from freebody.figures.drawing import Arrow, Drawing, Turn, bold, point
 from freebody.figures.figure import Figure, to_one_scale
-from freebody.figures.names import Names, bold
-from freebody.figures.sketch import arm, forces, motion, vectors
+from freebody.figures.names import Names
+from freebody.figures.sketch import forces, geometry, motion, plane, vectors
 from freebody.figures.sketch.snapshot import Snapshot, snapshot
 from freebody.model.planar import planar
 from freebody.trees.calls import Vector
@@ -34,12 +34,14 @@ def arm_and_vectors(q: Vector | None = None) -> Figure:
     """Figures 1.2 and 2.1: the arm with lengths, angles, centres of mass; and s_1, s_2, r."""
     seen = two_links(q)
     first = panel(seen, "(a) lengths, angles, centres of mass", GEOMETRY)
-    second = panel(seen, "(b) position vectors", (vectors.links, _to_tip, arm.angles), faint=True)
+    second = panel(
+        seen, "(b) position vectors", (vectors.links, _to_tip, geometry.angles), faint=True
+    )
     return _together("A planar arm with two links", first, second)
 
 
 def _to_tip(drawing: Drawing, seen: Snapshot, names: Names) -> None:
-    vectors.to_tip(drawing, seen)
+    vectors.to_tip(drawing, seen, names)
 
 
 def free_bodies(q: Vector | None = None, load: Vector = TIP) -> Figure:
@@ -86,7 +88,7 @@ def pendulum(q: Vector = (0.85,), qd: Vector = (1.2,), qdd: Vector = (0.8,)) -> 
     """Figure 3.1: a bar that turns about A, with r_c and v_c; its free body."""
     seen = _bar(q, qd, qdd)
     first = _bar_panel(seen, "(a) the bar and its motion")
-    vectors.position(first, np.zeros(2), seen.pose.bodies[0].com, "r_{c}", -vectors.BESIDE)
+    first.position(np.zeros(2), seen.pose.bodies[0].com, "r_{c}", -vectors.BESIDE)
     first.add(*_velocity(seen))
     second = forces.apart(seen, PENDULUM, (), scaled=True)
     second.notes = ["(b) its free body"]
@@ -117,7 +119,7 @@ def _velocity(seen: Snapshot) -> tuple[Arrow, Turn]:
     body = seen.pose.bodies[0]
     v = seen.velocity_at(body, body.com)
     end = body.com + 0.35 * seen.size * v / np.linalg.norm(v)
-    u, w = arm.clear_way(seen, body)
+    u, w = plane.clear_way(seen, body)
     rate = Turn(
         point(body.origin), float(seen.qd[0]), "θ\u0307", "velocity", "θ\u0307", "rad/s", 20.0,
         float(np.degrees(np.arctan2(w, u))), 150.0,
@@ -155,8 +157,15 @@ def energies(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND) 
 
 def _accelerated() -> tuple[Callable, ...]:
     rates = partial(motion.rates, second=True)
-    accelerations = partial(motion.second_of_centres, scaled=True)
-    return arm.angles, arm.lengths, arm.centres, arm.inertias, rates, accelerations
+    accelerations = partial(motion.of_centres, second=True, scaled=True)
+    return (
+        geometry.angles,
+        geometry.lengths,
+        geometry.centres,
+        geometry.inertias,
+        rates,
+        accelerations,
+    )
 
 
 def fixed_axis(q: Vector = (0.7,), force: Vector = (8.0, 30.0)) -> Figure:

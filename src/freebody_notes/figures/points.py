@@ -8,11 +8,9 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from freebody.arrays import Array
-from freebody.figures.drawing import Arrow, Drawing, Label, Line, Mark, point
+from freebody.figures.drawing import FLAT, Arrow, Drawing, Label, Line, Mark, bold, point
 from freebody.figures.figure import Figure, to_one_scale
-from freebody.figures.names import bold
-from freebody.figures.sketch.arm import axes, blank
-from freebody.figures.sketch.vectors import position
+from freebody.figures.sketch.plane import axes
 
 _X, _Y = (0.8, 2.6), (1.0, 3.4, -1.5)
 _MASSES = (2.0, 1.0, 1.5, 2.5, 1.0)
@@ -28,12 +26,12 @@ def trajectory(
     """
     curve = Polynomial(x), Polynomial(y)
     here, v, a = (np.array([c.deriv(k)(at) for c in curve]) for k in range(3))
-    drawing = blank("Planar trajectory and velocity")
+    drawing = Drawing(FLAT, "Planar trajectory and velocity")
     track = tuple(point(c(t) for c in curve) for t in np.linspace(0.0, until, 80))
     size = float(np.ptp(np.array(track), axis=0).max())
     axes(drawing, size, share=0.9)
     drawing.add(Line(track, "Γ", "curveline"), Label(track[-1], "Γ", "label Γ"))
-    position(drawing, np.zeros(2), here, "r(t)")
+    drawing.position(np.zeros(2), here, "r(t)")
     scale = 0.45 * size / float(np.linalg.norm(v))
     _vector(drawing, here, v, scale, "v(t)", "velocity", "m/s")
     _vector(drawing, here, a, 0.6 * scale, "a(t)", "acceleration", "m/s²")
@@ -58,7 +56,7 @@ def centre_of_mass(
     m, r = np.asarray(masses, dtype=float), np.asarray(places, dtype=float)
     centre = m @ r / m.sum()
     first = _cloud(m, r, "O", "r", "(a) from any origin O")
-    position(first, np.zeros(2), centre, "r_{G}")
+    first.position(np.zeros(2), centre, "r_{G}")
     first.add(
         Mark(point(centre), "com", "G", "com", size=7.0), Label(point(centre), "G", "label G")
     )
@@ -70,7 +68,7 @@ def centre_of_mass(
 
 def _cloud(masses: Array, places: Array, origin: str, letter: str, note: str) -> Drawing:
     """Particles with their vectors from the origin; their areas go with their masses."""
-    drawing = blank(f"Particles and their centre of mass {note}")
+    drawing = Drawing(FLAT, f"Particles and their centre of mass {note}")
     size = float(np.ptp(places, axis=0).max())
     axes(drawing, size, share=0.45)
     if origin != "G":

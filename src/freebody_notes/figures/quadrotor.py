@@ -8,7 +8,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures import space
 from freebody.figures.drawing import (
     Drawing,
     Element,
@@ -21,10 +20,9 @@ from freebody.figures.drawing import (
     point,
 )
 from freebody.figures.figure import Figure
-from freebody.figures.plane import round_down
-from freebody.figures.sketch import frames
+from freebody.figures.sketch import space
 from freebody.figures.sketch.snapshot import Snapshot, snapshot
-from freebody.figures.sketch.vectors import arrow
+from freebody.figures.sketch.space import round_down
 from freebody.figures.text import number
 from freebody.formats.loading import load
 
@@ -98,7 +96,7 @@ def _rotors(seen: Snapshot) -> list[Array]:
 
 
 def _vehicle(seen: Snapshot, view: View, note: str) -> Drawing:
-    drawing = frames.blank(f"A quadrotor: {note}", view)
+    drawing = Drawing(view, f"A quadrotor: {note}")
     body = seen.pose.bodies[0]
     up = body.rotation[:, 2]
     parts: list[Element] = []
@@ -115,14 +113,14 @@ def _vehicle(seen: Snapshot, view: View, note: str) -> Drawing:
 
 def _frames(drawing: Drawing, seen: Snapshot) -> None:
     body = seen.pose.bodies[0]
-    frames.triad(drawing, np.zeros(3), np.eye(3), 0.45, ("X", "Y", "Z"))
-    frames.triad(drawing, body.origin, body.rotation, 0.85, ("x", "y", "z"))
+    space.triad(drawing, np.zeros(3), np.eye(3), 0.45, ("X", "Y", "Z"))
+    space.triad(drawing, body.origin, body.rotation, 0.85, ("x", "y", "z"))
     drawing.add(Label(point(body.origin), "O", "O", direction=(0.0, 0.0, -1.0)))
     for letter, place in zip("ABCD", _rotors(seen), strict=True):
         drawing.add(Mark(point(place), "dot", f"rotor {letter}", "position-head", size=2.5))
         drawing.add(Label(point(place), letter, letter, direction=point(place - body.origin)))
     first = _rotors(seen)[0]
-    arrow(drawing, body.origin, first, "s_1", "position", first - body.origin, "m", beside=0.5)
+    drawing.arrow(body.origin, first, "s_1", "position", first - body.origin, "m", beside=0.5)
 
 
 def _forces(drawing: Drawing, seen: Snapshot, thrusts: Array) -> None:
@@ -132,12 +130,12 @@ def _forces(drawing: Drawing, seen: Snapshot, thrusts: Array) -> None:
     scale = 0.7 / thrusts.max()
     for k, (place, thrust) in enumerate(zip(_rotors(seen), thrusts, strict=True), 1):
         value = thrust * up
-        arrow(drawing, place, place + scale * value, f"F_{k}", "external", value, "N")
+        drawing.arrow(place, place + scale * value, f"F_{k}", "external", value, "N")
     weight = body.mass * seen.model.gravity
     end = body.com + 0.7 * weight / np.linalg.norm(weight)
-    arrow(drawing, body.com, end, "m g", "weight", weight, "N", label="m *g*")
+    drawing.arrow(body.com, end, "m g", "weight", weight, "N", label="m *g*")
     v = seen.velocity_at(body, body.com)
-    arrow(drawing, body.com, body.com + 0.55 * v / np.linalg.norm(v), "v", "velocity", v, "m/s")
+    drawing.arrow(body.com, body.com + 0.55 * v / np.linalg.norm(v), "v", "velocity", v, "m/s")
     drawing.add(Mark(point(body.com), "com", "C", "com", size=5.0))
     bar = round_down(float(thrusts.max()) / 2)
     drawing.rulers.append((bar * scale, f"{number(bar, 1)} N (thrust)", "external"))

@@ -6,12 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from freebody.figures.drawing import Label, Line, Mark, View, axonometric, point
+from freebody.figures.drawing import Drawing, Label, Line, Mark, View, axonometric, point
 from freebody.figures.figure import Figure
 from freebody.figures.skeleton import BodyPlace
-from freebody.figures.sketch import frames
+from freebody.figures.sketch import space
 from freebody.figures.sketch.snapshot import snapshot
-from freebody.figures.sketch.vectors import arrow, position
 from freebody.formats.loading import load
 from freebody.trees.dynamics import forward_dynamics
 
@@ -37,11 +36,11 @@ def free_body(
     seen = snapshot(model, unit, qd, qdd, wrench)
     body, load_ = seen.pose.bodies[0], next(x for x in seen.loads[0].loads if x.role == "external")
     view = axonometric(24.0, 18.0)
-    drawing = frames.blank("A free body in space with global and body-fixed frames", view)
-    frames.triad(drawing, np.zeros(3), np.eye(3), 0.75, ("X", "Y", "Z"))
+    drawing = Drawing(view, "A free body in space with global and body-fixed frames")
+    space.triad(drawing, np.zeros(3), np.eye(3), 0.75, ("X", "Y", "Z"))
     drawing.add(*_box(body, (0.42, 0.5, 0.26), view))
-    position(drawing, np.zeros(3), body.com, "r")
-    frames.triad(drawing, body.com, body.rotation, 0.8, ("x_i", "y_i", "z_i"))
+    drawing.position(np.zeros(3), body.com, "r")
+    space.triad(drawing, body.com, body.rotation, 0.8, ("x_i", "y_i", "z_i"))
     drawing.add(Mark(point(body.com), "com", "C", "com", size=6.0))
     drawing.add(Label(point(body.com), "C", "label C", direction=(0.0, 0.0, -1.0)))
     a = seen.acceleration_at(body, body.com)
@@ -54,7 +53,7 @@ def free_body(
         (body.com, turning, "n_i", "moment", "N m", 0.85, 2),
     ):
         way = value / np.linalg.norm(value)
-        arrow(drawing, start, start + reach * way, name, role, value, unit_name, heads=heads)
+        drawing.arrow(start, start + reach * way, name, role, value, unit_name, heads=heads)
     return Figure(
         "A rigid body in space with global and body-fixed frames", (drawing,), 1, 520.0, 430.0
     )

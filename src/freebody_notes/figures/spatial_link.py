@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from freebody.figures import space
 from freebody.figures.drawing import Arrow, Drawing, Label, Line, Mark, axonometric, point
 from freebody.figures.figure import Figure
 from freebody.figures.joints import solid_joint
 from freebody.figures.skeleton import BodyPlace
-from freebody.figures.sketch import frames
+from freebody.figures.sketch import space
 from freebody.figures.sketch.snapshot import Snapshot, snapshot
-from freebody.figures.sketch.vectors import arrow
 from freebody.model.dh import dh
 from freebody.model.model import Model
 
@@ -28,7 +26,7 @@ def link_symbols() -> Figure:
     )
     before, body, after = seen.pose.bodies
     view = axonometric(-62.0, 16.0)
-    drawing = frames.blank("Link i of an arm in space with the symbols of its dynamics", view)
+    drawing = Drawing(view, "Link i of an arm in space with the symbols of its dynamics")
     parts = [
         *_faint(before),
         *_faint(after),
@@ -40,8 +38,7 @@ def link_symbols() -> Figure:
     _axis(drawing, after, "z_{i+1}", "θ\u0307_{i+1}", float(seen.qd[2]))
     drawing.add(Mark(point(body.com), "com", "C_i", "com", size=6.0))
     drawing.add(Label(point(body.com), "C_i", "label C_i", direction=(0.0, 0.0, 1.0)))
-    arrow(
-        drawing,
+    drawing.arrow(
         body.origin,
         after.origin,
         "s_i",
@@ -50,8 +47,7 @@ def link_symbols() -> Figure:
         "m",
         beside=0.5,
     )
-    arrow(
-        drawing,
+    drawing.arrow(
         body.origin,
         body.com,
         "s_{ci}",
@@ -62,7 +58,7 @@ def link_symbols() -> Figure:
     )
     a = seen.acceleration_at(body, body.com)
     end = body.com + 0.42 * a / np.linalg.norm(a)
-    arrow(drawing, body.com, end, "v\u0307_{ci}", "acceleration", a, "m/s²")
+    drawing.arrow(body.com, end, "v\u0307_{ci}", "acceleration", a, "m/s²")
     _loads(drawing, seen, body)
     return Figure("The symbols of the dynamics of a link in space", (drawing,), 1, 600.0, 470.0)
 
@@ -117,10 +113,10 @@ def _loads(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
         name, turning, role = names[acting.role]
         end = acting.place + force * acting.force
         label = "m_i *g*" if acting.role == "weight" else None
-        arrow(drawing, acting.place, end, name, role, acting.force, "N", label=label)
+        drawing.arrow(acting.place, end, name, role, acting.force, "N", label=label)
         if turning:
             end = acting.place + moment * acting.moment
-            arrow(drawing, acting.place, end, turning, "moment", acting.moment, "N m", heads=2)
+            drawing.arrow(acting.place, end, turning, "moment", acting.moment, "N m", heads=2)
 
 
 def slide() -> Figure:
@@ -145,7 +141,7 @@ def slide() -> Figure:
     )
     _, before, body = seen.pose.bodies
     view = axonometric(-35.0, 22.0)
-    drawing = frames.blank("A prismatic joint with the frames of both links", view)
+    drawing = Drawing(view, "A prismatic joint with the frames of both links")
     parts = [
         Line((point(before.origin), point(body.carrier)), "link i−1", "link", width=9.0),
         Line((point(body.carrier), point(body.origin)), "rod i", "link", width=5.0),
@@ -153,12 +149,11 @@ def slide() -> Figure:
         *solid_joint(body, 0.055), *solid_joint(before, 0.045),
     ]  # fmt: skip
     drawing.add(*sorted(parts, key=lambda e: space.depth(e, view)))
-    frames.triad(drawing, before.origin, before.rotation, 0.33, ("X_{i−1}", "Y_{i−1}", "Z_{i−1}"))
-    frames.triad(drawing, body.origin, body.rotation, 0.3, ("X_i", "Y_i", "Z_i"))
+    space.triad(drawing, before.origin, before.rotation, 0.33, ("X_{i−1}", "Y_{i−1}", "Z_{i−1}"))
+    space.triad(drawing, body.origin, body.rotation, 0.3, ("X_i", "Y_i", "Z_i"))
     slid, how = body.origin - body.carrier, {"aside": 14.0, "beside": 0.5}
-    arrow(drawing, body.carrier, body.origin, "d_i", "external", slid, "m", label="d_i", **how)
-    arrow(
-        drawing,
+    drawing.arrow(body.carrier, body.origin, "d_i", "external", slid, "m", label="d_i", **how)
+    drawing.arrow(
         before.origin,
         body.origin,
         "p^{i−1}_i",
@@ -167,17 +162,15 @@ def slide() -> Figure:
         "m",
         beside=0.5,
     )
-    arrow(
-        drawing, body.origin, body.com, "c_i", "position", body.com - body.origin, "m", beside=0.5
-    )
+    drawing.arrow(body.origin, body.com, "c_i", "position", body.com - body.origin, "m", beside=0.5)
     drawing.add(Mark(point(body.com), "com", "C_i", "com", size=6.0))
     drawing.add(Label(point(body.com), "C_i", "label C_i", direction=(0.0, 0.0, -1.0)))
     places = ((before, before.origin, "v_{i−1}"), (body, body.com, "v_{ci}"))
     speeds = [seen.velocity_at(link, place) for link, place, _ in places]
     scale = 0.5 / max(float(np.linalg.norm(v)) for v in speeds)
     for (_, place, name), v in zip(places, speeds, strict=True):
-        arrow(drawing, place, place + scale * v, name, "velocity", v, "m/s")
+        drawing.arrow(place, place + scale * v, name, "velocity", v, "m/s")
     omega = seen.angular(before)
     end = before.origin + 0.5 * omega / np.linalg.norm(omega)
-    arrow(drawing, before.origin, end, "ω_{i−1}", "velocity", omega, "rad/s", heads=2)
+    drawing.arrow(before.origin, end, "ω_{i−1}", "velocity", omega, "rad/s", heads=2)
     return Figure("A prismatic joint", (drawing,), 1, 560.0, 440.0)

@@ -1,2 +1,1 @@
-"""Drawings of a robot with symbols instead of numbers, as a textbook has them, in layers that are
-put together."""
+"""Drawings of a robot, plane or space, in layers that are put together."""

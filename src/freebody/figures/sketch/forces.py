@@ -1,256 +1,294 @@
-"""Free bodies of a planar arm with the names of the forces: one alone, or all pulled apart at the
-joints."""
+"""Free bodies: one alone with all that acts on it, one with all that it carries, or all pulled apart
+at the joints."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures.drawing import Arrow, Drawing, Element, Label, Line, Mark, Turn, places, point
-from freebody.figures.joints import flat_joint
-from freebody.figures.loads import Load
-from freebody.figures.names import Names, bold
-from freebody.figures.plane import add_body, round_down
+from freebody.figures.drawing import SAME, Arrow, Drawing, Element, Label, Line, Mark, Turn, point
+from freebody.figures.joints import flat_joint, solid_joint
+from freebody.figures.loads import BodyLoads, Load
+from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace
-from freebody.figures.sketch import vectors
-from freebody.figures.sketch.arm import blank, heading, letter, rod
+from freebody.figures.sketch import axes, geometry, space, vectors
+from freebody.figures.sketch.plane import add_body, letter
 from freebody.figures.sketch.snapshot import Snapshot
+from freebody.figures.sketch.structure import Layer, of_each, view_of
 from freebody.figures.text import number
+from freebody.figures.theme import FORCES
 
-_LONGEST, _SHORTEST = 0.38, 0.09  # of the drawing's size
+_SHORTEST = 0.12
+"""Of the longest arrow."""
+_ALIKE = 6.0  # bodies and forces that differ by less than this factor are drawn to one scale
 _GAP = 0.34
-_NOTHING = 1e-6
-_ROLES = {"reaction": "reaction", "counter": "reaction", "weight": "weight", "external": "external"}
+_BESIDE = vectors.BESIDE + 2
+
+
+@dataclass(frozen=True)
+class Scale:
+    """The largest force (N) and moment (N m) of a drawing, and how long they are, metres."""
+
+    force: float
+    moment: float
+    longest: float
+
+    def arrow(self, place: Array, value: Array, largest: float, share: float = 1.0) -> Array:
+        """Where the arrow of a force or moment at a place ends."""
+        size = float(np.linalg.norm(value))
+        return place + max(size / largest, _SHORTEST) * share * self.longest * value / size
+
+    def bar(self, role: str) -> tuple[float, str, str]:
+        """A scale bar of the forces."""
+        force = space.round_down(self.force / 2.5)
+        return force / self.force * self.longest, f"{number(force, 1)} N", role
+
+
+def scale_of(bodies: Iterable[BodyLoads], longest: float) -> Scale:
+    """One scale for some bodies."""
+    loads = [load for body in bodies for load in body.loads]
+    force = max((float(np.linalg.norm(load.force)) for load in loads), default=0.0)
+    moment = max((float(np.linalg.norm(load.moment)) for load in loads), default=0.0)
+    return Scale(force, moment, longest)
+
+
+def scales(bodies: Sequence[BodyLoads]) -> tuple[Scale, ...]:
+    """Of bodies each drawn alone; one for all where their sizes and forces allow it."""
+    sizes = [_extent(body) for body in bodies]
+    alone = [scale_of((body,), 0.75 * size) for body, size in zip(bodies, sizes, strict=True)]
+    forces = [scale.force for scale in alone]
+    if max(sizes) <= _ALIKE * min(sizes) and max(forces) <= _ALIKE * min(forces):
+        return (scale_of(bodies, 0.75 * max(sizes)),) * len(bodies)
+    return tuple(alone)
+
+
+def _extent(loads: BodyLoads) -> float:
+    """Of a body and of where forces act on it, metres."""
+    ends = [place for segment in loads.body.outline for place in segment]
+    places = np.array([*(load.place for load in loads.loads), *ends])
+    size = float(np.linalg.norm(places.max(axis=0) - places.min(axis=0)))
+    return size if size > 1e-3 else 0.1
+
+
+# ---------------------------------------------------------------- one body
+@of_each
+def _points(drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace) -> None:
+    """Names of a body's joints and of the tip."""
+    along = seen.heading(body)
+    drawing.write(body.origin, letter(seen, names, body.number), -along)
+    for child in _children(seen, body):
+        drawing.write(child.origin, letter(seen, names, child.number), along)
+    for end in body.ends:
+        if end.child is None and end.name == seen.model.tip and names.tip:
+            drawing.mark(end.place, "dot", names.tip, "position-head", 3.5)
+            drawing.write(end.place, names.tip, along)
+
+
+@of_each
+def _axes(drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace) -> None:
+    """The axes of a body's joints."""
+    axes.joint_axes(drawing, seen, names, (body, *_children(seen, body)))
+
+
+PARTS: dict[str, Layer] = {
+    "points": _points,
+    "centres": geometry.centres,
+    "angles": geometry.angles,
+    "lengths": geometry.all_lengths,
+    "s": partial(vectors.links, aside=_BESIDE),
+    "r": partial(vectors.links, aside=_BESIDE, letter="r"),
+    "sc": partial(vectors.to_centres, aside=-_BESIDE),
+    "axes": _axes,
+}
+"""What may be shown of a free body beside the forces: its geometry, and the vectors s_i (or r_i)
+and s_ci."""
+BOOK = {2: ("points", "centres", "s", "sc"), 3: ("axes", "centres", "s", "sc")}
+"""What books show, in the plane and in space."""
+
+
+def alone(
+    seen: Snapshot,
+    body: BodyPlace,
+    names: Names,
+    show: Sequence[str],
+    scale: Scale | None = None,
+) -> Drawing:
+    """One body where it is; show: of `PARTS`. Default scale: that of `scales`."""
+    drawing = Drawing(view_of(seen), f"Free-body diagram of body {body.number}, {body.name}")
+    scale = scales(seen.loads)[body.index] if scale is None else scale
+    _stick(drawing, seen, body)
+    for part in show:
+        PARTS[part](drawing, seen, names, (body,))
+    if body.mass > 0 and "centres" not in show:
+        drawing.mark(body.com, "com", names.on("C", body.number), "com", 6.0)
+    for load in seen.loads[body.index].loads:
+        _reach(drawing, body, load)
+    act(drawing, seen, body, names, scale=scale)
+    return drawing
+
+
+def _stick(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
+    """A body and the joints that it is cut at."""
+    if seen.model.dim == 2:
+        add_body(drawing, body)
+        drawing.add(*flat_joint(body))
+        for child in _children(seen, body):
+            drawing.mark(child.origin, "joint", f"joint {child.number}", "joint", 5.0)
+        return
+    radius = 0.05 * _extent(seen.loads[body.index])
+    parts = [*space.solids_of(body, radius)]
+    for child in _children(seen, body):
+        parts += solid_joint(child, radius)
+    drawing.add(*sorted(parts, key=lambda e: space.depth(e, drawing.view)))
+
+
+def _children(seen: Snapshot, body: BodyPlace) -> list[BodyPlace]:
+    """Those whose joints are elsewhere than the body's own."""
+    below = [child for child in seen.pose.bodies if child.parent == body.index]
+    return [child for child in below if np.linalg.norm(child.origin - body.origin) > SAME]
+
+
+def _reach(drawing: Drawing, body: BodyPlace, load: Load) -> None:
+    """A guide to where a force acts off the stick: on a slider along its rail, on a frame beside
+    it."""
+    ends = [body.origin, body.com, *(end.place for end in body.ends)]
+    nearest = min(ends, key=lambda place: float(np.linalg.norm(place - load.place)))
+    if np.linalg.norm(nearest - load.place) > SAME:
+        drawing.line((nearest, load.place), f"reach {load.name}", "guide")
+
+
+# ---------------------------------------------------------------- what acts
+def act(
+    drawing: Drawing,
+    seen: Snapshot,
+    body: BodyPlace,
+    names: Names,
+    roles: Sequence[str] = tuple(FORCES),
+    scale: Scale | None = None,
+) -> None:
+    """The forces and moments on a body: of its parent, its children, its weight, from outside;
+    default scale: one for all bodies of a robot."""
+    scale = scale_of(seen.loads, 0.38 * seen.size) if scale is None else scale
+    for load in seen.loads[body.index].loads:
+        if load.role not in roles or (load.role == "weight" and not names.weights):
+            continue
+        name, moment_name = called(seen, body, load, names)
+        if any(load.force):
+            label = f"{name.removesuffix('g')}*g*" if load.role == "weight" else None
+            end = scale.arrow(load.place, load.force, scale.force)
+            role = FORCES[load.role]
+            drawing.arrow(load.place, end, name, role, load.force, "N", label=label)
+        if moment_name and any(load.moment):
+            if seen.model.dim == 2:
+                _turn(drawing, seen, body, load, moment_name)
+            else:
+                end = scale.arrow(load.place, load.moment, scale.moment, 0.75)
+                role, unit = FORCES["moment"], "N m"
+                drawing.arrow(load.place, end, moment_name, role, load.moment, unit, heads=2)
+
+
+def _turn(drawing: Drawing, seen: Snapshot, body: BodyPlace, load: Load, name: str) -> None:
+    """A moment in the plane, on the outer side of the body's end."""
+    at_joint = np.linalg.norm(load.place - body.origin) < SAME
+    outward = seen.heading(body) * (-1.0 if at_joint and load.role != "counter" else 1.0)
+    facing = math.degrees(math.atan2(outward[1], outward[0]))
+    radius = 27.0 if at_joint and load.role == "counter" else 19.0
+    value = float(load.moment[0])
+    turn = Turn(point(load.place), value, name, FORCES["moment"], name, "N m", radius, facing)
+    drawing.add(turn)
+
+
+def called(seen: Snapshot, body: BodyPlace, load: Load, names: Names) -> tuple[str, str]:
+    """Names of a force and of its moment."""
+    tree = seen.pose.bodies if load.joint is not None else ()
+    kinds = [joint.kind for joint in tree if joint.index == load.joint]
+    return names.acting(load, body, kinds[0] if kinds else None)
+
+
+def inertia(drawing: Drawing, loads: BodyLoads, scale: Scale) -> None:
+    """m a_c, dashed: what the forces add up to."""
+    value, com, n = loads.inertial_force, loads.body.com, loads.body.number
+    if np.linalg.norm(value) > 0.01 * scale.force:
+        end, label = scale.arrow(com, value, scale.force), f"{loads.mass_name} *a*_{n}"
+        drawing.arrow(com, end, f"{loads.mass_name} a_{n}", "inertia", value, "N", label=label)
+
+
+# ---------------------------------------------------------------- several bodies
+def carried(seen: Snapshot, first: BodyPlace, names: Names) -> Drawing:
+    """A body of a planar robot with all that hangs on it as one system: the reaction at its joint,
+    all weights, what acts on the tip."""
+    drawing = Drawing(view_of(seen), f"All that joint {first.number} of {seen.model.name} carries")
+    system = _subtree(seen, first)
+    for body in system:
+        if body.kind.slides and body is not first:
+            drawing.line((body.carrier, body.origin), f"rod {body.number}", "rail")
+        _stick(drawing, seen, body)
+    for body in system:
+        _points(drawing, seen, names, (body,))
+        geometry.centres(drawing, seen, names, (body,))
+        reactions = ("reaction",) if body is first else ()
+        act(drawing, seen, body, names, (*reactions, "weight", "external"))
+        if body is not first and body.mass > 0:
+            name = f"r_{{{names.index(first.number)},c{names.index(body.number)}}}"
+            drawing.position(first.origin, body.com, name)
+    vectors.to_centres(drawing, seen, names, (first,), aside=-_BESIDE)
+    return drawing
+
+
+def _subtree(seen: Snapshot, first: BodyPlace) -> list[BodyPlace]:
+    """A body and all that hangs on it."""
+    below = [b for b in seen.pose.bodies if b.parent == first.index]
+    return [first, *(b for child in below for b in _subtree(seen, child))]
 
 
 def apart(
     seen: Snapshot, names: Names, show: Sequence[str] = ("s", "sc"), scaled: bool = False
 ) -> Drawing:
-    """All bodies, drawn apart by a gap at each joint; `drawing.moved` says how far each is moved.
+    """All bodies of a planar robot, drawn apart by a gap at each joint; `drawing.moved` says how
+    far each is moved.
 
-    show: "s" vectors from joint to joint, "sc" to the centres of mass. scaled: with a bar for the
-    forces.
+    show: of `PARTS`, beside points and centres. scaled: with a bar for the forces.
     """
-    drawing = blank(f"Free-body diagrams of the links of {seen.model.name}")
-    shift: dict[int, Array] = {}
+    drawing = Drawing(view_of(seen), f"Free-body diagrams of the links of {seen.model.name}")
+    shift: dict[int, Array] = {-1: np.zeros(2)}
+    scale = scale_of(seen.loads, 0.38 * seen.size)
     for body in seen.pose.bodies:
-        shift[body.index] = (
-            np.zeros(2) if body.parent < 0 else shift[body.parent] + _gap(seen, body)
-        )
-        part = _parts(seen, body, names, show)
+        gap = np.zeros(2) if body.parent < 0 else _gap(seen, body)
+        shift[body.index] = shift[body.parent] + gap
+        part = alone(seen, body, names, ("points", "centres", *show), scale)
         drawing.add(*(moved(element, shift[body.index]) for element in part.elements))
         drawing.moved[body.number] = point(shift[body.index])
     if scaled:
-        _force_bar(drawing, seen)
+        drawing.rulers.append(scale.bar("reaction"))
     return drawing
-
-
-def alone(
-    seen: Snapshot, body: BodyPlace, names: Names, show: Sequence[str] = ("s", "sc")
-) -> Drawing:
-    """One body where it is."""
-    return _parts(seen, body, names, show)
-
-
-def carried(seen: Snapshot, first: BodyPlace, names: Names) -> Drawing:
-    """A body with all that hangs on it as one system: the reaction at its joint, all weights, what
-    acts on the tip."""
-    drawing = blank(f"All that joint {first.number} of {seen.model.name} carries")
-    system = subtree(seen, first)
-    for body in system:
-        rod(drawing, body)
-        add_body(drawing, body)
-    for body in system:
-        _joints(drawing, seen, body, names)
-    for body in system:
-        reactions = ("reaction",) if body is first else ()
-        act(drawing, seen, body, names, (*reactions, "weight", "external"))
-        if body is not first and body.mass > 0:
-            name = f"r_{{{names.index(first.number)},c{names.index(body.number)}}}"
-            vectors.position(drawing, first.origin, body.com, name)
-    vectors.position(
-        drawing, first.origin, first.com, names.on("s", first.number, "c"), -vectors.BESIDE - 2
-    )
-    return drawing
-
-
-def subtree(seen: Snapshot, first: BodyPlace) -> list[BodyPlace]:
-    """A body and all that hangs on it."""
-    below = [b for b in seen.pose.bodies if b.parent == first.index]
-    return [first, *(b for child in below for b in subtree(seen, child))]
 
 
 def _gap(seen: Snapshot, body: BodyPlace) -> Array:
     """From a body to its child, along both, or across them where they are folded together."""
-    before, after = heading(seen, seen.pose.bodies[body.parent]), heading(seen, body)
+    before, after = seen.heading(seen.pose.bodies[body.parent]), seen.heading(body)
     way = before + after
     if np.linalg.norm(way) < 0.3:
         way = np.array([-before[1], before[0]])
     return _GAP * seen.size * way / np.linalg.norm(way)
 
 
-def _parts(seen: Snapshot, body: BodyPlace, names: Names, show: Sequence[str]) -> Drawing:
-    drawing = blank(f"Free-body diagram of body {body.number} of {seen.model.name}")
-    add_body(drawing, body)
-    _joints(drawing, seen, body, names)
-    _vectors(drawing, seen, body, names, show)
-    for load in seen.loads[body.index].loads:
-        _reach(drawing, body, load)
-    act(drawing, seen, body, names)
-    return drawing
-
-
-def act(
-    drawing: Drawing,
-    seen: Snapshot,
-    body: BodyPlace,
-    names: Names,
-    roles: Sequence[str] = ("reaction", "counter", "weight", "external"),
-) -> None:
-    """The forces and moments on a body: of its parent, its children, its weight, from outside."""
-    scale = _scale(seen)
-    for load in seen.loads[body.index].loads:
-        if load.role in roles and (names.weights or load.role != "weight"):
-            _force(drawing, seen, body, load, names, scale)
-
-
-def _joints(drawing: Drawing, seen: Snapshot, body: BodyPlace, names: Names) -> None:
-    drawing.add(*flat_joint(body))
-    _named(drawing, body.origin, letter(seen, names, body.number), -heading(seen, body))
-    for end in body.ends:
-        if end.child is not None:
-            child = seen.pose.bodies[end.child]
-            if np.linalg.norm(child.origin - body.origin) > _NOTHING:
-                if child.kind.slides:
-                    drawing.add(
-                        Line(
-                            (point(end.place), point(child.origin)), f"rod {child.number}", "guide"
-                        )
-                    )
-                drawing.add(
-                    Mark(point(child.origin), "joint", f"joint {child.number}", "joint", size=5.0)
-                )
-                _named(
-                    drawing, child.origin, letter(seen, names, child.number), heading(seen, body)
-                )
-        elif end.name == seen.model.tip and names.tip:
-            drawing.add(Mark(point(end.place), "dot", names.tip, "position-head", size=3.5))
-            _named(drawing, end.place, names.tip, heading(seen, body))
-    if body.mass > 0:
-        name = names.on("C", body.number)
-        drawing.add(Mark(point(body.com), "com", name, "com", size=6.0))
-        _named(drawing, body.com, name, np.array([-1.0, 1.0]))
-
-
-def _named(drawing: Drawing, place: Array, text: str, direction: Array) -> None:
-    drawing.add(Label(point(place), text, f"label {text}", direction=point(direction)))
-
-
-def _vectors(
-    drawing: Drawing, seen: Snapshot, body: BodyPlace, names: Names, show: Sequence[str]
-) -> None:
-    for symbol in {"s", "r"} & set(show):
-        for end, place in seen.reaches(body):
-            vectors.position(
-                drawing, body.origin, place, names.reach(body, end, symbol), vectors.BESIDE + 2
-            )
-    if "sc" in show and body.mass > 0:
-        name = names.on("s", body.number, "c")
-        vectors.position(drawing, body.origin, body.com, name, -vectors.BESIDE - 2)
-
-
-def _reach(drawing: Drawing, body: BodyPlace, load: Load) -> None:
-    """A guide to where an external force acts off the stick."""
-    ends = [body.origin, body.com, *(end.place for end in body.ends)]
-    nearest = min(ends, key=lambda place: float(np.linalg.norm(place - load.place)))
-    if load.role == "external" and np.linalg.norm(nearest - load.place) > _NOTHING:
-        drawing.add(Line((point(nearest), point(load.place)), f"reach {load.name}", "guide"))
-
-
-def _force(
-    drawing: Drawing, seen: Snapshot, body: BodyPlace, load: Load, names: Names, scale: float
-) -> None:
-    """The arrow of a force, and that of the moment that goes with it."""
-    name, moment_name = called(seen, body, load, names)
-    size = float(np.linalg.norm(load.force))
-    if size:
-        length = max(size * scale, _SHORTEST * seen.size)
-        end = load.place + load.force / size * length
-        label = weight_label(name) if load.role == "weight" else bold(name)
-        drawing.add(
-            Arrow(
-                point(load.place),
-                point(end),
-                name,
-                _ROLES[load.role],
-                label,
-                point(load.force),
-                "N",
-            )
-        )
-    value = float(load.moment[0])
-    if moment_name and value:
-        outward = heading(seen, body) * (1.0 if load.role == "counter" else -1.0)
-        facing = math.degrees(math.atan2(outward[1], outward[0]))
-        radius = (
-            27.0
-            if load.role == "counter" and np.linalg.norm(load.place - body.origin) < _NOTHING
-            else 19.0
-        )
-        drawing.add(
-            Turn(
-                point(load.place), value, moment_name, "moment", moment_name, "N m", radius, facing
-            )
-        )
-
-
-def weight_label(name: str) -> str:
-    """m_1 g with g as the vector it is."""
-    return name.removesuffix("g") + "*g*"
-
-
-def called(seen: Snapshot, body: BodyPlace, load: Load, names: Names) -> tuple[str, str]:
-    """Names of a force and of its moment."""
-    joint = load.joint
-    kind = (
-        seen.pose.bodies[joint].kind
-        if joint is not None and joint < len(seen.pose.bodies)
-        else None
-    )
-    return names.acting(load, body, kind)
-
-
-def _scale(seen: Snapshot) -> float:
-    """Metres a newton, one for all bodies."""
-    longest = _most(seen)
-    return _LONGEST * seen.size / longest if longest else 0.0
-
-
-def _most(seen: Snapshot) -> float:
-    return max((float(np.linalg.norm(x.force)) for b in seen.loads for x in b.loads), default=0.0)
-
-
-def _force_bar(drawing: Drawing, seen: Snapshot) -> None:
-    bar = round_down(max(_most(seen) / 2.5, 1e-9))
-    drawing.rulers.append((bar * _scale(seen), f"{number(bar, 1)} N", "reaction"))
-
-
 def moved(element: Element, by: Array) -> Element:
     """An element elsewhere in the plane."""
 
-    def there(place: tuple[float, ...]) -> tuple[float, ...]:
+    def there(place: Iterable[float]) -> tuple[float, ...]:
         return point(np.asarray(place) + by)
 
     match element:
         case Line():
-            return replace(element, points=tuple(map(there, places(element))))
+            return replace(element, points=tuple(map(there, element.points)))
         case Arrow():
             return replace(element, start=there(element.start), end=there(element.end))
         case Turn() | Mark() | Label():
             return replace(element, at=there(element.at))
         case _:
-            raise TypeError(f"a free body has no {type(element).__name__}")
+            raise TypeError(f"a free body pulled apart has no {type(element).__name__}")

@@ -1,4 +1,4 @@
-"""How a planar arm moves: joint rates as turning arrows, velocities and accelerations of its
+"""How a robot moves: joint rates as turning arrows, velocities and accelerations of its tip and its
 centres of mass."""
 
 from __future__ import annotations
@@ -10,120 +10,91 @@ from dataclasses import replace
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures.drawing import Arrow, Drawing, Turn, point
-from freebody.figures.names import Names, bold
-from freebody.figures.plane import round_down
-from freebody.figures.sketch.arm import clear_way
+from freebody.figures.drawing import Drawing, Turn, point
+from freebody.figures.names import Names
+from freebody.figures.skeleton import BodyPlace
+from freebody.figures.sketch.plane import clear_way
 from freebody.figures.sketch.snapshot import Snapshot
+from freebody.figures.sketch.space import round_down
+from freebody.figures.sketch.structure import of_each
 from freebody.figures.text import number
 
 LONGEST = 0.34
 """The longest velocity or acceleration, of the drawing's size."""
+_ORDERS = (("velocity", "/s", ""), ("acceleration", "/s²", "\u0307"))
+"""Of first and second rates: the role of arrows, what follows the unit, the dots on v."""
 
 
-def rates(drawing: Drawing, seen: Snapshot, names: Names, second: bool = False) -> None:
+@of_each
+def rates(
+    drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace, second: bool = False
+) -> None:
     """θ̇_i around the joints, ḋ_i along the slides; and θ̈_i, d̈_i."""
-    orders = [(1, seen.qd, "velocity", "/s")]
-    if second:
-        orders.append((2, seen.qdd, "acceleration", "/s²"))
-    for body, at in zip(seen.pose.bodies, seen.model.coordinates, strict=True):
-        for k, (order, values, role, per) in enumerate(orders):
-            name = names.coordinate(body, order)
-            if len(at.v) != 1 or not name:
-                continue
-            value = float(values[at.v[0]])
-            if body.kind.slides and body.axis is not None:
-                end = body.origin + 0.16 * seen.size * math.copysign(1.0, value) * body.axis
-                aside = -16.0 - 14.0 * k
-                arrow = Arrow(
-                    point(body.origin),
-                    point(end),
-                    name,
-                    role,
-                    name,
-                    (value,),
-                    "m" + per,
-                    aside=aside,
-                )
-                drawing.add(arrow)
-            else:
-                u, v = clear_way(seen, body)
-                away, radius = math.degrees(math.atan2(v, u)), 18.0 + 9.0 * k
-                drawing.add(
-                    Turn(
-                        point(body.origin),
-                        value,
-                        name,
-                        role,
-                        name,
-                        "rad" + per,
-                        radius,
-                        away,
-                        150.0,
-                    )
-                )
+    at = seen.model.coordinates[body.index].v
+    for k, values in enumerate((seen.qd, seen.qdd)[: 2 if second else 1]):
+        (role, per, _), name = _ORDERS[k], names.coordinate(body, k + 1)
+        if len(at) != 1 or not name:
+            continue
+        value = float(values[at[0]])
+        slides = body.kind.slides
+        unit = ("m" if slides else "rad") + per
+        if body.axis is not None:  # of a turn in space a vector with two heads, beyond that of z_i
+            start = (
+                body.origin if slides else body.origin + (0.2 + 0.12 * k) * seen.size * body.axis
+            )
+            end = start + math.copysign(0.16 if slides else 0.1, value) * seen.size * body.axis
+            how = {"aside": -16.0 - 14.0 * k} if slides else {"heads": 2}
+            drawing.arrow(start, end, name, role, (value,), unit, label=name, **how)
+        else:
+            u, v = clear_way(seen, body)
+            shape = 18.0 + 9.0 * k, math.degrees(math.atan2(v, u)), 150.0
+            drawing.add(Turn(point(body.origin), value, name, role, name, unit, *shape))
 
 
-def of_tip(drawing: Drawing, seen: Snapshot, name: str, second: bool = False) -> None:
+def of_tip(drawing: Drawing, seen: Snapshot, names: Names, name: str, second: bool = False) -> None:
     """The velocity of the tip, or its acceleration."""
     if seen.pose.tip is None or seen.model.frame().body < 0:
         return
-    moving = seen.acceleration_at if second else seen.velocity_at
-    found = moving(seen.pose.bodies[seen.model.frame().body], seen.pose.tip)
-    role, unit = ("acceleration", "m/s²") if second else ("velocity", "m/s")
-    arrows(drawing, [seen.pose.tip], [found], [name], role, unit, seen.size, scaled=False)
+    body = seen.pose.bodies[seen.model.frame().body]
+    _arrows(drawing, seen, [(body, seen.pose.tip, name)], second)
 
 
-def of_centres(drawing: Drawing, seen: Snapshot, names: Names, scaled: bool = False) -> None:
-    """v_ci at the centres of mass, all to one scale."""
+def of_centres(
+    drawing: Drawing, seen: Snapshot, names: Names, scaled: bool = False, second: bool = False
+) -> None:
+    """v_ci at the centres of mass, all to one scale, or v̇_ci; scaled: with a bar that says how
+    long."""
+    letter = "v" + _ORDERS[second][2]
     bodies = [body for body in seen.pose.bodies if body.mass > 0]
-    found = [seen.velocity_at(body, body.com) for body in bodies]
-    labels = [names.on("v", body.number, "c") for body in bodies]
-    arrows(drawing, [b.com for b in bodies], found, labels, "velocity", "m/s", seen.size, scaled)
+    places = [(body, body.com, names.on(letter, body.number, "c")) for body in bodies]
+    _arrows(drawing, seen, places, second, scaled)
 
 
-def partial_of_centres(drawing: Drawing, seen: Snapshot, joint: int) -> None:
+def partial_of_centres(drawing: Drawing, seen: Snapshot, names: Names, joint: int) -> None:
     """v_ci,r: velocities of the centres of mass when joint r alone moves, at the rate 1; joints
     count from 1."""
     alone = replace(seen, qd=np.eye(seen.model.nv)[seen.model.coordinates[joint - 1].v[0]])
     bodies = [body for body in seen.pose.bodies if body.mass > 0]
-    found = [alone.velocity_at(body, body.com) for body in bodies]
-    labels = [f"v_{{c{body.number},{joint}}}" for body in bodies]
-    arrows(
-        drawing, [b.com for b in bodies], found, labels, "velocity", "m/s", seen.size, scaled=False
-    )
+    _arrows(drawing, alone, [(b, b.com, f"v_{{c{b.number},{joint}}}") for b in bodies])
 
 
-def second_of_centres(drawing: Drawing, seen: Snapshot, names: Names, scaled: bool = False) -> None:
-    """v̇_ci at the centres of mass, all to one scale."""
-    bodies = [body for body in seen.pose.bodies if body.mass > 0]
-    found = [seen.acceleration_at(body, body.com) for body in bodies]
-    labels = [names.on("v\u0307", body.number, "c") for body in bodies]
-    arrows(
-        drawing, [b.com for b in bodies], found, labels, "acceleration", "m/s²", seen.size, scaled
-    )
-
-
-def arrows(
+def _arrows(
     drawing: Drawing,
-    places: Sequence[Array],
-    values: Sequence[Array],
-    labels: Sequence[str],
-    role: str,
-    unit: str,
-    size: float,
-    scaled: bool = True,
+    seen: Snapshot,
+    places: Sequence[tuple[BodyPlace, Array, str]],
+    second: bool = False,
+    scaled: bool = False,
 ) -> None:
-    """Vectors from their places, the longest a third of the drawing's size; scaled: with a bar that
-    says how long."""
+    """Vectors of places of bodies with their names, the longest a third of the drawing's size."""
+    (role, per, _), moving = _ORDERS[second], (seen.velocity_at, seen.acceleration_at)[second]
+    values = [moving(body, place) for body, place, _ in places]
     longest = max((float(np.linalg.norm(v)) for v in values), default=0.0)
     if not longest:
         return
-    scale = LONGEST * size / longest
-    for place, value, name in zip(places, values, labels, strict=True):
+    scale = LONGEST * seen.size / longest
+    for (_, place, name), value in zip(places, values, strict=True):
         if np.linalg.norm(value) > 1e-6 * longest:
-            end = place + scale * value
-            drawing.add(Arrow(point(place), point(end), name, role, bold(name), point(value), unit))
+            drawing.arrow(place, place + scale * value, name, role, value, "m" + per)
     if scaled:
         bar = round_down(longest / 2.0)
-        drawing.rulers.append((bar * scale, f"{number(bar, 1)} {unit}", role))
+        drawing.rulers.append((bar * scale, f"{number(bar, 1)} m{per}", role))

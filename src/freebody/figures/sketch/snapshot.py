@@ -5,11 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import root
 
 from freebody.arrays import Array
+from freebody.figures.drawing import SAME
 from freebody.figures.loads import BodyLoads, body_loads
 from freebody.figures.skeleton import BodyPlace, End, Skeleton, extent, skeleton
 from freebody.lazy import cached_property
@@ -17,7 +19,7 @@ from freebody.loops.assembly import assemble
 from freebody.loops.rates import loop_acceleration, loop_velocity
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, with_parameters
-from freebody.trees.calls import Vector, Wrenches, vector
+from freebody.trees.calls import Wrenches, single_vector
 from freebody.trees.dynamics import inverse_dynamics, mass_matrix
 from freebody.trees.kinematics import acceleration, velocity
 from freebody.trees.states import neutral
@@ -67,6 +69,13 @@ class Snapshot:
         leaves = [(end, end.place) for end in body.ends if end.child is None]
         return [*found, *(x for x in leaves if x[0].name == self.model.tip)] or leaves[:1]
 
+    def heading(self, body: BodyPlace) -> Array:
+        """Unit vector along a body, from its joint outwards."""
+        for place in (self.end(body), body.com):
+            if place is not None and np.linalg.norm(place - body.origin) > SAME:
+                return (place - body.origin) / np.linalg.norm(place - body.origin)
+        return body.rotation[:, 0]
+
     def velocity_at(self, body: BodyPlace, place: Array) -> Array:
         """Velocity (dim,) of the point of a body that is at `place`, m/s, world axes."""
         local = body.rotation.T @ (place - body.origin)
@@ -91,17 +100,18 @@ class Snapshot:
 
 def snapshot(
     model: Model,
-    q: Vector | None = None,
-    qd: Vector | None = None,
-    qdd: Vector | None = None,
+    q: Any = None,
+    qd: Any = None,
+    qdd: Any = None,
     wrenches: Wrenches = None,
+    caller: str = "a drawing",
 ) -> Snapshot:
     """A snapshot; parameters without value and a state that is not given are chosen so that the
-    drawing is clear."""
+    drawing is clear. caller: for errors."""
     shown = with_values(model)
 
-    def given(name: str, value: Vector | None, default: Callable[[], Array]) -> Array:
-        return default() if value is None else vector("a drawing", shown, name, value)
+    def given(name: str, value: Any, default: Callable[[], Array]) -> Array:
+        return default() if value is None else single_vector(caller, shown, name, value)
 
     at = given("q", q, lambda: _seen_well(shown))
     rates = given("qd", qd, lambda: _consistent_rates(shown, at))

@@ -1,81 +1,63 @@
-"""Position vectors of a planar arm: s_i from joint to joint, r to the tip, s_ci and r_ci to the
-centres of mass."""
+"""Position vectors: s_i from joint to joint, r to the tip, s_ci and r_ci to the centres of mass."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from freebody.arrays import Array
-from freebody.figures.drawing import Arrow, Drawing, point
-from freebody.figures.names import Names, bold
+from freebody.figures.drawing import SAME, Drawing
+from freebody.figures.names import Names
+from freebody.figures.skeleton import BodyPlace
 from freebody.figures.sketch.snapshot import Snapshot
+from freebody.figures.sketch.structure import of_each
 
 BESIDE = 15.0
-"""How far a vector is drawn beside the link it lies on, pixels."""
-_NEAR = 1e-6
+"""How far a vector in the plane is drawn beside the link it lies on, pixels."""
+_VISIBLE = 0.025
+"""Vectors in space below this part of the robot's size are not drawn."""
 
 
+@of_each
 def links(
-    drawing: Drawing, seen: Snapshot, names: Names, aside: float = 0.0, letter: str = "s"
-) -> None:
+    drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace, aside: float = 0.0,
+    letter: str = "s",
+) -> None:  # fmt: skip
     """s_i, from the joint of body i to the next, or to the tip."""
-    for body in seen.pose.bodies:
-        for end, place in seen.reaches(body):
-            position(drawing, body.origin, place, names.reach(body, end, letter), aside)
+    plane = seen.model.dim == 2
+    least, aside = (0.0, aside) if plane else (_VISIBLE * seen.size, 0.0)
+    for end, place in seen.reaches(body):
+        if np.linalg.norm(place - body.origin) > least:
+            drawing.position(body.origin, place, names.reach(body, end, letter), aside)
 
 
-def to_centres(drawing: Drawing, seen: Snapshot, names: Names, aside: float = -BESIDE) -> None:
+@of_each
+def to_centres(
+    drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace, aside: float = -BESIDE
+) -> None:
     """s_ci, from the joint of body i to its centre of mass."""
-    for body in seen.pose.bodies:
-        if body.mass > 0:
-            position(drawing, body.origin, body.com, names.on("s", body.number, "c"), aside)
+    if body.mass > 0:
+        aside = aside if seen.model.dim == 2 else 0.0
+        drawing.position(body.origin, body.com, names.on("s", body.number, "c"), aside)
 
 
-def directions(drawing: Drawing, seen: Snapshot, names: Names) -> None:
+@of_each
+def directions(drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace) -> None:
     """Unit vectors along the slides."""
-    for body in seen.pose.bodies:
-        if body.kind.slides and body.axis is not None:
-            name, end = names.axis(body), body.origin + 0.16 * seen.size * body.axis
-            arrow(drawing, body.origin, end, name, "z", body.axis, "", aside=-2 * BESIDE)
+    if body.kind.slides and body.axis is not None:
+        end = body.origin + 0.16 * seen.size * body.axis
+        drawing.arrow(body.origin, end, names.axis(body), "z", body.axis, aside=-2 * BESIDE)
 
 
-def of_centres(drawing: Drawing, seen: Snapshot, names: Names) -> None:
+@of_each
+def of_centres(drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace) -> None:
     """r_ci, from the origin to the centre of mass of body i; beside the link where it lies on
     it."""
-    for body in seen.pose.bodies:
-        if body.mass > 0:
-            along = body.parent < 0 and np.linalg.norm(body.origin) < _NEAR
-            name = names.on("r", body.number, "c")
-            position(drawing, np.zeros(2), body.com, name, -BESIDE if along else 0.0)
+    if body.mass > 0:
+        along = body.parent < 0 and np.linalg.norm(body.origin) < SAME
+        name = names.on("r", body.number, "c")
+        drawing.position(np.zeros(2), body.com, name, -BESIDE if along else 0.0)
 
 
-def to_tip(drawing: Drawing, seen: Snapshot, name: str = "r") -> None:
+def to_tip(drawing: Drawing, seen: Snapshot, names: Names, name: str = "r") -> None:
     """r, from the origin to the tip."""
     if seen.pose.tip is not None:
-        position(drawing, np.zeros(seen.model.dim), seen.pose.tip, name)
-
-
-def position(drawing: Drawing, start: Array, end: Array, name: str, aside: float = 0.0) -> None:
-    """A position vector, its label beside its middle; none where it has no length."""
-    if np.linalg.norm(end - start) > _NEAR:
-        arrow(drawing, start, end, name, "position", end - start, "m", beside=0.5, aside=aside)
-
-
-def arrow(
-    drawing: Drawing,
-    start: Array,
-    end: Array,
-    name: str,
-    role: str,
-    value: Array,
-    unit: str,
-    *,
-    label: str | None = None,
-    **how: Any,
-) -> None:
-    """The vector `value` from start to end, labelled with its name in bold; how: heads, aside,
-    beside of `Arrow`."""
-    text = bold(name) if label is None else label
-    drawing.add(Arrow(point(start), point(end), name, role, text, point(value), unit, **how))
+        drawing.position(np.zeros(seen.model.dim), seen.pose.tip, name)

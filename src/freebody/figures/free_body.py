@@ -1,0 +1,166 @@
+"""Free-body diagrams: each body alone, with every force and moment on it at one instant."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
+from freebody.figures.drawing import Drawing
+from freebody.figures.figure import Figure, to_one_scale
+from freebody.figures.labelling import labels_of, metres
+from freebody.figures.loads import BodyLoads
+from freebody.figures.names import Names, names_of
+from freebody.figures.sketch import forces
+from freebody.figures.sketch.forces import Scale
+from freebody.figures.sketch.snapshot import Snapshot, snapshot
+from freebody.figures.sketch.space import round_down
+from freebody.figures.text import number
+from freebody.model.model import Model
+from freebody.trees.calls import Vector, Wrenches
+
+PANEL, TALLEST = 430.0, 400.0
+"""Size of one diagram, pixels."""
+
+_VECTORS = ("s", "sc")
+SHOW: dict[int, dict[str, tuple[str, ...]]] = {
+    2: {"points": ("points",), "centres": ("centres",), "lengths": ("lengths",),
+        "angles": ("angles",), "vectors": _VECTORS},
+    3: {"points": ("points",), "centres": ("centres",), "axes": ("axes",), "vectors": _VECTORS},
+}  # fmt: skip
+"""What may be shown beside the forces, by dimension: parts of `forces.PARTS`."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FreeBodyDiagram(Figure):
+    """The diagrams of one or of all bodies at one instant; shows itself in a notebook."""
+
+    loads: tuple[BodyLoads, ...] = ()
+    missing: tuple[str, ...] = ()
+    """Parameters of the model that have no value."""
+
+    def _title(self) -> str:
+        return self.title
+
+    @property
+    def bodies(self) -> tuple[BodyLoads, ...]:
+        """The loads on each body and how well they balance; raises MissingValueError where the
+        model has parameters without value."""
+        if self.missing:
+            raise MissingValueError(f"the loads in the {self.title}", self.missing)
+        return self.loads
+
+
+def free_body_diagram(
+    model: Model,
+    q: Vector | None = None,
+    body: str | int | None = None,
+    qd: Vector | None = None,
+    qdd: Vector | None = None,
+    wrenches: Wrenches = None,
+    *,
+    labels: str | None = None,
+    show: str | Sequence[str] = (),
+) -> FreeBodyDiagram:
+    """Free-body diagram of a body (its name, its joint's or a link's; or its index from 0), or of
+    all: forces to scale.
+
+    q: (nq,) rad or m, default a pose that is seen well; qd, qdd: (nv,), default at rest; wrenches
+    as for `inverse_dynamics`, acting on the arm. labels: "names", "values" or "both"; default:
+    both, or names where parameters have no value; forces are then drawn for typical values. show:
+    one or several of "points" (O, A, P), "centres" (C_i), "vectors" (s_i, s_ci), in the plane
+    "lengths" (l_i, l_ci) and "angles" (θ_i), in space "axes" (z_i, of slides u_i). Returns a figure
+    with `.svg`, `.save("fbd.svg")`, `.drawing` (the arrows as data) and `.bodies` (the loads and
+    how well they balance). Raises ShapeError, NotFiniteError, UnknownNameError, MissingValueError.
+    Source: figures 1.4, 2.3, 3.2, 6.4.
+    """
+    caller = "free_body_diagram"
+    how, parts = labels_of(caller, model, labels), _parts(model.dim, show)
+    chosen = None if body is None else _index(model, body)
+    still = np.zeros(model.nv)
+    qd, qdd = still if qd is None else qd, still if qdd is None else qdd
+    seen = snapshot(model, q, qd, qdd, wrenches, caller)
+    drawings = diagrams(seen, names_of(seen.model), parts, how, model.missing)
+    title, loads = f"Free-body diagram of {model.name}", seen.loads
+    if chosen is not None:
+        loads, drawings = (loads[chosen],), (drawings[chosen],)
+        title += f": {loads[0].body.name}"
+    made = title, drawings, 2, PANEL, TALLEST, caller, 0.0
+    return FreeBodyDiagram(*made, loads, tuple(model.missing))
+
+
+def diagrams(
+    seen: Snapshot,
+    names: Names,
+    parts: Sequence[str] = (),
+    labels: str = "both",
+    missing: Sequence[str] = (),
+) -> tuple[Drawing, ...]:
+    """Drawings of all bodies, seen from one side; lengths and forces to one scale where their sizes
+    allow it. parts: of `forces.PARTS`; missing: parameters for which values were assumed."""
+    scales = forces.scales(seen.loads)
+    drawings = []
+    for loads, scale in zip(seen.loads, scales, strict=True):
+        drawing = forces.alone(seen, loads.body, names, parts, scale)
+        forces.inertia(drawing, loads, scale)
+        drawing.heading = f"Body {loads.body.number} · {loads.body.name}"
+        drawing.compass, drawing.labels = True, labels
+        if not missing:
+            drawing.rulers = _rulers(scale)
+        drawing.notes = _notes(loads, labels, missing)
+        drawings.append(drawing)
+    if len(set(scales)) == 1:
+        to_one_scale(drawings, PANEL, TALLEST)
+    return tuple(drawings)
+
+
+def _rulers(scale: Scale) -> list[tuple[float, str, str]]:
+    """Bars for forces and lengths."""
+    length = round_down(scale.longest / 0.75 / 5)
+    bars = [scale.bar("reaction")] if scale.force else []
+    return [*bars, (length, metres(length, 2), "length")]
+
+
+def _notes(loads: BodyLoads, labels: str, missing: Sequence[str]) -> list[str]:
+    """What is nothing, and the balance; or what was assumed."""
+    small = [x.name for x in loads.loads if not any(x.force)]
+    small += [x.moment_name for x in loads.loads if x.moment_name and not any(x.moment)]
+    notes = [f"≈ 0: {', '.join(small)}"] if small else []
+    n, residuals = loads.body.number, (loads.force_residual, loads.moment_residual)
+    force, moment = (number(x, 2) for x in residuals)
+    if missing:
+        notes.append(f"drawn for typical values: {len(missing)} parameters have none")
+    elif labels != "names":
+        notes.append(
+            f"|ΣF − {loads.mass_name} a_{n}| = {force} N,\u2003|ΣM − Ḣ_{n}| = {moment} N m"
+        )
+    return notes
+
+
+def _parts(dim: int, show: str | Sequence[str]) -> list[str]:
+    """Parts of `forces.PARTS` that are asked for."""
+    chosen = (show,) if isinstance(show, str) else tuple(show)
+    for name in chosen:
+        if name not in SHOW[dim]:
+            owner = f"free_body_diagram of a model in {dim}D: show="
+            raise UnknownNameError("choice", name, owner, SHOW[dim])
+    return [part for name in dict.fromkeys(chosen) for part in SHOW[dim][name]]
+
+
+def _index(model: Model, body: str | int) -> int:
+    if isinstance(body, int):
+        if not 0 <= body < len(model.bodies):
+            raise FreebodyError(
+                f"free_body_diagram: body {body} of {model.name!r} is not there; it has bodies 0 "
+                f"to {len(model.bodies) - 1}."
+            )
+        return body
+    if body in model.joint_names:
+        return model.joint_names.index(body)
+    names = [b.name for b in model.bodies]
+    index = model.body_index(body) if body in (*names, *model.frame_names) else -1
+    if index < 0:
+        raise UnknownNameError("body", body, f"{model.name!r}", names)
+    return index
