@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures.drawing import SAME, Arc, Dimension, Drawing, point
+from freebody.figures.drawing import SAME, Arc, Dimension, Drawing, Label, point
 from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.sketch.snapshot import Snapshot
@@ -94,4 +94,5 @@ def inertias(drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace) ->
     if body.mass > 0:
         along = seen.heading(body)
         text = f"{names.mass(body.number)}, {names.inertia(body.number)}"
-        drawing.write(body.com + 0.1 * seen.size * along, text, (along[1], -along[0]))
+        at = point(body.com + 0.1 * seen.size * along)
+        drawing.add(Label(at, text, text, direction=(along[1], -along[0])))
