@@ -24,7 +24,8 @@ def reading(inputs: int, poison: int, lanes: Lanes) -> str:
 
 
 def _gather(lanes: Lanes) -> str:
-    """Rows as they stand by vectors, anything else by its offsets, number by number."""
+    """Rows as they stand by vectors, the last of which may overlap the one before it, anything else
+    by its offsets, number by number."""
     kind, v, size, width = lanes.real.name, lanes.v, lanes.real.size, lanes.width
     given = "ptr %at, i1 %rows, ptr %strides, ptr %shape, i64 %d, i64 %n"
     return f"""\
@@ -32,12 +33,13 @@ define internal void @gather({given}, ptr %offsets, ptr %to) #0 {{
 entry:
   br i1 %rows, label %straight, label %scattered
 straight:
-  %whole = and i64 %n, {-width}
-  br label %blocks
+  %last = sub i64 %n, {width}
+  %few = icmp ult i64 %n, {width}
+  br i1 %few, label %rest, label %blocks
 blocks:
   %j = phi i64 [ 0, %straight ], [ %j.next, %block ]
-  %more = icmp ult i64 %j, %whole
-  br i1 %more, label %block, label %rest
+  %more = icmp ult i64 %j, %last
+  br i1 %more, label %block, label %end
 block:
   %from = getelementptr {kind}, ptr %at, i64 %j
   %some = load {v}, ptr %from, align {size}
@@ -45,8 +47,14 @@ block:
   store {v} %some, ptr %into, align {size}
   %j.next = add i64 %j, {width}
   br label %blocks
+end:
+  %from.end = getelementptr {kind}, ptr %at, i64 %last
+  %some.end = load {v}, ptr %from.end, align {size}
+  %into.end = getelementptr {kind}, ptr %to, i64 %last
+  store {v} %some.end, ptr %into.end, align {size}
+  br label %done
 rest:
-  %k = phi i64 [ %whole, %blocks ], [ %k.next, %single ]
+  %k = phi i64 [ 0, %straight ], [ %k.next, %single ]
   %left = icmp ult i64 %k, %n
   br i1 %left, label %single, label %done
 single:
@@ -80,40 +88,34 @@ done:
 
 def _finite(inputs: int, poison: int, lanes: Lanes) -> str:
     """0 times each number, added up: NaN if one of them is not finite."""
-    kind, v, size, width = lanes.real.name, lanes.v, lanes.real.size, lanes.width
+    kind, size, width = lanes.real.name, lanes.real.size, lanes.width
+    vectors = inputs >= width  # the last of which may overlap the one before it
+    v, zero = (lanes.v, "zeroinitializer") if vectors else (kind, "0.0")
+    step = width if vectors else 1
     return f"""\
 define internal void @uniform.finite(ptr %values) #0 {{
 entry:
-  br label %blocks
-blocks:
+  %end = getelementptr {kind}, ptr %values, i64 {inputs - step}
+  %last = load {v}, ptr %end, align {size}
+  %nothing.last = fmul contract {v} %last, {zero}
+  br label %head
+head:
   %j = phi i64 [ 0, %entry ], [ %j.next, %block ]
-  %sum = phi {v} [ zeroinitializer, %entry ], [ %sum.next, %block ]
-  %more = icmp ult i64 %j, {inputs - inputs % width}
-  br i1 %more, label %block, label %rest
+  %sum = phi {v} [ %nothing.last, %entry ], [ %sum.next, %block ]
+  %more = icmp slt i64 %j, {inputs - step}
+  br i1 %more, label %block, label %done
 block:
   %from = getelementptr {kind}, ptr %values, i64 %j
   %some = load {v}, ptr %from, align {size}
-  %nothing = fmul contract {v} %some, zeroinitializer
+  %nothing = fmul contract {v} %some, {zero}
   %sum.next = fadd contract {v} %sum, %nothing
-  %j.next = add i64 %j, {width}
-  br label %blocks
-rest:
-  %k = phi i64 [ %j, %blocks ], [ %k.next, %single ]
-  %one.sum = phi {kind} [ 0.0, %blocks ], [ %one.sum.next, %single ]
-  %left = icmp ult i64 %k, {inputs}
-  br i1 %left, label %single, label %done
-single:
-  %from.k = getelementptr {kind}, ptr %values, i64 %k
-  %x.k = load {kind}, ptr %from.k, align {size}
-  %nothing.k = fmul contract {kind} %x.k, 0.0
-  %one.sum.next = fadd contract {kind} %one.sum, %nothing.k
-  %k.next = add i64 %k, 1
-  br label %rest
+  %j.next = add i64 %j, {step}
+  br label %head
 done:
-  %bad = fcmp uno {v} %sum, zeroinitializer
-  %bits = bitcast {lanes.mask} %bad to i{width}
-  %any = icmp ne i{width} %bits, 0
-  %found = select i1 %any, {kind} {lanes.real.constant(nan)}, {kind} %one.sum
+  %bad = fcmp uno {v} %sum, {zero}
+  {f"%bits = bitcast {lanes.mask} %bad to i{width}" if vectors else ""}
+  {f"%any = icmp ne i{width} %bits, 0" if vectors else "%any = and i1 %bad, true"}
+  %found = select i1 %any, {kind} {lanes.real.constant(nan)}, {kind} 0.0
   %poison = getelementptr {kind}, ptr %values, i64 {poison}
   store {kind} %found, ptr %poison, align {size}
   ret void
