@@ -6,7 +6,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -53,11 +53,6 @@ class Model(Tabled, ByValue):
     """(m, rad): by how much rounded numbers may keep loops from closing; None: the default, 1 mm or
     a thousandth of the loop's size, and 1 mrad."""
     _aside = ("name", "source", "notices")  # a file's name, or what somebody called the robot
-
-    if not TYPE_CHECKING:  # a checker is to know the attributes that there are
-
-        def __getattr__(self, name: str) -> Any:
-            return edits.piece(self, name)
 
     # ------------------------------------------------------------ sizes and names
     @cached_property
@@ -534,3 +529,6 @@ class Model(Tabled, ByValue):
     def _table(self) -> TextTable:
         loops = [f"loop {x.name}: {x.kind}, {x.frames[0]} and {x.frames[1]}" for x in self.loops]
         return TextTable(listing.titles(self), [listing.row(body) for body in self.bodies], loops)
+
+
+edits.make_lazy(Model)
