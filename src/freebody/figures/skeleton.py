@@ -43,7 +43,7 @@ class BodyPlace:
     """Where its joint sits on the parent: the origin before a slide."""
     carrier_rotation: Array
     axis: Array | None
-    """World direction of a one-axis joint; None for others and for turns in the plane."""
+    """World direction of a joint with an axis; None for others and for turns in the plane."""
     mass: float
     com: Array
     ends: tuple[End, ...]
@@ -151,7 +151,7 @@ def _body(model: Model, tree: Tree, world: list, places: dict, i: int) -> BodyPl
     node, (R, p) = tree.bodies[at], world[at]
     first = tree.bodies[_first(tree, i)]
     carrier_R, carrier = _pose(tree, world, first.parent, first.R, first.p)
-    one_axis = body.kind.nv == 1 and len(node.axis) == model.dim and model.dim > 1
+    one_axis = body.kind.needs_axis and len(node.axis) == model.dim
     mass, centre = _centre(node.masses, model.dim)
     ends = [
         End(child.joint.name, k, _pose(tree, world, at, np.eye(model.dim), hung.p)[1])

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from freebody.errors import FreebodyError, KindError, SingularError
+from freebody.errors import FreebodyError, KindError, SingularError, listed
 from freebody.model.model import Model
 from freebody.motion.default_motion import default_motion
 from freebody.motion.motion import Motion
@@ -234,10 +234,11 @@ def _driven(model: Model) -> tuple[str, ...]:
     free = [b.joint.name for b in model.bodies if b.kind.nv > 1 and not b.joint.passive]
     if not free:
         return ()
+    one = len(free) == 1
     return (
-        f"Joint {', '.join(map(repr, free))} has no motor of its own: its torques and forces here "
-        f"are what something "
-        "else must exert to make the motion happen.",
+        f"Joint{'' if one else 's'} {listed(map(repr, free))} {'has' if one else 'have'} no motor of "
+        f"{'its' if one else 'their'} own: {'its' if one else 'their'} torques and forces here are "
+        "what something else must exert to make the motion happen.",
     )
 
 

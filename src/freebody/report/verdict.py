@@ -174,7 +174,8 @@ def _missing(model: Model, allowed: Ranges) -> tuple[str, ...]:
         found.append(f"a range that suits {listed(allowed.apart, _NAMES)}")
     several = [b.joint.name for b in model.bodies if b.kind.nv > 1 and not b.joint.passive]
     if several and not model.loops:
-        found.append(f"what moves {listed(several, _NAMES)}, which has no motor of its own")
+        have = "has no motor of its" if len(several) == 1 else "have no motors of their"
+        found.append(f"what moves {listed(several, _NAMES)}, which {have} own")
     return tuple(found)
 
 
