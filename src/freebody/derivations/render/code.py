@@ -4,19 +4,10 @@ digits."""
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import ClassVar
 
-from freebody.derivations.expression import (
-    Expression,
-    Function,
-    Negative,
-    Number,
-    Power,
-    Product,
-    Quotient,
-    Sum,
-    Symbol,
-)
-from freebody.derivations.render.rules import ATOM, PRODUCT, Renderer, precedence, summed, whole
+from freebody.derivations.expression import Expression, Function, Number, Power, Symbol
+from freebody.derivations.render.typesetter import ATOM, CALL, EQUATION, PRODUCT, Typesetter
 
 
 def code(
@@ -28,37 +19,40 @@ def code(
 
     `variables` names those sines and cosines that stand in a variable.
     """
-    known = variables or {}
+    return _Code(name, functions, variables or {})
 
-    def function(node: Function, render: Renderer) -> str:
-        return known[node] if node in known else f"{functions[node.name]}({render(node.argument)})"
 
-    def number(node: Number, _: Renderer) -> str:
-        value = node.value.numerator / node.value.denominator
-        return repr(float(value))
+class _Code(Typesetter):
+    plus, minus, lead = " + ", " - ", "-"
+    fraction_levels = PRODUCT, EQUATION
 
-    def product(node: Product, render: Renderer) -> str:
-        return "*".join(_factor(factor, render) for factor in node.factors)
+    def __init__(
+        self,
+        name: Callable[[str], str],
+        functions: Mapping[str, str],
+        variables: Mapping[Function, str],
+    ):
+        self.name, self.functions, self.variables = name, functions, variables
 
-    def power(node: Power, render: Renderer) -> str:
-        base = render(node.base, ATOM - 2 if isinstance(node.base, Function) else ATOM)
+    def symbol(self, node: Symbol, high: str = "") -> str:
+        return self.name(node.name)
+
+    def gap(self, before: Expression, after: Expression) -> str:
+        return "*"
+
+    def fraction(self, above: str, below: str) -> str:
+        return f"{above}/({below})"
+
+    def _number(self, node: Number) -> str:
+        return repr(node.value.numerator / node.value.denominator)
+
+    def _call(self, node: Function) -> str:
+        known = self.variables.get(node)
+        return known or f"{self.functions[node.name]}({self(node.argument)})"
+
+    def _power(self, node: Power) -> str:
+        base = self(node.base, CALL if isinstance(node.base, Function) else ATOM)
         product = "*".join([base] * abs(node.exponent))
         return product if node.exponent > 0 else f"1.0/({product})"
 
-    renderer = Renderer(
-        {
-            Number: number,
-            Symbol: lambda node, render: name(node.name),
-            Sum: lambda node, render: summed(node, render, " + ", " - ", "-"),
-            Negative: lambda node, render: "-" + render(node.operand, PRODUCT),
-            Product: product,
-            Quotient: lambda node, render: f"{render(node.above, PRODUCT)}/({render(node.below)})",
-            Power: power,
-            Function: function,
-        }
-    )
-    return lambda node: whole(renderer(node))
-
-
-def _factor(factor: Expression, render: Renderer) -> str:
-    return render(factor) if precedence(factor) >= PRODUCT else render(factor, PRODUCT)
+    _rules: ClassVar = {**Typesetter._rules, Number: _number, Function: _call, Power: _power}

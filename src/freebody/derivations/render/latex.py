@@ -3,41 +3,12 @@
 from __future__ import annotations
 
 import re
+from fractions import Fraction
 
-from freebody.derivations.expression import (
-    Arguments,
-    Cross,
-    Derivative,
-    Dot,
-    Equation,
-    Expression,
-    Function,
-    Matrix,
-    Negative,
-    Number,
-    Power,
-    Product,
-    Quotient,
-    Sum,
-    Symbol,
-    Transposed,
-    Vector,
-    Words,
-)
+from freebody.derivations.expression import Expression, Number, Symbol
 from freebody.derivations.names import GREEK
 from freebody.derivations.render.literal import tex, tex_math
-from freebody.derivations.render.rules import (
-    ATOM,
-    BREAK,
-    CALL,
-    PRODUCT,
-    SUM,
-    Renderer,
-    digits,
-    precedence,
-    summed,
-    whole,
-)
+from freebody.derivations.render.typesetter import BREAK, Typesetter, is_call
 
 _GREEK = {letter: "\\lambda" if name == "lam" else f"\\{name}" for name, letter in GREEK.items()}
 _DOTS = ("{}", "\\dot{{{}}}", "\\ddot{{{}}}")
@@ -48,12 +19,12 @@ _NAMES = {x: f"\\{x}" for x in ("sin", "cos", "tan", "arcsin", "arccos", "arctan
 
 def latex(node: Expression) -> str:
     """LaTeX of an expression, without dollar signs."""
-    return whole(_RENDER(node))
+    return _SETTER.whole(node)
 
 
 def breakable(node: Expression) -> str:
     """The same with `BREAK` where a line may end."""
-    return _RENDER(node)
+    return _SETTER(node)
 
 
 _SIZES = (
@@ -82,27 +53,58 @@ def width(string: str) -> float:
     return total
 
 
-def _number(node: Number, _: Renderer) -> str:
-    value = node.value
-    if value.denominator == 1 and not (node.decimal and abs(value) >= 10**6):
-        return str(value)
-    if not node.decimal:
+class _Latex(Typesetter):
+    minus, lead = f"{BREAK}- ", "-"
+    cross, dot, tenfold = " \\times ", " \\cdot ", "\\cdot "
+    differentials = "\\mathrm{d}", "\\partial "
+    transposed, inverse_transposed = "^{\\mathsf{T}}", "^{-\\mathsf{T}}"
+
+    def digits(self, digits: str) -> str:
+        return digits
+
+    def ratio(self, value: Fraction) -> str:
         sign = "-" if value < 0 else ""
         return f"{sign}\\tfrac{{{abs(value.numerator)}}}{{{value.denominator}}}"
-    mantissa, exponent = digits(value)
-    return mantissa + (f"\\cdot 10^{{{exponent}}}" if exponent else "")
 
+    def symbol(self, node: Symbol, high: str = "") -> str:
+        letter = _letter(node.letter, node.bold)
+        if node.dots:
+            letter = _DOTS[node.dots].format(letter)
+        low = ",".join(
+            f"\\mathrm{{{x}}}" if x.isalpha() and len(x) > 2 and x.isascii() else _low(x)
+            for x in node.low
+        )
+        own = node.high.replace("−", "-").replace("′", "\\prime")
+        return letter + _script("_", low.replace("−", "-")) + _script("^", own) + high
 
-def _symbol(node: Symbol, _: Renderer) -> str:
-    letter = _letter(node.letter, node.bold)
-    if node.dots:
-        letter = _DOTS[node.dots].format(letter)
-    low = ",".join(
-        f"\\mathrm{{{x}}}" if x.isalpha() and len(x) > 2 and x.isascii() else _low(x)
-        for x in node.low
-    )
-    low, high = low.replace("−", "-"), node.high.replace("−", "-").replace("′", "\\prime")
-    return letter + _script("_", low) + _script("^", high)
+    def high(self, exponent: int) -> str:
+        return _script("^", str(exponent))
+
+    def gap(self, before: Expression, after: Expression) -> str:
+        decimal = isinstance(before, Number) and before.value.denominator != 1
+        return "\\," if is_call(before) or (decimal and not is_call(after)) else " "
+
+    def function(self, name: str) -> str:
+        return _NAMES.get(name, f"\\operatorname{{{name}}}")
+
+    def tight(self, argument: str) -> str:
+        return argument.replace(" + ", "+").replace(" - ", "-").replace("\\,", " ")
+
+    def norm(self, argument: str) -> str:
+        return f"\\left|{argument}\\right|"
+
+    def fraction(self, above: str, below: str) -> str:
+        return f"\\frac{{{above}}}{{{below}}}".replace(BREAK, " ")
+
+    def operand(self, string: str) -> str:
+        return f"\\left({string}\\right)"
+
+    def array(self, rows: list[list[str]]) -> str:
+        body = " \\\\ ".join(map(" & ".join, rows))
+        return f"\\begin{{bmatrix}} {body} \\end{{bmatrix}}"
+
+    def words(self, text: str) -> str:
+        return f"\\text{{{tex(text)}}}"
 
 
 def _script(mark: str, text: str) -> str:
@@ -125,102 +127,4 @@ def _low(text: str) -> str:
     return text if re.fullmatch(r"[A-Za-z0-9+−-]*", text) else tex_math(text)
 
 
-def _product(node: Product, render: Renderer) -> str:
-    pieces = ""
-    for k, factor in enumerate(node.factors):
-        before = node.factors[k - 1] if k else None
-        apart = before is not None and (
-            _is_call(before) or (_is_decimal(before) and not _is_call(factor))
-        )
-        gap = "\\," if apart else " "
-        pieces += (gap if k else "") + _factor(factor, render)
-    return pieces
-
-
-def _factor(factor: Expression, render: Renderer) -> str:
-    level = (
-        SUM
-        if isinstance(factor, Number)
-        else CALL
-        if isinstance(factor, Cross | Dot | Product)
-        else PRODUCT
-    )
-    return render(factor, level)
-
-
-def _is_decimal(node: Expression) -> bool:
-    return isinstance(node, Number) and node.value.denominator != 1
-
-
-def _is_call(node: Expression) -> bool:
-    return isinstance(node, Function) or (
-        isinstance(node, Power) and isinstance(node.base, Function)
-    )
-
-
-def _call(node: Function, exponent: str, render: Renderer) -> str:
-    argument = (
-        whole(render(node.argument)).replace(" + ", "+").replace(" - ", "-").replace("\\,", " ")
-    )
-    name = _NAMES.get(node.name, f"\\operatorname{{{node.name}}}") + exponent
-    if node.name == "norm":
-        return f"\\left|{render(node.argument)}\\right|"
-    if isinstance(node.argument, Arguments):
-        return f"{name}({render(node.argument)})"
-    if precedence(node.argument) < PRODUCT or node.name == "sgn":
-        return f"{name}({argument})"
-    return f"{name} {argument}"
-
-
-def _power(node: Power, render: Renderer) -> str:
-    if isinstance(node.base, Function):
-        return _call(node.base, _script("^", str(node.exponent)), render)
-    if isinstance(node.base, Transposed) and node.exponent == -1:
-        return render(node.base.operand, ATOM) + "^{-\\mathsf{T}}"
-    return render(node.base, ATOM) + _script("^", str(node.exponent))
-
-
-def _derivative(node: Derivative, render: Renderer) -> str:
-    d = "\\partial " if node.partial else "\\mathrm{d}"
-    below = d + render(node.by, ATOM)
-    if isinstance(node.of, Symbol):
-        return f"\\frac{{{d}{render(node.of)}}}{{{below}}}"
-    return f"\\frac{{{d.strip()}}}{{{below}}}\\left({whole(render(node.of))}\\right)"
-
-
-def _pair(node: Cross | Dot, sign: str, render: Renderer) -> str:
-    def side(x: Expression) -> str:
-        return render(x, CALL if isinstance(x, Cross | Dot) else PRODUCT)
-
-    return f"{side(node.left)} {sign} {side(node.right)}"
-
-
-def _array(rows: list[str]) -> str:
-    return "\\begin{bmatrix} " + " \\\\ ".join(rows) + " \\end{bmatrix}"
-
-
-_RENDER = Renderer(
-    {
-        Number: _number,
-        Symbol: _symbol,
-        Sum: lambda node, render: summed(node, render, f"{BREAK}+ ", f"{BREAK}- ", "-"),
-        Negative: lambda node, render: "-" + render(node.operand, PRODUCT),
-        Product: _product,
-        Quotient: lambda node, render: (
-            f"\\frac{{{whole(render(node.above))}}}{{{whole(render(node.below))}}}"
-        ),
-        Power: _power,
-        Transposed: lambda node, render: render(node.operand, ATOM) + "^{\\mathsf{T}}",
-        Function: lambda node, render: _call(node, "", render),
-        Derivative: _derivative,
-        Cross: lambda node, render: _pair(node, "\\times", render),
-        Dot: lambda node, render: _pair(node, "\\cdot", render),
-        Arguments: lambda node, render: ", ".join(render(x, SUM) for x in node.entries),
-        Vector: lambda node, render: _array([whole(render(x)) for x in node.entries]),
-        Matrix: lambda node, render: _array(
-            [" & ".join(whole(render(x)) for x in row) for row in node.rows]
-        ),
-        Equation: lambda node, render: " = ".join(render(side, SUM) for side in node.sides),
-        Words: lambda node, render: f"\\text{{{tex(node.text)}}}",
-    }
-)
+_SETTER = _Latex()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from freebody.derivations.render.rules import BREAK
+from freebody.derivations.render.typesetter import BREAK
 
 
 @dataclass

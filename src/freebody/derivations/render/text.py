@@ -2,41 +2,11 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from unicodedata import normalize
 
-from freebody.derivations.expression import (
-    Arguments,
-    Cross,
-    Derivative,
-    Dot,
-    Equation,
-    Expression,
-    Function,
-    Matrix,
-    Negative,
-    Number,
-    Power,
-    Product,
-    Quotient,
-    Sum,
-    Symbol,
-    Transposed,
-    Vector,
-    Words,
-)
-from freebody.derivations.render.rules import (
-    ATOM,
-    BREAK,
-    CALL,
-    POWER,
-    PRODUCT,
-    SUM,
-    Renderer,
-    digits,
-    precedence,
-    summed,
-    whole,
-)
+from freebody.derivations.expression import Expression, Symbol
+from freebody.derivations.render.typesetter import CALL, POWER, Typesetter
 
 _LOW = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _HIGH = str.maketrans("-0123456789T", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᵀ")
@@ -54,28 +24,39 @@ _VULGAR = {
 
 def text(node: Expression) -> str:
     """One line of text."""
-    return whole(_RENDER(node))
+    return _SETTER.whole(node)
 
 
 def breakable(node: Expression) -> str:
     """The same with `BREAK` where a line may end."""
-    return _RENDER(node)
+    return _SETTER(node)
 
 
-def _number(node: Number, _: Renderer) -> str:
-    value = node.value
-    if value.denominator == 1 and not (node.decimal and abs(value) >= 10**6):
-        return str(value).replace("-", "−")
-    if not node.decimal:
-        return _VULGAR.get((value.numerator, value.denominator), str(value).replace("-", "−"))
-    mantissa, exponent = digits(value)
-    power = f"·10{str(exponent).translate(_HIGH)}" if exponent else ""
-    return (mantissa + power).replace("-", "−")
+class _Text(Typesetter):
+    fraction_levels = CALL, POWER
+    brackets_before_factors = True
 
+    def digits(self, digits: str) -> str:
+        return digits.replace("-", "−")
 
-def _symbol(node: Symbol, _: Renderer) -> str:
-    letter = node.letter[0] + _DOTS[node.dots] + node.letter[1:]
-    return normalize("NFC", letter) + _low(node.low) + _raised(node.high)
+    def ratio(self, value: Fraction) -> str:
+        return _VULGAR.get((value.numerator, value.denominator), self.digits(str(value)))
+
+    def symbol(self, node: Symbol, high: str = "") -> str:
+        letter = node.letter[0] + _DOTS[node.dots] + node.letter[1:]
+        return normalize("NFC", letter) + _low(node.low) + _raised(node.high) + high
+
+    def high(self, exponent: int) -> str:
+        return str(exponent).translate(_HIGH)
+
+    def tight(self, argument: str) -> str:
+        return argument.replace(" ", "")
+
+    def column(self, entries: list[str]) -> str:
+        return f"[{', '.join(entries)}]ᵀ"
+
+    def array(self, rows: list[list[str]]) -> str:
+        return f"[{'; '.join(map(', '.join, rows))}]"
 
 
 def _raised(high: str) -> str:
@@ -95,91 +76,4 @@ def _low(parts: tuple[str, ...]) -> str:
     return word + ("," if apart else "").join(parts).translate(_LOW)
 
 
-def _product(node: Product, render: Renderer) -> str:
-    pieces = []
-    for k, factor in enumerate(node.factors):
-        after = node.factors[k + 1] if k + 1 < len(node.factors) else None
-        if _is_call(factor) and after is not None and not _is_call(after):
-            pieces.append(_bracketed(factor, render))
-        else:
-            pieces.append(_factor(factor, render))
-    return " ".join(pieces)
-
-
-def _factor(factor: Expression, render: Renderer) -> str:
-    if isinstance(factor, Number):
-        return render(factor, ATOM) if precedence(factor) < PRODUCT else render(factor)
-    return render(factor, CALL if isinstance(factor, Cross | Dot | Product) else PRODUCT)
-
-
-def _is_call(node: Expression) -> bool:
-    return isinstance(node, Function) or (
-        isinstance(node, Power) and isinstance(node.base, Function)
-    )
-
-
-def _call(node: Function, exponent: str, bracket: bool, render: Renderer) -> str:
-    if node.name == "norm":
-        return f"|{whole(render(node.argument))}|"
-    if isinstance(node.argument, Arguments):
-        return f"{node.name}({render(node.argument)})"
-    argument = whole(render(node.argument)).replace(" ", "")
-    if bracket or precedence(node.argument) < PRODUCT or node.name == "sgn":
-        return f"{node.name}{exponent}({argument})"
-    return f"{node.name}{exponent} {argument}"
-
-
-def _bracketed(node: Expression, render: Renderer) -> str:
-    """A function before a factor that could be read as its argument."""
-    return _power(node, render, True) if isinstance(node, Power) else _call(node, "", True, render)  # type: ignore[arg-type]
-
-
-def _power(node: Power, render: Renderer, bracket: bool = False) -> str:
-    exponent = str(node.exponent).translate(_HIGH)
-    if isinstance(node.base, Function):
-        return _call(node.base, exponent, bracket, render)
-    if isinstance(node.base, Transposed) and node.exponent == -1:
-        return render(node.base.operand, ATOM) + "⁻ᵀ"
-    return render(node.base, ATOM) + exponent
-
-
-def _derivative(node: Derivative, render: Renderer) -> str:
-    d, by = ("∂", "∂") if node.partial else ("d", "d")
-    below = by + render(node.by, ATOM)
-    if isinstance(node.of, Symbol):
-        return f"{d}{render(node.of)}/{below}"
-    return f"{d}/{below} ({whole(render(node.of))})"
-
-
-def _pair(node: Cross | Dot, sign: str, render: Renderer) -> str:
-    def side(x: Expression) -> str:
-        return render(x, CALL if isinstance(x, Cross | Dot) else PRODUCT)
-
-    return f"{side(node.left)} {sign} {side(node.right)}"
-
-
-_RENDER = Renderer(
-    {
-        Number: _number,
-        Symbol: _symbol,
-        Sum: lambda node, render: summed(node, render, f"{BREAK}+ ", f"{BREAK}− ", "−"),
-        Negative: lambda node, render: "−" + render(node.operand, PRODUCT),
-        Product: _product,
-        Quotient: lambda node, render: f"{render(node.above, CALL)}/{render(node.below, POWER)}",
-        Power: _power,
-        Transposed: lambda node, render: render(node.operand, ATOM) + "ᵀ",
-        Function: lambda node, render: _call(node, "", False, render),
-        Derivative: _derivative,
-        Cross: lambda node, render: _pair(node, "×", render),
-        Dot: lambda node, render: _pair(node, "·", render),
-        Arguments: lambda node, render: ", ".join(whole(render(x, SUM)) for x in node.entries),
-        Vector: lambda node, render: (
-            "[" + ", ".join(whole(render(x, SUM)) for x in node.entries) + "]ᵀ"
-        ),
-        Matrix: lambda node, render: (
-            "[" + "; ".join(", ".join(whole(render(x)) for x in row) for row in node.rows) + "]"
-        ),
-        Equation: lambda node, render: " = ".join(render(side, SUM) for side in node.sides),
-        Words: lambda node, render: node.text,
-    }
-)
+_SETTER = _Text()
