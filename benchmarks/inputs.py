@@ -28,7 +28,7 @@ import numpy as np
 import freebody as fb
 from against import ROBOTS, folder
 from freebody.model.inertia import combined
-from freebody.model.reading import VALUES
+from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Attached
 from freebody.spatial import of_dimension
 

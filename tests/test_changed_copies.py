@@ -16,8 +16,8 @@ import pytest
 
 import freebody as fb
 from freebody.errors import FreebodyError, MissingValueError
+from freebody.model.number_editors import get, put_at
 from freebody.model.placement import Placement, Shift
-from freebody.model.places import get, put_at
 from support import generate
 
 ROBOTS: dict[str, Callable[[], fb.Model]] = {

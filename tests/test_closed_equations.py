@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.model.closures import LOOP_KINDS
+from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.model import Model
 from support.generate import model as tree
 from support.helpers import close, numbers, path, poses, rate, second_rate, state
@@ -142,13 +142,13 @@ def test_what_a_loop_holds(kind, dim):
 def hung(kind: str, dim: int) -> tuple[Model, np.ndarray]:
     """A free body whose frame B is held against frame A of the ground by a loop, and a closed
     position of it."""
-    from freebody.model.assembly import assemble
+    from freebody.model.build import build_model
+    from freebody.model.description import Joint, Link, Mount, RobotDescription
     from freebody.model.gravity import gravity_of
-    from freebody.model.parts import Joint, Link, Mount, RobotDescription
     from support.generate import random_inertia, random_placement
 
     rng = np.random.default_rng([dim, *kind.encode()])
-    model = assemble(
+    model = build_model(
         RobotDescription(
             "hung",
             dim,

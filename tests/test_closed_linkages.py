@@ -10,11 +10,11 @@ import pytest
 
 import freebody as fb
 from freebody.errors import SingularError
-from freebody.model.assembly import assemble
+from freebody.model.build import build_model
+from freebody.model.description import Drive, Joint, Link, RobotDescription
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.model import Model
-from freebody.model.parts import Drive, Joint, Link, RobotDescription
 from freebody.model.placement import Placement, rotate, shift
 from support.helpers import close, numbers, poses
 
@@ -68,7 +68,7 @@ def linkage(seed: int) -> tuple[Model, np.ndarray]:
             )
         )
     gravity = gravity_of((0.0, 0.0) if rng.random() < 0.1 else (0.3, -9.81), 2)
-    model = assemble(RobotDescription(f"linkage{seed}", 2, tuple(links), tuple(joints), gravity))
+    model = build_model(RobotDescription(f"linkage{seed}", 2, tuple(links), tuple(joints), gravity))
     guess = (
         np.where(rng.random(n) < 0.5, 0.0, rng.uniform(-1, 1, size=n))
         if special

@@ -146,12 +146,12 @@ def test_a_pendulum_on_a_rod(angle):
 
 
 def particle() -> Model:
-    from freebody.model.assembly import assemble
+    from freebody.model.build import build_model
+    from freebody.model.description import Joint, Link, Loop, RobotDescription
     from freebody.model.gravity import gravity_of
     from freebody.model.inertia import Inertia
-    from freebody.model.parts import Joint, Link, Loop, RobotDescription
 
-    return assemble(
+    return build_model(
         RobotDescription(
             "pendulum",
             2,

@@ -9,7 +9,7 @@ import pytest
 import freebody as fb
 from freebody.errors import LoopError, PassiveJointError
 from freebody.loops.partition import independent_rows, partition
-from freebody.model.members import FamilyError
+from freebody.model.families import FamilyError
 from support.helpers import close
 
 MECHANISMS = ["five_bar", "stewart", "bricard"]

@@ -13,8 +13,8 @@ import typer
 
 import freebody as fb
 from freebody.cli.app import app
-from freebody.model.closures import LOOP_KINDS
 from freebody.model.joints import KINDS
+from freebody.model.loop_kinds import LOOP_KINDS
 
 ROOT = Path(__file__).parents[1]
 PAGES = (

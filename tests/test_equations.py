@@ -21,11 +21,11 @@ import freebody as fb
 from freebody.derivations.equations import Equations
 from freebody.derivations.symbols import RATE, SECOND
 from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
-from freebody.model.assembly import assemble
+from freebody.model.build import build_model
+from freebody.model.description import Drive, Joint, Link, Mimic, RobotDescription
 from freebody.model.inertia import Inertia
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter
-from freebody.model.parts import Drive, Joint, Link, Mimic, RobotDescription
 from freebody.model.placement import shift, turn
 from support.helpers import numbers
 from support.printed_values import evaluate
@@ -400,7 +400,9 @@ def following(ratio: float, kind: str = "revolute") -> Model:
             mimic=Mimic("first", ratio, 0.1),
         ),
     )
-    return with_values(assemble(RobotDescription("gears", 2, links, joints, (9.81, (0.0, -1.0)))))
+    return with_values(
+        build_model(RobotDescription("gears", 2, links, joints, (9.81, (0.0, -1.0))))
+    )
 
 
 @pytest.mark.parametrize(

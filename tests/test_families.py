@@ -19,8 +19,8 @@ from freebody.kernels.formulas import Option
 from freebody.kernels.inputs import InputKernel
 from freebody.kernels.structural import fetch
 from freebody.loops.reactions import Reactions
-from freebody.model.members import FamilyError
-from freebody.model.reading import VALUES
+from freebody.model.families import FamilyError
+from freebody.model.quantity_reader import VALUES
 from freebody.targets.llvm import fastcall
 from support import generate
 from support.helpers import refused

@@ -14,13 +14,13 @@ import freebody as fb
 from freebody.formats import dh_csv, toml
 from freebody.formats.saving import as_toml
 from freebody.formats.toml_lines import line_of, lines
-from freebody.model.assembly import assemble
+from freebody.model.build import build_model
+from freebody.model.description import Limits, Mimic
 from freebody.model.joints import KINDS, JointKind
 from freebody.model.joints.prismatic import SLIDING
 from freebody.model.joints.revolute import TURNING
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter
-from freebody.model.parts import Limits, Mimic
 from freebody.model.placement import Rotate, Shift
 from support.real_files import FILES, REFUSED, ROBOTS
 
@@ -31,7 +31,7 @@ JOINT = '[[joint]]\nname = "a"\nkind = "revolute"\nparent = "base"\nchild = "arm
 def read(text: str, **options) -> Model:
     """The model in a text."""
     description = toml.describe("arm.toml", text, name="arm")
-    return assemble(description, **{"physical": "refuse", "base": description.base, **options})
+    return build_model(description, **{"physical": "refuse", "base": description.base, **options})
 
 
 def message(text: str) -> str:

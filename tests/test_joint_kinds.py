@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.model.assembly import assemble
+from freebody.model.build import build_model
+from freebody.model.description import Joint, Link, Mimic, RobotDescription
 from freebody.model.gravity import gravity_of
 from freebody.model.joints import KINDS
-from freebody.model.parts import Joint, Link, Mimic, RobotDescription
 from freebody.model.placement import rpy, shift
 from support import generate
 from support.helpers import close
@@ -58,7 +58,7 @@ def dynamics(model: fb.Model, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) ->
 
 def test_pinocchio_has_the_same_helical_and_universal_joint():
     pin = pytest.importorskip("pinocchio")
-    model = assemble(described(*THREE))
+    model = build_model(described(*THREE))
     theirs = pin.Model()
     theirs.gravity.linear[:] = model.gravity
     axis = np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
@@ -88,7 +88,7 @@ def test_pinocchio_has_the_same_helical_and_universal_joint():
 
 def test_they_are_chains_of_revolute_and_prismatic_joints():
     """A screw is a turn, and a slide that follows it; the others are free to do both."""
-    q, qd, qdd = fb.random_state(assemble(described(*THREE)), 1, 4)
+    q, qd, qdd = fb.random_state(build_model(described(*THREE)), 1, 4)
     s, u, c = THREE
     parts = (
         replace(s, name="s", kind="revolute", child="no_mass_1", numbers=()),
@@ -98,9 +98,9 @@ def test_they_are_chains_of_revolute_and_prismatic_joints():
         replace(c, name="c1", kind="revolute", child="no_mass_3"),
         Joint("c2", "prismatic", "no_mass_3", "c", axis=(1.0, 2.0, 3.0)),
     )
-    whole = assemble(described(*THREE))
+    whole = build_model(described(*THREE))
     masses = {body.name: body.inertias for body in whole.bodies}
-    made = assemble(described(*parts))
+    made = build_model(described(*parts))
     made = replace(
         made,
         bodies=tuple(replace(body, inertias=masses.get(body.name, ())) for body in made.bodies),
@@ -111,7 +111,7 @@ def test_they_are_chains_of_revolute_and_prismatic_joints():
 
 # ---------------------------------------------------------------- the pitch is a number
 def test_a_pitch_is_a_number_like_others():
-    model = assemble(described(screw("s", "base", "a")))
+    model = build_model(described(screw("s", "base", "a")))
     found = fb.parameters(model)["s.pitch"]
     assert (found.value, found.unit) == (PITCH, "m/rad")
     q, qd, qdd = fb.random_state(model, 0)
@@ -172,7 +172,7 @@ def test_numbers_that_do_not_fit_the_kind():
         (screw("s", "base", "a", float("nan")), r"joint 's': pitch: nan is not a finite number\."),
     ):  # fmt: skip
         with pytest.raises(fb.FreebodyError, match=text):
-            assemble(described(joint))
+            build_model(described(joint))
 
 
 # ---------------------------------------------------------------- every kind says what it is

@@ -14,10 +14,10 @@ from freebody.algorithms.aba import aba
 from freebody.algorithms.crba import forward_dynamics
 from freebody.algorithms.rnea import External, external_on_frame, rnea
 from freebody.errors import SingularError
-from freebody.model.assembly import assemble
+from freebody.model.build import build_model
+from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.inertia import Inertia, combined
 from freebody.model.model import Model
-from freebody.model.parts import Joint, Link, RobotDescription
 from freebody.model.placement import rotate, shift
 from support import generate
 from support.helpers import (
@@ -592,14 +592,14 @@ def same(
 @every_fourth
 def test_renaming_changes_nothing(seed: int, dim: int):
     model = generate.model(seed, dim)
-    other = assemble(generate.renamed(generate.tree(seed, dim)), base=generate.base(seed))
+    other = build_model(generate.renamed(generate.tree(seed, dim)), base=generate.base(seed))
     same(model, other, seed, tolerance=1e-13)
 
 
 @every_fourth
 def test_order_of_links_changes_nothing(seed: int, dim: int):
     model = generate.model(seed, dim)
-    other = assemble(
+    other = build_model(
         generate.reordered_links(generate.tree(seed, dim), seed), base=generate.base(seed)
     )
     assert model.joint_names == other.joint_names
@@ -611,7 +611,7 @@ def test_order_of_joints_is_the_files_and_only_permutes(seed: int, dim: int):
     description = generate.tree(seed, dim)
     order = np.random.default_rng(seed).permutation(len(description.joints))
     shuffled = replace(description, joints=tuple(description.joints[i] for i in order))
-    model, other = (assemble(d, base=generate.base(seed)) for d in (description, shuffled))
+    model, other = (build_model(d, base=generate.base(seed)) for d in (description, shuffled))
     for d, m in ((description, model), (shuffled, other)):
         in_file = [joint.name for joint in d.joints if joint.kind != "fixed"]
         assert list(m.joint_names) == (
@@ -635,7 +635,7 @@ def test_order_of_joints_is_the_files_and_only_permutes(seed: int, dim: int):
 @every_fourth
 def test_a_body_in_pieces_is_the_same_body(seed: int, dim: int):
     model = generate.model(seed, dim)
-    pieces = assemble(generate.split(generate.tree(seed, dim), seed), base=generate.base(seed))
+    pieces = build_model(generate.split(generate.tree(seed, dim), seed), base=generate.base(seed))
     assert pieces.joint_names == model.joint_names
     assert pieces.mass == pytest.approx(model.mass, rel=1e-14)
     same(model, pieces, seed)
@@ -645,7 +645,7 @@ def test_a_body_in_pieces_is_the_same_body(seed: int, dim: int):
 def test_moved_frames_change_only_their_poses(seed: int):
     model = generate.model(seed)
     description, moves = generate.moved_frames(generate.tree(seed), seed)
-    other = assemble(description, base=generate.base(seed))
+    other = build_model(description, base=generate.base(seed))
     same(
         model, other, seed, but=("joint_wrenches",)
     )  # whose points of reference move along the axes
@@ -720,7 +720,7 @@ def test_mimics_followed_are_free_joints_driven_together(seed: int, dim: int):
     description = generate.tree(seed, dim)
     followed, free = (
         generate.model(seed, dim),
-        assemble(description, base=generate.base(seed), mimic="free"),
+        build_model(description, base=generate.base(seed), mimic="free"),
     )
     n = sum(joint.mimic is not None for joint in description.joints)
     assert (free.nv, free.joint_names) == (followed.nv + n, followed.joint_names)
@@ -815,7 +815,7 @@ def test_payloads(seed: int, dim: int):
     described = replace(
         description, links=(*description.links, link), joints=(*description.joints, joint)
     )
-    other = assemble(described, base=generate.base(seed))
+    other = build_model(described, base=generate.base(seed))
     loaded = model.with_payload(load, frame=frame)
     same(other, loaded, seed)
     assert loaded.mass == pytest.approx(model.mass + load.mass)
@@ -900,7 +900,7 @@ def test_lumped_mass_is_the_combined_inertia():
         joints.append(Joint(f"j{i}", "free" if i == 0 else "fixed", parent, f"l{i}", placement))
         pose[f"l{i}"] = pose[parent] @ generate.matrix(placement)
         parts.append(links[-1].inertia.placed(pose[f"l{i}"][:3, :3], pose[f"l{i}"][:3, 3]))
-    model = assemble(
+    model = build_model(
         RobotDescription("welded", 3, tuple(links), tuple(joints), (0.0, (0.0, 0.0, -1.0)))
     )
     whole = combined(parts)

@@ -11,7 +11,7 @@ import pytest
 import freebody as fb
 from freebody.cli.app import run
 from freebody.formats.loading import read
-from freebody.model.assembly import assemble
+from freebody.model.build import build_model
 
 BODY = (
     '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" '
@@ -163,5 +163,5 @@ def test_a_cycle_of_thousands_of_links_is_said_shortly(tmp_path):
         warnings.catch_warnings(),
         pytest.raises(fb.FreebodyError, match="the links form a cycle") as refusal,
     ):
-        assemble(read(path))
+        build_model(read(path))
     assert len(str(refusal.value)) < 500

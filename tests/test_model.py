@@ -13,11 +13,8 @@ import pytest
 
 import freebody as fb
 from freebody.errors import FileError, ModelError
-from freebody.model.assembly import assemble
-from freebody.model.inertia import Inertia
-from freebody.model.joints import KINDS
-from freebody.model.parameters import Parameter
-from freebody.model.parts import (
+from freebody.model.build import build_model
+from freebody.model.description import (
     Drive,
     Joint,
     Limits,
@@ -28,6 +25,9 @@ from freebody.model.parts import (
     Payload,
     RobotDescription,
 )
+from freebody.model.inertia import Inertia
+from freebody.model.joints import KINDS
+from freebody.model.parameters import Parameter
 from freebody.model.placement import Placement, shift
 from support import generate
 from support.helpers import close, numbers, refused
@@ -61,9 +61,9 @@ TWO = (
 def says(text: str, description: RobotDescription, **options: Any) -> None:
     """Refused in these words; of a file, with its name and line."""
     with pytest.raises(ModelError, match=f"^'robot': {re.escape(text)}$"):
-        assemble(description, **options)
+        build_model(description, **options)
     with pytest.raises(FileError, match=rf"^robot\.urdf(:\d+)?: {re.escape(text)}$"):
-        assemble(replace(description, file="robot.urdf"), **options)
+        build_model(replace(description, file="robot.urdf"), **options)
 
 
 def changed(i: int, **changes: Any) -> RobotDescription:
@@ -133,7 +133,7 @@ def test_lines_of_a_file_are_the_ones_to_look_at():
         (changed(1, mimic=Mimic("elbow")), 30),
     ):
         with pytest.raises(FileError) as refusal:
-            assemble(replace(description, file="robot.urdf"))
+            build_model(replace(description, file="robot.urdf"))
         assert refusal.value.line == line
         assert str(refusal.value).startswith(f"robot.urdf:{line}: ")
 
@@ -189,7 +189,7 @@ def test_mimics_that_cannot_be():
         "Correct it, or load with mimic='free'.",
         unknown,
     )
-    assert assemble(unknown, mimic="free").nv == 2
+    assert build_model(unknown, mimic="free").nv == 2
     ball = described(
         replace(TWO[0], kind="spherical", axis=()), replace(TWO[1], mimic=Mimic("shoulder"))
     )
@@ -197,7 +197,7 @@ def test_mimics_that_cannot_be():
         ModelError,
         match=r"^'robot': joint 'elbow': only one-axis joints can mimic or be mimicked\.",
     ):
-        assemble(ball)
+        build_model(ball)
 
 
 def test_frames_and_loops_that_cannot_be():
@@ -220,7 +220,7 @@ def test_loops_that_cannot_be():
         return described(*TWO, loops=(Loop("knee", kind, frames, **more),))
 
     z = (0.0, 0.0, 2.0)
-    assert assemble(knee(axis=z)).loops == (
+    assert build_model(knee(axis=z)).loops == (
         Loop("knee", "revolute", ("arm", "base"), (0.0, 0.0, 1.0)),
     )
     says(
@@ -263,13 +263,13 @@ def test_options_are_known_ones():
         near = " Did you mean 'fixed'?" if value == "fixed" and option == "base" else ""
         text = f"no option {value!r} in {option}=.{near} Options: {listed}."
         refused(
-            text, lambda option=option, value=value: assemble(described(*TWO), **{option: value})
+            text, lambda option=option, value=value: build_model(described(*TWO), **{option: value})
         )
     with pytest.raises(
         fb.FreebodyError,
         match=r"^no frame 'hnad' in 'robot'\. Did you mean 'hand'\? Frames: base, arm, hand\.$",
     ):
-        assemble(described(*TWO), tip="hnad")
+        build_model(described(*TWO), tip="hnad")
 
 
 BAD = Inertia.of(1.0, (0, 0, 0), [0.1, 0, 0, 0.1, 0, 0.5])
@@ -281,12 +281,12 @@ def test_inertias_no_body_has_are_refused_warned_of_or_used_as_given():
     says(f"link 'hand': {FAULT}. Correct it, or accept it with physical='warn'.", description)
     warning = f"warning: link 'hand': {FAULT}."
     with pytest.warns(fb.PhysicalWarning, match=f"^{re.escape(warning)}$"):
-        model = assemble(description, physical="warn")
+        model = build_model(description, physical="warn")
     assert [str(n) for n in model.notices] == [f"warning: link 'hand': {FAULT}."]
     with pytest.warns(fb.PhysicalWarning, match=r"^robot\.urdf:12: warning: link 'hand': "):
-        filed = assemble(replace(description, file="robot.urdf"), physical="warn")
+        filed = build_model(replace(description, file="robot.urdf"), physical="warn")
     assert (filed.notices[0].kind, filed.notices[0].line) == ("physical", 12)
-    ignored = assemble(description, physical="ignore")
+    ignored = build_model(description, physical="ignore")
     assert ignored.notices == ()
     z = np.zeros(2)
     for m in (model, ignored):
@@ -299,7 +299,7 @@ def test_warning_of_one_link_does_not_stop_the_binding_of_another():
         Link("arm", Inertia.of("m1", (0, 0, 0), [1.0, 0, 0, 1, 0, 1])),
         Link("hand", BAD),
     )
-    model = assemble(described(*TWO, links=links), physical="ignore")
+    model = build_model(described(*TWO, links=links), physical="ignore")
     assert model.bind(m1=2.0).mass == 1 + 2 + 1
     with pytest.raises(
         ModelError, match=r"^'robot': link 'arm': mass -2 kg is negative\. Bind a physical value\.$"
@@ -316,7 +316,7 @@ def test_a_negative_mass_in_a_lump_keeps_its_moment():
         Link("hand", Inertia.point(-1.0, (0.2, 0, 0))),
     )
     joints = (TWO[0], Joint("weld", "fixed", "arm", "hand"))
-    model = assemble(described(*joints, links=links), physical="ignore")
+    model = build_model(described(*joints, links=links), physical="ignore")
     assert model.replace(gravity=[0, -10, 0]).mass == 1.0
     bent = model.replace(gravity=[0, -10, 0])
     assert numbers(bent, "gravity_torque", np.zeros(1)) == pytest.approx([10 * (0.5 - 0.2)])
@@ -325,7 +325,7 @@ def test_a_negative_mass_in_a_lump_keeps_its_moment():
 
 # ---------------------------------------------------------------- what a model is
 def test_names_and_order():
-    model = assemble(described(*reversed(TWO)))
+    model = build_model(described(*reversed(TWO)))
     assert model.joint_names == ("elbow", "shoulder")
     assert model.position_names == model.velocity_names == ("elbow", "shoulder")
     assert model.frame_names == ("base", "arm", "hand")
@@ -337,7 +337,7 @@ def test_names_and_order():
 
 
 def test_models_are_frozen():
-    model = assemble(described(*TWO))
+    model = build_model(described(*TWO))
     with pytest.raises(dataclasses.FrozenInstanceError):
         model.name = "other"  # type: ignore[misc]
     with pytest.raises(dataclasses.FrozenInstanceError):
@@ -347,9 +347,9 @@ def test_models_are_frozen():
 
 
 def test_axes_are_made_unit_and_coordinate_axes_exact():
-    model = assemble(changed(0, axis=(0.0, 0.3, 0.0)))
+    model = build_model(changed(0, axis=(0.0, 0.3, 0.0)))
     assert model.bodies[0].joint.axis == (0.0, 1.0, 0.0)
-    model = assemble(changed(0, axis=(0.0, -3.0, 4.0)))
+    model = build_model(changed(0, axis=(0.0, -3.0, 4.0)))
     assert model.bodies[0].joint.axis == pytest.approx((0, -0.6, 0.8))
 
 
@@ -379,36 +379,38 @@ def test_fixed_siblings_are_not_chained():
     )
     for order in (weld, weld[::-1]):
         links = ("base", "arm", Link("left", Inertia.point(1.0)), Link("right", Inertia.point(1.0)))
-        model = assemble(described(TWO[0], *order, links=links))
+        model = build_model(described(TWO[0], *order, links=links))
         assert fb.mass_matrix(model, [0.0])[0, 0] == pytest.approx(
-            fb.mass_matrix(assemble(described(TWO[0], links=("base", "arm"))), [0.0])[0, 0] + 2.0
+            fb.mass_matrix(build_model(described(TWO[0], links=("base", "arm"))), [0.0])[0, 0] + 2.0
         )
         assert fb.center_of_mass(model, [0.0])[1] == pytest.approx(0.0, abs=1e-15)
 
 
 def test_leaves():
     fork = described(hinge("l", "base", "arm"), hinge("r", "base", "hand"))
-    model = assemble(fork)
+    model = build_model(fork)
     assert (model.tip, model.leaves) == (None, ("arm", "hand"))
-    assert assemble(fork, tip="arm").tip == "arm"
+    assert build_model(fork, tip="arm").tip == "arm"
     tooled = replace(fork, mounts=(Mount("gripper", "hand", shift(0.1, 0.0, 0.0)),))
-    assert assemble(tooled).leaves == ("arm", "gripper")
+    assert build_model(tooled).leaves == ("arm", "gripper")
 
 
 def test_free_base():
-    model = assemble(described(*TWO), base="free")
+    model = build_model(described(*TWO), base="free")
     assert (model.joint_names, model.nq, model.nv) == (("base", "shoulder", "elbow"), 9, 8)
     assert model.bodies[0].joint.kind == "free"
     flat = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.1])
     assert flat.nv == 1
     with pytest.raises(ModelError, match=r"^'robot': two joints are called 'base'; rename one\.$"):
-        assemble(changed(0, name="base"), base="free")
+        build_model(changed(0, name="base"), base="free")
 
 
 def test_free_planar_base_moves_in_x_y_and_theta():
     links = (Link("base", Inertia.disc(2.0, 0.5, dim=2)), Link("arm", Inertia.bar(1.0, 1.0, dim=2)))
     joints = (Joint("pin", "revolute", "base", "arm", axis=(1.0,)),)
-    model = assemble(RobotDescription("rover", 2, links, joints, (9.81, (0.0, -1.0))), base="free")
+    model = build_model(
+        RobotDescription("rover", 2, links, joints, (9.81, (0.0, -1.0))), base="free"
+    )
     assert model.position_names == ("base.x", "base.y", "base.theta", "pin")
     q, qd, qdd = fb.random_state(model, 1, 3)
     close(
@@ -423,7 +425,7 @@ def test_limits():
     ball = described(
         replace(TWO[0], kind="spherical", axis=()), replace(TWO[1], limits=Limits(-1, 2, 3, 4))
     )
-    limits = assemble(ball).limits
+    limits = build_model(ball).limits
     assert limits.lower.tolist() == [-math.inf] * 3 + [-1]
     assert limits.upper.tolist() == [math.inf] * 3 + [2]
     assert limits.velocity.tolist() == [math.inf] * 3 + [3]
@@ -432,7 +434,7 @@ def test_limits():
 
 # ---------------------------------------------------------------- changed copies
 def test_replace():
-    model = assemble(described(*TWO))
+    model = build_model(described(*TWO))
     other = model.replace(name="other", tip="arm", gravity=[1.0, 2.0, -2.0])
     assert (other.name, other.tip, model.name, model.tip) == ("other", "arm", "robot", "hand")
     assert other.gravity == pytest.approx([1, 2, -2])
@@ -457,7 +459,7 @@ def test_replace():
 
 def test_without():
     drive = Drive(1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
-    model = assemble(changed(0, drive=drive))
+    model = build_model(changed(0, drive=drive))
     assert model.without("friction").bodies[0].joint.drive == replace(
         drive, viscous=0.0, coulomb=0.0
     )
@@ -513,7 +515,7 @@ def test_drives_limits_and_mimics_hold_numbers():
 
 
 def _limited(**limits: float):
-    return lambda: assemble(changed(1, limits=Limits(**limits), line=None))
+    return lambda: build_model(changed(1, limits=Limits(**limits), line=None))
 
 
 def test_numbers_of_numpy_are_numbers():
@@ -526,7 +528,7 @@ def test_numbers_of_numpy_are_numbers():
 
 
 def test_payload_refusals():
-    model = assemble(described(*TWO))
+    model = build_model(described(*TWO))
     for text, call in (
         ("with_payload: give an Inertia, or mass= (and com=).", lambda: model.with_payload()),
         (
@@ -565,7 +567,7 @@ def test_payload_refusals():
 
 
 def test_payload_as_point_mass():
-    model = assemble(described(*TWO))
+    model = build_model(described(*TWO))
     q = np.array([0.3, 0.4])
     J = fb.jacobian(model, q)[:3]
     gained = fb.mass_matrix(model.with_payload(2.0), q) - fb.mass_matrix(model, q)
@@ -573,7 +575,7 @@ def test_payload_as_point_mass():
     same = fb.mass_matrix(model.with_payload(mass=2.0, com=(0, 0, 0)), q)
     assert same == pytest.approx(fb.mass_matrix(model.with_payload(2.0), q))
     described_ = described(*TWO, payloads=(Payload("bag", "hand", Inertia.point(2.0)),))
-    assert fb.mass_matrix(assemble(described_), q) == pytest.approx(same)
+    assert fb.mass_matrix(build_model(described_), q) == pytest.approx(same)
 
 
 def test_placements():

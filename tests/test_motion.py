@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 
 import freebody as fb
 from freebody.errors import FileError, FreebodyError
-from freebody.model.assembly import assemble
+from freebody.model.build import build_model
+from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.gravity import gravity_of
-from freebody.model.parts import Joint, Link, RobotDescription
 from freebody.motion.motion import motion_of
 from freebody.motion.ranges import position_columns, ranges
 from freebody.motion.read_motion import motion_from_dataset, read_motion
@@ -91,7 +91,7 @@ def test_a_quintic_is_differentiated_exactly():
 def test_quaternions_are_differentiated_whatever_their_sign():
     links = Link("base"), Link("ball", fb.Inertia(2.0, (0.1, 0, 0.2), (0.02, 0, 0, 0.03, 0, 0.04)))
     joints = (Joint("socket", "spherical", "base", "ball"),)
-    model = assemble(RobotDescription("ball", 3, links, joints, gravity_of(9.81, 3)))
+    model = build_model(RobotDescription("ball", 3, links, joints, gravity_of(9.81, 3)))
     t = np.linspace(0, 1, 101)
     w = np.array([0.3, -0.2, 2.0])  # constant, in body axes
     quaternion = Rotation.from_rotvec(t[:, None] * w).as_quat(scalar_first=True)

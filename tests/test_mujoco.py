@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.model.assembly import assemble
+from freebody.model.build import build_model
+from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.model import Model
-from freebody.model.parts import Joint, Link, RobotDescription
 from freebody.model.placement import Placement
 from support import generate
 from support.helpers import close, numbers, poses
@@ -197,9 +197,9 @@ def test_the_trees_hold_every_kind_but_free():
 def test_random_trees(seed: int):
     description = generate.tree(seed)
     bare = description.payloads == ()
-    model = assemble(description, mimic="free").without("friction")
+    model = build_model(description, mimic="free").without("friction")
     if not bare:  # a payload is a link fixed to its frame
-        model = assemble(generate.replace(description, payloads=()), mimic="free").without(
+        model = build_model(generate.replace(description, payloads=()), mimic="free").without(
             "friction"
         )
     theirs = Theirs(mjcf(description), model)
@@ -217,7 +217,7 @@ def test_random_trees_on_a_free_base(seed: int):
         for link in description.links
     )
     description = generate.replace(description, links=links, payloads=())
-    model = assemble(description, mimic="free", base="free").without("friction")
+    model = build_model(description, mimic="free", base="free").without("friction")
     xml = mjcf(description).replace('<body name="base"', '<body name="base" ', 1)
     start = re.search(r'<body name="base"[^>]*>', xml).end()
     theirs = Theirs(f'{xml[:start]}<freejoint name="base"/>{xml[start:]}', model)

@@ -14,10 +14,10 @@ import freebody as fb
 from freebody.derivations.names import sym
 from freebody.derivations.render import literal
 from freebody.derivations.render.prose import markdown_prose, tex_prose, text_prose, web_prose
-from freebody.model.assembly import assemble
+from freebody.model.build import build_model
+from freebody.model.description import Joint, Link, Mount, RobotDescription
 from freebody.model.inertia import Inertia
 from freebody.model.parameters import Parameter
-from freebody.model.parts import Joint, Link, Mount, RobotDescription
 from freebody.model.placement import shift
 
 SPECIAL = r"\_%#&${}~^<>|\"'`*[]" + "\u202e\x1b\n"
@@ -60,7 +60,7 @@ def four_bar(name: str) -> fb.Model:
         tip=f"{name} end",
         source=f"by {name}.",
     )
-    return assemble(made).with_loop(f"{name} pin", "revolute", (f"{name} tip", f"{name} end"))
+    return build_model(made).with_loop(f"{name} pin", "revolute", (f"{name} tip", f"{name} end"))
 
 
 # ---------------------------------------------------------------- the functions

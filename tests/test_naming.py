@@ -20,10 +20,10 @@ from freebody.figures import illustrate
 from freebody.figures.drawing import Arc, Arrow, Dimension, Drawing, Label, Turn, canonical
 from freebody.figures.illustrate import illustrations
 from freebody.figures.loads import body_loads, label
-from freebody.model.assembly import assemble
+from freebody.model.build import build_model
+from freebody.model.description import Drive, Joint, Link, Mount, RobotDescription
 from freebody.model.inertia import Inertia
 from freebody.model.parameters import Parameter
-from freebody.model.parts import Drive, Joint, Link, Mount, RobotDescription
 from freebody.model.placement import Placement, shift
 from support.printed_values import evaluate
 
@@ -51,7 +51,7 @@ def assembled(
 ) -> fb.Model:
     gravity = (Parameter("g"), (0.0, -1.0))
     root = Link("ground")
-    return assemble(
+    return build_model(
         RobotDescription(name, 2, (root, *links), tuple(joints), gravity, tuple(mounts), tip=tip)
     )
 

@@ -312,13 +312,13 @@ def test_errors_of_names_are_key_errors_that_read_well():
 def test_no_tip_lists_the_leaves():
     links = tuple(fb_link(name) for name in ("base", "left", "right"))
     joints = tuple(
-        fb.model.parts.Joint(f"{side}_joint", "revolute", "base", side, axis=(0.0, 0.0, 1.0))
+        fb.model.description.Joint(f"{side}_joint", "revolute", "base", side, axis=(0.0, 0.0, 1.0))
         for side in ("left", "right")
     )
-    description = fb.model.parts.RobotDescription(
+    description = fb.model.description.RobotDescription(
         "twins", 3, links, joints, (9.81, (0.0, 0.0, -1.0))
     )
-    model = fb.model.assembly.assemble(description)
+    model = fb.model.build.build_model(description)
     assert model.tip is None
     text = "'twins' has no single tip: name a frame, or load with tip=. Leaves: left, right."
     for call in (
@@ -334,7 +334,7 @@ def test_no_tip_lists_the_leaves():
 
 
 def fb_link(name: str):
-    return fb.model.parts.Link(name, fb.Inertia.sphere(1.0, 0.1).moved_to((0.2, 0.0, 0.0)))
+    return fb.model.description.Link(name, fb.Inertia.sphere(1.0, 0.1).moved_to((0.2, 0.0, 0.0)))
 
 
 def test_kernel():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.model.parts import Drive
+from freebody.model.description import Drive
 from support.branched import MODELS
 
 

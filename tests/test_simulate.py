@@ -14,9 +14,9 @@ from freebody.errors import (
     SingularError,
     UnknownNameError,
 )
-from freebody.model.assembly import assemble
+from freebody.model.build import build_model
+from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.gravity import gravity_of
-from freebody.model.parts import Joint, Link, RobotDescription
 
 
 def pendulum(**friction: float) -> fb.Model:
@@ -33,7 +33,7 @@ def body(
     xx, yy, zz = moments
     link = Link("body", fb.Inertia(mass, com, (xx, 0.0, 0.0, yy, 0.0, zz)))
     joint = Joint("joint", kind, "world", "body")
-    return assemble(RobotDescription(kind, 3, (Link("world"), link), (joint,), gravity_of(g, 3)))
+    return build_model(RobotDescription(kind, 3, (Link("world"), link), (joint,), gravity_of(g, 3)))
 
 
 def test_pendulum_of_the_iftomm_library():
@@ -145,7 +145,7 @@ def test_methods_agree(method: str):
 
 def test_followers_feel_their_friction():
     """A follower of ratio r with friction c adds r c tanh(r q̇ / width) to its leader's torque."""
-    from freebody.model.parts import Mimic
+    from freebody.model.description import Mimic
     from freebody.motion.friction import smooth_friction
 
     links = tuple(
@@ -163,7 +163,7 @@ def test_followers_feel_their_friction():
             mimic=Mimic("a", -2.0, 0.1),
         ),
     )
-    model = assemble(RobotDescription("pair", 3, links, joints, gravity_of(9.81, 3)))
+    model = build_model(RobotDescription("pair", 3, links, joints, gravity_of(9.81, 3)))
     smooth, friction = smooth_friction(model, 0.1)
     rate = np.array([[0.03], [-0.5]])
     expected = np.tanh(rate / 0.1) + 2.0 * 3.0 * np.tanh(2.0 * rate / 0.1)

@@ -15,10 +15,10 @@ from freebody.algorithms.kinematics import coordinate_rates
 from freebody.algorithms.regrouped_parameters import lightened
 from freebody.errors import FreebodyError
 from freebody.kernels.formulas import FORMULAS, Option
-from freebody.model.assembly import assemble
+from freebody.model.build import build_model
+from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.gravity import gravity_of
 from freebody.model.model import Model
-from freebody.model.parts import Joint, Link, RobotDescription
 from freebody.program import Argument, trace
 from support import generate
 from support.helpers import numbers
@@ -219,7 +219,7 @@ def one_body(kind: str, mass: float, com: tuple, moments: tuple, g: float) -> Mo
     xx, yy, zz = moments
     link = Link("body", fb.Inertia(mass, com, (xx, 0.0, 0.0, yy, 0.0, zz)))
     joint = Joint("joint", kind, "world", "body")
-    return assemble(RobotDescription(kind, 3, (Link("world"), link), (joint,), gravity_of(g, 3)))
+    return build_model(RobotDescription(kind, 3, (Link("world"), link), (joint,), gravity_of(g, 3)))
 
 
 def test_heavy_top():
@@ -259,7 +259,7 @@ def slide(**drive: float) -> Model:
     joint = Joint(
         "rail", "prismatic", "world", "cart", axis=(1.0, 0.0, 0.0), drive=fb.Drive(**drive)
     )
-    return assemble(RobotDescription("cart", 3, links, (joint,), gravity_of(9.81, 3)))
+    return build_model(RobotDescription("cart", 3, links, (joint,), gravity_of(9.81, 3)))
 
 
 @pytest.mark.parametrize("damping", [0.0, 3.0, 1e3, 1e9])

@@ -9,11 +9,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import freebody as fb
-from freebody.model.assembly import assemble
+from freebody.model.build import build_model
+from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.model import Model
-from freebody.model.parts import Joint, Link, RobotDescription
 from freebody.model.placement import shift
 from support.helpers import close, numbers
 
@@ -32,7 +32,7 @@ def revolutes(
         joints.append(
             Joint(f"j{i}", "revolute", above, f"b{i}", shift(*map(float, offset)), AXES[axis])
         )
-    return assemble(
+    return build_model(
         RobotDescription("rbdl", 3, tuple(links), tuple(joints), gravity_of(gravity, 3)), tip="b0"
     )
 
@@ -216,7 +216,7 @@ def test_double_pendulum_newton(qd: tuple, tau: tuple, q1: float, inertia: float
 def pivoted(inertia: Inertia, kind: str, gravity: float) -> Model:
     links = (Link("world"), Link("body", inertia))
     joints = (Joint("pivot", kind, "world", "body"),)
-    return assemble(RobotDescription(kind, 3, links, joints, gravity_of(gravity, 3)))
+    return build_model(RobotDescription(kind, 3, links, joints, gravity_of(gravity, 3)))
 
 
 def spin(model: Model, w0: tuple[float, ...], duration: float) -> tuple[np.ndarray, np.ndarray]:

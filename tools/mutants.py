@@ -58,7 +58,7 @@ AREAS = (
     ),
     Area(
         "closed chains",
-        ("loops/*.py", "model/closures.py", "model/loops.py", "motion/closed_chain*.py",
+        ("loops/*.py", "model/loop_kinds.py", "model/loops.py", "motion/closed_chain*.py",
          "trees/newton_euler_residuals.py"),
         ("closed_*", "dyads", "simulate"),
     ),

@@ -22,10 +22,10 @@ _PLACES = {
         "PhysicalWarning",
     ),
     "freebody.model.inertia": ("Inertia",),
-    "freebody.model.integral": ("inertia_from", "integrated_inertia"),
+    "freebody.model.integrated_inertia": ("inertia_from", "integrated_inertia"),
     "freebody.model.parameters": ("Parameter",),
     "freebody.model.numbers": ("parameters",),
-    "freebody.model.parts": ("Drive", "Limits"),
+    "freebody.model.description": ("Drive", "Limits"),
     "freebody.model.model": ("Model",),
     "freebody.model.planar": ("planar",),
     "freebody.model.dh": ("dh",),
@@ -134,7 +134,7 @@ def __getattr__(name: str) -> Any:
     value = getattr(place, name)
     code = getattr(value, "__code__", None)
     if code is not None and code.co_varnames[:1] == ("model",) and _PLACE_OF[name] not in _QUICK:
-        value = imported("freebody.model.required").takes_model(name, value)
+        value = imported("freebody.model.model_argument").takes_model(name, value)
     globals()[name] = value
     return value
 

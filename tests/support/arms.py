@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from freebody.model.assembly import assemble
+from freebody.model.build import build_model
+from freebody.model.description import Joint, Link, Mount, RobotDescription
 from freebody.model.inertia import Inertia
 from freebody.model.model import Model
-from freebody.model.parts import Joint, Link, Mount, RobotDescription
 from freebody.model.placement import Placement, rotate, shift
 from support.generate import random_rotation
 
@@ -41,7 +41,7 @@ def arm(axes: Axes, seed: int) -> Model:
         links.append(Link(f"link{i}", Inertia.point(1.0, (0.0, 0.0, 0.0))))
         before = here
     tool = Mount("tool", links[-1].name, placement(pose(random_rotation(rng), rng.normal(size=3))))
-    return assemble(
+    return build_model(
         RobotDescription(
             f"arm{seed}",
             3,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 import freebody as fb
-from freebody.model.assembly import assemble
+from freebody.model.build import build_model
+from freebody.model.description import Drive, Joint, Link, Mimic, RobotDescription
 from freebody.model.inertia import Inertia
-from freebody.model.parts import Drive, Joint, Link, Mimic, RobotDescription
 from freebody.model.placement import rotate, shift
 
 
@@ -38,7 +38,7 @@ def branched(base: str) -> fb.Model:
         Joint("e", "revolute", "D", "E", place(), (1.0, 2.0, -1.0), mimic=Mimic("c", -1.5, 0.3)),
     )
     links = tuple(Link(name, lump()) for name in ("base", "A", "B", "C", "D", "E"))
-    return assemble(
+    return build_model(
         RobotDescription("branched", 3, links, joints, (9.81, (0.0, 0.0, -1.0))), base=base
     )
 

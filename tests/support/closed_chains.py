@@ -9,13 +9,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 import freebody as fb
-from freebody.model.assembly import assemble
+from freebody.model.build import build_model
+from freebody.model.description import Joint, Link, Loop, Mount, RobotDescription
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.model import Model
-from freebody.model.parts import Joint, Link, Loop, Mount, RobotDescription
 from freebody.model.placement import Placement, rotate, shift
-from freebody.model.reading import VALUES
+from freebody.model.quantity_reader import VALUES
 from support.generate import random_inertia, random_rotation
 from support.helpers import numbers, poses
 
@@ -158,7 +158,7 @@ def built(mechanism: Mechanism, tree: Iterable[str] | None) -> Model:
         tuple(mounts),
         tuple(loops),
     )
-    return assemble(described)
+    return build_model(described)
 
 
 def _placed(T: np.ndarray) -> Placement:

@@ -9,12 +9,21 @@ from functools import lru_cache
 
 import numpy as np
 
-from freebody.model.assembly import assemble
+from freebody.model.build import build_model
+from freebody.model.description import (
+    Drive,
+    Joint,
+    Limits,
+    Link,
+    Mimic,
+    Mount,
+    Payload,
+    RobotDescription,
+)
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
 from freebody.model.model import Model
-from freebody.model.parts import Drive, Joint, Limits, Link, Mimic, Mount, Payload, RobotDescription
 from freebody.model.placement import Placement, rotate, shift, turn
 
 MOVING = {name: kind for name, kind in KINDS.items() if kind.nv}
@@ -28,7 +37,7 @@ _WEIGHTS = dict.fromkeys(MOVING, 1.2) | {"revolute": 6.0, "continuous": 3.0, "pr
 def model(seed: int, dim: int = 3) -> Model:
     """The random tree of a seed; one in five on a free base. Some of its masses may be zero, its M
     never singular."""
-    return assemble(tree(seed, dim), base=base(seed))
+    return build_model(tree(seed, dim), base=base(seed))
 
 
 def base(seed: int) -> str:

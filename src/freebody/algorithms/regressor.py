@@ -1,6 +1,6 @@
 """Inverse dynamics and energies as linear functions of a robot's inertial and drive parameters.
 
-Their names and order are those of `model.identified`.
+Their names and order are those of `model.inertial_parameters`.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from freebody.algorithms.crba import Composite, own_inertia
 from freebody.elementary import Scalar
-from freebody.model.identified import body_parameters
+from freebody.model.inertial_parameters import body_parameters
 from freebody.model.joints.prismatic import Sliding
 from freebody.model.joints.revolute import Turning
 from freebody.model.tree import Mass, Tree, TreeBody

@@ -8,9 +8,9 @@ import typer
 
 from freebody.cli import options, terminal
 from freebody.cli.options import MimicChoice, PhysicalChoice
-from freebody.model import listing
+from freebody.model import joint_table
+from freebody.model.description import DOUBTFUL
 from freebody.model.parameters import Parameter
-from freebody.model.parts import DOUBTFUL
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -125,11 +125,11 @@ def _joints(model: Model) -> Table:
     from rich.text import Text
 
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for title in listing.titles(model):
+    for title in joint_table.titles(model):
         right = title in ("speed", "effort") or title.startswith("mass")
         table.add_column(title, justify="right" if right else "left")
     for body in model.bodies:
-        table.add_row(*(Text(cell) for cell in listing.row(body)))
+        table.add_row(*(Text(cell) for cell in joint_table.row(body)))
     return table
 
 

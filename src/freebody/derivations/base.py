@@ -21,7 +21,7 @@ from freebody.derivations.names import sym
 from freebody.derivations.order import Order
 from freebody.derivations.symbols import RATE, SECOND, Symbols, symbols
 from freebody.lazy import cached_property
-from freebody.model.identified import body_parameters
+from freebody.model.inertial_parameters import body_parameters
 from freebody.scalars.trig import Trig
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from freebody.derivations.methods.overview import overview
 from freebody.derivations.methods.setting import Setting, require_chain_of_bodies
 from freebody.derivations.symbols import symbols
 from freebody.errors import FreebodyError, UnknownNameError
-from freebody.model.closures import LOOP_KINDS
+from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.model import Model
 from freebody.spatial import of_dimension
 

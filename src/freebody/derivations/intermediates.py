@@ -20,7 +20,7 @@ from freebody.derivations.naming import motors
 from freebody.derivations.symbols import RATE, SECOND, Symbols
 from freebody.elementary import Scalar, cos, sin
 from freebody.model.parameters import Parameter, Quantity
-from freebody.model.reading import QuantityReader, exact_sin_cos
+from freebody.model.quantity_reader import QuantityReader, exact_sin_cos
 from freebody.model.tree import lower
 from freebody.scalars.expr import Expr, Graph
 from freebody.scalars.rational import exactly

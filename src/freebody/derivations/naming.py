@@ -18,7 +18,7 @@ from freebody.derivations.names import entry, sym, vec
 from freebody.derivations.symbols import names_by_body
 from freebody.lazy import cached_property
 from freebody.model.bodies import Body
-from freebody.model.closures import LOOP_KINDS
+from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, Quantity
 from freebody.model.placement import Placement, Shift

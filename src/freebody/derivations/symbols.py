@@ -16,7 +16,7 @@ from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
 from freebody.model.placement import Turn
-from freebody.model.reading import QuantityReader
+from freebody.model.quantity_reader import QuantityReader
 from freebody.model.tree import Tree, lower
 from freebody.scalars.rational import rational_axis, rational_rotation, rational_sin_cos
 from freebody.scalars.trig import Trig, TrigRing

@@ -14,8 +14,8 @@ from freebody.errors import FileError, UnknownNameError, shown
 from freebody.formats import number_text, read_file
 from freebody.formats.toml_table import in_units, is_name
 from freebody.model import dh
+from freebody.model.description import INFINITE, MOST_LINKS, Limits, RobotDescription
 from freebody.model.parameters import Parameter, Quantity
-from freebody.model.parts import INFINITE, MOST_LINKS, Limits, RobotDescription
 
 _COM, _TENSOR = ("cx", "cy", "cz"), ("Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz")
 _DIRECT = ("theta", "d", "a", "alpha", "m", "rotor", "gear")

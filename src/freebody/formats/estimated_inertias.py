@@ -19,10 +19,10 @@ import numpy as np
 
 from freebody.errors import FileError, FreebodyError, MissingPackageError
 from freebody.formats.read_file import contents
+from freebody.model.description import DOUBTFUL, ESTIMATED, Link, Notice, RobotDescription
 from freebody.model.inertia import Inertia, combined
-from freebody.model.parts import DOUBTFUL, ESTIMATED, Link, Notice, RobotDescription
 from freebody.model.placement import Placement
-from freebody.model.reading import VALUES
+from freebody.model.quantity_reader import VALUES
 from freebody.model.shapes import DENSEST, LIGHTEST, Shape
 from freebody.spatial import of_dimension
 

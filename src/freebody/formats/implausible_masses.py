@@ -24,11 +24,11 @@ import numpy as np
 
 from freebody.errors import listed
 from freebody.model.bodies import Body
+from freebody.model.description import DOUBTFUL, Notice
 from freebody.model.inertia import combined
 from freebody.model.model import Model
-from freebody.model.parts import DOUBTFUL, Notice
 from freebody.model.placement import Placement
-from freebody.model.reading import VALUES
+from freebody.model.quantity_reader import VALUES
 from freebody.model.shapes import DENSEST, LIGHTEST, Shape
 from freebody.model.tree import Attached
 from freebody.spatial import of_dimension

@@ -13,11 +13,11 @@ from freebody.formats.estimated_inertias import estimated
 from freebody.formats.implausible_masses import implausible_masses
 from freebody.formats.urdf_elements import xacro
 from freebody.model import planar
-from freebody.model.assembly import BasePolicy, MimicPolicy, Policy, assemble
+from freebody.model.build import BasePolicy, MimicPolicy, Policy, build_model
+from freebody.model.description import DOUBTFUL, RobotDescription
 from freebody.model.dh import Convention
 from freebody.model.model import Model
 from freebody.model.parameters import real
-from freebody.model.parts import DOUBTFUL, RobotDescription
 
 _NOT_READ = {
     ".xacro": "xacro is not read directly; {xacro}, and load that.",
@@ -69,7 +69,7 @@ def load(
     if estimate_inertia is not None:
         description = _estimated(description, estimate_inertia)
     chosen = base or description.base
-    model = assemble(description, physical=physical, mimic=mimic, base=chosen, tip=tip)
+    model = build_model(description, physical=physical, mimic=mimic, base=chosen, tip=tip)
     if loop_tolerance is not None:
         model = model.replace(loop_tolerance=loop_tolerance)
     return _weighed(model, description, estimate_inertia is not None, physical != "ignore")

@@ -10,11 +10,11 @@ from pathlib import Path
 
 from freebody.errors import FreebodyError
 from freebody.model.bodies import Frame
+from freebody.model.description import MASS_NOTICES, Drive, Joint, Limits, Loop
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, Quantity
-from freebody.model.parts import MASS_NOTICES, Drive, Joint, Limits, Loop
 from freebody.model.placement import Placement, Rotate, Shift
 from freebody.model.tree import Attached
 from freebody.outputs.files import write

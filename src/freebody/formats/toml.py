@@ -14,8 +14,8 @@ from freebody.formats import toml_parts as parts
 from freebody.formats.toml_lines import bounded, lines
 from freebody.formats.toml_table import TomlTable
 from freebody.model import dh, planar
+from freebody.model.description import MASS_NOTICES, Link, Notice, RobotDescription
 from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
-from freebody.model.parts import MASS_NOTICES, Link, Notice, RobotDescription
 
 _GENERAL = (
     "name",

@@ -11,13 +11,23 @@ import numpy as np
 
 from freebody.errors import ModelError
 from freebody.formats.toml_table import TomlTable
-from freebody.model.closures import LOOP_KINDS
+from freebody.model.description import (
+    INFINITE,
+    Drive,
+    Joint,
+    Limits,
+    Link,
+    Loop,
+    Mimic,
+    Mount,
+    Payload,
+)
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
+from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.loops import checked_tolerance
 from freebody.model.parameters import Parameter, Quantity
-from freebody.model.parts import INFINITE, Drive, Joint, Limits, Link, Loop, Mimic, Mount, Payload
 from freebody.model.placement import Placement, Rotate, Shift, Turn, rotate, rpy, shift, turn
 
 TURNS = ("rpy", "axis_angle", "quat_wxyz", "matrix", "angle")

@@ -14,9 +14,9 @@ from freebody.errors import UnknownNameError
 from freebody.formats.urdf_elements import Elements, xacro
 from freebody.formats.urdf_shapes import shapes
 from freebody.formats.xml import Element, parse
+from freebody.model.description import INFINITE, Drive, Joint, Limits, Link, Mimic, RobotDescription
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
-from freebody.model.parts import INFINITE, Drive, Joint, Limits, Link, Mimic, RobotDescription
 from freebody.model.placement import Placement, rotate, rpy, shift
 from freebody.spatial import unit
 

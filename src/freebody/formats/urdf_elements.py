@@ -10,7 +10,7 @@ from typing import NoReturn
 from freebody.errors import FileError, shown
 from freebody.formats import number_text
 from freebody.formats.xml import Element
-from freebody.model.parts import Notice
+from freebody.model.description import Notice
 
 _SHAPES = ("visual", "collision", "material")
 _MOST_KINDS = 100

@@ -16,7 +16,7 @@ from freebody.inverse.chain import arm_length
 from freebody.inverse.task import row_names, rows_of
 from freebody.labels import aligned, labels_of
 from freebody.model.model import Model
-from freebody.model.required import require_one
+from freebody.model.model_argument import require_one
 from freebody.trees.calls import Vector, common_batch, finite_vector
 from freebody.trees.kinematics import jacobian, jacobian_dot
 

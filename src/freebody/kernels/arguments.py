@@ -7,7 +7,7 @@ from typing import Any
 from freebody.algorithms.regressor import parameter_values
 from freebody.kernels.formulas import FORMULAS, INPUTS, Option
 from freebody.kernels.formulas.record import Dimensions
-from freebody.model.identified import parameter_names
+from freebody.model.inertial_parameters import parameter_names
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.program import Argument

@@ -12,7 +12,7 @@ from freebody.kernels.inputs import InputKernel, KernelInputs, inputs_of
 from freebody.kernels.options import chosen_option, several
 from freebody.kernels.tracing import program
 from freebody.model.model import Model
-from freebody.model.required import require_model
+from freebody.model.model_argument import require_model
 from freebody.program import Argument, Program
 from freebody.targets import Kernel
 

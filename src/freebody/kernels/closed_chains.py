@@ -9,7 +9,7 @@ from functools import cache, wraps
 from typing import Any
 
 from freebody.model.model import Model
-from freebody.model.required import require_one
+from freebody.model.model_argument import require_one
 
 _OF_FAMILIES = (
     "inverse_dynamics",

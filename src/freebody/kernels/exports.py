@@ -15,7 +15,7 @@ from freebody.kernels.asked import Asked, asked
 from freebody.kernels.describe import ProgramDescription, of_program
 from freebody.kernels.inputs import InputKernel, KernelInputs
 from freebody.kernels.vectors import vectors
-from freebody.model.members import FamilyError
+from freebody.model.families import FamilyError
 from freebody.model.model import Model
 from freebody.outputs.folder import write_folder
 from freebody.program.passes import share_reciprocals

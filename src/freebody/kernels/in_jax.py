@@ -12,7 +12,7 @@ from freebody.errors import MissingPackageError, ShapeError
 from freebody.kernels.asked import Asked, asked
 from freebody.kernels.differentials import Differentiable, of_quantities
 from freebody.kernels.inputs import InputKernel
-from freebody.model.members import FamilyError
+from freebody.model.families import FamilyError
 from freebody.model.model import Model
 from freebody.program import Program
 from freebody.targets import Kernel, KernelError

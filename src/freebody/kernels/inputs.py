@@ -15,7 +15,7 @@ from freebody.errors import FreebodyError, MissingValueError, ModelError
 from freebody.model.model import Model
 from freebody.model.numbers import Name, Parameters, found, known, written
 from freebody.model.parameters import Parameter, Quantity, each_parameter
-from freebody.model.reading import QuantityReader, exact_sin_cos
+from freebody.model.quantity_reader import QuantityReader, exact_sin_cos
 from freebody.model.tree import Tree, lower
 from freebody.targets import Kernel
 from freebody.targets.kernel import BatchError

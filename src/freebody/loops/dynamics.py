@@ -26,8 +26,8 @@ from freebody.loops.partition import independent_rows, partition
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled import loop_of_row, mechanism, null_space, rate_scale, row_scale
 from freebody.loops.solving import BLURRED, RANK, Idle, Jerk, solve
+from freebody.model.families import member_at
 from freebody.model.geometry import first_member
-from freebody.model.members import member_at
 from freebody.model.model import Model
 from freebody.trees.calls import Vector, Wrenches, attempt, checked_inputs
 from freebody.trees.massless import massless

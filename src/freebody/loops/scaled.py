@@ -25,7 +25,7 @@ from freebody.model.geometry import first_member, geometric_fact
 from freebody.model.model import Model
 from freebody.model.parameters import Quantity
 from freebody.model.placement import Placement
-from freebody.model.reading import VALUES
+from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Attached, Mass, Pieces, Pose, Tree, tree_of
 from freebody.spatial import Vector, dot, of_dimension, times
 from freebody.trees.states import difference

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from freebody.arrays import Array
 from freebody.lazy import Keeps
+from freebody.model.description import Joint
 from freebody.model.joints import KINDS, JointKind
-from freebody.model.parts import Joint
 from freebody.model.placement import Placement
 from freebody.model.tree import Attached
 from freebody.values import ByValue

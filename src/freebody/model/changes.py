@@ -14,14 +14,14 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import ModelError, UnknownNameError, shown
 from freebody.model.bodies import Body, Frame
-from freebody.model.closures import LOOP_KINDS
+from freebody.model.description import Loop
+from freebody.model.families import Members, is_array, is_nested, members, one_family
 from freebody.model.inertia import Inertia, faults
+from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.loops import checked_loop
-from freebody.model.members import Members, is_array, is_nested, members, one_family
+from freebody.model.number_editors import get, put
 from freebody.model.parameters import LARGEST, Quantity, finite, quantity
-from freebody.model.parts import Loop
 from freebody.model.placement import Placement, Rotate, Shift, Turn, rotate, shift
-from freebody.model.places import get, put
 from freebody.model.tree import Attached
 
 if TYPE_CHECKING:

@@ -16,14 +16,14 @@ from freebody.arrays import Array
 from freebody.elementary import Scalar
 from freebody.lazy import kept
 from freebody.model.placement import Placement
-from freebody.model.reading import VALUES
+from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Attached, Pose, drive_of, placed_composite
 from freebody.spatial import AnySpace, Matrix, Vector, of_dimension
 
 if TYPE_CHECKING:
     from freebody.model.bodies import Body
+    from freebody.model.description import Drive, Joint
     from freebody.model.model import Model
-    from freebody.model.parts import Drive, Joint
 
 # by how much rounding may part the two cosines, and sines, of a turn about a coordinate axis
 _SAME = 1e-15

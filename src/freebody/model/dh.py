@@ -14,14 +14,14 @@ from typing import Any, Literal
 import numpy as np
 
 from freebody.errors import FileError, ModelError, UnknownNameError, shown
-from freebody.model.assembly import Policy, assemble
+from freebody.model.build import Policy, build_model
+from freebody.model.description import Drive, Joint, Limits, Link, Mount, RobotDescription
+from freebody.model.families import NamedNumber
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import BY_LETTER
-from freebody.model.members import NamedNumber
 from freebody.model.model import Model
 from freebody.model.parameters import Quantity, quantity
-from freebody.model.parts import Drive, Joint, Limits, Link, Mount, RobotDescription
 from freebody.model.placement import Placement, Shift, Turn
 
 Convention = Literal["standard", "modified"]
@@ -47,7 +47,7 @@ def dh(
     or (viscous, coulomb)), limits (lower, upper) or Limits, passive (True: nothing drives the
     joint), name. A name instead of a number is a parameter. Raises ModelError naming the row.
     """
-    return assemble(
+    return build_model(
         describe(rows, convention=convention, gravity=gravity, name=name), physical=physical
     )
 

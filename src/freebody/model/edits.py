@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 from freebody.errors import MissingValueError
 from freebody.model import changes, numbers
-from freebody.model.catalogue import DRIVE
 from freebody.model.inertia import Inertia, is_surely_physical
 from freebody.model.layout import CHANGING, NumberLayout, SlotValues
+from freebody.model.number_names import DRIVE
 from freebody.model.parameters import LARGEST
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from weakref import WeakValueDictionary
 
 from freebody.lazy import kept
-from freebody.model.members import LengthsDiffer
+from freebody.model.families import LengthsDiffer
 
 if TYPE_CHECKING:
     from freebody.model.model import Model

@@ -11,9 +11,9 @@ import numpy as np
 
 from freebody.errors import ModelError, shown
 from freebody.labels import refuse_labelled
-from freebody.model.members import Members, is_nested, members, of_member
+from freebody.model.families import Members, is_nested, members, of_member
 from freebody.model.parameters import LARGEST, Parameter, Quantity, finite, quantity
-from freebody.model.reading import VALUES
+from freebody.model.quantity_reader import VALUES
 from freebody.spatial import unit
 
 

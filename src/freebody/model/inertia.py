@@ -11,7 +11,7 @@ import numpy as np
 
 from freebody.elementary import Scalar
 from freebody.errors import MissingValueError, ModelError
-from freebody.model.members import Members, arrays_in, common_shape, members, of_member, taken
+from freebody.model.families import Members, arrays_in, common_shape, members, of_member, taken
 from freebody.model.parameters import (
     LARGEST,
     Parameter,
@@ -22,7 +22,7 @@ from freebody.model.parameters import (
     quantity,
 )
 from freebody.model.placement import rotation_matrix
-from freebody.model.reading import VALUES, QuantityReader
+from freebody.model.quantity_reader import VALUES, QuantityReader
 from freebody.spatial import Vector
 
 # of the largest eigenvalue: how negative a pseudo-inertia may be before it is called not physical

@@ -22,19 +22,19 @@ from freebody.model.contributions import (
     linear_row,
     pose_part,
 )
+from freebody.model.families import copied, fields_of
 from freebody.model.inertia import Inertia, in_shape, is_surely_physical
-from freebody.model.members import copied, fields_of
+from freebody.model.number_editors import NewPayloadEditor, Path, put
 from freebody.model.numbers import known
 from freebody.model.placement import Placement, Shift
-from freebody.model.places import NewPayloadEditor, Path, put
-from freebody.model.reading import VALUES
+from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Attached, drive_numbers
 from freebody.spatial import Matrix, Vector, add, identity, of_dimension, times
 
 if TYPE_CHECKING:
+    from freebody.model.description import Drive
     from freebody.model.model import Model
     from freebody.model.parameters import Quantity
-    from freebody.model.parts import Drive
 
 SlotValues = list[float]
 """The number in each slot."""

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from freebody.errors import ModelError, UnknownNameError
-from freebody.model.closures import LOOP_KINDS
-from freebody.model.members import Members
+from freebody.model.description import Loop
+from freebody.model.families import Members
+from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.parameters import Parameter, Quantity, quantity
-from freebody.model.parts import Loop
 from freebody.spatial import unit
 
 

@@ -14,17 +14,17 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, MissingValueError, ModelError, UnknownNameError, shown
 from freebody.lazy import cached_property
 from freebody.model import changes as changed
-from freebody.model import edits, identified, listing, numbers
+from freebody.model import edits, inertial_parameters, joint_table, numbers
 from freebody.model.bodies import Body, Frame, JointLimits
+from freebody.model.description import ESTIMATED, Loop, Notice
+from freebody.model.families import MemberError, one_family, taken
 from freebody.model.geometry import Geometry, geometry_of
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import JointKind
 from freebody.model.loops import checked_tolerance
-from freebody.model.members import MemberError, one_family, taken
 from freebody.model.parameters import Quantity, each_parameter
-from freebody.model.parts import ESTIMATED, Loop, Notice
-from freebody.model.reading import VALUES
+from freebody.model.quantity_reader import VALUES
 from freebody.model.structure import Structure, numbers_of, structure_of
 from freebody.model.tree import Attached, Coordinates, Tree, lower
 from freebody.outputs.display import Tabled, TextTable, counted
@@ -305,7 +305,7 @@ class Model(Tabled, ByValue):
 
     @cached_property
     def facts(self) -> dict[str, Any]:
-        """What follows from the model alone and has been found before; see `model.facts.fact`."""
+        """What follows from the model alone and has been found before; see `model.derived_facts.fact`."""
         return {}
 
     @cached_property
@@ -438,7 +438,7 @@ class Model(Tabled, ByValue):
         since π knows no parts of a body; gears and what is fixed to the base stay. Raises
         ModelError for a body that no rigid body is, by name.
         """
-        return identified.with_inertial_parameters(self, pi)
+        return inertial_parameters.with_inertial_parameters(self, pi)
 
     def without(self, *features: str) -> Model:
         """The model without "friction", "rotors", "springs", or "loops" (the tree that is left when
@@ -528,7 +528,9 @@ class Model(Tabled, ByValue):
 
     def _table(self) -> TextTable:
         loops = [f"loop {x.name}: {x.kind}, {x.frames[0]} and {x.frames[1]}" for x in self.loops]
-        return TextTable(listing.titles(self), [listing.row(body) for body in self.bodies], loops)
+        return TextTable(
+            joint_table.titles(self), [joint_table.row(body) for body in self.bodies], loops
+        )
 
 
 edits.make_lazy(Model)

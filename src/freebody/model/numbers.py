@@ -14,13 +14,13 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import ModelError, UnknownNameError, likely, listed, shown
 from freebody.lazy import kept
-from freebody.model.catalogue import Catalogue, ModelNumber, catalogue
+from freebody.model.families import Members, arrays_in, common_shape, is_array, members, one_family
 from freebody.model.gravity import direction_fault
 from freebody.model.inertia import faults
 from freebody.model.loops import checked_distance
-from freebody.model.members import Members, arrays_in, common_shape, is_array, members, one_family
+from freebody.model.number_names import Catalogue, ModelNumber, catalogue
 from freebody.model.parameters import LARGEST, Parameter, Quantity, finite, real
-from freebody.model.reading import EXACT
+from freebody.model.quantity_reader import EXACT
 from freebody.outputs.display import TextTable
 from freebody.outputs.text import legal
 from freebody.values import ByValue

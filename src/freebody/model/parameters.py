@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from freebody.errors import ModelError, shown
-from freebody.model.members import Members, fields_of
+from freebody.model.families import Members, fields_of
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from freebody.elementary import Scalar
 from freebody.errors import ModelError
 from freebody.lazy import Keeps
 from freebody.model.parameters import Quantity, each_parameter
-from freebody.model.reading import EXACT, VALUES, QuantityReader, exact_sin_cos
+from freebody.model.quantity_reader import EXACT, VALUES, QuantityReader, exact_sin_cos
 from freebody.spatial import AnySpace, Matrix, Vector, add, identity, product, times
 
 _LONGEST = 24

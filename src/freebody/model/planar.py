@@ -11,13 +11,21 @@ from collections.abc import Sequence
 
 from freebody.errors import ModelError, UnknownNameError, shown
 from freebody.labels import refuse_labelled
-from freebody.model.assembly import Policy, assemble
+from freebody.model.build import Policy, build_model
+from freebody.model.description import (
+    MOST_LINKS,
+    Drive,
+    Joint,
+    Limits,
+    Link,
+    Mount,
+    RobotDescription,
+)
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import BY_LETTER
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, Quantity, finite, quantity
-from freebody.model.parts import MOST_LINKS, Drive, Joint, Limits, Link, Mount, RobotDescription
 from freebody.model.placement import shift, turn
 
 Given = float | str | Parameter | None
@@ -61,7 +69,7 @@ def planar(
         passive=passive,
         name=name,
     )
-    return assemble(description, physical=physical)
+    return build_model(description, physical=physical)
 
 
 def describe(

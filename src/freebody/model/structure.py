@@ -38,7 +38,7 @@ from freebody.model.contributions import (
     rows_of,
 )
 from freebody.model.placement import Placement
-from freebody.model.reading import VALUES
+from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import (
     Attached,
     DriveScalars,
@@ -53,9 +53,9 @@ from freebody.spatial import Vector, of_dimension
 
 if TYPE_CHECKING:
     from freebody.model.bodies import Body, Frame
+    from freebody.model.description import Joint
     from freebody.model.model import Model
     from freebody.model.parameters import Quantity
-    from freebody.model.parts import Joint
 
 _RECENT = 16
 """Structures that are kept, with what is compiled for them, though no model of theirs is left."""

@@ -12,19 +12,19 @@ from typing import TYPE_CHECKING
 
 from freebody.elementary import Scalar
 from freebody.lazy import Keeps
-from freebody.model.closures import LOOP_KINDS, Closure
+from freebody.model.families import arrays_in
 from freebody.model.inertia import Inertia, combined
 from freebody.model.joints.kind import Column, Primitive
-from freebody.model.members import arrays_in
+from freebody.model.loop_kinds import LOOP_KINDS, Closure
 from freebody.model.parameters import Quantity, each_parameter
 from freebody.model.placement import Placement
-from freebody.model.reading import QuantityReader
+from freebody.model.quantity_reader import QuantityReader
 from freebody.spatial import AnySpace, Matrix, Vector, add, identity, of_dimension, scale, times
 
 if TYPE_CHECKING:
     from freebody.model.bodies import Body, Frame
+    from freebody.model.description import Drive, Joint
     from freebody.model.model import Model
-    from freebody.model.parts import Drive, Joint
 
 
 Pose = tuple[Matrix, Vector]

@@ -14,7 +14,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.model.bodies import Body
 from freebody.model.model import Model
-from freebody.model.reading import VALUES
+from freebody.model.quantity_reader import VALUES
 from freebody.spatial import of_dimension
 
 LOADS = {

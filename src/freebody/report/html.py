@@ -18,7 +18,7 @@ import freebody
 from freebody.figures import theme
 from freebody.formats.loading import SUFFIXES
 from freebody.loops.mobility import mobility
-from freebody.model.parts import DOUBTFUL, ESTIMATED
+from freebody.model.description import DOUBTFUL, ESTIMATED
 from freebody.motion.ranges import ranges
 from freebody.outputs import files
 from freebody.outputs.page import policy

@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from freebody.figures.loads import BodyLoads, Load
 from freebody.figures.text import html
-from freebody.model.parts import Joint
+from freebody.model.description import Joint
 from freebody.report.results_dataset import facts
 from freebody.report.tables import (
     Cell,

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.model.description import DOUBTFUL
 from freebody.model.model import Model
-from freebody.model.parts import DOUBTFUL
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges, with_drive
 from freebody.report.bearings import LOADS

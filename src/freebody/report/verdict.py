@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from freebody.errors import listed
+from freebody.model.description import DOUBTFUL, ESTIMATED
 from freebody.model.model import Model
-from freebody.model.parts import DOUBTFUL, ESTIMATED
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges, with_drive
 from freebody.report.results import CLOSE, LimitUse, MotionVerdict, Outcome, percent

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from freebody.model.reading import EXACT
+from freebody.model.quantity_reader import EXACT
 
 _HALF_TURN_PARTS = (
     10**9

@@ -11,7 +11,7 @@ from freebody.algorithms.crba import Composite
 from freebody.algorithms.regressor import driven, regressor
 from freebody.algorithms.regrouped_parameters import kept, regroup
 from freebody.arrays import Array
-from freebody.model.identified import DRIVE, body_parameters
+from freebody.model.inertial_parameters import DRIVE, body_parameters
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.outputs.display import Titled

@@ -14,7 +14,7 @@ from freebody.errors import FreebodyError, SingularError
 from freebody.kernels.closed_chains import closed
 from freebody.kernels.formulas import Option
 from freebody.model.model import Model
-from freebody.model.required import require_model
+from freebody.model.model_argument import require_model
 from freebody.trees.calls import (
     Key,
     Vector,

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 from freebody.arrays import Array
 from freebody.errors import SingularError, UnknownNameError
 from freebody.kernels.formulas import Option
-from freebody.model.members import of_member
+from freebody.model.families import of_member
 from freebody.model.model import Model
-from freebody.model.required import require_model
+from freebody.model.model_argument import require_model
 from freebody.trees.calls import Vector, careful, evaluate
 
 Reference = Literal["world", "body"]

@@ -14,10 +14,10 @@ import numpy as np
 from freebody.algorithms.crba import crba, supports
 from freebody.arrays import Array
 from freebody.errors import SingularError, listed
-from freebody.model.facts import fact
-from freebody.model.members import of_member
+from freebody.model.derived_facts import fact
+from freebody.model.families import of_member
 from freebody.model.model import Model
-from freebody.model.reading import VALUES
+from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Tree, lower
 from freebody.trees.states import generic_state
 

@@ -14,10 +14,10 @@ from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
 from freebody.kernels.options import motion_rows
-from freebody.model.facts import fact
-from freebody.model.identified import parameter_names
+from freebody.model.derived_facts import fact
+from freebody.model.inertial_parameters import parameter_names
 from freebody.model.model import Model
-from freebody.model.required import require_model
+from freebody.model.model_argument import require_model
 from freebody.model.tree import about_origin
 from freebody.spatial import of_dimension
 from freebody.trees.calls import Vector, careful, evaluate

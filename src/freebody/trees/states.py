@@ -12,11 +12,11 @@ from numpy.typing import ArrayLike
 from freebody.arrays import Array
 from freebody.errors import MissingValueError
 from freebody.labels import refuse_other_times
+from freebody.model.description import Limits
+from freebody.model.families import FamilyError, arrays_in
 from freebody.model.joints import Primitive
-from freebody.model.members import FamilyError, arrays_in
 from freebody.model.model import Model
-from freebody.model.parts import Limits
-from freebody.model.required import require_model
+from freebody.model.model_argument import require_model
 from freebody.spatial import of_dimension
 from freebody.trees.calls import careful, common_batch, evaluate, finite_vector
 

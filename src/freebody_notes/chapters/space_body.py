@@ -6,9 +6,9 @@ import numpy as np
 
 import freebody as fb
 from freebody.derivations.values import Each
-from freebody.model.assembly import assemble
+from freebody.model.build import build_model
+from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.inertia import combined
-from freebody.model.parts import Joint, Link, RobotDescription
 from freebody_notes.checks import Digits, Related
 
 
@@ -43,7 +43,7 @@ def rotor():
     """The gyro's rotor on a ball joint at its centre; a constant ω' in its own axes."""
     links = (Link("base"), Link("rotor", fb.Inertia.of(1, [0, 0, 0], [10, 0, 0, 5, 0, 5])))
     pivot = Joint("pivot", "spherical", "base", "rotor")
-    body = assemble(RobotDescription("rotor", 3, links, (pivot,), (0.0, (0.0, 0.0, -1.0))))
+    body = build_model(RobotDescription("rotor", 3, links, (pivot,), (0.0, (0.0, 0.0, -1.0))))
     omega, still = np.array([5.0, 0.0, 3.0]), np.zeros(3)
     return {
         "n_prime": fb.inverse_dynamics(body, [1, 0, 0, 0], omega, still),

@@ -17,7 +17,7 @@ from freebody.derivations.names import entry, sym
 from freebody.derivations.render.literal import literal
 from freebody.errors import listed
 from freebody.lazy import cached_property
-from freebody.model.closures import LOOP_KINDS
+from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.tree import TreeLoop
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, add, scale

@@ -11,8 +11,8 @@ import numpy as np
 
 from freebody.errors import ModelError
 from freebody.lazy import Keeps
+from freebody.model.families import Members
 from freebody.model.inertia import Inertia
-from freebody.model.members import Members
 from freebody.model.parameters import Quantity, finite, quantity, real
 from freebody.model.placement import Placement
 from freebody.model.shapes import Shape

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from freebody.model.bodies import Body, Frame
-from freebody.model.places import (
+from freebody.model.number_editors import (
     ANGLES,
     TENSOR,
     Attributes,

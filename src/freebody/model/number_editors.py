@@ -18,11 +18,11 @@ import numpy as np
 
 from freebody.elementary import Scalar
 from freebody.errors import ModelError
+from freebody.model.families import Members, NamedNumber, changed, copied, fields_of
 from freebody.model.inertia import Inertia
-from freebody.model.members import Members, NamedNumber, changed, copied, fields_of
 from freebody.model.parameters import Parameter, ParameterProduct, Quantity, each_parameter
 from freebody.model.placement import Placement, Rotate, Shift, Turn, shift, turn
-from freebody.model.reading import VALUES
+from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Attached
 from freebody.spatial import AnySpace, Matrix, Vector, identity, of_dimension
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from freebody.model.members import Members
+from freebody.model.families import Members
 
 if TYPE_CHECKING:
     from freebody.model.bodies import Body

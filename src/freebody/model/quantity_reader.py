@@ -11,7 +11,7 @@ import numpy as np
 
 from freebody.elementary import Scalar
 from freebody.errors import ModelError
-from freebody.model.members import Members, NamedNumber
+from freebody.model.families import Members, NamedNumber
 from freebody.model.parameters import Parameter, ParameterProduct, Quantity
 from freebody.spatial import Matrix, Vector
 

@@ -16,18 +16,18 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import ModelError, ShapeError
 from freebody.labels import aligned
+from freebody.model.families import Members, members
 from freebody.model.inertia import Inertia, faults
-from freebody.model.members import Members, members
 from freebody.model.parameters import LARGEST, Quantity, finite
-from freebody.model.reading import VALUES
+from freebody.model.quantity_reader import VALUES
 from freebody.model.structure import drives
 from freebody.model.tree import Attached
 from freebody.spatial import AnySpace, of_dimension
 
 if TYPE_CHECKING:
     from freebody.model.bodies import Body
+    from freebody.model.description import Drive
     from freebody.model.model import Model
-    from freebody.model.parts import Drive
 
 DRIVE = ("viscous", "coulomb", "rotor", "stiffness", "stiffness_rest")
 

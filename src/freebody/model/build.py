@@ -14,11 +14,7 @@ import numpy as np
 from freebody.errors import FileError, ModelError, PhysicalWarning, UnknownNameError
 from freebody.model import changes
 from freebody.model.bodies import Body, Frame
-from freebody.model.joints import KINDS
-from freebody.model.loops import checked_loop
-from freebody.model.model import Model
-from freebody.model.parameters import Quantity, quantity
-from freebody.model.parts import (
+from freebody.model.description import (
     MOST_LINKS,
     Drive,
     Joint,
@@ -28,6 +24,10 @@ from freebody.model.parts import (
     Notice,
     RobotDescription,
 )
+from freebody.model.joints import KINDS
+from freebody.model.loops import checked_loop
+from freebody.model.model import Model
+from freebody.model.parameters import Quantity, quantity
 from freebody.model.placement import Placement
 from freebody.model.tree import Attached
 from freebody.spatial import of_dimension, unit
@@ -39,7 +39,7 @@ MimicPolicy = Literal["follow", "free"]
 BasePolicy = Literal["fixed", "free"]
 
 
-def assemble(
+def build_model(
     description: RobotDescription,
     *,
     physical: Policy = "refuse",

@@ -8,7 +8,7 @@ from functools import wraps
 from typing import Any
 
 from freebody.errors import KindError
-from freebody.model.members import FamilyError
+from freebody.model.families import FamilyError
 from freebody.model.model import Model
 
 
