@@ -5,12 +5,14 @@ from __future__ import annotations
 
 import importlib
 import re
+import shlex
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import pytest
+from markupsafe import escape
 
 import freebody_notes
 from freebody.cli.app import run as program
@@ -116,6 +118,32 @@ def test_the_page_holds_every_item_and_figure_and_fetches_nothing(html):
     assert addresses <= {"http://www.w3.org/1998/Math/MathML", "http://www.w3.org/2000/svg"}
     assert len(re.findall("<details>", html)) == len(VERDICTS) + 2 * len(exercises())
     assert set(re.findall(r'href="#([^"]+)"', html)) <= set(re.findall(r'id="([^"]+)"', html))
+
+
+def test_the_page_begins_with_chapter_1_and_ends_with_the_errata(html):
+    sections = re.findall(r'<section id="([^"]+)"', html)
+    assert sections == [*(f"chapter-{number}" for number in chapters()), "errata"]
+    assert re.findall(r'<li><a href="#([^"]+)"', html) == ["top", *sections]
+
+
+COMMANDS = [task["command"] for chapter in chapters().values() for task in chapter.tasks]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_what_a_chapter_tells_to_try_runs(html, command, tmp_path: Path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    name, *arguments = shlex.split(command)
+    assert name == "freebody"
+    assert program(arguments) == (1 if arguments[0] == "check" else 0)  # the check has a slip
+    assert capsys.readouterr().out
+    assert f"<code>{escape(command)}</code>" in html
+
+
+def test_every_chapter_says_what_it_is_for_and_what_to_try(html):
+    for chapter in chapters().values():
+        assert len(chapter.tasks) == 2
+        assert " ".join(chapter.about.split()[:5]) in html
+        assert 30 < len(chapter.about.split()) < 100, chapter.title
 
 
 def test_formulas_of_the_page_are_sound(html):

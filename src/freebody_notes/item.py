@@ -28,7 +28,7 @@ class Outcome:
     example: str = ""
 
 
-class Check(Protocol):
+class ItemCheck(Protocol):
     """A way to execute a form."""
 
     def run(self, form: str) -> Outcome:
@@ -53,7 +53,7 @@ class Item:
     id: str
     section: str
     title: str
-    check: Check
+    check: ItemCheck
     says: str = ""
     """What it states, in other words than the notes'."""
     printed: str = ""

@@ -94,6 +94,8 @@ def _chapter(number: int, chapter: Chapter, cards: Sequence[Card]) -> dict:
     return {
         "number": number,
         "title": chapter.title,
+        "about": chapter.about,
+        "tasks": chapter.tasks,
         "count": len(own),
         "wrong": sum(c.finding.verdict != "holds" for c in own),
         "sections": [
