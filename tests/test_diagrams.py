@@ -538,9 +538,32 @@ def test_fbd_writes_a_drawing_and_lists_the_loads(tmp_path, capsys, monkeypatch)
     assert "10⁻" not in said, "rounding is not listed as force"
 
 
+def test_fbd_of_letters_lists_names_alone(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run(["fbd", "RRP", "--show", "points", "--show", "lengths"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[1].split() == ["body", "by", "force", "moment"]
+    assert said[2].split() == ["link1", "the", "ground", "f0,1", "τ1"]
+    assert said[-2].startswith("drawn for typical values; without value: I1, I2, I3, l1")
+    assert ">A</tspan>" in (tmp_path / "RRP-fbd.svg").read_text(encoding="utf-8")
+
+
+def test_derive_shows_values_on_pages_alone(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run(["derive", "2R", "--labels", "both", "--out", "arm.html"]) == 0
+    assert "1.00 m" in (tmp_path / "arm.html").read_text(encoding="utf-8")
+    assert run(["derive", "2R", "--labels", "both", "--out", "arm.md"]) == 0
+    assert "1.00 m" in (tmp_path / "arm-overview.svg").read_text(encoding="utf-8")
+    capsys.readouterr()
+    assert run(["derive", "2R", "--labels", "both"]) == 2
+    assert capsys.readouterr().err.startswith("error: --labels is about drawings, and this form")
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
+        (["--labels", "numbers"], "Invalid value for '--labels': 'numbers' is not one of"),
+        (["--show", "axes"], "no choice 'axes' in free_body_diagram of a model in 2D: show=."),
         (
             ["--q", "0.5 x"],
             "--q '0.5 x': 'x' is not a number that can be used; write for example --q \"0.5, 30 "

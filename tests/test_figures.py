@@ -10,7 +10,7 @@ import pytest
 
 import freebody as fb
 from freebody.cli.app import run
-from freebody.errors import FreebodyError, ShapeError, UnknownNameError
+from freebody.errors import FreebodyError, MissingValueError, ShapeError, UnknownNameError
 from freebody.figures.drawing import Arc, Arrow, Line, Mark, Turn
 from freebody.figures.joints import JOINTS
 from freebody.figures.labels import Crowd, Wanted, _overlap
@@ -262,6 +262,94 @@ def test_bad_input_is_refused_by_name(arm):
         fb.free_body_diagram(arm, Q2, body=2)
     with pytest.raises(ShapeError, match=r"free_body_diagram: q has shape \(3,\)"):
         fb.free_body_diagram(arm, [0, 0, 0])
+
+
+# ---------------------------------------------------------------- names, values, both
+def texts(figure) -> set[str]:
+    """What stands in a figure, each label without marks."""
+    root = ET.fromstring(figure.svg)
+    return {"".join(x.itertext()) for x in root.iter("{http://www.w3.org/2000/svg}text")}
+
+
+def test_arrows_have_names_values_or_both(arm):
+    """One drawing: its elements are the same, and only what stands beside them differs."""
+    made = {
+        how: fb.free_body_diagram(arm, Q2, 0, labels=how) for how in ("names", "values", "both")
+    }
+    elements = [figure.drawing.elements for figure in made.values()]
+    assert elements[0] == elements[1] == elements[2]
+    force = np.linalg.norm(fb.joint_wrenches(arm, Q2, [0, 0], [0, 0])[0, :2])
+    value = f"{number(force)} N"
+    assert {"f0,1", "τ1", "m1 g"} <= texts(made["names"])
+    assert value in texts(made["values"])
+    assert f"f0,1\u2002{value}" in texts(made["both"])
+    assert not any(text.endswith((" N", " N m")) for text in texts(made["names"]) - {"10 N"})
+    assert texts(fb.free_body_diagram(arm, Q2, 0)) == texts(made["both"]), "what it shows unasked"
+
+
+def test_lengths_and_angles_have_values(arm):
+    shown = texts(fb.kinematic_diagram(arm, Q2, "geometry", labels="both"))
+    assert {"l1 = 0.400 m", "lc2 = 0.150 m", f"θ1 = {number(math.degrees(0.6))}°"} <= shown
+    assert "0.400 m" in texts(fb.kinematic_diagram(arm, Q2, "geometry", labels="values"))
+    assert texts(fb.kinematic_diagram(arm, Q2)) == texts(
+        fb.kinematic_diagram(arm, Q2, labels="names")
+    )
+
+
+def test_free_body_of_a_model_with_symbols_shows_names_and_no_number():
+    model = fb.planar("RRP")
+    figure = fb.free_body_diagram(model)
+    assert {"f0,1", "−f1,2", "m1 g", "τ1"} <= texts(figure)
+    assert not [x for x in texts(figure) if re.search(r"\d (N|m)", x)], "nothing is measured"
+    assert figure.drawings[0].rulers == []
+    assert "typical values: 11 parameters have none" in figure.drawings[0].notes[-1]
+    with pytest.raises(MissingValueError, match="the loads in the Free-body diagram of RRP"):
+        figure.bodies
+    with pytest.raises(MissingValueError, match=r"labels='both' of 'RRP': numbers need a value"):
+        fb.free_body_diagram(model, labels="both")
+    values = dict.fromkeys(model.missing, 1.0) | dict.fromkeys(("I1", "I2", "I3"), 0.1)
+    assert fb.free_body_diagram(model.bind(values)).bodies, "given, they are there"
+
+
+def test_geometry_is_shown_on_wish(arm):
+    plain = {e.name for e in fb.free_body_diagram(arm, Q2, 1).drawing.elements}
+    shown = fb.free_body_diagram(
+        arm, Q2, 1, show=["points", "centres", "lengths", "angles", "vectors"]
+    )
+    more = {e.name for e in shown.drawing.elements} - plain
+    assert {"label A", "label P", "label C_2", "l_2", "l_{c2}", "θ_2", "s_{c2}"} <= more
+    assert shown.drawing.named("θ_2").sweep == pytest.approx(Q2[1])
+    assert "l_1" not in more, "of this body alone"
+    twin = fb.free_body_diagram(arm.to_space(), Q2, 1, show=("axes", "points"))
+    np.testing.assert_allclose(twin.drawing.named("z_2").value, [0, 0, 1], atol=1e-12)
+
+
+def test_wrong_wishes_are_refused_by_name(arm):
+    with pytest.raises(UnknownNameError, match=r"Did you mean 'lengths'\? Choices: points"):
+        fb.free_body_diagram(arm, Q2, show="length")
+    with pytest.raises(UnknownNameError, match=r"Choices: points, centres, axes, vectors"):
+        fb.free_body_diagram(arm.to_space(), Q2, show="lengths")
+    for draw in (fb.free_body_diagram, fb.kinematic_diagram):
+        with pytest.raises(UnknownNameError, match=r"Choices: names, values, both"):
+            draw(arm, Q2, labels="numbers")
+
+
+def test_pages_of_derivations_show_values_on_wish():
+    named, both = (fb.derive(fb.load("2R")).html(how) for how in ("names", "both"))
+    assert "1.00 m" in both
+    assert "1.00 m" not in named
+    assert "Values in these drawings: q = (0.600, 0.750)" in both, "the state is said"
+    assert named == fb.derive(fb.load("2R")).html()
+    with pytest.raises(
+        MissingValueError, match="a derivation's drawings with labels='values' of 'RR'"
+    ):
+        fb.derive(fb.planar("RR")).html("values")
+
+
+def test_colours_of_forces_are_in_the_theme():
+    from freebody.figures import theme
+
+    assert set(theme.FORCES.values()) <= set(theme.page_colours(dark=True))
 
 
 # ---------------------------------------------------------------- labels, numbers, curves

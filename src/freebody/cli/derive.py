@@ -12,6 +12,7 @@ import typer
 from typer.core import TyperCommand
 
 from freebody.cli import options, terminal
+from freebody.errors import FreebodyError
 from freebody.outputs.files import write
 
 if TYPE_CHECKING:
@@ -126,6 +127,10 @@ def derive(
         bool | None,
         typer.Option("--load/--no-load", help="A force on the tip. Default: for robots at rest."),
     ] = None,
+    labels: Annotated[
+        options.LabelChoice | None,
+        typer.Option(help="What stands in the drawings of a page. Default: names."),
+    ] = None,
     convention: options.Convention = None,
 ) -> None:
     """Derive a robot's equations of motion step by step. Exit status 1 if two methods disagree."""
@@ -140,11 +145,7 @@ def derive(
         other = derivation_of(model, compare, load=load) if compare is not None else None
         comparison = compared(first, other) if other is not None else None
         form = form or _ENDINGS.get(out.suffix.lower() if out else "", FormChoice.text)
-        text = (
-            _markdown(first, out)
-            if form is FormChoice.markdown and out
-            else getattr(first, form.value)()
-        )
+        text = _text(first, form, out, labels)
     if out is None:
         terminal.out().print(text, markup=False, soft_wrap=True)
     else:
@@ -155,8 +156,20 @@ def derive(
             raise typer.Exit(1)
 
 
-def _markdown(derivation: Derivation, out: Path) -> str:
-    """Markdown that refers to drawings in files beside it."""
+def _text(
+    derivation: Derivation, form: FormChoice, out: Path | None, labels: options.LabelChoice | None
+) -> str:
+    """The derivation in one form; Markdown refers to drawings in files beside it."""
     from freebody.figures.illustrate import write_drawings
 
-    return derivation.markdown(write_drawings(derivation, out))
+    shown = (labels or options.LabelChoice.names).value
+    if form is FormChoice.html:
+        return derivation.html(shown)
+    if form is FormChoice.markdown and out:
+        return derivation.markdown(write_drawings(derivation, out, shown))
+    if labels is not None:
+        raise FreebodyError(
+            "--labels is about drawings, and this form has none: write a page, for example "
+            "--out arm.html."
+        )
+    return getattr(derivation, form.value)()

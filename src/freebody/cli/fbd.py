@@ -43,6 +43,21 @@ def fbd(
     body: Annotated[
         str | None, typer.Option(metavar="NAME", help="One body or its joint. Default: all.")
     ] = None,
+    show: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="WHAT",
+            help="Geometry beside the forces, repeatable: points, centres, vectors; in the plane "
+            "lengths, angles; in space axes.",
+        ),
+    ] = None,
+    labels: Annotated[
+        options.LabelChoice | None,
+        typer.Option(
+            help="What stands beside the arrows. Default: both; names where parameters have no "
+            "value."
+        ),
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(metavar="FILE.svg", help="The drawing. Default: ROBOT-fbd.svg.")
     ] = None,
@@ -54,23 +69,24 @@ def fbd(
     model = options.load(robot, tip, base, convention=convention)
     with terminal.progress("free bodies"):
         from freebody.figures.free_body import free_body_diagram
-        from freebody.figures.sketch.snapshot import clear_pose
         from freebody.loops.assembly import assemble
 
         given = {"qd": _values("qd", qd), "qdd": _values("qdd", qdd)}
         positions = _values("q", q)
-        if model.loops:
+        if model.loops and positions is not None:
             positions = assemble(model, positions).tolist()
-        elif positions is None:
-            positions = clear_pose(model)
-        figure = free_body_diagram(model, positions, body, **given)
+        chosen = {"labels": labels and labels.value, "show": show or ()}
+        figure = free_body_diagram(model, positions, body, **given, **chosen)
         path = figure.save(out or Path(f"{stem(model.name)}-fbd.svg"))
     if q is None or model.loops:
-        shown = ", ".join(f"{x:.3g}" for x in positions)
+        shown = ", ".join(f"{x:.3g}" for x in figure.q)
         terminal.out().print(
             f"at q = {shown}; choose another with --q", markup=False, soft_wrap=True
         )
     terminal.out().print(_table(figure))
+    if figure.missing:
+        assumed = f"drawn for typical values; without value: {', '.join(figure.missing)}"
+        terminal.out().print(assumed, markup=False, soft_wrap=True)
     terminal.out().print(f"written: {path}", markup=False, soft_wrap=True)
 
 
@@ -91,26 +107,30 @@ def _values(name: str, text: str | None) -> list[float] | None:
 
 
 def _table(figure: FreeBodyDiagram) -> Table:
+    """The loads; of a model with parameters that have no value only their names."""
     from rich.table import Table
     from rich.text import Text
 
     from freebody.figures.text import plain
 
-    flat = len(figure.bodies[0].body.origin) == 2
+    flat = len(figure.loads[0].body.origin) == 2
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for title in ("body", "by", "force", "components, N", "moment", "N m"):
-        table.add_column(title)
-    for item in figure.bodies:
+    titles = ("body", "by", "force", "components, N", "moment", "N m")
+    kept = (0, 1, 2, 4) if figure.missing else range(6)
+    for k in kept:
+        table.add_column(titles[k])
+    for item in figure.loads:
         for k, load in enumerate(item.loads):
-            turning = load.moment_name and (flat or any(load.moment))
-            table.add_row(
-                Text(item.body.name if k == 0 else ""),
-                Text(load.other),
-                Text(plain(load.name)),
-                Text(_components(load.force)),
-                Text(plain(load.moment_name) if turning else ""),
-                Text(_components(load.moment) if turning else ""),
+            turning = load.moment_name and (flat or figure.missing or any(load.moment))
+            row = (
+                item.body.name if k == 0 else "",
+                load.other,
+                plain(load.name),
+                _components(load.force),
+                plain(load.moment_name) if turning else "",
+                _components(load.moment) if turning else "",
             )
+            table.add_row(*(Text(row[k]) for k in kept))
     return table
 
 

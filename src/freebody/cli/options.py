@@ -43,6 +43,14 @@ class ConventionChoice(StrEnum):
     modified = "modified"
 
 
+class LabelChoice(StrEnum):
+    """What stands beside arrows, angles and lengths."""
+
+    names = "names"
+    values = "values"
+    both = "both"
+
+
 Robot = Annotated[
     str,
     typer.Argument(

@@ -76,8 +76,11 @@ class Derivation(Titled):
     multipliers and torques."""
     reference: str = ""
     """Where the method is described, if not in the lecture notes."""
-    draw: Callable[[Derivation], Drawings] | None = field(default=None, compare=False, repr=False)
-    """What draws them; figures are made above derivations, so that it comes from there."""
+    draw: Callable[[Derivation, str], Drawings] | None = field(
+        default=None, compare=False, repr=False
+    )
+    """What draws them, with labels as in `html`; figures are made above derivations, so that it
+    comes from there."""
 
     def _title(self) -> str:
         return f"Derivation for {self.equations.symbols.model.name!r}: {self.title}; {counted(len(self.steps), 'step')}"
@@ -106,11 +109,15 @@ class Derivation(Titled):
 
         return latex(self)
 
-    def html(self) -> str:
-        """One HTML page with MathML that needs nothing else."""
+    def html(self, labels: str = "names") -> str:
+        """One HTML page with MathML that needs nothing else; labels: what stands in its drawings,
+        "names", "values" or "both".
+
+        Raises UnknownNameError, and MissingValueError for values that the model does not have.
+        """
         from freebody.derivations.render.book import html
 
-        made = self.draw(self) if self.draw else Drawings({}, "")
+        made = self.draw(self, labels) if self.draw else Drawings({}, "")
         return html(self, made.svg, made.style)
 
     def __str__(self) -> str:
@@ -119,7 +126,7 @@ class Derivation(Titled):
     def _repr_html_(self) -> str:
         from freebody.derivations.render.book import body
 
-        made = self.draw(self) if self.draw else Drawings({}, "")
+        made = self.draw(self, "names") if self.draw else Drawings({}, "")
         return (f"<style>{made.style}</style>" if made.style else "") + body(self, made.svg)
 
 

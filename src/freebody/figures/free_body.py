@@ -37,7 +37,10 @@ SHOW: dict[int, dict[str, tuple[str, ...]]] = {
 class FreeBodyDiagram(Figure):
     """The diagrams of one or of all bodies at one instant; shows itself in a notebook."""
 
+    q: tuple[float, ...] = ()
+    """Where it was drawn, rad or m."""
     loads: tuple[BodyLoads, ...] = ()
+    """What is drawn on each body; for assumed values where some are missing."""
     missing: tuple[str, ...] = ()
     """Parameters of the model that have no value."""
 
@@ -46,8 +49,10 @@ class FreeBodyDiagram(Figure):
 
     @property
     def bodies(self) -> tuple[BodyLoads, ...]:
-        """The loads on each body and how well they balance; raises MissingValueError where the
-        model has parameters without value."""
+        """The loads on each body and how well they balance.
+
+        Raises MissingValueError where the model has parameters without value.
+        """
         if self.missing:
             raise MissingValueError(f"the loads in the {self.title}", self.missing)
         return self.loads
@@ -88,7 +93,7 @@ def free_body_diagram(
         loads, drawings = (loads[chosen],), (drawings[chosen],)
         title += f": {loads[0].body.name}"
     made = title, drawings, 2, PANEL, TALLEST, caller, 0.0
-    return FreeBodyDiagram(*made, loads, tuple(model.missing))
+    return FreeBodyDiagram(*made, tuple(seen.q.tolist()), loads, tuple(model.missing))
 
 
 def diagrams(

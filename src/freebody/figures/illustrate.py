@@ -18,6 +18,7 @@ from freebody.derivations.names import vec
 from freebody.figures import theme
 from freebody.figures.drawing import Drawing, Element, canonical
 from freebody.figures.figure import save
+from freebody.figures.labelling import labels_of
 from freebody.figures.loads import label
 from freebody.figures.names import Names, names_of
 from freebody.figures.sketch import axes, forces, geometry, motion, vectors
@@ -25,6 +26,7 @@ from freebody.figures.sketch.snapshot import Snapshot, resting_pose, snapshot, w
 from freebody.figures.sketch.structure import Layer, drawn
 from freebody.figures.sketch.views import VIEWS
 from freebody.figures.svg import picture
+from freebody.figures.text import number
 from freebody.model.model import Model
 
 WIDE, TALL = 460.0, 400.0
@@ -39,25 +41,28 @@ def derive(model: Model, method: str | None = None, **options: Any) -> Derivatio
     return replace(plain.derive(model, method, **options), draw=drawings)
 
 
-def drawings(derivation: Derivation) -> Drawings:
+def drawings(derivation: Derivation, labels: str = "names") -> Drawings:
     """SVG text for "overview" and for every figure that a step asks for and that can be drawn."""
-    found = {name: picture(d, WIDE, TALL).inline() for name, d in illustrations(derivation).items()}
-    return Drawings(found, theme.style(_DARK))
+    shown = illustrations(derivation, labels).items()
+    return Drawings(
+        {name: picture(drawing, WIDE, TALL).inline() for name, drawing in shown}, theme.style(_DARK)
+    )
 
 
-def write_drawings(derivation: Derivation, document: Path) -> dict[str, str]:
+def write_drawings(derivation: Derivation, document: Path, labels: str = "names") -> dict[str, str]:
     """Each drawing as an SVG file beside a document; the files' names by figure, for
     `Derivation.markdown`."""
     names = {}
-    for name, drawing in illustrations(derivation).items():
+    for name, drawing in illustrations(derivation, labels).items():
         target = document.with_name(f"{document.stem}-{name.replace(' ', '-')}.svg")
         save(picture(drawing, WIDE, TALL).text(), target, "a drawing")
         names[name] = target.name
     return names
 
 
-def illustrations(derivation: Derivation) -> dict[str, Drawing]:
-    """The same as data."""
+def illustrations(derivation: Derivation, labels: str = "names") -> dict[str, Drawing]:
+    """The same as data; labels: "names", "values" or "both"."""
+    labels = labels_of("a derivation's drawings", derivation.equations.symbols.model, labels)
     seen, spoken = _shown(derivation), _spoken(derivation)
     wanted: dict[str, Step | None] = {"overview": None}
     for step in derivation.steps:
@@ -70,9 +75,19 @@ def illustrations(derivation: Derivation) -> dict[str, Drawing]:
         if drawing is not None:
             if _is_free_body(name) and not names.weights and np.any(seen.model.gravity):
                 drawing.notes = ["No weights: gravity is in the accelerations"]
+            if labels != "names" and step is None:
+                drawing.notes += _state(seen)
+            drawing.labels = labels
             drawing.elements = [e for e in drawing.elements if _is_spoken_of(e, spoken)]
             found[name] = drawing
     return found
+
+
+def _state(seen: Snapshot) -> list[str]:
+    """The state that values belong to, in words."""
+    arrays = (("q", seen.q), ("q̇", seen.qd), ("q̈", seen.qdd))
+    rows = [f"{name} = ({', '.join(number(x) for x in array)})" for name, array in arrays]
+    return [f"Values in these drawings: {rows[0]}", *rows[1:]]
 
 
 def _is_free_body(name: str) -> bool:
