@@ -17,8 +17,8 @@ from freebody.figures.drawing import Arc, Arrow, Dimension, Label, Line, Mark, T
 from freebody.figures.figure import Figure
 from freebody.figures.illustrate import illustrations
 from freebody.figures.labels import _overlap
-from freebody.figures.sketch.axes import common_normal
-from freebody.figures.sketch.snapshot import clear_pose, with_values
+from freebody.figures.layers.axes import common_normal
+from freebody.figures.snapshot import clear_pose, with_values
 from freebody_notes.figures.catalogue import FIGURES
 from freebody_notes.figures.five_bar import closed, five_bar
 from freebody_notes.figures.quadrotor import zxz

@@ -14,11 +14,11 @@ from freebody.errors import FreebodyError, MissingValueError, ShapeError, Unknow
 from freebody.figures.drawing import Arc, Arrow, Line, Mark, Turn
 from freebody.figures.joints import JOINTS
 from freebody.figures.labels import Crowd, Wanted, _overlap
+from freebody.figures.layers import forces
 from freebody.figures.names import Names
 from freebody.figures.plots import Plot, plot, thin, ticks
 from freebody.figures.robot import robot_drawing, robot_svg
-from freebody.figures.sketch import forces
-from freebody.figures.sketch.snapshot import snapshot
+from freebody.figures.snapshot import snapshot
 from freebody.figures.svg import picture
 from freebody.figures.text import number, plain
 from freebody.model.joints import KINDS

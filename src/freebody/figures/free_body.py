@@ -11,12 +11,12 @@ from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
 from freebody.figures.drawing import Drawing
 from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.labelling import labels_of, metres
+from freebody.figures.layers import forces
+from freebody.figures.layers.forces import Scale
+from freebody.figures.layers.space import round_down
 from freebody.figures.loads import BodyLoads
 from freebody.figures.names import Names, names_of
-from freebody.figures.sketch import forces
-from freebody.figures.sketch.forces import Scale
-from freebody.figures.sketch.snapshot import Snapshot, snapshot
-from freebody.figures.sketch.space import round_down
+from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.figures.text import number
 from freebody.model.model import Model
 from freebody.trees.calls import Vector, Wrenches

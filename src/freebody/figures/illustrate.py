@@ -19,12 +19,12 @@ from freebody.figures import theme
 from freebody.figures.drawing import Drawing, Element, canonical
 from freebody.figures.figure import save
 from freebody.figures.labelling import labels_of
+from freebody.figures.layers import axes, forces, geometry, motion, vectors
+from freebody.figures.layers.structure import Layer, drawn
+from freebody.figures.layers.views import VIEWS
 from freebody.figures.loads import label
 from freebody.figures.names import Names, names_of
-from freebody.figures.sketch import axes, forces, geometry, motion, vectors
-from freebody.figures.sketch.snapshot import Snapshot, resting_pose, snapshot, with_values
-from freebody.figures.sketch.structure import Layer, drawn
-from freebody.figures.sketch.views import VIEWS
+from freebody.figures.snapshot import Snapshot, resting_pose, snapshot, with_values
 from freebody.figures.svg import picture
 from freebody.figures.text import number
 from freebody.model.model import Model

@@ -8,9 +8,9 @@ from collections.abc import Collection, Sequence
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.labelling import labels_of
+from freebody.figures.layers.views import VIEWS, view
 from freebody.figures.names import names_of
-from freebody.figures.sketch.snapshot import snapshot
-from freebody.figures.sketch.views import VIEWS, view
+from freebody.figures.snapshot import snapshot
 from freebody.model.model import Model
 from freebody.trees.calls import Vector
 

@@ -11,9 +11,9 @@ import numpy as np
 from freebody.errors import FreebodyError
 from freebody.figures.drawing import FLAT, Drawing
 from freebody.figures.figure import Figure, to_one_scale
+from freebody.figures.layers.structure import structure
 from freebody.figures.names import names_of
-from freebody.figures.sketch.snapshot import snapshot
-from freebody.figures.sketch.structure import structure
+from freebody.figures.snapshot import snapshot
 from freebody.loops.loci import Locus, singularity_loci
 from freebody.model.model import Model
 from freebody.trees.kinematics import forward_kinematics

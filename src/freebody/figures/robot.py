@@ -9,11 +9,11 @@ from numpy.typing import ArrayLike
 
 from freebody.figures.drawing import FLAT, Drawing, best_view
 from freebody.figures.labelling import metres
+from freebody.figures.layers import geometry, space
+from freebody.figures.layers.structure import structure
 from freebody.figures.names import names_of
 from freebody.figures.skeleton import extent, skeleton
-from freebody.figures.sketch import geometry, space
-from freebody.figures.sketch.snapshot import Snapshot, snapshot
-from freebody.figures.sketch.structure import structure
+from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.figures.svg import picture
 from freebody.model.model import Model
 

@@ -13,7 +13,7 @@ from freebody.figures.loads import BodyLoads
 from freebody.figures.names import names_of
 from freebody.figures.plots import Plot, plot
 from freebody.figures.robot import robot_drawing
-from freebody.figures.sketch.snapshot import snapshot
+from freebody.figures.snapshot import snapshot
 from freebody.figures.svg import picture
 from freebody.motion.ranges import ranges as allowed
 from freebody.report.tables import shortened

@@ -11,7 +11,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.figures.drawing import Drawing, Label, Line, Mark, Prism, axonometric, point
 from freebody.figures.figure import Figure
-from freebody.figures.sketch.snapshot import snapshot
+from freebody.figures.snapshot import snapshot
 from freebody.formats.loading import load
 from freebody.trees.dynamics import joint_wrenches
 

@@ -10,13 +10,13 @@ from freebody.arrays import Array
 from freebody.figures.drawing import FLAT, Arc, Drawing, Label, Line, Mark, Turn, point
 from freebody.figures.figure import Figure
 from freebody.figures.joints import flat_joint
+from freebody.figures.layers import forces, geometry, plane
+from freebody.figures.layers.plane import add_body
+from freebody.figures.layers.structure import structure
+from freebody.figures.layers.vectors import BESIDE
 from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace
-from freebody.figures.sketch import forces, geometry, plane
-from freebody.figures.sketch.plane import add_body
-from freebody.figures.sketch.snapshot import Snapshot, snapshot
-from freebody.figures.sketch.structure import structure
-from freebody.figures.sketch.vectors import BESIDE
+from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.model.planar import planar
 from freebody.trees.calls import Vector
 

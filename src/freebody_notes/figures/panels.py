@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from freebody.figures.drawing import FLAT, Drawing
+from freebody.figures.layers import geometry
+from freebody.figures.layers.structure import Layer, structure
 from freebody.figures.names import Names
-from freebody.figures.sketch import geometry
-from freebody.figures.sketch.snapshot import Snapshot, snapshot
-from freebody.figures.sketch.structure import Layer, structure
+from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.formats.loading import load
 from freebody.trees.calls import Vector, Wrenches
 

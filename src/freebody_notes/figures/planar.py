@@ -10,9 +10,9 @@ import numpy as np
 
 from freebody.figures.drawing import Arrow, Drawing, Turn, bold, point
 from freebody.figures.figure import Figure, to_one_scale
+from freebody.figures.layers import forces, geometry, motion, plane, vectors
 from freebody.figures.names import Names
-from freebody.figures.sketch import forces, geometry, motion, plane, vectors
-from freebody.figures.sketch.snapshot import Snapshot, snapshot
+from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.model.planar import planar
 from freebody.trees.calls import Vector
 from freebody.trees.dynamics import forward_dynamics

@@ -20,9 +20,9 @@ from freebody.figures.drawing import (
     point,
 )
 from freebody.figures.figure import Figure
-from freebody.figures.sketch import space
-from freebody.figures.sketch.snapshot import Snapshot, snapshot
-from freebody.figures.sketch.space import round_down
+from freebody.figures.layers import space
+from freebody.figures.layers.space import round_down
+from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.figures.text import number
 from freebody.formats.loading import load
 

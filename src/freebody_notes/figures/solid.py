@@ -8,9 +8,9 @@ import numpy as np
 
 from freebody.figures.drawing import Drawing, Label, Line, Mark, View, axonometric, point
 from freebody.figures.figure import Figure
+from freebody.figures.layers import space
 from freebody.figures.skeleton import BodyPlace
-from freebody.figures.sketch import space
-from freebody.figures.sketch.snapshot import snapshot
+from freebody.figures.snapshot import snapshot
 from freebody.formats.loading import load
 from freebody.trees.dynamics import forward_dynamics
 

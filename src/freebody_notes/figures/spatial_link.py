@@ -7,9 +7,9 @@ import numpy as np
 from freebody.figures.drawing import Arrow, Drawing, Label, Line, Mark, axonometric, point
 from freebody.figures.figure import Figure
 from freebody.figures.joints import solid_joint
+from freebody.figures.layers import space
 from freebody.figures.skeleton import BodyPlace
-from freebody.figures.sketch import space
-from freebody.figures.sketch.snapshot import Snapshot, snapshot
+from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.model.dh import dh
 from freebody.model.model import Model
 

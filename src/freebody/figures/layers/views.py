@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from functools import partial
 
 from freebody.figures.drawing import Drawing
+from freebody.figures.layers import axes, geometry, motion, vectors
+from freebody.figures.layers.structure import Layer, drawn
 from freebody.figures.names import Names
-from freebody.figures.sketch import axes, geometry, motion, vectors
-from freebody.figures.sketch.snapshot import Snapshot
-from freebody.figures.sketch.structure import Layer, drawn
+from freebody.figures.snapshot import Snapshot
 
 _BENT: tuple[Layer, ...] = (geometry.angles, geometry.slides)
 _GEOMETRY: tuple[Layer, ...] = (*_BENT, geometry.centres)

@@ -21,10 +21,10 @@ from freebody.figures.drawing import (
     point,
 )
 from freebody.figures.joints import solid_joint
+from freebody.figures.layers.plane import bars
 from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace, Skeleton
-from freebody.figures.sketch.plane import bars
-from freebody.figures.sketch.snapshot import Snapshot
+from freebody.figures.snapshot import Snapshot
 
 _FAR = 0.33  # of the depth: what is farther is paler
 

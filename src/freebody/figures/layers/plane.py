@@ -12,7 +12,7 @@ from freebody.figures.drawing import SAME, Drawing, Line, Mark, Point, point
 from freebody.figures.joints import flat_joint
 from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace
-from freebody.figures.sketch.snapshot import Snapshot
+from freebody.figures.snapshot import Snapshot
 
 _AXIS = 0.3
 """Length of the world's axes, of the drawing's size."""

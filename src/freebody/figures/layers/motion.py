@@ -11,12 +11,12 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.figures.drawing import Drawing, Turn, point
+from freebody.figures.layers.plane import clear_way
+from freebody.figures.layers.space import round_down
+from freebody.figures.layers.structure import of_each
 from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace
-from freebody.figures.sketch.plane import clear_way
-from freebody.figures.sketch.snapshot import Snapshot
-from freebody.figures.sketch.space import round_down
-from freebody.figures.sketch.structure import of_each
+from freebody.figures.snapshot import Snapshot
 from freebody.figures.text import number
 
 LONGEST = 0.34

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from freebody.figures.drawing import SAME, Drawing
+from freebody.figures.layers.structure import of_each
 from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace
-from freebody.figures.sketch.snapshot import Snapshot
-from freebody.figures.sketch.structure import of_each
+from freebody.figures.snapshot import Snapshot
 
 BESIDE = 15.0
 """How far a vector in the plane is drawn beside the link it lies on, pixels."""

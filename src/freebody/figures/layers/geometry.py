@@ -8,10 +8,10 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.figures.drawing import SAME, Arc, Dimension, Drawing, Label, point
+from freebody.figures.layers.structure import of_each
 from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace
-from freebody.figures.sketch.snapshot import Snapshot
-from freebody.figures.sketch.structure import of_each
+from freebody.figures.snapshot import Snapshot
 
 _ARC = 0.15
 """Radius of an angle's arc, of the drawing's size."""

@@ -13,13 +13,13 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.figures.drawing import SAME, Arrow, Drawing, Element, Label, Line, Mark, Turn, point
 from freebody.figures.joints import flat_joint, solid_joint
+from freebody.figures.layers import axes, geometry, space, vectors
+from freebody.figures.layers.plane import add_body, letter
+from freebody.figures.layers.structure import Layer, of_each, view_of
 from freebody.figures.loads import BodyLoads, Load
 from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace
-from freebody.figures.sketch import axes, geometry, space, vectors
-from freebody.figures.sketch.plane import add_body, letter
-from freebody.figures.sketch.snapshot import Snapshot
-from freebody.figures.sketch.structure import Layer, of_each, view_of
+from freebody.figures.snapshot import Snapshot
 from freebody.figures.text import number
 from freebody.figures.theme import FORCES
 

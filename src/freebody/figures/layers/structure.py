@@ -8,10 +8,10 @@ from functools import wraps
 from typing import Any
 
 from freebody.figures.drawing import FLAT, Drawing, View
+from freebody.figures.layers import plane, space
 from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace
-from freebody.figures.sketch import plane, space
-from freebody.figures.sketch.snapshot import Snapshot
+from freebody.figures.snapshot import Snapshot
 
 Layer = Callable[..., None]
 """layer(drawing, seen, names, bodies=None, **how): draws one kind of thing, of all bodies or of

@@ -9,10 +9,10 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.figures.drawing import Drawing
+from freebody.figures.layers.structure import of_each
 from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace
-from freebody.figures.sketch.snapshot import Snapshot
-from freebody.figures.sketch.structure import of_each
+from freebody.figures.snapshot import Snapshot
 
 _PARALLEL = 1e-6
 _VISIBLE = 0.025
