@@ -95,7 +95,19 @@ def _context() -> Any:
 
 @cache
 def _externals() -> dict[str, int]:
-    """Addresses of the C functions that kernels call; on x86 they need no `feclearexcept`."""
-    library = ctypes.CDLL("ucrtbase" if sys.platform == "win32" else None)
-    names = ("malloc", "free") if host().x86 else ("malloc", "free", "feclearexcept")
-    return {name: ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0 for name in names}
+    """Addresses of the C functions that kernels call."""
+    return {
+        name: ctypes.cast(getattr(ctypes.CDLL(library), name), ctypes.c_void_p).value or 0
+        for library, names in libraries(sys.platform, host().x86).items()
+        for name in names
+    }
+
+
+def libraries(system: str, x86: bool) -> dict[str | None, tuple[str, ...]]:
+    """Names of the C functions that kernels call, by the library that has them; None: what the
+    process has."""
+    names = ("malloc", "free") if x86 else ("malloc", "free", "feclearexcept")
+    if system != "win32":
+        return {None: names}
+    # a function with much on its stack touches it page by page on Windows
+    return {"ucrtbase": names, "ntdll": ("__chkstk",)}
