@@ -57,6 +57,7 @@ KNOWN = {
     ("targets/llvm/fastcall.py", "import_module"): "a constant: NumPy's own module",
     ("targets/llvm/gufunc.py", "import_module"): "a constant: NumPy's own module",
     ("targets/target.py", "import_module"): "modules of the table of targets",
+    ("model/edits.py", "setattr"): "constant names, when the module is imported",
     ("kernels/closed_chains.py", "import_module"): "modules of the table that stands there",
     ("freebody_notes/contents.py", "import_module"): "the parts that contents.toml lists",
     (
@@ -69,7 +70,7 @@ KNOWN = {
         "targets/llvm/loader.py",
         "add_object_file",
     ): "what was compiled from that text, or found in the user's own cache",
-    ("targets/llvm/loader.py", "CDLL"): "a constant: the C library",
+    ("targets/llvm/loader.py", "CDLL"): "constants: the C library, and on Windows the system's",
     ("targets/llvm/loader.py", "parse_assembly"): "an empty text",
     ("targets/llvm/gufunc.py", "from_address"): "a field of a ufunc that was just made",
     ("targets/llvm/fastcall.py", "pythonapi"): "constant names of CPython's functions",
@@ -92,11 +93,6 @@ KNOWN = {
         "freebody_notes/exercises.py",
         "Markup",
     ): "solutions are put together from the notes' own items",
-    (
-        "derivations/functions.py",
-        "lambdify",
-    ): "arguments are dummies; the formula was read by our own parser",
-    ("derivations/relation.py", "sympify"): "strict: refuses text",
 }
 """(file, what) -> why nothing from outside reaches it."""
 
