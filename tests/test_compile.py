@@ -14,7 +14,7 @@ from freebody import math as fm
 from freebody.errors import FreebodyError, KindError, UnknownNameError
 from freebody.program import ProgramError
 from freebody.scalars.nodes import GraphError
-from freebody.targets.kernel import BatchError
+from freebody.targets.blame import BatchError
 
 
 def law(q, qd, goal, kp, kd):
@@ -64,6 +64,24 @@ def test_it_is_a_kernel():
         BatchError, match=r"law: the batch shapes do not broadcast together: q \(7,\), qd \(5000,\)"
     ):
         kernel(given[0][:7], *given[1:])
+
+
+@pytest.mark.parametrize(
+    ("samples", "out", "words"),
+    [
+        (0, np.zeros(4), r"law: out has shape \(4,\), expected \(3,\)"),
+        (5, np.zeros(3), r"law: out has shape \(3,\), expected \(5, 3\)"),
+        (5000, np.zeros((5000, 4)), r"law: out has shape \(5000, 4\), expected \(5000, 3\)"),
+        (0, [1.0], r"law: out is list \[1.0\], expected an array of float64 of shape \(3,\)"),
+        (0, (np.zeros(3),) * 2, r"law: out holds 2 arrays, expected 1: tau \(3,\)"),
+        (0, np.zeros(3, dtype=int), r"law: out holds int64 values, expected float64"),
+        (0, np.broadcast_to(0.0, 3), r"law: out cannot be written to; give a copy of it"),
+    ],
+)
+def test_what_cannot_be_written_to_is_said(samples: int, out: object, words: str):
+    given = states(samples) if samples else [x[0] for x in states(1)]
+    with pytest.raises(fb.FreebodyError, match=words):
+        fb.compile(law, LAW, {"tau": 3})(*given, out=out)
 
 
 def test_in_32_bits():

@@ -116,6 +116,24 @@ def test_a_load_that_is_not_there_has_numbers_all_the_same():
     )
 
 
+def test_a_payload_that_is_nothing_is_none():
+    model = fb.load("ur5e")
+    family = model.bind({"payload.mass": [0.0, 2.0]})
+    empty = model.with_payload(mass=0.0)
+    for same in (family[0], empty, model.with_payload(mass=1.0).bind({"payload.mass": 0.0})):
+        assert same == model == same
+        assert hash(same) == hash(model)
+        values = {r.name: r.value for r in fb.parameters(same)}
+        assert values == {r.name: r.value for r in fb.parameters(model)} | {"payload.scale": 1.0}
+    for other in (
+        family[1],
+        model.with_payload(mass=0.0, name="tool"),  # whose numbers only this robot has
+        model.with_payload(mass=0.0, frame="frame3"),
+        model.with_payload(mass=0.0, com=(0.0, 0.0, 0.1)),
+    ):
+        assert other != model
+
+
 def test_a_symbol_is_found_by_its_name_and_by_its_place():
     model = fb.load("2R")
     assert "m1" in fb.parameters(model).names
@@ -620,6 +638,14 @@ def test_wrong_inputs_are_refused():
         fb.kernel(model, "inverse_dynamics", by="p")
     with pytest.raises(fb.FreebodyError, match=r"limits.lower' is a limit, which no kernel reads"):
         fb.kernel(fb.load("ur5e"), "inverse_dynamics", inputs="*.limits.*")
+
+
+def test_a_number_beyond_the_range_of_32_bits_is_refused():
+    model = fb.load("ur5e").bind({"forearm_link.mass": [1.0, 1e39]})
+    words = r"'forearm_link.mass' is 1e\+39 \(member 1\), which is beyond the range of float32"
+    with pytest.raises(fb.FreebodyError, match=words):
+        fb.kernel(model, "inverse_dynamics", dtype="float32")
+    assert fb.kernel(model[0], "inverse_dynamics", dtype="float32").dtype == np.float32
 
 
 @pytest.mark.parametrize(

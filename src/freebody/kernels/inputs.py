@@ -12,13 +12,14 @@ from numpy.typing import ArrayLike
 from freebody.arrays import Array, as_floats
 from freebody.elementary import Scalar, cos, sin
 from freebody.errors import FreebodyError, MissingValueError, ModelError
+from freebody.model.families import of_member
 from freebody.model.model import Model
 from freebody.model.numbers import Name, Parameters, found, known, written
 from freebody.model.parameters import Parameter, Quantity, each_parameter
 from freebody.model.quantity_reader import QuantityReader, exact_sin_cos
 from freebody.model.tree import Tree, lower
-from freebody.targets import Kernel
-from freebody.targets.kernel import BatchError
+from freebody.targets import Kernel, KernelError
+from freebody.targets.blame import BatchError
 
 
 @dataclass(frozen=True)
@@ -123,6 +124,19 @@ class InputKernel:
             name for k, name in enumerate(names) if np.isnan(values[..., k]).any()
         )
         self._held = values if values.ndim == 1 and not self._missing else None
+        self._refuse_beyond_range()
+
+    def _refuse_beyond_range(self) -> None:
+        """A number of the model that is infinite as one of the kernel's would be NaN in all that
+        follows from it, as a number that is not finite is."""
+        with np.errstate(over="ignore"):
+            beyond = np.isinf(self.values.astype(self.kernel.dtype))
+        if beyond.any():
+            *member, k = map(int, np.argwhere(beyond)[0])
+            raise KernelError(
+                f"{self.program.name}: {self.parameters[k]!r} is {self.values[*member, k]:g}"
+                f"{of_member(tuple(member))}, which is beyond the range of {self.kernel.dtype}."
+            )
 
     def __call__(
         self,

@@ -7,6 +7,7 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from numbers import Real
+from operator import is_
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from freebody.model.inertia import Inertia, faults
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.loops import checked_loop
 from freebody.model.number_editors import get, put
+from freebody.model.number_names import PAYLOAD
 from freebody.model.parameters import LARGEST, Quantity, finite, quantity
 from freebody.model.placement import Placement, Rotate, Shift, Turn, rotate, shift
 from freebody.model.tree import Attached
@@ -123,6 +125,30 @@ def with_payload(model: Model, inertia: Inertia, frame: str | None, name: str) -
     added = attached(inertia, at.placement, name, at.name, model.dim, model.name)
     path = ("base_inertias",) if at.body < 0 else ("bodies", at.body, "inertias")
     return one_family(put(model, path, (*get(model, path), added)), model, inertia)
+
+
+def without_idle_payload(model: Model) -> Model:
+    """The model without a payload at the tip that is nothing: its numbers, all zero, are those of a
+    payload that is not there."""
+    nothing = Inertia.nothing(model.dim)
+
+    def kept(parts: tuple[Attached, ...]) -> tuple[Attached, ...]:
+        left = tuple(
+            part
+            for part in parts
+            if not (part.load and part.link == PAYLOAD and part.inertia == nothing)
+            or part.frame != model.tip
+        )
+        return parts if len(left) == len(parts) else left
+
+    bodies = tuple(
+        body if (left := kept(body.inertias)) is body.inertias else replace(body, inertias=left)
+        for body in model.bodies
+    )
+    base = kept(model.base_inertias)
+    if base is model.base_inertias and all(map(is_, bodies, model.bodies)):
+        return model
+    return replace(model, bodies=bodies, base_inertias=base)
 
 
 def attached(

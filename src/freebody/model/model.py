@@ -359,6 +359,9 @@ class Model(Tabled, ByValue):
             )
         )
 
+    def _key(self) -> tuple[Any, ...]:
+        return super(Model, changed.without_idle_payload(self))._key()
+
     @property
     def _attached(self) -> tuple[Attached, ...]:
         """The inertias of all links, the base's first."""
@@ -371,9 +374,9 @@ class Model(Tabled, ByValue):
 
         values: by the names that `fb.parameters` lists; a name that holds a dot itself is given as
         a tuple of its parts, ("a.b", "mass"). link.mass keeps centre and inertia, link.scale scales
-        mass and inertia together. An array gives each member of a family its own (`family`); arrays
-        broadcast together. Raises UnknownNameError, ModelError for what no rigid body is, naming
-        the member.
+        mass and inertia together, a mass that is given beside it too. An array gives each member of
+        a family its own (`family`); arrays broadcast together. Raises UnknownNameError, ModelError
+        for what no rigid body is, naming the member.
         """
         return edits.bound(self, {**(values or {}), **symbols})
 

@@ -128,13 +128,14 @@ def parameters(model: Model) -> Parameters:
     """Every number that a model is made of, by name, with its value, unit and what it is.
 
     Names: forearm.mass, forearm.com.x, forearm.inertia.xx (about the centre of mass, in the link's
-    axes), forearm.scale (a factor on mass and inertia); elbow.placement.x … yaw (where the joint
-    sits in its parent link); elbow.friction.viscous, elbow.rotor.gear, elbow.spring.stiffness,
-    elbow.limits.upper; elbow.a, elbow.alpha of a DH table; gravity (the field's size),
-    gravity.direction.z; loop.distance; tool.placement.z of frames; payload.mass at the tip, zero
-    where there is no load; and the model's own symbols (l1), by which the places are known where
-    they stand. Joints' axes and mimic ratios are structure and have no name.
-    Names shared by two things are told apart by what they belong to: "joint:elbow.placement.x".
+    axes), forearm.scale (a factor on mass and inertia, also on a mass that is bound with it; it is
+    1 again afterwards); elbow.placement.x … yaw (where the joint sits in its parent link);
+    elbow.friction.viscous, elbow.rotor.gear, elbow.spring.stiffness, elbow.limits.upper; elbow.a,
+    elbow.alpha of a DH table; gravity (the field's size), gravity.direction.z; loop.distance;
+    tool.placement.z of frames; payload.mass at the tip, zero where there is no load; and the
+    model's own symbols (l1), by which the places are known where they stand. Joints' axes and mimic
+    ratios are structure and have no name. Names shared by two things are told apart by what they
+    belong to: "joint:elbow.placement.x".
     """
     return Parameters(model)
 

@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody import locks
-from freebody.errors import FreebodyError, ShapeError
 from freebody.lazy import cached_property
 from freebody.program.hoist import hoist
 from freebody.program.program import Argument, Program, verify
 from freebody.scalars.operations import OPERATIONS
 from freebody.targets import memory
+from freebody.targets.blame import explained
 from freebody.targets.target import KernelError, chosen_target, chosen_width, target_named
 from freebody.targets.threads import cpus, run_split
 
@@ -32,10 +32,6 @@ not wait for long."""
 
 _MOVE = 4.0
 """What an entry read or written costs where a batch does not fit into the processor's caches."""
-
-
-class BatchError(FreebodyError, ValueError):
-    """Leading dimensions that do not broadcast."""
 
 
 class BatchLoop(NamedTuple):
@@ -114,7 +110,7 @@ class Kernel:
         Raises:
             ShapeError: wrong core shape.
             BatchError: batch shapes that do not broadcast.
-            KernelError: wrong number or type of arguments.
+            KernelError: wrong number or type of arguments, or an `out` that cannot be written to.
         """
         try:
             if self._uniform and any(
@@ -129,7 +125,7 @@ class Kernel:
                     return self.ufunc(*arrays, out=out)
             return self._long(arrays, out, threads)
         except (TypeError, ValueError) as problem:
-            raise self._explained(arrays, problem) from None
+            raise explained(self.program, self.dtype, arrays, out, problem) from None
 
     @cached_property
     def per_sample(self) -> Kernel:
@@ -252,26 +248,6 @@ class Kernel:
         node by node."""
         return target_named(self.target).source(self.program, self.width, self.dtype.name)
 
-    def _explained(self, arrays: tuple[ArrayLike, ...], problem: Exception) -> Exception:
-        """The error that says which argument is to blame; the original one if none is."""
-        name, inputs = self.program.name, self.program.inputs
-        if len(arrays) != len(inputs):
-            wanted = ", ".join(map(str, inputs))
-            return KernelError(
-                f"{name}: {len(arrays)} arguments given, expected {len(inputs)}: {wanted}."
-            )
-        for array, argument in zip(arrays, inputs, strict=True):
-            given = np.asarray(array)
-            if not np.can_cast(given.dtype, self.dtype, "same_kind"):
-                return KernelError(
-                    f"{name}: {argument.name} holds {given.dtype} values, expected real numbers."
-                )
-            core = len(argument.shape)
-            if given.ndim < core or given.shape[given.ndim - core :] != argument.shape:
-                expected = f"({', '.join(['...', *map(str, argument.shape)])})"
-                return ShapeError(name, argument.name, given.shape, expected)
-        return _batch_error(name, inputs, arrays) or problem
-
 
 def signature(inputs: Sequence[Argument], outputs: Sequence[Argument]) -> str:
     """Core sizes as NumPy writes them: `(6),(6),(6)->(6,6)`."""
@@ -280,20 +256,6 @@ def signature(inputs: Sequence[Argument], outputs: Sequence[Argument]) -> str:
         return ",".join(f"({','.join(map(str, argument.shape))})" for argument in arguments)
 
     return f"{side(inputs)}->{side(outputs)}"
-
-
-def _batch_error(
-    name: str, inputs: tuple[Argument, ...], arrays: tuple[ArrayLike, ...]
-) -> BatchError | None:
-    shapes = [np.shape(x)[: np.ndim(x) - len(i.shape)] for x, i in zip(arrays, inputs, strict=True)]
-    try:
-        np.broadcast_shapes(*shapes)
-    except ValueError:
-        listed = ", ".join(
-            f"{argument.name} {shape}" for argument, shape in zip(inputs, shapes, strict=True)
-        )
-        return BatchError(f"{name}: the batch shapes do not broadcast together: {listed}.")
-    return None
 
 
 def compile_program(

@@ -9,6 +9,7 @@ import numpy as np
 
 from freebody.errors import ShapeError
 from freebody.program.program import Argument, Program
+from freebody.targets.blame import BatchError
 from freebody.targets.cuda import driver
 from freebody.targets.cuda.arrays import (
     DeviceArray,
@@ -20,7 +21,7 @@ from freebody.targets.cuda.arrays import (
     view,
 )
 from freebody.targets.cuda.plan import Plan
-from freebody.targets.kernel import BatchError, Kernel
+from freebody.targets.kernel import Kernel
 from freebody.targets.target import KernelError
 
 
