@@ -79,7 +79,7 @@ import freebody as fb
 inside = threading.Event()
 stage = SourceFileLoader.{stage}
 def slowly(self, of):  # a specification, later the module
-    if getattr(of, "__spec__", of).name == "freebody.{slow}":
+    if getattr(of, "__spec__", of).name == "{slow}":
         inside.set()
         time.sleep(0.5)
     return stage(self, of)
@@ -104,10 +104,11 @@ assert status == 0, status
 @pytest.mark.parametrize(
     ("use", "slow", "stage"),
     [
-        ("fb.compile", "kernels.compiled", "create_module"),  # not among the modules yet
-        ("fb.math", "math", "create_module"),
-        ("fb.compile", "targets.threads", "exec_module"),
-        ("import freebody.kernels.compiled", "targets.threads", "exec_module"),
+        ("fb.compile", "freebody.kernels.compiled", "create_module"),  # not among the modules yet
+        ("fb.math", "freebody.math", "create_module"),
+        ("fb.compile", "freebody.targets.threads", "exec_module"),
+        ("import freebody.kernels.compiled", "freebody.targets.threads", "exec_module"),
+        ("import freebody_notes.run", "freebody_notes.item", "exec_module"),
     ],
 )
 def test_a_child_forked_while_another_thread_imports_goes_on(use, slow, stage):
