@@ -101,7 +101,7 @@ def test_power_of_the_multipliers(seed, dim):
         a, b = loop.frames
         v_a, v_b = (fb.velocity(model, q, qd, frame) for frame in (a, b))
         arm = (poses(model, q)[b] - poses(model, q)[a])[: model.dim, 3]
-        if loop.kind in ("revolute", "spherical", "point", "fixed"):
+        if loop.kind in ("revolute", "universal", "spherical", "point", "fixed"):
             arm = 0.0 * arm  # open, it presses at each origin; closed, they are one
         turned = v_a[2] * np.array([-arm[1], arm[0]]) if model.dim == 2 else np.cross(v_a[3:], arm)
         # on A acts the opposite, on the same line
@@ -118,7 +118,7 @@ def test_what_a_loop_holds(kind, dim):
     A, B = T["A"], T["B"]
     R, r = A[:3, :3].T @ B[:3, :3], A[:3, :3].T @ (B[:3, 3] - A[:3, 3])
     axis = np.array([*model.loops[0].axis, 0.0][:3]) if model.loops[0].axis else np.zeros(3)
-    if kind in ("revolute", "spherical", "point", "fixed"):
+    if kind in ("revolute", "universal", "spherical", "point", "fixed"):
         close(r, np.zeros(3), 1e-12, 1.0)
     if kind == "distance":
         close(np.linalg.norm(r), 0.7, 1e-12)
@@ -130,7 +130,16 @@ def test_what_a_loop_holds(kind, dim):
     if kind == "revolute" and dim == 3:
         close(R @ axis, axis, 1e-12)
         assert np.abs(R - np.eye(3)).max() > 1e-3
-    held = {"revolute": 5, "prismatic": 5, "spherical": 3, "fixed": 6, "distance": 1}
+    if kind == "universal":
+        close(R[0, 1], 0.0, 1e-12, 1.0)  # x of A across y of B
+    held = {
+        "revolute": 5,
+        "prismatic": 5,
+        "universal": 4,
+        "spherical": 3,
+        "fixed": 6,
+        "distance": 1,
+    }
     if dim == 2:
         held = {"revolute": 2, "prismatic": 2, "point": 2, "fixed": 3, "distance": 1}
     assert model.tree.constraints == held[kind]
@@ -172,12 +181,16 @@ def hung(kind: str, dim: int) -> tuple[Model, np.ndarray]:
 def test_a_joint_and_its_loop(dim):
     """A body on a pin, and the same body free with a loop of that kind: the multipliers are the
     pin's wrench."""
-    for kind in ("revolute", "prismatic", "fixed") + (("spherical",) if dim == 3 else ()):
+    for kind in ("revolute", "prismatic", "fixed", *(("universal", "spherical")[: 2 * (dim - 2)])):
         model, q = hung(kind, dim)
         qd = fb.loop_velocity(model, q, np.random.default_rng(1).normal(size=model.nv))
         found = fb.reactions(model, q, qd, tau=np.zeros(model.nv))
         assert found.balance < 1e-12
         assert found.determined.all()
+        if kind == "universal":  # and no moment about either axis
+            T = poses(model, q)
+            close(T["A"][:3, 0] @ found["hold"][3:], 0.0, 1e-9, 1.0)
+            close(T["B"][:3, 1] @ found["hold"][3:], 0.0, 1e-9, 1.0)
         if kind in ("revolute", "spherical"):  # and no moment about the axis
             turning = found["hold"][dim:]
             R = poses(model, q)["A"][:3, :3]

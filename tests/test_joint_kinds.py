@@ -109,6 +109,40 @@ def test_they_are_chains_of_revolute_and_prismatic_joints():
         close(ours, theirs, 1e-11)
 
 
+def test_a_universal_loop_is_a_universal_joint():
+    """A free body that such a loop holds moves as one on the joint, also beyond a quarter turn, and
+    is held by the same wrench."""
+    at = shift(0.1, 0.0, 0.2).then(rpy(0.3, 0.2, 0.1))
+    jointed = assemble(described(Joint("u", "universal", "base", "a", at)))
+    free = assemble(described(Joint("f", "free", "base", "a")))
+    free = replace(
+        free, bodies=tuple(replace(b, inertias=jointed.bodies[0].inertias) for b in free.bodies)
+    )
+    held = free.with_frame(
+        "hook",
+        rotation=generate.matrix(at)[:3, :3],
+        position=generate.matrix(at)[:3, 3],
+        frame="base",
+    )
+    held = held.with_loop("u", "universal", ("hook", "a"))
+    assert fb.mobility(held, fb.assemble(held)).instantaneous == 2
+    for q, qd in (
+        ((0.4, -0.3), (0.7, -1.1)),
+        ((2.5, 1.9), (-0.4, 0.8)),
+        ((-1.7, -2.8), (1.0, 2.0)),
+    ):
+        qdd = fb.forward_dynamics(jointed, q, qd, [0.0, 0.0])
+        T = fb.forward_kinematics(jointed, q, "a")
+        v = np.linalg.solve(np.kron(np.eye(2), T[:3, :3]), fb.velocity(jointed, q, qd, "a"))
+        pose = np.concatenate([T[:3, 3], fb.quat_wxyz(T[:3, :3])])
+        found = fb.forward_dynamics(held, pose, v, np.zeros(6))
+        moved = fb.jacobian(jointed, q, "a") @ qdd + fb.jacobian_dot(jointed, q, qd, "a") @ qd
+        theirs = fb.jacobian(held, pose, "a") @ found + fb.jacobian_dot(held, pose, v, "a") @ v
+        close(theirs, moved, 1e-9)
+        wrench = fb.reactions(held, pose, v, tau=np.zeros(6))["u"]
+        close(wrench, fb.joint_wrenches(jointed, q, qd, qdd)[0], 1e-9)
+
+
 # ---------------------------------------------------------------- the pitch is a number
 def test_a_pitch_is_a_number_like_others():
     model = build_model(described(screw("s", "base", "a")))

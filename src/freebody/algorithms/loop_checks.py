@@ -53,7 +53,7 @@ def closed_margins(tree: Tree, q: Vector, qd: Vector | None = None) -> list[Scal
     rows, rates = scales(tree)
     margins = [CLOSED**2 - x for x in _by_loop(tree, rows, constraint(tree, q))]
     for loop, (a, b) in zip(tree.loops, loop_ends(tree, q), strict=True):
-        for n, u in loop.closure.turns:
+        for n, u in loop.closure.facing:
             n_world, u_world = times(a[0], n), times(b[0], u)
             expected = tree.space.turn(a[0], tree.space.moment(u, n))
             margins.append(dot(expected, tree.space.moment(u_world, n_world)) - _FORWARD)

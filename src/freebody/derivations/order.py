@@ -14,7 +14,6 @@ from freebody.derivations.symbols import RATE, SECOND, Symbols
 from freebody.derivations.waves import Blocks
 from freebody.lazy import cached_property
 from freebody.model.bodies import Body
-from freebody.model.joints.revolute import Turning
 from freebody.model.parameters import Parameter, each_parameter
 from freebody.model.placement import Turn
 from freebody.scalars.rational import rational_sin_cos
@@ -42,7 +41,7 @@ class Order:
         blocks: list[list[str]] = []
         block_of: dict[int, list[str]] = {}
         for i, body in enumerate(bodies):
-            if not isinstance(body.primitive, Turning):
+            if not body.primitive.turns:
                 continue
             name = self.symbols.coordinates[body.coordinates.v[0]]
             leader = self._parallel(i)
@@ -64,7 +63,7 @@ class Order:
             axis, i = space.turn(bodies[i].R, axis), bodies[i].parent
             if i < 0:
                 return None
-            if isinstance(bodies[i].primitive, Turning):
+            if bodies[i].primitive.turns:
                 own = bodies[i].axis
                 return i if axis in (own, neg(own)) else None
 

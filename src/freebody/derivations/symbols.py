@@ -64,8 +64,8 @@ class TrigReader(QuantityReader):
 
 @dataclass(frozen=True, eq=False)
 class Symbols(ByValue):
-    """Coordinates θ_i (turning) and d_i (sliding), numbered by joint from 1, their rates, the tree
-    over the ring."""
+    """Coordinates θ_i (turning), d_i (sliding) and the like, numbered by joint from 1, their rates,
+    the tree over the ring."""
 
     model: Model
     ring: TrigRing
@@ -165,7 +165,12 @@ def symbols(
     given, model = model, with_parameters(model, lambda p: 0.0 if p.value == 0 else p)
     _require_whole_ratios(model)
     coordinates = coordinate_names(model)
-    turning = [x for x in coordinates if x.startswith("theta")]
+    turning = [
+        name
+        for body, own in zip(model.bodies, names_by_body(model), strict=True)
+        for name, is_angle in zip(own, body.kind.angular, strict=False)
+        if is_angle
+    ]
     names = list(dict.fromkeys(p.name for p in each_parameter(model))) if not numbers else []
     angles = [x for x in names if x in _angle_parameters(model)]
     others = [
@@ -185,7 +190,7 @@ def symbols(
 
 def coordinate_names(model: Model) -> tuple[str, ...]:
     """theta_i and d_i by joint, the name itself of a slide called x, y or z; x_i, y_i, theta_i of a
-    planar joint."""
+    planar joint, phi_i, psi_i of a universal one."""
     for body in model.bodies:
         if body.kind.coordinates is None:
             raise FreebodyError(

@@ -173,13 +173,13 @@ def backward(model: Model, q: Array) -> NDArray[np.bool_]:
     axes are held, by a third, from which its equations cannot tell it."""
     tree = mechanism(model)
     space = tree.space
-    if not any(loop.closure.turns for loop in tree.loops):
+    if not any(loop.closure.facing for loop in tree.loops):
         return np.zeros((*q.shape[:-1], len(tree.loops)), dtype=bool)
     world = world_poses(tree, joint_poses(tree, tuple(np.moveaxis(q, -1, 0))))
     found = np.zeros((*q.shape[:-1], len(tree.loops)), dtype=bool)
     for i, loop in enumerate(tree.loops):
         (A, _), (B, _) = (frame_pose(tree, world, frame) for frame in loop.frames)
-        for n, u in loop.closure.turns:
+        for n, u in loop.closure.facing:
             expected = space.turn(A, space.moment(u, n))
             found[..., i] |= np.asarray(dot(expected, space.moment(times(B, u), times(A, n)))) < 0.5
     return found

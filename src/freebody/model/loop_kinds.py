@@ -31,6 +31,14 @@ class Closure:
     distance: bool = False
     slides: tuple[Vector, ...] = ()
     turns: tuple[Pair, ...] = ()
+    aligned: bool = True
+    """Whether the pairs together hold axes of B to those of A, so that u × n stays what it is; the
+    two axes of a universal joint may cross either way."""
+
+    @property
+    def facing(self) -> tuple[Pair, ...]:
+        """The pairs of which u × n tells whether the loop is closed the right way round."""
+        return self.turns if self.aligned else ()
 
     def size(self, space: AnySpace) -> int:
         """Number of equations."""
@@ -111,6 +119,9 @@ def _aligned(space: AnySpace) -> tuple[Pair, ...]:
     return (z, y), (x, z), (y, x)
 
 
+_X_ACROSS_Y: Pair = ((-1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+"""The x axis of A stays perpendicular to the y axis of B."""
+
 LOOP_KINDS: dict[str, LoopKind] = {
     kind.name: kind
     for kind in (
@@ -122,6 +133,12 @@ LOOP_KINDS: dict[str, LoopKind] = {
         ),
         LoopKind(
             "prismatic", lambda s, a: Closure(slides=normals(a), turns=_aligned(s)), axis_in=(2, 3)
+        ),
+        LoopKind(
+            "universal",
+            lambda s, a: Closure(point=True, turns=(_X_ACROSS_Y,), aligned=False),
+            (3,),
+            elsewhere="point",
         ),
         LoopKind("spherical", lambda s, a: Closure(point=True), (3,), elsewhere="point", pins=True),
         LoopKind("point", lambda s, a: Closure(point=True), (2,), elsewhere="spherical", pins=True),

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator
 from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Meaning
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.wording import joints_that
 from freebody.derivations.names import sym, vec
 from freebody.derivations.render.literal import literal
 from freebody.derivations.symbols import RATE, SECOND
@@ -99,7 +100,11 @@ def _of_loops(s: Setting) -> Iterator[tuple[Parameter, str, str]]:
 def _of_joint(s: Setting, i: int) -> Iterator[tuple[Parameter, str, str]]:
     n, parent = s.numbers[i], s.numbers[s.tree.bodies[i].parent]
     start = f"joint {parent}" if parent else "the base's origin"
-    yield from _placed(s.symbols.model.bodies[n - 1].joint.placement, f"from {start} to joint {n}")
+    body = s.symbols.model.bodies[n - 1]
+    yield from _placed(body.joint.placement, f"from {start} to joint {n}")
+    for number, value in zip(body.kind.numbers, body.joint.numbers, strict=True):
+        for parameter in each_parameter(value):
+            yield parameter, f"{number.what} of joint {n}", number.unit
 
 
 def _of_body(s: Setting, i: int) -> Iterator[tuple[Parameter, str, str]]:
@@ -145,7 +150,8 @@ def vectors(s: Setting) -> Iterator[Meaning]:
     yield Meaning((sym("s_i", True),), "joint i to the next joint, or to the tip", METER)
     yield Meaning((sym("s_ci", True),), "joint i to the centre of mass of body i", METER)
     if not s.planar:
-        yield Meaning((sym("z_i", True),), "direction of a revolute joint's axis", "")
+        turning = joints_that(s, turn=True) or "revolute"
+        yield Meaning((sym("z_i", True),), f"direction of a {turning} joint's axis", "")
     if not all(map(s.turns, s.order)):
         yield Meaning((sym("u_i", True),), "direction of a prismatic joint's slide", "")
 

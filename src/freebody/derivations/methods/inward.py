@@ -10,6 +10,7 @@ from freebody.derivations.expression import Equation, Expression, Symbol, eq
 from freebody.derivations.methods.geometry import rotation_name
 from freebody.derivations.methods.reactions import drive_part
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.wording import working_part
 from freebody.derivations.names import vec
 from freebody.scalars.trig import Trig
 
@@ -42,13 +43,7 @@ class Inward:
         s, n = self.s, self.s.numbers[i]
         passed = ", and those that it passes on to the next body," if s.tree.children(i) else ""
         weight = ", less its weight," if not self.base else ""
-        part = (
-            f"the moment about the axis of joint {n}"
-            if s.turns(i)
-            else f"the force along the slide u_{n}"
-        )
-        if s.is_pin(i):
-            part = "the moment"
+        part = "the moment" if s.is_pin(i) else working_part(s, i)
         needed = f"Force and moment that accelerate body {n}{weight}{passed}"
         letters = (
             " (The notes write M_i for the moment at joint i, and M_ci for n_ci.)"
@@ -126,8 +121,6 @@ class Inward:
 
     def _motor(self, i: int) -> Expression:
         s = self.s
-        if s.turns(i):
-            part = s.joint_moment(i) if s.planar else ex.dot(s.joint_moment(i), s.axis_name(i))
-        else:
-            part = ex.dot(s.force_name(s.tree.bodies[i].parent, i), s.axis_name(i))
+        force = s.force_name(s.tree.bodies[i].parent, i)
+        part = s.along(i, s.joint_moment(i), force, lambda axis, v: ex.dot(v, axis))
         return ex.add(part, s.show(drive_part(s, i)))

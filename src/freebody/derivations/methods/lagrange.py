@@ -108,16 +108,13 @@ def _angular_velocities(s: Setting, moving: BodyMotions) -> Step:
         rule, value = ex.add(*chain), s.angular(moving.w[i])
         name = s.angular_name("omega", i)
         lines.append(eq(name, value) if rule == value else eq(name, rule, value))
-    slides = not all(map(s.turns, s.order))
-    turning = "A revolute joint adds its rate to the angular velocity of the body before it"
-    rest = "; a prismatic joint adds nothing" if slides else ""
     axes = (
         "" if s.planar else ". Each is given in its body's own axes, where the inertia is constant"
     )
     numbers = {"RR": ("5.8", "5.9"), "R": ("4.1",)}.get(
         s.cited, ("4.1",) if s.planar else ("6.16", "6.24")
     )
-    return Step("Angular velocities", f"{turning}{rest}{axes}.", tuple(lines), numbers)
+    return Step("Angular velocities", f"{wording.added_rates(s)}{axes}.", tuple(lines), numbers)
 
 
 def _velocities(s: Setting) -> Step:

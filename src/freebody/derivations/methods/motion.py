@@ -5,6 +5,7 @@ from __future__ import annotations
 from freebody.derivations.derivation import Step
 from freebody.derivations.expression import eq
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.wording import added_rates, coriolis
 
 
 def motion(s: Setting) -> list[Step]:
@@ -13,20 +14,10 @@ def motion(s: Setting) -> list[Step]:
     wd = [eq(s.angular_name("omega", i, "_d"), s.angular(s.motion.wd[i])) for i in s.order]
     v = [eq(s.name("vc", i), s.column(s.centre_velocity(i))) for i in s.order]
     vd = [eq(s.name("vc", i, "_d"), s.column(s.centre_acceleration(i))) for i in s.order]
-    turns = any(map(s.turns, s.order))
-    slides = not all(map(s.turns, s.order))
-    adding = (
-        "A revolute joint adds its rate to the angular velocity of the body before it"
-        if turns
-        else ""
-    )
-    keeping = (
-        ("; a prismatic joint adds nothing" if turns else "No joint turns a body") if slides else ""
-    )
     return [
         Step(
             "Angular velocities and accelerations",
-            f"{adding}{keeping}.",
+            f"{added_rates(s)}.",
             (*w, *wd),
             {"RR": ("3.16", "3.17")}.get(s.cited, () if s.planar else ("6.16", "6.20")),
         ),
@@ -41,7 +32,7 @@ def motion(s: Setting) -> list[Step]:
         ),
         Step(
             "Accelerations of the centres of mass",
-            _second(s, slides),
+            _second(s),
             tuple(vd),
             {"R": ("3.9",)}.get(s.cited, () if s.planar else ("6.22",)),
             figure="accelerations",
@@ -49,13 +40,12 @@ def motion(s: Setting) -> list[Step]:
     ]
 
 
-def _second(s: Setting, slides: bool) -> str:
+def _second(s: Setting) -> str:
     """What the terms of an acceleration are."""
-    if slides:
+    if any(map(s.slides, s.order)):
         return (
             "A second time derivative; a point that slides on a turning body has Coriolis' "
-            "acceleration 2 ω × ḋ u "
-            "besides."
+            f"acceleration {coriolis(s, s.order)} besides."
         )
     if s.planar:
         return (

@@ -64,10 +64,15 @@ def _carried(s: Setting, i: int, drive: Expression) -> Step:
     lines = [*_arms(s, i), eq(s.motor(i), ex.add(_balance(s, i), drive))]
     if s.turns(i):
         pivot = "the pivot" if s.planar else "its axis"
+        none = f"has no moment about {pivot}, so that one moment equation gives {found}"
+        if s.slides(i):
+            none = (
+                "does no work along the screw: the moments about its axis, and pitch times the "
+                f"forces along it, give {found}"
+            )
         reason = (
             f"Take all that joint {n} carries as one system: its inner reactions cancel, and the "
-            f"reaction {held} at "
-            f"the joint has no moment about {pivot}, so that one moment equation gives {found}."
+            f"reaction {held} at the joint {none}."
         )
     else:
         reason = (
@@ -112,17 +117,16 @@ def _way(s: Setting, i: int, k: int, last: Expression) -> Expression:
 
 def _balance(s: Setting, i: int) -> Expression:
     """Σ over all that hangs on joint i."""
-    terms = []
+    moments, forces = [], []
     for k in _subtree(s, i):
         acceleration = s.name("vc", k, "_d")
         force = s.mass_times(k, ex.sub(acceleration, vec("g")) if s.weighs else acceleration)
-        terms += [s.spin_terms(k), ex.cross(_arm(s, i, k), force)] if s.turns(i) else [force]
+        moments += [s.spin_terms(k), ex.cross(_arm(s, i, k), force)]
+        forces.append(force)
     if _loaded(s, i):
-        terms.append(ex.neg(ex.cross(_tip_arm(s, i), vec("f")) if s.turns(i) else vec("f")))
-    total = ex.add(*terms)
-    if not s.turns(i) or not s.planar:
-        return ex.dot(s.axis_name(i), total)
-    return total
+        moments.append(ex.neg(ex.cross(_tip_arm(s, i), vec("f"))))
+        forces.append(ex.neg(vec("f")))
+    return s.along(i, ex.add(*moments), ex.add(*forces))
 
 
 def _loaded(s: Setting, i: int) -> bool:

@@ -66,10 +66,7 @@ class Reactions:
     def motor_rule(self, i: int, moment: Expression) -> Expression:
         """The component of the reaction that is the motor's, and its drive's part."""
         s = self.s
-        if not s.turns(i):
-            part = ex.dot(s.axis_name(i), s.force_name(s.tree.bodies[i].parent, i))
-        else:
-            part = moment if s.planar else ex.dot(s.axis_name(i), moment)
+        part = s.along(i, moment, s.force_name(s.tree.bodies[i].parent, i))
         return ex.add(part, s.show(self.drives[i]))
 
 

@@ -15,6 +15,7 @@ from freebody.derivations.methods.geometry import geometry, rotation_name
 from freebody.derivations.methods.inward import Inward
 from freebody.derivations.methods.method import Method, MethodOption, Worked
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.wording import coriolis
 from freebody.derivations.names import sym, vec
 from freebody.derivations.symbols import RATE, SECOND
 from freebody.spatial import times, transposed
@@ -89,13 +90,16 @@ class _Outward:
         """Velocities and accelerations of one body."""
         s, n, parent = self.s, self.s.numbers[i], self.s.tree.bodies[i].parent
         before = "the base" if parent < 0 else f"body {s.numbers[parent]}"
-        own = "turning" if s.turns(i) else "sliding"
+        own = " and the ".join(
+            word for word, has in (("turning", s.turns(i)), ("sliding", s.slides(i))) if has
+        )
         reason = f"What body {n} takes over from {before}, and the {own} of joint {n}"
-        if not s.turns(i):
-            reason += "; on a turning body it brings Coriolis' acceleration 2 ω × ḋ u"
+        if s.slides(i):
+            reason += f"; on a turning body it brings Coriolis' acceleration {coriolis(s, (i,))}"
         lines = (*self._angular(i), *self._linear(i), *self._centre(i))
-        numbers = _PLANAR[s.turns(i)] if s.planar else _SPATIAL[s.turns(i)]
-        return Step(f"Outward: body {n}", f"{reason}.", lines, numbers)
+        table = _PLANAR if s.planar else _SPATIAL
+        cited = (table[True] * s.turns(i)) + (table[False] * s.slides(i))
+        return Step(f"Outward: body {n}", f"{reason}.", lines, tuple(dict.fromkeys(cited)))
 
     def _angular(self, i: int) -> list[Equation]:
         s, motion, q = self.s, self.record.motion, self.s.coordinate(i)
@@ -139,18 +143,20 @@ class _Outward:
         rows = []
         for dots, rule, value in (("", speed, motion.v[i]), ("_d", change, motion.vd[i])):
             carried = rule if s.planar or rule == ex.ZERO else self._carried(rule, i)
-            if not s.turns(i):
+            if s.slides(i):
                 carried = ex.add(carried, *self._slid(i, dots))
             rows.append(chain(s.name("v", i, dots), carried, s.column(s.axes(i, value))))
         return rows
 
     def _slid(self, i: int, dots: str) -> list[Expression]:
-        """What a slide adds: its rate, or its second rate and Coriolis' term."""
+        """What a slide adds: its rate, or its acceleration and Coriolis' term."""
         s, q = self.s, self.s.coordinate(i)
-        own = ex.mul(sym(q + (SECOND if dots else RATE)), s.axis_name(i))
-        if not dots or s.angular(self.record.motion.w[i]) == ex.ZERO:
-            return [own]
-        return [own, ex.mul(2, ex.cross(self._omega(i, ""), ex.mul(sym(q + RATE), s.axis_name(i))))]
+        speed, change = (ex.mul(s.advance(i), sym(q + x), s.axis_name(i)) for x in (RATE, SECOND))
+        parent = s.tree.bodies[i].parent
+        still = parent < 0 or s.angular(self.record.motion.w[parent]) == ex.ZERO
+        if not dots or still:
+            return [change if dots else speed]
+        return [change, ex.mul(2, ex.cross(self._omega(i, ""), speed))]
 
     def _omega(self, i: int, dots: str) -> Expression:
         """ω of a body as a vector: ω z in the plane."""

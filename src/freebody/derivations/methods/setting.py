@@ -24,7 +24,6 @@ from freebody.elementary import Scalar
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.model.joints import JointWords
-from freebody.model.joints.revolute import Turning
 from freebody.model.tree import Mass, Tree
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, add, sub, times, transposed
@@ -96,8 +95,31 @@ class Setting:
         return tuple(sorted(range(len(self.tree.bodies)), key=lambda k: self.numbers[k]))
 
     def turns(self, i: int) -> bool:
-        """Whether body i hangs on a revolute joint."""
-        return isinstance(self.tree.bodies[i].primitive, Turning)
+        """Whether joint i turns its body about its axis."""
+        return self.tree.bodies[i].primitive.turns
+
+    def slides(self, i: int) -> bool:
+        """Whether joint i takes its body along its axis."""
+        return self.tree.bodies[i].primitive.slides
+
+    def advance(self, i: int) -> Expression:
+        """How far joint i takes its body along its axis for each unit of its coordinate."""
+        return self.show(self.tree.bodies[i].primitive.advance)
+
+    def along(
+        self,
+        i: int,
+        moment: Expression,
+        force: Expression,
+        product: Callable[[Expression, Expression], Expression] = ex.dot,
+    ) -> Expression:
+        """The part of a moment and a force at joint i that does work along its coordinate."""
+        axis, terms = self.axis_name(i), []
+        if self.turns(i):
+            terms.append(moment if self.planar else product(axis, moment))
+        if self.slides(i):
+            terms.append(ex.mul(self.advance(i), product(axis, force)))
+        return ex.add(*terms)
 
     def words(self, i: int) -> JointWords:
         """How the joint of body i is spoken of."""
@@ -335,8 +357,7 @@ def require_chain_of_bodies(symbols: Symbols, what: str) -> None:
             raise FreebodyError(
                 f"{what}: joint {body.joint.name!r} of {model.name!r} is {body.kind.name}"
                 f"{' and follows another' if body.joint.mimic else ''}; derivations are written "
-                f"for independent "
-                f"revolute and prismatic joints. {instead}."
+                f"for independent joints of one coordinate. {instead}."
             )
     for i, k in enumerate(symbols.tree.body_of):
         if len(symbols.tree.bodies[k].masses) > 1:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from freebody.derivations.methods.setting import Setting
 from freebody.errors import listed
 
@@ -32,6 +34,37 @@ def _acting(s: Setting, i: int) -> list[str]:
     if s.loaded(i):
         acting.append("the load f at the tip")
     return acting
+
+
+def working_part(s: Setting, i: int) -> str:
+    """What of the force and the moment at joint i does work along its coordinate."""
+    n = s.numbers[i]
+    if not s.turns(i):
+        return f"the force along the slide u_{n}"
+    moment = f"the moment about the axis of joint {n}"
+    return f"{moment} and pitch times the force along it" if s.slides(i) else moment
+
+
+def joints_that(s: Setting, turn: bool) -> str:
+    """What joints are called that turn their bodies, or do not: `revolute or helical`; or
+    nothing."""
+    return " or ".join(dict.fromkeys(s.words(i).joint for i in s.order if s.turns(i) == turn))
+
+
+def added_rates(s: Setting) -> str:
+    """What the joints add to the angular velocities."""
+    turning, others = joints_that(s, turn=True), joints_that(s, turn=False)
+    if not turning:
+        return f"No joint turns a body; a {others} joint adds nothing"
+    added = f"A {turning} joint adds its rate to the angular velocity of the body before it"
+    return f"{added}; a {others} joint adds nothing" if others else added
+
+
+def coriolis(s: Setting, joints: Iterable[int]) -> str:
+    """Coriolis' acceleration of what slides on a turning body: 2 ω × ḋ u."""
+    sliding = sorted({s.turns(i) for i in joints if s.slides(i)})
+    ways = {False: "2 ω × ḋ u", True: "2 ω × h θ̇ z (h: the pitch)"}
+    return " or ".join(ways[turns] for turns in sliding)
 
 
 def motorless(s: Setting) -> str:
@@ -68,7 +101,9 @@ def eliminated(s: Setting, i: int) -> str:
         )
         return f"{into} leaves {left}."
     if not s.driven(i):
-        return f"{into} gives the moment; there is no motor to give its part about the axis."
+        return f"{into} gives the moment; there is no motor to give {working_part(s, i)}."
+    if s.slides(i):
+        return f"{into} gives the moment; the torque τ_{n} is {working_part(s, i)}."
     return f"{into} gives the moment, whose part about the axis is the torque τ_{n}."
 
 

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from freebody.algorithms.kinematics import ancestors
-from freebody.model.joints.revolute import Turning
 from freebody.model.tree import Tree
 
 Crossing = tuple[int, float]
@@ -42,7 +41,7 @@ def chain(tree: Tree, name: str, ends: tuple[str | None, str], distance: float =
 
 def is_turning(tree: Tree, crossing: Crossing) -> bool:
     """Whether a joint on the way turns; else it slides."""
-    return isinstance(tree.bodies[crossing[0]].primitive, Turning)
+    return tree.bodies[crossing[0]].primitive.turns
 
 
 def coordinate(tree: Tree, crossing: Crossing) -> int:

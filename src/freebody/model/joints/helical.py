@@ -12,18 +12,19 @@ from freebody.spatial import AnySpace, Matrix, Vector, scale
 
 @dataclass(frozen=True)
 class Screwing(Primitive):
-    """Rotation by q[0] (rad) about the axis, and translation by pitch · q[0] (m) along it."""
+    """Rotation by q[0] (rad) about the axis, and translation by pitch times q[0] (m) along it."""
 
-    pitch: Scalar
+    advance: Scalar
+    """The pitch, m/rad."""
     nq = nv = 1
     turns = slides = True
     words = JointWords("helical", "angle", "torque", "nut", "rad", "N m")
 
     def pose(self, space: AnySpace, axis: Vector, q: Vector) -> tuple[Matrix, Vector]:
-        return space.rotation(axis, q[0]), scale(self.pitch * q[0], axis)
+        return space.rotation(axis, q[0]), scale(self.advance * q[0], axis)
 
     def columns(self, space: AnySpace, axis: Vector) -> tuple[Column, ...]:
-        return ((axis, scale(self.pitch, axis)),)
+        return ((axis, scale(self.advance, axis)),)
 
 
 class Helical(JointKind):
@@ -32,7 +33,7 @@ class Helical(JointKind):
     name = "helical"
     motion = Screwing
     nq = nv = 1
-    numbers = (Own("pitch", "m/rad", "advance for each radian"),)
+    numbers = (Own("pitch", "m/rad", "pitch (advance for each radian)"),)
     angular = (True,)
     coordinates = ("theta",)
     mark = "screw"

@@ -10,6 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import ClassVar, NamedTuple
 
+from freebody.elementary import Scalar
 from freebody.spatial import AnySpace, Matrix, Vector, add, sub
 
 Column = tuple[Vector, Vector]
@@ -52,6 +53,8 @@ class Primitive(ABC):
     """Of one axis: whether its motion turns the child about it."""
     slides: ClassVar[bool] = False
     """Of one axis: whether its motion takes the child along it."""
+    advance: Scalar = 0.0
+    """Of one axis: how far it takes the child along it for each unit of the coordinate."""
 
     @abstractmethod
     def pose(self, space: AnySpace, axis: Vector, q: Vector) -> tuple[Matrix, Vector]:

@@ -11,6 +11,7 @@ class Sliding(Primitive):
 
     nq = nv = 1
     slides = True
+    advance = 1.0
     words = JointWords("prismatic", "displacement", "force", "guide", "m", "N")
 
     def pose(self, space: AnySpace, axis: Vector, q: Vector) -> tuple[Matrix, Vector]:
