@@ -113,8 +113,8 @@ def test_a_universal_loop_is_a_universal_joint():
     """A free body that such a loop holds moves as one on the joint, also beyond a quarter turn, and
     is held by the same wrench."""
     at = shift(0.1, 0.0, 0.2).then(rpy(0.3, 0.2, 0.1))
-    jointed = described(Joint("u", "universal", "base", "a", at))
-    free = described(Joint("f", "free", "base", "a"))
+    jointed = build_model(described(Joint("u", "universal", "base", "a", at)))
+    free = build_model(described(Joint("f", "free", "base", "a")))
     free = replace(
         free, bodies=tuple(replace(b, inertias=jointed.bodies[0].inertias) for b in free.bodies)
     )
