@@ -3,8 +3,10 @@ what these ask for is what the loader provides there."""
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -61,3 +63,28 @@ def test_the_loader_provides_what_kernels_ask_for(machine: str, tmp_path: Path):
     provided = {prefix + name for names in libraries(system, there.x86).values() for name in names}
     assert asked - MARKS <= provided
     assert asked & provided
+
+
+WITHOUT = """
+import os, sys
+for name in ("geteuid", "getuid", "fork", "register_at_fork", "sched_getaffinity", "set_blocking",
+             "O_NOFOLLOW", "O_DIRECTORY", "O_CLOEXEC", "O_NONBLOCK", "O_NOCTTY"):
+    delattr(os, name)
+sys.modules["fcntl"] = sys.modules["pwd"] = sys.modules["resource"] = None
+import freebody.cli
+freebody.cli.main()
+"""
+"""The command where the system is not POSIX: what Windows has no counterpart of is gone."""
+
+
+def test_a_study_needs_nothing_that_only_posix_has(tmp_path: Path):
+    done = subprocess.run(
+        [sys.executable, "-c", WITHOUT, "study", "2R", "--out", "study"],
+        cwd=tmp_path,
+        env=os.environ | {"FREEBODY_CACHE": str(tmp_path / "cache")},
+        capture_output=True,
+        text=True,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "report.html" in {path.name for path in (tmp_path / "study").iterdir()}
+    assert any((tmp_path / "cache").iterdir())  # compiled code is kept
