@@ -8,6 +8,8 @@ import tempfile
 import pytest
 from hypothesis import settings
 
+from support.extras import extra
+
 # the same examples everywhere, however slow the machine is
 settings.register_profile("freebody", deadline=None, derandomize=True, database=None)
 settings.load_profile("freebody")
@@ -20,6 +22,9 @@ if "FREEBODY_CACHE" not in os.environ:
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
+    if not item.get_closest_marker("browser"):
+        return
     missing = [name for name in ("chromium", "chromedriver") if shutil.which(name) is None]
-    if missing and item.get_closest_marker("browser"):
+    if missing:
         pytest.skip(f"needs {' and '.join(missing)} on the path")
+    extra("selenium", "Selenium")

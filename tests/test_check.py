@@ -12,6 +12,7 @@ import pytest
 import freebody as fb
 from freebody.cli.app import run
 from freebody.derivations.check.source import LONGEST, AnswerError
+from support.extras import extra
 
 ARM = fb.planar("RR")
 M12 = "m2*(lc2^2 + l1*lc2*cos(theta2)) + I2"
@@ -200,7 +201,7 @@ def test_symbols_that_the_arm_does_not_have_are_explained():
 
 # ---------------------------------------------------------------- other inputs
 def test_sympy_is_read():
-    sympy = pytest.importorskip("sympy")
+    sympy = extra("sympy", "SymPy")
     from sympy.physics.mechanics import dynamicsymbols
 
     q1, q2 = dynamicsymbols("theta1 theta2")

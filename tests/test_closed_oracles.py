@@ -4,7 +4,6 @@ coordinates."""
 from __future__ import annotations
 
 import math
-import sys
 from functools import lru_cache
 
 import numpy as np
@@ -13,17 +12,10 @@ import pytest
 import freebody as fb
 from freebody.model.model import Model
 from freebody.trees.passive import all_driven
+from support.extras import extra
 from support.helpers import close, numbers
 
-if sys.platform == "linux":
-    import mujoco
-    import pinocchio as pin
-else:
-    pin = pytest.importorskip(
-        "pinocchio", reason="there is no wheel of Pinocchio for this platform"
-    )
-    mujoco = pytest.importorskip("mujoco")
-
+pin, mujoco = extra("pinocchio", "Pinocchio"), extra("mujoco", "MuJoCo")
 G = 9.81
 
 

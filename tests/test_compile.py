@@ -15,6 +15,7 @@ from freebody.errors import FreebodyError, KindError, UnknownNameError
 from freebody.program import ProgramError
 from freebody.scalars.nodes import GraphError
 from freebody.targets.blame import BatchError
+from support.extras import extra
 
 
 def law(q, qd, goal, kp, kd):
@@ -477,7 +478,7 @@ def test_own_functions_go_out_as_text_and_to_jax(tmp_path):
     scope: dict = {}
     exec(fb.source(kernel), scope)
     ways = [scope["smooth"](*given)]
-    jax = pytest.importorskip("jax", reason="JAX is an extra: pip install 'freebody[jax]'")
+    jax = extra("jax", "JAX", "jax")
     with jax.enable_x64(True):
         ways.append([np.asarray(x) for x in fb.to_jax(kernel)(*given)])
         by_jax = jax.vmap(jax.jacfwd(lambda *x: fb.to_jax(kernel)(*x)[0]))(*given)

@@ -34,6 +34,7 @@ from freebody.targets.cuda.parts import LARGEST, ROOM, alive, part, parts, prepa
 from freebody.targets.llvm.machine import host
 from freebody.targets.text import Unit, cuda
 from support import gpu
+from support.extras import extra
 from support.real_files import ROBOTS
 
 TALOS = ROBOTS / "talos_data/robots/talos_reduced.urdf"
@@ -342,9 +343,7 @@ def test_kernels_run_on_an_emulated_driver():
     """All that is said of kernels on a GPU, and of kernels of all targets: their code runs, below
     NVIDIA's binding."""
     for package in ("cuda.bindings", "cuda.core"):
-        pytest.importorskip(
-            package, reason=f"{package} is not installed: pip install 'freebody[cuda]'"
-        )
+        extra(package, name="cuda")
     require_compiler()
     here = Path(__file__).parent
     files = [here / name for name in ("test_cuda_device.py", "test_kernels.py")]

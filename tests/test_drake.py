@@ -3,24 +3,16 @@
 from __future__ import annotations
 
 import re
-import sys
 
 import numpy as np
 import pytest
 
 import freebody as fb
+from support.extras import extra
 from support.helpers import close
 from support.real_files import ROBOTS
 
-if sys.platform == "linux":
-    import pydrake.multibody.parsing as parsing  # where there is a wheel it must be here
-    import pydrake.multibody.plant as plants
-else:
-    parsing = pytest.importorskip(
-        "pydrake.multibody.parsing", reason="there is no wheel of Drake for this platform"
-    )
-    plants = pytest.importorskip("pydrake.multibody.plant")
-
+parsing, plants = (extra(f"pydrake.multibody.{name}", "Drake") for name in ("parsing", "plant"))
 FILES = (
     "ur_description/urdf/ur5_robot.urdf",
     "kinova_description/robots/kinova.urdf",

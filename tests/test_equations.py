@@ -27,6 +27,7 @@ from freebody.model.inertia import Inertia
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter
 from freebody.model.placement import shift, turn
+from support.extras import extra
 from support.helpers import numbers
 from support.printed_values import evaluate
 
@@ -219,7 +220,7 @@ def test_c_source(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["RR", "RRR with drives", "PRP", "named 1", "numbers 1"])
 def test_sympy(name: str) -> None:
-    sympy = pytest.importorskip("sympy")
+    sympy = extra("sympy", "SymPy")
     model = MODELS[name]
     eqs = fb.equations(model)
     q, qd, qdd = (x[:1] for x in state(model))

@@ -35,6 +35,7 @@ from freebody.targets.text import LANGUAGES, Unit
 from freebody.targets.text.language import called
 from freebody.targets.text.statements import Spelling, lines, statements, words_of
 from support.browser import browser
+from support.extras import extra
 from support.generate import model as mechanism
 
 TOOL = {
@@ -68,7 +69,7 @@ def require(language: str) -> None:
     if shutil.which(TOOL[language]) is None:
         pytest.skip(f"{TOOL[language]} is not installed: {language} is written, not run")
     if language in NEEDS:
-        pytest.importorskip(NEEDS[language], reason=f"{NEEDS[language]} is not installed")
+        extra(NEEDS[language])
 
 
 def self_test(folder: Path, language: str, word: str) -> subprocess.CompletedProcess[str]:
@@ -199,7 +200,7 @@ def test_every_operation_in_every_language(language, tmp_path):
         package(program, tmp_path, language, dtype)
         if shutil.which(TOOL[language]) and language != "casadi":
             if language in NEEDS:
-                pytest.importorskip(NEEDS[language])
+                extra(NEEDS[language])
             passes(tmp_path, language, "everything")
     require(language)
 

@@ -34,6 +34,7 @@ from freebody.derivations.render.sympy import to_sympy
 from freebody.derivations.render.text import breakable
 from freebody.derivations.values import value
 from freebody.errors import FreebodyError, UnknownNameError
+from support.extras import extra
 from support.printed_values import evaluate
 
 
@@ -198,7 +199,7 @@ def test_pieces_of_a_text_are_equal_to_themselves_alone() -> None:
 
 
 def test_sympy() -> None:
-    sympy = pytest.importorskip("sympy")
+    sympy = extra("sympy", "SymPy")
     a, b = sympy.symbols("a b", real=True)
     assert to_sympy(add(mul(Fraction(1, 2), power("a", 2)), neg(sin("b")))) == a**2 / 2 - sympy.sin(
         b

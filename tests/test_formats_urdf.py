@@ -9,6 +9,7 @@ import pytest
 
 import freebody as fb
 from freebody.model.model import Model
+from support.extras import extra
 from support.real_files import FILES, REFUSED, ROBOTS
 
 
@@ -44,7 +45,7 @@ def said(model: Model, kind: str) -> list[str]:
 @pytest.mark.parametrize("base", ["fixed", "free"])
 @pytest.mark.parametrize("name", FILES)
 def test_real_file_as_pinocchio_reads_it(name: str, base: str):
-    pin = pytest.importorskip("pinocchio")
+    pin = extra("pinocchio", "Pinocchio")
     path = str(ROBOTS / name)
     if name in REFUSED and "mimic" not in REFUSED[name]:
         with pytest.raises(fb.FreebodyError, match=REFUSED[name]):
@@ -90,7 +91,7 @@ def same_body(model: Model, index: int, placement, inertia) -> None:
 
 @pytest.mark.parametrize("name", FILES)
 def test_real_file_with_mimics_followed(name: str):
-    pin = pytest.importorskip("pinocchio")
+    pin = extra("pinocchio", "Pinocchio")
     path = str(ROBOTS / name)
     if name in REFUSED:
         with pytest.raises(fb.FreebodyError, match=REFUSED[name]):

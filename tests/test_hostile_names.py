@@ -21,6 +21,7 @@ import xarray as xr
 import freebody as fb
 from freebody.cli.app import run
 from freebody.targets.text import LANGUAGES
+from support.extras import extra
 
 CODE = "__import__('builtins').__dict__.__setitem__('hacked', True)"
 HOSTILE = {
@@ -189,7 +190,7 @@ def test_a_package_holds_the_names_and_nothing_runs_them(model, hostile, languag
 
 
 def test_jax(tame, tmp_path):
-    jax = pytest.importorskip("jax", reason="JAX is an extra: pip install 'freebody[jax]'")
+    jax = extra("jax", "JAX", "jax")
     for name in (HOSTILE["docstring"], HOSTILE["nul"]):
         model = arm(name, tmp_path)
         with jax.enable_x64(True):

@@ -17,9 +17,10 @@ from freebody.kernels import differentials
 from freebody.kernels.differentials import Differentiable
 from freebody.targets.xla import operation as xla
 from freebody.targets.xla.grid import arranged
+from support.extras import extra
 from support.real_files import ROBOTS
 
-jax = pytest.importorskip("jax", reason="JAX is an extra: pip install 'freebody[jax]'")
+jax = extra("jax", "JAX", "jax")
 jnp = jax.numpy
 
 

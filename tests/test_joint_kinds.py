@@ -16,6 +16,7 @@ from freebody.model.gravity import gravity_of
 from freebody.model.joints import KINDS
 from freebody.model.placement import rpy, shift
 from support import generate
+from support.extras import extra
 from support.helpers import close
 
 PITCH = 0.03
@@ -57,7 +58,7 @@ def dynamics(model: fb.Model, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) ->
 
 
 def test_pinocchio_has_the_same_helical_and_universal_joint():
-    pin = pytest.importorskip("pinocchio")
+    pin = extra("pinocchio", "Pinocchio")
     model = build_model(described(*THREE))
     theirs = pin.Model()
     theirs.gravity.linear[:] = model.gravity

@@ -6,7 +6,6 @@ import re
 import sys
 from xml.etree.ElementTree import Element, SubElement, tostring
 
-import mujoco
 import numpy as np
 import pytest
 
@@ -16,8 +15,11 @@ from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.model import Model
 from freebody.model.placement import Placement
 from support import generate
+from support.extras import extra
 from support.helpers import close, numbers, poses
 from support.real_files import FILES, ROBOTS
+
+mujoco = extra("mujoco", "MuJoCo")
 
 EPS = 1e-9  # MuJoCo turns each inertia to its principal axes and back
 

@@ -9,7 +9,6 @@ import dataclasses
 import itertools
 import math
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -17,6 +16,9 @@ from freebody.elementary import FUNCTIONS
 from freebody.program import Argument, trace
 from freebody.targets import compile_program
 from freebody.targets.llvm import machine
+from support.extras import extra
+
+mpmath = extra("mpmath")
 
 LARGEST = {"exp": 0.8, "log": 0.8, "tanh": 1.4, "atan2": 1.4, "asin": 0.7, "acos": 0.7}
 """Error in units of the last place; the documentation states the next whole number."""

@@ -15,8 +15,9 @@ import pytest
 import freebody as fb
 from freebody.targets.xla import layout
 from freebody.targets.xla import operation as xla
+from support.extras import extra
 
-jax = pytest.importorskip("jax", reason="JAX is an extra: pip install 'freebody[jax]'")
+jax = extra("jax", "JAX", "jax")
 
 
 @pytest.fixture(autouse=True)

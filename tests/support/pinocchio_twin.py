@@ -6,7 +6,6 @@ quaternions as xyzw.
 
 from __future__ import annotations
 
-import sys
 from functools import lru_cache
 
 import numpy as np
@@ -14,16 +13,11 @@ import pytest
 
 import freebody as fb
 from freebody.model.model import Model
+from support.extras import extra
 from support.helpers import close
 from support.real_files import FILES, REFUSED, ROBOTS
 
-if sys.platform == "linux":
-    import pinocchio as pin  # where there is a wheel it must be here
-else:
-    pin = pytest.importorskip(
-        "pinocchio", reason="there is no wheel of Pinocchio for this platform"
-    )
-
+pin = extra("pinocchio", "Pinocchio")
 EPS = np.finfo(float).eps
 BASES = ("fixed", "free")
 LOADED = [name for name in FILES if name not in REFUSED or "mimic" in REFUSED[name]]
