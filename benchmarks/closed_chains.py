@@ -25,7 +25,7 @@ import pinocchio as pin
 
 import freebody as fb
 from freebody.model.model import Model
-from freebody.trees.passive import all_driven
+from freebody.trees.passive_joints import all_driven
 
 BATCH, LOOP, SAMPLES = 4096, 256, 1000
 ROBOTS = ("four_bar", "five_bar", "stewart")

@@ -94,14 +94,14 @@ def test_more_drives_than_freedoms(name):
     J = numbers(model, "constraint_jacobian", q)
     assert np.linalg.norm(_weighed(model, tau)) <= np.linalg.norm(_weighed(model, few)) * (1 + 1e-9)
     # what loops do to the joints is orthogonal to the least torques
-    from freebody.loops.scaled import rate_scale
+    from freebody.loops.scaled_equations import rate_scale
 
     rates = rate_scale(model)
     close((J * rates) @ (rates * tau), np.zeros(len(J)), 1e-9, 1.0 + float(np.abs(tau).max()))
 
 
 def _weighed(model: Model, tau: np.ndarray) -> np.ndarray:
-    from freebody.loops.scaled import rate_scale
+    from freebody.loops.scaled_equations import rate_scale
 
     return rate_scale(model) * tau
 

@@ -10,7 +10,7 @@ import pytest
 import freebody as fb
 from freebody.errors import LoopError, NotFiniteError, ShapeError, SingularError, UnknownNameError
 from freebody.model.model import Model
-from freebody.trees.passive import all_driven
+from freebody.trees.passive_joints import all_driven
 from support.helpers import close, refused
 
 CLOSED = ("four_bar", "slider_crank", "five_bar", "five_bar_rods", "3RRR")
@@ -440,8 +440,8 @@ def test_saved_and_loaded(name, tmp_path):
     q = fb.random_state(model, 1)[0]
     for one, other in ((model, again), (model, pickle.loads(pickle.dumps(model)))):
         close(
-            fb.loops.scaled.every_residual(other, q),
-            fb.loops.scaled.every_residual(one, q),
+            fb.loops.scaled_equations.every_residual(other, q),
+            fb.loops.scaled_equations.every_residual(one, q),
             1e-12,
             1.0,
         )

@@ -11,10 +11,10 @@ import pytest
 import freebody as fb
 from freebody.errors import SingularError
 from freebody.kernels import lookup, structural
-from freebody.loops.partition import partition
-from freebody.loops.scaled import rate_scale, row_scale
+from freebody.loops.independent_equations import partition
+from freebody.loops.scaled_equations import rate_scale, row_scale
 from freebody.model.model import Model
-from freebody.trees.passive import all_driven
+from freebody.trees.passive_joints import all_driven
 from support.helpers import close, numbers
 
 CLOSED = [

@@ -10,7 +10,7 @@ import freebody as fb
 from freebody.errors import FreebodyError, LoopError
 from freebody.kernels.formulas import Option
 from freebody.kernels.tracing import program
-from freebody.loops.scaled import rate_scale
+from freebody.loops.scaled_equations import rate_scale
 from freebody.program import Program
 from freebody.targets import compile_program
 from support.helpers import close

@@ -8,7 +8,7 @@ import pytest
 
 import freebody as fb
 from freebody.errors import LoopError, PassiveJointError
-from freebody.loops.partition import independent_rows, partition
+from freebody.loops.independent_equations import independent_rows, partition
 from freebody.model.families import FamilyError
 from support.helpers import close
 

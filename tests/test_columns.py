@@ -13,7 +13,7 @@ import pytest
 import freebody as fb
 from freebody.kernels import lookup
 from freebody.kernels.arguments import arguments
-from freebody.kernels.columns import ColumnKernel, KernelList
+from freebody.kernels.column_by_column import ColumnKernel, KernelList
 from freebody.kernels.formulas import FORMULAS, Option
 from freebody.targets import KernelError
 from support.branched import MODELS, difference_along

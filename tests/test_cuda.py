@@ -22,8 +22,8 @@ import freebody as fb
 from freebody.elementary import FUNCTIONS
 from freebody.kernels.formulas import FORMULAS
 from freebody.kernels.options import chosen_option
+from freebody.kernels.self_test_samples import vectors
 from freebody.kernels.tracing import program
-from freebody.kernels.vectors import vectors
 from freebody.program import Argument, Program, trace
 from freebody.scalars.operations import OPERATIONS
 from freebody.targets import KernelError, compile_program

@@ -9,8 +9,8 @@ import pytest
 
 import freebody as fb
 from freebody.loops.assembly import _solutions
-from freebody.loops.decompose import decomposed
-from freebody.loops.scaled import every_residual
+from freebody.loops.dyad_decomposition import decomposed
+from freebody.loops.scaled_equations import every_residual
 
 
 def distinct(q):

@@ -27,7 +27,7 @@ import freebody as fb
 from freebody.cli.app import app, run
 from freebody.elementary import epsilon, less, less_equal, maximum, minimum, sign, sin, sqrt, where
 from freebody.kernels.formulas import FORMULAS
-from freebody.kernels.vectors import vectors
+from freebody.kernels.self_test_samples import vectors
 from freebody.program import Argument, Program, trace
 from freebody.scalars.expr import Expr
 from freebody.scalars.operations import OPERATIONS

@@ -104,10 +104,14 @@ assert status == 0, status
 @pytest.mark.parametrize(
     ("use", "slow", "stage"),
     [
-        ("fb.compile", "freebody.kernels.compiled", "create_module"),  # not among the modules yet
+        (
+            "fb.compile",
+            "freebody.kernels.own_functions",
+            "create_module",
+        ),  # not among the modules yet
         ("fb.math", "freebody.math", "create_module"),
         ("fb.compile", "freebody.targets.threads", "exec_module"),
-        ("import freebody.kernels.compiled", "freebody.targets.threads", "exec_module"),
+        ("import freebody.kernels.own_functions", "freebody.targets.threads", "exec_module"),
         ("import freebody_notes.run", "freebody_notes.item", "exec_module"),
     ],
 )
@@ -266,13 +270,13 @@ def test_memory_of_results_that_are_gone_is_used_again_and_of_those_that_are_the
 
 
 def test_threads_that_ask_for_memory_at_once_get_different_pieces():
-    from freebody.targets import memory
+    from freebody.targets import result_memory
 
     wrong = []
 
     def work(value: float) -> None:
         for _ in range(300):
-            piece = memory.empty((40_000,))
+            piece = result_memory.empty((40_000,))
             piece[::5000] = value
             time.sleep(0)
             wrong.append(bool((piece[::5000] != value).any()))
@@ -284,4 +288,7 @@ def test_threads_that_ask_for_memory_at_once_get_different_pieces():
         worker.join()
     assert len(wrong) == 1200
     assert not any(wrong)
-    assert sum(size * len(pieces) for size, pieces in memory._kept.items()) <= memory.LIMIT
+    assert (
+        sum(size * len(pieces) for size, pieces in result_memory._kept.items())
+        <= result_memory.LIMIT
+    )

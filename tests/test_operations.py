@@ -20,7 +20,7 @@ from freebody.scalars.nodes import GraphError
 from freebody.scalars.operations import OPERATIONS
 from freebody.scalars.trig import TrigRing
 from freebody.targets import compile_program
-from freebody.targets.interpret import FUNCTION
+from freebody.targets.interpreter import FUNCTION
 from freebody.targets.llvm.instructions import INSTRUCTION
 from freebody.targets.target import target_named
 from freebody.targets.text import LANGUAGES, Unit

@@ -14,7 +14,7 @@ from freebody.errors import ShapeError
 from freebody.program import Argument, passes, trace
 from freebody.program.hoist import hoist
 from freebody.targets import compile_program, settings
-from freebody.targets.interpret import Interpreter
+from freebody.targets.interpreter import Interpreter
 from support.programs import assert_close, direct, random_program, samples
 
 LLVM = [2, 4, 8]

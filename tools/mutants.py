@@ -51,7 +51,7 @@ AREAS = (
         "kernels",
         ("program/*.py", "targets/*.py", "targets/llvm/*.py", "scalars/*.py",
          "kernels/lookup.py", "kernels/options.py", "kernels/arguments.py", "kernels/tracing.py",
-         "kernels/formulas/*.py", "kernels/columns.py"),
+         "kernels/formulas/*.py", "kernels/column_by_column.py"),
         ("program", "kernels", "threads", "llvm_text", "sine_and_cosine", "code_cache", "targets",
          "trig", "fastcall", "columns", "expr", "operational", "order_of_calls", "code_from_text",
          "numerics_errors", "equations", "laws"),

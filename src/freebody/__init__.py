@@ -58,7 +58,7 @@ _PLACES = {
         "potential_energy",
         "momentum",
     ),
-    "freebody.trees.operational": (
+    "freebody.trees.operational_space": (
         "mass_matrix_inverse",
         "operational_space_inertia",
         "operational_space_bias",
@@ -75,8 +75,8 @@ _PLACES = {
     "freebody.loops.rates": ("loop_velocity", "loop_acceleration"),
     "freebody.loops.mobility": ("mobility",),
     "freebody.loops.reactions": ("reactions",),
-    "freebody.loops.parallel": ("input_output",),
-    "freebody.loops.loci": ("singularity_loci",),
+    "freebody.loops.input_output": ("input_output",),
+    "freebody.loops.singularity_loci": ("singularity_loci",),
     "freebody.inverse.kinematics": ("inverse_kinematics",),
     "freebody.inverse.rates": ("inverse_velocity", "inverse_acceleration"),
     "freebody.inverse.singularities": ("singularities",),
@@ -84,7 +84,7 @@ _PLACES = {
     "freebody.kernels.exports": ("export", "source"),
     "freebody.kernels.in_jax": ("to_jax",),
     "freebody.kernels.in_torch": ("to_torch",),
-    "freebody.kernels.compiled": ("compile",),
+    "freebody.kernels.own_functions": ("compile",),
     "freebody.kernels.scalar_formulas": ("formula",),
     "freebody.derivations.equations": ("equations",),
     "freebody.derivations.closed.loops": ("loop_equations",),
@@ -109,7 +109,7 @@ _QUICK = tuple(
     for name in (
         "trees.kinematics",
         "trees.dynamics",
-        "trees.operational",
+        "trees.operational_space",
         "trees.states",
         "inverse.rates",
     )

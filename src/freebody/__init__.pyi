@@ -25,21 +25,21 @@ from freebody.inverse.kinematics import inverse_kinematics as inverse_kinematics
 from freebody.inverse.rates import inverse_acceleration as inverse_acceleration
 from freebody.inverse.rates import inverse_velocity as inverse_velocity
 from freebody.inverse.singularities import singularities as singularities
-from freebody.kernels.compiled import compile as compile
 from freebody.kernels.exports import export as export
 from freebody.kernels.exports import source as source
 from freebody.kernels.in_jax import to_jax as to_jax
 from freebody.kernels.in_torch import to_torch as to_torch
 from freebody.kernels.lookup import kernel as kernel
+from freebody.kernels.own_functions import compile as compile
 from freebody.kernels.scalar_formulas import formula as formula
 from freebody.loops.assembly import assemble as assemble
 from freebody.loops.assembly import assembly_modes as assembly_modes
-from freebody.loops.loci import singularity_loci as singularity_loci
+from freebody.loops.input_output import input_output as input_output
 from freebody.loops.mobility import mobility as mobility
-from freebody.loops.parallel import input_output as input_output
 from freebody.loops.rates import loop_acceleration as loop_acceleration
 from freebody.loops.rates import loop_velocity as loop_velocity
 from freebody.loops.reactions import reactions as reactions
+from freebody.loops.singularity_loci import singularity_loci as singularity_loci
 from freebody.model.description import Drive as Drive
 from freebody.model.description import Limits as Limits
 from freebody.model.dh import dh as dh
@@ -85,16 +85,18 @@ from freebody.trees.kinematics import jacobian as jacobian
 from freebody.trees.kinematics import jacobian_derivatives as jacobian_derivatives
 from freebody.trees.kinematics import jacobian_dot as jacobian_dot
 from freebody.trees.kinematics import velocity as velocity
-from freebody.trees.operational import centroidal_momentum_matrix as centroidal_momentum_matrix
-from freebody.trees.operational import energy_regressor as energy_regressor
-from freebody.trees.operational import (
+from freebody.trees.operational_space import (
+    centroidal_momentum_matrix as centroidal_momentum_matrix,
+)
+from freebody.trees.operational_space import energy_regressor as energy_regressor
+from freebody.trees.operational_space import (
     forward_dynamics_parameter_derivatives as forward_dynamics_parameter_derivatives,
 )
-from freebody.trees.operational import inertial_parameters as inertial_parameters
-from freebody.trees.operational import mass_matrix_inverse as mass_matrix_inverse
-from freebody.trees.operational import operational_space_bias as operational_space_bias
-from freebody.trees.operational import operational_space_inertia as operational_space_inertia
-from freebody.trees.operational import regressor as regressor
+from freebody.trees.operational_space import inertial_parameters as inertial_parameters
+from freebody.trees.operational_space import mass_matrix_inverse as mass_matrix_inverse
+from freebody.trees.operational_space import operational_space_bias as operational_space_bias
+from freebody.trees.operational_space import operational_space_inertia as operational_space_inertia
+from freebody.trees.operational_space import regressor as regressor
 from freebody.trees.states import difference as difference
 from freebody.trees.states import integrate as integrate
 from freebody.trees.states import neutral as neutral

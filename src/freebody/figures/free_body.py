@@ -19,7 +19,7 @@ from freebody.figures.names import Names, names_of
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.figures.text import number
 from freebody.model.model import Model
-from freebody.trees.calls import Vector, Wrenches
+from freebody.trees.public_calls import Vector, Wrenches
 
 PANEL, TALLEST = 430.0, 400.0
 """Size of one diagram, pixels."""

@@ -12,7 +12,7 @@ from freebody.figures.layers.views import VIEWS, view
 from freebody.figures.names import names_of
 from freebody.figures.snapshot import snapshot
 from freebody.model.model import Model
-from freebody.trees.calls import Vector
+from freebody.trees.public_calls import Vector
 
 WIDE, TALL = 440.0, 420.0
 """Size of one drawing, pixels."""

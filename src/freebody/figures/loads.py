@@ -20,8 +20,8 @@ from freebody.derivations.expression import Expression
 from freebody.derivations.naming import Naming
 from freebody.figures.skeleton import BodyPlace, Skeleton, extent, skeleton
 from freebody.model.model import Model
-from freebody.trees.calls import Vector, Wrenches, single_vector, wrenches_by_frame
 from freebody.trees.dynamics import joint_wrenches
+from freebody.trees.public_calls import Vector, Wrenches, single_vector, wrenches_by_frame
 
 NOISE = 1e-9
 """Of the largest force or moment on the mechanism: components below are rounding, and 0 in all

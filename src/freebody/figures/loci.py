@@ -14,7 +14,7 @@ from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.layers.structure import structure
 from freebody.figures.names import names_of
 from freebody.figures.snapshot import snapshot
-from freebody.loops.loci import Locus, singularity_loci
+from freebody.loops.singularity_loci import Locus, singularity_loci
 from freebody.model.model import Model
 from freebody.trees.kinematics import forward_kinematics
 

@@ -16,7 +16,7 @@ from freebody.figures.drawing import SAME
 from freebody.model.joints import JointKind
 from freebody.model.model import Model
 from freebody.model.tree import Mass, Tree
-from freebody.trees.calls import single_vector
+from freebody.trees.public_calls import single_vector
 
 
 @dataclass(frozen=True)

@@ -19,9 +19,9 @@ from freebody.loops.assembly import assemble
 from freebody.loops.rates import loop_acceleration, loop_velocity
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, with_parameters
-from freebody.trees.calls import Wrenches, single_vector
 from freebody.trees.dynamics import inverse_dynamics, mass_matrix
 from freebody.trees.kinematics import acceleration, velocity
+from freebody.trees.public_calls import Wrenches, single_vector
 from freebody.trees.states import neutral
 
 _PATTERN = (("lc", 0.45), ("l", 0.9), ("a", 0.4), ("d", 0.3), ("m", 1.0), ("I", 0.05), ("g", 9.81))

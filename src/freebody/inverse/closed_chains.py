@@ -14,7 +14,7 @@ from freebody.inverse.numerical_solver import EXACT, NumericalSolver
 from freebody.inverse.problem import Found, Problem
 from freebody.inverse.solutions import ALIKE, APART, Solutions, Verified, wrapped
 from freebody.lazy import cached_property
-from freebody.loops.decompose import Decomposition, decomposed
+from freebody.loops.dyad_decomposition import Decomposition, decomposed
 from freebody.loops.equations import (
     closing,
     gaps,
@@ -22,7 +22,7 @@ from freebody.loops.equations import (
     scaled_residual,
     within_tolerance,
 )
-from freebody.loops.scaled import backward, length, rate_scale, shortest_way
+from freebody.loops.scaled_equations import backward, length, rate_scale, shortest_way
 from freebody.model.model import Model
 from freebody.trees.states import integrate, random_state
 

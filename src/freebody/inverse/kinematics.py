@@ -25,7 +25,7 @@ from freebody.inverse.problem import Found, Problem
 from freebody.inverse.solutions import Solutions, verified
 from freebody.inverse.task import read_target
 from freebody.model.model import Model
-from freebody.trees.calls import Vector, finite_vector
+from freebody.trees.public_calls import Vector, finite_vector
 from freebody.trees.states import neutral
 
 LIMITS = ("mark", "drop", "ignore")

@@ -17,8 +17,8 @@ from freebody.inverse.task import row_names, rows_of
 from freebody.labels import aligned, labels_of
 from freebody.model.model import Model
 from freebody.model.model_argument import require_one
-from freebody.trees.calls import Vector, common_batch, finite_vector
 from freebody.trees.kinematics import jacobian, jacobian_dot
+from freebody.trees.public_calls import Vector, common_batch, finite_vector
 
 SINGULAR = 1e-10
 """A ratio of smallest to largest singular value (lengths over the arm's) below which the Jacobian

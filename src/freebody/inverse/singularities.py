@@ -19,8 +19,8 @@ from freebody.inverse.chain import arm_length
 from freebody.inverse.task import row_names, rows_of
 from freebody.model.model import Model
 from freebody.outputs.display import Titled
-from freebody.trees.calls import Vector, finite_vector
 from freebody.trees.kinematics import jacobian, jacobian_derivatives
+from freebody.trees.public_calls import Vector, finite_vector
 from freebody.trees.states import generic_state, integrate
 
 SHORT = 20_000

@@ -26,8 +26,8 @@ _PLACES = {
     "joint_wrenches": ("freebody.loops.reactions", "reactions"),
     "assemble": ("freebody.loops.assembly", "assemble"),
     "loop_velocity": ("freebody.loops.rates", "loop_velocity"),
-    "independent_rows": ("freebody.loops.partition", "independent_rows"),
-    "require_partition": ("freebody.loops.partition", "require_partition"),
+    "independent_rows": ("freebody.loops.independent_equations", "independent_rows"),
+    "require_partition": ("freebody.loops.independent_equations", "require_partition"),
 }
 
 

@@ -11,10 +11,10 @@ from typing import Any
 from freebody import __version__
 from freebody.errors import FreebodyError, KindError, UnknownNameError
 from freebody.identifiers import is_identifier
-from freebody.kernels.asked import Asked, asked
-from freebody.kernels.describe import ProgramDescription, of_program
 from freebody.kernels.inputs import InputKernel, KernelInputs
-from freebody.kernels.vectors import vectors
+from freebody.kernels.program_description import ProgramDescription, of_program
+from freebody.kernels.selection import Asked, asked
+from freebody.kernels.self_test_samples import vectors
 from freebody.model.families import FamilyError
 from freebody.model.model import Model
 from freebody.outputs.folder import write_folder

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from freebody.errors import MissingPackageError, ShapeError
-from freebody.kernels.asked import Asked, asked
 from freebody.kernels.differentials import Differentiable, of_quantities
 from freebody.kernels.inputs import InputKernel
+from freebody.kernels.selection import Asked, asked
 from freebody.model.families import FamilyError
 from freebody.model.model import Model
 from freebody.program import Program

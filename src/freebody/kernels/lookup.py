@@ -7,7 +7,7 @@ from typing import Any, overload
 
 from freebody.errors import FreebodyError
 from freebody.kernels.arguments import arguments
-from freebody.kernels.columns import LARGEST, ColumnKernel, KernelList
+from freebody.kernels.column_by_column import LARGEST, ColumnKernel, KernelList
 from freebody.kernels.formulas import FORMULAS, Option
 from freebody.kernels.inputs import InputKernel, input_kernel, inputs_of
 from freebody.kernels.options import chosen_option, several

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from freebody.arrays import Array
 from freebody.elementary import Scalar
-from freebody.kernels.columns import ColumnKernel, KernelList
+from freebody.kernels.column_by_column import ColumnKernel, KernelList
 from freebody.kernels.formulas import FORMULAS, POSITIONS, Option
 from freebody.kernels.lookup import in_columns
 from freebody.kernels.tracing import program
@@ -28,7 +28,7 @@ from freebody.model.tree import Tree
 from freebody.program import Argument
 from freebody.program.passes import without_unread
 from freebody.targets import Kernel, compile_program
-from freebody.targets.sound import sound
+from freebody.targets.finite_check import sound
 
 
 @dataclass(frozen=True)

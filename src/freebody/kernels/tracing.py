@@ -10,7 +10,7 @@ from freebody.elementary import Scalar
 from freebody.errors import SingularError
 from freebody.kernels.arguments import arguments, chosen, shape
 from freebody.kernels.formulas import FORMULAS, Option
-from freebody.kernels.slopes import directions, lifted, slope_arguments, with_slopes
+from freebody.kernels.input_derivatives import directions, lifted, slope_arguments, with_slopes
 from freebody.model.families import FamilyError
 from freebody.model.model import Model
 from freebody.model.tree import Tree

@@ -11,7 +11,7 @@ from freebody.algorithms.loop_checks import CLOSED
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, LoopError
 from freebody.loops.coordinates import free_coordinates
-from freebody.loops.decompose import decomposed
+from freebody.loops.dyad_decomposition import decomposed
 from freebody.loops.equations import (
     closing,
     gaps,
@@ -20,7 +20,7 @@ from freebody.loops.equations import (
     within_tolerance,
 )
 from freebody.loops.redundancy import EXACT
-from freebody.loops.scaled import (
+from freebody.loops.scaled_equations import (
     backward,
     every_residual,
     length,
@@ -28,7 +28,7 @@ from freebody.loops.scaled import (
     shortest_way,
 )
 from freebody.model.model import Model
-from freebody.trees.calls import Vector, finite_vector
+from freebody.trees.public_calls import Vector, finite_vector
 from freebody.trees.states import home_guess, integrate
 
 _RESTARTS = 32

@@ -22,15 +22,21 @@ from freebody.loops.equations import (
     scaled_jacobian,
     telling_much,
 )
-from freebody.loops.partition import independent_rows, partition
+from freebody.loops.independent_equations import independent_rows, partition
+from freebody.loops.rank_deficient import BLURRED, RANK, Idle, Jerk, solve
 from freebody.loops.redundancy import redundancy
-from freebody.loops.scaled import loop_of_row, mechanism, null_space, rate_scale, row_scale
-from freebody.loops.solving import BLURRED, RANK, Idle, Jerk, solve
+from freebody.loops.scaled_equations import (
+    loop_of_row,
+    mechanism,
+    null_space,
+    rate_scale,
+    row_scale,
+)
 from freebody.model.families import member_at
 from freebody.model.geometry import first_member
 from freebody.model.model import Model
-from freebody.trees.calls import Vector, Wrenches, attempt, checked_inputs
-from freebody.trees.massless import massless
+from freebody.trees.massless_joints import massless
+from freebody.trees.public_calls import Vector, Wrenches, attempt, checked_inputs
 from freebody.trees.states import difference, integrate
 
 _REGULAR = 1e-2  # of the same, from which stages of an integration need no care

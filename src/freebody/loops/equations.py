@@ -18,9 +18,10 @@ from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, LoopError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
-from freebody.loops.closing import Telling, closed_from
+from freebody.loops.closing_solver import Telling, closed_from
+from freebody.loops.rank_deficient import BLURRED
 from freebody.loops.redundancy import redundancy
-from freebody.loops.scaled import (
+from freebody.loops.scaled_equations import (
     backward,
     every_jacobian,
     every_residual,
@@ -31,7 +32,6 @@ from freebody.loops.scaled import (
     scales,
     telling,
 )
-from freebody.loops.solving import BLURRED
 from freebody.model.geometry import first_member
 from freebody.model.model import Model
 

@@ -10,10 +10,10 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.loops.equations import closing, require_closed, scaled_jacobian
 from freebody.loops.redundancy import redundancy
-from freebody.loops.scaled import null_space, rate_scale, row_names
+from freebody.loops.scaled_equations import null_space, rate_scale, row_names
 from freebody.model.model import Model
 from freebody.outputs.display import Titled, counted
-from freebody.trees.calls import Vector, finite_vector
+from freebody.trees.public_calls import Vector, finite_vector
 from freebody.trees.states import difference, integrate
 from freebody.values import ByValue
 

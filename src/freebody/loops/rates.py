@@ -20,10 +20,10 @@ from freebody.loops.equations import (
     require_loops,
     scaled_jacobian,
 )
-from freebody.loops.partition import idle_coordinates, partition_of_loops
-from freebody.loops.scaled import rate_scale, row_scale
+from freebody.loops.independent_equations import idle_coordinates, partition_of_loops
+from freebody.loops.scaled_equations import rate_scale, row_scale
 from freebody.model.model import Model
-from freebody.trees.calls import Vector, attempt, common_batch, finite_vector
+from freebody.trees.public_calls import Vector, attempt, common_batch, finite_vector
 
 _LOOSE = 1e-9  # singular values of Φ_q from which coordinates are told by the others
 

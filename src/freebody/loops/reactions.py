@@ -16,8 +16,9 @@ from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
 from freebody.loops.dynamics import definite_accelerations, motion_torques
 from freebody.loops.equations import scaled_jacobian
-from freebody.loops.partition import partition_of_loops
-from freebody.loops.scaled import (
+from freebody.loops.independent_equations import partition_of_loops
+from freebody.loops.rank_deficient import RANK
+from freebody.loops.scaled_equations import (
     every_jacobian,
     length,
     mechanism,
@@ -25,14 +26,13 @@ from freebody.loops.scaled import (
     rate_scale,
     row_scale,
 )
-from freebody.loops.solving import RANK
 from freebody.model.geometry import first_member
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable
-from freebody.trees.calls import Vector, Wrenches, checked_inputs
 from freebody.trees.kinematics import checked_reference
 from freebody.trees.newton_euler_residuals import balance
-from freebody.trees.passive import refuse_passive
+from freebody.trees.passive_joints import refuse_passive
+from freebody.trees.public_calls import Vector, Wrenches, checked_inputs
 from freebody.values import ByValue
 
 _ADDED = 20.0  # times what rounding changes in the equations, for what it may change in wrenches

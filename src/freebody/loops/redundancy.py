@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array
-from freebody.loops.closing import closed_from
-from freebody.loops.scaled import (
+from freebody.loops.closing_solver import closed_from
+from freebody.loops.scaled_equations import (
     backward,
     every_jacobian,
     every_residual,

@@ -20,7 +20,7 @@ from freebody.loops.equations import (
     scaled_residual,
 )
 from freebody.loops.redundancy import redundancy
-from freebody.loops.scaled import rate_scale
+from freebody.loops.scaled_equations import rate_scale
 from freebody.motion.first_order_system import Drive, System
 from freebody.motion.integration import Scheme
 from freebody.trees.states import integrate

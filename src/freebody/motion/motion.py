@@ -14,7 +14,6 @@ from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
-from freebody.trees.calls import vector
 from freebody.trees.coordinates import (
     CoordinateLayout,
     continuous,
@@ -23,6 +22,7 @@ from freebody.trees.coordinates import (
     position_rate,
     state_of,
 )
+from freebody.trees.public_calls import vector
 from freebody.values import ByValue
 
 FEWEST = 4

@@ -18,7 +18,7 @@ from freebody.motion.integration import METHODS, integrated, open_scheme, step_t
 from freebody.motion.ranges import angular
 from freebody.motion.torques import Schedule, Torque, schedule
 from freebody.trees import dynamics
-from freebody.trees.calls import Vector, Wrenches, vector, wrenches_by_frame
+from freebody.trees.public_calls import Vector, Wrenches, vector, wrenches_by_frame
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -14,8 +14,8 @@ from freebody.errors import FreebodyError
 from freebody.labels import is_labelled, row_times
 from freebody.model.model import Model
 from freebody.motion.first_order_system import Drive
-from freebody.trees.calls import vector
-from freebody.trees.passive import refuse_passive
+from freebody.trees.passive_joints import refuse_passive
+from freebody.trees.public_calls import vector
 
 Torque = ArrayLike | Callable[[float, Array, Array], ArrayLike] | None
 

@@ -14,7 +14,7 @@ from freebody.loops.assembly import assemble
 from freebody.loops.equations import gaps, scaled_residual
 from freebody.loops.rates import loop_velocity
 from freebody.loops.redundancy import redundancy
-from freebody.loops.scaled import length
+from freebody.loops.scaled_equations import length
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import ranges
@@ -22,7 +22,7 @@ from freebody.motion.simulate import simulate
 from freebody.report.results import Check, Replay
 from freebody.trees import dynamics
 from freebody.trees.newton_euler_residuals import balance
-from freebody.trees.passive import all_driven
+from freebody.trees.passive_joints import all_driven
 from freebody.trees.states import difference
 
 if TYPE_CHECKING:

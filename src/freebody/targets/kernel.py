@@ -18,7 +18,7 @@ from freebody.lazy import cached_property
 from freebody.program.hoist import hoist
 from freebody.program.program import Argument, Program, verify
 from freebody.scalars.operations import OPERATIONS
-from freebody.targets import memory
+from freebody.targets import result_memory
 from freebody.targets.blame import explained
 from freebody.targets.target import KernelError, chosen_target, chosen_width, target_named
 from freebody.targets.threads import cpus, run_split
@@ -97,7 +97,7 @@ class Kernel:
         # from the store
         largest = max((argument.size for argument in program.outputs), default=1) or 1
         self._few = min(int(2 * _WORTH / self._cost), self._longest)
-        self._small = min(self._few, memory.SMALLEST // (self.dtype.itemsize * largest))
+        self._small = min(self._few, result_memory.SMALLEST // (self.dtype.itemsize * largest))
 
     def __call__(self, *arrays: ArrayLike, out: Any = None, threads: int | None = None) -> Any:
         """The output, or the tuple of outputs.
@@ -184,7 +184,8 @@ class Kernel:
         if threads is None:
             threads = max(1, min(cpus(), int(count * self._cost / _WORTH)))
         outs = given or tuple(
-            memory.empty(batch + argument.shape, self.dtype) for argument in self.program.outputs
+            result_memory.empty(batch + argument.shape, self.dtype)
+            for argument in self.program.outputs
         )
         if given:  # of what is written over, a copy is read, as NumPy does
             values = [

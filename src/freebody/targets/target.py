@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 TARGETS = {
     "cpu": "freebody.targets.llvm.cpu",
-    "numpy": "freebody.targets.by_node",
+    "numpy": "freebody.targets.numpy_target",
     "cuda": "freebody.targets.cuda.target",
 }
 """Targets by name: the module of each, imported on first use, has its record as `TARGET`."""

@@ -15,7 +15,10 @@ from freebody.kernels.closed_chains import closed
 from freebody.kernels.formulas import Option
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
-from freebody.trees.calls import (
+from freebody.trees.kinematics import checked_reference, jacobian
+from freebody.trees.massless_joints import refuse_massless
+from freebody.trees.passive_joints import refuse_passive
+from freebody.trees.public_calls import (
     Key,
     Vector,
     Wrenches,
@@ -24,9 +27,6 @@ from freebody.trees.calls import (
     evaluate,
     finite_vector,
 )
-from freebody.trees.kinematics import checked_reference, jacobian
-from freebody.trees.massless import refuse_massless
-from freebody.trees.passive import refuse_passive
 
 
 def inverse_dynamics(

@@ -13,7 +13,7 @@ from freebody.kernels.formulas import Option
 from freebody.model.families import of_member
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
-from freebody.trees.calls import Vector, careful, evaluate
+from freebody.trees.public_calls import Vector, careful, evaluate
 
 Reference = Literal["world", "body"]
 

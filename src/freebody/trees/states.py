@@ -18,7 +18,7 @@ from freebody.model.joints import Primitive
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.spatial import of_dimension
-from freebody.trees.calls import careful, common_batch, evaluate, finite_vector
+from freebody.trees.public_calls import careful, common_batch, evaluate, finite_vector
 
 _FAR = 1e3  # limits beyond this many rad or m are some file's way to say that there are none
 

@@ -18,7 +18,7 @@ from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.model.planar import planar
-from freebody.trees.calls import Vector
+from freebody.trees.public_calls import Vector
 
 _RELATIVE = Names(
     index=lambda n: {1: "0"}.get(n, ""), point=lambda n: {1: "O"}.get(n, "B"), tip="A"

@@ -10,7 +10,7 @@ from freebody.figures.layers.structure import Layer, structure
 from freebody.figures.names import Names
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.formats.loading import load
-from freebody.trees.calls import Vector, Wrenches
+from freebody.trees.public_calls import Vector, Wrenches
 
 NAMES = Names()
 GEOMETRY: tuple[Layer, ...] = (geometry.angles, geometry.lengths, geometry.centres)

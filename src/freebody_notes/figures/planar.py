@@ -14,8 +14,8 @@ from freebody.figures.layers import forces, geometry, motion, plane, vectors
 from freebody.figures.names import Names
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.model.planar import planar
-from freebody.trees.calls import Vector
 from freebody.trees.dynamics import forward_dynamics
+from freebody.trees.public_calls import Vector
 from freebody_notes.figures.bodies import pinned
 from freebody_notes.figures.panels import GEOMETRY, NAMES, RATES, SECOND, TIP, panel, two_links
 

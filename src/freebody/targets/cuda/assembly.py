@@ -8,7 +8,7 @@ from functools import cache
 from typing import Any
 
 from freebody.errors import FreebodyError
-from freebody.targets.llvm.exclusive import exclusive
+from freebody.targets.llvm.llvm_lock import exclusive
 from freebody.targets.llvm.machine import CompileError
 
 PROCESSOR = "sm_70"

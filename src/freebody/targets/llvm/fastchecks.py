@@ -6,8 +6,8 @@ from __future__ import annotations
 import struct
 
 from freebody.program.program import Argument
+from freebody.targets.finite_check import UNIT
 from freebody.targets.llvm.lanes import DOUBLE, Real
-from freebody.targets.sound import UNIT
 
 _COUNT, _BYTES = 16, 32  # offsets in PyBytesObject of its length and of what is in it
 

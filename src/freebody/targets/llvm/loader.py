@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
 
-from freebody.targets.llvm import exclusive
+from freebody.targets.llvm import llvm_lock
 from freebody.targets.llvm.machine import CompileError, host, host_machine
 
 
@@ -50,7 +50,7 @@ def load(
     """
     import llvmlite.binding as llvm
 
-    with exclusive.exclusive():
+    with llvm_lock.exclusive():
         for name, address in {**_externals(), **imports}.items():
             if llvm.address_of_symbol(name) is None:
                 llvm.add_symbol(name, address)
@@ -81,7 +81,7 @@ def _give_back(code: LoadedCode) -> None:
     parent's."""
     engine, process = _engines.pop(int(code))
     if process == os.getpid():
-        exclusive.close(engine)
+        llvm_lock.close(engine)
     else:
         engine.detach()
 

@@ -7,8 +7,8 @@ from functools import cache
 from typing import Any
 
 from freebody.errors import FreebodyError
-from freebody.targets.llvm.exclusive import exclusive
 from freebody.targets.llvm.lanes import DOUBLE, Lanes, Real
+from freebody.targets.llvm.llvm_lock import exclusive
 
 WIDTHS = (2, 4, 8, 16)
 LONGEST_VECTOR = 512

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from freebody.targets.llvm.lanes import Lanes, Real
-from freebody.targets.llvm.turn import gathered, part_of, shuffle, transpose, turn_parts
+from freebody.targets.llvm.transpose import gathered, part_of, shuffle, transpose, turn_parts
 
 
 def rows_in(k: int, places: list[int], check: int, lanes: Lanes) -> str:

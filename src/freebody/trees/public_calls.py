@@ -16,7 +16,7 @@ from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
 from freebody.labels import aligned, refuse_other_times
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
-from freebody.targets.sound import HUGE, UNIT
+from freebody.targets.finite_check import HUGE, UNIT
 
 Vector = ArrayLike | Mapping[str, float]
 Wrenches = ArrayLike | Mapping[str, ArrayLike] | None

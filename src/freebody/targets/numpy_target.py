@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from freebody.program.passes import optimise
 from freebody.program.program import Program
-from freebody.targets.interpret import BlockedFunction
+from freebody.targets.interpreter import BlockedFunction
 from freebody.targets.kernel import Kernel
 from freebody.targets.target import Target
 

@@ -8,7 +8,7 @@ import numpy as np
 from freebody.arrays import at_sample
 from freebody.errors import PassiveJointError
 from freebody.model.model import Model
-from freebody.trees.calls import Vector, finite_vector
+from freebody.trees.public_calls import Vector, finite_vector
 
 
 def refuse_passive(function: str, model: Model, tau: Vector) -> None:

@@ -13,12 +13,12 @@ from freebody.errors import FreebodyError
 from freebody.kernels.options import motion_rows
 from freebody.loops.coordinates import drives
 from freebody.loops.equations import require_closed, require_loops, scaled_jacobian
-from freebody.loops.scaled import length, null_space, rate_scale
-from freebody.loops.solving import RANK
+from freebody.loops.rank_deficient import RANK
+from freebody.loops.scaled_equations import length, null_space, rate_scale
 from freebody.model.model import Model
 from freebody.outputs.display import Titled
-from freebody.trees.calls import Vector, finite_vector
 from freebody.trees.kinematics import jacobian
+from freebody.trees.public_calls import Vector, finite_vector
 from freebody.values import ByValue
 
 

@@ -19,7 +19,7 @@ from freebody.loops.assembly import assemble
 from freebody.loops.equations import scaled_jacobian
 from freebody.loops.mobility import dependent_rows, rank, regular_jacobian
 from freebody.loops.redundancy import redundancy
-from freebody.loops.scaled import mechanism
+from freebody.loops.scaled_equations import mechanism
 from freebody.model.geometry import first_member, geometric_fact
 from freebody.model.model import Model
 from freebody.trees.states import generic_state

@@ -20,11 +20,11 @@ from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.model.tree import about_origin
 from freebody.spatial import of_dimension
-from freebody.trees.calls import Vector, careful, evaluate
 from freebody.trees.dynamics import where_all_move_mass
 from freebody.trees.kinematics import jacobian
-from freebody.trees.massless import refuse_massless
-from freebody.trees.passive import refuse_passive
+from freebody.trees.massless_joints import refuse_massless
+from freebody.trees.passive_joints import refuse_passive
+from freebody.trees.public_calls import Vector, careful, evaluate
 
 
 def mass_matrix_inverse(model: Model, q: Vector) -> Array:

@@ -13,7 +13,7 @@ from freebody import __version__
 from freebody.identifiers import identifiers
 from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
 from freebody.kernels.inputs import KernelInputs
-from freebody.kernels.marks import MEANINGS, marks
+from freebody.kernels.recursion_names import MEANINGS, marks
 from freebody.model.model import Model
 from freebody.model.numbers import Parameters
 from freebody.program import Argument, Program

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.loops.scaled import every_jacobian, every_residual, rate_scale
+from freebody.loops.scaled_equations import every_jacobian, every_residual, rate_scale
 from freebody.model.model import Model
 from freebody.trees.states import integrate
 

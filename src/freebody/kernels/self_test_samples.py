@@ -14,7 +14,7 @@ from freebody.kernels.formulas import INPUTS, POSITIONS
 from freebody.model.model import Model
 from freebody.program import Program
 from freebody.program.passes import with_epsilon
-from freebody.targets.interpret import Interpreter
+from freebody.targets.interpreter import Interpreter
 from freebody.targets.text import SelfTestSamples
 
 COUNT = 5
