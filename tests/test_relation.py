@@ -285,3 +285,26 @@ def test_rotation_by_named_axes():
     for bad in (("ZXQ", [1, 2, 3]), ("ZX", [1, 2, 3])):
         with pytest.raises(FreebodyError, match="one angle for each of the letters"):
             fb.rotation(*bad)
+
+
+def test_formulas_have_the_grammar_of_answers() -> None:
+    """A formula that cannot be read says where; powers, products, fractions and matrices are read
+    as in an answer, with a sign in every product."""
+    assert parse("2·m_1/3 − a²") == parse("2*m_1/3 - a^2")
+    assert parse(r"\frac{a}{b} + \begin{bmatrix} a & b \\ c & 1 \end{bmatrix}") == parse(
+        "a/b + [[a, b], [c, 1]]"
+    )
+    assert str(parse("dot([a, b], [c, 0.5])^-1")) == "([a, b]ᵀ · [c, 0.5]ᵀ)⁻¹"
+    for text, place in (
+        ("f = 2 m a", "there is 'm' where an operator or the end of the line is expected"),
+        ("f = m*foo(a)", "no function 'foo'; there are arccos"),
+        ("f = cross(a)", "cross is given 1 arguments"),
+        ("f = a^b", "a power must be a whole number"),
+        ("f = (a", "'\\(' is not closed"),
+        ("f = a!", "'!' has no meaning here"),
+        ("f = ", "the line ends where a term is expected"),
+    ):
+        with pytest.raises(FormulaError, match=place) as refused:
+            parse(text)
+        assert refused.value.line == 1
+        assert "^" in refused.value.context

@@ -15,15 +15,15 @@ import freebody as fb
 from freebody.algorithms.kinematics import jacobian
 from freebody.derivations import expression as ex
 from freebody.derivations.check.exact import Reader
-from freebody.derivations.check.lexer import tokens
-from freebody.derivations.check.parser import Parser
+from freebody.derivations.check.reading import AnswerParser
 from freebody.derivations.check.setting import Setting
-from freebody.derivations.check.source import Source
+from freebody.derivations.check.source import Answer
 from freebody.derivations.check.targets import polynomial
 from freebody.derivations.check.verdict import Verdict
 from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.equations import Equations
 from freebody.derivations.expression import Expression
+from freebody.derivations.grammar.lexer import tokens
 from freebody.derivations.names import sym
 from freebody.scalars.trig import Trig
 
@@ -462,8 +462,10 @@ def read(setting: Setting, text: str) -> Trig | None:
         return setting.zero
     vocabulary = Vocabulary(setting)
     try:
-        source = Source.of(text)
-        node = Parser(source, tokens(source, vocabulary)[:-1], vocabulary, lambda name: None).side()
+        source = Answer.of(text)
+        node = AnswerParser(
+            source, tokens(source, vocabulary)[:-1], vocabulary, lambda name: None
+        ).side()
         return Reader(source, setting.ring).read(node)
     except fb.FreebodyError:
         return None

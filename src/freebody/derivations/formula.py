@@ -1,35 +1,46 @@
 """Formulas with vectors written as text, `tau1 - cross(s1, f12) = I1*omega1_d`: read, printed and
 evaluated.
 
-The text has Python's arithmetic, `^` for powers, [a, b] for vectors and [[a, b], [c, d]] for
-matrices. It is parsed, never run. Names are those that print as in the notes: theta1_d is θ̇₁, sc1
-is s_c1, R2_1 is R with subscript 1 and superscript 2; omega_i, omega_h, omega_k are those of link
-i, i-1 and i+1.
+The grammar is that of answers (`grammar`), with a sign in every product, [a, b] for vectors and
+[[a, b], [c, d]] for matrices. It is parsed, never run. Names are those that print as in the notes:
+theta1_d is θ̇₁, sc1 is s_c1, R2_1 is R with subscript 1 and superscript 2; omega_i, omega_h, omega_k
+are those of link i, i-1 and i+1.
 """
 
 from __future__ import annotations
 
-import ast
 import re
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
-from fractions import Fraction
 from typing import Any
+from unicodedata import normalize
 
 from freebody.derivations import expression as ex
+from freebody.derivations.evaluate import Rules, arithmetic, evaluate
 from freebody.derivations.expression import Equation, Expression, Symbol
+from freebody.derivations.grammar.lexer import Token, tokens
+from freebody.derivations.grammar.parser import Parser
+from freebody.derivations.grammar.source import Source, UnreadableError
+from freebody.derivations.grammar.words import Piece
 from freebody.derivations.names import GREEK, sym
-from freebody.errors import FreebodyError
-
-LONGEST = 4000
-"""Characters that are read."""
+from freebody.derivations.nodes import NOWHERE
 
 FUNCTIONS = (
     "sin", "cos", "tan", "sqrt", "exp", "log", "arcsin", "arccos", "arctan", "norm", "det", "sum", "diag", "skew",
 )  # fmt: skip
 """Functions of one argument; `sum` adds up what is given for each of several bodies."""
 
-PRINTED = {"sum": "∑"}
+_RULES: dict[str, tuple[int, Callable[..., Expression]]] = {
+    **{name: (1, lambda x, name=name: ex.Function(name, x)) for name in FUNCTIONS},
+    "sum": (1, lambda x: ex.Function("∑", x)),
+    "cross": (2, ex.cross),
+    "dot": (2, ex.dot),
+    "partial": (2, ex.partial),
+    "atan2": (2, lambda y, x: ex.Function("atan2", ex.Arguments((y, x)))),
+    "transpose": (1, ex.transposed),
+    "d_dt": (1, ex.d_dt),
+}
+"""Of each function how many arguments it has, and what it makes of them."""
 
 SPECIAL: dict[str, tuple] = {
     "gravity": ("g",), "qd": ("q", (), 1), "qdd": ("q", (), 2), "qdd_back": ("q", ("back",), 2),
@@ -40,8 +51,12 @@ GENERAL = {"i": "i", "h": "i−1", "k": "i+1"}
 """Endings of names that stand for a link's number."""
 
 
-class FormulaError(FreebodyError, ValueError):
+class FormulaError(UnreadableError):
     """A formula that cannot be read or evaluated."""
+
+
+class _Formula(Source):
+    what, longest, error = "formula", 4000, FormulaError
 
 
 def parse(text: str, bold: Collection[str] = (), primed: Collection[str] = ()) -> Expression:
@@ -49,10 +64,15 @@ def parse(text: str, bold: Collection[str] = (), primed: Collection[str] = ()) -
 
     Names in `bold` are vectors, those in `primed` have components in the axes of their own body.
     """
-    if len(text) > LONGEST:
-        raise FormulaError(f"the formula has {len(text)} characters; at most {LONGEST} are read.")
-    sides = [_Parser(side, bold, primed).expression() for side in text.split("=")]
-    return sides[0] if len(sides) == 1 else Equation(tuple(sides))
+    source = _Formula.of(text)
+    sides: list[list[Token]] = [[]]
+    for token in tokens(source, _Words())[:-1]:
+        if token.kind == "equals":
+            sides.append([])
+        elif token.text != "\n":
+            sides[-1].append(token)
+    read = [evaluate(_FormulaParser(source, side, bold, primed).side(), _PRINTED) for side in sides]
+    return read[0] if len(read) == 1 else Equation(tuple(read))
 
 
 def symbol(name: str, bold: bool = False, primed: bool = False) -> Any:
@@ -80,78 +100,86 @@ def symbol(name: str, bold: bool = False, primed: bool = False) -> Any:
     return Symbol(name, GREEK.get(letters, letters), tuple(low), len(dots or "_") - 1, bold)
 
 
-class _Parser:
-    """One side of a formula, by Python's own grammar, of which a few nodes are let in."""
+class _Words:
+    """The words of formulas: names as they are written, whatever they stand for."""
 
-    def __init__(self, text: str, bold: Collection[str], primed: Collection[str]):
-        self.text = text.strip().replace("^", "**")
+    functions = _RULES
+
+    def begins(self, letter: str) -> bool:
+        return letter.isalpha() or letter == "_"
+
+    def word(self, source: Source, at: int) -> tuple[list[Piece], None]:
+        end = at
+        while end < len(source.text) and ("a" + source.text[end]).isidentifier():
+            end += 1
+        if end == at:
+            source.fail(f"{source.text[at]!r} has no meaning here", (at, at + 1))
+        return [(normalize("NFC", source.text[at:end]), at, end)], None
+
+
+class _FormulaParser(Parser):
+    """One side of a formula."""
+
+    implied_products = False
+    tables_anywhere = True
+    largest_exponent = 9999
+
+    def __init__(
+        self,
+        source: Source,
+        tokens: Sequence[Token],
+        bold: Collection[str],
+        primed: Collection[str],
+    ):
+        super().__init__(source, tokens)
         self.bold, self.primed = bold, primed
 
-    def expression(self) -> Expression:
-        try:
-            tree = ast.parse(self.text, mode="eval").body
-            return self._read(tree)
-        except SyntaxError as problem:
-            raise FormulaError(
-                f"the formula {self.text!r} cannot be read: {problem.msg}."
-            ) from None
-        except RecursionError:
-            raise FormulaError("the formula has too many brackets inside one another.") from None
+    def name(self) -> Expression:
+        token = self.take()
+        if self.token.text == "(":
+            known = ", ".join(sorted(_RULES))
+            self.source.fail(f"no function {token.text!r}; there are {known}", token.span)
+        return symbol(token.text, token.text in self.bold, token.text in self.primed)
 
-    def _read(self, node: ast.expr) -> Expression:
-        match node:
-            case ast.Constant(value=int() | float()):
-                return self._number(node)
-            case ast.Name(id=name):
-                return symbol(name, name in self.bold, name in self.primed)
-            case ast.UnaryOp(op=ast.USub(), operand=operand):
-                return ex.neg(self._read(operand))
-            case ast.BinOp(left=left, op=operator, right=right):
-                return self._pair(self._read(left), operator, self._read(right), right)
-            case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]):
-                return self._call(name, [self._read(x) for x in arguments])
-            case ast.List(elts=rows) if rows and all(isinstance(row, ast.List) for row in rows):
-                return ex.matrix([[self._read(x) for x in row.elts] for row in rows])  # type: ignore[attr-defined]
-            case ast.List(elts=entries) if entries:
-                return ex.vector(*map(self._read, entries))
-        raise FormulaError(f"{ast.unparse(node)!r} has no meaning in a formula.")
+    def call(self) -> Expression:
+        token = self.take()
+        self.expect("open", "'('")
+        arguments = [self.expression()]
+        while self.token.kind == "comma":
+            self.take()
+            arguments.append(self.expression())
+        self.expect("close", "')'")
+        count, made = _RULES[token.text]
+        if len(arguments) != count:
+            self.source.fail(f"{token.text} is given {len(arguments)} arguments", token.span)
+        return made(*arguments)
 
-    def _number(self, node: ast.Constant) -> Expression:
-        digits = ast.get_source_segment(self.text, node) or str(node.value)
-        return ex.num(Fraction(digits), decimal="." in digits or "e" in digits)
+    def table(self) -> ex.Vector | ex.Matrix:
+        """[a, b] is a vector, [[a, b], [c, d]] a matrix."""
+        matrix = super().table()
+        return ex.Vector(matrix.rows[0]) if len(matrix.rows) == 1 else matrix
 
-    def _pair(
-        self, a: Expression, operator: ast.operator, b: Expression, right: ast.expr
-    ) -> Expression:
-        match operator:
-            case ast.Add():
-                return ex.add(a, b)
-            case ast.Sub():
-                return ex.sub(a, b)
-            case ast.Mult():
-                return ex.mul(a, b)
-            case ast.Div():
-                return ex.div(a, b)
-            case ast.Pow() if isinstance(b, ex.Number) and b.value.denominator == 1:
-                return ex.power(a, int(b.value))
-            case ast.Pow() if b == ex.num(-1):
-                return ex.power(a, -1)
-        raise FormulaError(f"{ast.unparse(right)!r} is no whole number, which a power must be.")
 
-    def _call(self, name: str, arguments: list[Expression]) -> Expression:
-        rules: dict[str, Callable[..., Expression]] = {
-            "cross": ex.cross, "dot": ex.dot, "transpose": ex.transposed, "d_dt": ex.d_dt, "partial": ex.partial,
-            "atan2": lambda y, x: ex.Function("atan2", ex.Arguments((y, x))),
-        }  # fmt: skip
-        rules |= {f: lambda x, f=f: ex.Function(PRINTED.get(f, f), x) for f in FUNCTIONS}
-        if name not in rules:
-            raise FormulaError(
-                f"no function {name!r} in a formula; there are {', '.join(sorted(rules))}."
-            )
-        try:
-            return rules[name](*arguments)
-        except TypeError:
-            raise FormulaError(f"{name} is given {len(arguments)} arguments.") from None
+def _inside(node: Expression, at: Callable[[Expression], Expression]) -> Expression:
+    return replace(node.mapped(at), span=NOWHERE)
+
+
+_PRINTED: Rules = {
+    **arithmetic(
+        ex.num,
+        total=lambda terms: ex.add(*terms),
+        product=lambda factors: ex.mul(*factors),
+        negative=ex.neg,
+        quotient=ex.div,
+        power=ex.power,
+    ),
+    ex.Number: lambda node, at: ex.num(node.value, node.decimal),
+    **dict.fromkeys(
+        (ex.Symbol, ex.Function, ex.Arguments, ex.Vector, ex.Matrix, ex.Cross, ex.Dot, ex.Transposed, ex.Derivative),
+        _inside,
+    ),
+}  # fmt: skip
+"""What is read as it is printed: flat sums and products, a sign in front, a number first."""
 
 
 def as_printed(text: str, bold: Collection[str] = (), primed: Collection[str] = ()) -> Expression:

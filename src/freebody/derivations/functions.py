@@ -160,7 +160,7 @@ def vector_function(rows: Sequence[str], names: Sequence[str]) -> VectorFunction
             if isinstance(part, ex.Symbol) and part.name not in names:
                 raise UnknownNameError("variable", part.name, "the function", names)
             if isinstance(part, ex.Vector | ex.Matrix | ex.Equation):
-                raise FormulaError(f"{node}: a row is one scalar formula.")
+                raise FormulaError(f"{node}: a row is one scalar formula")
     decimal = any(
         isinstance(part, ex.Number) and part.decimal for node in parsed for part in ex.nodes(node)
     )

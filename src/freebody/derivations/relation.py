@@ -80,7 +80,7 @@ def relation(values: Mapping[str, Any], formula: str, *, link: int | None = None
     """
     node = parse(formula)
     if not isinstance(node, Equation):
-        raise FormulaError(f"{formula!r} has no =.")
+        raise FormulaError(f"{formula!r} has no =")
     if link is not None:
         values = of_link(values, link)
     try:

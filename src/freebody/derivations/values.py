@@ -81,7 +81,7 @@ def plus(a: Value, b: Value) -> Value:
     if isinstance(a, Each) or isinstance(b, Each):
         return _each(plus, a, b)
     if rank(a) != rank(b) or (rank(a) and len(a) != len(b)):
-        raise FormulaError(f"{shape_name(a)} and {shape_name(b)} cannot be added.")
+        raise FormulaError(f"{shape_name(a)} and {shape_name(b)} cannot be added")
     return tuple(map(plus, a, b)) if rank(a) else a + b
 
 
@@ -106,7 +106,7 @@ def multiplied(a: Value, b: Value) -> Value:
         case 2, 2 if len(a[0]) == len(b):
             return product(a, b)
     raise FormulaError(
-        f"{shape_name(a)} and {shape_name(b)} have no product; write dot(a, b) or cross(a, b)."
+        f"{shape_name(a)} and {shape_name(b)} have no product; write dot(a, b) or cross(a, b)"
     )
 
 
@@ -124,7 +124,7 @@ def crossed(a: Value, b: Value) -> Value:
             return crossed(a, (*b, 0.0))[:2]
         case 0, 2 if rank(a) == 0:
             return -(a * b[1]), a * b[0]
-    raise FormulaError(f"{shape_name(a)} and {shape_name(b)} have no cross product.")
+    raise FormulaError(f"{shape_name(a)} and {shape_name(b)} have no cross product")
 
 
 def dotted(a: Value, b: Value) -> Value:
@@ -132,7 +132,7 @@ def dotted(a: Value, b: Value) -> Value:
     if isinstance(a, Each) or isinstance(b, Each):
         return _each(dotted, a, b)
     if rank(a) != 1 or rank(b) != 1 or len(a) != len(b):
-        raise FormulaError(f"{shape_name(a)} and {shape_name(b)} have no dot product.")
+        raise FormulaError(f"{shape_name(a)} and {shape_name(b)} have no dot product")
     return reduce(lambda x, y: x + y, (x * y for x, y in zip(a, b, strict=True)))
 
 
@@ -156,7 +156,7 @@ def _raised(base: Value, exponent: int) -> Value:
             return 1 / base
         case 0, _:
             return base**exponent
-    raise FormulaError(f"{shape_name(base)} has no power {exponent}.")
+    raise FormulaError(f"{shape_name(base)} has no power {exponent}")
 
 
 def _determinant(x: Value) -> Value:
@@ -167,7 +167,7 @@ def _determinant(x: Value) -> Value:
 
 def _added(x: Value) -> Value:
     if not isinstance(x, Each):
-        raise FormulaError("∑ needs a value for each body.")
+        raise FormulaError("∑ needs a value for each body")
     return reduce(plus, x)
 
 
@@ -204,7 +204,7 @@ def _variable(x: Value) -> str:
     for name in names:
         if x == (x.ring[name] if isinstance(x, Trig) else Composed.variable(name)):
             return name
-    raise FormulaError("a partial derivative is taken by a coordinate, a rate or a parameter.")
+    raise FormulaError("a partial derivative is taken by a coordinate, a rate or a parameter")
 
 
 def _slope(x: Value, by: str | None) -> Value:
@@ -214,7 +214,7 @@ def _slope(x: Value, by: str | None) -> Value:
     if isinstance(x, Composed):
         return x.derivative(by or "t")
     if not isinstance(x, Trig):
-        raise FormulaError("only exact polynomials are differentiated.")
+        raise FormulaError("only exact polynomials are differentiated")
     return x.derivative(by) if by is not None else x.along(time_rates(x.ring))
 
 
@@ -229,7 +229,7 @@ def divided(a: Value, b: Value) -> Value:
     if isinstance(a, tuple):
         return type(a)(divided(x, b) for x in a)
     if rank(b):
-        raise FormulaError(f"{shape_name(b)} cannot be divided by.")
+        raise FormulaError(f"{shape_name(b)} cannot be divided by")
     return Fraction(a, b) if isinstance(a, int) and isinstance(b, int) else a / b
 
 

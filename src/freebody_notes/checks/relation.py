@@ -14,7 +14,7 @@ from freebody.derivations.values import Each, plain, rank
 from freebody.errors import UnknownNameError
 from freebody.lazy import cached_property
 from freebody_notes.checks.calls import ARM, made, source
-from freebody_notes.checks.evidence import sentence, told
+from freebody_notes.checks.evidence import told
 from freebody_notes.item import Outcome, parts
 
 SHORT = 70
@@ -101,7 +101,7 @@ class Related:
                     False, (str(problem).split(".")[0] + ": it is used, and defined nowhere.",)
                 )
             except FormulaError as problem:
-                return Outcome(False, (sentence(str(problem)),))
+                return Outcome(False, (f"‘{form}’ cannot be read: {problem.problem}",))
             outcome = told(found, values)
             if not outcome.holds:
                 return (

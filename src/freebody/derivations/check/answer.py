@@ -7,16 +7,19 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from freebody.derivations.check import idle, words
+from freebody.derivations.check import idle
 from freebody.derivations.check.exact import Reader
-from freebody.derivations.check.lexer import Token, tokens
-from freebody.derivations.check.parser import Parser, around
+from freebody.derivations.check.reading import AnswerParser
 from freebody.derivations.check.references import Use, refuse_circles, uses
 from freebody.derivations.check.setting import FAMILIES, Setting
-from freebody.derivations.check.source import AnswerError, Source
+from freebody.derivations.check.source import Answer, AnswerError
 from freebody.derivations.check.targets import Target, Targets
 from freebody.derivations.check.tree import Named
 from freebody.derivations.check.vocabulary import Vocabulary, spellings
+from freebody.derivations.grammar import words
+from freebody.derivations.grammar.lexer import Token, tokens
+from freebody.derivations.grammar.parser import around
+from freebody.derivations.grammar.source import Source
 from freebody.derivations.nodes import Expression, Matrix, Negative, Sum
 from freebody.errors import listed
 from freebody.scalars.trig import Trig
@@ -39,7 +42,7 @@ class Claim:
 
 def claims(setting: Setting, text: str, names: Mapping[str, str]) -> list[Claim]:
     """All that an answer states, in its order."""
-    source = Source.of(text)
+    source = Answer.of(text)
     targets = Targets(setting, velocity=re.search(r"(?<![A-Za-z\\])h(?![a-z])", text) is not None)
     vocabulary = Vocabulary(setting, targets.names)
     for name, meaning in names.items():
@@ -85,8 +88,8 @@ def _rename(vocabulary: Vocabulary, targets: Targets, name: str, meaning: str) -
             if f"{target}{k}" in vocabulary.symbols:
                 _rename(vocabulary, targets, f"{plain}{k}", f"{target}{k}")
         return
-    source = Source.of(meaning)
-    parser = Parser(
+    source = Answer.of(meaning)
+    parser = AnswerParser(
         source, tokens(source, vocabulary)[:-1], vocabulary, lambda n: targets.single[n].compute()
     )
     node = parser.side()
@@ -105,7 +108,7 @@ def _rename(vocabulary: Vocabulary, targets: Targets, name: str, meaning: str) -
 
 def _plain(name: str) -> str:
     """The plain spelling of a name."""
-    source = Source.of(name.strip())
+    source = Answer.of(name.strip())
     if not source.text or not (source.text[0] in words.STARTS or source.text[0] == "\\"):
         raise AnswerError(f"names: {name!r} is no name")
     word = words.spell(source, 0)
@@ -207,7 +210,7 @@ class _Reading:
 
     def parse(self, side: Sequence[Token]) -> Expression:
         """A side as tree."""
-        return Parser(self.source, side, self.vocabulary, self._quantity).side()
+        return AnswerParser(self.source, side, self.vocabulary, self._quantity).side()
 
     def value(self, node: Expression) -> Trig:
         """A tree as polynomial."""

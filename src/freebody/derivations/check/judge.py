@@ -16,14 +16,13 @@ from freebody.derivations.check.differences import (
     printed,
     terms,
 )
-from freebody.derivations.check.lexer import tokens
 from freebody.derivations.check.notation import misread
-from freebody.derivations.check.parser import Parser
+from freebody.derivations.check.reading import AnswerParser
 from freebody.derivations.check.repairs import Repair, Repairs
 from freebody.derivations.check.residues import Point, random_point
 from freebody.derivations.check.rounded import MEASURED, Rounded
 from freebody.derivations.check.setting import Setting
-from freebody.derivations.check.source import Source
+from freebody.derivations.check.source import Answer
 from freebody.derivations.check.targets import Targets
 from freebody.derivations.check.tree import Named
 from freebody.derivations.check.units import misfit, unit_text
@@ -31,6 +30,7 @@ from freebody.derivations.check.verdict import Equation, Finding
 from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.check.wording import Wording, quoted
 from freebody.derivations.check.workspace import Workspace
+from freebody.derivations.grammar.lexer import tokens
 from freebody.derivations.names import sym
 from freebody.derivations.nodes import nodes
 from freebody.errors import FreebodyError
@@ -268,9 +268,9 @@ class _Explanation:
         """A change of the right answer, as it prints, that gives the user's."""
         best = None
         for text in self._printed():
-            source = Source.of(text)
+            source = Answer.of(text)
             try:
-                parser = Parser(
+                parser = AnswerParser(
                     source,
                     tokens(source, self.judge.vocabulary)[:-1],
                     self.judge.vocabulary,

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from freebody.derivations.check.source import Source, Span
 from freebody.derivations.check.targets import Target
 from freebody.derivations.check.tree import Named
 from freebody.derivations.check.vocabulary import Vocabulary
+from freebody.derivations.grammar.source import Source, Span
 from freebody.derivations.nodes import Expression, nodes
 
 if TYPE_CHECKING:

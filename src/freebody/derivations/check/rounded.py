@@ -16,7 +16,7 @@ from freebody.derivations.check.differences import Difference, Key, differences,
 from freebody.derivations.check.exact import Reader
 from freebody.derivations.check.parts import Parts, Product, parts, whole
 from freebody.derivations.check.setting import Setting
-from freebody.derivations.check.source import Source
+from freebody.derivations.grammar.source import Source
 from freebody.derivations.nodes import Expression, Number, nodes, replaced
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property

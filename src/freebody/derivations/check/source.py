@@ -1,75 +1,18 @@
-"""The text of an answer, and errors that point into it."""
+"""The text of an answer, and the error for one that cannot be read."""
 
 from __future__ import annotations
 
-import unicodedata
-from dataclasses import dataclass
-from typing import NoReturn
-
-from freebody.errors import FreebodyError
-
-LONGEST = 20_000
-"""Characters that are read."""
-
-_SHOWN = 96
-"""Characters of a line that an error shows."""
-
-Span = tuple[int, int]
-"""Start and end of a piece of text."""
+from freebody.derivations.grammar.source import Source, UnreadableError
 
 
-class AnswerError(FreebodyError, ValueError):
+class AnswerError(UnreadableError):
     """An answer that cannot be read: what is wrong, where, and the line with a caret under the
     place."""
 
-    def __init__(
-        self, problem: str, advice: str = "", line: int = 0, column: int = 0, context: str = ""
-    ):
-        self.line, self.column, self.context = line, column, context
-        where = f" (line {line}, column {column})" if line else ""
-        self.problem = f"check: {problem}{where}.{' ' if advice else ''}{advice}"
-        super().__init__(self.problem + (f"\n{context}" if context else ""))
+    asked_by = "check: "
 
 
-@dataclass(frozen=True)
-class Source:
-    """An answer's text, accents decomposed: θ̇ is θ and a dot."""
+class Answer(Source):
+    """An answer's text."""
 
-    text: str
-
-    @classmethod
-    def of(cls, text: str) -> Source:
-        """The text, unless it is too long."""
-        if len(text) > LONGEST:
-            raise AnswerError(f"the answer has {len(text)} characters; at most {LONGEST} are read")
-        return cls(unicodedata.normalize("NFD", text))
-
-    def __getitem__(self, span: Span) -> str:
-        """What is written there, on one line."""
-        return " ".join(unicodedata.normalize("NFC", self.text[span[0] : span[1]]).split())
-
-    def place(self, at: int) -> tuple[int, int]:
-        """Line and column, from 1; dots above letters take no column."""
-        before = self.text[:at]
-        start = before.rfind("\n") + 1
-        return before.count("\n") + 1, _width(before[start:]) + 1
-
-    def fail(self, problem: str, span: Span, advice: str = "") -> NoReturn:
-        """Raise an error that points at a piece of the text."""
-        line, column = self.place(span[0])
-        raise AnswerError(problem, advice, line, column, self.caret(span))
-
-    def caret(self, span: Span) -> str:
-        """The line, and below it carets under the piece."""
-        start = self.text.rfind("\n", 0, span[0]) + 1
-        end = self.text.find("\n", span[0])
-        end = len(self.text) if end < 0 else end
-        first = max(start, min(span[0] - _SHOWN // 2, end - _SHOWN))
-        shown = self.text[first : min(end, first + _SHOWN)].replace("\t", " ")
-        size = max(1, _width(self.text[span[0] : min(span[1], end)]))
-        pad = " " * (_width(self.text[first : span[0]]) + 4)
-        return f"    {unicodedata.normalize('NFC', shown)}\n{pad}{'^' * min(size, _SHOWN)}"
-
-
-def _width(text: str) -> int:
-    return sum(not unicodedata.combining(c) for c in text)
+    what, error = "answer", AnswerError

@@ -10,9 +10,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NoReturn
 
 from freebody.derivations.check.setting import FAMILIES, Setting
-from freebody.derivations.check.source import Source, Span
 from freebody.derivations.check.tree import Angle
-from freebody.derivations.check.words import DOT, PRIME, spell
+from freebody.derivations.grammar import words
+from freebody.derivations.grammar.source import Source, Span
+from freebody.derivations.grammar.words import DOT, PRIME, spell
 from freebody.derivations.symbols import RATE, SECOND
 from freebody.errors import likely
 from freebody.scalars.trig import Trig
@@ -85,7 +86,20 @@ class Vocabulary:
         self.functions.pop(plain, None)
         self._known = None
 
-    def unknown(self, source: Source, span: Span) -> NoReturn:
+    # ------------------------------------------------------------ words of a text
+    def begins(self, letter: str) -> bool:
+        """Whether a word begins with this character."""
+        return letter in words.STARTS
+
+    def word(self, source: Source, at: int) -> tuple[list[words.Piece], int | None]:
+        """The names that the word there is made of, and a power that stood inside."""
+        word = words.spell(source, at)
+        pieces = words.cut(source, word, self.known, self.functions)
+        if pieces is None:
+            self._unknown(source, (word.start, word.end))
+        return pieces, word.power
+
+    def _unknown(self, source: Source, span: Span) -> NoReturn:
         """Raise the error for a word that is no name."""
         word = source[span]
         plain = re.sub(r"[_{}\\]", "", word)

@@ -11,10 +11,10 @@ from freebody.derivations.check.differences import Difference, printed
 from freebody.derivations.check.exact import Reader
 from freebody.derivations.check.repairs import Repair
 from freebody.derivations.check.setting import Setting
-from freebody.derivations.check.source import Source
 from freebody.derivations.check.tree import Named, Wave
 from freebody.derivations.check.verdict import Finding
 from freebody.derivations.check.workspace import Workspace
+from freebody.derivations.grammar.source import Source
 from freebody.derivations.names import sym
 from freebody.derivations.nodes import Expression, Number, Power, Product, Sum
 

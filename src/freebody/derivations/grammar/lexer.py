@@ -4,13 +4,13 @@ left behind."""
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import NoReturn, Protocol
+from typing import Protocol
 
-from freebody.derivations.check import words
-from freebody.derivations.check.source import Source, Span
+from freebody.derivations.grammar import words
+from freebody.derivations.grammar.source import Source, Span
 
 
 @dataclass(frozen=True)
@@ -30,18 +30,21 @@ class Token:
         return self.start, self.end
 
 
-class Names(Protocol):
-    """What the lexer asks of a vocabulary."""
-
-    functions: dict[str, str]
+class Language(Protocol):
+    """What the lexer asks of a language."""
 
     @property
-    def known(self) -> frozenset[str]:
-        """All names but functions."""
+    def functions(self) -> Collection[str]:
+        """Words that are functions."""
         ...
 
-    def unknown(self, source: Source, span: Span) -> NoReturn:
-        """Raise the error for a word that is no name."""
+    def begins(self, letter: str) -> bool:
+        """Whether a word begins with this character."""
+        ...
+
+    def word(self, source: Source, at: int) -> tuple[list[words.Piece], int | None]:
+        """The names and numbers that the word there is made of, and a power that stood inside;
+        raises the error for one that is none."""
         ...
 
 
@@ -75,13 +78,13 @@ MATRICES = frozenset(("matrix", "pmatrix", "bmatrix", "Bmatrix", "vmatrix", "sma
 """LaTeX environments that hold a matrix; other environments are passed over."""
 
 
-def tokens(source: Source, names: Names) -> list[Token]:
+def tokens(source: Source, language: Language) -> list[Token]:
     """All tokens of a text, the last of kind "stop"."""
     found: list[Token] = []
     at = 0
     while at < len(source.text):
         after_fraction = _wants_digit(found)
-        for token in _next(source, at, names, after_fraction):
+        for token in _next(source, at, language, after_fraction):
             at = token.end
             if token.kind != "space":
                 found.append(token)
@@ -95,7 +98,7 @@ def _wants_digit(found: list[Token]) -> bool:
     return kinds[-1:] == ["fraction"] or kinds == ["fraction", "number"]
 
 
-def _next(source: Source, at: int, names: Names, single: bool) -> Iterator[Token]:
+def _next(source: Source, at: int, language: Language, single: bool) -> Iterator[Token]:
     """The tokens that begin there; `single`: of a number only its first digit."""
     c = source.text[at]
     if c == "\n" or c == ";":
@@ -106,9 +109,9 @@ def _next(source: Source, at: int, names: Names, single: bool) -> Iterator[Token
         end = source.text.find("\n", at)
         yield Token("space", c, at, end if end >= 0 else len(source.text))
     elif c == "\\":
-        yield from _command(source, at, names)
-    elif c in words.STARTS:
-        yield from _names(source, at, names)
+        yield from _command(source, at, language)
+    elif language.begins(c):
+        yield from _word(source, at, language)
     elif (c.isascii() and c.isdigit()) or c == ".":
         yield _number(source, at, single)
     elif c in _VULGAR:
@@ -152,36 +155,34 @@ def _number(source: Source, at: int, single: bool) -> Token:
     return Token("number", text, *span, Fraction(text))
 
 
-def _names(source: Source, at: int, names: Names) -> Iterator[Token]:
+def _word(source: Source, at: int, language: Language) -> Iterator[Token]:
     """The names that a word is made of, with the power that stood before its subscript."""
-    word = words.spell(source, at)
-    pieces = words.cut(source, word, names.known, names.functions)
-    if pieces is None:
-        names.unknown(source, (word.start, word.end))
+    pieces, power = language.word(source, at)
     for name, start, end in pieces:
         if name.isdigit():
             yield Token("number", name, start, end, Fraction(name))
         else:
-            yield Token("function" if name in names.functions else "name", name, start, end)
-    if word.power is not None:
-        yield Token("power", str(word.power), word.end, word.end, Fraction(word.power))
+            yield Token("function" if name in language.functions else "name", name, start, end)
+    if power is not None:
+        end = pieces[-1][2]
+        yield Token("power", str(power), end, end, Fraction(power))
 
 
-def _command(source: Source, at: int, names: Names) -> Iterator[Token]:
+def _command(source: Source, at: int, language: Language) -> Iterator[Token]:
     """A LaTeX command."""
     match = _COMMAND.match(source.text, at)
     if match is None:
         source.fail("a backslash alone", (at, at + 1))
     name, end = match[1], match.end()
     if name in words.COMMANDS:
-        yield from _names(source, at, names)
+        yield from _word(source, at, language)
     elif name in _SILENT:
         yield Token("space", name, at, end)
     elif name in _TIMES:
         yield Token("operator", "*", at, end)
     elif name in _FRACTIONS:
         yield Token("fraction", name, at, end)
-    elif name in _FUNCTIONS and name in names.functions:
+    elif name in _FUNCTIONS and name in language.functions:
         yield Token("function", name, at, end)
     elif name == "\\":
         skip = re.compile(r"\s*\[[^\]\n]{0,12}\]").match(source.text, end)

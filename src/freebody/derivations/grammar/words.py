@@ -12,7 +12,7 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from freebody.derivations.check.source import Source
+from freebody.derivations.grammar.source import Source
 from freebody.derivations.names import GREEK
 
 DOT, PRIME = "˙", "'"

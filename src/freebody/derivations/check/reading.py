@@ -1,0 +1,146 @@
+"""The language of answers: what names and functions stand for, with their right values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+
+from freebody.derivations.check.exact import LARGEST_EXPONENT, Reader
+from freebody.derivations.check.tree import Named, Wave
+from freebody.derivations.check.vocabulary import Vocabulary
+from freebody.derivations.grammar.lexer import Token
+from freebody.derivations.grammar.parser import PI, Parser, around, product_of
+from freebody.derivations.grammar.source import Source
+from freebody.derivations.nodes import Expression, Number, Power
+from freebody.errors import FreebodyError
+from freebody.scalars.trig import Trig
+
+
+class AnswerParser(Parser):
+    """Reads one side of an equation. `quantity(name)` gives the right value of τ1, H12, … where one
+    stands for it."""
+
+    largest_exponent = LARGEST_EXPONENT
+    negative_powers = "negative powers do not occur in these equations"
+
+    def __init__(
+        self,
+        source: Source,
+        tokens: Sequence[Token],
+        vocabulary: Vocabulary,
+        quantity: Callable[[str], Trig | None],
+    ):
+        super().__init__(source, tokens)
+        self.vocabulary, self.quantity = vocabulary, quantity
+        self.reader = Reader(source, vocabulary.setting.ring)
+
+    def makes_table(self, function: Token) -> bool:
+        return self._function(function) == "Matrix"
+
+    def quotient(self, above: Expression, below: Expression) -> Expression:
+        """A fraction; of two numbers one number."""
+        if isinstance(above, Number) and isinstance(below, Number) and below.value:
+            return Number(above.value / below.value, span=around(above, below))
+        return super().quotient(above, below)
+
+    def name(self) -> Expression:
+        """A symbol, c12, or a quantity that stands for its right value; theta1(t) is theta1."""
+        token = self.take()
+        name = token.text
+        if [self.ahead(k).text for k in range(3)] == ["(", "t", ")"]:
+            self.at += 3
+        span = self.since(token.start)
+        vocabulary = self.vocabulary
+        if name in vocabulary.symbols:
+            return Named(name, vocabulary.symbols[name], span=span)
+        if name in vocabulary.waves:
+            return Wave(*vocabulary.waves[name], span=span)
+        if name == "pi":
+            return Number(PI, span=span)
+        if name == "t":
+            self.source.fail("the time t does not occur in these equations", token.span)
+        value = self.quantity(name)
+        if not isinstance(value, Trig):
+            self.source.fail(
+                f"{self.source[token.span]} is a vector or matrix, which cannot stand in a product",
+                token.span,
+            )
+        return Named(name, value, span=span)
+
+    def _function(self, token: Token) -> str:
+        return self.vocabulary.functions[token.text]
+
+    def call(self) -> Expression:
+        """A function with its argument; cos²(x) is a power of it."""
+        token = self.take()
+        function = self._function(token)
+        if function == "Derivative":
+            return self._derivative(token)
+        if function == "Matrix":
+            self.source.fail("a matrix must be a whole side of the equation", token.span)
+        exponent = self.exponent() if self.token.kind == "power" or self.is_operator("^") else 1
+        argument = self._argument(token)
+        span = self.since(token.start)
+        if function == "sgn":
+            node: Expression = Named(self.source[span], self._sign(argument), span=span)
+        else:
+            node = Wave(function, *self.reader.angle(argument), span=span)
+        return node if exponent == 1 else Power(node, exponent, span=span)
+
+    def _argument(self, function: Token) -> Expression:
+        """A bracket; or, without one, numbers and one angle: cos 2θ1."""
+        if self.token.kind == "open":
+            return self.bracket()
+        factors: list[Expression] = []
+        while self.token.kind in ("number", "fraction") or self.is_operator("-", "*"):
+            if self.is_operator("-", "*"):
+                token = self.take()
+                if token.text == "*" and not factors:
+                    self.source.fail(f"{function.text} needs an angle behind it", token.span)
+                if token.text == "-":
+                    factors.append(Number(Fraction(-1), span=token.span))
+            else:
+                factors.append(self.primary())
+        if self.token.kind == "name":
+            factors.append(self.name())
+        if not factors:
+            self.fail_here(f"the angle of {function.text}")
+        if self.token.kind == "power" or self.is_operator("^"):
+            angle = self.source[around(factors[0], factors[-1])]
+            self.source.fail(
+                f"this power may belong to the angle or to {function.text}: write "
+                f"{function.text}^2({angle})",
+                self.token.span,
+            )
+        return product_of(factors)
+
+    def _sign(self, argument: Expression) -> Trig:
+        try:
+            return self.reader.read(argument).sign()
+        except FreebodyError:
+            self.source.fail("sgn needs a single rate here", argument.span)
+
+    def _derivative(self, token: Token) -> Expression:
+        """Derivative(theta1(t), t), Derivative(theta1(t), (t, 2))."""
+        self.expect("open", "'('")
+        value = self.reader.read(self.expression())
+        order = 0
+        while self.token.kind == "comma":
+            self.take()
+            pair = self.token.kind == "open"
+            if pair:
+                self.take()
+            if self.expect("name", "the time t").text != "t":
+                self.source.fail("only derivatives with respect to the time t are read", token.span)
+            times = 1
+            if pair:
+                self.expect("comma", "','")
+                times = int(self.expect("number", "the order").value)
+                self.expect("close", "')'")
+            order += times
+        span = (token.start, self.expect("close", "')'").end)
+        if not 1 <= order <= 2:
+            self.source.fail("a derivative must be the first or second one by t", span)
+        for _ in range(order):
+            value = value.along(self.vocabulary.setting.symbols.rates)
+        return Named(self.source[span], value, span=span)

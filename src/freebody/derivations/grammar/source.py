@@ -1,0 +1,83 @@
+"""A text that is read, and errors that point into it."""
+
+from __future__ import annotations
+
+import unicodedata
+from dataclasses import dataclass
+from typing import ClassVar, NoReturn, Self
+
+from freebody.errors import FreebodyError
+
+_SHOWN = 96
+"""Characters of a line that an error shows."""
+
+Span = tuple[int, int]
+"""Start and end of a piece of text."""
+
+
+class UnreadableError(FreebodyError, ValueError):
+    """A text that cannot be read: what is wrong, where, and the line with a caret under the
+    place."""
+
+    asked_by = ""
+    """What refuses it, in front of the message."""
+
+    def __init__(
+        self, problem: str, advice: str = "", line: int = 0, column: int = 0, context: str = ""
+    ):
+        self.line, self.column, self.context = line, column, context
+        where = f" (line {line}, column {column})" if line else ""
+        self.problem = f"{self.asked_by}{problem}{where}.{' ' if advice else ''}{advice}"
+        super().__init__(self.problem + (f"\n{context}" if context else ""))
+
+
+@dataclass(frozen=True)
+class Source:
+    """A text, accents decomposed: θ̇ is θ and a dot. What it is, how long it may be and the error
+    that says what is wrong with it are a subclass's."""
+
+    text: str
+
+    what: ClassVar[str] = "text"
+    longest: ClassVar[int] = 20_000
+    """Characters that are read."""
+    error: ClassVar[type[UnreadableError]] = UnreadableError
+
+    @classmethod
+    def of(cls, text: str) -> Self:
+        """The text, unless it is too long."""
+        if len(text) > cls.longest:
+            raise cls.error(
+                f"the {cls.what} has {len(text)} characters; at most {cls.longest} are read"
+            )
+        return cls(unicodedata.normalize("NFD", text))
+
+    def __getitem__(self, span: Span) -> str:
+        """What is written there, on one line."""
+        return " ".join(unicodedata.normalize("NFC", self.text[span[0] : span[1]]).split())
+
+    def place(self, at: int) -> tuple[int, int]:
+        """Line and column, from 1; dots above letters take no column."""
+        before = self.text[:at]
+        start = before.rfind("\n") + 1
+        return before.count("\n") + 1, _width(before[start:]) + 1
+
+    def fail(self, problem: str, span: Span, advice: str = "") -> NoReturn:
+        """Raise an error that points at a piece of the text."""
+        line, column = self.place(span[0])
+        raise self.error(problem, advice, line, column, self.caret(span))
+
+    def caret(self, span: Span) -> str:
+        """The line, and below it carets under the piece."""
+        start = self.text.rfind("\n", 0, span[0]) + 1
+        end = self.text.find("\n", span[0])
+        end = len(self.text) if end < 0 else end
+        first = max(start, min(span[0] - _SHOWN // 2, end - _SHOWN))
+        shown = self.text[first : min(end, first + _SHOWN)].replace("\t", " ")
+        size = max(1, _width(self.text[span[0] : min(span[1], end)]))
+        pad = " " * (_width(self.text[first : span[0]]) + 4)
+        return f"    {unicodedata.normalize('NFC', shown)}\n{pad}{'^' * min(size, _SHOWN)}"
+
+
+def _width(text: str) -> int:
+    return sum(not unicodedata.combining(c) for c in text)
