@@ -16,7 +16,7 @@ import pytest
 
 import freebody as fb
 from freebody.errors import FreebodyError, MissingValueError
-from freebody.model.number_editors import get, put_at
+from freebody.model.piece_paths import get, put_at
 from freebody.model.placement import Placement, Shift
 from support import generate
 

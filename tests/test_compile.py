@@ -14,7 +14,7 @@ from freebody import math as fm
 from freebody.errors import FreebodyError, KindError, UnknownNameError
 from freebody.program import ProgramError
 from freebody.scalars.nodes import GraphError
-from freebody.targets.blame import BatchError
+from freebody.targets.call_errors import BatchError
 from support.extras import extra
 
 

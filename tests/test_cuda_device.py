@@ -19,7 +19,7 @@ import freebody as fb
 from freebody.errors import ShapeError
 from freebody.program import Argument, trace
 from freebody.targets import KernelError, compile_program, settings
-from freebody.targets.blame import BatchError
+from freebody.targets.call_errors import BatchError
 from freebody.targets.cuda import driver
 from freebody.targets.cuda.arrays import DeviceArray
 from freebody.targets.cuda.driver import GpuError, missing

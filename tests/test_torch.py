@@ -14,7 +14,7 @@ import pytest
 import freebody as fb
 from freebody.errors import FreebodyError, MissingValueError, ShapeError
 from freebody.targets import TARGETS, Kernel, KernelError
-from freebody.targets.blame import BatchError
+from freebody.targets.call_errors import BatchError
 from support.hostile import JOINTS, LINKS, hostile
 
 torch = pytest.importorskip("torch", reason="PyTorch is not installed")

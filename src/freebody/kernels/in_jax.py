@@ -16,7 +16,7 @@ from freebody.model.families import FamilyError
 from freebody.model.model import Model
 from freebody.program import Program
 from freebody.targets import Kernel, KernelError
-from freebody.targets.blame import BatchError
+from freebody.targets.call_errors import BatchError
 from freebody.targets.xla.operation import Arrays, Way, interface
 
 

@@ -19,7 +19,7 @@ from freebody.model.parameters import Parameter, Quantity, each_parameter
 from freebody.model.quantity_reader import QuantityReader, exact_sin_cos
 from freebody.model.tree import Tree, lower
 from freebody.targets import Kernel, KernelError
-from freebody.targets.blame import BatchError
+from freebody.targets.call_errors import BatchError
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,9 @@ from freebody.model.families import Members, is_array, is_nested, members, one_f
 from freebody.model.inertia import Inertia, faults
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.loops import checked_loop
-from freebody.model.number_editors import get, put
 from freebody.model.number_names import PAYLOAD
 from freebody.model.parameters import LARGEST, Quantity, finite, quantity
+from freebody.model.piece_paths import get, put
 from freebody.model.placement import Placement, Rotate, Shift, Turn, rotate, shift
 from freebody.model.tree import Attached
 

@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any
 from freebody.errors import MissingValueError
 from freebody.model import changes, numbers
 from freebody.model.inertia import Inertia, is_surely_physical
-from freebody.model.layout import CHANGING, NumberLayout, SlotValues
+from freebody.model.layout import CHANGING, NumberLayout
 from freebody.model.number_names import DRIVE
+from freebody.model.number_rows import SlotValues
 from freebody.model.parameters import LARGEST
 
 if TYPE_CHECKING:
@@ -78,13 +79,13 @@ def _edited(model: Model, values: Mapping[Any, Any]) -> Model | None:
             changed = [grown.moved[slot] for slot in changed]
             layout = grown.layout
             slot = layout.slots[name]
-        if edits.get(slot, layout.leaves[slot]) != value:
+        if edits.get(slot, layout.rows.values[slot]) != value:
             edits = {**edits, slot: value}
             changed.append(slot)
     if not changed:
         return model
-    leaves = layout.filled(edits)
-    return _copy(layout, edits, leaves) if layout.is_physical(changed, leaves) else None
+    filled = layout.filled(edits)
+    return _copy(layout, edits, filled) if layout.is_physical(changed, filled) else None
 
 
 def _loaded(model: Model, inertia: Inertia, frame: str | None, name: str) -> Model | None:
@@ -94,7 +95,7 @@ def _loaded(model: Model, inertia: Inertia, frame: str | None, name: str) -> Mod
     if (
         layout is None
         or {*map(type, entries)} != _FLOAT
-        or inertia.dim != layout.space.dim
+        or inertia.dim != layout.dim
         or not is_surely_physical(inertia.mass, inertia.tensor)
     ):
         return None
@@ -112,11 +113,11 @@ _NO_EDITS: Edits = {}
 _FLOAT = {float}
 
 
-def _copy(layout: NumberLayout, edits: Edits, leaves: SlotValues) -> Model:
+def _copy(layout: NumberLayout, edits: Edits, values: SlotValues) -> Model:
     copy = object.__new__(type(layout.origin))
     own = copy.__dict__
     own.update(layout.shared)
-    own["layout"], own["edits"], own["leaves"] = layout, edits, leaves
+    own["layout"], own["edits"], own["slot values"] = layout, edits, values
     return copy
 
 
@@ -175,7 +176,7 @@ class LazyPiece:
         if "edits" not in own:
             raise AttributeError(f"{owner.__name__!r} object has no attribute {self.name!r}")
         layout: NumberLayout = own["layout"]
-        values = {layout.owner[slot]: x for slot, x in own["edits"].items()}
+        values = {layout.rows.owner[slot]: x for slot, x in own["edits"].items()}
         # of two threads that look at the same moment, both take the pieces of the first
         whole = own.setdefault("whole", numbers.written(layout.origin, values))
         for field in CHANGING:

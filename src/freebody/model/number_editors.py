@@ -8,151 +8,29 @@ number, one for each member of a family, or a parameter that a kernel reads as a
 
 from __future__ import annotations
 
-import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
-import numpy as np
-
-from freebody.elementary import Scalar
-from freebody.errors import ModelError
-from freebody.model.families import Members, NamedNumber, changed, copied, fields_of
+from freebody.model.families import Members, NamedNumber, changed
 from freebody.model.inertia import Inertia
 from freebody.model.parameters import Parameter, ParameterProduct, Quantity, each_parameter
-from freebody.model.placement import Placement, Rotate, Shift, Turn, shift, turn
+from freebody.model.piece_paths import Fields, Path, get, is_plain, put, put_at
+from freebody.model.placement import Placement
+from freebody.model.pose_editor import as_quantity, steps_to
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Attached
-from freebody.spatial import AnySpace, Matrix, Vector, identity, of_dimension
+from freebody.spatial import AnySpace, of_dimension
 
 if TYPE_CHECKING:
     from freebody.model.model import Model
 
-Path = tuple[Any, ...]
-"""Names of fields and indices of tuples that lead from a model to one of its pieces."""
-Fields = Mapping[str, Quantity]
 
 TENSOR = {2: ("zz",), 3: ("xx", "xy", "xz", "yy", "yz", "zz")}
 _TENSOR = {dim: tuple(f"inertia.{x}" for x in entries) for dim, entries in TENSOR.items()}
 _CENTRE = {dim: tuple(f"com.{x}" for x in of_dimension(dim).axes) for dim in TENSOR}
-ANGLES = {2: ("yaw",), 3: ("roll", "pitch", "yaw")}
 
 
-# ---------------------------------------------------------------- pieces of a model
-def get(thing: Any, path: Path) -> Any:
-    """The piece at a path."""
-    for step in path:
-        thing = thing[step] if type(step) is int else getattr(thing, step)
-    return thing
-
-
-def put(thing: Any, path: Path, piece: Any) -> Any:
-    """A copy of the thing with another piece at a path."""
-    return put_at(thing, (path,), piece)
-
-
-def put_at(thing: Any, paths: tuple[Path, ...], piece: Any) -> Any:
-    """The same with one piece at several paths, none of which leads through another.
-
-    What was one object at several of these places is one again.
-    """
-    return _put(thing, _branch(paths), piece, {})
-
-
-class _Branch:
-    """Where the same piece is put, as a tree."""
-
-    __slots__ = ("again", "steps")
-
-    def __init__(self, steps: tuple[tuple[Any, _Branch | None], ...]):
-        self.steps = steps
-        """(field or index, what lies behind it; None where the piece goes)."""
-        self.again = False
-        """Whether there may be others like it, so that the same object may be met twice."""
-
-
-@lru_cache(maxsize=1024)
-def _branch(paths: tuple[Path, ...]) -> _Branch | None:
-    return _grown(paths, {})
-
-
-def _grown(paths: tuple[Path, ...], known: dict[tuple[Path, ...], _Branch]) -> _Branch | None:
-    """Paths as a tree; equal branches are one object."""
-    if paths == ((),):
-        return None
-    if paths in known:
-        _mark(known[paths])
-    else:
-        behind: dict[Any, list[Path]] = {}
-        for path in paths:
-            behind.setdefault(path[0], []).append(path[1:])
-        known[paths] = _Branch(
-            tuple((step, _grown(tuple(rest), known)) for step, rest in behind.items())
-        )
-    return known[paths]
-
-
-def _mark(branch: _Branch) -> None:
-    branch.again = True
-    for _, rest in branch.steps:
-        if rest is not None and not rest.again:
-            _mark(rest)
-
-
-def _put(
-    thing: Any, branch: _Branch | None, piece: Any, made: dict[tuple[int, _Branch] | None, Any]
-) -> Any:
-    """made: copies made so far, where there may be others."""
-    if branch is None:
-        return piece
-    place = (id(thing), branch) if branch.again else None
-    if place in made:
-        return made[place]
-    if type(thing) is tuple:
-        items = list(thing)
-        for step, rest in branch.steps:
-            items[step] = _put(items[step], rest, piece, made)
-        copy = tuple(items)
-    else:
-        copy = copied(thing)
-        own = copy.__dict__
-        for step, rest in branch.steps:
-            own[step] = _put(own[step], rest, piece, made)
-    if place is not None:
-        made[place] = copy
-    return copy
-
-
-def named_leaves(thing: Any) -> dict[tuple[str, ...], list[Path]]:
-    """Where each symbol, and each entry with a name of its own, stands; in order."""
-    found: dict[tuple[str, ...], list[Path]] = {}
-    _walk(thing, (), found)
-    return found
-
-
-def _walk(thing: Any, path: Path, found: dict[tuple[str, ...], list[Path]]) -> None:
-    kind = type(thing)
-    if kind is float or kind is str:
-        return
-    if isinstance(thing, Parameter):
-        found.setdefault((thing.name,), []).append(path)
-    elif kind is NamedNumber or (kind is Members and thing.name):
-        found.setdefault(thing.name, []).append(path)
-    elif kind is tuple:
-        for i, item in enumerate(thing):
-            _walk(item, (*path, i), found)
-    elif kind is not Members:
-        for name in fields_of(kind):
-            _walk(getattr(thing, name), (*path, name), found)
-
-
-def is_plain(thing: Any) -> bool:
-    """Whether neither symbols nor entries with a name of their own are in it."""
-    return not named_leaves(thing)
-
-
-# ---------------------------------------------------------------- editors
 class Editor(Protocol):
     """What reads and writes the numbers of one piece."""
 
@@ -304,7 +182,7 @@ class LinkInertiaEditor:
     def _told(self, model: Model, part: Attached) -> Attached:
         """The part with its inertia in the link's frame, where numbers alone lead there."""
         steps = part.placement.steps
-        start = len(steps) if self.frame is None else _length(model, self.frame)
+        start = len(steps) if self.frame is None else steps_to(model, self.frame)
         inner = Placement(steps[start:])
         if not inner.steps or not is_plain((inner.steps, part.inertia)):
             return part
@@ -317,7 +195,11 @@ class LinkInertiaEditor:
         entries = tuple(turned[i][j] for i in range(len(turned)) for j in range(i, len(turned)))
         inertia = changed(
             part.inertia,
-            {"mass": _kept(m), "com": tuple(map(_kept, com)), "tensor": tuple(map(_kept, entries))},
+            {
+                "mass": as_quantity(m),
+                "com": tuple(map(as_quantity, com)),
+                "tensor": tuple(map(as_quantity, entries)),
+            },
         )
         return changed(part, {"inertia": inertia, "placement": Placement(steps[:start])})
 
@@ -347,177 +229,8 @@ class NewPayloadEditor:
         return LinkInertiaEditor((*path, len(there)), None, self.space).write(grown, values)
 
 
-@dataclass(frozen=True)
-class PoseEditor:
-    """A placement: x, y, z (m), then roll, pitch, yaw (rad) about the axes of the frame that it is
-    told in, R = Rz(yaw) Ry(pitch) Rx(roll).
-
-    outer: the frame that its first steps lead to, and that it is told in; None: the body's.
-    frame: its name, where it is a frame's: all that is fixed to that frame moves with it.
-    """
-
-    path: Path
-    outer: str | None
-    space: AnySpace
-    frame: str = ""
-    first = False
-
-    @property
-    def keeps_places(self) -> bool:
-        """What is fixed to a frame may have other steps in front."""
-        return not self.frame
-
-    @staticmethod
-    def tells(own: tuple[Any, ...]) -> bool:
-        """Whether such numbers can be told of these steps, which may hold symbols."""
-        leaves = named_leaves(own)
-        if any(len(name) > 1 for name in leaves):  # entries of a DH table are the numbers there
-            return False
-        return not leaves or not any(isinstance(step, Shift) for step in own[1:])
-
-    def start(self, model: Model) -> int:
-        """How many steps lead to the outer frame."""
-        return 0 if self.outer is None else _length(model, self.outer)
-
-    def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
-        by, turns = self._split(get(model, self.path).steps[self.start(model) :])
-        return self._fields(by, turns)
-
-    def alone(self, model: Model, field: str) -> tuple[Path, ...]:
-        start = self.start(model)
-        first, *rest = get(model, self.path).steps[start:] or (None,)
-        if (
-            self.frame  # what is fixed to it moves too
-            or field not in self.space.axes
-            or not isinstance(first, Shift)
-            or any(isinstance(step, Shift) for step in rest)
-        ):
-            return ()
-        return ((*self.path, "steps", start, "by", self.space.axes.index(field)),)
-
-    def write(self, model: Model, values: Fields) -> Model:
-        old = get(model, self.path)
-        start = self.start(model)
-        outer, own = old.steps[:start], old.steps[start:]
-        by, turns = self._split(own)
-        by = tuple(values.get(x, b) for x, b in zip(self.space.axes, by, strict=True))
-        names = ANGLES[self.space.dim]
-        if not values.keys().isdisjoint(names):
-            angles = self._fields(by, turns) | dict(values)
-            turns = tuple(
-                step for x in reversed(names) for step in turn(_ABOUT[x], angles[x]).steps
-            )
-        new = Placement((*outer, *shift(*by).steps, *turns))
-        model = put(model, self.path, new)
-        for path in _riders(model, self.frame) if self.frame else ():
-            ridden = get(model, path).steps
-            if ridden[: len(old.steps)] != old.steps:
-                raise ModelError(
-                    f"{model.name!r}: frame {self.frame!r} carries a long row of fixed links, "
-                    f"whose placements have "
-                    "been put together; it cannot be moved any more. Give the number before the "
-                    "model is made."
-                )
-            model = put(model, path, Placement((*new.steps, *ridden[len(old.steps) :])))
-        return model
-
-    def _split(self, own: Iterable[Any]) -> tuple[Vector, tuple[Any, ...]]:
-        """One shift, and the turns behind it, that come to the same as the steps."""
-        steps = tuple(own)
-        first, rest = (
-            (steps[0].by, steps[1:])
-            if steps and isinstance(steps[0], Shift)
-            else (self.space.zero, steps)
-        )
-        if not any(isinstance(step, Shift) for step in rest):
-            return first, rest
-        R, p = Placement(steps).lower(self.space, VALUES)
-        if all(isinstance(x, float) for row in R for x in row):
-            turns: tuple[Any, ...] = (Rotate(R),)
-        else:  # a member each: as angles, which have numbers for members
-            angles = _angles_of(R)
-            turns = tuple(
-                Turn(_ABOUT[x], _kept(angles[x])) for x in reversed(ANGLES[self.space.dim])
-            )
-        return tuple(map(_kept, p)), turns
-
-    def _fields(self, by: Vector, turns: tuple[Any, ...]) -> dict[str, Quantity]:
-        fields: dict[str, Quantity] = dict(zip(self.space.axes, by, strict=True))
-        order = [_LETTER[step.axis] for step in turns if isinstance(step, Turn)]
-        names = ANGLES[self.space.dim]
-        if len(order) == len(turns) and order == sorted(
-            set(order), reverse=True
-        ):  # already such turns
-            told = {_ABOUT[x]: x for x in names}
-            return (
-                fields | dict.fromkeys(names, 0.0) | {told[step.axis]: step.angle for step in turns}
-            )
-        if not is_plain(turns):
-            return fields
-        R, _ = Placement(turns).lower(self.space, VALUES)
-        return fields | {x: _kept(angle) for x, angle in _angles_of(R).items()}
-
-
-def _length(model: Model, frame: str) -> int:
-    """How many steps lead to a frame of its body."""
-    return len(model.frame(frame).placement.steps)
-
-
-def _riders(model: Model, name: str) -> list[Path]:
-    """Paths of the placements that begin with that of a frame: of frames, inertias, loads and
-    joints fixed to it."""
-    on: dict[str, list[str]] = {}
-    for frame in model.frames:
-        on.setdefault(frame.parent, []).append(frame.name)
-    reached, waiting = {name}, [name]
-    while waiting:
-        below = on.get(waiting.pop(), [])
-        reached.update(below)
-        waiting += below
-    paths: list[Path] = [
-        ("frames", k, "placement")
-        for k, f in enumerate(model.frames)
-        if f.name in reached and f.name != name
-    ]
-    parts = [("base_inertias", k) for k in range(len(model.base_inertias))]
-    for i, body in enumerate(model.bodies):
-        parts += [("bodies", i, "inertias", k) for k in range(len(body.inertias))]
-        if body.joint.parent in reached:
-            paths.append(("bodies", i, "joint", "placement"))
-    for path in parts:
-        part = get(model, path)
-        if (part.frame if part.load else part.link) in reached:
-            paths.append((*path, "placement"))
-    return paths
-
-
 _FACTORS = frozenset({"mass", "scale"})
 """What is the same in any axes and about any point."""
-_ABOUT = {"roll": "x", "pitch": "y", "yaw": "z"}
-_LETTER = {"x": 0, "y": 1, "z": 2}
-
-
-def _angles_of(R: Matrix) -> dict[str, Scalar]:
-    """Roll, pitch and yaw of a rotation, in the plane yaw; where they are not unique, yaw = 0."""
-    if identity(len(R)) == R:
-        return dict.fromkeys(ANGLES[len(R)], 0.0)
-    atan2 = math.atan2 if all(isinstance(x, float) for row in R for x in row) else np.arctan2
-    if len(R) == 2:
-        return {"yaw": atan2(R[1][0], R[0][0]) + 0.0}
-    flat = R[0][0] * R[0][0] + R[1][0] * R[1][0]
-    upright = flat < 1e-24
-    if atan2 is math.atan2:
-        roll = math.atan2(-R[1][2], R[1][1]) if upright else math.atan2(R[2][1], R[2][2])
-        yaw = 0.0 if upright else math.atan2(R[1][0], R[0][0])
-    else:
-        roll = np.where(upright, np.arctan2(-R[1][2], R[1][1]), np.arctan2(R[2][1], R[2][2]))
-        yaw = np.where(upright, 0.0, np.arctan2(R[1][0], R[0][0]))
-    return {"roll": roll + 0.0, "pitch": atan2(-R[2][0], np.sqrt(flat)) + 0.0, "yaw": yaw + 0.0}
-
-
-def _kept(x: Scalar) -> Quantity:
-    """A computed scalar as a number of the model."""
-    return Members(x) if isinstance(x, np.ndarray) and x.ndim else float(x)
 
 
 def _times(x: Quantity, factor: Quantity) -> Quantity:
@@ -526,4 +239,4 @@ def _times(x: Quantity, factor: Quantity) -> Quantity:
         return x
     if any(each_parameter((x, factor))):
         return cast(Quantity, ParameterProduct((x, factor)))
-    return _kept(VALUES.quantity(x) * VALUES.quantity(factor))
+    return as_quantity(VALUES.quantity(x) * VALUES.quantity(factor))

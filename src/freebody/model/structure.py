@@ -126,7 +126,7 @@ def structure_of(model: Model) -> Structure:
     own = model.__dict__
     edits, numbers = own.get("edits"), None
     if edits is not None:
-        numbers = own["layout"].numbers_with(edits, own["leaves"])
+        numbers = own["layout"].numbers_with(edits, own["slot values"])
     if numbers is None:
         found = _structure(model)
     else:

@@ -22,7 +22,7 @@ from freebody.lazy import cached_property
 from freebody.program import Argument, Program
 from freebody.program.derivative import directional
 from freebody.program.gradient import gradient
-from freebody.targets.blame import BatchError
+from freebody.targets.call_errors import BatchError
 from freebody.targets.kernel import Kernel, compile_program
 from freebody.targets.target import KernelError
 

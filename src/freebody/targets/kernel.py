@@ -19,7 +19,7 @@ from freebody.program.hoist import hoist
 from freebody.program.program import Argument, Program, verify
 from freebody.scalars.operations import OPERATIONS
 from freebody.targets import result_memory
-from freebody.targets.blame import explained
+from freebody.targets.call_errors import explained
 from freebody.targets.target import KernelError, chosen_target, chosen_width, target_named
 from freebody.targets.threads import cpus, run_split
 

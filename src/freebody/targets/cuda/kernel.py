@@ -9,7 +9,7 @@ import numpy as np
 
 from freebody.errors import ShapeError
 from freebody.program.program import Argument, Program
-from freebody.targets.blame import BatchError
+from freebody.targets.call_errors import BatchError
 from freebody.targets.cuda import driver
 from freebody.targets.cuda.arrays import (
     DeviceArray,

@@ -1,0 +1,217 @@
+"""The rows of a structure's numbers, and from which numbers of a model each follows: by the same
+arithmetic as in `contributions`, so to the last bit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from operator import itemgetter
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from freebody.model.contributions import (
+    acting,
+    gravity_part,
+    inertial_entries,
+    linear_row,
+    pose_part,
+)
+from freebody.model.inertia import in_shape
+from freebody.model.piece_paths import Path
+from freebody.model.placement import Placement, Shift
+from freebody.model.quantity_reader import VALUES
+from freebody.model.tree import Attached, drive_numbers
+from freebody.spatial import Matrix, Vector, add, identity, of_dimension, times
+
+if TYPE_CHECKING:
+    from freebody.model.description import Drive
+    from freebody.model.model import Model
+    from freebody.model.parameters import Quantity
+    from freebody.model.structure import Structure
+
+SlotValues = list[float]
+"""The number in each slot."""
+TakeSlots = Callable[[Any], tuple[Any, ...]]
+"""Picks the entries of several slots."""
+RowEntries = Callable[[SlotValues, list[Vector]], Any]
+"""Numbers of the structure, given the number in each slot and the positions of `NumberRows`; None where the
+structure is another."""
+
+
+class RowPart(NamedTuple):
+    """What adds to a row of numbers: the slots that it follows from, how, and what it is."""
+
+    slots: frozenset[int]
+    entries: RowEntries
+    now: tuple[float, ...]
+
+
+class NumberRow(NamedTuple):
+    """A row of the structure's numbers: where it stands, and what adds up to it."""
+
+    at: slice
+    parts: tuple[RowPart, ...]
+
+
+class ShiftSum(NamedTuple):
+    """Where a placement leads: the sum of its shifts, each in turned axes, where it is not None."""
+
+    slots: frozenset[int]
+    terms: tuple[tuple[Matrix | None, TakeSlots], ...]
+
+
+class NumberRows:
+    """The rows of the numbers of one robot that has all values."""
+
+    def __init__(self, model: Model, structure: Structure, named: dict[Path, str]):
+        """named: paths of numbers that are one by their names."""
+        self._model, self._structure, self._named = model, structure, named
+        self.space = of_dimension(model.dim)
+        self.values: SlotValues = []
+        self.at: dict[Path, int] = {}
+        """The slot that stands at a path."""
+        self.by_name: dict[str, int] = {}
+        self.owner: dict[int, str] = {}
+        """The name of the number in a slot, where it has one."""
+        self.inertias: dict[int, list[TakeSlots]] = {}
+        """Of a slot, what picks mass and tensor of the inertias that it belongs to."""
+        self.positions: list[ShiftSum] = []
+        self.places: list[Vector] = []
+        """Where each position is."""
+        self._index: dict[Any, int] = {}
+        self.rows = tuple(self._all_rows())
+
+    def _slot(self, path: Path, quantity: Quantity) -> int:
+        name = self._named.get(path)
+        slot = None if name is None else self.by_name.get(name)
+        if slot is None:
+            slot = len(self.values)
+            self.values.append(float(VALUES.quantity(quantity)))
+            if name is not None:
+                self.by_name[name], self.owner[slot] = slot, name
+        self.at[path] = slot
+        return slot
+
+    def _all_rows(self) -> Iterable[NumberRow]:
+        """In the order of the structure's numbers."""
+        model, dim = self._model, self.space.dim
+        for i, rows in zip(self._structure.order, self._structure.rows, strict=True):
+            path, body = ("bodies", i), model.bodies[i]
+            yield self._pose(body.joint.placement, (*path, "joint", "placement"), rows.position)
+            if body.joint.numbers:
+                yield self._own(body.joint.numbers, (*path, "joint", "numbers"), rows.joint)
+            yield self._inertial(body.inertias, (*path, "inertias"), rows.inertia)
+            if body.kind.nv == 1:
+                yield self._drive(body.joint.drive, (*path, "joint", "drive"), rows.drive)
+        start = self._structure.gravity
+        yield self._gravity(start)
+        start += len(gravity_part(model)[1])
+        start += sum(loop.distance is not None for loop in model.loops)
+        end = start + (10 if dim == 3 else 4)
+        yield self._inertial(model.base_inertias, ("base_inertias",), slice(start, end))
+        for k, frame in enumerate(model.frames if model.loops else ()):
+            part = pose_part(frame.placement, dim)
+            start, end = end, end + len(part.numbers)
+            shift = slice(end - np.count_nonzero(part.pose[1]), end)
+            yield self._pose(frame.placement, ("frames", k, "placement"), shift)
+
+    def _position(self, placement: Placement, path: Path) -> int:
+        """Index of where a placement leads."""
+        whole, terms, slots = identity(self.space.dim), [], []
+        for k, step in enumerate(placement.steps):
+            if isinstance(step, Shift):
+                R, _ = Placement(placement.steps[:k]).lower(self.space, VALUES)
+                those = [self._slot((*path, "steps", k, "by", j), x) for j, x in enumerate(step.by)]
+                terms.append((None if R is whole else R, tuple(those)))
+                slots += those
+        key = tuple(terms)
+        if key not in self._index:
+            self._index[key] = len(self.positions)
+            position = ShiftSum(frozenset(slots), tuple((R, itemgetter(*s)) for R, s in terms))
+            self.positions.append(position)
+            self.places.append(self.sum(len(self.places), self.values))
+        return self._index[key]
+
+    def sum(self, k: int, values: SlotValues) -> Vector:
+        """Where the placements of a position lead, as `Placement.lower` finds it."""
+        zero = p = self.space.zero
+        for R, take in self.positions[k].terms:
+            by = take(values)
+            if by != zero:
+                p = add(p, by if R is None else times(R, by))
+        return p
+
+    def _pose(self, placement: Placement, path: Path, at: slice) -> NumberRow:
+        k = self._position(placement, path)
+        now = self.places[k]
+        zeros = tuple([x == 0.0 for x in now])
+
+        def entries(_: SlotValues, places: list[Vector]) -> Any:
+            p = places[k]
+            return (
+                tuple([x for x in p if x != 0.0]) if tuple([x == 0.0 for x in p]) == zeros else None
+            )
+
+        return NumberRow(at, (RowPart(self.positions[k].slots, entries, now),))
+
+    def _own(self, numbers: tuple[Quantity, ...], path: Path, at: slice) -> NumberRow:
+        """What a joint's kind has besides."""
+        those = [self._slot((*path, k), x) for k, x in enumerate(numbers)]
+
+        def entries(values: SlotValues, _: list[Vector]) -> Any:
+            return tuple([values[slot] for slot in those])
+
+        return NumberRow(at, (RowPart(frozenset(those), entries, entries(self.values, [])),))
+
+    def _inertial(self, parts: tuple[Attached, ...], path: Path, at: slice) -> NumberRow:
+        return NumberRow(at, tuple(self._part(part, (*path, k)) for k, part in enumerate(parts)))
+
+    def _part(self, part: Attached, path: Path) -> RowPart:
+        inertia, own = part.inertia, (*path, "inertia")
+        mass = self._slot((*own, "mass"), inertia.mass)
+        com = [self._slot((*own, "com", j), x) for j, x in enumerate(inertia.com)]
+        tensor = [self._slot((*own, "tensor", j), x) for j, x in enumerate(inertia.tensor)]
+        for slot in {mass, *com, *tensor}:
+            self.inertias.setdefault(slot, []).append(itemgetter(mass, *tensor))
+        k = self._position(part.placement, (*path, "placement"))
+        (R, _), dim = pose_part(part.placement, self.space.dim).pose, self.space.dim
+        take = itemgetter(mass, *com, *tensor)
+
+        def entries(values: SlotValues, places: list[Vector]) -> Any:
+            return inertial_entries(self.space, in_shape(dim, take(values)), (R, places[k]))
+
+        slots = frozenset((mass, *com, *tensor)) | self.positions[k].slots
+        return RowPart(slots, entries, tuple(linear_row(part, dim).tolist()))
+
+    def _drive(self, drive: Drive, path: Path, at: slice) -> NumberRow:
+        """Without a place among the numbers of a model none of whose drives acts."""
+        those = [
+            self._slot((*path, name), getattr(drive, name))
+            for name in ("viscous", "coulomb", "rotor", "gear", "stiffness", "rest")
+        ]
+        take: TakeSlots = itemgetter(*those)
+        now = drive_numbers(*take(self.values))
+        acts, present = acting(now), at.stop > at.start
+
+        def entries(values: SlotValues, _: list[Vector]) -> Any:
+            found = drive_numbers(*take(values))
+            return None if acting(found) != acts else found if present else ()
+
+        return NumberRow(at, (RowPart(frozenset(those), entries, now),))
+
+    def _gravity(self, start: int) -> NumberRow:
+        model = self._model
+        slot = self._slot(("gravity_size",), model.gravity_size)
+        zeros, now = gravity_part(model)
+        along = [
+            VALUES.quantity(x)
+            for x, zero in zip(model.gravity_direction, zeros, strict=True)
+            if not zero
+        ]
+
+        def entries(values: SlotValues, _: list[Vector]) -> Any:
+            size = values[slot]
+            return [size * x for x in along]
+
+        part = RowPart(frozenset((slot,)), entries, tuple(now.tolist()))
+        return NumberRow(slice(start, start + len(now)), (part,))
