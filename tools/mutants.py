@@ -19,10 +19,12 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from types import UnionType
+from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
 SOURCE = ROOT / "src/freebody"
@@ -124,42 +126,68 @@ def mutants(path: Path) -> Iterator[Mutant]:
             offsets[node.end_lineno - 1] + node.end_col_offset,  # type: ignore[attr-defined]
         )
 
-    def changed(node: ast.AST, start: int, stop: int, text: str) -> Mutant:
-        return Mutant(
-            path, node.lineno, node.col_offset, start, stop, text, raw[start:stop].decode()
-        )  # type: ignore[attr-defined]
-
     for node in ast.walk(ast.parse(source)):
-        if not hasattr(node, "lineno"):
-            continue
-        start, stop = span(node)
-        if isinstance(node, ast.BinOp) and type(node.op) in BINARY:
-            between = span(node.left)[1], span(node.right)[0]
-            if raw[slice(*between)].strip().decode() in ("+", "-", "*", "/", "//", "%", "@"):
-                yield changed(node, *between, f" {BINARY[type(node.op)]} ")
-        elif isinstance(node, ast.Compare) and len(node.ops) == 1:
-            between = span(node.left)[1], span(node.comparators[0])[0]
-            if b"(" not in raw[slice(*between)] and b")" not in raw[slice(*between)]:
-                yield changed(node, *between, f" {COMPARED[type(node.ops[0])]} ")
-        elif isinstance(node, ast.BoolOp):
-            between = span(node.values[0])[1], span(node.values[1])[0]
-            word = "or" if isinstance(node.op, ast.And) else "and"
-            if b"(" not in raw[slice(*between)] and b")" not in raw[slice(*between)]:
-                yield changed(node, *between, f" {word} ")
-        elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not | ast.USub):
-            yield changed(node, start, span(node.operand)[0], "")
-        elif (
-            isinstance(node, ast.Constant)
-            and node.value in (0, 1, 2)
-            and not isinstance(node.value, str)
-        ):
-            if isinstance(node.value, bool):
-                yield changed(node, start, stop, str(not node.value))
-            else:
-                yield changed(node, start, stop, str(node.value + 1))
-        elif isinstance(node, ast.If | ast.IfExp):
-            test = span(node.test)
-            yield changed(node, *test, f"not ({raw[slice(*test)].decode()})")
+        for kind, change in CHANGES.items():
+            if isinstance(node, kind):
+                found = change(node, span, raw)
+                if found is not None:
+                    start, stop, text = found
+                    was = raw[start:stop].decode()
+                    yield Mutant(path, node.lineno, node.col_offset, start, stop, text, was)  # type: ignore[attr-defined]
+
+
+Span = Callable[[ast.AST], tuple[int, int]]
+Change = tuple[int, int, str] | None
+"""The span of the file that is replaced, and by what; None where nothing is."""
+
+
+def _other_operation(node: ast.BinOp, span: Span, raw: bytes) -> Change:
+    between = span(node.left)[1], span(node.right)[0]
+    plain = raw[slice(*between)].strip().decode() in ("+", "-", "*", "/", "//", "%", "@")
+    return (*between, f" {BINARY[type(node.op)]} ") if plain and type(node.op) in BINARY else None
+
+
+def _other_comparison(node: ast.Compare, span: Span, raw: bytes) -> Change:
+    if len(node.ops) != 1:
+        return None
+    return _between(node.left, node.comparators[0], COMPARED[type(node.ops[0])], span, raw)
+
+
+def _other_junction(node: ast.BoolOp, span: Span, raw: bytes) -> Change:
+    word = "or" if isinstance(node.op, ast.And) else "and"
+    return _between(node.values[0], node.values[1], word, span, raw)
+
+
+def _between(left: ast.AST, right: ast.AST, text: str, span: Span, raw: bytes) -> Change:
+    """What stands between two nodes, if no bracket does."""
+    between = span(left)[1], span(right)[0]
+    return None if {*b"()"} & {*raw[slice(*between)]} else (*between, f" {text} ")
+
+
+def _without_sign(node: ast.UnaryOp, span: Span, raw: bytes) -> Change:
+    signed = isinstance(node.op, ast.Not | ast.USub)
+    return (span(node)[0], span(node.operand)[0], "") if signed else None
+
+
+def _other_constant(node: ast.Constant, span: Span, raw: bytes) -> Change:
+    if isinstance(node.value, str) or node.value not in (0, 1, 2):
+        return None
+    return *span(node), str(not node.value if isinstance(node.value, bool) else node.value + 1)
+
+
+def _other_branch(node: ast.If | ast.IfExp, span: Span, raw: bytes) -> Change:
+    start, stop = span(node.test)
+    return start, stop, f"not ({raw[start:stop].decode()})"
+
+
+CHANGES: dict[type[ast.AST] | UnionType, Callable[[Any, Span, bytes], Change]] = {
+    ast.BinOp: _other_operation,
+    ast.Compare: _other_comparison,
+    ast.BoolOp: _other_junction,
+    ast.UnaryOp: _without_sign,
+    ast.Constant: _other_constant,
+    ast.If | ast.IfExp: _other_branch,
+}
 
 
 def drawn(seed: int, count: int, only: str | None) -> list[tuple[Area, Mutant]]:

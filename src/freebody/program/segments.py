@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import accumulate, pairwise
 
@@ -120,62 +121,93 @@ def _trigonometric(program: Program, nodes: list[int]) -> list[list[int]]:
 def _allocate(program: Program, steps: list[list[int]]) -> SegmentedProgram:
     """Give slots to values that cross steps, reusing those whose last reader is done."""
     sampled = program.sampled_size
-    at_hand = [
-        op == "const" or (op == "input" and program.a[i] >= sampled)
-        for i, op in enumerate(program.op)
-    ]
-    producer = {index: number for number, nodes in enumerate(steps) for index in nodes}
-    readers: dict[int, set[int]] = {}
-    for number, nodes in enumerate(steps):
-        for index in nodes:
-            for operand in program.operands(index):
-                if producer.get(operand, -1) != number and not at_hand[operand]:
-                    readers.setdefault(operand, set()).add(number)
-    distinct = dict.fromkeys(program.results)
-    results = {index: sampled + k for k, index in enumerate(distinct)}
-    storing: dict[int, list[int]] = {}  # step -> results it stores
-    for index in results:
-        trigonometric = program.op[index] in _TRIG
-        number = producer.get(index, len(steps) - 1) if not trigonometric else len(steps) - 1
-        storing.setdefault(number, []).append(index)
-        if producer.get(index, -1) != number and not at_hand[index]:
-            readers.setdefault(index, set()).add(number)
-
-    slot = {i: program.a[i] for i, op in enumerate(program.op) if op == "input" and not at_hand[i]}
-    free: list[int] = []
-    expiring: dict[int, list[int]] = {}
-    slots = sampled + len(results)
+    results = {index: sampled + k for k, index in enumerate(dict.fromkeys(program.results))}
+    stored = _stored(program, steps, results)
+    arriving = _arriving(program, steps, stored)
+    slots = _Slots(
+        {i: program.a[i] for i, op in enumerate(program.op) if op == "input"},
+        {index: number for number, indices in enumerate(arriving) for index in indices},
+        sampled + len(results),
+    )
     done: list[Segment | SinCos] = []
-
-    def take(step: int, index: int) -> int:
-        nonlocal slots
-        if free:
-            slot[index] = free.pop()
-        else:
-            slot[index], slots = slots, slots + 1
-        expiring.setdefault(max(readers.get(index, {step}), default=step), []).append(slot[index])
-        return slot[index]
-
     for number, nodes in enumerate(steps):
         if nodes and program.op[nodes[0]] in _TRIG:
-            by_kind = {program.op[index]: take(number, index) for index in nodes}
-            unused = -1 if len(by_kind) == 2 else take(number, -1)
-            argument = program.a[nodes[0]]
-            done.append(
-                SinCos(slot[argument], by_kind.get("sin", unused), by_kind.get("cos", unused))
-            )
+            done.append(_sin_cos(program, number, nodes, slots))
         else:
-            step = Segment(nodes)
-            for index in {i for node in nodes for i in program.operands(node)} | set(
-                storing.get(number, [])
-            ):
-                if producer.get(index, -1) != number and not at_hand[index]:
-                    step.loads[index] = slot[index]
-            for index in nodes:
-                if index in readers:
-                    step.stores[index] = [take(number, index)]
-            for index in storing.get(number, []):
-                step.stores[index] = [*step.stores.get(index, ()), results[index]]
-            done.append(step)
-        free += expiring.pop(number, [])
-    return SegmentedProgram(tuple(done), slots, results)
+            loads = {index: slots.of[index] for index in arriving[number]}
+            stores = {
+                index: [slots.taken(number, index)] for index in nodes if index in slots.last_reader
+            }
+            for index in stored[number]:
+                stores[index] = [*stores.get(index, ()), results[index]]
+            done.append(Segment(nodes, loads, stores))
+        slots.release(number)
+    return SegmentedProgram(tuple(done), slots.count, results)
+
+
+def _stored(program: Program, steps: list[list[int]], results: Iterable[int]) -> list[list[int]]:
+    """The results that each step stores: where they are computed, or where no step can store them
+    there, in the last."""
+    producer = {
+        index: number
+        for number, nodes in enumerate(steps)
+        for index in nodes
+        if program.op[index] not in _TRIG
+    }
+    stored: list[list[int]] = [[] for _ in steps]
+    for index in results:
+        stored[producer.get(index, -1)].append(index)
+    return stored
+
+
+def _arriving(program: Program, steps: list[list[int]], stored: list[list[int]]) -> list[list[int]]:
+    """What each step reads that comes from another step, or from an input of every sample."""
+    sampled = program.sampled_size
+    found = []
+    for nodes, results in zip(steps, stored, strict=True):
+        own = set(nodes)
+        read = {i for node in nodes for i in program.operands(node)} | set(results)
+        found.append(
+            [
+                index
+                for index in read
+                if index not in own
+                and program.op[index] != "const"
+                and (program.op[index] != "input" or program.a[index] < sampled)
+            ]
+        )
+    return found
+
+
+@dataclass
+class _Slots:
+    """The slot of each value that crosses steps; a slot is free again behind the step that reads
+    its value last."""
+
+    of: dict[int, int]
+    last_reader: dict[int, int]
+    count: int
+    _free: list[int] = field(default_factory=list)
+    _expiring: dict[int, list[int]] = field(default_factory=dict)
+
+    def taken(self, step: int, index: int) -> int:
+        """A slot for a value that a step computes."""
+        if self._free:
+            slot = self._free.pop()
+        else:
+            slot, self.count = self.count, self.count + 1
+        self.of[index] = slot
+        self._expiring.setdefault(self.last_reader.get(index, step), []).append(slot)
+        return slot
+
+    def release(self, step: int) -> None:
+        """The step is done."""
+        self._free += self._expiring.pop(step, [])
+
+
+def _sin_cos(program: Program, step: int, nodes: list[int], slots: _Slots) -> SinCos:
+    """Sine and cosine of one argument; what nothing reads of them has a slot for the time."""
+    by_kind = {program.op[index]: slots.taken(step, index) for index in nodes}
+    unused = -1 if len(by_kind) == 2 else slots.taken(step, -1)
+    argument = slots.of[program.a[nodes[0]]]
+    return SinCos(argument, by_kind.get("sin", unused), by_kind.get("cos", unused))
