@@ -17,6 +17,7 @@ from math import nan
 
 from freebody.program.program import Argument
 from freebody.scalars.operations import OPERATIONS
+from freebody.targets.cuda.constants import loop
 from freebody.targets.cuda.parts import Part
 from freebody.targets.cuda.sine import sincos
 from freebody.targets.llvm.emit import declared_once
@@ -103,12 +104,13 @@ class _Entry:
         scalars = self._loads()
         written = self._places()
         self._check(scalars)
+        tables = self._constants(name, written) if self.part.constant else ""
         for index in self.part.nodes:
             self._node(index, scalars)
             for k, j in written.get(index, ()):
                 self._store(k, j, self.names[index])
         head = f"define ptx_kernel void @{name}({', '.join(parameters)}, i64 %n) #3 {{"
-        return "\n".join([head, _INDEX, *self.lines, "  br label %end\nend:\n  ret void\n}\n"])
+        return "\n".join([tables + head, _INDEX, *self.lines, "  br label %end\nend:\n  ret void\n}\n"])
 
     def _loads(self) -> list[str]:
         """The names of all scalars of the inputs; those of uniform inputs that nothing reads are
@@ -225,12 +227,32 @@ class _Entry:
             f"%pair{x}, 1"
         )
 
+    def _constants(self, name: str, written: dict[int, list[tuple[int, int]]]) -> str:
+        """Loops that write the constants, and nothing left in `written`; the tables of their
+        places."""
+        tables: list[str] = []
+        for index, places in sorted(written.items()):
+            number = self.program.constants[self.program.a[index]]
+            for k in sorted({k for k, _ in places}):
+                value = self._valid(f"%constant{len(tables)}", self.lanes.constant(number))
+                table, lines = loop(
+                    name, len(tables), self.lanes, k, value, [j for at, j in places if at == k]
+                )
+                tables.append(table)
+                self.lines.append(lines)
+        written.clear()
+        return "".join(tables)
+
     def _store(self, k: int, j: int, value: str) -> None:
         v, place = self.lanes.v, self._place(k, j)
-        self.lines.append(
-            f"  %w{k}.{j} = select i1 %bad, {v} {self.lanes.constant(nan)}, {v} {value}"
-        )
-        self.lines.append(f"  store {v} %w{k}.{j}, ptr {place}, align {self.lanes.real.size}")
+        made = self._valid(f"%w{k}.{j}", value)
+        self.lines.append(f"  store {v} {made}, ptr {place}, align {self.lanes.real.size}")
+
+    def _valid(self, name: str, value: str) -> str:
+        """The value under that name, NaN where an input is not finite."""
+        v = self.lanes.v
+        self.lines.append(f"  {name} = select i1 %bad, {v} {self.lanes.constant(nan)}, {v} {value}")
+        return name
 
 
 def _parameters(k: int, argument: Argument, access: str = "") -> str:

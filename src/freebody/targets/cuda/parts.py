@@ -11,8 +11,10 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
 
 from freebody.program.passes import gather_factors, share_reciprocals
 from freebody.program.program import Program
@@ -25,6 +27,12 @@ is more than registers hold: inputs can be read again."""
 MOST = 2.0
 """Values alive at a time, over the room that there is, beyond which no division was ever found that
 pays."""
+
+OUTPUTS = 1000
+"""Results of one part at most: `ptxas` takes time with their square."""
+
+FEW = 1000
+"""Results that are constants, beyond which a part of their own writes them, in a loop."""
 
 LARGEST = 2.5
 """Operations of all parts together, over those of the whole program. Not measured on a GPU: by data
@@ -40,6 +48,11 @@ class Part:
     results: tuple[int, ...]
     """Positions among the scalars of all outputs."""
     nodes: tuple[int, ...]
+
+    @property
+    def constant(self) -> bool:
+        """Whether all results are constants."""
+        return all(self.program.op[index] == "const" for index in self.nodes)
 
     @property
     def operations(self) -> int:
@@ -91,12 +104,27 @@ def alive(piece: Part) -> int:
 
 
 def parts(program: Program, dtype: str) -> list[Part]:
+    """Parts that write every result once: constants apart where they are many, then runs that fit
+    or the whole where none do, and none of too many results."""
+    every = range(len(program.results))
+    constant = [i for i in every if program.op[program.results[i]] == "const"]
+    if len(constant) <= FEW:
+        constant = []
+    apart = set(constant)
+    computed = [i for i in every if i not in apart]
+    made = [part(program, constant)] if constant else []
+    for piece in _fitting(program, computed, dtype):
+        made += _of_few_outputs(piece)
+    return made
+
+
+def _fitting(program: Program, results: Sequence[int], dtype: str) -> list[Part]:
     """Runs of results, output by output and column by column, that fit; the whole where none do, or
     too many."""
-    whole = part(program, range(len(program.results)))
+    whole = part(program, results)
     if alive(whole) > MOST * ROOM[dtype]:
         return [whole]
-    order = _by_columns(program)
+    order = sorted(results, key=_by_columns(program))
     made: list[Part] = []
     done = cost = 0
     while done < len(order):
@@ -119,14 +147,34 @@ def parts(program: Program, dtype: str) -> list[Part]:
     return made or [whole]
 
 
+def _of_few_outputs(piece: Part) -> list[Part]:
+    """The part in so many equal ones that none has too many results, direction by direction, all
+    outputs of one together: these share most of their work."""
+    count = -(-len(piece.results) // OUTPUTS)
+    if count < 2:
+        return [piece]
+    order = sorted(piece.results, key=_by_directions(piece.program))
+    ends = [len(order) * k // count for k in range(count + 1)]
+    return [part(piece.program, order[a:b]) for a, b in pairwise(ends)]
+
+
 def _too_many(program: Program, results: Sequence[int], dtype: str) -> bool:
     return alive(part(program, results)) > ROOM[dtype]
 
 
-def _by_columns(program: Program) -> list[int]:
-    """Positions of the results: output by output, its last axis slowest, as a derivative's is the
+def _entries(program: Program) -> list[tuple[int, tuple[int, ...]]]:
+    """Of each result its output and its index there."""
+    return [(k, index) for k, a in enumerate(program.outputs) for index in a.indices()]
+
+
+def _by_columns(program: Program) -> Callable[[int], Any]:
+    """The order of results: output by output, its last axis slowest, as a derivative's is the
     direction."""
-    entries = [(k, index) for k, a in enumerate(program.outputs) for index in a.indices()]
-    return sorted(
-        range(len(entries)), key=lambda i: (entries[i][0], entries[i][1][-1:], entries[i][1])
-    )
+    entries = _entries(program)
+    return lambda i: (entries[i][0], entries[i][1][-1:], entries[i][1])
+
+
+def _by_directions(program: Program) -> Callable[[int], Any]:
+    """The last axis slowest, then the others from behind, then the outputs."""
+    entries = _entries(program)
+    return lambda i: (entries[i][1][::-1], entries[i][0])
