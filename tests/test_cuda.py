@@ -30,7 +30,17 @@ from freebody.targets import KernelError, compile_program
 from freebody.targets.cuda.assembly import ptx
 from freebody.targets.cuda.driver import missing
 from freebody.targets.cuda.emit import TOGETHER, emit
-from freebody.targets.cuda.parts import LARGEST, ROOM, alive, part, parts, prepared
+from freebody.targets.cuda.part import part
+from freebody.targets.cuda.parts import (
+    ALIVE,
+    FEW,
+    FEWEST,
+    LARGEST,
+    OUTPUTS,
+    ROOM,
+    parts,
+    prepared,
+)
 from freebody.targets.llvm.machine import host
 from freebody.targets.text import Unit, cuda
 from support import gpu
@@ -40,9 +50,9 @@ from support.real_files import ROBOTS
 TALOS = ROBOTS / "talos_data/robots/talos_reduced.urdf"
 TOLERANCE = {"float64": 1e-13, "float32": 1e-5}
 DTYPES = tuple(TOLERANCE)
-LONGEST = 40_000
-"""Nodes of programs for which no compiler needs a quarter of an hour: three derivatives of a Talos
-are longer."""
+LONGEST, ASSEMBLED = 40_000, 100_000
+"""Nodes of programs for which no compiler, and no assembler, needs a quarter of an hour. Three
+derivatives of a Talos are longer than the first, one of them longer than the second."""
 STARTED = ("inverse_dynamics", "forward_dynamics")
 
 
@@ -294,10 +304,66 @@ def test_parts_are_all_results_once_and_a_program_that_would_cost_too_much_stays
         whole, some = part(made, range(len(made.results))), parts(made, "float64")
         assert sorted(k for piece in some for k in piece.results) == list(range(len(made.results)))
         assert (len(some) > 1) == divided
-        assert alive(whole) > ROOM["float64"]
+        assert whole.alive > ROOM["float64"]
         if divided:
-            assert max(map(alive, some)) <= ROOM["float64"]
+            assert max(piece.alive for piece in some) <= ROOM["float64"]
             assert whole.operations < sum(x.operations for x in some) <= LARGEST * whole.operations
+
+
+def test_constants_that_are_many_are_written_apart_in_loops():
+    """In their places and nowhere else, NaN where an input is not finite, of several values and
+    outputs."""
+
+    def body(x):
+        rows = [[3.0 if (i * j) % 5 else x[0] * float(j + 1) for j in range(60)] for i in range(40)]
+        rows[7][:] = [-1.5] * 60
+        return rows, [0.0] * 90 + [x[1], 2.0]
+
+    made = trace(
+        "many", body, [Argument("x", (2,))], [Argument("A", (40, 60)), Argument("b", (92,))]
+    )
+    divided = parts(prepared(made), "float64")
+    assert [piece.constant for piece in divided] == [True, False]
+    assert len(divided[0].results) > FEW > len(divided[1].results)
+    given = np.random.default_rng(1).normal(size=(70, 2))
+    given[5, 1] = np.inf
+    A, b = gpu.run(made, [given])
+    for i, x in enumerate(given):
+        if i == 5:
+            assert np.isnan(A[i]).all()
+            assert np.isnan(b[i]).all()
+            continue
+        rows, others = body(x)
+        np.testing.assert_array_equal(A[i].reshape(40, 60), rows)
+        np.testing.assert_array_equal(b[i], others)
+
+
+def test_parts_of_long_programs_are_short_enough_to_assemble():
+    """Each of few results and few values alive; all results once; shared work is not repeated
+    without end."""
+    made = prepared(traced(fb.load("panda"), "inverse_dynamics_second_derivatives"))
+    some = parts(made, "float32")
+    assert sorted(k for piece in some for k in piece.results) == list(range(len(made.results)))
+    computing = [piece for piece in some if not piece.constant]
+    assert len(computing) > 1
+    for piece in computing:
+        assert len(piece.results) <= OUTPUTS
+        assert piece.alive <= ALIVE or len(piece.results) < FEWEST
+        seen = set()
+        for index in piece.nodes:
+            assert seen.issuperset(made.operands(index))
+            seen.add(index)
+    whole = part(made, range(len(made.results)))
+    assert sum(piece.operations for piece in computing) < 2.0 * whole.operations
+
+
+def test_one_result_after_the_other_keeps_less_of_a_tree_alive():
+    """As traced, a recursion goes outward over all branches before it comes inward."""
+    made = prepared(traced(robot("talos"), "forward_dynamics"))
+    (piece,) = parts(made, "float64")
+    whole = part(made, range(len(made.results)))
+    assert sorted(piece.nodes) == sorted(whole.nodes)
+    assert piece.alive < 0.7 * whole.alive
 
 
 def test_a_program_without_numbers_is_an_entry_all_the_same(tmp_path):
@@ -320,7 +386,7 @@ def test_one_text_is_for_all_gpus(processor, tmp_path):
 def test_ptxas_takes_every_formula(name, dtype, tmp_path):
     model = robot(name)
     for quantity in formulas(model):
-        if len(traced(model, quantity)) < LONGEST:
+        if len(traced(model, quantity)) < ASSEMBLED:
             assert gpu.assembled(fb.source(model, quantity, "cuda", dtype=dtype), tmp_path), (
                 quantity
             )

@@ -18,7 +18,7 @@ from math import nan
 from freebody.program.program import Argument
 from freebody.scalars.operations import OPERATIONS
 from freebody.targets.cuda.constants import loop
-from freebody.targets.cuda.parts import Part
+from freebody.targets.cuda.part import Part
 from freebody.targets.cuda.sine import sincos
 from freebody.targets.llvm.emit import declared_once
 from freebody.targets.llvm.instructions import (
@@ -110,7 +110,9 @@ class _Entry:
             for k, j in written.get(index, ()):
                 self._store(k, j, self.names[index])
         head = f"define ptx_kernel void @{name}({', '.join(parameters)}, i64 %n) #3 {{"
-        return "\n".join([tables + head, _INDEX, *self.lines, "  br label %end\nend:\n  ret void\n}\n"])
+        return "\n".join(
+            [tables + head, _INDEX, *self.lines, "  br label %end\nend:\n  ret void\n}\n"]
+        )
 
     def _loads(self) -> list[str]:
         """The names of all scalars of the inputs; those of uniform inputs that nothing reads are

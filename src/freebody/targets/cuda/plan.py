@@ -8,7 +8,8 @@ from freebody.program.hoist import hoist
 from freebody.program.program import Argument, Program
 from freebody.targets.cuda.assembly import ptx
 from freebody.targets.cuda.emit import emit
-from freebody.targets.cuda.parts import Part, part, parts, prepared
+from freebody.targets.cuda.part import Part, part
+from freebody.targets.cuda.parts import parts, prepared
 
 
 @dataclass(frozen=True)

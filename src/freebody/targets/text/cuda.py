@@ -8,7 +8,8 @@ from dataclasses import replace
 from freebody.program.program import Argument, Program
 from freebody.targets.cuda.assembly import ptx
 from freebody.targets.cuda.emit import emit
-from freebody.targets.cuda.parts import Part, parts, prepared
+from freebody.targets.cuda.part import Part
+from freebody.targets.cuda.parts import parts, prepared
 from freebody.targets.text.language import (
     Language,
     SelfTestSamples,
