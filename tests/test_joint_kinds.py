@@ -4,7 +4,9 @@ of revolute and prismatic joints, and their numbers by name. Random trees have t
 
 from __future__ import annotations
 
+import ast
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +15,10 @@ import freebody as fb
 from freebody.model.build import build_model
 from freebody.model.description import Joint, Link, Mimic, RobotDescription
 from freebody.model.gravity import gravity_of
+from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
+from freebody.model.loop_kinds import LOOP_KINDS
+from freebody.model.parameters import Parameter
 from freebody.model.placement import rpy, shift
 from support import generate
 from support.extras import extra
@@ -224,3 +229,87 @@ def test_a_kind_of_one_axis_names_its_primitive(name):
     assert kind.motion.words.unit == ("rad" if kind.angular[0] else "m")
     assert kind.motion.turns or kind.motion.slides
     assert kind.turns + kind.slides == (kind.motion.turns != kind.motion.slides)
+
+
+COMMON = {"fixed", "free", "planar", "point", "distance"}
+"""Names of kinds that are words with other meanings too."""
+OTHERWISE = {"formats/urdf.py": "what the format calls them"}
+SOURCE = Path(fb.__file__).parent
+
+
+def test_no_file_but_its_own_knows_a_kind_of_joint_or_loop():
+    """Neither by its name nor by its class: all else asks the record."""
+    names = {*KINDS, *LOOP_KINDS} - COMMON
+    for path in SOURCE.rglob("*.py"):
+        where = path.relative_to(SOURCE).as_posix()
+        if where.startswith("model/joints/") or where == "model/loop_kinds.py":
+            continue
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Constant) and where not in OTHERWISE:
+                assert node.value not in names, (where, node.lineno)
+            if isinstance(node, ast.ImportFrom) and node.module is not None:
+                own = node.module.removeprefix("freebody.model.joints.")
+                assert own in (node.module, "kind"), (where, node.lineno)
+
+
+# ---------------------------------------------------------------- symbols
+HELIX = {"h": 0.02, "l": 0.3, "m": 2.0, "lc": 0.2, "I": 0.05}
+
+
+def helix(*, with_slide: bool = False) -> fb.Model:
+    """A screw that carries an arm, with names for its numbers."""
+    m, lc, I = (Parameter(x, HELIX[x]) for x in ("m", "lc", "I"))
+    inertia = Inertia(m, (lc, 0.0, 0.0), (0.0, 0.0, 0.0, I, 0.0, I))
+    joints = [
+        Joint(
+            "screw",
+            "helical",
+            "base",
+            "nut",
+            axis=(0.0, 0.0, 1.0),
+            numbers=(Parameter("h", HELIX["h"]),),
+        ),
+        Joint(
+            "elbow",
+            "revolute",
+            "nut",
+            "arm",
+            shift(Parameter("l", HELIX["l"]), 0.0, 0.0),
+            (0.0, 1.0, 0.0),
+        ),
+    ]
+    links = [Link("base"), Link("nut", inertia), Link("arm", inertia)]
+    if with_slide:
+        joints.append(Joint("slide", "prismatic", "arm", "rod", axis=(1.0, 0.0, 0.0)))
+        links.append(Link("rod", Inertia.point(1.0, (0.0, 0.0, 0.0))))
+    gravity = gravity_of((0.0, 0.0, -9.81), 3)
+    return build_model(RobotDescription("helix", 3, tuple(links), tuple(joints), gravity))
+
+
+@pytest.mark.parametrize("with_slide", [False, True])
+@pytest.mark.parametrize("method", ["newton-euler", "recursive", "lagrange", "kane"])
+def test_a_screw_in_derivations(method: str, with_slide: bool):
+    """The torques are those of the kernel, and what is said of a screw is so: its motor's torque is
+    the moment about the axis, and pitch times the force along it."""
+    model = helix(with_slide=with_slide)
+    found = fb.derive(model, method)
+    q, qd, qdd = fb.random_state(model, 0, 3)
+    close(
+        found.equations.evaluate(found.equations.tau, q, qd, qdd),
+        fb.inverse_dynamics(model, q, qd, qdd),
+        1e-12,
+    )
+    said = " ".join(found.text().split())
+    assert "joint 1 (helical, angle θ₁)" in said
+    assert "h pitch (advance for each radian) of joint 1 [m/rad]" in said
+    assert ("guide" in said or "slide, u₃" in said) <= with_slide
+    if method == "newton-euler":
+        assert "τ₁ = z₁ · n₀₁ + h (z₁ · f₀₁)" in said
+        assert "the nut of joint 1" in said
+        assert "helical or revolute joint adds its rate" in said
+        assert ("a prismatic joint adds nothing" in said) == with_slide
+    if method == "recursive":
+        assert "v₁ = h θ̇₁ z₁ = [0, 0, h θ̇₁]ᵀ" in said
+        assert "τ₁ = n₀₁ · z₁ + h (f₀₁ · z₁)" in said
+        assert "the turning and the sliding of joint 1" in said

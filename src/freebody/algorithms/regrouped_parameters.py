@@ -14,8 +14,6 @@ from dataclasses import replace
 from freebody.algorithms.crba import Composite, own_inertia
 from freebody.elementary import Scalar
 from freebody.model.inertial_parameters import body_parameters
-from freebody.model.joints.prismatic import Sliding
-from freebody.model.joints.revolute import Turning
 from freebody.model.tree import Mass, Tree, TreeBody
 from freebody.spatial import AnySpace, add, scale, symmetric, times
 
@@ -59,9 +57,9 @@ def regroup(tree: Tree, composites: list[Composite]) -> list[Composite]:
 def kept(space: AnySpace, body: TreeBody) -> tuple[str, ...]:
     """Names of the parameters that stay with a body, of `body_parameters`."""
     names = body_parameters(space)
-    if isinstance(body.primitive, Sliding):
+    if body.primitive.slides and not body.primitive.turns:
         return names[: 1 + space.dim]
-    if not isinstance(body.primitive, Turning):
+    if body.primitive.slides or not body.primitive.turns:
         return names
     if space.dim == 2:
         return names[1:]
@@ -83,9 +81,9 @@ def _split(space: AnySpace, body: TreeBody, composite: Composite) -> tuple[Compo
     """(what is handed down, what stays)."""
     m, h, inertia = composite
     nothing = space.no_inertia
-    if isinstance(body.primitive, Sliding):
+    if body.primitive.slides and not body.primitive.turns:
         return (0.0, space.zero, inertia), (m, h, nothing)
-    if not isinstance(body.primitive, Turning):
+    if body.primitive.slides or not body.primitive.turns:
         return (0.0, space.zero, nothing), composite
     if space.dim == 2:
         return (m, space.zero, nothing), (0.0, h, inertia)

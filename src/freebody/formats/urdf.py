@@ -17,10 +17,11 @@ from freebody.formats.xml import Element, parse
 from freebody.model.description import INFINITE, Drive, Joint, Limits, Link, Mimic, RobotDescription
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
+from freebody.model.joints import KINDS
 from freebody.model.placement import Placement, rotate, rpy, shift
 from freebody.spatial import unit
 
-KINDS = {
+TYPES = {
     "revolute": "revolute",
     "continuous": "continuous",
     "prismatic": "prismatic",
@@ -114,11 +115,11 @@ class _Reader(Elements):
         self.only(element, "name", "type")
         where = f"joint {element.name()!r}"
         given = self.text(element, "type", where)
-        if given not in KINDS:
-            self.refuse(element, str(UnknownNameError("type", given, where, KINDS)))
-        kind = KINDS[given]
+        if given not in TYPES:
+            self.refuse(element, str(UnknownNameError("type", given, where, TYPES)))
+        kind = TYPES[given]
         parts = ["origin", "parent", "child"]
-        if kind in ("revolute", "continuous", "prismatic"):
+        if KINDS[kind].nv == 1:
             parts += ["axis", "limit", "dynamics", "mimic"]
         elif kind == "planar":
             parts += ["axis"]
@@ -130,7 +131,7 @@ class _Reader(Elements):
             self.planar(element, where, parent, child, placement)
             return
         axis, limits, drive, mimic = (), Limits(), Drive(), None
-        if kind not in ("fixed", "free"):
+        if KINDS[kind].needs_axis:
             axis = self.axis(element, where)
             limits, drive, mimic = (
                 self.limits(element, kind, where),
@@ -214,14 +215,14 @@ class _Reader(Elements):
     def limits(self, element: Element, kind: str, where: str) -> Limits:
         tag = self.one(element, "limit", where)
         if tag is None:
-            if kind != "continuous":
+            if KINDS[kind].ranged:
                 self.notice(
                     "limits",
                     element,
                     f"{where}: a {kind} joint without <limit>; its range is taken as infinite.",
                 )
             return Limits()
-        ranges = () if kind == "continuous" else ("lower", "upper")
+        ranges = ("lower", "upper") if KINDS[kind].ranged else ()
         self.only(tag, *ranges, "velocity", "effort", owner=f"<limit> of a {kind} joint")
         absent = [key for key in ranges if key not in tag.attributes]
         if absent:

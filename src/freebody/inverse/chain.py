@@ -14,8 +14,6 @@ import numpy as np
 
 from freebody.algorithms.kinematics import ancestors
 from freebody.arrays import Array
-from freebody.model.joints.prismatic import SLIDING
-from freebody.model.joints.revolute import TURNING
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.spatial import compose, identity
@@ -90,12 +88,12 @@ class ScrewChain:
 
 def chain_to(model: Model, frame: str) -> ScrewChain | None:
     """The screws to a frame; None where a joint has several coordinates of its own, or two share
-    one."""
+    one, or turns and slides at once."""
     tree = model.tree
     body, R, p = tree.frames[frame]
     path = ancestors(tree, body)[::-1]
     places = [tree.bodies[i].coordinates.q for i in path]
-    if any(tree.bodies[i].primitive not in (TURNING, SLIDING) for i in path):
+    if any(tree.bodies[i].primitive.turns == tree.bodies[i].primitive.slides for i in path):
         return None
     index = [k for place in places for k in place]
     if len(set(index)) < len(index) or not index:
@@ -133,7 +131,7 @@ def _screw(tree: Tree, i: int, R: tuple, p: tuple) -> Screw:
     body = tree.bodies[i]
     R3, p3 = _in_space(R, p)
     axis = np.array(body.axis, dtype=float)
-    turning = body.primitive is TURNING
+    turning = body.primitive.turns
     if tree.space.dim == 2:
         axis = np.array([0.0, 0.0, axis[0]]) if turning else np.array([*axis, 0.0])
     return Screw(turning, R3 @ axis, p3)

@@ -150,10 +150,12 @@ def vectors(s: Setting) -> Iterator[Meaning]:
     yield Meaning((sym("s_i", True),), "joint i to the next joint, or to the tip", METER)
     yield Meaning((sym("s_ci", True),), "joint i to the centre of mass of body i", METER)
     if not s.planar:
-        turning = joints_that(s, turn=True) or "revolute"
-        yield Meaning((sym("z_i", True),), f"direction of a {turning} joint's axis", "")
-    if not all(map(s.turns, s.order)):
-        yield Meaning((sym("u_i", True),), "direction of a prismatic joint's slide", "")
+        turning = joints_that(s, turn=True)
+        if turning:
+            yield Meaning((sym("z_i", True),), f"direction of a {turning} joint's axis", "")
+    sliding = joints_that(s, turn=False)
+    if sliding:
+        yield Meaning((sym("u_i", True),), f"direction of a {sliding} joint's slide", "")
 
 
 def moving(s: Setting) -> Iterator[Meaning]:
