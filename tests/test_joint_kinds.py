@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody.derivations.base import base_parameters
+from freebody.derivations.symbols import symbols
 from freebody.model.build import build_model
 from freebody.model.description import Joint, Link, Mimic, RobotDescription
 from freebody.model.gravity import gravity_of
@@ -229,6 +231,44 @@ def test_a_kind_of_one_axis_names_its_primitive(name):
     assert kind.motion.words.unit == ("rad" if kind.angular[0] else "m")
     assert kind.motion.turns or kind.motion.slides
     assert kind.turns + kind.slides == (kind.motion.turns != kind.motion.slides)
+
+
+def alone(kind: str, seed: int = 0) -> fb.Model:
+    """A body on a joint of that kind, on a body that turns."""
+    rng = np.random.default_rng(seed)
+    own = KINDS[kind]
+    axis = tuple(rng.normal(size=3)) if own.needs_axis else ()
+    at = generate.random_placement(rng, general=True)
+    last = Joint("j", kind, "a", "b", at, axis, numbers=(0.1,) * len(own.numbers))
+    return build_model(described(Joint("r", "revolute", "base", "a", axis=(0.0, 1.0, 0.0)), last))
+
+
+@pytest.mark.parametrize("kind", generate.SPATIAL)
+def test_base_parameters_of_every_kind(kind: str):
+    """As many as the regressor has independent columns, and they give the torques: also of joints
+    that are several primitives with nothing between."""
+    model = alone(kind)
+    states = fb.random_state(model, 0, 60)
+    Y = fb.regressor(model, *states)
+    base = fb.base_parameters(model)
+    assert len(base) == np.linalg.matrix_rank(Y.reshape(-1, Y.shape[-1]), rtol=1e-9)
+    found = Y[..., list(base.columns)] @ base.values
+    close(found, fb.inverse_dynamics(model, *states), 1e-9)
+
+
+@pytest.mark.parametrize("kind", [kind for kind in generate.SPATIAL if KINDS[kind].coordinates])
+def test_equations_of_every_kind(kind: str):
+    """In symbols, also by base parameters."""
+    model = alone(kind)
+    q, qd, qdd = fb.random_state(model, 0, 2)
+    found = fb.equations(model, numbers=True)
+    close(found.evaluate(found.tau, q, qd, qdd), fb.inverse_dynamics(model, q, qd, qdd), 1e-9)
+    s = symbols(model)
+    base = base_parameters(s)
+    values = s.evaluate([b.value for b in base], q, qd, qdd)
+    columns = fb.regressor(model, q, qd, qdd)[..., [b.column for b in base]]
+    torques = (columns * values[:, None, :]).sum(-1)
+    close(torques, fb.inverse_dynamics(model, q, qd, qdd), 1e-9)
 
 
 COMMON = {"fixed", "free", "planar", "point", "distance"}

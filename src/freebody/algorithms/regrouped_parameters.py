@@ -18,10 +18,10 @@ from freebody.model.tree import Mass, Tree, TreeBody
 from freebody.spatial import AnySpace, add, scale, symmetric, times
 
 
-def regrouped(tree: Tree) -> list[Composite]:
+def regrouped(tree: Tree, named: bool = False) -> list[Composite]:
     """(mass, first moment, inertia) of each body about its origin, with what its children hand
-    down."""
-    return regroup(tree, [own_inertia(tree.space, body) for body in tree.bodies])
+    down; named: see `regroup`."""
+    return regroup(tree, [own_inertia(tree.space, body) for body in tree.bodies], named)
 
 
 def lightened(tree: Tree) -> Tree:
@@ -37,11 +37,14 @@ def lightened(tree: Tree) -> Tree:
     return replace(tree, bodies=bodies)
 
 
-def regroup(tree: Tree, composites: list[Composite]) -> list[Composite]:
-    """The same from given ones; linear in them."""
+def regroup(tree: Tree, composites: list[Composite], named: bool = False) -> list[Composite]:
+    """The same from given ones; linear in them. named: nothing is handed to what lies between the
+    primitives of one joint, which is no body of the model and has no parameters with names."""
     space, result = tree.space, list(composites)
     for i in reversed(range(len(tree.bodies))):
         body = tree.bodies[i]
+        if named and is_inner(tree, body.parent):
+            continue
         (m, h, inertia), result[i] = _split(space, body, result[i])
         if body.parent >= 0:
             h = times(body.R, h)
@@ -54,9 +57,17 @@ def regroup(tree: Tree, composites: list[Composite]) -> list[Composite]:
     return result
 
 
-def kept(space: AnySpace, body: TreeBody) -> tuple[str, ...]:
-    """Names of the parameters that stay with a body, of `body_parameters`."""
+def is_inner(tree: Tree, i: int) -> bool:
+    """Whether a body of the tree lies between the primitives of one joint."""
+    return i >= 0 and i not in tree.body_of
+
+
+def kept(tree: Tree, i: int) -> tuple[str, ...]:
+    """Names of the parameters that stay with body i, of `body_parameters`."""
+    space, body = tree.space, tree.bodies[i]
     names = body_parameters(space)
+    if is_inner(tree, body.parent):
+        return names
     if body.primitive.slides and not body.primitive.turns:
         return names[: 1 + space.dim]
     if body.primitive.slides or not body.primitive.turns:

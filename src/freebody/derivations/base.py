@@ -61,14 +61,14 @@ def base_parameters(s: Symbols) -> tuple[Base, ...]:
 def _candidates(s: Symbols) -> list[Base]:
     """What stays with each body when parameters are regrouped, and the rotors."""
     tree, names = s.tree, body_parameters(s.tree.space)
-    gathered = regrouped(tree)
+    gathered = regrouped(tree, named=True)
     found = []
     for n, i in enumerate(tree.body_of):
         m, h, inertia = gathered[i]
         I = tree.space.inertia_matrix(inertia)
         entries = (m, *h, *(I[a][b] for a in range(len(I)) for b in range(a, len(I))))
         for k, (name, value) in enumerate(zip(names, entries, strict=True)):
-            if name in kept(tree.space, tree.bodies[i]):
+            if name in kept(tree, i):
                 kind = 0 if name[0] in "mh" else 1
                 found.append(
                     Base(_called(s, name, n + 1), n, kind, n * len(names) + k, s.element(value))

@@ -85,27 +85,25 @@ def base_parameters(model: Model) -> BaseParameters:
 def _regrouped(tree: Tree, count: int) -> tuple[list[int], Array]:
     """Columns that stay after regrouping, and the combinations (columns, p) that they multiply."""
     space, size = tree.space, len(body_parameters(tree.space))
-    bodies = [tree.bodies[i] for i in tree.body_of]
+    bodies = len(tree.body_of)
     staying = [
         n * size + k
-        for n, body in enumerate(bodies)
+        for n, i in enumerate(tree.body_of)
         for k, name in enumerate(body_parameters(space))
-        if name in kept(space, body)
+        if name in kept(tree, i)
     ]
     full = np.eye(count)
-    for column in range(len(bodies) * size):
+    for column in range(bodies * size):
         unit = [
             _composite(tree, [float(n * size + k == column) for k in range(size)])
-            for n in range(len(bodies))
+            for n in range(bodies)
         ]
         of_tree: list[Composite] = [_composite(tree, [0.0] * size)] * len(tree.bodies)
         for n, i in enumerate(tree.body_of):
             of_tree[i] = unit[n]
-        moved = regroup(tree, of_tree)
-        full[: len(bodies) * size, column] = [
-            x for i in tree.body_of for x in _entries(tree, moved[i])
-        ]
-    drives = list(range(len(bodies) * size, len(bodies) * size + len(DRIVE) * len(driven(tree))))
+        moved = regroup(tree, of_tree, named=True)
+        full[: bodies * size, column] = [x for i in tree.body_of for x in _entries(tree, moved[i])]
+    drives = list(range(bodies * size, bodies * size + len(DRIVE) * len(driven(tree))))
     candidates = staying + drives
     return candidates, full[candidates]
 
