@@ -17,7 +17,7 @@ from freebody.figures.labels import Crowd, Wanted, _overlap
 from freebody.figures.layers import forces
 from freebody.figures.names import Names
 from freebody.figures.plots import Plot, plot, thin, ticks
-from freebody.figures.robot import robot_drawing, robot_svg
+from freebody.figures.robot import robot_drawing
 from freebody.figures.snapshot import snapshot
 from freebody.figures.svg import picture
 from freebody.figures.text import number, plain
@@ -107,7 +107,7 @@ def test_tip_triad_in_space_is_the_tip_frame():
 def test_every_kind_of_robot_draws(name):
     model = fb.load(name)
     q, qd, qdd = fb.random_state(model, 4)
-    root = rooted(robot_svg(model, q, ghosts=[fb.neutral(model)]))
+    root = rooted(picture(robot_drawing(model, q, [fb.neutral(model)])).text())
     assert len(root.findall(".//{*}path")) > 5
     rooted(fb.free_body_diagram(model, q, qd=qd, qdd=qdd).svg)
 
@@ -355,7 +355,7 @@ def test_colours_of_forces_are_in_the_theme():
 # ---------------------------------------------------------------- labels, numbers, curves
 def test_labels_keep_apart():
     crowd = Crowd(300, 300)
-    placed = [crowd.place(Wanted(f"label {k}", "", [(150, 150, 1, 0)])) for k in range(6)]
+    placed = crowd.settle([Wanted(f"label {k}", "", [(150, 150, 1, 0)]) for k in range(6)])
     boxes = [p.box for p in placed]
     overlap = sum(_overlap(a, b) for i, a in enumerate(boxes) for b in boxes[i + 1 :])
     assert overlap < 60

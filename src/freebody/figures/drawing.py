@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.errors import UnknownNameError
 
 Point = tuple[float, ...]
 
@@ -35,7 +36,6 @@ class Line:
     closed: bool = False
     width: float = 0.0
     """Pixels, of a link; 0 for thin lines."""
-    label: str = ""
     far: bool = False
     """Drawn paler: far from the viewer."""
 
@@ -155,11 +155,9 @@ class View:
 
     def depth(self, points: Iterable[Sequence[float]]) -> float:
         """How near the viewer the middle of some points is, metres."""
-        return (
-            float(np.mean(np.asarray(list(points), dtype=float) @ np.asarray(self.towards)))
-            if self.towards
-            else 0.0
-        )
+        if not self.towards:
+            return 0.0
+        return float(np.mean(np.asarray(list(points), dtype=float) @ np.asarray(self.towards)))
 
 
 FLAT = View(((1.0, 0.0), (0.0, 1.0)))
@@ -257,19 +255,22 @@ class Drawing:
             self.arrow(start, end, name, "position", value, "m", beside=0.5, aside=aside)
 
     def named(self, name: str) -> Element:
-        """The element of that name, "s_1" or "s_{1}"; KeyError lists the names."""
-        for element in self.elements:
-            if canonical(element.name) == canonical(name):
-                return element
-        raise KeyError(
-            f"no {name!r} in the drawing; it has "
-            f"{', '.join(sorted({e.name for e in self.elements}))}"
-        )
+        """The element of that name, "s_1" or "s_{1}"; UnknownNameError lists the names."""
+        return named((self,), name, self.title)
 
     @property
     def arrows(self) -> list[Arrow]:
         """All arrows."""
         return [element for element in self.elements if isinstance(element, Arrow)]
+
+
+def named(drawings: Sequence[Drawing], name: str, title: str) -> Element:
+    """The element of that name in the first drawing that has it."""
+    elements = [element for drawing in drawings for element in drawing.elements]
+    for element in elements:
+        if canonical(element.name) == canonical(name):
+            return element
+    raise UnknownNameError("element", name, repr(title), sorted({e.name for e in elements}))
 
 
 def places(element: Element) -> tuple[Point, ...]:
@@ -280,15 +281,9 @@ def places(element: Element) -> tuple[Point, ...]:
         case Arrow() | Dimension():
             return element.start, element.end
         case Arc():
-            x, y = element.at
-            steps = [element.start + element.sweep * k / 4 for k in range(5)]
-            return (
-                element.at,
-                *(
-                    (x + element.radius * math.cos(a), y + element.radius * math.sin(a))
-                    for a in steps
-                ),
-            )
+            (x, y), r = element.at, element.radius
+            turned = [element.start + element.sweep * k / 4 for k in range(5)]
+            return (x, y), *((x + r * math.cos(a), y + r * math.sin(a)) for a in turned)
         case Prism():
             middle, axis = np.asarray(element.at), np.asarray(element.axis) * element.half
             across = np.eye(3) - np.outer(axis, axis) / (axis @ axis)

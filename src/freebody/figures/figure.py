@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from freebody.errors import FreebodyError, UnknownNameError
-from freebody.figures.drawing import Drawing, Element, canonical
+from freebody.errors import FreebodyError
+from freebody.figures.drawing import Drawing, Element, named
 from freebody.figures.svg import Picture, natural_scale, picture
 from freebody.lazy import cached_property
 from freebody.outputs.display import Titled
@@ -65,12 +65,7 @@ class Figure(Titled):
         Raises UnknownNameError, which lists the names.
         """
         searched = self.drawings if panel is None else (self.drawings[panel],)
-        for drawing in searched:
-            for element in drawing.elements:
-                if canonical(element.name) == canonical(name):
-                    return element
-        names = sorted({e.name for drawing in searched for e in drawing.elements})
-        raise UnknownNameError("element", name, f"{self.title!r}", names)
+        return named(searched, name, self.title)
 
     def _repr_svg_(self) -> str:
         return self.svg
@@ -90,9 +85,8 @@ def sheet(pictures: Sequence[Picture], title: str, columns: int = 2, level: floa
         row = pictures[k : k + columns]
         tall = max(p.height for p in row)
         for j, p in enumerate(row):
-            body += p.text(
-                css=False, place=f'x="{j * wide:g}" y="{y + level * (tall - p.height):g}"'
-            )
+            at = f'x="{j * wide:g}" y="{y + level * (tall - p.height):g}"'
+            body += p.text(css=False, place=at)
         y += tall
     return Picture(body, min(columns, len(pictures)) * wide, y, title)
 

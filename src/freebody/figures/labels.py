@@ -67,13 +67,6 @@ class Crowd:
                 for k in range(n + 1)
             ]
 
-    def place(self, wanted: Wanted) -> Placed:
-        """The cheapest place; it is taken from then on."""
-        boxes, prices = _candidates(wanted)
-        best = self._cheapest(boxes, prices + self._fixed(boxes))
-        self.boxes.append(best)
-        return Placed(wanted, best)
-
     def settle(self, wanted: Sequence[Wanted]) -> list[Placed]:
         """Places for all: one after the other, then each once more among the others, until none
         moves."""

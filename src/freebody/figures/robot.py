@@ -14,7 +14,6 @@ from freebody.figures.layers.structure import structure
 from freebody.figures.names import names_of
 from freebody.figures.skeleton import extent, skeleton
 from freebody.figures.snapshot import Snapshot, snapshot
-from freebody.figures.svg import picture
 from freebody.model.model import Model
 
 _GEOMETRY = (geometry.angles, geometry.slides, geometry.centres, geometry.lengths)
@@ -62,14 +61,3 @@ def _numbered(drawing: Drawing, seen: Snapshot) -> None:
     if len(pose.bodies) <= _CROWDED:
         for body in pose.bodies:
             drawing.write(body.origin, str(body.number), (0.0, 0.0, -1.0))
-
-
-def robot_svg(
-    model: Model,
-    q: ArrayLike,
-    ghosts: Sequence[ArrayLike] = (),
-    path: ArrayLike | None = None,
-    css: bool = True,
-) -> str:
-    """The same as SVG text."""
-    return picture(robot_drawing(model, q, ghosts, path), 640, 520).text(css)

@@ -69,6 +69,27 @@ class Page:
             wide = mathtext.width(formula) + texts.width(after, _VALUE)
             self.wanted.append(Wanted(formula, css, anchors, mathtext.SIZE, wide, after))
 
+    def around(
+        self,
+        e: Turn | Arc | Mark,
+        css: str,
+        r: float,
+        start: float,
+        sweep: float,
+        shares: Sequence[float],
+    ) -> None:
+        """Keep clear of an arc of r pixels around an element's place, from the direction `start` over
+        `sweep` (rad), and ask for room outside it at shares of its length."""
+        x, y = self.at(e.at)
+        count = max(8, int(abs(sweep) * r / 5))
+
+        def on(share: float) -> tuple[float, float, float, float]:
+            u, v = math.cos(start + sweep * share), -math.sin(start + sweep * share)
+            return x + r * u, y + r * v, u, v
+
+        self.crowd.points += [on(k / count)[:2] for k in range(count + 1)]
+        self.want(e, css, [on(share) for share in shares])
+
 
 @dataclass(frozen=True)
 class Picture:
@@ -149,39 +170,27 @@ def _line(page: Page, e: Line) -> None:
         edge = f'<path class="edge" stroke-width="{e.width + 2.4:g}" d="{d}"/>'
         bar = f'<path class="bar" stroke-width="{e.width:g}" d="{d}"/>'
         page.body.append(f'<g class="far">{edge}{bar}</g>' if e.far else edge + bar)
-    elif e.closed:
-        page.body.append(f'<path class="{e.role}" d="{d}"/>')
-        points = [*points, points[0]]
-    elif e.role == "shadow":
-        page.body.append(f'<path class="shadow" stroke-width="7" d="{d}"/>')
     else:
         page.body.append(f'<path class="{e.role}" d="{d}"/>')
+        points += points[: int(e.closed)]
     if e.role not in ("grid", "shadow", "ghost"):
         for a, b in pairwise(points):
-            page.crowd.keep_clear(a, b)
-            if e.width:
-                page.crowd.keep_clear(a, b, e.width / 2 + 2)
-    if e.label:
-        k = len(points) // 2
-        page.want(e, f"{e.role}-text", [(*points[k], 1.0, -1.0), (*points[k // 2], 1.0, -1.0)])
+            page.crowd.keep_clear(a, b, e.width / 2 + 2 if e.width else 0.0)
 
 
 def _arrow(page: Page, e: Arrow) -> None:
     a, b = _beside(page.at(e.start), page.at(e.end), e.aside)
     page.body.append(symbols.arrow(a, b, e.role, e.heads, _tooltip(page, e)))
     page.crowd.keep_clear(a, b)
-    if e.label:
-        dx, dy = (b[0] - a[0], b[1] - a[1])
-        beyond = (b[0], b[1], dx, dy) if math.hypot(dx, dy) > 1 else (b[0], b[1], 1.0, -1.0)
-        at = e.beside or 0.5
-        shares = (at, at + 0.15, at - 0.15)
-        left, right = (
-            [(a[0] + k * dx, a[1] + k * dy, side * dy, -side * dx) for k in shares]
-            for side in (1, -1)
-        )
-        sides = left + right if e.aside >= 0 else right + left
-        anchors = [*sides, beyond] if e.beside else [beyond, sides[0], sides[3]]
-        page.want(e, f"{e.role}-text", anchors)
+    dx, dy = (b[0] - a[0], b[1] - a[1])
+    beyond = (*b, dx, dy) if math.hypot(dx, dy) > 1 else (*b, 1.0, -1.0)
+    at, side = e.beside or 0.5, 1.0 if e.aside >= 0 else -1.0
+    near, across = (
+        [(a[0] + k * dx, a[1] + k * dy, s * dy, -s * dx) for k in (at, at + 0.15, at - 0.15)]
+        for s in (side, -side)
+    )
+    anchors = [*near, *across, beyond] if e.beside else [beyond, near[0], across[0]]
+    page.want(e, f"{e.role}-text", anchors)
 
 
 def _beside(
@@ -202,62 +211,35 @@ def _dimension(page: Page, e: Dimension) -> None:
     page.crowd.keep_clear(a, b)
     for end, moved in zip(ends, (a, b), strict=True):
         page.crowd.keep_clear(end, moved)
-    if e.label:
-        dx, dy = (b[1] - a[1], a[0] - b[0]) if e.aside >= 0 else (a[1] - b[1], b[0] - a[0])
-        anchors = [
-            (a[0] + k * (b[0] - a[0]), a[1] + k * (b[1] - a[1]), dx, dy) for k in (0.5, 0.65, 0.35)
-        ]
-        page.want(e, "dimension-text", anchors)
+    (x, y), dx, dy, side = a, b[0] - a[0], b[1] - a[1], 1.0 if e.aside >= 0 else -1.0
+    anchors = [(x + k * dx, y + k * dy, side * dy, -side * dx) for k in (0.5, 0.65, 0.35)]
+    page.want(e, "dimension-text", anchors)
 
 
 def _turn(page: Page, e: Turn) -> None:
-    x, y = page.at(e.at)
-    page.body.append(
-        symbols.turn((x, y), e.radius, e.value, e.role, _tooltip(page, e), e.facing, e.span)
-    )
-    for k in range(25):
-        a = math.radians(e.facing + e.span * (k / 24 - 0.5))
-        page.crowd.points.append((x + e.radius * math.cos(a), y - e.radius * math.sin(a)))
-    if e.label:
-        r = e.radius
-        around = [math.radians(e.facing + e.span * k) for k in (0.25, -0.25, 0, 0.5, -0.5)]
-        anchors = [
-            (x + r * math.cos(a), y - r * math.sin(a), math.cos(a), -math.sin(a)) for a in around
-        ]
-        page.want(e, f"{e.role}-text", anchors)
+    at, title = page.at(e.at), _tooltip(page, e)
+    page.body.append(symbols.turn(at, e.radius, e.value, e.role, title, e.facing, e.span))
+    start, sweep = math.radians(e.facing - e.span / 2), math.radians(e.span)
+    page.around(e, f"{e.role}-text", e.radius, start, sweep, (0.75, 0.25, 0.5, 1.0, 0.0))
 
 
 def _arc(page: Page, e: Arc) -> None:
-    x, y = page.at(e.at)
     r = e.radius * page.scale
-    page.body.append(symbols.arc((x, y), r, e.start, e.sweep))
-    for k in range(max(2, int(abs(e.sweep) * r / 5))):
-        a = e.start + e.sweep * k / max(1, int(abs(e.sweep) * r / 5))
-        page.crowd.points.append((x + r * math.cos(a), y - r * math.sin(a)))
-    if e.label:
-        around = [e.start + e.sweep * k for k in (0.5, 0.7, 0.3)]
-        anchors = [
-            (x + r * math.cos(a), y - r * math.sin(a), math.cos(a), -math.sin(a)) for a in around
-        ]
-        page.want(e, "", anchors)
+    page.body.append(symbols.arc(page.at(e.at), r, e.start, e.sweep))
+    page.around(e, "", r, e.start, e.sweep, (0.5, 0.7, 0.3))
 
 
 def _mark(page: Page, e: Mark) -> None:
     x, y = page.at(e.at)
-    heading = page.towards(e.direction) if e.direction else (1.0, 0.0)
-    page.body.append(symbols.MARKS[e.kind]((x, y), e.size, heading, e.role))
+    u, v = page.towards(e.direction) if e.direction else (1.0, 0.0)
+    page.body.append(symbols.MARKS[e.kind]((x, y), e.size, (u, v), e.role))
     page.crowd.keep_clear((x - e.size * 0.7, y), (x + e.size * 0.7, y))
-    page.crowd.points += [
-        (x + e.size * math.cos(k * math.pi / 4), y + e.size * math.sin(k * math.pi / 4))
-        for k in range(8)
-    ]
+    page.around(e, "", e.size, 0.0, 2 * math.pi, ())
     if e.kind == "ground":
-        for depth in (1.2, 2.0):
-            u, v = e.size * heading[0], e.size * heading[1]
-            foot = (x - depth * u, y - depth * v)
-            page.crowd.keep_clear(
-                (foot[0] + 2 * v, foot[1] - 2 * u), (foot[0] - 2 * v, foot[1] + 2 * u)
-            )
+        for depth in (1.2 * e.size, 2.0 * e.size):
+            a, b = x - depth * u, y - depth * v
+            wide = 2 * e.size * v, 2 * e.size * u
+            page.crowd.keep_clear((a + wide[0], b - wide[1]), (a - wide[0], b + wide[1]))
 
 
 def _prism(page: Page, e: Prism) -> None:

@@ -136,18 +136,6 @@ def ground(at: Pixel, size: float, heading: Pixel, role: str) -> str:
     return "".join(f'<path class="{css}" d="{d}"/>' for css, d in parts.items())
 
 
-def rail(at: Pixel, size: float, heading: Pixel, role: str) -> str:
-    """A hatched line along `heading`, below which the ground is."""
-    (x, y), (u, v) = at, heading
-    line = [(x - size * u, y - size * v), (x + size * u, y + size * v)]
-    count = max(int(size / 5), 2)
-    steps = [
-        (x + size * u * k / count, y + size * v * k / count) for k in range(-count + 1, count + 1)
-    ]
-    strokes = [path([(p, q), (p - 5 * u - 5 * v, q - 5 * v + 5 * u)]) for p, q in steps]
-    return f'<path class="hatch" d="{"".join(strokes)}"/><path class="rail" d="{path(line)}"/>'
-
-
 def slider(at: Pixel, size: float, heading: Pixel, role: str) -> str:
     """A block that slides along `heading`."""
     (x, y), (u, v) = at, heading
@@ -164,7 +152,7 @@ def dot(at: Pixel, size: float, heading: Pixel, role: str) -> str:
 
 
 MARKS: dict[str, Callable[[Pixel, float, Pixel, str], str]] = {
-    "joint": joint, "sphere": sphere, "com": com, "ground": ground, "rail": rail, "slider": slider, "dot": dot,
+    "joint": joint, "sphere": sphere, "com": com, "ground": ground, "slider": slider, "dot": dot,
 }  # fmt: skip
 
 

@@ -44,7 +44,7 @@ _RULES = """
 .fig .v{font-style:italic}.fig .n{fill:@soft;font-size:12px}.fig .num{font-size:12px}
 .fig .guide{fill:none;stroke:@soft;stroke-width:1;stroke-dasharray:5 4}
 .fig .grid{fill:none;stroke:@hair;stroke-width:1}
-.fig .shadow{fill:none;stroke:@shadow;stroke-linecap:round;stroke-linejoin:round}
+.fig .shadow{fill:none;stroke:@shadow;stroke-width:7;stroke-linecap:round;stroke-linejoin:round}
 .fig .ghost{fill:none;stroke:@ghost;stroke-width:2.5;stroke-linecap:round;stroke-linejoin:round}
 .fig .locus-first{fill:none;stroke:@z;stroke-width:1.6}.fig .locus-second{fill:none;stroke:@x;stroke-width:1.6}
 .fig .tippath{fill:none;stroke:@path;stroke-width:1.6}.fig .tipdot{fill:@path}
