@@ -84,36 +84,30 @@ def body_loads(
     `inverse_dynamics`."""
     still = np.zeros(model.nv)
     given = {"q": q, "qd": still if qd is None else qd, "qdd": still if qdd is None else qdd}
-    state = [
-        single_vector("free_body_diagram", model, name, value) for name, value in given.items()
-    ]
+    caller = "free_body_diagram"
+    state = [single_vector(caller, model, name, value) for name, value in given.items()]
     pose = skeleton(model, state[0])
-    given = wrenches_by_frame("free_body_diagram", model, wrenches, single=True)
+    given = wrenches_by_frame(caller, model, wrenches, single=True)
     names, reactions = Naming(model), np.asarray(joint_wrenches(model, *state, wrenches=given))
     first, second, third = (tuple(map(float, x)) for x in state)
     recursion = rnea(model.tree, first, second, third, gravity="explicit")
-    external = _external(model, pose, given)
-    closing = _loops(names, pose, reactions)
-    acting = [
-        (
-            *_reactions(names, pose, body, reactions),
-            *(load for on, load in closing if on == body.index),
-            *_weight(names, body),
-            *(load for on, load in external if on == body.index),
-        )
-        for body in pose.bodies
-    ]
-    rates = [_rates(model, body, recursion) for body in pose.bodies]
-    cleared = [_all_named(names, loads) for loads in _without_noise(acting, extent([pose]))]
-    return tuple(
-        BodyLoads(
-            body, shown, label(names.mass(body.number)), *rate, *_residuals(body, loads, *rate)
-        )
-        for body, loads, shown, rate in zip(pose.bodies, acting, cleared, rates, strict=True)
-    )
+    acting = {body.index: _reactions(names, pose, body, reactions) for body in pose.bodies}
+    for body in pose.bodies:
+        if body.mass:
+            acting[body.index].append(_weight(names, body))
+    for on, load in _external(model, pose, given):
+        acting.setdefault(on, []).append(load)
+    found = []
+    cleared = _without_noise([acting[body.index] for body in pose.bodies], extent([pose]))
+    for body, shown in zip(pose.bodies, cleared, strict=True):
+        rates = _rates(model, body, recursion)
+        balance = _residuals(body, acting[body.index], *rates)
+        loads = tuple(_named(names, load) for load in shown)
+        found.append(BodyLoads(body, loads, label(names.mass(body.number)), *rates, *balance))
+    return tuple(found)
 
 
-def _without_noise(acting: Sequence[Sequence[Load]], size: float) -> list[tuple[Load, ...]]:
+def _without_noise(acting: Sequence[Sequence[Load]], size: float) -> list[list[Load]]:
     """The loads on each body of a mechanism of `size` metres, with 0 for what is only rounding
     beside the largest."""
     loads = [load for loads in acting for load in loads]
@@ -128,40 +122,29 @@ def _without_noise(acting: Sequence[Sequence[Load]], size: float) -> list[tuple[
             moment=np.where(abs(load.moment) > least * size, load.moment, 0.0),
         )
 
-    return [tuple(map(cleared, loads)) for loads in acting]
+    return [list(map(cleared, loads)) for loads in acting]
 
 
-def _all_named(names: Naming, loads: Sequence[Load]) -> tuple[Load, ...]:
+def _named(names: Naming, load: Load) -> Load:
     """A pin without motor has no moment, but where it could not hold still (or move so) one is
     missing: it is named."""
-
-    def named(load: Load) -> Load:
-        joint = load.joint
-        if (
-            load.moment_name
-            or not any(load.moment)
-            or joint is None
-            or joint >= len(names.model.bodies)
-        ):
-            return load
-        moment = names.moment(names.parent(joint + 1), joint + 1)
-        return replace(
-            load, moment_name=label(ex.neg(moment) if load.role == "counter" else moment)
-        )
-
-    return tuple(map(named, loads))
+    joint = load.joint
+    if load.moment_name or not any(load.moment) or joint is None:
+        return load
+    if joint >= len(names.model.bodies):
+        return load
+    moment = names.moment(names.parent(joint + 1), joint + 1)
+    return replace(load, moment_name=label(ex.neg(moment) if load.role == "counter" else moment))
 
 
 def _residuals(
     body: BodyPlace, loads: Sequence[Load], force: Array, turning: Array
 ) -> tuple[float, float]:
     """What is left of force and moment when the body's motion is taken off."""
-    total = sum(
-        (load.moment + moment(load.place - body.com, load.force) for load in loads), -turning
-    )
-    return float(np.linalg.norm(sum((load.force for load in loads), -force))), float(
-        np.linalg.norm(total)
-    )
+    force = sum((load.force for load in loads), -force)
+    arms = ((load, load.place - body.com) for load in loads)
+    turning = sum((load.moment + moment(arm, load.force) for load, arm in arms), -turning)
+    return float(np.linalg.norm(force)), float(np.linalg.norm(turning))
 
 
 def label(name: Expression) -> str:
@@ -171,67 +154,46 @@ def label(name: Expression) -> str:
     if not isinstance(name, ex.Symbol):
         return ""
     low = ",".join(name.low)
-    letter = (
-        unicodedata.normalize("NFC", name.letter + ("", "\u0307", "\u0308")[name.dots]) + name.high
-    )
+    dotted = name.letter + ("", "\u0307", "\u0308")[name.dots]
+    letter = unicodedata.normalize("NFC", dotted) + name.high
     return f"{letter}_{{{low}}}" if len(low) > 1 else f"{letter}_{low}" if low else letter
 
 
 def _reactions(names: Naming, pose: Skeleton, body: BodyPlace, wrenches: Array) -> list[Load]:
-    """By the parent, and by each child the opposite of what it receives."""
-    n = body.number
-    before = body.parent + 1
-    ground = "its drives" if body.kind.frees(pose.dim) else "the ground"
-    by = pose.bodies[body.parent].name if before else ground
-    force, moment = names.force(before, n), names.joint_moment(n)
-    loads = [
-        _reaction(force, moment, "reaction", by, body.origin, wrenches[body.index], body.index)
-    ]
-    for child in pose.bodies:
-        if child.parent == body.index:
-            force, moment = (
-                ex.neg(x) for x in (names.force(n, child.number), names.joint_moment(child.number))
-            )
-            w = -wrenches[child.index]
-            loads.append(
-                _reaction(force, moment, "counter", child.name, child.origin, w, child.index)
-            )
-    return loads
-
-
-def _reaction(
-    force: Expression, moment: Expression, role: str, by: str, place: Array, w: Array, joint: int
-) -> Load:
-    d = len(place)
-    return Load(label(force), label(moment), role, by, place, w[:d], w[d:], joint)
-
-
-def _loops(names: Naming, pose: Skeleton, wrenches: Array) -> list[tuple[int, Load]]:
-    """(body, load) of both sides of each loop, where the wrench acts: at the origin of the second
-    frame, or of a rod, which pulls along itself, at each end."""
+    """By the parent, the opposite of what each child receives, and by loops."""
+    called = [*(other.name for other in pose.bodies), "the ground"]
     found = []
-    called = [body.name for body in pose.bodies] + ["the ground"]
+
+    def add(k: int, force: Expression, moment: Expression, role: str, by: int, at: Array) -> None:
+        if role == "counter":
+            force, moment = ex.neg(force), ex.neg(moment)
+        w, d = (-1.0 if role == "counter" else 1.0) * wrenches[k], pose.dim
+        by_name = "its drives" if by < 0 and body.kind.frees(d) else called[by]
+        found.append(Load(label(force), label(moment), role, by_name, at, w[:d], w[d:], k))
+
+    for other in pose.bodies:
+        n = other.number
+        pair = names.force(other.parent + 1, n), names.joint_moment(n)
+        if other is body:
+            add(other.index, *pair, "reaction", body.parent, body.origin)
+        elif other.parent == body.index:
+            add(other.index, *pair, "counter", other.index, other.origin)
+    # a loop's wrench acts at the origin of the second frame; that of a rod, which pulls along
+    # itself, at each end
     for k, loop in enumerate(pose.loops):
-        index = len(pose.bodies) + k
-        force, moment, w = names.loop_force(k), names.loop_moment(k), wrenches[index]
-        first, second = loop.bodies
-        here = loop.places[0 if loop.rod else 1]
-        opposite = (ex.neg(force), ex.neg(moment), "counter")
-        for on, by, names_, at, value in (
-            (second, first, (force, moment, "reaction"), loop.places[1], w),
-            (first, second, opposite, here, -w),
-        ):
-            if on >= 0:
-                found.append((on, _reaction(*names_, called[by], at, value, index)))
+        index, (first, second) = len(pose.bodies) + k, loop.bodies
+        pair = names.loop_force(k), names.loop_moment(k)
+        if second == body.index:
+            add(index, *pair, "reaction", first, loop.places[1])
+        if first == body.index:
+            add(index, *pair, "counter", second, loop.places[0 if loop.rod else 1])
     return found
 
 
-def _weight(names: Naming, body: BodyPlace) -> list[Load]:
-    if not body.mass:
-        return []
+def _weight(names: Naming, body: BodyPlace) -> Load:
     nothing = np.zeros(1 if names.planar else 3)
     name = f"{label(names.mass(body.number))} g"
-    return [Load(name, "", "weight", "gravity", body.com, body.mass * names.model.gravity, nothing)]
+    return Load(name, "", "weight", "gravity", body.com, body.mass * names.model.gravity, nothing)
 
 
 def _rates(model: Model, body: BodyPlace, recursion: Recursion) -> tuple[Array, Array]:
@@ -239,9 +201,8 @@ def _rates(model: Model, body: BodyPlace, recursion: Recursion) -> tuple[Array, 
     at = model.tree.body_of[body.index]
     R, dim = body.rotation, model.dim
     force, turning = np.zeros(dim), np.zeros(1 if dim == 2 else 3)
-    for mass, F, N in zip(
-        model.tree.bodies[at].masses, recursion.F[at], recursion.N[at], strict=True
-    ):
+    masses = model.tree.bodies[at].masses
+    for mass, F, N in zip(masses, recursion.F[at], recursion.N[at], strict=True):
         f = R @ np.asarray(F)
         force += f
         arm = body.origin + R @ np.asarray(mass.c) - body.com

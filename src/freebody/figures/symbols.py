@@ -58,33 +58,36 @@ def turn(
 ) -> str:
     """A moment: an arc of `span` degrees around the direction `facing`; counter-clockwise where
     positive."""
-    way = 1.0 if value >= 0 else -1.0
-    start, end = math.radians(facing - span / 2 * way), math.radians(facing + span / 2 * way)
-    large = int(span > 180)
-    x, y = at
-    p0 = (x + radius * math.cos(start), y - radius * math.sin(start))
-    p1 = (x + radius * math.cos(end), y - radius * math.sin(end))
-    heading = (-math.sin(end + 0.18 * way) * way, -math.cos(end + 0.18 * way) * way)
-    sweep = 0 if way > 0 else 1
-    d = f"M{p0[0]:.1f} {p0[1]:.1f}A{radius:.1f} {radius:.1f} 0 {large} {sweep} {p1[0]:.1f} {p1[1]:.1f}"
-    nose = (p1[0] + 5 * heading[0], p1[1] + 5 * heading[1])
-    return f'<g>{title}<path class="{role}" d="{d}"/>{head(nose, heading, role)}</g>'
+    sweep = math.copysign(math.radians(span), value)
+    end = math.radians(facing) + sweep / 2
+    d, (x, y) = _bow(at, radius, end - sweep, sweep)
+    u, v = _ahead(end + math.copysign(0.18, value), value)
+    return (
+        f'<g>{title}<path class="{role}" d="{d}"/>{head((x + 5 * u, y + 5 * v), (u, v), role)}</g>'
+    )
 
 
 def arc(at: Pixel, radius: float, start: float, sweep: float) -> str:
     """The arc of an angle, with a small head where it ends."""
-    x, y = at
-    end = start + sweep
-    p0 = (x + radius * math.cos(start), y - radius * math.sin(start))
-    p1 = (x + radius * math.cos(end), y - radius * math.sin(end))
-    way = 1.0 if sweep >= 0 else -1.0
-    large = int(abs(sweep) > math.pi)
-    d = f"M{p0[0]:.1f} {p0[1]:.1f}A{radius:.1f} {radius:.1f} 0 {large} {0 if way > 0 else 1} {p1[0]:.1f} {p1[1]:.1f}"
-    bend = end - way * min(3.0 / radius, abs(sweep) / 2)
-    heading = (-math.sin(bend) * way, -math.cos(bend) * way)
-    return f'<path class="angle" d="{d}"/>{head(p1, heading, "angle", 7)}'.replace(
-        "angle-head", "anglehead"
-    )
+    d, end = _bow(at, radius, start, sweep)
+    bend = start + sweep - math.copysign(min(3.0 / radius, abs(sweep) / 2), sweep)
+    tip = head(end, _ahead(bend, sweep), "angle", 7).replace("angle-head", "anglehead")
+    return f'<path class="angle" d="{d}"/>{tip}'
+
+
+def _bow(at: Pixel, radius: float, start: float, sweep: float) -> tuple[str, Pixel]:
+    """Path data of an arc from the direction `start` over `sweep` (rad), and where it ends."""
+    angles = (start, start + sweep)
+    ends = [(at[0] + radius * math.cos(a), at[1] - radius * math.sin(a)) for a in angles]
+    (a, b), (c, d) = ends
+    flags = f"{int(abs(sweep) > math.pi)} {int(sweep < 0)}"
+    return f"M{a:.1f} {b:.1f}A{radius:.1f} {radius:.1f} 0 {flags} {c:.1f} {d:.1f}", ends[1]
+
+
+def _ahead(angle: float, way: float) -> Pixel:
+    """The direction along a circle at an angle; counter-clockwise where `way` is positive."""
+    sign = math.copysign(1.0, way)
+    return -math.sin(angle) * sign, -math.cos(angle) * sign
 
 
 def dimension(ends: tuple[Pixel, Pixel], line: tuple[Pixel, Pixel]) -> str:
