@@ -19,6 +19,7 @@ from freebody.derivations import expression as ex
 from freebody.derivations.expression import Expression
 from freebody.derivations.naming import Naming
 from freebody.figures.skeleton import BodyPlace, Skeleton, extent, skeleton
+from freebody.model.joints import JointKind
 from freebody.model.model import Model
 from freebody.trees.dynamics import joint_wrenches
 from freebody.trees.public_calls import Vector, Wrenches, single_vector, wrenches_by_frame
@@ -46,6 +47,8 @@ class Load:
     joint: int | None = None
     """Index among `model.reaction_names` of what it is a reaction of; None for weights and external
     wrenches."""
+    kind: JointKind | None = None
+    """Of the joint that it is a reaction of."""
 
 
 @dataclass(frozen=True)
@@ -164,20 +167,28 @@ def _reactions(names: Naming, pose: Skeleton, body: BodyPlace, wrenches: Array) 
     called = [*(other.name for other in pose.bodies), "the ground"]
     found = []
 
-    def add(k: int, force: Expression, moment: Expression, role: str, by: int, at: Array) -> None:
+    def add(
+        k: int,
+        force: Expression,
+        moment: Expression,
+        role: str,
+        by: int,
+        at: Array,
+        kind: JointKind | None = None,
+    ) -> None:
         if role == "counter":
             force, moment = ex.neg(force), ex.neg(moment)
         w, d = (-1.0 if role == "counter" else 1.0) * wrenches[k], pose.dim
         by_name = "its drives" if by < 0 and body.kind.frees(d) else called[by]
-        found.append(Load(label(force), label(moment), role, by_name, at, w[:d], w[d:], k))
+        found.append(Load(label(force), label(moment), role, by_name, at, w[:d], w[d:], k, kind))
 
     for other in pose.bodies:
         n = other.number
         pair = names.force(other.parent + 1, n), names.joint_moment(n)
         if other is body:
-            add(other.index, *pair, "reaction", body.parent, body.origin)
+            add(other.index, *pair, "reaction", body.parent, body.origin, other.kind)
         elif other.parent == body.index:
-            add(other.index, *pair, "counter", other.index, other.origin)
+            add(other.index, *pair, "counter", other.index, other.origin, other.kind)
     # a loop's wrench acts at the origin of the second frame; that of a rod, which pulls along
     # itself, at each end
     for k, loop in enumerate(pose.loops):

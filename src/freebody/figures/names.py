@@ -15,7 +15,6 @@ from freebody.derivations.naming import TIP, Naming
 from freebody.derivations.symbols import RATE, SECOND
 from freebody.figures.loads import Load, label
 from freebody.figures.skeleton import BodyPlace, End
-from freebody.model.joints import JointKind
 from freebody.model.model import Model
 
 _DOTS = ("", "\u0307", "\u0308")
@@ -89,10 +88,9 @@ class Names:
         """From a joint to the centre of mass."""
         return self.on("l", body.number, "c")
 
-    def acting(self, load: Load, body: BodyPlace, kind: JointKind | None) -> tuple[str, str]:
-        """Names of a force and its moment on a body; kind: of the joint that it is a reaction
-        of."""
-        n = body.number
+    def acting(self, load: Load, body: BodyPlace) -> tuple[str, str]:
+        """Names of a force and its moment on a body."""
+        n, kind = body.number, load.kind
         if load.role == "weight":
             return f"{self.mass(n)} g", ""
         if load.role == "external":
@@ -152,7 +150,7 @@ class ModelNames(Names):
         taken = {label(sym(x)) for x in self._own.model.parameters}
         return "" if pattern in taken else pattern
 
-    def acting(self, load: Load, body: BodyPlace, kind: JointKind | None) -> tuple[str, str]:
+    def acting(self, load: Load, body: BodyPlace) -> tuple[str, str]:
         return load.name, load.moment_name
 
 

@@ -177,7 +177,7 @@ def act(
     for load in seen.loads[body.index].loads:
         if load.role not in roles or (load.role == "weight" and not names.weights):
             continue
-        name, moment_name = called(seen, body, load, names)
+        name, moment_name = names.acting(load, body)
         if any(load.force):
             label = f"{name.removesuffix('g')}*g*" if load.role == "weight" else None
             end = scale.arrow(load.place, load.force, scale.force)
@@ -201,13 +201,6 @@ def _turn(drawing: Drawing, seen: Snapshot, body: BodyPlace, load: Load, name: s
     value = float(load.moment[0])
     turn = Turn(point(load.place), value, name, FORCES["moment"], name, "N m", radius, facing)
     drawing.add(turn)
-
-
-def called(seen: Snapshot, body: BodyPlace, load: Load, names: Names) -> tuple[str, str]:
-    """Names of a force and of its moment."""
-    tree = seen.pose.bodies if load.joint is not None else ()
-    kinds = [joint.kind for joint in tree if joint.index == load.joint]
-    return names.acting(load, body, kinds[0] if kinds else None)
 
 
 def inertia(drawing: Drawing, loads: BodyLoads, scale: Scale) -> None:

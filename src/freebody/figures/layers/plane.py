@@ -51,8 +51,9 @@ def add_body(drawing: Drawing, body: BodyPlace) -> None:
 
 
 def bars(body: BodyPlace, rod: bool = False) -> list[tuple[str, tuple[Array, Array]]]:
-    """Names and ends of a link's bars; rod: with what its joint slides on."""
-    ends = [(body.carrier, body.origin)] if rod and body.kind.slides else []
+    """Names and ends of a link's bars; rod: with what its joint has moved along."""
+    away = body.kind.holds and np.linalg.norm(body.origin - body.carrier) > SAME
+    ends = [(body.carrier, body.origin)] if rod and away else []
     more = [f"link {body.number}.{k}" for k in range(2, len(body.outline) + 2)]
     return list(zip([f"link {body.number}", *more], [*ends, *body.outline], strict=False))
 
