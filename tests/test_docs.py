@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 import typer
+import xarray
 
 import freebody as fb
 from freebody.cli.app import app
@@ -103,6 +104,29 @@ def test_every_public_name_is_in_the_list_of_functions():
         re.MULTILINE,
     )
     assert sorted(listed) == sorted(set(fb.__all__) - {"__version__"})
+
+
+def test_what_a_model_has_is_listed():
+    text = (ROOT / "docs/functions.md").read_text(encoding="utf-8")
+    part = text.partition("## What a model has")[2].partition("\n## ")[0]
+    listed = set(re.findall(r"`\.(\w+)", part))
+    assert listed == {name for name in dir(fb.load("2R")) if not name.startswith("_")}
+
+
+def test_every_variable_of_a_study_is_listed(tmp_path: Path):
+    """With its dimensions and unit; those of a tree with a tip, a replay and no loops."""
+    page = (ROOT / "docs/study.md").read_text(encoding="utf-8")
+    tables = page.partition("### The variables of study.nc")[2]
+    rows = re.findall(r"^\| `(\w+)` \| ([\w, ]*) \| ([^|]+) \|", tables, re.MULTILINE)
+    listed = {name: (dims, unit) for name, dims, unit in rows}
+    fb.study(fb.load("2R")).save(tmp_path)
+    with xarray.open_dataset(tmp_path / "study.nc") as data:
+        assert listed == {
+            name: (", ".join(x.dims), x.attrs["units"].replace("|", " or "))
+            for name, x in data.data_vars.items()
+        }
+    for path in tmp_path.iterdir():
+        assert f"`{path.name}`" in page
 
 
 @pytest.mark.parametrize(
