@@ -12,7 +12,6 @@ import freebody as fb
 from freebody.cli.app import run
 from freebody.errors import FreebodyError, MissingValueError, ShapeError, UnknownNameError
 from freebody.figures.drawing import Arc, Arrow, Line, Mark, Turn
-from freebody.figures.joints import JOINTS
 from freebody.figures.layers import forces
 from freebody.figures.names import Names
 from freebody.figures.placement import Crowd, Wanted, _overlap
@@ -20,6 +19,7 @@ from freebody.figures.plots import Plot, plot, thin, ticks
 from freebody.figures.robot import robot_drawing
 from freebody.figures.snapshot import snapshot
 from freebody.figures.svg import picture
+from freebody.figures.symbols import MARKS
 from freebody.figures.text import number, plain
 from freebody.model.joints import KINDS
 
@@ -83,11 +83,12 @@ def test_slider_stands_at_the_end_of_its_rail():
 
 @pytest.mark.parametrize("kind", KINDS.values(), ids=KINDS)
 def test_every_kind_of_joint_names_its_symbol(kind):
-    """And every symbol is named by a kind."""
-    assert kind.mark in JOINTS
-    assert {k.mark for k in KINDS.values()} == set(JOINTS)
+    """Solids along an axis are those of kinds that have one."""
+    assert kind.mark in {"", *MARKS}
+    assert all(part.along == "axis" for part in kind.solids) == (kind.needs_axis or not kind.solids)
     if not kind.holds:
-        assert not JOINTS[kind.mark].flat, "no joint is drawn where nothing holds a body"
+        assert not kind.mark, "no joint is drawn where nothing holds a body"
+        assert not kind.solids
 
 
 def test_tip_triad_in_space_is_the_tip_frame():

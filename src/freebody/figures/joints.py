@@ -1,103 +1,50 @@
-"""A joint's symbol, by the `mark` that its kind names (`model/joints`): flat in the plane, a solid
-in space."""
+"""A joint's symbol, as its kind describes it (`model/joints`): a mark in the plane, solids in
+space."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-
+from freebody.arrays import Array
 from freebody.figures.drawing import Element, Mark, Prism, point
 from freebody.figures.skeleton import BodyPlace
+from freebody.model.joints.kind import Solid
 
-Solid = Callable[[BodyPlace, float, str], list[Element]]
-"""The symbol in space of the joint that carries a body, of about a radius in metres, with its
-name."""
-
-
-@dataclass(frozen=True)
-class JointSymbol:
-    """How joints of one mark are drawn."""
-
-    flat: str
-    """In the plane: one of `symbols.MARKS`; "" for none."""
-    solid: Solid
-    size: float = 6.0
-    """Of the flat one, pixels."""
-
-
-def _cylinder(body: BodyPlace, radius: float, name: str) -> list[Element]:
-    """Along the axis, where the body's origin is."""
-    if body.axis is None:
-        return []
-    at, axis = point(body.origin), point(body.axis)
-    return [Prism(at, axis, radius, 1.35 * radius, name, "joint")]
-
-
-def _box(body: BodyPlace, radius: float, name: str) -> list[Element]:
-    """Along the axis, where the slide begins."""
-    if body.axis is None:
-        return []
-    at, axis = point(body.carrier), point(body.axis)
-    return [Prism(at, axis, 1.15 * radius, 1.5 * radius, name, "joint", sides=4)]
-
-
-def _sleeve(body: BodyPlace, radius: float, name: str) -> list[Element]:
-    """A tube along the axis, where the joint begins, and the rod in it."""
-    if body.axis is None:
-        return []
-    at, axis = point(body.carrier), point(body.axis)
-    return [
-        Prism(at, axis, 0.5 * radius, 2.6 * radius, name, "joint"),
-        Prism(at, axis, 1.1 * radius, 1.5 * radius, name, "joint"),
-    ]
-
-
-def _screw(body: BodyPlace, radius: float, name: str) -> list[Element]:
-    """A nut where the joint begins, and the spindle that turns in it."""
-    if body.axis is None:
-        return []
-    axis = point(body.axis)
-    return [
-        Prism(point(body.origin), axis, 0.55 * radius, 2.6 * radius, name, "joint"),
-        Prism(point(body.carrier), axis, 1.3 * radius, 0.8 * radius, name, "joint", sides=6),
-    ]
-
-
-def _cross(body: BodyPlace, radius: float, name: str) -> list[Element]:
-    """Two pins that cross: one held by what is before, one by the body."""
-    at = point(body.origin)
-    first, second = point(body.carrier_rotation[:, 0]), point(body.rotation[:, 1])
-    return [Prism(at, axis, 0.5 * radius, 1.7 * radius, name, "joint") for axis in (first, second)]
-
-
-def _ball(body: BodyPlace, radius: float, name: str) -> list[Element]:
-    return [Mark(point(body.origin), "sphere", name, "joint", size=8.0)]
-
-
-def _nothing(body: BodyPlace, radius: float, name: str) -> list[Element]:
-    return []
-
-
-JOINTS = {
-    "joint": JointSymbol("joint", _cylinder),
-    "slider": JointSymbol("slider", _box, 8.0),
-    "sleeve": JointSymbol("slider", _sleeve, 8.0),
-    "screw": JointSymbol("joint", _screw),
-    "cross": JointSymbol("joint", _cross),
-    "sphere": JointSymbol("sphere", _ball, 8.0),
-    "": JointSymbol("", _nothing),
-}
-"""By mark."""
+_SIZES = {"joint": 6.0}
+"""Of the marks, pixels; others are larger."""
+_LARGER = 8.0
 
 
 def flat_joint(body: BodyPlace) -> list[Element]:
     """The joint that carries a body, in the plane."""
-    symbol = JOINTS[body.kind.mark]
+    mark = body.kind.mark
     direction = None if body.axis is None else point(body.axis)
-    at, name = point(body.origin), f"joint {body.number}"
-    return [Mark(at, symbol.flat, name, "joint", direction, symbol.size)] if symbol.flat else []
+    at, name, size = point(body.origin), f"joint {body.number}", _SIZES.get(mark, _LARGER)
+    return [Mark(at, mark, name, "joint", direction, size)] if mark else []
 
 
 def solid_joint(body: BodyPlace, radius: float) -> list[Element]:
-    """The same in space."""
-    return JOINTS[body.kind.mark].solid(body, radius, f"joint {body.number}")
+    """The same in space, of about a radius in metres; without solids its mark, which looks alike
+    from everywhere."""
+    name = f"joint {body.number}"
+    if not body.kind.solids:
+        return flat_joint(body)
+    return [
+        Prism(
+            point(body.origin if part.moves else body.carrier),
+            point(along),
+            part.radius * radius,
+            part.half * radius,
+            name,
+            "joint",
+            part.sides,
+        )
+        for part in body.kind.solids
+        if (along := _along(body, part)) is not None
+    ]
+
+
+def _along(body: BodyPlace, part: Solid) -> Array | None:
+    """The direction of a part, in the world."""
+    if part.along == "axis":
+        return body.axis
+    axes = body.rotation if part.moves else body.carrier_rotation
+    return axes[:, "xyz".index(part.along)]

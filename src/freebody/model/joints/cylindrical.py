@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from freebody.model.joints.kind import JointKind, Primitive
+from freebody.model.joints.kind import JointKind, Primitive, Solid
 from freebody.model.joints.prismatic import SLIDING
 from freebody.model.joints.revolute import TURNING
 from freebody.spatial import AnySpace, Vector
@@ -16,7 +16,8 @@ class Cylindrical(JointKind):
     position_names = velocity_names = ("theta", "d")
     angular = (True, False)
     coordinates = ("theta", "d")
-    mark = "sleeve"
+    mark = "slider"
+    solids = (Solid(0.5, 2.6), Solid(1.1, 1.5, moves=False))
     needs_axis = True
 
     def primitives(

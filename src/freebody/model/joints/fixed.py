@@ -15,6 +15,8 @@ class Fixed(JointKind):
     position_names = velocity_names = ()
     angular = ()
     coordinates = ()
+    mark = ""
+    solids = ()
     dimensions = (2, 3)
 
     def primitives(

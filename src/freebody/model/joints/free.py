@@ -68,6 +68,7 @@ class Free(JointKind):
     coordinates = None
     holds = False
     mark = ""
+    solids = ()
 
     def primitives(
         self, space: AnySpace, axis: Vector, numbers: Vector

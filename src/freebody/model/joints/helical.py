@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from freebody.elementary import Scalar
-from freebody.model.joints.kind import Column, JointKind, JointWords, Own, Primitive
+from freebody.model.joints.kind import Column, JointKind, JointWords, Own, Primitive, Solid
 from freebody.spatial import AnySpace, Matrix, Vector, scale
 
 
@@ -36,7 +36,7 @@ class Helical(JointKind):
     numbers = (Own("pitch", "m/rad", "pitch (advance for each radian)"),)
     angular = (True,)
     coordinates = ("theta",)
-    mark = "screw"
+    solids = (Solid(0.55, 2.6), Solid(1.3, 0.8, sides=6, moves=False))
     needs_axis = True
 
     def primitives(

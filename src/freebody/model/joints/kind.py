@@ -42,6 +42,20 @@ class Own(NamedTuple):
     """What it is: the lead of a screw."""
 
 
+class Solid(NamedTuple):
+    """A part of a joint's symbol in space: a prism, its measures in radii of a drawing's joints."""
+
+    radius: float
+    half: float
+    """Half of its length."""
+    sides: int = 24
+    """Of a cylinder many."""
+    moves: bool = True
+    """Whether it goes with the body; else it stays where the joint begins."""
+    along: str = "axis"
+    """Else x, y or z of the frame that it stays in."""
+
+
 class Primitive(ABC):
     """A joint with constant motion columns."""
 
@@ -112,7 +126,9 @@ class JointKind(ABC):
     axis_letter: ClassVar[str] = "z"
     """What the unit vector along its axis is called, before the joint's number."""
     mark: ClassVar[str] = "joint"
-    """Its symbol in drawings, one of `figures.joints.JOINTS`; "" for none."""
+    """Its symbol in drawings of the plane, one of `figures.symbols.MARKS`; "" for none."""
+    solids: ClassVar[tuple[Solid, ...]] = (Solid(1.0, 1.35),)
+    """The same in space; without any its mark."""
     ranged: ClassVar[bool] = True
     """Whether it is expected to have a range."""
     holds: ClassVar[bool] = True

@@ -20,6 +20,7 @@ class Planar(JointKind):
     coordinates = ("x", "y", "theta")
     holds = False
     mark = ""
+    solids = ()
     dimensions = (2, 3)
 
     def primitives(

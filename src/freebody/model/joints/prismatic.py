@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from freebody.model.joints.kind import Column, JointKind, JointWords, Primitive
+from freebody.model.joints.kind import Column, JointKind, JointWords, Primitive, Solid
 from freebody.spatial import AnySpace, Matrix, Vector, identity, scale
 
 
@@ -35,6 +35,7 @@ class Prismatic(JointKind):
     letter = "P"
     axis_letter = "u"
     mark = "slider"
+    solids = (Solid(1.15, 1.5, sides=4, moves=False),)
     needs_axis = True
     dimensions = (2, 3)
 

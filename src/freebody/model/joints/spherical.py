@@ -60,6 +60,7 @@ class Spherical(JointKind):
     angular = (True, True, True)
     coordinates = None
     mark = "sphere"
+    solids = ()
 
     def primitives(
         self, space: AnySpace, axis: Vector, numbers: Vector

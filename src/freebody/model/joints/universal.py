@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from freebody.model.joints.kind import JointKind, Primitive
+from freebody.model.joints.kind import JointKind, Primitive, Solid
 from freebody.model.joints.revolute import TURNING
 from freebody.spatial import AnySpace, Vector
 
@@ -16,7 +16,7 @@ class Universal(JointKind):
     position_names = velocity_names = ("phi", "psi")
     angular = (True, True)
     coordinates = ("phi", "psi")
-    mark = "cross"
+    solids = (Solid(0.5, 1.7, moves=False, along="x"), Solid(0.5, 1.7, along="y"))
 
     def primitives(
         self, space: AnySpace, axis: Vector, numbers: Vector
