@@ -48,7 +48,7 @@ def sure(values: Vector, margins: Iterable[Scalar]) -> Vector:
     return tuple(x + nothing for x in values)
 
 
-def closed_margins(tree: Tree, q: Vector, qd: Vector | None = None) -> list[Scalar]:
+def closure_margins(tree: Tree, q: Vector, qd: Vector | None = None) -> list[Scalar]:
     """Of loops that are closed, the right way round, and stay closed at the rates."""
     rows, rates = scales(tree)
     margins = [CLOSED**2 - x for x in _by_loop(tree, rows, constraint(tree, q))]

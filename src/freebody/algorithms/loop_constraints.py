@@ -247,7 +247,7 @@ def constrained_motion(
     return Constrained(*_nearest(tree, factors, phi, free, missing))
 
 
-def closed(
+def onto_loops(
     tree: Tree, q: Vector, qd: Vector, factors: Factors, rows: Sequence[int] | None = None
 ) -> tuple[Vector, Vector]:
     """(q, q̇) brought back onto loops that are a little open: one Newton step of positions, then

@@ -32,7 +32,7 @@ def regressor(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Matrix:
                 for s, k in zip(S[j], at.v, strict=True):
                     column[k] = column[k] + at.ratio * dot_motion(s, wrench)
             columns.append(column)
-    for body in driven(tree):
+    for body in bodies_with_drive(tree):
         k, ratio = body.coordinates.v[0], body.coordinates.ratio
         for torque in _unit_torques(body, q, qd, qdd):
             columns.append([ratio * torque if k == row else 0.0 for row in range(tree.nv)])
@@ -62,7 +62,7 @@ def energy_regressor(tree: Tree, q: Vector, qd: Vector) -> Matrix:
             *(-g for g in field),
             *(0.0 for _ in _unit_inertias(space)),
         ]
-    for body in driven(tree):
+    for body in bodies_with_drive(tree):
         (position,), (rate,) = body.position(q), body.rates(qd)
         kinetic += [0.0, 0.0, 0.5 * (rate * rate), 0.0, 0.0]
         potential += [0.0, 0.0, 0.0, 0.5 * (position * position), -position]
@@ -76,7 +76,7 @@ def parameter_values(tree: Tree) -> list[Scalar]:
         m, h, inertia = own_inertia(tree.space, tree.bodies[i])
         I = tree.space.inertia_matrix(inertia)
         values += [m, *h, *(I[i][j] for i in range(len(I)) for j in range(i, len(I)))]
-    for body in driven(tree):
+    for body in bodies_with_drive(tree):
         drive = body.drive
         assert drive is not None
         values += [
@@ -89,7 +89,7 @@ def parameter_values(tree: Tree) -> list[Scalar]:
     return values
 
 
-def driven(tree: Tree) -> list[TreeBody]:
+def bodies_with_drive(tree: Tree) -> list[TreeBody]:
     """Bodies whose joint has a friction, rotor or spring."""
     return [tree.bodies[i] for i in tree.body_of if tree.bodies[i].drive is not None]
 

@@ -107,11 +107,13 @@ def joint_torque(
     """What the motor of a joint must give, along each of its columns."""
     torques = [dot(w, n) + dot(v, f) for w, v in body.columns]
     if body.drive is not None:
-        torques[0] = torques[0] + drive_torque(body, q, qd) + body.drive.rotor * body.rates(qdd)[0]
+        torques[0] = (
+            torques[0] + friction_and_spring(body, q, qd) + body.drive.rotor * body.rates(qdd)[0]
+        )
     return tuple(torques)
 
 
-def drive_torque(body: TreeBody, q: Vector, qd: Vector) -> Scalar:
+def friction_and_spring(body: TreeBody, q: Vector, qd: Vector) -> Scalar:
     """Friction and spring of a one-axis joint: d q̇ + coulomb sign(q̇) + stiffness (q - rest)."""
     drive = body.drive
     assert drive is not None

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 from freebody.algorithms.crba import bias, crba, factor, substitute, without
 from freebody.algorithms.kinematics import between, coordinate_rates, moved
-from freebody.algorithms.loop_constraints import closed, constrained_motion
+from freebody.algorithms.loop_constraints import constrained_motion, onto_loops
 from freebody.algorithms.rnea import External
 from freebody.elementary import Scalar, sqrt
 from freebody.model.tree import Tree
@@ -168,4 +168,4 @@ def on_loops(tree: Tree, q: Vector, reached: State, rows: Sequence[int] | None) 
     """The state reached from q, brought back onto the loops; that of a tree as it is."""
     if not tree.loops:
         return reached
-    return closed(tree, *reached, factor(tree, crba(tree, q)), rows)
+    return onto_loops(tree, *reached, factor(tree, crba(tree, q)), rows)

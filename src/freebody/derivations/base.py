@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from freebody.algorithms.regressor import driven, regressor
+from freebody.algorithms.regressor import bodies_with_drive, regressor
 from freebody.algorithms.regrouped_parameters import kept, regrouped
 from freebody.derivations import expression as ex
 from freebody.derivations.closed_form import SHORT, ClosedForm
@@ -73,7 +73,7 @@ def _candidates(s: Symbols) -> list[Base]:
                 found.append(
                     Base(_called(s, name, n + 1), n, kind, n * len(names) + k, s.element(value))
                 )
-    for k, body in enumerate(driven(tree)):
+    for k, body in enumerate(bodies_with_drive(tree)):
         assert body.drive is not None
         n = tree.body_of.index(tree.bodies.index(body))
         column = (

@@ -7,7 +7,7 @@ from typing import Any
 
 from freebody.algorithms.crba import crba
 from freebody.algorithms.energy import potential_energy
-from freebody.algorithms.rnea import drive_torque
+from freebody.algorithms.rnea import friction_and_spring
 from freebody.arrays import Array
 from freebody.derivations import views
 from freebody.derivations.expression import Expression, size
@@ -91,7 +91,7 @@ class ClosedForm(ByValue):
         for body in s.tree.bodies:
             if body.drive is not None:
                 k = body.coordinates.v[0]
-                total[k] = total[k] + body.coordinates.ratio * drive_torque(body, s.q, s.qd)
+                total[k] = total[k] + body.coordinates.ratio * friction_and_spring(body, s.q, s.qd)
         return total
 
     @cached_property

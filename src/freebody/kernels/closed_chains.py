@@ -20,9 +20,9 @@ _OF_FAMILIES = (
     "require_partition",
 )
 _PLACES = {
-    "inverse_dynamics": ("freebody.loops.dynamics", "inverse"),
-    "forward_dynamics": ("freebody.loops.dynamics", "forward"),
-    "static_torque": ("freebody.loops.dynamics", "holding"),
+    "inverse_dynamics": ("freebody.loops.dynamics", "inverse_dynamics"),
+    "forward_dynamics": ("freebody.loops.dynamics", "forward_dynamics"),
+    "static_torque": ("freebody.loops.dynamics", "static_torque"),
     "joint_wrenches": ("freebody.loops.reactions", "reactions"),
     "assemble": ("freebody.loops.assembly", "assemble"),
     "loop_velocity": ("freebody.loops.rates", "loop_velocity"),
@@ -32,7 +32,7 @@ _PLACES = {
 
 
 @cache
-def closed(name: str) -> Callable[..., Any]:
+def closed_chain_function(name: str) -> Callable[..., Any]:
     """The function of that name for models with loops, imported when the first of these comes."""
     module, place = _PLACES[name]
     function = getattr(importlib.import_module(module), place)

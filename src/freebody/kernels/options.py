@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from freebody.errors import FreebodyError, KindError, UnknownNameError
-from freebody.kernels.closed_chains import closed
+from freebody.kernels.closed_chains import closed_chain_function
 from freebody.kernels.formulas import FORMULAS, Option
 from freebody.model.model import Model
 
@@ -67,7 +67,7 @@ def _near_home(function: str, model: Model, listed: tuple[str, ...], option: Opt
     """Of a closed chain's equations and coordinates those that tell all near its home, whatever
     positions will come."""
     if any(FORMULAS[name].settled == "equations" for name in listed):
-        option = option._replace(equations=closed("independent_rows")(model))
+        option = option._replace(equations=closed_chain_function("independent_rows")(model))
     for name in listed:
         settled = FORMULAS[name].settled
         if settled in ("partition", "loops"):
@@ -75,7 +75,9 @@ def _near_home(function: str, model: Model, listed: tuple[str, ...], option: Opt
             by_drives = settled == "partition" or any(
                 FORMULAS[x].settled == "partition" for x in listed
             )
-            chosen = closed("require_partition")(model, f"{function}: {name}", by_drives)
+            chosen = closed_chain_function("require_partition")(
+                model, f"{function}: {name}", by_drives
+            )
             option = option._replace(partition=chosen)
     return option
 

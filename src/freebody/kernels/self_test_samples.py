@@ -9,7 +9,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, LoopError
-from freebody.kernels.closed_chains import closed
+from freebody.kernels.closed_chains import closed_chain_function
 from freebody.kernels.formulas import INPUTS, POSITIONS
 from freebody.model.model import Model
 from freebody.program import Program
@@ -119,9 +119,11 @@ def _closed(model: Model, names: list[str], given: list[Array]) -> list[Array]:
     """
     found = dict(zip(names, given, strict=True))
     with contextlib.suppress(LoopError):
-        closed_at = {x: closed("assemble")(model, found[x]) for x in POSITIONS if x in found}
+        closed_at = {
+            x: closed_chain_function("assemble")(model, found[x]) for x in POSITIONS if x in found
+        }
         if "q" in closed_at and "qd" in found:
-            found["qd"] = closed("loop_velocity")(model, closed_at["q"], found["qd"])
+            found["qd"] = closed_chain_function("loop_velocity")(model, closed_at["q"], found["qd"])
         for name, positions in closed_at.items():
             positions[1::2] += _OFF * (found[name] - positions)[1::2]
             found[name] = _unit_quaternions(model, positions)

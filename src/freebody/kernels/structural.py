@@ -23,7 +23,7 @@ from freebody.kernels.lookup import in_columns
 from freebody.kernels.tracing import program
 from freebody.model.contributions import joined, pose_part
 from freebody.model.model import Model
-from freebody.model.structure import drives, frame_form, tree_over
+from freebody.model.structure import frame_form, has_drive, tree_over
 from freebody.model.tree import Tree
 from freebody.program import Argument
 from freebody.program.passes import without_unread
@@ -147,7 +147,7 @@ def _frames(option: Option) -> tuple[str, ...]:
 
 def _shown_drives(model: Model, names: tuple[str, ...]) -> tuple[bool, ...] | None:
     """Which joints have a drive, where an output has entries for each that has one."""
-    return drives(model) if any(map(_shows_drives, names)) else None
+    return has_drive(model) if any(map(_shows_drives, names)) else None
 
 
 @cache

@@ -8,7 +8,9 @@ from freebody.errors import UnknownNameError
 from freebody.model.model import Model
 
 
-def drives(function: str, model: Model, actuated: Sequence[str] | None = None) -> tuple[int, ...]:
+def driven_coordinates(
+    function: str, model: Model, actuated: Sequence[str] | None = None
+) -> tuple[int, ...]:
     """Indices of the driven coordinates: of those named, or the model's own."""
     return model.driven if actuated is None else tuple(free_coordinates(model, actuated, function))
 

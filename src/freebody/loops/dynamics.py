@@ -12,7 +12,7 @@ from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
-from freebody.loops.coordinates import drives
+from freebody.loops.coordinates import driven_coordinates
 from freebody.loops.equations import (
     blurred,
     closing,
@@ -52,7 +52,7 @@ STUCK = "cannot stay closed at these rates{}: the mechanism is stuck"
 """What `require_consistent` says of accelerations that were given, and of those that were found."""
 
 
-def forward(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches) -> Array:
+def forward_dynamics(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches) -> Array:
     """See `fb.forward_dynamics`."""
     option = _solution(model, "state")
     if option is not None:
@@ -203,7 +203,7 @@ def _jerk(model: Model, q: Array, qd: Array) -> Jerk:
     return at
 
 
-def inverse(
+def inverse_dynamics(
     model: Model,
     q: Vector,
     qd: Vector,
@@ -233,7 +233,7 @@ def motion_torques(
 ) -> Array:
     """Torques (..., nv) of the drives; refuses states and accelerations that the loops do not
     allow."""
-    driven = drives(function, model, actuated)
+    driven = driven_coordinates(function, model, actuated)
     arrays = q, qd, qdd, *loads
     tau = _by_drives("inverse_dynamics", model, driven, frames, arrays)
     if np.isnan(tau).any():
@@ -244,7 +244,7 @@ def motion_torques(
     return tau
 
 
-def holding(model: Model, q: Vector, wrenches: Wrenches) -> Array:
+def static_torque(model: Model, q: Vector, wrenches: Wrenches) -> Array:
     """See `fb.static_torque`."""
     found = _attempted("static_torque", model, (q,), wrenches)
     if found is not None:
@@ -266,7 +266,7 @@ def _attempted(
     actuated: Sequence[str] | None = None,
 ) -> Array | None:
     """The torques of the drives where a kernel is sure of them."""
-    chosen = partition(model, drives(function, model, actuated))
+    chosen = partition(model, driven_coordinates(function, model, actuated))
     if chosen is None:
         return None
     key = function if actuated is None else (function, "driven", *chosen.driven)
@@ -289,8 +289,8 @@ def _by_drives(
 
 
 def torques(model: Model, q: Array, qd: Array, qdd: Array) -> Array:
-    """`inverse` (..., nv) of states taken as closed: those between the samples of a motion, which
-    its curve leaves open by as little as it is off."""
+    """`inverse_dynamics` (..., nv) of states taken as closed: those between the samples of a
+    motion, which its curve leaves open by as little as it is off."""
     needed = fetch(model.opened, ("inverse_dynamics",), Option())(q, qd, qdd)
     return drive_torques("inverse_dynamics", model, q, needed)
 

@@ -11,7 +11,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.kernels.options import motion_rows
-from freebody.loops.coordinates import drives
+from freebody.loops.coordinates import driven_coordinates
 from freebody.loops.equations import require_closed, require_loops, scaled_jacobian
 from freebody.loops.rank_deficient import RANK
 from freebody.loops.scaled_equations import length, null_space, rate_scale
@@ -90,7 +90,7 @@ def input_output(
             f"input_output: q has shape {at.shape}, expected ({model.nq},): one position."
         )
     require_closed("input_output", model, at)
-    driven = list(drives("input_output", model, actuated))
+    driven = list(driven_coordinates("input_output", model, actuated))
     chosen = motion_rows(model, rows)
     chosen = chosen[: len(driven)] if rows is None else chosen
     N, _ = null_space(scaled_jacobian(model, at), RANK)

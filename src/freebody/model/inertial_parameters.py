@@ -20,7 +20,7 @@ from freebody.model.families import Members, members
 from freebody.model.inertia import Inertia, faults
 from freebody.model.parameters import LARGEST, Quantity, finite
 from freebody.model.quantity_reader import VALUES
-from freebody.model.structure import drives
+from freebody.model.structure import has_drive
 from freebody.model.tree import Attached
 from freebody.spatial import AnySpace, of_dimension
 
@@ -47,7 +47,9 @@ def parameter_names(model: Model) -> tuple[str, ...]:
     """Names of a model's inertial parameters, in order: of bodies, then of the joints that have a
     drive."""
     own = body_parameters(of_dimension(model.dim))
-    joints = [b.joint.name for b, driven in zip(model.bodies, drives(model), strict=True) if driven]
+    joints = [
+        b.joint.name for b, driven in zip(model.bodies, has_drive(model), strict=True) if driven
+    ]
     return (
         *(f"{body.name}.{p}" for body in model.bodies for p in own),
         *(f"{joint}.{p}" for joint in joints for p in DRIVE),
@@ -65,7 +67,7 @@ def with_inertial_parameters(model: Model, pi: Any) -> Model:
         raise ShapeError(function, "pi", given.shape, f"(..., {len(names)})", because)
     numbers = {name: _number(given[..., k], f"{function}: {name}") for k, name in enumerate(names)}
     own, bodies = body_parameters(of_dimension(model.dim)), []
-    for body, driven in zip(model.bodies, drives(model), strict=True):
+    for body, driven in zip(model.bodies, has_drive(model), strict=True):
         row = np.stack([VALUES.quantity(numbers[f"{body.name}.{p}"]) for p in own], axis=-1)
         inertia = _inertia(row, model.dim, f"{function}: {body.name!r}")
         changed = replace(body, inertias=(Attached(body.name, inertia),))

@@ -262,7 +262,7 @@ def tree_over(
     return tree_of(model, ScalarPieces(model, scalars, (*_own_frames(model), *frames), shown))
 
 
-def drives(model: Model) -> tuple[bool, ...]:
+def has_drive(model: Model) -> tuple[bool, ...]:
     """For each body whether friction, a rotor or a spring acts along its joint."""
     return tuple([part.joint.driven for part in body_parts(model)])
 

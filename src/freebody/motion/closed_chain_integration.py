@@ -32,7 +32,7 @@ _SEEN = 1e-7
 _STRAIGHT = 0.1  # of a singular value: how far a position may be corrected along its direction
 
 
-def closed_scheme(system: System, tolerance: float, max_step: float) -> Scheme:
+def closed_chain_scheme(system: System, tolerance: float, max_step: float) -> Scheme:
     """Of a closed chain, tolerance being that of a step: every step is brought back onto the
     loops."""
 

@@ -11,7 +11,7 @@ from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.loops.equations import gaps, require_closed, scaled_rate, scaled_residual
 from freebody.model.model import Model
-from freebody.motion.closed_chain_integration import EXPLICIT, closed_scheme
+from freebody.motion.closed_chain_integration import EXPLICIT, closed_chain_scheme
 from freebody.motion.first_order_system import System, constant_loads, suited_method, system
 from freebody.motion.friction import WIDTH
 from freebody.motion.integration import METHODS, integrated, open_scheme, step_tolerance
@@ -87,7 +87,7 @@ def simulate(
         chosen = "DOP853" if method == "auto" else method
         # near a singular position accelerations are known to ten digits, and finer steps would
         # chase their rounding
-        scheme = closed_scheme(whole, tolerance, max_step)
+        scheme = closed_chain_scheme(whole, tolerance, max_step)
     else:
         chosen = method
         if method == "auto":

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.algorithms.crba import Composite
-from freebody.algorithms.regressor import driven, regressor
+from freebody.algorithms.regressor import bodies_with_drive, regressor
 from freebody.algorithms.regrouped_parameters import kept, regroup
 from freebody.arrays import Array
 from freebody.model.inertial_parameters import DRIVE, body_parameters
@@ -103,7 +103,7 @@ def _regrouped(tree: Tree, count: int) -> tuple[list[int], Array]:
             of_tree[i] = unit[n]
         moved = regroup(tree, of_tree, named=True)
         full[: bodies * size, column] = [x for i in tree.body_of for x in _entries(tree, moved[i])]
-    drives = list(range(bodies * size, bodies * size + len(DRIVE) * len(driven(tree))))
+    drives = list(range(bodies * size, bodies * size + len(DRIVE) * len(bodies_with_drive(tree))))
     candidates = staying + drives
     return candidates, full[candidates]
 

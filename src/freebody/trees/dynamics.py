@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, SingularError
-from freebody.kernels.closed_chains import closed
+from freebody.kernels.closed_chains import closed_chain_function
 from freebody.kernels.formulas import Option
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
@@ -57,7 +57,7 @@ def inverse_dynamics(
         return evaluate("inverse_dynamics", model, (q, qd, qdd), None, wrenches, _of_any_chain)
     require_model("inverse_dynamics", model)
     if model.loops:
-        return closed("inverse_dynamics")(model, q, qd, qdd, wrenches, actuated)
+        return closed_chain_function("inverse_dynamics")(model, q, qd, qdd, wrenches, actuated)
     raise FreebodyError(
         f"inverse_dynamics: actuated= chooses among the joints of a closed chain; {model.name!r} "
         f"has no loops."
@@ -70,7 +70,7 @@ def _of_any_chain(
     """Of closed chains the function of the same name among theirs answers."""
     require_model(function, model)
     if model.loops:
-        return closed(function)(model, *inputs, wrenches)
+        return closed_chain_function(function)(model, *inputs, wrenches)
     return careful(function, model, inputs, None, wrenches)
 
 
@@ -94,7 +94,7 @@ def _forward_dynamics(
 ) -> Array:
     require_model(function, model)
     if model.loops:
-        return closed(function)(model, *inputs, wrenches)
+        return closed_chain_function(function)(model, *inputs, wrenches)
     result = where_all_move_mass(function, model, inputs, None, wrenches)
     _refuse_singular(function, model, result)
     return result
@@ -271,7 +271,9 @@ def _joint_wrenches(
     require_model(function, model)
     if model.loops:
         q, qd, qdd = inputs
-        found = closed(function)(model, q, qd, qdd=qdd, wrenches=wrenches, reference=reference)
+        found = closed_chain_function(function)(
+            model, q, qd, qdd=qdd, wrenches=wrenches, reference=reference
+        )
         return found.wrenches
     return careful(key, model, inputs, option, wrenches)
 

@@ -32,7 +32,7 @@ def external(tree: Tree, o: Option, q: Vector, wrenches: tuple[Vector, ...]) -> 
     return [load for load in loads if load is not None]
 
 
-def driven(tree: Tree, o: Option, q: Vector, needed: Vector) -> Vector:
+def at_driven_joints(tree: Tree, o: Option, q: Vector, needed: Vector) -> Vector:
     """Torques of a tree, or of the drives of a closed chain that do the same."""
     return drive_torques(tree, q, needed, partition_of(o)) if tree.loops else needed
 

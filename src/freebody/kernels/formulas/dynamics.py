@@ -16,7 +16,7 @@ from freebody.algorithms.crba import (
     supports,
 )
 from freebody.algorithms.loop_checks import (
-    closed_margins,
+    closure_margins,
     consistent_margin,
     solution_margins,
     sure,
@@ -25,7 +25,7 @@ from freebody.algorithms.loop_constraints import constrained_motion
 from freebody.algorithms.operational_space import mass_matrix_inverse
 from freebody.algorithms.rnea import External, joint_wrenches, rnea
 from freebody.kernels.formulas import by_columns
-from freebody.kernels.formulas.choices import driven, external, still
+from freebody.kernels.formulas.choices import at_driven_joints, external, still
 from freebody.kernels.formulas.record import Formula, Option, Output
 from freebody.model.tree import Tree
 from freebody.spatial import Vector, sub
@@ -34,10 +34,10 @@ from freebody.spatial import Vector, sub
 def _inverse(
     tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, wrenches: Any = ()
 ) -> tuple[Any, ...]:
-    tau = driven(tree, o, q, rnea(tree, q, qd, qdd, external(tree, o, q, wrenches)).tau)
+    tau = at_driven_joints(tree, o, q, rnea(tree, q, qd, qdd, external(tree, o, q, wrenches)).tau)
     if not o.checks:
         return (tau,)
-    return (sure(tau, [*closed_margins(tree, q, qd), consistent_margin(tree, q, qd, qdd)]),)
+    return (sure(tau, [*closure_margins(tree, q, qd), consistent_margin(tree, q, qd, qdd)]),)
 
 
 def forward(
@@ -62,7 +62,7 @@ def _closed_forward(
         return found.qdd
     margins = solution_margins(tree, M, factors, found, o.equations)
     margins.append(consistent_margin(tree, q, qd, found.qdd))
-    return sure(found.qdd, margins + (closed_margins(tree, q, qd) if o.checks == "state" else []))
+    return sure(found.qdd, margins + (closure_margins(tree, q, qd) if o.checks == "state" else []))
 
 
 def _prefers_articulated_bodies(tree: Tree) -> bool:

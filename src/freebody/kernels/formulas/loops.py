@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 from freebody.algorithms import kinematics
-from freebody.algorithms.loop_checks import closed_margins, sure
+from freebody.algorithms.loop_checks import closure_margins, sure
 from freebody.algorithms.loop_constraints import (
     constrained_dynamics,
     constraint,
@@ -50,7 +50,7 @@ def _consistent(
         found, margins = nearest(tree, q, x, right, partition_of(o))
     else:
         found, margins = led(tree, q, x, right, o.held, o.equations or ())
-    return (sure(found, margins + (closed_margins(tree, q, qd) if o.checks == "state" else [])),)
+    return (sure(found, margins + (closure_margins(tree, q, qd) if o.checks == "state" else [])),)
 
 
 def _jerk(tree: Tree, o: Option, q: Vector, qd: Vector, x: Vector) -> tuple[Any, ...]:
