@@ -282,7 +282,8 @@ def test_loops():
         (LINKS + JOINT.replace("revolute", "revolut"),
          "arm.toml:7: no kind 'revolut' in joint 'a'. Did you mean "
          "'revolute'? Kinds: "
-         "revolute, continuous, prismatic, helical, fixed, cylindrical, universal, planar, spherical, free."),
+         "revolute, continuous, prismatic, helical, fixed, cylindrical, universal, planar, "
+         "spherical, free."),
         (LINKS + JOINT, "arm.toml:5: joint 'a': axis is missing; add axis = ..."),
         (LINKS + JOINT + "axis = 'w'\n",
          "arm.toml:10: joint 'a': axis is 'w', expected x, y, z, one of them with a "

@@ -291,8 +291,8 @@ def moved_frames(
     for each link.
 
     Behind a prismatic joint anywhere, behind one that turns about an axis along and about that and
-    turned at will, along z behind a planar one, anywhere on a fixed link. A description in space, with no
-    mimics lost.
+    turned at will, along z behind a planar one, anywhere on a fixed link. A description in space,
+    with no mimics lost.
     """
     rng = np.random.default_rng(seed)
     moves: dict[str, Placement] = {link.name: Placement() for link in description.links}

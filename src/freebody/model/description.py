@@ -146,7 +146,8 @@ class Joint(Keeps):
     """Nothing drives it: it is moved by the others, and no torque acts there but friction and a
     spring."""
     numbers: tuple[Quantity, ...] = ()
-    """What its kind has besides an axis (`JointKind.numbers`): of a helical joint the pitch, m/rad."""
+    """What its kind has besides an axis (`JointKind.numbers`): of a helical joint the pitch,
+    m/rad."""
 
 
 @dataclass(frozen=True)

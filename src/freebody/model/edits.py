@@ -1,8 +1,8 @@
-"""Copies of a model in which a few numbers are other: its numbers are found at once, its pieces when
-somebody looks at them.
+"""Copies of a model in which a few numbers are other: its numbers are found at once, its pieces
+when somebody looks at them.
 
-An edited copy is a `NumberLayout` and its *edits*, {slot: number}; an edit of an edited copy is one of
-the same layout, so that a row of changes keeps no row of models. Whatever is no plain change
+An edited copy is a `NumberLayout` and its *edits*, {slot: number}; an edit of an edited copy is one
+of the same layout, so that a row of changes keeps no row of models. Whatever is no plain change
 (arrays of a family, angles, what has to be looked at closely or refused) is not done here: None
 says so, and the general way answers.
 """

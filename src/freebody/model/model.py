@@ -152,7 +152,8 @@ class Model(NamedParts, Tabled, ByValue):
 
     @cached_property
     def facts(self) -> dict[str, Any]:
-        """What follows from the model alone and has been found before; see `model.derived_facts.fact`."""
+        """What follows from the model alone and has been found before; see
+        `model.derived_facts.fact`."""
         return {}
 
     @cached_property
@@ -355,11 +356,11 @@ class Model(NamedParts, Tabled, ByValue):
         kind: "revolute" or "prismatic" (about, along `axis`, given in the axes of both frames; no
         axis for revolute in the plane), "universal" (space; about x of the first frame and y of the
         second), "spherical" (space), "point" (plane), "fixed", or "distance" (the origins stay
-        `distance` m apart). loop_tolerance: (m, rad), of all loops of the model: by how much rounded
-        numbers may keep them from closing. Equations that hold within it wherever the mechanism goes
-        are redundant, and `mobility` names them. Default: 1 mm or a thousandth of the loop's size,
-        the smaller, and 1 mrad; (0, 0) takes the numbers at their word. Raises ModelError,
-        UnknownNameError.
+        `distance` m apart). loop_tolerance: (m, rad), of all loops of the model: by how much
+        rounded numbers may keep them from closing. Equations that hold within it wherever the
+        mechanism goes are redundant, and `mobility` names them. Default: 1 mm or a thousandth of
+        the loop's size, the smaller, and 1 mrad; (0, 0) takes the numbers at their word. Raises
+        ModelError, UnknownNameError.
         """
         along = tuple(np.atleast_1d(axis).tolist())
         looped = changed.with_loop(self, Loop(name, kind, frames, along, distance))  # type: ignore[arg-type]

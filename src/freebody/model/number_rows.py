@@ -34,8 +34,8 @@ SlotValues = list[float]
 TakeSlots = Callable[[Any], tuple[Any, ...]]
 """Picks the entries of several slots."""
 RowEntries = Callable[[SlotValues, list[Vector]], Any]
-"""Numbers of the structure, given the number in each slot and the positions of `NumberRows`; None where the
-structure is another."""
+"""Numbers of the structure, given the number in each slot and the positions of `NumberRows`; None
+where the structure is another."""
 
 
 class RowPart(NamedTuple):

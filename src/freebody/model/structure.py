@@ -159,8 +159,8 @@ _recent: deque[Structure] = deque(maxlen=_RECENT)
 
 
 def numbers_of(model: Model) -> Array:
-    """The numbers (..., k) of a model with all values, in the order in which `ScalarPieces` asks for
-    them."""
+    """The numbers (..., k) of a model with all values, in the order in which `ScalarPieces` asks
+    for them."""
     structure = model.structure
     found = model.__dict__.get("numbers")  # they may have come with it
     if found is None:

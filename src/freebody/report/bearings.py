@@ -24,7 +24,8 @@ LOADS = {
     "guide_moment": ("N m", "moment about the axis of a sliding joint, carried by its guide"),
     "drive_load": (
         "N m|N",
-        "moment about the axis of a turning joint (of a screw with pitch times the force along it), "
+        "moment about the axis of a turning joint (of a screw with pitch times the force along "
+        "it), "
         "force along that of a sliding one: the drive's",
     ),
 }

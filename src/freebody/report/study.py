@@ -236,7 +236,8 @@ def _driven(model: Model) -> tuple[str, ...]:
         return ()
     one = len(free) == 1
     return (
-        f"Joint{'' if one else 's'} {listed(map(repr, free))} {'has' if one else 'have'} no motor of "
+        f"Joint{'' if one else 's'} {listed(map(repr, free))} {'has' if one else 'have'} no motor "
+        "of "
         f"{'its' if one else 'their'} own: {'its' if one else 'their'} torques and forces here are "
         "what something else must exert to make the motion happen.",
     )

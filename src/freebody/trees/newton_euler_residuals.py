@@ -1,4 +1,5 @@
-"""Whether reactions explain a motion: ΣF = m a and ΣM = Ḣ of every body (`algorithms.newton_euler_residuals`)."""
+"""Whether reactions explain a motion: ΣF = m a and ΣM = Ḣ of every body
+(`algorithms.newton_euler_residuals`)."""
 
 from __future__ import annotations
 
