@@ -11,7 +11,7 @@ import pytest
 
 import freebody as fb
 from freebody.cli.app import run
-from freebody.derivations.check.source import Answer, AnswerError
+from freebody.derivations.check.source import AnswerError, AnswerText
 from support.extras import extra
 
 ARM = fb.planar("RR")
@@ -298,7 +298,7 @@ UNREADABLE = [
     ("H12 = " + "cos(" * 3000 + "1" + ")" * 3000, "more than 100 brackets inside one another"),
     ("H12 = " + "\\dot{" * 3000 + "q" + "}" * 3000, "commands inside commands"),
     ("H12 = " + "a" * 19_000, "no symbol 'aaaaaaaaaaaaaaaaaaaaaaaaaaaaaa…'"),
-    ("l1" * (Answer.longest // 2 + 1), "at most 20000 are read"),
+    ("l1" * (AnswerText.longest // 2 + 1), "at most 20000 are read"),
     ("H12 = " + "9" * 80, "this number is too long"),
     ("H12 = l1/l2", "division by l2: the answer must be a polynomial"),
     ("H12 = l1/(l2 - l2)", "division by zero"),

@@ -14,10 +14,10 @@ from itertools import product as words_of
 import freebody as fb
 from freebody.algorithms.kinematics import jacobian
 from freebody.derivations import expression as ex
-from freebody.derivations.check.exact import Reader
+from freebody.derivations.check.exact import PolynomialReader
 from freebody.derivations.check.reading import AnswerParser
-from freebody.derivations.check.setting import Setting
-from freebody.derivations.check.source import Answer
+from freebody.derivations.check.setting import RightEquations
+from freebody.derivations.check.source import AnswerText
 from freebody.derivations.check.targets import polynomial
 from freebody.derivations.check.verdict import Verdict
 from freebody.derivations.check.vocabulary import Vocabulary
@@ -426,7 +426,7 @@ SAME = {
 """What a finding of each kind of mistake may be called."""
 
 
-def named(setting: Setting, verdict: Verdict, m: Mistake) -> bool:
+def named(setting: RightEquations, verdict: Verdict, m: Mistake) -> bool:
     """Whether a finding says what was done: the piece and what it should be; or the term, as it is
     and should be."""
     value = lambda x: polynomial(setting, x)  # noqa: E731
@@ -456,16 +456,16 @@ def named(setting: Setting, verdict: Verdict, m: Mistake) -> bool:
     return len(known) == len(pairs) and gap == whole and len(pairs) <= 3
 
 
-def read(setting: Setting, text: str) -> Trig | None:
+def read(setting: RightEquations, text: str) -> Trig | None:
     """A piece of a verdict as polynomial; "" is 0, what cannot be read None."""
     if not text:
         return setting.zero
     vocabulary = Vocabulary(setting)
     try:
-        source = Answer.of(text)
+        source = AnswerText.of(text)
         node = AnswerParser(
             source, tokens(source, vocabulary)[:-1], vocabulary, lambda name: None
         ).side()
-        return Reader(source, setting.ring).read(node)
+        return PolynomialReader(source, setting.ring).read(node)
     except fb.FreebodyError:
         return None

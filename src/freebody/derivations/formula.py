@@ -55,7 +55,7 @@ class FormulaError(UnreadableError):
     """A formula that cannot be read or evaluated."""
 
 
-class _Formula(Source):
+class _FormulaText(Source):
     what, longest, error = "formula", 4000, FormulaError
 
 
@@ -64,9 +64,9 @@ def parse(text: str, bold: Collection[str] = (), primed: Collection[str] = ()) -
 
     Names in `bold` are vectors, those in `primed` have components in the axes of their own body.
     """
-    source = _Formula.of(text)
+    source = _FormulaText.of(text)
     sides: list[list[Token]] = [[]]
-    for token in tokens(source, _Words())[:-1]:
+    for token in tokens(source, _FormulaLanguage())[:-1]:
         if token.kind == "equals":
             sides.append([])
         elif token.text != "\n":
@@ -100,7 +100,7 @@ def symbol(name: str, bold: bool = False, primed: bool = False) -> Any:
     return Symbol(name, GREEK.get(letters, letters), tuple(low), len(dots or "_") - 1, bold)
 
 
-class _Words:
+class _FormulaLanguage:
     """The words of formulas: names as they are written, whatever they stand for."""
 
     functions = _RULES

@@ -15,7 +15,7 @@ from freebody.derivations.waves import Blocks
 from freebody.lazy import cached_property
 from freebody.model.bodies import Body
 from freebody.model.parameters import Parameter, each_parameter
-from freebody.model.placement import Turn
+from freebody.model.placement import AxisRotation
 from freebody.scalars.rational import rational_sin_cos
 from freebody.spatial import neg
 
@@ -137,7 +137,7 @@ class Order:
 def _holds_decimals(thing: Any) -> bool:
     """Whether inertias, placements or drives hold plain numbers that are not whole, right angles
     apart."""
-    if isinstance(thing, Turn):
+    if isinstance(thing, AxisRotation):
         angle = thing.angle
         return isinstance(angle, (int, float)) and bool(rational_sin_cos(angle)[0].denominator != 1)
     if isinstance(thing, Body):

@@ -81,10 +81,10 @@ def quantities(
         raise FreebodyError(
             f"quantities: {model.name!r} branches; names such as f12 are those of a chain."
         )
-    return Quantities(_Quantities(setting, gravity).all(), setting.layout)
+    return Quantities(_QuantityValues(setting, gravity).all(), setting.layout)
 
 
-class _Quantities:
+class _QuantityValues:
     """The values, one method a group."""
 
     def __init__(self, setting: Setting, gravity: str):

@@ -84,7 +84,7 @@ _OWN = {
 
 
 @dataclass(frozen=True)
-class Entry:
+class Assignment:
     """One assignment: array name, indices, value."""
 
     array: str
@@ -92,16 +92,18 @@ class Entry:
     value: Expression
 
 
-def entries(equations: Equations) -> list[Entry]:
+def entries(equations: Equations) -> list[Assignment]:
     """M (upper triangle), c, G, and in `drive` friction and springs."""
     form, n = equations.layout.form, len(equations.M)
-    result = [Entry("M", (i, j), form(equations.M[i][j])) for i in range(n) for j in range(i, n)]
+    result = [
+        Assignment("M", (i, j), form(equations.M[i][j])) for i in range(n) for j in range(i, n)
+    ]
     for array, column in (("c", equations.c), ("G", equations.g), ("drive", equations.drives)):
-        result += [Entry(array, (i,), form(x)) for i, x in enumerate(column)]
+        result += [Assignment(array, (i,), form(x)) for i, x in enumerate(column)]
     return result
 
 
-class Names:
+class CodeNames:
     """Names of code: parameters as words that clash with none; functions of angles become
     variables."""
 
@@ -124,7 +126,7 @@ class Names:
         """The parameter's name in code."""
         return self.words[name]
 
-    def collect(self, rows: list[Entry]) -> None:
+    def collect(self, rows: list[Assignment]) -> None:
         """Gives each sine and cosine a variable: cos_12 is cos(θ1 + θ2)."""
         taken = {*self.words.values(), *_OWN}
         for row in rows:
@@ -149,7 +151,7 @@ def _spelt(argument: Expression) -> str:
 
 def python(equations: Equations) -> str:
     """Source of dynamics(q, qd, qdd, parameters…) -> M, c, G, tau, with nothing but `math`."""
-    names = Names(equations, frozenset(), lambda name: name)
+    names = CodeNames(equations, frozenset(), lambda name: name)
     rows = entries(equations)
     names.collect(rows)
     plain = code(names, {"sin": "math.sin", "cos": "math.cos", "sgn": "sgn"})
@@ -198,7 +200,7 @@ def python(equations: Equations) -> str:
 
 def c(equations: Equations) -> str:
     """C99 source of dynamics(parameters, q, qd, qdd, M, c, G, tau), with nothing but <math.h>."""
-    names = Names(equations, _C_WORDS, lambda name: f"p->{name}")
+    names = CodeNames(equations, _C_WORDS, lambda name: f"p->{name}")
     rows = entries(equations)
     names.collect(rows)
     plain = code(names, {"sin": "sin", "cos": "cos", "sgn": "sgn"})

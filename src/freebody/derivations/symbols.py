@@ -15,7 +15,7 @@ from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
-from freebody.model.placement import Turn
+from freebody.model.placement import AxisRotation
 from freebody.model.quantity_reader import QuantityReader
 from freebody.model.tree import Tree, lower
 from freebody.scalars.rational import rational_axis, rational_rotation, rational_sin_cos
@@ -244,5 +244,5 @@ def _angle_parameters(model: Model) -> set[str]:
         step.angle.name
         for placement in placements
         for step in placement.steps
-        if isinstance(step, Turn) and isinstance(step.angle, Parameter)
+        if isinstance(step, AxisRotation) and isinstance(step.angle, Parameter)
     }

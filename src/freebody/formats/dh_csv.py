@@ -52,7 +52,7 @@ def describe(
         raise FileError(file, None, f"the table has more than {MOST_LINKS} rows, one a joint.")
     header = _Header(file, *lines[0])
     chosen = _convention(file, lines[0][0], remarks.get("convention"), convention)
-    rows = [_Row(header, i, number, line).as_dh() for i, (number, line) in enumerate(lines[1:])]
+    rows = [_DhRow(header, i, number, line).as_dh() for i, (number, line) in enumerate(lines[1:])]
     if not rows:
         raise FileError(file, lines[0][0], "the table has a header but no rows; add one a joint.")
     number, given = remarks.get("gravity", (None, "9.81"))
@@ -114,7 +114,7 @@ class _Header:
         return read_file.cells(self.file, line, text, self.delimiter)
 
 
-class _Row:
+class _DhRow:
     """One row: cells by column, empty ones left out."""
 
     def __init__(self, header: _Header, i: int, line: int, text: str):

@@ -28,7 +28,16 @@ from freebody.model.joints import KINDS
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.loops import checked_tolerance
 from freebody.model.parameters import Parameter, Quantity
-from freebody.model.placement import Placement, Rotate, Shift, Turn, rotate, rpy, shift, turn
+from freebody.model.placement import (
+    AxisRotation,
+    Placement,
+    Rotate,
+    Shift,
+    rotate,
+    rpy,
+    shift,
+    turn,
+)
 
 TURNS = ("rpy", "axis_angle", "quat_wxyz", "matrix", "angle")
 PLACE = ("origin", *TURNS, "steps")
@@ -282,13 +291,13 @@ def _matrix(table: TomlTable, dim: int) -> Placement:
         table.refuse(str(error), "matrix")
 
 
-def _step(table: TomlTable, dim: int) -> Shift | Turn | Rotate:
+def _step(table: TomlTable, dim: int) -> Shift | AxisRotation | Rotate:
     """{ shift = [...] }, { turn = "z", angle = ... } or { matrix = [...] }; kept as written."""
     table.only("shift", "turn", "angle", "matrix")
     if "shift" in table:
         return Shift(table.quantities("shift", dim))
     if "turn" in table:
-        return Turn(
+        return AxisRotation(
             table.choice("turn", "z" if dim == 2 else "xyz"), table.quantity("angle", "angle")
         )
     _matrix(table, dim)

@@ -35,10 +35,10 @@ _TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 def describe(file: str, data: bytes, *, name: str, snap_angles: float) -> RobotDescription:
     """The description in a URDF file. `name` stands in where <robot> has none; snap_angles in
     rad."""
-    return _Reader(file, snap_angles).description(parse(file, data), name)
+    return _UrdfReader(file, snap_angles).description(parse(file, data), name)
 
 
-class _Reader(Elements):
+class _UrdfReader(Elements):
     """One reading: the links and joints found so far, and what is to be reported about the file."""
 
     def __init__(self, file: str, snap: float):

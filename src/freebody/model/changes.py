@@ -23,7 +23,7 @@ from freebody.model.loops import checked_loop
 from freebody.model.number_names import PAYLOAD
 from freebody.model.parameters import LARGEST, Quantity, finite, quantity
 from freebody.model.piece_paths import get, put
-from freebody.model.placement import Placement, Rotate, Shift, Turn, rotate, shift
+from freebody.model.placement import AxisRotation, Placement, Rotate, Shift, rotate, shift
 from freebody.model.tree import Attached
 
 if TYPE_CHECKING:
@@ -240,7 +240,7 @@ def _placement_in_space(placement: Placement) -> Placement:
     return Placement(tuple(map(_step_in_space, placement.steps)))
 
 
-def _step_in_space(step: Shift | Turn | Rotate) -> Shift | Turn | Rotate:
+def _step_in_space(step: Shift | AxisRotation | Rotate) -> Shift | AxisRotation | Rotate:
     if isinstance(step, Shift):
         return Shift((*step.by, 0.0))
     if isinstance(step, Rotate):

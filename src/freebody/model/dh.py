@@ -22,7 +22,7 @@ from freebody.model.inertia import Inertia
 from freebody.model.joints import BY_LETTER
 from freebody.model.model import Model
 from freebody.model.parameters import Quantity, quantity
-from freebody.model.placement import Placement, Shift, Turn
+from freebody.model.placement import AxisRotation, Placement, Shift
 
 Convention = Literal["standard", "modified"]
 KEYS = (
@@ -121,8 +121,8 @@ def _row(
         raise ModelError(f"{where}: joint is {letter!r}, expected 'R' or 'P'.")
     theta, d, a, alpha = (_entry(row, key, where, name) for key in ("theta", "d", "a", "alpha"))
     # steps of their own, also where they are zero: each entry keeps its place
-    about_z, along_z = Placement((Turn("z", theta),)), Placement((Shift((0.0, 0.0, d)),))
-    along_x, about_x = Placement((Shift((a, 0.0, 0.0)),)), Placement((Turn("x", alpha),))
+    about_z, along_z = Placement((AxisRotation("z", theta),)), Placement((Shift((0.0, 0.0, d)),))
+    along_x, about_x = Placement((Shift((a, 0.0, 0.0)),)), Placement((AxisRotation("x", alpha),))
     link_shape = along_x.then(about_x)
     if convention == "modified":
         placement, frame = (

@@ -28,7 +28,7 @@ class Shift:
 
 
 @dataclass(frozen=True)
-class Turn:
+class AxisRotation:
     """Rotation about one of the axes reached so far by a constant angle (rad)."""
 
     axis: str
@@ -46,7 +46,7 @@ class Rotate:
 class Placement(Keeps):
     """A constant pose T_AB: the steps that lead from frame A to frame B, first step first."""
 
-    steps: tuple[Shift | Turn | Rotate, ...] = ()
+    steps: tuple[Shift | AxisRotation | Rotate, ...] = ()
 
     def then(self, other: Placement) -> Placement:
         """T_AB T_BC; where one of them has no steps the other itself, which keeps what is known of
@@ -60,7 +60,7 @@ class Placement(Keeps):
         one rotation."""
         if len(self.steps) <= _LONGEST:
             return self
-        steps: list[Shift | Turn | Rotate] = []
+        steps: list[Shift | AxisRotation | Rotate] = []
         for named, together in groupby(self.steps, key=lambda step: any(each_parameter(step))):
             run = tuple(together)
             steps += run if named else _as_numbers(Placement(run), space)
@@ -111,7 +111,7 @@ def shift(*by: Quantity) -> Placement:
 
 def turn(axis: str, angle: Quantity) -> Placement:
     """Rotation about a coordinate axis, nothing at all where it is zero."""
-    return Placement((Turn(axis, angle),)) if angle != 0.0 else Placement()
+    return Placement((AxisRotation(axis, angle),)) if angle != 0.0 else Placement()
 
 
 def rotate(matrix: Sequence[Sequence[float]] | np.ndarray, owner: str = "rotation") -> Placement:

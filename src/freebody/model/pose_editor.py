@@ -14,7 +14,7 @@ from freebody.errors import ModelError
 from freebody.model.families import Members
 from freebody.model.parameters import Quantity
 from freebody.model.piece_paths import Fields, Path, get, is_plain, named_leaves, put
-from freebody.model.placement import Placement, Rotate, Shift, Turn, shift, turn
+from freebody.model.placement import AxisRotation, Placement, Rotate, Shift, shift, turn
 from freebody.model.quantity_reader import VALUES
 from freebody.spatial import AnySpace, Matrix, Vector, identity
 
@@ -114,13 +114,14 @@ class PoseEditor:
         else:  # a member each: as angles, which have numbers for members
             angles = _angles_of(R)
             turns = tuple(
-                Turn(_ABOUT[x], as_quantity(angles[x])) for x in reversed(ANGLES[self.space.dim])
+                AxisRotation(_ABOUT[x], as_quantity(angles[x]))
+                for x in reversed(ANGLES[self.space.dim])
             )
         return tuple(map(as_quantity, p)), turns
 
     def _fields(self, by: Vector, turns: tuple[Any, ...]) -> dict[str, Quantity]:
         fields: dict[str, Quantity] = dict(zip(self.space.axes, by, strict=True))
-        order = [_LETTER[step.axis] for step in turns if isinstance(step, Turn)]
+        order = [_LETTER[step.axis] for step in turns if isinstance(step, AxisRotation)]
         names = ANGLES[self.space.dim]
         if len(order) == len(turns) and order == sorted(
             set(order), reverse=True

@@ -8,12 +8,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from freebody.derivations.check import idle
-from freebody.derivations.check.exact import Reader
+from freebody.derivations.check.exact import PolynomialReader
 from freebody.derivations.check.reading import AnswerParser
-from freebody.derivations.check.references import Use, refuse_circles, uses
-from freebody.derivations.check.setting import FAMILIES, Setting
-from freebody.derivations.check.source import Answer, AnswerError
-from freebody.derivations.check.targets import Target, Targets
+from freebody.derivations.check.references import GivenQuantity, refuse_circles, uses
+from freebody.derivations.check.setting import FAMILIES, RightEquations
+from freebody.derivations.check.source import AnswerError, AnswerText
+from freebody.derivations.check.targets import AskedQuantity, Targets
 from freebody.derivations.check.tree import Named
 from freebody.derivations.check.vocabulary import Vocabulary, spellings
 from freebody.derivations.grammar import words
@@ -32,17 +32,17 @@ class Claim:
     """label = what the user says it is."""
 
     label: str
-    target: Target
+    target: AskedQuantity
     node: Expression
     value: Trig
     source: Source
-    uses: tuple[Use, ...] = ()
+    uses: tuple[GivenQuantity, ...] = ()
     """Quantities that it is given by."""
 
 
-def claims(setting: Setting, text: str, names: Mapping[str, str]) -> list[Claim]:
+def claims(setting: RightEquations, text: str, names: Mapping[str, str]) -> list[Claim]:
     """All that an answer states, in its order."""
-    source = Answer.of(text)
+    source = AnswerText.of(text)
     targets = Targets(setting, velocity=re.search(r"(?<![A-Za-z\\])h(?![a-z])", text) is not None)
     vocabulary = Vocabulary(setting, targets.names)
     for name, meaning in names.items():
@@ -59,7 +59,7 @@ def claims(setting: Setting, text: str, names: Mapping[str, str]) -> list[Claim]
         raise AnswerError(
             f"the answer has {len(lines)} equations; at most {MOST_EQUATIONS} are read"
         )
-    reading = _Reading(source, vocabulary, targets)
+    reading = _ClaimReader(source, vocabulary, targets)
     own = reading.definitions(lines)
     found: list[Claim] = []
     for line in lines:
@@ -88,12 +88,12 @@ def _rename(vocabulary: Vocabulary, targets: Targets, name: str, meaning: str) -
             if f"{target}{k}" in vocabulary.symbols:
                 _rename(vocabulary, targets, f"{plain}{k}", f"{target}{k}")
         return
-    source = Answer.of(meaning)
+    source = AnswerText.of(meaning)
     parser = AnswerParser(
         source, tokens(source, vocabulary)[:-1], vocabulary, lambda n: targets.single[n].compute()
     )
     node = parser.side()
-    value = Reader(source, vocabulary.setting.ring).read(node)
+    value = PolynomialReader(source, vocabulary.setting.ring).read(node)
     given = tuple(use.target for use in uses(node, targets.single, vocabulary))
     vocabulary.define(plain, value, given)
     letter, digits = re.sub(r"\d+$", "", plain), re.findall(r"\d*$", plain)[0]
@@ -108,7 +108,7 @@ def _rename(vocabulary: Vocabulary, targets: Targets, name: str, meaning: str) -
 
 def _plain(name: str) -> str:
     """The plain spelling of a name."""
-    source = Answer.of(name.strip())
+    source = AnswerText.of(name.strip())
     if not source.text or not (source.text[0] in words.STARTS or source.text[0] == "\\"):
         raise AnswerError(f"names: {name!r} is no name")
     word = words.spell(source, 0)
@@ -200,7 +200,7 @@ def _sides(source: Source, line: list[Token]) -> Line:
 
 
 # ---------------------------------------------------------------- meaning
-class _Reading:
+class _ClaimReader:
     """Lines into claims."""
 
     def __init__(self, source: Source, vocabulary: Vocabulary, targets: Targets):
@@ -214,7 +214,7 @@ class _Reading:
 
     def value(self, node: Expression) -> Trig:
         """A tree as polynomial."""
-        return Reader(self.source, self.setting.ring).read(node)
+        return PolynomialReader(self.source, self.setting.ring).read(node)
 
     def _quantity(self, name: str) -> Trig | None:
         if name in self.replaced:
@@ -224,7 +224,7 @@ class _Reading:
         target = self.targets.single[name]
         return self.setting.zero if target.idle else target.compute()
 
-    def _claim(self, label: str, target: Target, node: Expression) -> Claim:
+    def _claim(self, label: str, target: AskedQuantity, node: Expression) -> Claim:
         """What a tree says of a quantity."""
         used = tuple(uses(node, self.targets.single, self.vocabulary))
         return Claim(label, target, node, self.value(node), self.source, used)
@@ -305,7 +305,7 @@ class _Reading:
         return self._entries(label, name, node, table or [])
 
     def _entries(
-        self, label: str, name: Token, node: Matrix, table: list[list[Target]]
+        self, label: str, name: Token, node: Matrix, table: list[list[AskedQuantity]]
     ) -> list[Claim]:
         rows = [list(row) for row in node.rows]
         if len(rows) == 1 and table and len(table[0]) == 1:
@@ -374,7 +374,7 @@ class _Reading:
         target = idle.equation(self.targets, self.value(node), taken)
         return self._claim(f"The equation of joint {target.index[0]}", target, node)
 
-    def _solved(self, line: Line, target: Target) -> tuple[Trig, Trig | None]:
+    def _solved(self, line: Line, target: AskedQuantity) -> tuple[Trig, Trig | None]:
         """a and k of a + k τ = 0; k None where it is no number."""
         values = []
         for k in range(3):
@@ -391,5 +391,5 @@ class _Reading:
         return values[0], slope if linear else None
 
 
-def _entry_label(label: str, target: Target) -> str:
+def _entry_label(label: str, target: AskedQuantity) -> str:
     return f"{label}{''.join(map(str, target.index))}" if target.index else label

@@ -13,8 +13,8 @@ from fractions import Fraction
 from itertools import pairwise
 
 from freebody.derivations.check.residues import PRIME, Point, Turn, plus, residue
-from freebody.derivations.check.setting import Setting
-from freebody.derivations.check.targets import Target, Targets
+from freebody.derivations.check.setting import RightEquations
+from freebody.derivations.check.targets import AskedQuantity, Targets
 from freebody.derivations.names import sym
 from freebody.scalars.trig import Trig
 
@@ -29,9 +29,9 @@ Weight = Callable[[Mapping[str, int]], int | Fraction]
 class Causes:
     """The thoughts that are tried for one quantity."""
 
-    setting: Setting
+    setting: RightEquations
     targets: Targets
-    target: Target
+    target: AskedQuantity
     right: Trig
     point: Point
 
@@ -277,7 +277,7 @@ class Causes:
                 yield sign, self.targets.single[name].compute()
 
 
-def related(targets: Targets, target: Target) -> dict[str, Trig]:
+def related(targets: Targets, target: AskedQuantity) -> dict[str, Trig]:
     """The other entries of a quantity's family, by name."""
     letter = {"tau": "tau", "M": "H", "c": "v", "g": "G", "J": "J"}.get(target.family)
     found = {}

@@ -6,13 +6,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from freebody.derivations.check.answer import Claim
-from freebody.derivations.check.setting import Setting
+from freebody.derivations.check.setting import RightEquations
 from freebody.scalars.trig import Trig
 
 _ALONE = "Many matrices C have C q̇ = c: compared with Christoffel's; give the whole row to have C q̇ = c looked at."
 
 
-def notes(setting: Setting, claims: Sequence[Claim]) -> Mapping[tuple[int, ...], str]:
+def notes(setting: RightEquations, claims: Sequence[Claim]) -> Mapping[tuple[int, ...], str]:
     """What is to be said of entries that differ from Christoffel's, by their indices, where C q̇ =
     c holds."""
     rows = _rows(setting, claims)
@@ -32,7 +32,7 @@ def notes(setting: Setting, claims: Sequence[Claim]) -> Mapping[tuple[int, ...],
     }
 
 
-def advice(setting: Setting, claim: Claim, claims: Sequence[Claim]) -> str:
+def advice(setting: RightEquations, claim: Claim, claims: Sequence[Claim]) -> str:
     """A sentence about an entry whose row is not given."""
     return (
         _ALONE
@@ -41,7 +41,7 @@ def advice(setting: Setting, claim: Claim, claims: Sequence[Claim]) -> str:
     )
 
 
-def _rows(setting: Setting, claims: Sequence[Claim]) -> dict[int, list[Trig]]:
+def _rows(setting: RightEquations, claims: Sequence[Claim]) -> dict[int, list[Trig]]:
     """Rows of C, from 0, of which an answer gives every entry once."""
     n = len(setting.symbols.coordinates)
     given: dict[tuple[int, ...], list[Trig]] = {}
@@ -56,11 +56,11 @@ def _rows(setting: Setting, claims: Sequence[Claim]) -> dict[int, list[Trig]]:
     }
 
 
-def _along(setting: Setting, row: Sequence[Trig]) -> Trig:
+def _along(setting: RightEquations, row: Sequence[Trig]) -> Trig:
     return sum((x * rate for x, rate in zip(row, setting.symbols.qd, strict=True)), setting.zero)
 
 
-def _is_skew(setting: Setting, rows: Mapping[int, Sequence[Trig]]) -> bool:
+def _is_skew(setting: RightEquations, rows: Mapping[int, Sequence[Trig]]) -> bool:
     """Whether Ṁ − 2C and its transpose add up to 0, that is C + Cᵀ = Ṁ."""
     M, n = setting.equations.M, len(setting.symbols.coordinates)
     rates = setting.symbols.rates

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from freebody.derivations.check.setting import Setting
+from freebody.derivations.check.setting import RightEquations
 from freebody.derivations.expression import Expression, mul
 from freebody.derivations.forms import Layout
 from freebody.derivations.waves import Monomial, Terms, Wave, gathered, raw
@@ -31,7 +31,7 @@ class Difference:
     instead: Key | None = None
 
 
-def terms(setting: Setting, x: Trig) -> Terms:
+def terms(setting: RightEquations, x: Trig) -> Terms:
     """A polynomial term by term, powers of symbols in a fixed order."""
     rows = gathered(raw(x), setting.ring.angles, setting.order.blocks)
     return {(tuple(sorted(m)), w): c for (m, w), c in rows.items()}
@@ -46,7 +46,7 @@ def is_too_long(x: Trig) -> bool:
     )
 
 
-def differences(setting: Setting, yours: Trig, right: Trig) -> list[Difference]:
+def differences(setting: RightEquations, yours: Trig, right: Trig) -> list[Difference]:
     """All terms that differ; one too many and one missing that differ in one symbol or in the angle
     are paired."""
     a, b = terms(setting, yours), terms(setting, right)
@@ -93,7 +93,7 @@ def _letters(monomial: Monomial) -> list[str]:
     return [name for name, exponent in monomial for _ in range(exponent)]
 
 
-def printed(layout: Layout, setting: Setting, key: Key, value: Fraction) -> Expression:
+def printed(layout: Layout, setting: RightEquations, key: Key, value: Fraction) -> Expression:
     """A term with its number."""
     monomial, wave = key
     x = setting.ring.polynomial([(dict(monomial), value)])

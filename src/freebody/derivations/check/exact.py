@@ -22,7 +22,7 @@ HIGHEST_DEGREE, LARGEST_EXPONENT, MOST_TURNS, MOST_BITS = 60, 12, 12, 500
 
 
 @dataclass
-class Reader:
+class PolynomialReader:
     """Trees into polynomials of a ring."""
 
     source: Source

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 
-from freebody.derivations.check.setting import Setting
+from freebody.derivations.check.setting import RightEquations
 from freebody.derivations.check.verdict import Example
 from freebody.derivations.names import sym
 from freebody.scalars.trig import Trig
@@ -18,7 +18,7 @@ _VALUES = {
 _RATES, _SECONDS = (1.2, -0.7, 0.9, -1.4), (2.0, 1.5, -1.1, 0.8)
 
 
-def example(setting: Setting, yours: Trig, right: Trig) -> Example | None:
+def example(setting: RightEquations, yours: Trig, right: Trig) -> Example | None:
     """Values of the symbols that occur, and both results; None where no try tells them apart."""
     used = [name for name in setting.ring.names if _occurs(name, yours) or _occurs(name, right)]
     given = setting.symbols.model.parameters

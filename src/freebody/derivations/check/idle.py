@@ -6,23 +6,23 @@ from collections.abc import Collection, Iterator
 from fractions import Fraction
 
 from freebody.derivations.check.parts import parts
-from freebody.derivations.check.setting import Setting
-from freebody.derivations.check.targets import Target, Targets
+from freebody.derivations.check.setting import RightEquations
+from freebody.derivations.check.targets import AskedQuantity, Targets
 from freebody.scalars.trig import Trig
 
 
-def equation(targets: Targets, x: Trig, taken: Collection[tuple[int, ...]]) -> Target:
+def equation(targets: Targets, x: Trig, taken: Collection[tuple[int, ...]]) -> AskedQuantity:
     """The passive joint's equation that x = 0 states, or else should: the first that no other line
     has given."""
     own = [targets.single[f"tau{i}"] for i in targets.passive]
     right = next((target for target in own if is_same(targets.setting, x, target.compute())), None)
     if right is not None:
-        return Target("0", right.index, lambda: x)
+        return AskedQuantity("0", right.index, lambda: x)
     target = next((target for target in own if target.index not in taken), own[0])
-    return Target("0", target.index, lambda: _alike(targets.setting, x, target.compute()))
+    return AskedQuantity("0", target.index, lambda: _alike(targets.setting, x, target.compute()))
 
 
-def is_same(setting: Setting, x: Trig, y: Trig) -> bool:
+def is_same(setting: RightEquations, x: Trig, y: Trig) -> bool:
     """Whether x = 0 says the same as y = 0: one is the other times a factor without coordinates."""
     first, second = parts(setting, x), parts(setting, y)
     if not first or first.keys() != second.keys():
@@ -31,7 +31,7 @@ def is_same(setting: Setting, x: Trig, y: Trig) -> bool:
     return all((first[k] * second[key] - second[k] * first[key]).is_zero for k in first)
 
 
-def _alike(setting: Setting, x: Trig, y: Trig) -> Trig:
+def _alike(setting: RightEquations, x: Trig, y: Trig) -> Trig:
     """y times the number with which it has most parts in common with x."""
     first, second = parts(setting, x), parts(setting, y)
     votes = [ratio for k in first.keys() & second.keys() for ratio in _ratio(first[k], second[k])]

@@ -21,12 +21,12 @@ from freebody.derivations.check.reading import AnswerParser
 from freebody.derivations.check.repairs import Repair, Repairs
 from freebody.derivations.check.residues import Point, random_point
 from freebody.derivations.check.rounded import MEASURED, Rounded
-from freebody.derivations.check.setting import Setting
-from freebody.derivations.check.source import Answer
+from freebody.derivations.check.setting import RightEquations
+from freebody.derivations.check.source import AnswerText
 from freebody.derivations.check.targets import Targets
 from freebody.derivations.check.tree import Named
 from freebody.derivations.check.units import misfit, unit_text
-from freebody.derivations.check.verdict import Equation, Finding
+from freebody.derivations.check.verdict import EquationVerdict, Mistake
 from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.check.wording import Wording, quoted
 from freebody.derivations.check.workspace import Workspace
@@ -47,7 +47,7 @@ itself."""
 class Judge:
     """Compares claims with the right values of a model."""
 
-    setting: Setting
+    setting: RightEquations
     targets: Targets
     claims: Sequence[Claim] = ()
     """All of the answer."""
@@ -62,37 +62,37 @@ class Judge:
         """Names for reading printed equations."""
         return Vocabulary(self.setting)
 
-    def verdict(self, claim: Claim, explain: bool = True) -> Equation:
+    def verdict(self, claim: Claim, explain: bool = True) -> EquationVerdict:
         """The verdict on one claim, with its mistakes named or only with an example."""
         right = claim.target.compute()
         title = claim.target.title
         if claim.value == right:
-            return Equation(claim.label, title, True, note=self._zeros(claim))
+            return EquationVerdict(claim.label, title, True, note=self._zeros(claim))
         if claim.target.family in ("V", "L", "Vi") and self._is_constant(claim.value - right):
             note = f"It differs by the constant {self.setting.form(claim.value - right)}: the zero of V is free."
-            return Equation(claim.label, title, True, note=note)
+            return EquationVerdict(claim.label, title, True, note=note)
         return (
             self._other_ways(claim, right)
             or self._in_numbers(claim, right)
             or self._wrong(claim, right, explain)
         )
 
-    def _wrong(self, claim: Claim, right: Trig, explain: bool) -> Equation:
+    def _wrong(self, claim: Claim, right: Trig, explain: bool) -> EquationVerdict:
         findings, causes = self._explained(claim, right) if explain else ([], [])
         hint = coriolis.advice(self.setting, claim, self.claims)
         causes = [*causes, *[hint] * bool(hint)]
         return self._with_example(claim, right, findings, causes)
 
     def _with_example(
-        self, claim: Claim, right: Trig, findings: Sequence[Finding], causes: Sequence[str]
-    ) -> Equation:
+        self, claim: Claim, right: Trig, findings: Sequence[Mistake], causes: Sequence[str]
+    ) -> EquationVerdict:
         shown = example.example(self.setting, claim.value, right)
         text = example.sentence(shown) if shown else ""
-        return Equation(
+        return EquationVerdict(
             claim.label, claim.target.title, False, tuple(findings), tuple(causes), shown, text
         )
 
-    def _other_ways(self, claim: Claim, right: Trig) -> Equation | None:
+    def _other_ways(self, claim: Claim, right: Trig) -> EquationVerdict | None:
         """The verdict on what is right though it is not the same: torques of passive joints, other
         matrices C."""
         note = self.coriolis.get(claim.target.index, "") if claim.target.family == "C" else ""
@@ -101,7 +101,7 @@ class Judge:
         ):
             joint = claim.target.index[0]
             note = f"Nothing drives joint {joint}: {sym(f'tau{joint}')} = 0."
-        return Equation(claim.label, claim.target.title, True, note=note) if note else None
+        return EquationVerdict(claim.label, claim.target.title, True, note=note) if note else None
 
     @cached_property
     def coriolis(self) -> Mapping[tuple[int, ...], str]:
@@ -109,7 +109,7 @@ class Judge:
         return coriolis.notes(self.setting, self.claims)
 
     # ------------------------------------------------------------ numbers
-    def _in_numbers(self, claim: Claim, right: Trig) -> Equation | None:
+    def _in_numbers(self, claim: Claim, right: Trig) -> EquationVerdict | None:
         """The verdict on an answer in numbers, or of a model that has measured ones; None of an
         answer in symbols."""
         model = self.setting.symbols.model
@@ -125,7 +125,7 @@ class Judge:
             note = "Numbers were compared to three digits."
             if rounded.applies:
                 note = f"In numbers, with the values of {model.name!r}, to the digits given."
-            return Equation(claim.label, claim.target.title, True, note=note)
+            return EquationVerdict(claim.label, claim.target.title, True, note=note)
         if not rounded.is_in_numbers:
             return None
         wording = Wording(self.setting, claim.source)
@@ -133,7 +133,7 @@ class Judge:
         causes = [f"In numbers, with the values of {model.name!r}, to the digits given:"]
         return self._with_example(claim, rounded.target, findings, causes)
 
-    def _mixed(self, claim: Claim, rounded: Rounded) -> Equation | None:
+    def _mixed(self, claim: Claim, rounded: Rounded) -> EquationVerdict | None:
         """The verdict on numbers among symbols."""
         if not rounded.is_mixed:
             return None
@@ -157,7 +157,7 @@ class Judge:
         """Whether no coordinate or rate occurs."""
         return all(x.derivative(name).is_zero for name in self.setting.symbols.rates)
 
-    def _explained(self, claim: Claim, right: Trig) -> tuple[list[Finding], list[str]]:
+    def _explained(self, claim: Claim, right: Trig) -> tuple[list[Mistake], list[str]]:
         work = Workspace(claim.node, self.point)
         value = self.point.of(right)
         finding, doubt = misread(self.setting, self.targets, claim, work, value)
@@ -190,7 +190,7 @@ class _Explanation:
     value: int
 
     @property
-    def setting(self) -> Setting:
+    def setting(self) -> RightEquations:
         return self.judge.setting
 
     @cached_property
@@ -202,7 +202,7 @@ class _Explanation:
         """Terms that differ."""
         return differences(self.setting, self.claim.value, self.right)
 
-    def findings(self, has_cause: bool) -> list[Finding]:
+    def findings(self, has_cause: bool) -> list[Mistake]:
         """The cheapest explanation: one change, several, or all terms that differ."""
         if is_too_long(self.claim.value) or is_too_long(self.right):
             own = self.forward.single()
@@ -220,14 +220,14 @@ class _Explanation:
             else [*found[:MOST_FINDINGS], self._more(found)]
         )
 
-    def _unexplained(self) -> Finding:
-        return Finding("term", "The answers have too many terms to be compared one by one.")
+    def _unexplained(self) -> Mistake:
+        return Mistake("term", "The answers have too many terms to be compared one by one.")
 
-    def _more(self, found: list[Finding]) -> Finding:
-        return Finding("term", f"{len(found) - MOST_FINDINGS} more terms differ.")
+    def _more(self, found: list[Mistake]) -> Mistake:
+        return Mistake("term", f"{len(found) - MOST_FINDINGS} more terms differ.")
 
     # ------------------------------------------------------------ one change
-    def _single(self) -> Finding | None:
+    def _single(self) -> Mistake | None:
         """The cheapest of: a change of the answer, a change of the right answer that gives it, a
         missing term."""
         own = self.forward.single()
@@ -261,14 +261,14 @@ class _Explanation:
             return _MISSING
         return 99.0
 
-    def _missing(self) -> Finding:
+    def _missing(self) -> Mistake:
         return self.wording.of_difference(self.rows[0])
 
     def _reverse(self) -> tuple[Repair, Workspace, Wording] | None:
         """A change of the right answer, as it prints, that gives the user's."""
         best = None
         for text in self._printed():
-            source = Answer.of(text)
+            source = AnswerText.of(text)
             try:
                 parser = AnswerParser(
                     source,
@@ -296,7 +296,7 @@ class _Explanation:
         return [self.setting.form(self.right), " + ".join(f"({term})" for term in flat)]
 
     # ------------------------------------------------------------ several changes
-    def _several(self) -> list[Finding]:
+    def _several(self) -> list[Mistake]:
         """Two or three changes of the answer."""
         point, insertions = self.judge.point, []
         for row in self.rows:
@@ -314,7 +314,7 @@ class _Explanation:
                 x = x * (angle.sin() if function == "sin" else angle.cos())
         return x
 
-    def _said(self, repair: Repair) -> Finding:
+    def _said(self, repair: Repair) -> Mistake:
         if repair.kind == "missing" and repair.node is self.work.root:
             row = next(
                 row for row in self.rows if self.judge.point.of(self._term(row)) == repair.change

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from freebody.derivations.check.answer import Claim
-from freebody.derivations.check.setting import Setting
+from freebody.derivations.check.setting import RightEquations
 from freebody.derivations.check.targets import Targets
 from freebody.derivations.check.tree import Named, Wave
-from freebody.derivations.check.verdict import Finding
+from freebody.derivations.check.verdict import Mistake
 from freebody.derivations.check.workspace import Workspace
 from freebody.derivations.nodes import Expression, Negative, Number, Sum, replaced
 from freebody.derivations.symbols import RATE, SECOND
@@ -19,7 +19,7 @@ _GRAVITY = ("9.8", "9.81", "9.807", "9.80665", "10")
 
 
 @dataclass(frozen=True)
-class Reading:
+class Misreading:
     """Nodes that may stand for something else, and how to say so."""
 
     new: dict[Expression, Expression]
@@ -30,8 +30,8 @@ class Reading:
 
 
 def misread(
-    setting: Setting, targets: Targets, claim: Claim, work: Workspace, right: int
-) -> tuple[Finding | None, str]:
+    setting: RightEquations, targets: Targets, claim: Claim, work: Workspace, right: int
+) -> tuple[Mistake | None, str]:
     """A finding where another reading makes the answer right; else what is to be said about a
     doubtful one."""
     doubt = ""
@@ -47,12 +47,12 @@ def misread(
             line, column = claim.source.place(node.span[0])
             text = f"{reading.text} With that the equation is right."
             yours, context = claim.source[node.span], claim.source.caret(node.span)
-            return Finding("symbol", text, yours, reading.right, line, column, context), ""
+            return Mistake("symbol", text, yours, reading.right, line, column, context), ""
         doubt = doubt or (reading.text if reading.is_doubtful else "")
     return None, doubt
 
 
-def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator[Reading]:
+def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator[Misreading]:
     """c1 as a term of its own in a torque: it is read as cos θ1."""
     if claim.target.family != "tau":
         return
@@ -74,12 +74,12 @@ def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator
         written, name = claim.source[next(iter(found)).span], next(iter(found.values()))
         assert isinstance(name, Named)
         text = f"‘{written}’ on the right is read as a cosine; write {name.name} for the velocity term."
-        yield Reading(found, text, name.name)
+        yield Misreading(found, text, name.name)
 
 
 def _cosines(
-    setting: Setting, targets: Targets, claim: Claim, work: Workspace
-) -> Iterator[Reading]:
+    setting: RightEquations, targets: Targets, claim: Claim, work: Workspace
+) -> Iterator[Misreading]:
     """C2, C12 on the right: read as quantities of the dynamics, where cosines may be meant."""
     found: dict[Expression, Expression] = {}
     for node in work.values:
@@ -95,10 +95,10 @@ def _cosines(
         written, right = claim.source[node.span], claim.source[node.span].replace("C", "c", 1)
         title = targets.single[node.name].title
         text = f"‘{written}’ on the right is read as {title}; write {right} for the cosine."
-        yield Reading(found, text, right)
+        yield Misreading(found, text, right)
 
 
-def _slides(setting: Setting, targets: Targets, work: Workspace) -> Iterator[Reading]:
+def _slides(setting: RightEquations, targets: Targets, work: Workspace) -> Iterator[Misreading]:
     """x of a cart: it is read as the tip's."""
     slides = [x for x in setting.symbols.coordinates if x.startswith("d")]
     if len(slides) != 1:
@@ -115,10 +115,10 @@ def _slides(setting: Setting, targets: Targets, work: Workspace) -> Iterator[Rea
             found[node] = Named(name, setting.ring[name], span=node.span)
     if found:
         text = f"x is read as the tip's coordinate; for the slide write {slide}, or say names={{'x': '{slide}'}}."
-        yield Reading(found, text, slide)
+        yield Misreading(found, text, slide)
 
 
-def _numbers(setting: Setting, claim: Claim, work: Workspace) -> Iterator[Reading]:
+def _numbers(setting: RightEquations, claim: Claim, work: Workspace) -> Iterator[Misreading]:
     """9.81 for g."""
     g = setting.order.gravity
     found: dict[Expression, Expression] = {
@@ -128,6 +128,6 @@ def _numbers(setting: Setting, claim: Claim, work: Workspace) -> Iterator[Readin
     }
     if found:
         written = claim.source[next(iter(found)).span]
-        yield Reading(
+        yield Misreading(
             found, f"‘{written}’ must be the symbol {g}: answers are compared in symbols.", g, False
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from fractions import Fraction
 
-from freebody.derivations.check.setting import Setting
+from freebody.derivations.check.setting import RightEquations
 from freebody.scalars.trig import Trig
 
 Product = tuple[tuple[str, int], ...]
@@ -15,14 +15,14 @@ Parts = dict[Product, Trig]
 """What stands with each: a polynomial in the parameters."""
 
 
-def moving(setting: Setting) -> frozenset[str]:
+def moving(setting: RightEquations) -> frozenset[str]:
     """Generators that change in time."""
     names = setting.symbols.coordinates
     waves = (f"{function}_{name}" for function in ("sin", "cos") for name in names)
     return frozenset([*setting.order.moving, *names, *waves])
 
 
-def parts(setting: Setting, x: Trig, names: Collection[str] | None = None) -> Parts:
+def parts(setting: RightEquations, x: Trig, names: Collection[str] | None = None) -> Parts:
     """A polynomial by its products of the generators named, by default of all that move."""
     names = moving(setting) if names is None else names
     rows: dict[Product, list[tuple[dict[str, int], Fraction]]] = {}
@@ -33,7 +33,7 @@ def parts(setting: Setting, x: Trig, names: Collection[str] | None = None) -> Pa
     return {key: setting.ring.polynomial(terms) for key, terms in rows.items()}
 
 
-def whole(setting: Setting, rows: Parts) -> Trig:
+def whole(setting: RightEquations, rows: Parts) -> Trig:
     """The polynomial that has these parts."""
     return setting.ring.polynomial(
         ({**powers, **dict(key)}, coefficient)

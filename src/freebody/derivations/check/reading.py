@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 
-from freebody.derivations.check.exact import LARGEST_EXPONENT, Reader
+from freebody.derivations.check.exact import LARGEST_EXPONENT, PolynomialReader
 from freebody.derivations.check.tree import Named, Wave
 from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.grammar.lexer import Token
@@ -32,7 +32,7 @@ class AnswerParser(Parser):
     ):
         super().__init__(source, tokens)
         self.vocabulary, self.quantity = vocabulary, quantity
-        self.reader = Reader(source, vocabulary.setting.ring)
+        self.reader = PolynomialReader(source, vocabulary.setting.ring)
 
     def makes_table(self, function: Token) -> bool:
         return self._function(function) == "Matrix"

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from freebody.derivations.check.targets import Target
+from freebody.derivations.check.targets import AskedQuantity
 from freebody.derivations.check.tree import Named
 from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.grammar.source import Source, Span
@@ -18,30 +18,30 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Use:
+class GivenQuantity:
     """A quantity that a piece of an answer stands for, and where."""
 
-    target: Target
+    target: AskedQuantity
     span: Span
 
 
 def uses(
-    node: Expression, quantities: Mapping[str, Target], vocabulary: Vocabulary
-) -> Iterator[Use]:
+    node: Expression, quantities: Mapping[str, AskedQuantity], vocabulary: Vocabulary
+) -> Iterator[GivenQuantity]:
     """The quantities in a tree, also those inside names of the user's own."""
     for part in nodes(node):
         if not isinstance(part, Named):
             continue
         if part.name in vocabulary.uses:
-            yield from (Use(target, part.span) for target in vocabulary.uses[part.name])
+            yield from (GivenQuantity(target, part.span) for target in vocabulary.uses[part.name])
         elif part.name in quantities and part.name not in vocabulary.symbols:
-            yield Use(quantities[part.name], part.span)
+            yield GivenQuantity(quantities[part.name], part.span)
 
 
 def refuse_circles(source: Source, claims: Sequence[Claim]) -> None:
     """Refuse a quantity that is given by itself, at once or by way of other lines."""
-    given: dict[Target, list[Target]] = {}
-    label: dict[Target, str] = {}
+    given: dict[AskedQuantity, list[AskedQuantity]] = {}
+    label: dict[AskedQuantity, str] = {}
     for claim in claims:
         given.setdefault(claim.target, []).extend(use.target for use in claim.uses)
         label.setdefault(claim.target, claim.label)
@@ -61,15 +61,17 @@ def refuse_circles(source: Source, claims: Sequence[Claim]) -> None:
 
 
 def _way(
-    start: Target, goal: Target, given: Mapping[Target, Iterable[Target]]
-) -> list[Target] | None:
+    start: AskedQuantity,
+    goal: AskedQuantity,
+    given: Mapping[AskedQuantity, Iterable[AskedQuantity]],
+) -> list[AskedQuantity] | None:
     """The quantities by which one leads to another; None where it does not."""
-    before: dict[Target, Target | None] = {start: None}
+    before: dict[AskedQuantity, AskedQuantity | None] = {start: None}
     waiting = [start]
     for target in waiting:
         if target == goal:
-            way: list[Target] = []
-            step: Target | None = target
+            way: list[AskedQuantity] = []
+            step: AskedQuantity | None = target
             while step is not None:
                 way.insert(0, step)
                 step = before[step]

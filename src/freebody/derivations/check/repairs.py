@@ -15,7 +15,7 @@ from fractions import Fraction
 from itertools import combinations
 
 from freebody.derivations.check.residues import PRIME, rational
-from freebody.derivations.check.setting import Setting
+from freebody.derivations.check.setting import RightEquations
 from freebody.derivations.check.tree import Angle, Named, Wave
 from freebody.derivations.check.workspace import Workspace
 from freebody.derivations.nodes import (
@@ -58,7 +58,7 @@ class Repair:
 class Repairs:
     """All small changes of a tree; `gap` is what must be added to its value."""
 
-    def __init__(self, setting: Setting, work: Workspace, right: int, related: Related):
+    def __init__(self, setting: RightEquations, work: Workspace, right: int, related: Related):
         self.setting, self.work, self.related = setting, work, related
         self.gap = (right - work.value) % PRIME
         self.tried: list[Repair] = []

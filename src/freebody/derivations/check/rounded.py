@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from freebody.derivations.check.differences import Difference, Key, differences, is_too_long, terms
-from freebody.derivations.check.exact import Reader
+from freebody.derivations.check.exact import PolynomialReader
 from freebody.derivations.check.parts import Parts, Product, parts, whole
-from freebody.derivations.check.setting import Setting
+from freebody.derivations.check.setting import RightEquations
 from freebody.derivations.grammar.source import Source
 from freebody.derivations.nodes import Expression, Number, nodes, replaced
 from freebody.errors import FreebodyError
@@ -36,7 +36,7 @@ class Rounded:
     """An answer that may be in numbers, and the right one with the values of the model's
     parameters."""
 
-    setting: Setting
+    setting: RightEquations
     source: Source
     node: Expression
     yours: Trig
@@ -144,7 +144,7 @@ class Rounded:
         for node, half in self._decimals.items():
             moved = replaced(self.node, {node: replace(node, value=node.value + half)})
             try:
-                change = Reader(self.source, self.setting.ring).read(moved) - self.yours
+                change = PolynomialReader(self.source, self.setting.ring).read(moved) - self.yours
             except FreebodyError:  # the number stands in an angle
                 continue
             rows = {

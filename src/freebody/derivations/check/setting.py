@@ -19,7 +19,7 @@ FAMILIES = ("l", "lc", "m", "I")
 
 
 @dataclass(frozen=True)
-class Setting:
+class RightEquations:
     """The equations, and their symbols over the wider ring."""
 
     equations: Equations
@@ -77,7 +77,7 @@ class Setting:
         return str(self.layout.form(x))
 
 
-def setting(equations: Equations, zeros: Collection[str] = ()) -> Setting:
+def setting(equations: Equations, zeros: Collection[str] = ()) -> RightEquations:
     """The setting of a model's equations; `zeros`: names of parameters that are 0 in them."""
     symbols = equations.symbols
     ring = symbols.ring
@@ -94,4 +94,6 @@ def setting(equations: Equations, zeros: Collection[str] = ()) -> Setting:
     angles = [name for name in foreign if re.fullmatch(r"theta\d+", name)]
     others = [name for name in foreign if name not in angles]
     wide = TrigRing([*ring.angles, *angles], [*ring.names[len(ring.angles) :], *others])
-    return Setting(equations, replace(symbols, ring=wide), frozenset(foreign), frozenset(zeros))
+    return RightEquations(
+        equations, replace(symbols, ring=wide), frozenset(foreign), frozenset(zeros)
+    )

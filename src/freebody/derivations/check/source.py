@@ -12,7 +12,7 @@ class AnswerError(UnreadableError):
     asked_by = "check: "
 
 
-class Answer(Source):
+class AnswerText(Source):
     """An answer's text."""
 
     what, error = "answer", AnswerError

@@ -10,7 +10,7 @@ from typing import Any
 
 from freebody.algorithms.kinematics import frame_pose, jacobian, joint_poses, world_poses
 from freebody.derivations import expression as ex
-from freebody.derivations.check.setting import Setting
+from freebody.derivations.check.setting import RightEquations
 from freebody.derivations.check.vocabulary import spellings
 from freebody.derivations.evaluate import arithmetic, evaluate
 from freebody.derivations.expression import Expression
@@ -22,7 +22,7 @@ Values = list[Trig] | list[list[Trig]]
 
 
 @dataclass(frozen=True)
-class Target:
+class AskedQuantity:
     """One quantity: its family ("tau", "M", …), indices from 1, and how to compute the right
     value."""
 
@@ -76,7 +76,7 @@ _TIP["z"] = ("z", "zP", "zp", "zE", "ztip", "pz")
 class Targets:
     """The quantities of a model by name; `velocity`: also h, h1, … of the notes' form."""
 
-    setting: Setting
+    setting: RightEquations
     velocity: bool = False
 
     @property
@@ -90,19 +90,19 @@ class Targets:
         return frozenset([*self.single, *self.tables])
 
     @cached_property
-    def single(self) -> dict[str, Target]:
+    def single(self) -> dict[str, AskedQuantity]:
         """Quantities that are one polynomial."""
-        found: dict[str, Target] = {}
+        found: dict[str, AskedQuantity] = {}
         for names, target in self._all():
             for name in names:
                 found.setdefault(name, target)
         return found
 
     @cached_property
-    def tables(self) -> dict[str, list[list[Target]]]:
+    def tables(self) -> dict[str, list[list[AskedQuantity]]]:
         """Vectors (one column) and matrices of quantities."""
         n = range(1, self.count + 1)
-        found: dict[str, list[list[Target]]] = {}
+        found: dict[str, list[list[AskedQuantity]]] = {}
         for family in ("tau", "g"):
             for letter in _LETTERS[family]:
                 found[letter] = [[self.single[f"{_LETTERS[family][0]}{i}"]] for i in n]
@@ -121,24 +121,24 @@ class Targets:
         return tuple(k + 1 for k in self.setting.symbols.model.passive)
 
     # ------------------------------------------------------------ all of them
-    def _all(self) -> Iterator[tuple[tuple[str, ...], Target]]:
+    def _all(self) -> Iterator[tuple[tuple[str, ...], AskedQuantity]]:
         alone = self.count == 1
         n = range(1, self.count + 1)
         for i in n:
             yield (
                 self._torque_names(i),
-                Target("tau", (i,), self._entry("tau", i), i in self.passive),
+                AskedQuantity("tau", (i,), self._entry("tau", i), i in self.passive),
             )
             for family in ("c", "g"):
                 letters = _LETTERS[family]
                 names = [f"{x}{i}" for x in letters] + ([*letters] if alone else [])
-                yield tuple(names), Target(family, (i,), self._entry(family, i))
+                yield tuple(names), AskedQuantity(family, (i,), self._entry(family, i))
             for j in n:
                 for family in ("M", "C"):
                     names = [f"{x}{i}{j}" for x in _LETTERS[family]] + (
                         [*_LETTERS[family]] if alone and family == "M" else []
                     )
-                    yield tuple(names), Target(family, (i, j), self._entry(family, i, j))
+                    yield tuple(names), AskedQuantity(family, (i, j), self._entry(family, i, j))
         yield from self._energies()
         if self._tip is not None:
             yield from self._of_tip()
@@ -163,15 +163,15 @@ class Targets:
 
         return value
 
-    def _energies(self) -> Iterator[tuple[tuple[str, ...], Target]]:
+    def _energies(self) -> Iterator[tuple[tuple[str, ...], AskedQuantity]]:
         eq = self.setting.equations
         bodies = len(eq.symbols.model.bodies)
         for family in ("T", "V"):
-            yield _LETTERS[family], Target(family, (), self._entry(family))
+            yield _LETTERS[family], AskedQuantity(family, (), self._entry(family))
             for i in range(1, bodies + 1):
                 names = tuple(f"{x}{i}" for x in _LETTERS[family])
-                yield names, Target(f"{family}i", (i,), self._of_body(family, i - 1))
-        yield _LETTERS["L"], Target("L", (), lambda: self.setting.element(eq.T - eq.V))
+                yield names, AskedQuantity(f"{family}i", (i,), self._of_body(family, i - 1))
+        yield _LETTERS["L"], AskedQuantity("L", (), lambda: self.setting.element(eq.T - eq.V))
 
     def _of_body(self, family: str, body: int) -> Callable[[], Trig]:
         """The terms of an energy with a body's mass or moment of inertia."""
@@ -201,21 +201,24 @@ class Targets:
         _, p = frame_pose(s.tree, world_poses(s.tree, joint_poses(s.tree, s.q)), self._tip or "")
         return [self.setting.element(s.element(x)) for x in p]
 
-    def _of_tip(self) -> Iterator[tuple[tuple[str, ...], Target]]:
+    def _of_tip(self) -> Iterator[tuple[tuple[str, ...], AskedQuantity]]:
         for i in range(1, (4 if self.setting.is_planar else 7)):
             for j in range(1, self.count + 1):
                 yield (
                     (f"J{i}{j}",),
-                    Target("J", (i, j), lambda i=i, j=j: self._jacobian[i - 1][j - 1]),
+                    AskedQuantity("J", (i, j), lambda i=i, j=j: self._jacobian[i - 1][j - 1]),
                 )
         for k in range(self.setting.symbols.model.dim):
             names = _TIP["xyz"[k]]
-            yield names, Target("tip", (), lambda k=k: self._position[k])
+            yield names, AskedQuantity("tip", (), lambda k=k: self._position[k])
             for dots, family in ((1, "tip_d"), (2, "tip_dd")):
                 dotted = [s for name in names[:2] for s in spellings(name, "", dots)]
-                yield tuple(dotted), Target(family, (), self._rate_of_tip(k, dots))
+                yield tuple(dotted), AskedQuantity(family, (), self._rate_of_tip(k, dots))
         if self.setting.is_planar and self.count in (2, 3):
-            yield ("detJ",), Target("det", (), lambda: _determinant(self._jacobian[: self.count]))
+            yield (
+                ("detJ",),
+                AskedQuantity("det", (), lambda: _determinant(self._jacobian[: self.count])),
+            )
 
     def _rate_of_tip(self, k: int, dots: int) -> Callable[[], Trig]:
         def value() -> Trig:
@@ -227,7 +230,7 @@ class Targets:
         return value
 
     # ------------------------------------------------------------ h of (3.25)
-    def _coefficients(self) -> Iterator[tuple[tuple[str, ...], Target]]:
+    def _coefficients(self) -> Iterator[tuple[tuple[str, ...], AskedQuantity]]:
         for group in self.setting.equations.groups("named"):
             for equation in group:
                 symbol = equation.lhs
@@ -235,11 +238,11 @@ class Targets:
                     name = symbol.name.replace("_", "")
                     yield (
                         (name,),
-                        Target("h", (), lambda x=equation.rhs: polynomial(self.setting, x)),
+                        AskedQuantity("h", (), lambda x=equation.rhs: polynomial(self.setting, x)),
                     )
 
 
-def polynomial(setting: Setting, node: Expression) -> Trig:
+def polynomial(setting: RightEquations, node: Expression) -> Trig:
     """A printed expression as polynomial."""
     rules = {
         **arithmetic(lambda number: setting.zero + number),

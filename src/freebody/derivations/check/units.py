@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from freebody.derivations.check.setting import Setting
+from freebody.derivations.check.setting import RightEquations
 from freebody.scalars.trig import Trig
 
 Unit = tuple[int, int, int]
@@ -22,7 +22,7 @@ _UNITS: dict[str, Unit] = {
 }
 
 
-def unit_of(setting: Setting, powers: Mapping[str, int]) -> Unit | None:
+def unit_of(setting: RightEquations, powers: Mapping[str, int]) -> Unit | None:
     """The unit of a product; None where a symbol's is not known."""
     total = [0, 0, 0]
     for name, exponent in powers.items():
@@ -33,7 +33,7 @@ def unit_of(setting: Setting, powers: Mapping[str, int]) -> Unit | None:
     return total[0], total[1], total[2]
 
 
-def _unit(setting: Setting, name: str) -> Unit | None:
+def _unit(setting: RightEquations, name: str) -> Unit | None:
     if name == setting.order.gravity:
         return 0, 1, -2
     if name.startswith(("sin_", "cos_", "sgn_")):
@@ -45,7 +45,7 @@ def _unit(setting: Setting, name: str) -> Unit | None:
     return kg, m, s - len((match[2] or "_").lstrip("_"))
 
 
-def misfit(setting: Setting, yours: Trig, right: Trig) -> tuple[Trig, Unit, Unit] | None:
+def misfit(setting: RightEquations, yours: Trig, right: Trig) -> tuple[Trig, Unit, Unit] | None:
     """A term of the answer in other units than the right answer, with both."""
     expected = next((unit_of(setting, powers) for powers, _ in right.terms()), None)
     if expected is None:

@@ -9,7 +9,7 @@ from freebody.outputs.display import Titled, counted
 
 
 @dataclass(frozen=True)
-class Finding:
+class Mistake:
     """One mistake. kind: sign, factor, missing, extra, function, angle, length, index, rate,
     exponent, symbol, "missing factor", "extra factor" or "term"."""
 
@@ -35,7 +35,7 @@ class Example:
 
 
 @dataclass(frozen=True)
-class Equation:
+class EquationVerdict:
     """The verdict on one equation of an answer."""
 
     name: str
@@ -43,7 +43,7 @@ class Equation:
     title: str
     """What it is, in words."""
     equal: bool
-    findings: tuple[Finding, ...] = ()
+    findings: tuple[Mistake, ...] = ()
     causes: tuple[str, ...] = ()
     """What may have been thought, where a single thought explains the whole difference."""
     example: Example | None = None
@@ -70,7 +70,7 @@ class Verdict(Titled):
     """True when every equation of the answer is equal to the right one; `print` it to read why
     not."""
 
-    equations: tuple[Equation, ...]
+    equations: tuple[EquationVerdict, ...]
     model: str = field(default="", repr=False)
 
     def _title(self) -> str:
@@ -82,7 +82,7 @@ class Verdict(Titled):
         return all(equation.equal for equation in self.equations)
 
     @property
-    def findings(self) -> tuple[Finding, ...]:
+    def findings(self) -> tuple[Mistake, ...]:
         """All mistakes."""
         return tuple(finding for equation in self.equations for finding in equation.findings)
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NoReturn
 
-from freebody.derivations.check.setting import FAMILIES, Setting
+from freebody.derivations.check.setting import FAMILIES, RightEquations
 from freebody.derivations.check.tree import Angle
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.source import Source, Span
@@ -19,7 +19,7 @@ from freebody.errors import likely
 from freebody.scalars.trig import Trig
 
 if TYPE_CHECKING:
-    from freebody.derivations.check.targets import Target
+    from freebody.derivations.check.targets import AskedQuantity
 
 FUNCTIONS = {
     "sin": "sin", "Sin": "sin", "SIN": "sin", "cos": "cos", "Cos": "cos", "COS": "cos", "sgn": "sgn", "sign": "sgn",
@@ -53,14 +53,14 @@ _MOST_IN_SUM = 6
 class Vocabulary:
     """Plain spellings (see `words`) and what they mean."""
 
-    setting: Setting
+    setting: RightEquations
     quantities: frozenset[str] = frozenset()
     """Names of what can be asked: tau1, H12, …"""
     symbols: dict[str, Trig] = field(default_factory=dict)
     waves: dict[str, tuple[str, Angle]] = field(default_factory=dict)
     """c12, s12: the function and the angle."""
     functions: dict[str, str] = field(default_factory=lambda: dict(FUNCTIONS))
-    uses: dict[str, tuple[Target, ...]] = field(default_factory=dict)
+    uses: dict[str, tuple[AskedQuantity, ...]] = field(default_factory=dict)
     """Quantities that names of the user's own are given by."""
     _known: frozenset[str] | None = None
 
@@ -78,7 +78,7 @@ class Vocabulary:
             self._known = frozenset([*self.symbols, *self.waves, *self.quantities, "t", "pi"])
         return self._known
 
-    def define(self, plain: str, value: Trig, uses: tuple[Target, ...] = ()) -> None:
+    def define(self, plain: str, value: Trig, uses: tuple[AskedQuantity, ...] = ()) -> None:
         """A name of the user's own, and the quantities that it is given by; it goes before all
         others."""
         self.symbols[plain], self.uses[plain] = value, uses

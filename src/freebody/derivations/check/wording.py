@@ -8,11 +8,11 @@ from fractions import Fraction
 
 from freebody.derivations import expression as ex
 from freebody.derivations.check.differences import Difference, printed
-from freebody.derivations.check.exact import Reader
+from freebody.derivations.check.exact import PolynomialReader
 from freebody.derivations.check.repairs import Repair
-from freebody.derivations.check.setting import Setting
+from freebody.derivations.check.setting import RightEquations
 from freebody.derivations.check.tree import Named, Wave
-from freebody.derivations.check.verdict import Finding
+from freebody.derivations.check.verdict import Mistake
 from freebody.derivations.check.workspace import Workspace
 from freebody.derivations.grammar.source import Source
 from freebody.derivations.names import sym
@@ -31,11 +31,11 @@ _OPPOSITE = {
 class Wording:
     """Sentences about one answer: its text, and how its symbols print."""
 
-    setting: Setting
+    setting: RightEquations
     source: Source
 
     # ------------------------------------------------------------ repairs of the answer itself
-    def of_repair(self, repair: Repair, work: Workspace) -> Finding:
+    def of_repair(self, repair: Repair, work: Workspace) -> Mistake:
         """What is wrong at one place of the answer."""
         written = self.written(repair.node.span)
         should = self.node(repair.new)
@@ -50,7 +50,7 @@ class Wording:
         message = self._sentence(repair, written, _cut(should), inside)
         line, column = self.source.place(repair.node.span[0])
         context = self.source.caret(repair.node.span)
-        return Finding(
+        return Mistake(
             repair.kind, message, self.source[repair.node.span], should, line, column, context
         )
 
@@ -105,7 +105,7 @@ class Wording:
 
     # ------------------------------------------------------------ the same seen from the right
     # answer
-    def of_reverse(self, repair: Repair, work: Workspace, right: Wording) -> Finding:
+    def of_reverse(self, repair: Repair, work: Workspace, right: Wording) -> Mistake:
         """What the answer has in place of a piece of the right one, whose text `right` knows."""
         should, has = right.written(repair.node.span), right.node(repair.new)
         kind = _OPPOSITE.get(repair.kind, repair.kind)
@@ -139,34 +139,34 @@ class Wording:
         yours, right_text = has, right.source[repair.node.span]
         if kind == "missing":
             yours = ""
-        return Finding(kind, message, yours, right_text)
+        return Mistake(kind, message, yours, right_text)
 
     # ------------------------------------------------------------ differences of terms
-    def of_difference(self, row: Difference) -> Finding:
+    def of_difference(self, row: Difference) -> Mistake:
         """A term that is missing, extra or has the wrong number."""
         yours = self.term(row.instead or row.key, row.yours)
         right = self.term(row.key, row.right)
         if row.instead is not None:
-            return Finding("term", f"The term {quoted(yours)} must be {right}.", yours, right)
+            return Mistake("term", f"The term {quoted(yours)} must be {right}.", yours, right)
         if row.yours == 0:
-            return Finding("missing", f"The term {quoted(right)} is missing.", "", right)
+            return Mistake("missing", f"The term {quoted(right)} is missing.", "", right)
         if row.right == 0:
-            return Finding("extra", f"The term {quoted(yours)} should not be there.", yours, "")
+            return Mistake("extra", f"The term {quoted(yours)} should not be there.", yours, "")
         if row.yours == -row.right:
-            return Finding(
+            return Mistake(
                 "sign",
                 f"The term {quoted(yours)} has the wrong sign: it must be {right}.",
                 yours,
                 right,
             )
         message = f"The term {quoted(yours)} {_times(row.right / row.yours)}: it must be {right}."
-        return Finding("factor", message, yours, right)
+        return Mistake("factor", message, yours, right)
 
-    def of_number(self, row: Difference) -> Finding:
+    def of_number(self, row: Difference) -> Mistake:
         """A term of an answer in numbers that has the wrong one."""
         yours, right = self.term(row.instead or row.key, row.yours), self.term(row.key, row.right)
         if row.yours and row.right and row.instead is None:
-            return Finding("factor", f"{quoted(yours)} must be {right}.", yours, right)
+            return Mistake("factor", f"{quoted(yours)} must be {right}.", yours, right)
         return self.of_difference(row)
 
     def term(self, key: tuple, value: Fraction) -> str:
@@ -196,7 +196,7 @@ class Wording:
         return self._form(node)
 
     def _form(self, node: Expression) -> str:
-        return self.setting.form(Reader(self.source, self.setting.ring).read(node))
+        return self.setting.form(PolynomialReader(self.source, self.setting.ring).read(node))
 
 
 def quoted(text: str) -> str:

@@ -76,7 +76,7 @@ class ClosedInputOutput:
 
 
 @dataclass(frozen=True)
-class _System:
+class _MotionEquations:
     """Equations a ẋ + b θ̇ + c ṗ = 0; p the coordinates in between."""
 
     a: Entries
@@ -114,7 +114,7 @@ def _rows(dim: int, driven: int, rows: Sequence[str] | None) -> tuple[str, ...]:
     return tuple(rows)
 
 
-def _system(loops: LoopEquations, frame: str, rows: list[int]) -> _System:
+def _system(loops: LoopEquations, frame: str, rows: list[int]) -> _MotionEquations:
     """The loop equations, and where the tip's motion is not that of coordinates the equations of
     its motion."""
     s = loops.symbols
@@ -124,12 +124,12 @@ def _system(loops: LoopEquations, frame: str, rows: list[int]) -> _System:
     driven = list(loops.driven)
     if len(set(outputs)) == len(motion) and not set(outputs) & set(driven):
         inner = [k for k in range(len(s.coordinates)) if k not in (*outputs, *driven)]
-        return _System(
+        return _MotionEquations(
             *([[row[k] for k in part] for row in loops.Phi_q] for part in (outputs, driven, inner))
         )
     inner = [k for k in range(len(s.coordinates)) if k not in driven]
     a, q = _with_tip(loops, frame, rows, motion)
-    return _System(a, *([[row[k] for k in part] for row in q] for part in (driven, inner)))
+    return _MotionEquations(a, *([[row[k] for k in part] for row in q] for part in (driven, inner)))
 
 
 def _coordinate(row: Sequence[Trig]) -> int | None:
@@ -169,7 +169,7 @@ def _same_place(loops: LoopEquations, one: str, other: str) -> bool:
     )
 
 
-def _eliminated(loops: LoopEquations, system: _System) -> tuple[Entries, Entries]:
+def _eliminated(loops: LoopEquations, system: _MotionEquations) -> tuple[Entries, Entries]:
     """J_a and J_b: the equations combined so that the coordinates in between leave, group by
     group."""
     s = loops.symbols

@@ -30,7 +30,7 @@ class Token:
         return self.start, self.end
 
 
-class Language(Protocol):
+class Grammar(Protocol):
     """What the lexer asks of a language."""
 
     @property
@@ -78,7 +78,7 @@ MATRICES = frozenset(("matrix", "pmatrix", "bmatrix", "Bmatrix", "vmatrix", "sma
 """LaTeX environments that hold a matrix; other environments are passed over."""
 
 
-def tokens(source: Source, language: Language) -> list[Token]:
+def tokens(source: Source, language: Grammar) -> list[Token]:
     """All tokens of a text, the last of kind "stop"."""
     found: list[Token] = []
     at = 0
@@ -98,7 +98,7 @@ def _wants_digit(found: list[Token]) -> bool:
     return kinds[-1:] == ["fraction"] or kinds == ["fraction", "number"]
 
 
-def _next(source: Source, at: int, language: Language, single: bool) -> Iterator[Token]:
+def _next(source: Source, at: int, language: Grammar, single: bool) -> Iterator[Token]:
     """The tokens that begin there; `single`: of a number only its first digit."""
     c = source.text[at]
     if c == "\n" or c == ";":
@@ -155,7 +155,7 @@ def _number(source: Source, at: int, single: bool) -> Token:
     return Token("number", text, *span, Fraction(text))
 
 
-def _word(source: Source, at: int, language: Language) -> Iterator[Token]:
+def _word(source: Source, at: int, language: Grammar) -> Iterator[Token]:
     """The names that a word is made of, with the power that stood before its subscript."""
     pieces, power = language.word(source, at)
     for name, start, end in pieces:
@@ -168,7 +168,7 @@ def _word(source: Source, at: int, language: Language) -> Iterator[Token]:
         yield Token("power", str(power), end, end, Fraction(power))
 
 
-def _command(source: Source, at: int, language: Language) -> Iterator[Token]:
+def _command(source: Source, at: int, language: Grammar) -> Iterator[Token]:
     """A LaTeX command."""
     match = _COMMAND.match(source.text, at)
     if match is None:

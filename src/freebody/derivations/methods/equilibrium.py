@@ -6,7 +6,7 @@ from freebody.algorithms.kinematics import jacobian
 from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Step
 from freebody.derivations.expression import Expression, eq
-from freebody.derivations.methods.reactions import Reactions
+from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.wording import motorless
 from freebody.derivations.names import sym, vec
@@ -15,7 +15,7 @@ from freebody.derivations.names import sym, vec
 class Equilibrium:
     """Forces and moments on each body add up to zero; moments are taken about the body's joint."""
 
-    def __init__(self, setting: Setting, reactions: Reactions):
+    def __init__(self, setting: Setting, reactions: SolvedReactions):
         self.s = setting
         self.reactions = reactions
 

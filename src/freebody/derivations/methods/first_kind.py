@@ -31,7 +31,7 @@ def derive(setting: Setting) -> Worked:
     if not setting.tree.loops:
         return _open_chain(setting)
     loops = Loops(setting)
-    work = _FirstKind(setting, loops)
+    work = _FirstKindSteps(setting, loops)
     steps = [loops.cut(), loops.closed(), loops.freedom(), loops.rates(), *work.energy_steps]
     for i in setting.order:
         steps += work.equation(i)
@@ -67,7 +67,7 @@ def _open_chain(setting: Setting) -> Worked:
     return replace(second, steps=(step, *second.steps))
 
 
-class _FirstKind:
+class _FirstKindSteps:
     """The steps from the energies on."""
 
     def __init__(self, setting: Setting, loops: Loops):

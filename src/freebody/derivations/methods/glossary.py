@@ -14,7 +14,7 @@ from freebody.derivations.render.literal import literal
 from freebody.derivations.symbols import RATE, SECOND
 from freebody.model.joints import JointWords
 from freebody.model.parameters import Parameter, each_parameter
-from freebody.model.placement import Placement, Turn
+from freebody.model.placement import AxisRotation, Placement
 
 METER, KILOGRAM, NEWTON, MOMENT = "m", "kg", "N", "N m"
 INERTIA, SPEED, ACCELERATION, JOULE = "kg m²", "m/s", "m/s²", "J"
@@ -128,7 +128,7 @@ def _of_body(s: Setting, i: int) -> Iterator[tuple[Parameter, str, str]]:
 def _placed(placement: Placement, words: str) -> Iterator[tuple[Parameter, str, str]]:
     """Lengths and angles of a constant pose."""
     for step in placement.steps:
-        kind, unit = ("angle", "rad") if isinstance(step, Turn) else ("distance", METER)
+        kind, unit = ("angle", "rad") if isinstance(step, AxisRotation) else ("distance", METER)
         for parameter in each_parameter(step):
             yield parameter, f"{kind} {words}", unit
 

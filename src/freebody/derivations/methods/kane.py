@@ -30,7 +30,7 @@ from freebody.spatial import Vector, dot, scale
 def derive(setting: Setting) -> Worked:
     """The steps, and the torques that make the generalized forces of every joint add up to zero."""
     s = setting
-    joints = [_Joint(s, i) for i in s.order]
+    joints = [_JointRate(s, i) for i in s.order]
     steps = [_speeds(s), geometry(s), *motion(s), _inertia_forces(s)]
     for joint in joints:
         steps += [joint.partial_velocities(), joint.forces(), joint.equation()]
@@ -66,7 +66,7 @@ def _inertia_forces(s: Setting) -> Step:
     )
 
 
-class _Joint:
+class _JointRate:
     """The steps for the rate of the joint of body i, and their values."""
 
     def __init__(self, s: Setting, i: int):

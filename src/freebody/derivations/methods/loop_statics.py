@@ -18,7 +18,7 @@ from freebody.derivations.methods.equilibrium import Equilibrium
 from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.loops import LONG, Loops
 from freebody.derivations.methods.method import Worked
-from freebody.derivations.methods.reactions import Reactions
+from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.names import entry, sym
 from freebody.errors import listed
@@ -48,7 +48,7 @@ def _symbols(s: Setting) -> Iterator[Meaning]:
     yield from glossary.joint_moments(s)
 
 
-class _LoopReactions(Reactions):
+class _LoopReactions(SolvedReactions):
     """Reactions with the loops' wrenches on the bodies."""
 
     def __init__(self, setting: Setting, loops: Loops):
@@ -67,7 +67,7 @@ class _LoopReactions(Reactions):
 class _Balance(Equilibrium):
     """Forces and moments on each body add up to zero."""
 
-    def __init__(self, setting: Setting, loops: Loops, reactions: Reactions):
+    def __init__(self, setting: Setting, loops: Loops, reactions: SolvedReactions):
         super().__init__(setting, reactions)
         self.loops = loops
 

@@ -19,7 +19,7 @@ from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.method import Method, MethodOption, Worked
 from freebody.derivations.methods.motion import motion
 from freebody.derivations.methods.pivots import about_pivots, arms_of_pivots
-from freebody.derivations.methods.reactions import Reactions
+from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.names import vec
 from freebody.scalars.trig import Trig
@@ -29,7 +29,7 @@ def derive(setting: Setting, route: str) -> Worked:
     """The steps; route: moments of each body about its centre of mass, or of what hangs on a joint
     about its pivot."""
     inward = tuple(reversed(setting.order))
-    reactions = Reactions(setting)
+    reactions = SolvedReactions(setting)
     tau = {i: reactions.motor(i) for i in inward}
     work = FreeBodies(setting, reactions, tau)
     about = about_pivots(setting, reactions.drives) if route == "pivot" else work.about_centres()
@@ -60,7 +60,7 @@ def _symbols(s: Setting, route: str) -> Iterator[Meaning]:
 class FreeBodies:
     """The steps that name the reactions, eliminate them and put the motion in."""
 
-    def __init__(self, setting: Setting, reactions: Reactions, tau: dict[int, Trig]):
+    def __init__(self, setting: Setting, reactions: SolvedReactions, tau: dict[int, Trig]):
         self.s = setting
         self.reactions = reactions
         self.tau = tau

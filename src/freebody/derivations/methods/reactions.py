@@ -13,7 +13,7 @@ from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, add, dot, scale, sub, times
 
 
-class Reactions:
+class SolvedReactions:
     """f and n of body i: force and moment of its parent on it at joint i, in the axes that are
     shown."""
 

@@ -11,7 +11,7 @@ from freebody.derivations.methods.equilibrium import Equilibrium
 from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.overview import motors
-from freebody.derivations.methods.reactions import Reactions
+from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 
 
@@ -19,7 +19,7 @@ def derive(setting: Setting) -> Worked:
     """The steps; the setting is at rest. Of a closed chain: see `loop_statics`."""
     if setting.tree.loops:
         return loop_statics.derive(setting)
-    reactions = Reactions(setting)
+    reactions = SolvedReactions(setting)
     work = Equilibrium(setting, reactions)
     tau = {i: reactions.motor(i) for i in setting.order}
     steps = [work.convention()] if setting.load else []

@@ -9,7 +9,7 @@ from freebody.derivations.render.typesetter import BREAK
 
 
 @dataclass
-class _Piece:
+class _LinePart:
     text: str
     depth: int
     """Brackets that are open where the piece begins."""
@@ -20,7 +20,7 @@ def broken(string: str, width: float, measure: Callable[[str], float] = len) -> 
     brackets are open."""
     pieces, depth = [], 0
     for text in string.split(BREAK):
-        pieces.append(_Piece(text, depth))
+        pieces.append(_LinePart(text, depth))
         depth += text.count("(") - text.count(")")
     lines = []
     while pieces:
@@ -30,7 +30,7 @@ def broken(string: str, width: float, measure: Callable[[str], float] = len) -> 
     return lines
 
 
-def _fitting(pieces: list[_Piece], width: float, measure: Callable[[str], float]) -> int:
+def _fitting(pieces: list[_LinePart], width: float, measure: Callable[[str], float]) -> int:
     """How many pieces go on the next line."""
     sizes = []
     total = 0.0
