@@ -151,6 +151,29 @@ def test_a_universal_loop_is_a_universal_joint():
         close(wrench, fb.joint_wrenches(jointed, q, qd, qdd)[0], 1e-9)
 
 
+def test_a_cardan_shaft_obeys_hookes_law():
+    """tan θ2 = cos β tan θ1 between shafts at an angle β that a universal joint links; its rate, and
+    the torque that it passes on."""
+    bend = 0.6
+    turned = shift(0.0, 0.0, 0.0).then(rpy(bend, 0.0, 0.0))
+    tree = build_model(
+        described(
+            Joint("driving", "continuous", "base", "a", axis=(0.0, 0.0, 1.0)),
+            Joint("driven", "continuous", "base", "b", turned, (0.0, 0.0, 1.0)),
+        )
+    )
+    shaft = tree.with_loop("cross", "universal", ("a", "b"))
+    for angle in (0.3, 1.2, -0.7):
+        q = fb.assemble(shaft, [angle, 0.0], free=["driven"])
+        assert np.tan(q[1]) == pytest.approx(np.cos(bend) * np.tan(angle), rel=1e-12)
+        qd = fb.loop_velocity(shaft, q, [1.0, 0.0])
+        ratio = np.cos(bend) / (np.cos(angle) ** 2 + (np.cos(bend) * np.sin(angle)) ** 2)
+        assert qd[1] / qd[0] == pytest.approx(ratio, rel=1e-12)
+        brake = shaft.replace(gravity=0.0, actuated=["driving"]).with_drive("driven", stiffness=5.0)
+        tau = fb.static_torque(brake, q)
+        assert tau[0] == pytest.approx(ratio * 5.0 * q[1], rel=1e-9)
+
+
 # ---------------------------------------------------------------- the pitch is a number
 def test_a_pitch_is_a_number_like_others():
     model = build_model(described(screw("s", "base", "a")))
