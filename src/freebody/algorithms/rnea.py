@@ -114,7 +114,7 @@ def joint_torque(
 
 
 def friction_and_spring(body: TreeBody, q: Vector, qd: Vector) -> Scalar:
-    """Friction and spring of a one-axis joint: d q̇ + coulomb sign(q̇) + stiffness (q - rest)."""
+    """Friction and spring of one coordinate: d q̇ + coulomb sign(q̇) + stiffness (q - rest)."""
     drive = body.drive
     assert drive is not None
     (position,), (rate,) = body.position(q), body.rates(qd)

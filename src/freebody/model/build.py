@@ -137,7 +137,7 @@ class _Assembly:
             )
         if kind.nv != 1 and joint.drive != Drive():
             self.refuse(
-                f"{where}: friction, rotors and springs belong to one-axis joints, not a "
+                f"{where}: friction, rotors and springs belong to joints of one coordinate, not a "
                 f"{kind.name} one; remove them.",
                 joint.line,
             )
@@ -312,7 +312,8 @@ class _Assembly:
         assert given is not None
         if KINDS[above.kind].nv != 1 or KINDS[joint.kind].nv != 1:
             self.refuse(
-                f"joint {joint.name!r}: only one-axis joints can mimic or be mimicked.", joint.line
+                f"joint {joint.name!r}: only joints of one coordinate can mimic or be mimicked.",
+                joint.line,
             )
         if of is None:
             return Mimic(above.name, given.ratio, given.offset)

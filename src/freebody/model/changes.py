@@ -106,7 +106,7 @@ def with_drive(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
     """See `Model.with_drive`."""
     free = [body.joint.name for body in model.bodies if body.kind.nv == 1]
     if joint not in free:
-        raise UnknownNameError("joint with one axis", joint, f"{model.name!r}", free)
+        raise UnknownNameError("joint with one coordinate", joint, f"{model.name!r}", free)
     k = model.joint_names.index(joint)
     body = model.bodies[k]
     numbers = {

@@ -77,7 +77,7 @@ class PoseContribution(NamedTuple):
 
 class JointContribution(NamedTuple):
     """What a joint contributes: structure, numbers of its placement and of its kind, and of a
-    one-axis joint those of its drive."""
+    joint of one coordinate those of its drive."""
 
     form: SharedForm
     placed: Array

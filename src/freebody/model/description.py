@@ -24,7 +24,7 @@ MOST_LINKS = 50_000
 
 @dataclass(frozen=True)
 class Limits:
-    """Range of a one-axis joint: position (rad or m), speed, effort (N m or N).
+    """Range of a joint of one coordinate: position (rad or m), speed, effort (N m or N).
 
     Floats, or `Members` of a family.
     """
@@ -84,7 +84,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Drive(Keeps):
-    """What acts along a one-axis joint besides the motor.
+    """What acts along a joint of one coordinate besides the motor.
 
     Friction: viscous d q̇ + coulomb sign(q̇). Rotor: inertia J seen through a gear as J gear².
     Spring: stiffness (q - rest).

@@ -271,7 +271,7 @@ class Model(NamedParts, Tabled, ByValue):
         rest: Any = None,
     ) -> Model:
         """The model with another rotor (kg m², before the gear), gear, friction (N m s/rad, N m) or
-        spring (N m/rad, rad) in a joint of one axis; of a prismatic joint kg, N s/m, N, N/m, m.
+        spring (N m/rad, rad) in a joint of one coordinate; of a prismatic one kg, N s/m, N, N/m, m.
         What is not given stays. Numbers, names, or arrays with a number for each member of a
         family."""
         given = {

@@ -69,7 +69,7 @@ class Mass:
 
 @dataclass(frozen=True)
 class DriveScalars:
-    """Friction, reflected rotor inertia and spring of a one-axis joint."""
+    """Friction, reflected rotor inertia and spring of a joint of one coordinate."""
 
     viscous: Scalar
     coulomb: Scalar

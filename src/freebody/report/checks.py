@@ -162,7 +162,7 @@ def _closed(model: Model, motion: Motion) -> list[Check]:
 
 
 def _along_axes(model: Model, data: xr.Dataset) -> list[Check]:
-    """S·w of one-axis joints with rotor, friction and spring, against tau."""
+    """S·w of joints of one coordinate with rotor, friction and spring, against tau."""
     tau = data["tau"].values
     along = data["tau_friction"].values + data["tau_springs"].values + data["tau_rotors"].values
     counted = np.ones(model.nv, dtype=bool)

@@ -14,6 +14,8 @@ from freebody.derivations.check.setting import RightEquations
 from freebody.derivations.check.vocabulary import spellings
 from freebody.derivations.evaluate import arithmetic, evaluate
 from freebody.derivations.expression import Expression
+from freebody.derivations.names import sym
+from freebody.derivations.symbols import names_by_body
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
@@ -31,20 +33,22 @@ class AskedQuantity:
     compute: Callable[[], Trig]
     idle: bool = False
     """Whether nothing drives the joint: the torque is 0, and that is its equation of motion."""
+    joint: str = ""
+    """The joint that it belongs to, in words."""
 
     @property
     def title(self) -> str:
         """What it is, in words."""
-        return _TITLES[self.family].format(*self.index)
+        return _TITLES[self.family].format(*self.index, joint=self.joint)
 
 
 _TITLES = {
-    "tau": "the drive's torque or force at joint {}",
+    "tau": "the drive's torque or force at {joint}",
     "0": "which nothing drives",
     "M": "entry {}, {} of the mass matrix",
     "C": "entry {}, {} of the Coriolis matrix of Christoffel's symbols",
-    "c": "the velocity term of joint {}",
-    "g": "the gravity term of joint {}",
+    "c": "the velocity term of {joint}",
+    "g": "the gravity term of {joint}",
     "J": "entry {}, {} of the tip's Jacobian",
     "T": "the kinetic energy",
     "V": "the potential energy",
@@ -120,19 +124,32 @@ class Targets:
         """Joints that nothing drives, from 1."""
         return tuple(k + 1 for k in self.setting.symbols.model.passive)
 
+    @cached_property
+    def _joints(self) -> list[str]:
+        """The joint of each coordinate; of one that has several, along which."""
+        own = [names for names in names_by_body(self.setting.symbols.model) if names]
+        return [
+            f"joint {k}" + (f", along {sym(name)}" if len(names) > 1 else "")
+            for k, names in enumerate(own, 1)
+            for name in names
+        ]
+
     # ------------------------------------------------------------ all of them
     def _all(self) -> Iterator[tuple[tuple[str, ...], AskedQuantity]]:
         alone = self.count == 1
-        n = range(1, self.count + 1)
+        n, joints = range(1, self.count + 1), self._joints
         for i in n:
             yield (
                 self._torque_names(i),
-                AskedQuantity("tau", (i,), self._entry("tau", i), i in self.passive),
+                AskedQuantity("tau", (i,), self._entry("tau", i), i in self.passive, joints[i - 1]),
             )
             for family in ("c", "g"):
                 letters = _LETTERS[family]
                 names = [f"{x}{i}" for x in letters] + ([*letters] if alone else [])
-                yield tuple(names), AskedQuantity(family, (i,), self._entry(family, i))
+                yield (
+                    tuple(names),
+                    AskedQuantity(family, (i,), self._entry(family, i), False, joints[i - 1]),
+                )
             for j in n:
                 for family in ("M", "C"):
                     names = [f"{x}{i}{j}" for x in _LETTERS[family]] + (

@@ -18,7 +18,7 @@ Column = tuple[Vector, Vector]
 
 
 class JointWords(NamedTuple):
-    """How a primitive of one axis is spoken of."""
+    """How a primitive of one coordinate is spoken of."""
 
     joint: str
     """Its adjective: a revolute joint."""
@@ -62,13 +62,13 @@ class Primitive(ABC):
     nq: ClassVar[int]
     nv: ClassVar[int]
     words: ClassVar[JointWords]
-    """Of one axis."""
+    """Of one coordinate."""
     turns: ClassVar[bool] = False
-    """Of one axis: whether its motion turns the child about it."""
+    """Of one coordinate: whether its motion turns the child about it."""
     slides: ClassVar[bool] = False
-    """Of one axis: whether its motion takes the child along it."""
+    """Of one coordinate: whether its motion takes the child along it."""
     advance: Scalar = 0.0
-    """Of one axis: how far it takes the child along it for each unit of the coordinate."""
+    """Of one coordinate: how far it takes the child along it for each unit of the coordinate."""
 
     @abstractmethod
     def pose(self, space: AnySpace, axis: Vector, q: Vector) -> tuple[Matrix, Vector]:
@@ -110,7 +110,7 @@ class JointKind(ABC):
     nq: ClassVar[int]
     nv: ClassVar[int]
     position_names: ClassVar[tuple[str, ...]] = ("",)
-    """What each entry of q is called behind the joint's name; of one-axis joints nothing."""
+    """What each entry of q is called behind the joint's name; where there is one, nothing."""
     velocity_names: ClassVar[tuple[str, ...]] = ("",)
     numbers: ClassVar[tuple[Own, ...]] = ()
     """What such a joint has besides its axis, in the order of `Joint.numbers`."""
@@ -139,7 +139,7 @@ class JointKind(ABC):
     """Spaces (2, 3) in which the kind makes sense."""
 
     motion: ClassVar[type[Primitive] | None] = None
-    """Of one axis: the primitive that it is."""
+    """Of one coordinate: the primitive that it is."""
 
     @property
     def turns(self) -> bool:
