@@ -279,9 +279,9 @@ def compile_program(
     target = chosen_target(target)
     with locks.KERNELS:
         width = chosen_width(target, width, dtype)
-        if not _has_scalars(program):
-            target, width = "numpy", None
         record = target_named(target)
+        if record.host and not _has_scalars(program):
+            target, width, record = "numpy", None, target_named("numpy")
         key = (program.digest, target, width, dtype, record.variant(program))
         kernel = _kernels.get(key)
         if kernel is None:

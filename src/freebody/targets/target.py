@@ -39,7 +39,8 @@ class Target:
     the code of a program depends on, from the environment. loops: whether what it makes is a loop
     that releases the GIL and reads uniform inputs once a call. Long batches are then cut, and
     shared among threads. missing: what this machine lacks to run it, in words; empty if nothing.
-    host: whether its kernels compute with the host's memory, which tensors of the CPU are.
+    host: whether its kernels compute with the host's memory, which tensors of the CPU are. NumPy
+    stands in for them where a program has no inputs, or an empty argument; others take these too.
     """
 
     build: Callable[[Program, int | None, str], Kernel]
