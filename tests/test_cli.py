@@ -215,7 +215,7 @@ def test_bad_motions_tips_and_options_are_refused(capsys: pytest.CaptureFixture[
     assert "snap_angles is 3.0" in error(capsys, "show", "2R", "--snap-angles", "3")
     Path("file").touch()
     assert error(capsys, "study", "2R", "--out", "file") == (
-        "file: there is a file of that name; name a folder with --out."
+        "file: there is a file of that name; name a folder instead."
     )
 
 

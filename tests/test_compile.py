@@ -494,3 +494,17 @@ def test_own_functions_go_out_as_text_and_to_jax(tmp_path):
         FreebodyError, match=r"to_jax: give the quantities, such as 'inverse_dynamics'"
     ):
         fb.to_jax(fb.load("2R"))
+
+
+@pytest.mark.parametrize(
+    ("inputs", "outputs", "by", "words"),
+    [
+        ({"q": 10**9}, None, (), "the inputs have 1000000000 entries, at most 1000000"),
+        ({"q": (1000, 1000), "s": ()}, None, (), "the inputs have 1000001 entries"),
+        ({"q": 2}, {"y": 10**9}, (), "the outputs have 1000000000 entries"),
+        ({"q": 1200}, {"y": 1200}, "q", "the derivatives of y have 1440000 entries"),
+    ],
+)
+def test_sizes_that_no_memory_holds_are_refused_before_it_is_taken(inputs, outputs, by, words):
+    with pytest.raises(fb.FreebodyError, match=words):
+        fb.compile(lambda **x: x["q"], inputs, outputs, by=by)

@@ -178,7 +178,7 @@ def test_a_folder_a_device_and_a_pipe_in_the_place_of_a_file(
     assert error(capsys, *command, "file/b.svg").endswith(
         "a part of the path is a file, not a folder."
     )
-    assert error(capsys, "study", "2R", "--out", "/dev/full").endswith("name a folder with --out.")
+    assert error(capsys, "study", "2R", "--out", "/dev/full").endswith("name a folder instead.")
 
 
 @posix
@@ -399,7 +399,7 @@ def test_a_folder_with_another_manifest_is_refused_before_the_work(
         said = error(capsys, "study", "2R", "--out", "app")
         assert (
             said == "app/manifest.json: this is not a manifest of freebody's results; "
-            "name another folder with --out."
+            "name another folder."
         )
         assert Path("app", MANIFEST).read_text() == text
 

@@ -297,7 +297,7 @@ def test_files_hold_what_was_computed(arm: fb.Study, tmp_path: Path):
     )
     assert summary[1].startswith("shoulder_pan_joint,rad,N m,")
     with pytest.raises(
-        FreebodyError, match=r"study\.nc: there is a file of that name; name a folder with --out\."
+        FreebodyError, match=r"study\.nc: there is a file of that name; name a folder instead\."
     ):
         arm.save(written[0])
 

@@ -24,6 +24,10 @@ from freebody.targets import Kernel, compile_program
 Shapes = Mapping[str, int | Sequence[int]]
 
 
+MOST = 1_000_000
+"""Scalars of all inputs, of all outputs, or of one derivative: each is traced by itself."""
+
+
 def compile(  # noqa: A001  the name that users look for
     function: Callable[..., Any],
     inputs: Shapes,
@@ -113,7 +117,17 @@ def _arguments(what: str, shapes: Shapes) -> tuple[Argument, ...]:
                 "them: (6,) for a vector, (3, 3) for a matrix, () for a number."
             )
         made.append(Argument(name, sizes))
+    _require_few(f"the {what}s", sum(argument.size for argument in made))
     return tuple(made)
+
+
+def _require_few(what: str, count: int) -> None:
+    if count > MOST:
+        raise FreebodyError(
+            f"fb.compile: {what} have {count} entries, at most {MOST} are possible: each is a "
+            f"scalar with operations of its own. Compile the function of one sample, and call it "
+            f"with a batch."
+        )
 
 
 def _require_parameters(function: Callable[..., Any], title: str, names: list[str]) -> None:
@@ -251,6 +265,7 @@ def _derivatives(
 ) -> dict[str, Array]:
     """Of one output by each of some inputs."""
     sizes = [prod(shape) for shape in directions.values()]
+    _require_few(f"the derivatives of {label}", array.size * sum(sizes))
     rows = [slopes(x, sum(sizes), Outer) for x in array.ravel().tolist()]
     found, start = {}, 0
     for (name, shape), size in zip(directions.items(), sizes, strict=True):

@@ -74,7 +74,7 @@ def prepare(directory: str | os.PathLike[str]) -> None:
         os.makedirs(folder, exist_ok=True)
     except (OSError, ValueError) as failure:
         if isinstance(failure, FileExistsError) and os.path.lexists(folder):
-            problem = "there is a file of that name; name a folder with --out."
+            problem = "there is a file of that name; name a folder instead."
         else:
             problem = f"cannot be made: {reason(failure)}."
         raise FileError(folder, None, problem) from None
@@ -160,8 +160,7 @@ def _alone(folder: Path) -> Iterator[None]:
                 raise FileError(
                     folder,
                     None,
-                    "another run is writing into this folder; wait for it, or name another with "
-                    "--out.",
+                    "another run is writing into this folder; wait for it, or name another.",
                 )
             time.sleep(0.02)
         yield
@@ -242,7 +241,7 @@ def _known(folder: Path) -> dict[str, set[str]]:
         raise FileError(
             path,
             None,
-            "this is not a manifest of freebody's results; name another folder with --out.",
+            "this is not a manifest of freebody's results; name another folder.",
         ) from None
     known: dict[str, set[str]] = {}
     for name, sha in pairs:
