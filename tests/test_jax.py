@@ -600,3 +600,51 @@ def test_programs_that_jax_keeps_on_disk_run_in_another_process(tmp_path):
         assert done.returncode == 0, done.stderr
         hits.append(int(done.stdout.split()[-1]))
     assert hits[1] > hits[0]
+
+
+def test_a_dtype_that_is_asked_for_is_computed_with():
+    model = fb.load("ur5e")
+    arrays = state(model, 9)
+    single = fb.to_jax(model, "inverse_dynamics", dtype="float32")
+    found = single(*arrays)
+    assert found.dtype == np.float32
+    agree(found, fb.kernel(model, "inverse_dynamics", dtype="float32")(*arrays))
+    assert jax.jacfwd(single)(*(x[0] for x in arrays)).dtype == np.float32
+    double = fb.to_jax(model, "inverse_dynamics", dtype="float64")
+    rounded = [np.float32(x) for x in arrays]
+    agree(double(*rounded), fb.kernel(model, "inverse_dynamics")(*rounded))
+    of_kernel = fb.to_jax(fb.kernel(model, "inverse_dynamics"), dtype="float32")
+    agree(of_kernel(*arrays), found)
+    with pytest.raises(fb.FreebodyError, match="dtype='float16'; it can be 'float64' or 'float32'"):
+        fb.to_jax(model, "inverse_dynamics", dtype="float16")
+    with pytest.raises(fb.FreebodyError, match="q holds complex128 values, expected real numbers"):
+        single(arrays[0] + 1j, *arrays[1:])
+    with jax.enable_x64(False), pytest.raises(fb.FreebodyError, match="makes all numbers float32"):
+        fb.to_jax(model, "inverse_dynamics", dtype="float64")
+
+
+def test_numbers_of_the_model_by_name():
+    model, names = fb.load("ur5e"), ["payload.mass", "forearm_link.mass"]
+    q, qd, qdd = state(model, 7)
+    masses, twice = np.linspace(0.0, 3.0, 7), {("forearm_link", "mass"): 2.0}
+    kernel = fb.kernel(model, "inverse_dynamics", inputs=names)
+    for function in (fb.to_jax(kernel), fb.to_jax(model, "inverse_dynamics", inputs=names)):
+        agree(function(q, qd, qdd), kernel(q, qd, qdd))
+        by_name = twice | {"payload.mass": masses}
+        for found in (
+            function(q, qd, qdd, p=by_name),
+            jax.jit(lambda m, f=function: f(q, qd, qdd, p={**twice, "payload.mass": m}))(masses),
+        ):
+            agree(found, kernel(q, qd, qdd, p=by_name))
+        slope = jax.jacfwd(lambda m, f=function: f(q[0], qd[0], qdd[0], p={"payload.mass": m}))(1.0)
+        steps = (kernel(q[0], qd[0], qdd[0], p={"payload.mass": m}) for m in (2.0, 1.0))
+        np.testing.assert_allclose(slope, np.subtract(*steps), atol=1e-11)
+        # the model's own numbers are of the type of what is given
+        assert function(*map(np.float32, (q, qd, qdd)), p={"payload.mass": 1.0}).dtype == np.float32
+        with pytest.raises(fb.FreebodyError, match=r"'shoulder_link.mass' is no input"):
+            function(q, qd, qdd, p={"shoulder_link.mass": 1.0})
+    with pytest.raises(fb.FreebodyError, match="it has no numbers of the model as inputs"):
+        fb.to_jax(model, "inverse_dynamics")(q, qd, qdd, p={"payload.mass": 1.0})
+    symbols = fb.to_jax(fb.planar("RR"), "gravity_torque", inputs=["*"])
+    with pytest.raises(fb.FreebodyError, match="need a value for"):
+        symbols([0.1, 0.2], p={"l1": 1.0})

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from freebody.errors import MissingPackageError, ShapeError
 from freebody.kernels.differentials import Differentiable, of_quantities
-from freebody.kernels.inputs import InputKernel
+from freebody.kernels.inputs import InputKernel, NamedNumbers
 from freebody.kernels.selection import Asked, asked
 from freebody.model.families import FamilyError
 from freebody.model.model import Model
@@ -21,22 +21,29 @@ from freebody.targets.xla.operation import Arrays, Way, interface
 
 
 def to_jax(
-    what: Model | Kernel | InputKernel, names: str | Sequence[str] | None = None, **options: Any
+    what: Model | Kernel | InputKernel,
+    names: str | Sequence[str] | None = None,
+    *,
+    dtype: str | None = None,
+    **options: Any,
 ) -> Callable[..., Any]:
     """What `fb.kernel` computes as a function of JAX arrays, for `jit`, `vmap` and derivatives of
     any order. Needs JAX.
 
-    what, names, options: as for `fb.source`. Returns f(q, qd, …), of arrays (..., *core) whose
-    leading axes broadcast, in the kernel's order and SI units: one array, or a tuple. On the CPU it
-    runs the compiled kernel, inside of what JAX compiles; on other platforms, or where JAX has
-    another interface than the one that is known, JAX calls Python, and a UserWarning says so.
-    Derivatives of every order, forward and reverse, come from compiled kernels too: ordinary
-    partial derivatives, by q of all its nq entries (on the tangent space they are with by=), by
-    numbers of the model given as p. f.parameters, f.values: names of the entries of p, and the
-    model's own values. 64-bit numbers are the caller's choice, jax.config.update("jax_enable_x64",
-    True); without it JAX makes all numbers float32, and the kernel computes in these, to about 6
-    digits. A kernel of float32 keeps to them. Raises UnknownNameError, FreebodyError; f raises
-    KernelError, ShapeError, BatchError.
+    what, names, options: as for `fb.source`. dtype: "float64" or "float32", which is computed with,
+    whatever arrays come; None: that of the arrays, as JAX promotes them. Returns f(q, qd, …), of
+    arrays (..., *core) whose leading axes broadcast, in the kernel's order and SI units: one array,
+    or a tuple. With inputs=, p (..., k) comes last, or is given as p={name: value}, the rest being
+    the model's. On the CPU it runs the compiled kernel, inside of what JAX compiles; on other
+    platforms, or where JAX has another interface than the one that is known, JAX calls Python, and
+    a UserWarning says so. Derivatives of every order, forward and reverse, come from compiled
+    kernels too: ordinary partial derivatives, by q of all its nq entries (on the tangent space they
+    are with by=), by numbers of the model given as p. f.parameters, f.values: names of the entries
+    of p, and the model's own values. 64-bit numbers are the caller's choice,
+    jax.config.update("jax_enable_x64", True); without it JAX makes all numbers float32, and the
+    kernel computes in these, to about 6 digits, and refuses dtype="float64". A kernel of float32
+    keeps to them. Raises UnknownNameError, FreebodyError; f raises KernelError, ShapeError,
+    BatchError.
     """
     chosen = asked("fb.to_jax", what, names, options)
     try:
@@ -48,15 +55,18 @@ def to_jax(
     if isinstance(chosen, Asked):
         if chosen.model.family and not chosen.given:
             raise FamilyError("fb.to_jax without inputs=", chosen.model.name, chosen.model.family)
-        computed, way, given = of_quantities(chosen), Way(), chosen.given
+        computed, way, given = of_quantities(chosen), Way(), None
+        if chosen.given:
+            given = NamedNumbers(chosen.given.names, chosen.given.values, chosen.model)
     else:
         kernel, given = (
-            (chosen.kernel, chosen) if isinstance(chosen, InputKernel) else (chosen, None)
+            (chosen.kernel, chosen.named) if isinstance(chosen, InputKernel) else (chosen, None)
         )
         computed, way = (
             Differentiable(kernel.program),
             Way(kernel.target, kernel.asked_width, kernel.dtype.name),
         )
+    kind = _kind(dtype, way)
     slow = interface().obstacle
     if not slow and jax.default_backend() != "cpu":
         slow = f"JAX runs on {jax.default_backend()!r} here, and kernels on the CPU"
@@ -67,30 +77,69 @@ def to_jax(
             "the arrays.",
             stacklevel=2,
         )
-    function = _checked(computed.program, jax.jit(JaxFunction(computed, way).call), way)
-    function.parameters = (
-        given.parameters if isinstance(given, InputKernel) else given.names if given else ()
-    )
+    function = _checked(computed.program, jax.jit(JaxFunction(computed, way).call), kind, given)
+    function.parameters = given.names if given else ()
     function.values = given.values if given else np.zeros(0)
     return function
 
 
-def _checked(program: Program, compute: Callable[..., Arrays], way: Way) -> Any:
+def _kind(dtype: str | None, way: Way) -> str | None:
+    """What is computed with; None: what the arrays say."""
+    import jax
+
+    if dtype is None:
+        return way.dtype if way.dtype == "float32" else None
+    if dtype not in ("float64", "float32"):
+        raise KernelError(f"fb.to_jax: dtype={dtype!r}; it can be 'float64' or 'float32'.")
+    if dtype == "float64" and not jax.config.read("jax_enable_x64"):
+        raise KernelError(
+            "fb.to_jax: dtype='float64', but JAX makes all numbers float32 here; "
+            'jax.config.update("jax_enable_x64", True) gives it numbers of 64 bits.'
+        )
+    return dtype
+
+
+def _checked(
+    program: Program, compute: Callable[..., Arrays], fixed: str | None, named: NamedNumbers | None
+) -> Any:
     """The function of whatever JAX makes arrays of: one array or a tuple."""
     import jax
 
-    def function(*arrays: Any) -> Any:
+    def function(*arrays: Any, p: Any = None) -> Any:
         values = [
             x if isinstance(x, jax.Array) else _array(program, k, x) for k, x in enumerate(arrays)
         ]
+        if p is not None or (named and len(values) < len(program.inputs)):
+            values.append(_numbers(program, named, p, values))
         _check(program, values)
-        kind = way.dtype if way.dtype == "float32" else _common(program, values)
+        common = _common(program, values)
+        kind = fixed or common
         results = compute(*(x if x.dtype == kind else x.astype(kind) for x in values))
         return results[0] if len(results) == 1 else results
 
     function.__name__ = function.__qualname__ = program.name
     function.__doc__ = f"{program}: of arrays (..., *core), whose leading axes broadcast."
     return function
+
+
+def _numbers(program: Program, named: NamedNumbers | None, p: Any, others: Sequence[Any]) -> Any:
+    """p (..., k): an array as it is, of {name: value} the rest the model's own, without it all of
+    them; these are of the type of what is given."""
+    import jax.numpy as jnp
+
+    last = len(program.inputs) - 1
+    if named is None:
+        raise KernelError(
+            f"{program.name}: p is given, but it has no numbers of the model as inputs."
+        )
+    if p is not None and not isinstance(p, Mapping):
+        return _array(program, last, p)
+    given = {named.place(key): _array(program, last, x) for key, x in (p or {}).items()}
+    named.require(given)
+    kind = jnp.result_type(float, *others, *given.values())
+    own = jnp.asarray(np.nan_to_num(named.values), kind)  # what is missing is given
+    columns = [given.get(k, own[..., k]) for k in range(len(named.names))]
+    return jnp.stack(jnp.broadcast_arrays(*columns), axis=-1).astype(kind)
 
 
 def _array(program: Program, k: int, given: Any) -> Any:

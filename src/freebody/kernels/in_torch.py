@@ -161,8 +161,10 @@ class TorchFunction:
             )
         if p is not None and not isinstance(p, Mapping):
             return self._tensor(p, kind)
-        given = {self._kernel.place(key): self._tensor(x, kind) for key, x in (p or {}).items()}
-        self._kernel.require(given)
+        given = {
+            self._kernel.named.place(key): self._tensor(x, kind) for key, x in (p or {}).items()
+        }
+        self._kernel.named.require(given)
         own = torch.from_numpy(self._kernel.values.copy()).to(kind)
         if not given:
             return own

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from freebody.arrays import Array, as_floats
 from freebody.elementary import Scalar, cos, sin
 from freebody.errors import FreebodyError, MissingValueError, ModelError
+from freebody.lazy import cached_property
 from freebody.model.families import of_member
 from freebody.model.model import Model
 from freebody.model.numbers import Name, Parameters, found, known, written
@@ -101,6 +102,43 @@ def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> KernelInpu
     return KernelInputs(names, values, written(model, placeholders))
 
 
+@dataclass(frozen=True)
+class NamedNumbers:
+    """The entries of p: their names, the model's own values (..., k), and the model."""
+
+    names: tuple[str, ...]
+    values: Array
+    model: Model
+
+    @cached_property
+    def at(self) -> dict[str, int]:
+        """Which entry has a name."""
+        return {name: k for k, name in enumerate(self.names)}
+
+    @cached_property
+    def missing(self) -> tuple[str, ...]:
+        """Names of those that have no value in the model."""
+        lacking = (np.isnan(self.values[..., k]).any() for k in range(len(self.names)))
+        return tuple(name for name, lacks in zip(self.names, lacking, strict=True) if lacks)
+
+    def place(self, key: Name) -> int:
+        """Which entry of p has that name."""
+        name = found(known(self.model), key, self.model)
+        if name not in self.at:
+            raise FreebodyError(
+                f"fb.kernel: {name!r} is no input of this kernel; name it in inputs=. Its inputs: "
+                f"{', '.join(self.names)}."
+            )
+        return self.at[name]
+
+    def require(self, given: Container[int]) -> None:
+        """Raise MissingValueError where an entry of p is not given and has no value in the
+        model."""
+        missing = {name for name in self.missing if self.at[name] not in given}
+        if missing:
+            raise MissingValueError(f"the inputs of a kernel of {self.model.name!r}", missing)
+
+
 class InputKernel:
     """A kernel to which numbers of the model are given: its last argument is p (..., k).
 
@@ -112,6 +150,7 @@ class InputKernel:
         kernel: the compiled function, which takes p as its last argument.
         parameters: names of the entries of p.
         values: p of the model itself, of a family (*family, k).
+        named: these names and values.
     """
 
     def __init__(self, kernel: Kernel, names: tuple[str, ...], values: Array, model: Model):
@@ -119,11 +158,8 @@ class InputKernel:
         self.program = kernel.program
         self.model = model
         self._count = len(kernel.program.inputs)
-        self._at = {name: k for k, name in enumerate(names)}
-        self._missing = tuple(
-            name for k, name in enumerate(names) if np.isnan(values[..., k]).any()
-        )
-        self._held = values if values.ndim == 1 and not self._missing else None
+        self.named = NamedNumbers(names, values, model)
+        self._held = values if values.ndim == 1 and not self.named.missing else None
         self._refuse_beyond_range()
 
     def _refuse_beyond_range(self) -> None:
@@ -160,7 +196,7 @@ class InputKernel:
     def numbers(self, given: Any = None) -> Any:
         """p (..., k): an array as it is, of {name: value} the rest the model's own, without it all
         of them."""
-        if given is None and not self._missing:
+        if given is None and not self.named.missing:
             return self.values
         if type(given) is dict and self._held is not None:
             numbers = self._of_floats(given)
@@ -170,9 +206,9 @@ class InputKernel:
             return given
         columns: dict[str, Array] = {}
         for key, value in (given or {}).items():
-            name = self.parameters[self.place(key)]
+            name = self.parameters[self.named.place(key)]
             columns[name] = as_floats("fb.kernel", f"p[{name!r}]", value)
-        self.require({self._at[name] for name in columns})
+        self.named.require({self.named.at[name] for name in columns})
         if not columns:
             return self.values
         try:
@@ -187,7 +223,7 @@ class InputKernel:
             ) from None
         numbers = np.array(np.broadcast_to(self.values, (*shape, len(self.parameters))))
         for name, value in columns.items():
-            numbers[..., self._at[name]] = value
+            numbers[..., self.named.at[name]] = value
         return numbers
 
     def _of_floats(self, given: dict[Name, Any]) -> Array | None:
@@ -195,28 +231,11 @@ class InputKernel:
         others."""
         numbers = self.values.copy()
         for name, value in given.items():
-            at = self._at.get(name)  # type: ignore[arg-type]
+            at = self.named.at.get(name)  # type: ignore[arg-type]
             if at is None or not isinstance(value, float):
                 return None
             numbers[at] = value
         return numbers
-
-    def place(self, key: Name) -> int:
-        """Which entry of p has that name."""
-        name = found(known(self.model), key, self.model)
-        if name not in self._at:
-            raise FreebodyError(
-                f"fb.kernel: {name!r} is no input of this kernel; name it in inputs=. Its inputs: "
-                f"{', '.join(self.parameters)}."
-            )
-        return self._at[name]
-
-    def require(self, given: Container[int]) -> None:
-        """Raise MissingValueError where an entry of p is not given and has no value in the
-        model."""
-        missing = {name for name in self._missing if self._at[name] not in given}
-        if missing:
-            raise MissingValueError(f"the inputs of a kernel of {self.model.name!r}", missing)
 
     def __repr__(self) -> str:
         return f"InputKernel({self.kernel!r}; p: {', '.join(self.parameters)})"
