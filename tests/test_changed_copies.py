@@ -16,8 +16,11 @@ import pytest
 
 import freebody as fb
 from freebody.errors import FreebodyError, MissingValueError
+from freebody.model.build import build_model
+from freebody.model.description import Joint, Link, RobotDescription
+from freebody.model.gravity import gravity_of
 from freebody.model.piece_paths import get, put_at
-from freebody.model.placement import Placement, Shift
+from freebody.model.placement import Placement, Shift, shift
 from support import generate
 
 ROBOTS: dict[str, Callable[[], fb.Model]] = {
@@ -25,7 +28,33 @@ ROBOTS: dict[str, Callable[[], fb.Model]] = {
     "four_bar": lambda: fb.load("four_bar"),
     "random, in space": lambda: generate.model(4, 3),
     "random, in the plane": lambda: generate.model(3, 2),
+    "a joint with a number of its own": lambda: screw(),
 }
+
+
+def screw() -> fb.Model:
+    """A helical joint, whose pitch is a number, that carries a link on a revolute one."""
+    heavy = fb.Inertia.box(2.0, (0.1, 0.2, 0.3)).moved_to((0.1, 0.0, 0.02))
+    return build_model(
+        RobotDescription(
+            "screw",
+            3,
+            (Link("base"), Link("nut", heavy), Link("arm", heavy)),
+            (
+                Joint(
+                    "turn",
+                    "helical",
+                    "base",
+                    "nut",
+                    shift(0.1, 0.0, 0.2),
+                    (0.0, 0.0, 1.0),
+                    numbers=(0.01,),
+                ),
+                Joint("elbow", "revolute", "nut", "arm", shift(0.3, 0.0, 0.0), (0.0, 1.0, 0.0)),
+            ),
+            gravity_of(9.81, 3),
+        )
+    )
 
 
 def changed(model: fb.Model, rng: np.random.Generator) -> fb.Model:
@@ -144,6 +173,8 @@ def test_rows_of_changes_are_those_of_a_model_of_which_nothing_is_known():
         lambda m: m.bind({"gravity": 1.6}).with_payload(mass=1.0).with_payload(mass=2.0),
         lambda m: m.bind({"elbow_joint.a": -0.3, "payload.mass": 2.0, "payload.com.z": 0.1}),
         lambda m: m.bind({"payload.com.z": 0.1}).bind({"payload.mass": 2.0}),
+        lambda m: m.bind({"g": 1.6}).bind({"payload.mass": 2.0}),
+        lambda m: m.bind({"g": 1.6, "payload.mass": 2.0}),
         lambda m: m.bind({"payload.mass": 0.0}),
         lambda m: m.with_payload(mass=0.0),
         lambda m: m.with_payload(mass=1.0, frame="nowhere"),

@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import freebody as fb
@@ -12,7 +13,10 @@ from freebody.cli.app import run
 from freebody.cli.fbd import _values as positions
 from freebody.formats import read_file
 from freebody.formats.number_text import number
+from freebody.kernels.formulas import FORMULAS, Formula
+from freebody.kernels.formulas.record import Output
 from freebody.motion.read_motion import read_motion
+from freebody.trees.public_calls import evaluate
 
 BODY = (
     '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" '
@@ -381,3 +385,28 @@ def test_long_blanks_in_remarks_and_answers(tmp_path):
         "a" + " " * 18_000 + "= 1",
     ):
         assert refusal(lambda answer=answer: fb.check(fb.load("2R"), answer)).startswith("check: ")
+
+
+def test_a_public_function_takes_scalars_and_matrices_as_well_as_vectors(monkeypatch):
+    """As a new formula may have them."""
+
+    def weighted(tree, option, q, reactions, h):
+        return (tuple(h * x + reactions[1][0] for x in q),)
+
+    formula = Formula(("q", "reactions", "h"), {"y": Output(("nq",), "what comes out")}, weighted)
+    monkeypatch.setitem(FORMULAS, "weighted", formula)
+    model, rng = fb.load("2R"), np.random.default_rng(1)
+    for batch in ((), (5,), (4, 5)):
+        q, w, h = rng.normal(size=(*batch, 2)), rng.normal(size=(*batch[1:], 2, 3)), 0.3
+        expected = h * q + w[..., 1, :1]
+        for _ in range(2):  # carefully, and by what was kept
+            np.testing.assert_allclose(evaluate("weighted", model, (q, w, h)), expected, rtol=1e-15)
+    q, w = np.zeros((5, 2)), np.zeros((2, 3))
+    for given, words in (
+        ((q, w[:1], 0.3), r"reactions has shape \(1, 3\), expected \(..., 2, 3\)"),
+        ((q, w, np.zeros(4)), r"do not broadcast together: q \(5,\), reactions \(\), h \(4,\)"),
+        ((q, w, np.nan), "weighted: h"),
+        ((q, np.full((2, 3), np.inf), 0.3), "weighted: reactions"),
+    ):
+        with pytest.raises(fb.FreebodyError, match=words):
+            evaluate("weighted", model, given)

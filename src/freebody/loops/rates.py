@@ -78,9 +78,8 @@ def _given(
             raise UnknownNameError("coordinate", name, f"{function}: {model.name!r}", names)
         columns[name] = as_floats(function, f"rates[{name!r}]", value)
         refuse_not_finite(function, f"rates[{name!r}]", columns[name], 0)
-    values = np.zeros(
-        (*common_batch(function, {n: x[..., None] for n, x in columns.items()}), model.nv)
-    )
+    named = {f"rates[{name!r}]": column[..., None] for name, column in columns.items()}
+    values = np.zeros((*common_batch(function, named), model.nv))
     for name, column in columns.items():
         values[..., names.index(name)] = column
     return tuple(sorted(map(names.index, columns))), values

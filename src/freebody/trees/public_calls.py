@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from freebody.arrays import Array, as_floats, at_sample, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError
 from freebody.kernels import structural
+from freebody.kernels.arguments import shape
 from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
 from freebody.labels import aligned, refuse_other_times
 from freebody.model.model import Model
@@ -126,7 +127,7 @@ def careful(
     result = bound(*named.values())
     if not all(np.isfinite(x).all() for x in (result if isinstance(result, tuple) else (result,))):
         for name, array in named.items():
-            refuse_not_finite(function, name, array, 1, labels(model, name))
+            _refuse_not_finite(function, model, name, array)
         _refuse_overflow(function, named)
     model.compiled[place] = bound.checked()
     return result
@@ -176,10 +177,11 @@ def checked_inputs(
     loads = wrenches_by_frame(function, model, wrenches)
     named = arrays | {f"wrenches[{frame!r}]": load for frame, load in loads.items()}
     for name, array in named.items():
-        refuse_not_finite(function, name, array, 1, labels(model, name))
+        _refuse_not_finite(function, model, name, array)
     batch = common_batch(function, named | _of_family(model))
     return tuple(loads), [
-        np.broadcast_to(array, (*batch, array.shape[-1])) for array in named.values()
+        np.broadcast_to(array, (*batch, *array.shape[array.ndim - core_axes(name) :]))
+        for name, array in named.items()
     ]
 
 
@@ -200,7 +202,11 @@ def _refuse_overflow(function: str, named: Mapping[str, Array]) -> None:
 
 def vector(function: str, model: Model, name: str, value: Any) -> Array:
     """q, qd, qdd, tau or a point as a checked array; one whose entries carry names (`labels`) is
-    put in order."""
+    put in order. Inputs that are no vectors have their shape checked alone."""
+    if core_axes(name) != 1:
+        array, core = as_floats(function, name, value), shape(model, INPUTS[name].dims, Option())
+        check_core(function, name, array, core, INPUTS[name].meaning)
+        return array
     dimension, names = _dimension(name), labels(model, name)
     array = as_floats(
         function, name, aligned(function, name, value, names, _VECTORS[dimension].dims)
@@ -211,6 +217,17 @@ def vector(function: str, model: Model, name: str, value: Any) -> Array:
     if name in POSITIONS and model.nq != model.nv:
         _check_quaternions(function, model, array)
     return array
+
+
+def core_axes(name: str) -> int:
+    """How many axes one sample of an input has: vectors one, scalars none, matrices two."""
+    given = INPUTS.get(name)
+    return 1 if given is None else len(given.dims)
+
+
+def _refuse_not_finite(function: str, model: Model, name: str, array: Array) -> None:
+    axes = core_axes(name)
+    refuse_not_finite(function, name, array, axes, labels(model, name) if axes == 1 else ())
 
 
 class _VectorNames(NamedTuple):
@@ -257,11 +274,12 @@ def single_vector(function: str, model: Model, name: str, value: Any) -> Array:
 
 
 def common_batch(function: str, named: Mapping[str, Array]) -> tuple[int, ...]:
-    """The batch shape of vectors taken together; refuses those that do not broadcast."""
+    """The batch shape of inputs taken together; refuses those that do not broadcast."""
+    shapes = {name: array.shape[: array.ndim - core_axes(name)] for name, array in named.items()}
     try:
-        return np.broadcast_shapes(*(array.shape[:-1] for array in named.values()))
+        return np.broadcast_shapes(*shapes.values())
     except ValueError:
-        batches = ", ".join(f"{name} {array.shape[:-1]}" for name, array in named.items())
+        batches = ", ".join(f"{name} {batch}" for name, batch in shapes.items())
         raise FreebodyError(
             f"{function}: the batch shapes do not broadcast together: {batches}."
         ) from None
