@@ -200,6 +200,7 @@ def test_rows_of_changes_are_those_of_a_model_of_which_nothing_is_known():
     assert edited > 10
     named = model.bind({"elbow_joint.a": -0.3}).with_payload(load)
     assert is_edited(named)
+    assert is_edited(model.bind({"g": 1.6, "payload.mass": 2.0}))
     assert fb.parameters(named) == fb.parameters(pickle.loads(pickle.dumps(named)))
 
 
