@@ -20,8 +20,9 @@ from freebody.figures.robot import robot_drawing
 from freebody.figures.snapshot import snapshot
 from freebody.figures.svg import picture
 from freebody.figures.symbols import MARKS
-from freebody.figures.text import number, plain
+from freebody.figures.text import plain
 from freebody.model.joints import KINDS
+from freebody.outputs.numbers import significant
 
 Q2, QD2, QDD2 = [0.6, 0.9], [1.0, -0.5], [2.0, 3.0]
 ROBOTS = ("2R", "3R", "RP", "pendulum", "ur5e", "panda", "scara", "gyro", "quadrotor")
@@ -280,7 +281,7 @@ def test_arrows_have_names_values_or_both(arm):
     elements = [figure.drawing.elements for figure in made.values()]
     assert elements[0] == elements[1] == elements[2]
     force = np.linalg.norm(fb.joint_wrenches(arm, Q2, [0, 0], [0, 0])[0, :2])
-    value = f"{number(force)} N"
+    value = f"{significant(force)} N"
     assert {"f0,1", "τ1", "m1 g"} <= texts(made["names"])
     assert value in texts(made["values"])
     assert f"f0,1\u2002{value}" in texts(made["both"])
@@ -290,7 +291,7 @@ def test_arrows_have_names_values_or_both(arm):
 
 def test_lengths_and_angles_have_values(arm):
     shown = texts(fb.kinematic_diagram(arm, Q2, "geometry", labels="both"))
-    assert {"l1 = 0.400 m", "lc2 = 0.150 m", f"θ1 = {number(math.degrees(0.6))}°"} <= shown
+    assert {"l1 = 0.400 m", "lc2 = 0.150 m", f"θ1 = {significant(math.degrees(0.6))}°"} <= shown
     assert "0.400 m" in texts(fb.kinematic_diagram(arm, Q2, "geometry", labels="values"))
     assert texts(fb.kinematic_diagram(arm, Q2)) == texts(
         fb.kinematic_diagram(arm, Q2, labels="names")
@@ -383,7 +384,7 @@ def test_labels_of_a_diagram_stay_on_the_page(diagram):
     ],
 )
 def test_numbers_in_figures(value, text):
-    assert number(value) == text
+    assert significant(value) == text
 
 
 def test_plain_text_has_no_marks():

@@ -8,7 +8,8 @@ from html.parser import HTMLParser
 import pytest
 
 import freebody as fb
-from freebody.report.tables import PrintedNumber, Text, aligned, significant, typeset
+from freebody.outputs.numbers import significant
+from freebody.report.tables import PrintedNumber, Text, aligned, typeset
 from support.report_numbers import compare, data_file
 
 

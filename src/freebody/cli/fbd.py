@@ -135,6 +135,6 @@ def _table(figure: FreeBodyDiagram) -> Table:
 
 
 def _components(values: Array) -> str:
-    from freebody.figures.text import number
+    from freebody.outputs.numbers import significant
 
-    return "  ".join(number(float(x), 4) for x in values)
+    return "  ".join(significant(float(x), 4) for x in values)

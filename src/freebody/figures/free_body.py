@@ -17,8 +17,8 @@ from freebody.figures.layers.space import round_down
 from freebody.figures.loads import BodyLoads
 from freebody.figures.names import Names, names_of
 from freebody.figures.snapshot import Snapshot, snapshot
-from freebody.figures.text import number
 from freebody.model.model import Model
+from freebody.outputs.numbers import significant
 from freebody.trees.public_calls import Vector, Wrenches
 
 PANEL, TALLEST = 430.0, 400.0
@@ -134,7 +134,7 @@ def _notes(loads: BodyLoads, labels: str, missing: Sequence[str]) -> list[str]:
     small += [x.moment_name for x in loads.loads if x.moment_name and not any(x.moment)]
     notes = [f"≈ 0: {', '.join(small)}"] if small else []
     n, residuals = loads.body.number, (loads.force_residual, loads.moment_residual)
-    force, moment = (number(x, 2) for x in residuals)
+    force, moment = (significant(x, 2) for x in residuals)
     if missing:
         notes.append(f"drawn for typical values: {len(missing)} parameters have none")
     elif labels != "names":

@@ -26,8 +26,8 @@ from freebody.figures.loads import label
 from freebody.figures.names import Names, names_of
 from freebody.figures.snapshot import Snapshot, resting_pose, snapshot, with_values
 from freebody.figures.svg import picture
-from freebody.figures.text import number
 from freebody.model.model import Model
+from freebody.outputs.numbers import significant
 
 WIDE, TALL = 460.0, 400.0
 _DARK = "@media screen and (prefers-color-scheme:dark)"
@@ -86,7 +86,7 @@ def illustrations(derivation: Derivation, labels: str = "names") -> dict[str, Dr
 def _state(seen: Snapshot) -> list[str]:
     """The state that values belong to, in words."""
     arrays = (("q", seen.q), ("q̇", seen.qd), ("q̈", seen.qdd))
-    rows = [f"{name} = ({', '.join(number(x) for x in array)})" for name, array in arrays]
+    rows = [f"{name} = ({', '.join(significant(x) for x in array)})" for name, array in arrays]
     return [f"Values in these drawings: {rows[0]}", *rows[1:]]
 
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from freebody.errors import UnknownNameError
 from freebody.figures.drawing import Arc, Arrow, Dimension, Element, Label, Turn
-from freebody.figures.text import number
 from freebody.model.model import Model
+from freebody.outputs.numbers import significant
 
 LABELS = ("names", "values", "both")
 
@@ -31,8 +31,8 @@ def labels_of(caller: str, model: Model, labels: str | None) -> str:
 def metres(length: float, digits: int = 3) -> str:
     """A length with its unit."""
     if length >= 0.1:
-        return f"{number(length, digits)} m"
-    return f"{number(1000 * length, digits)} mm"
+        return f"{significant(length, digits)} m"
+    return f"{significant(1000 * length, digits)} mm"
 
 
 def quantity(element: Element) -> str:
@@ -40,11 +40,11 @@ def quantity(element: Element) -> str:
     match element:
         case Arrow(value=value, unit=unit) if value and unit:
             size = value[0] if len(value) == 1 else float(np.linalg.norm(value))
-            return f"{number(size)} {unit}"
+            return f"{significant(size)} {unit}"
         case Turn():
-            return f"{number(element.value)} {element.unit}"
+            return f"{significant(element.value)} {element.unit}"
         case Arc():
-            return f"{number(math.degrees(element.sweep))}°"
+            return f"{significant(math.degrees(element.sweep))}°"
         case Dimension():
             return metres(math.dist(element.start, element.end))
         case _:

@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from freebody.arrays import Array
 from freebody.figures.svg import Picture
-from freebody.figures.text import number, superscript, width
+from freebody.figures.text import width
+from freebody.outputs.numbers import fixed, significant, superscript
 
 _LEFT, _RIGHT, _TOP, _BOTTOM = 52.0, 12.0, 28.0, 30.0
 _SEEN = 0.15  # pixels: a curve may leave its samples by no more than this
@@ -210,7 +211,7 @@ def _decades(low: float, high: float) -> list[float]:
 
 
 def _raised(level: float) -> str:
-    return f'<tspan dy="-4" font-size="75%">{f"{level:.0f}".replace("-", "−")}</tspan>'
+    return f'<tspan dy="-4" font-size="75%">{fixed(level, 0)}</tspan>'
 
 
 def _tick(value: float, all_values: Sequence[float]) -> str:
@@ -220,17 +221,17 @@ def _tick(value: float, all_values: Sequence[float]) -> str:
     if abs(value) < 1e-9 * max(size, step):
         return "0"
     if size >= 1e5 or step < 1e-4:
-        return number(value, 3)
+        return significant(value, 3)
     decimals = max(0, -math.floor(math.log10(step) + 1e-9))
     if abs(step * 10**decimals - round(step * 10**decimals)) > 1e-6:
         decimals += 1
-    return f"{value:.{decimals}f}".replace("-", "−")
+    return fixed(value, decimals)
 
 
 def _limit(axes: _Axes, level: float) -> str:
     left, _, right, _ = axes.box
     y = float(axes.y(level))
-    return f'<path class="limit" d="M{left:.1f} {y:.1f}H{right:.1f}"><title>limit {number(level)}</title></path>'
+    return f'<path class="limit" d="M{left:.1f} {y:.1f}H{right:.1f}"><title>limit {significant(level)}</title></path>'
 
 
 def _curve(axes: _Axes, what: Plot, name: str, curve: Array, colour: int) -> str:
@@ -246,7 +247,7 @@ def _peak(axes: _Axes, what: Plot, curve: Array, colour: int) -> str:
     x, y = float(axes.x(what.t[k])), float(axes.y(curve[k]))
     if what.log or abs(curve[k]) < 1e-12:
         return ""
-    text = number(float(curve[k]))
+    text = significant(float(curve[k]))
     half = width(text, 11) / 2
     at = min(max(x, axes.box[0] + half + 4), axes.box[2] - half)
     beside = y - 7 if curve[k] > 0 else y + 15

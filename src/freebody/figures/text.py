@@ -1,34 +1,12 @@
-"""Text in figures: numbers with sensible digits, subscripts, and how wide text will be."""
+"""Text in figures: subscripts, and how wide text will be."""
 
 from __future__ import annotations
 
-import math
 import re
 from html import escape
 
 _SUBSCRIPT = re.compile(r"_(?:\{([^}]*)\}|(\w))")
 _NARROW, _WIDE = set("iljtfrI.,:;'|()[]! "), set("mwMWΣ@%")
-
-
-def number(value: float, digits: int = 3) -> str:
-    """A number for a figure: `digits` significant ones, a real minus sign, no exponent within
-    reason."""
-    if not math.isfinite(value):
-        return "∞" if value > 0 else "−∞" if value < 0 else "?"
-    if value == 0:
-        return "0"
-    size = math.floor(math.log10(abs(value)))
-    if -4 <= size < 6:
-        text = f"{value:.{max(digits - 1 - size, 0)}f}"
-    else:
-        mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
-        text = f"{mantissa}·10{superscript(int(exponent))}"
-    return text.replace("-", "−")
-
-
-def superscript(exponent: int) -> str:
-    """An exponent in raised digits."""
-    return str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
 def plain(text: str) -> str:

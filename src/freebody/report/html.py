@@ -30,7 +30,8 @@ from freebody.report.summary import energy_text
 
 if TYPE_CHECKING:
     from freebody.report.study import Study
-from freebody.report.tables import significant, typeset
+from freebody.outputs.numbers import significant
+from freebody.report.tables import typeset
 
 
 def write(study: Study, path: Path) -> Path:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 from markupsafe import Markup, escape
 
-from freebody.figures.text import superscript
+from freebody.outputs.numbers import decade, fixed, significant, superscript
 
 _NOISE = 1e-9  # of the largest in a column: rounding, printed as 0
 
@@ -92,22 +92,9 @@ def aligned(column: Sequence[Cell]) -> list[Cell]:
     )
     if not sizes:
         return [_printed(cell, 0, 0.0) for cell in column]
-    decimals = 2 - _decade(sizes[len(sizes) // 2])
-    decimals = max(0, min(decimals, 4 - _decade(sizes[-1])))
+    decimals = 2 - decade(sizes[len(sizes) // 2])
+    decimals = max(0, min(decimals, 4 - decade(sizes[-1])))
     return [_printed(cell, decimals, _NOISE * sizes[-1]) for cell in column]
-
-
-def significant(value: float, digits: int = 3) -> str:
-    """A number on its own, with an exponent where it is very small or large."""
-    if not math.isfinite(value):
-        return "–" if math.isnan(value) else "∞" if value > 0 else "−∞"
-    if value == 0:
-        return "0"
-    size = _decade(value)
-    if -3 <= size < 5:
-        return f"{value:.{max(digits - 1 - size, 0)}f}".replace("-", "−")
-    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
-    return f"{mantissa}·10{superscript(int(exponent))}".replace("-", "−")
 
 
 def typeset(text: str) -> Markup:
@@ -132,14 +119,9 @@ def _printed(cell: Cell, decimals: int, noise: float) -> Cell:
         return replace(cell, text=significant(size))
     if abs(size) <= noise:
         return replace(cell, text="0")
-    text = f"{size:.{decimals}f}"
-    if decimals > 5 or float(text) == 0.0:
+    if decimals > 5 or float(f"{size:.{decimals}f}") == 0.0:
         return alone(cell, 2)
-    return replace(cell, text=text.replace("-", "−"))
-
-
-def _decade(value: float) -> int:
-    return math.floor(math.log10(abs(value)))
+    return replace(cell, text=fixed(size, decimals))
 
 
 def shortened(names: Sequence[str]) -> list[str]:

@@ -11,6 +11,7 @@ from freebody.derivations.functions import printed
 from freebody.derivations.names import sym
 from freebody.derivations.quantities import Quantities
 from freebody.derivations.relation import Relation
+from freebody.outputs.numbers import shortest
 from freebody.scalars.composed import Composed
 from freebody.scalars.trig import Trig
 from freebody_notes.item import Outcome
@@ -86,5 +87,4 @@ def number(x: Any, digits: int = 6) -> str:
         return f"[{', '.join(number(y, digits) for y in x)}]"
     if isinstance(x, Composed):
         return str(printed(x, decimal=False))
-    x = float(x)
-    return f"{0.0 if abs(x) < ROUNDING else x:.{digits}g}".replace("-", "−")
+    return shortest(0.0 if abs(float(x)) < ROUNDING else float(x), digits)

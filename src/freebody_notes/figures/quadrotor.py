@@ -23,8 +23,8 @@ from freebody.figures.figure import Figure
 from freebody.figures.layers import space
 from freebody.figures.layers.space import round_down
 from freebody.figures.snapshot import Snapshot, snapshot
-from freebody.figures.text import number
 from freebody.formats.loading import load
+from freebody.outputs.numbers import significant
 
 _EULER = (math.pi / 4, 0.1, 0.2)
 _THRUSTS = (3.2, 1.4, 2.5, 3.6)
@@ -138,4 +138,4 @@ def _forces(drawing: Drawing, seen: Snapshot, thrusts: Array) -> None:
     drawing.arrow(body.com, body.com + 0.55 * v / np.linalg.norm(v), "v", "velocity", v, "m/s")
     drawing.add(Mark(point(body.com), "com", "C", "com", size=5.0))
     bar = round_down(float(thrusts.max()) / 2)
-    drawing.rulers.append((bar * scale, f"{number(bar, 1)} N (thrust)", "external"))
+    drawing.rulers.append((bar * scale, f"{significant(bar, 1)} N (thrust)", "external"))

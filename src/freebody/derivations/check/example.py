@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from freebody.derivations.check.setting import RightEquations
 from freebody.derivations.check.verdict import Example
 from freebody.derivations.names import sym
+from freebody.outputs.numbers import shortest
 from freebody.scalars.trig import Trig
 
 _VALUES = {
@@ -60,13 +61,10 @@ def _value(name: str, given: float | None, shift: int, k: int) -> float:
 
 def sentence(found: Example) -> str:
     """For example, with θ₁ = 0.4, l₁ = 0.5: yours 1.2, right 1.3."""
-    at = ", ".join(f"{sym(name)} = {value:g}" for name, value in found.values.items())
+    at = ", ".join(f"{sym(name)} = {shortest(value)}" for name, value in found.values.items())
     digits = next(
         (d for d in (4, 6, 9, 15) if f"{found.yours:.{d}g}" != f"{found.right:.{d}g}"), 17
     )
-    numbers = f"yours is {found.yours:.{digits}g}, the right one {found.right:.{digits}g}".replace(
-        "-", "−"
-    )
-    return (
-        f"For example, at {at.replace('-', '−')}: {numbers}." if at else f"In numbers: {numbers}."
-    )
+    yours, right = (shortest(x, digits) for x in (found.yours, found.right))
+    numbers = f"yours is {yours}, the right one {right}"
+    return f"For example, at {at}: {numbers}." if at else f"In numbers: {numbers}."

@@ -7,6 +7,7 @@ from unicodedata import normalize
 
 from freebody.derivations.expression import Expression, Symbol
 from freebody.derivations.render.typesetter import CALL, POWER, Typesetter
+from freebody.outputs.numbers import signed, superscript
 
 _LOW = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _HIGH = str.maketrans("-0123456789T", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᵀ")
@@ -37,7 +38,7 @@ class _Text(Typesetter):
     brackets_before_factors = True
 
     def digits(self, digits: str) -> str:
-        return digits.replace("-", "−")
+        return signed(digits)
 
     def ratio(self, value: Fraction) -> str:
         return _VULGAR.get((value.numerator, value.denominator), self.digits(str(value)))
@@ -47,7 +48,7 @@ class _Text(Typesetter):
         return normalize("NFC", letter) + _low(node.low) + _raised(node.high) + high
 
     def high(self, exponent: int) -> str:
-        return str(exponent).translate(_HIGH)
+        return superscript(exponent)
 
     def tight(self, argument: str) -> str:
         return argument.replace(" ", "")

@@ -28,6 +28,7 @@ from freebody.derivations.expression import (
     Vector,
     Words,
 )
+from freebody.outputs.numbers import mantissa_and_exponent
 
 EQUATION, SUM, PRODUCT, CALL, POWER, ATOM = range(6)
 
@@ -101,11 +102,11 @@ class Typesetter:
             return self.digits(str(value))
         if not node.decimal:
             return self.ratio(value)
-        mantissa, _, exponent = f"{float(value):.{DIGITS}g}".partition("e")
-        if exponent and 0 < int(exponent) < 10:
-            return self.digits(f"{float(value):.0f}")
-        power = self.raised(self.digits("10"), self.high(int(exponent))) if exponent else ""
-        return self.digits(mantissa) + self.tenfold * bool(power) + power
+        mantissa, exponent = mantissa_and_exponent(float(value), DIGITS)
+        if not exponent:
+            return self.digits(mantissa)
+        power = self.raised(self.digits("10"), self.high(exponent))
+        return self.digits(mantissa) + self.tenfold + power
 
     def _sum(self, node: Sum) -> str:
         pieces = []

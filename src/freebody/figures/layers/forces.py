@@ -20,8 +20,8 @@ from freebody.figures.loads import BodyLoads, Load
 from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot
-from freebody.figures.text import number
 from freebody.figures.theme import FORCES
+from freebody.outputs.numbers import significant
 
 _SHORTEST = 0.12
 """Of the longest arrow."""
@@ -46,7 +46,7 @@ class Scale:
     def bar(self, role: str) -> tuple[float, str, str]:
         """A scale bar of the forces."""
         force = space.round_down(self.force / 2.5)
-        return force / self.force * self.longest, f"{number(force, 1)} N", role
+        return force / self.force * self.longest, f"{significant(force, 1)} N", role
 
 
 def scale_of(bodies: Iterable[BodyLoads], longest: float) -> Scale:

@@ -17,7 +17,7 @@ from freebody.figures.layers.structure import of_each
 from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot
-from freebody.figures.text import number
+from freebody.outputs.numbers import significant
 
 LONGEST = 0.34
 """The longest velocity or acceleration, of the drawing's size."""
@@ -97,4 +97,4 @@ def _arrows(
             drawing.arrow(place, place + scale * value, name, role, value, "m" + per)
     if scaled:
         bar = round_down(longest / 2.0)
-        drawing.rulers.append((bar * scale, f"{number(bar, 1)} m{per}", role))
+        drawing.rulers.append((bar * scale, f"{significant(bar, 1)} m{per}", role))

@@ -1,0 +1,58 @@
+"""How numbers print for people: significant digits, a real minus sign, powers of ten."""
+
+from __future__ import annotations
+
+import math
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+SMALLEST, LARGEST = -3, 5
+"""Powers of ten from which and below which a number has no exponent."""
+
+
+def significant(value: float, digits: int = 3) -> str:
+    """A number with so many digits, zeros at its end too, with a power of ten where it is very
+    small or large; a dash for NaN."""
+    if not math.isfinite(value):
+        return "–" if math.isnan(value) else "∞" if value > 0 else "−∞"
+    if value == 0:
+        return "0"
+    size = decade(value)
+    if SMALLEST <= size < LARGEST:
+        return fixed(value, max(digits - 1 - size, 0))
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    return f"{signed(mantissa)}·10{superscript(int(exponent))}"
+
+
+def shortest(value: float, digits: int = 6) -> str:
+    """A number with up to so many digits, without zeros at its end."""
+    mantissa, exponent = mantissa_and_exponent(value, digits)
+    return signed(mantissa) + (f"·10{superscript(exponent)}" if exponent else "")
+
+
+def fixed(value: float, decimals: int) -> str:
+    """A number with so many decimals."""
+    return signed(f"{value:.{decimals}f}")
+
+
+def mantissa_and_exponent(value: float, digits: int) -> tuple[str, int]:
+    """Up to so many digits and the power of ten (0: none) that a number prints with; all digits of
+    one below 10¹⁰."""
+    mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
+    if exponent and 0 < int(exponent) < 10:
+        return f"{value:.0f}", 0
+    return mantissa, int(exponent or 0)
+
+
+def decade(value: float) -> int:
+    """The power of ten of a number's first digit."""
+    return math.floor(math.log10(abs(value)))
+
+
+def signed(digits: str) -> str:
+    """Digits with a real minus sign."""
+    return digits.replace("-", "−")
+
+
+def superscript(exponent: int) -> str:
+    """An exponent in raised digits."""
+    return str(exponent).translate(_RAISED)
