@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from freebody.derivations.check.example import typical
+from freebody.derivations.check.example import occurs, typical
 from freebody.derivations.expression import Equation
 from freebody.derivations.formula import FormulaError, names_in, parse
 from freebody.derivations.quantities import of_link
@@ -57,7 +57,7 @@ class Relation:
         if not rings:
             return self._example_of_functions()
         used = [x for side in self.sides for x in _entries(side) if isinstance(x, Trig)]
-        numbers = typical([name for name in rings[0].names if any(_occurs(name, x) for x in used)])
+        numbers = typical([name for name in rings[0].names if any(occurs(name, x) for x in used)])
         return numbers, self.at(numbers)
 
     def _example_of_functions(self) -> tuple[dict[str, float], tuple[Any, ...]] | None:
@@ -159,11 +159,6 @@ def _equal(a: Value, b: Value, scale: list[Value]) -> bool:
             np.abs(np.asarray(a, dtype=float) - np.asarray(b, dtype=float)) <= ROUNDING * largest
         )
     )
-
-
-def _occurs(name: str, x: Trig) -> bool:
-    index, degrees = x.ring.index, x.poly.degrees()
-    return any(n in index and degrees[index[n]] > 0 for n in (name, f"sin_{name}", f"cos_{name}"))
 
 
 def _numbers(side: Value, values: Mapping[str, float]) -> Any:

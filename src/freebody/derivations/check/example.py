@@ -21,7 +21,7 @@ _RATES, _SECONDS = (1.2, -0.7, 0.9, -1.4), (2.0, 1.5, -1.1, 0.8)
 
 def example(setting: RightEquations, yours: Trig, right: Trig) -> Example | None:
     """Values of the symbols that occur, and both results; None where no try tells them apart."""
-    used = [name for name in setting.ring.names if _occurs(name, yours) or _occurs(name, right)]
+    used = [name for name in setting.ring.names if occurs(name, yours) or occurs(name, right)]
     given = setting.symbols.model.parameters
     for shift in range(4):
         values = {name: _value(name, given.get(name), shift, k) for k, name in enumerate(used)}
@@ -41,7 +41,8 @@ def typical(
     return {name: _value(name, (given or {}).get(name), 0, k) for k, name in enumerate(names)}
 
 
-def _occurs(name: str, x: Trig) -> bool:
+def occurs(name: str, x: Trig) -> bool:
+    """Whether a polynomial has a symbol, or its sine or cosine, in it."""
     index, degrees = x.ring.index, x.poly.degrees()
     return any(n in index and degrees[index[n]] > 0 for n in (name, f"sin_{name}", f"cos_{name}"))
 

@@ -12,6 +12,7 @@ from freebody.algorithms.kinematics import frame_pose, jacobian, joint_poses, wo
 from freebody.derivations import expression as ex
 from freebody.derivations.check.setting import RightEquations
 from freebody.derivations.check.vocabulary import spellings
+from freebody.derivations.determinant import determinant
 from freebody.derivations.evaluate import arithmetic, evaluate
 from freebody.derivations.expression import Expression
 from freebody.derivations.names import sym
@@ -232,10 +233,8 @@ class Targets:
                 dotted = [s for name in names[:2] for s in spellings(name, "", dots)]
                 yield tuple(dotted), AskedQuantity(family, (), self._rate_of_tip(k, dots))
         if self.setting.is_planar and self.count in (2, 3):
-            yield (
-                ("detJ",),
-                AskedQuantity("det", (), lambda: _determinant(self._jacobian[: self.count])),
-            )
+            rows, symbols = self._jacobian[: self.count], self.setting.symbols
+            yield ("detJ",), AskedQuantity("det", (), lambda: determinant(rows, symbols))
 
     def _rate_of_tip(self, k: int, dots: int) -> Callable[[], Trig]:
         def value() -> Trig:
@@ -267,14 +266,3 @@ def polynomial(setting: RightEquations, node: Expression) -> Trig:
         ex.Function: lambda node, at: getattr(at(node.argument), node.name)(),
     }
     return evaluate(node, rules)
-
-
-def _determinant(rows: list[list[Trig]]) -> Trig:
-    if len(rows) == 2:
-        (a, b), (c, d) = rows
-        return a * d - b * c
-    total: Any = 0.0
-    for j, x in enumerate(rows[0]):
-        minor = [[*row[:j], *row[j + 1 :]] for row in rows[1:]]
-        total = total + x * _determinant(minor) * (-1) ** j
-    return total

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import html
 import re
+from collections.abc import Callable
+from dataclasses import dataclass
 
 from freebody.derivations.names import GREEK
 from freebody.derivations.render import literal
@@ -35,73 +37,57 @@ _TEX = {
 }
 
 
-def tex_prose(words: str) -> str:
-    """A sentence in LaTeX."""
-    return literal.in_parts(words, _tex_words, literal.tex)
+@dataclass(frozen=True)
+class Medium:
+    """How a sentence is set: its words, its symbols (sign, letter, subscript), names of others."""
+
+    words: Callable[[str], str]
+    symbol: Callable[[str, str, str], str]
+    name: Callable[[str], str]
+
+    def __call__(self, sentence: str) -> str:
+        """The sentence set."""
+        return literal.in_parts(sentence, self._set, self.name)
+
+    def _set(self, words: str) -> str:
+        pieces = _SYMBOL.split(words)
+        string = self.words(pieces[0])
+        for k in range(1, len(pieces), 4):
+            string += self.symbol(*pieces[k : k + 3]) + self.words(pieces[k + 3])
+        return string
 
 
-def _tex_words(words: str) -> str:
-    parts, end = [], 0
-    for match in _SYMBOL.finditer(words):
-        parts += [_plain_tex(words[end : match.start()]), _tex_symbol(*match.groups())]
-        end = match.end()
-    return "".join([*parts, _plain_tex(words[end:])])
-
-
-def _plain_tex(words: str) -> str:
-    words = re.sub(r"(?<=[ (])-(?=[\w])", "−", words)
-    return "".join(_TEX.get(c, c) for c in words)
+def _with_minus(words: str) -> str:
+    return re.sub(r"(?<=[ (])-(?=[\w])", "−", words)
 
 
 def _tex_symbol(sign: str, letter: str, low: str) -> str:
-    name = (
-        f"\\{_NAMES[letter]}"
-        if letter in _NAMES
-        else f"\\mathbf{{{letter}}}"
-        if letter in _VECTORS
-        else letter
-    )
-    return f"${sign}{name}_{{{low}}}$"
+    name = f"\\{_NAMES[letter]}" if letter in _NAMES else letter
+    bold = f"\\mathbf{{{letter}}}" if letter in _VECTORS else name
+    return f"${sign}{bold}_{{{low}}}$"
 
 
-def markdown_prose(words: str) -> str:
-    """A sentence in Markdown, symbols between dollar signs."""
-    return literal.in_parts(words, _markdown_words, literal.markdown)
-
-
-def _markdown_words(words: str) -> str:
-    return _SYMBOL.sub(lambda match: _tex_symbol(*match.groups()), words)
-
-
-def text_prose(words: str) -> str:
-    """A sentence for a terminal: numbers as subscripts."""
-    return literal.in_parts(words, lambda part: _SYMBOL.sub(_text_symbol, part), literal.printable)
-
-
-def _text_symbol(match: re.Match[str]) -> str:
-    sign, letter, low = match.groups()
+def _text_symbol(sign: str, letter: str, low: str) -> str:
     if re.fullmatch(r"\d|\d,\d", low):
         return sign.replace("-", "−") + letter + low.replace(",", "").translate(_LOW)
-    return match[0]
-
-
-def web_prose(words: str) -> str:
-    """A sentence in HTML."""
-    return literal.in_parts(words, _web_words, literal.web)
-
-
-def _web_words(words: str) -> str:
-    parts, end = [], 0
-    for match in _SYMBOL.finditer(words):
-        parts += [_plain_web(words[end : match.start()]), _web_symbol(*match.groups())]
-        end = match.end()
-    return "".join([*parts, _plain_web(words[end:])])
-
-
-def _plain_web(words: str) -> str:
-    return html.escape(re.sub(r"(?<=[ (])-(?=[\w])", "−", words))
+    return f"{sign}{letter}_{low}"
 
 
 def _web_symbol(sign: str, letter: str, low: str) -> str:
     mark = "b" if letter in _VECTORS else "i"
     return f"{sign.replace('-', '−')}<{mark}>{letter}</{mark}><sub>{low}</sub>"
+
+
+tex_prose = Medium(
+    lambda words: "".join(_TEX.get(c, c) for c in _with_minus(words)), _tex_symbol, literal.tex
+)
+"""A sentence in LaTeX."""
+
+markdown_prose = Medium(str, _tex_symbol, literal.markdown)
+"""A sentence in Markdown, symbols between dollar signs."""
+
+text_prose = Medium(str, _text_symbol, literal.printable)
+"""A sentence for a terminal: numbers as subscripts."""
+
+web_prose = Medium(lambda words: html.escape(_with_minus(words)), _web_symbol, literal.web)
+"""A sentence in HTML."""
