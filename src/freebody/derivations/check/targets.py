@@ -233,8 +233,10 @@ class Targets:
                 dotted = [s for name in names[:2] for s in spellings(name, "", dots)]
                 yield tuple(dotted), AskedQuantity(family, (), self._rate_of_tip(k, dots))
         if self.setting.is_planar and self.count in (2, 3):
-            rows, symbols = self._jacobian[: self.count], self.setting.symbols
-            yield ("detJ",), AskedQuantity("det", (), lambda: determinant(rows, symbols))
+            yield ("detJ",), AskedQuantity("det", (), self._determinant)
+
+    def _determinant(self) -> Trig:
+        return determinant(self._jacobian[: self.count], self.setting.symbols)
 
     def _rate_of_tip(self, k: int, dots: int) -> Callable[[], Trig]:
         def value() -> Trig:
