@@ -14,6 +14,7 @@ import pytest
 import freebody as fb
 from freebody.derivations.base import base_parameters
 from freebody.derivations.symbols import symbols
+from freebody.figures.snapshot import clear_pose
 from freebody.model.build import build_model
 from freebody.model.description import Joint, Link, Mimic, RobotDescription
 from freebody.model.gravity import gravity_of
@@ -238,6 +239,24 @@ def test_numbers_that_do_not_fit_the_kind():
     ):  # fmt: skip
         with pytest.raises(fb.FreebodyError, match=text):
             build_model(described(joint))
+
+
+def test_new_kinds_are_drawn_where_they_are_seen():
+    """Each joint bent or drawn out, its symbol a solid on its axis or a cross; the rod of what has
+    moved along an axis is there."""
+    model = build_model(described(*THREE))
+    figure = fb.kinematic_diagram(model, show="vectors")
+    q = clear_pose(model)
+    assert np.all(np.abs(q) > 0.1)
+    shown = figure.drawing.elements
+    solids = {k: [e for e in shown if e.name == f"joint {k}"] for k in (1, 2, 3)}
+    assert [len(found) for found in solids.values()] == [2, 2, 2]
+    assert len({e.axis for e in solids[1] + solids[3]}) == 2, "each along the axis of its joint"
+    assert np.dot(*(e.axis for e in solids[2])) == pytest.approx(0.0, abs=1e-12), "a cross"
+    rod = next(e for e in shown if e.name == "link 3")
+    length = np.linalg.norm(np.subtract(*rod.points))
+    assert length == pytest.approx(abs(q[list(model.position_names).index("c.d")]))
+    assert fb.free_body_diagram(model, q).bodies[2].force_residual < 1e-9
 
 
 # ---------------------------------------------------------------- every kind says what it is

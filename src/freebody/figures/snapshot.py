@@ -90,9 +90,8 @@ class Snapshot:
 
     def angular(self, body: BodyPlace) -> Array:
         """Angular velocity of a body: (3,) rad/s in world axes, (1,) in the plane."""
-        return np.asarray(velocity(self.model, self.q, self.qd, self._frame(body)))[
-            self.model.dim :
-        ]
+        found = velocity(self.model, self.q, self.qd, self._frame(body))
+        return np.asarray(found)[self.model.dim :]
 
     def _frame(self, body: BodyPlace) -> str:
         return next(f.name for f in self.model.frames if f.body == body.index and not f.parent)
@@ -190,17 +189,15 @@ def clear_pose(model: Model) -> Array:
     length = _slide(model)
     turn = 0
     for body, at in zip(model.bodies, model.coordinates, strict=True):
-        if body.joint.mimic is not None or body.kind.nq != 1:
+        if body.joint.mimic is not None or body.kind.nq != body.kind.nv or not body.kind.holds:
             continue
-        if body.kind.slides:
-            value = length
-        else:
-            value, turn = _TURNS[turn % len(_TURNS)], turn + 1
+        for k, turns in zip(at.q, body.kind.angular, strict=True):
+            q[k], turn = (_TURNS[turn % len(_TURNS)], turn + 1) if turns else (length, turn)
         limits = body.joint.limits.meant
         low, high = limits.lower, limits.upper
-        if np.isfinite(low) and np.isfinite(high):
-            value = min(max(value, low + 0.25 * (high - low)), high - 0.25 * (high - low))
-        q[at.q[0]] = value
+        if body.kind.nq == 1 and np.isfinite(low) and np.isfinite(high):
+            inner = low + 0.25 * (high - low), high - 0.25 * (high - low)
+            q[at.q[0]] = min(max(q[at.q[0]], inner[0]), inner[1])
     return q
 
 
