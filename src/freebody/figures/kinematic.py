@@ -3,7 +3,7 @@ accelerations."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.figures.figure import Figure, to_one_scale
@@ -16,6 +16,8 @@ from freebody.trees.public_calls import Vector
 
 WIDE, TALL = 440.0, 420.0
 """Size of one drawing, pixels."""
+_MOVING = ("velocities", "accelerations")
+"""Views that show rates; the last shows second rates, too."""
 _DEFAULT = {2: ("geometry", "vectors"), 3: ("frames", "normals")}
 
 
@@ -46,8 +48,12 @@ def kinematic_diagram(
             raise UnknownNameError("view", name, f"{caller} of a model in {model.dim}D", known)
     if not chosen:
         raise FreebodyError(f"{caller}: show is empty; name one of {', '.join(known)}.")
-    _require_drawn("qd", qd, ("velocities", "accelerations"), chosen, known)
-    _require_drawn("qdd", qdd, ("accelerations",), chosen, known)
+    for argument, value, views in (("qd", qd, _MOVING), ("qdd", qdd, _MOVING[1:])):
+        if value is not None and not set(views) & set(chosen):
+            instead = "drawings in space show none; leave it out"
+            instead = f"say show={views[0]!r}" if views[0] in known else instead
+            shown = ", ".join(chosen)
+            raise FreebodyError(f"{caller}: {argument} is not drawn in {shown}: {instead}.")
     how = labels_of(caller, model, labels)
     seen = snapshot(model, q, qd, qdd, None, caller)
     drawings = tuple(view(seen, name, names_of(seen.model)) for name in chosen)
@@ -55,22 +61,3 @@ def kinematic_diagram(
         drawing.labels = how
     to_one_scale(drawings, WIDE, TALL)
     return Figure(f"Kinematic diagram of {model.name}", drawings, 2, WIDE, TALL, caller)
-
-
-def _require_drawn(
-    argument: str,
-    value: Vector | None,
-    views: Sequence[str],
-    chosen: Sequence[str],
-    known: Collection[str],
-) -> None:
-    """Refuse rates that none of the drawings asked for would show."""
-    if value is None or set(views) & set(chosen):
-        return
-    possible = [name for name in views if name in known]
-    instead = (
-        f"say show={possible[0]!r}" if possible else "drawings in space show none; leave it out"
-    )
-    raise FreebodyError(
-        f"kinematic_diagram: {argument} is not drawn in {', '.join(chosen)}: {instead}."
-    )

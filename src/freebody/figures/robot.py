@@ -57,7 +57,7 @@ def _numbered(drawing: Drawing, seen: Snapshot) -> None:
     pose = seen.pose
     if pose.tip is not None and pose.tip_rotation is not None:
         axes = [f"tip {name}" for name in "xyz"]
-        space.triad(drawing, pose.tip, pose.tip_rotation, 0.1 * seen.size, axes, said=False)
+        space.triad(drawing, pose.tip, pose.tip_rotation, 0.1 * seen.size, axes, label="")
     if len(pose.bodies) <= _CROWDED:
         for body in pose.bodies:
             drawing.write(body.origin, str(body.number), (0.0, 0.0, -1.0))

@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures.drawing import SAME, Arrow, Drawing, Element, Label, Line, Mark, Turn, point
+from freebody.figures.drawing import SAME, Arrow, Dimension, Drawing, Element, Line, Turn, point
 from freebody.figures.joints import flat_joint, solid_joint
 from freebody.figures.layers import axes, geometry, space, vectors
 from freebody.figures.layers.plane import add_body, letter
@@ -272,16 +272,7 @@ def _gap(seen: Snapshot, body: BodyPlace) -> Array:
 
 def moved(element: Element, by: Array) -> Element:
     """An element elsewhere in the plane."""
-
-    def there(place: Iterable[float]) -> tuple[float, ...]:
-        return point(np.asarray(place) + by)
-
-    match element:
-        case Line():
-            return replace(element, points=tuple(map(there, element.points)))
-        case Arrow():
-            return replace(element, start=there(element.start), end=there(element.end))
-        case Turn() | Mark() | Label():
-            return replace(element, at=there(element.at))
-        case _:
-            raise TypeError(f"a free body pulled apart has no {type(element).__name__}")
+    if isinstance(element, Line):
+        return replace(element, points=tuple(point(np.add(p, by)) for p in element.points))
+    fields = ("start", "end") if isinstance(element, Arrow | Dimension) else ("at",)
+    return replace(element, **{f: point(np.add(getattr(element, f), by)) for f in fields})

@@ -98,12 +98,12 @@ def triad(
     rotation: Array,
     length: float,
     names: Sequence[str],
-    said: bool = True,
+    label: str | None = None,
 ) -> None:
-    """Three axes of a frame, red, green and blue; said: with their names."""
+    """Three axes of a frame, red, green and blue, with their names or a label."""
     for name, role, axis in zip(names, "xyz", rotation.T, strict=True):
-        label = name if said else ""
-        drawing.arrow(origin, origin + length * axis, name, role, axis, label=label)
+        said = name if label is None else label
+        drawing.arrow(origin, origin + length * axis, name, role, axis, label=said)
 
 
 def floor(drawing: Drawing, seen: Snapshot, poses: Sequence[Skeleton]) -> None:
