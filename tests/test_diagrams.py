@@ -386,10 +386,10 @@ def test_five_bar_closes(figures):
         five_bar((1.0, 1.0, 0.3, 0.3))
 
 
-@pytest.mark.parametrize("name", ["five_bar", "four_bar", "slider_crank"])
+@pytest.mark.parametrize("name", ["five_bar", "four_bar", "slider_crank", "stewart", "bricard"])
 def test_closed_chains_are_drawn_closed(name):
     model = fb.load(name)
-    figure = fb.kinematic_diagram(model, show=["geometry", "velocities"])
+    figure = fb.kinematic_diagram(model, show=["vectors"])
     for loop in model.loops:
         pins = [
             e.at for e in figure.drawings[0].elements if e.name == loop.name and isinstance(e, Mark)

@@ -34,14 +34,19 @@ def structure(drawing: Drawing, seen: Snapshot, names: Names, faint: bool = Fals
             add_body(drawing, body)
     for body in seen.pose.bodies:
         drawing.add(*flat_joint(body))
+    closures(drawing, seen, "joint")
+    if seen.pose.tip is not None:
+        drawing.mark(seen.pose.tip, "dot", names.tip, "position-head", 3.5)
+    points(drawing, seen, names)
+
+
+def closures(drawing: Drawing, seen: Snapshot, symbol: str) -> None:
+    """Where loops are closed: a symbol, or one at both ends of a rod."""
     for loop in seen.pose.loops:
         if np.linalg.norm(np.subtract(*loop.places)) > SAME:
             drawing.line(loop.places, loop.name, "rail")
         for place in loop.places:
-            drawing.mark(place, "joint", loop.name, "joint", 6.0)
-    if seen.pose.tip is not None:
-        drawing.mark(seen.pose.tip, "dot", names.tip, "position-head", 3.5)
-    points(drawing, seen, names)
+            drawing.mark(place, symbol, loop.name, "joint", 6.0)
 
 
 def add_body(drawing: Drawing, body: BodyPlace) -> None:

@@ -21,7 +21,7 @@ from freebody.figures.drawing import (
     point,
 )
 from freebody.figures.joints import solid_joint
-from freebody.figures.layers.plane import bars
+from freebody.figures.layers.plane import bars, closures
 from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace, Skeleton
 from freebody.figures.snapshot import Snapshot
@@ -44,6 +44,7 @@ def sticks(pose: Skeleton) -> list[tuple[Array, Array]]:
 def structure(drawing: Drawing, seen: Snapshot, names: Names) -> None:
     """Links, joints as short solids, the world's axes and the tip."""
     drawing.add(*by_depth(solids(seen.pose, seen.size), drawing.view))
+    closures(drawing, seen, "sphere")
     triad(drawing, np.zeros(3), np.eye(3), 0.16 * seen.size, ("X", "Y", "Z"))
     if seen.pose.tip is not None:
         drawing.mark(seen.pose.tip, "dot", names.tip, "position-head", 3.5)
