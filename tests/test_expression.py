@@ -27,12 +27,12 @@ from freebody.derivations.expression import (
     sin,
     sub,
 )
-from freebody.derivations.names import entry, sym, vec
+from freebody.derivations.formula_values import value
 from freebody.derivations.nodes import nodes, replaced
+from freebody.derivations.printed_names import entry, sym, vec
 from freebody.derivations.render.lines import broken, text_lines
 from freebody.derivations.render.sympy import to_sympy
 from freebody.derivations.render.text import breakable
-from freebody.derivations.values import value
 from freebody.errors import FreebodyError, UnknownNameError
 from support.extras import extra
 from support.printed_values import evaluate

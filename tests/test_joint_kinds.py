@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.derivations.base import base_parameters
+from freebody.derivations.base_parameters import base_parameters
 from freebody.derivations.symbols import symbols
 from freebody.figures.snapshot import clear_pose
 from freebody.model.build import build_model

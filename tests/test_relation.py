@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 
 import freebody as fb
 from freebody.derivations.formula import FormulaError, parse
+from freebody.derivations.formula_values import Each, value
 from freebody.derivations.quantities import of_link
 from freebody.derivations.relation import agrees, printed_numbers
-from freebody.derivations.values import Each, value
 from freebody.errors import FreebodyError, ModelError, ShapeError, UnknownNameError
 
 

@@ -24,7 +24,7 @@ from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.equations import Equations
 from freebody.derivations.expression import Expression
 from freebody.derivations.grammar.lexer import tokens
-from freebody.derivations.names import sym
+from freebody.derivations.printed_names import sym
 from freebody.scalars.trig import Trig
 
 WORDS = ["".join(word) for n in (1, 2, 3, 4) for word in words_of("RP", repeat=n)]

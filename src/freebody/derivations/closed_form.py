@@ -9,10 +9,10 @@ from freebody.algorithms.crba import crba
 from freebody.algorithms.energy import potential_energy
 from freebody.algorithms.rnea import friction_and_spring
 from freebody.arrays import Array
-from freebody.derivations import views
+from freebody.derivations import equation_views
 from freebody.derivations.expression import Expression, size
-from freebody.derivations.forms import Layout
 from freebody.derivations.symbols import Symbols
+from freebody.derivations.textbook_form import Layout
 from freebody.lazy import cached_property
 from freebody.model.tree import Tree
 from freebody.scalars.trig import Trig
@@ -163,7 +163,8 @@ class ClosedForm(ByValue):
         if self.is_vast or sum(self.count().values()) > MOST:
             return False
         return (
-            sum(size(line) for group in views.named(self, self.layout) for line in group) <= SHORT
+            sum(size(line) for group in equation_views.named(self, self.layout) for line in group)
+            <= SHORT
         )
 
     @property

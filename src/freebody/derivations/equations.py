@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any
 
+from freebody.derivations import equation_views, source_code
 from freebody.derivations import expression as ex
-from freebody.derivations import source, views
-from freebody.derivations.base import by_base_parameters
+from freebody.derivations.base_parameters import by_base_parameters
 from freebody.derivations.closed_form import ClosedForm
 from freebody.derivations.expression import Equation, operations
 from freebody.derivations.intermediates import intermediates
@@ -51,17 +51,20 @@ class Equations(Titled, ClosedForm):
 
     def groups(self, view: str = "named", names: str = "notes") -> list[list[Equation]]:
         """The equations of a view: "named", "expanded", "intermediates" or "base"."""
-        if names not in views.NAMES:
-            raise UnknownNameError("naming", names, "Equations", views.NAMES)
+        if names not in equation_views.NAMES:
+            raise UnknownNameError("naming", names, "Equations", equation_views.NAMES)
         if view == "intermediates":
             return [self.intermediates()]
         if view == "expanded":
-            return views.expanded(self, self.layout)
+            return equation_views.expanded(self, self.layout)
         if view == "base":
             short = by_base_parameters(self)
-            return [*views.named(short, short.layout, views.NAMES[names]), short.definitions(self)]
+            return [
+                *equation_views.named(short, short.layout, equation_views.NAMES[names]),
+                short.definitions(self),
+            ]
         if view in ("named", "auto"):
-            return views.named(self, self.layout, views.NAMES[names])
+            return equation_views.named(self, self.layout, equation_views.NAMES[names])
         raise UnknownNameError("view", view, "Equations", VIEWS)
 
     def operations(self, view: str = "named") -> dict[str, int]:
@@ -137,12 +140,12 @@ class Equations(Titled, ClosedForm):
     def python(self) -> str:
         """Source of a Python function dynamics(q, qd, qdd, parameters…) that returns M, c, G,
         tau."""
-        return source.python(self)
+        return source_code.python(self)
 
     def c_source(self) -> str:
         """Source of a C function of the same, the closed form term by term; long arms are shorter
         with `fb.source`."""
-        return source.c(self)
+        return source_code.c(self)
 
     def substitute(self, **numbers: float) -> Equations:
         """The equations with numbers in place of some parameters."""

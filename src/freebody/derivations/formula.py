@@ -22,8 +22,8 @@ from freebody.derivations.grammar.lexer import Token, tokens
 from freebody.derivations.grammar.parser import Parser
 from freebody.derivations.grammar.source import Source, UnreadableError
 from freebody.derivations.grammar.words import Piece
-from freebody.derivations.names import GREEK, sym
 from freebody.derivations.nodes import NOWHERE
+from freebody.derivations.printed_names import GREEK, sym
 
 FUNCTIONS = (
     "sin", "cos", "tan", "sqrt", "exp", "log", "arcsin", "arccos", "arctan", "norm", "det", "sum", "diag", "skew",

@@ -16,8 +16,8 @@ from freebody.arrays import Array, as_floats
 from freebody.derivations import expression as ex
 from freebody.derivations.expression import Expression
 from freebody.derivations.formula import FormulaError, parse
-from freebody.derivations.names import sym
-from freebody.derivations.values import value
+from freebody.derivations.formula_values import value
+from freebody.derivations.printed_names import sym
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.outputs.display import Titled

@@ -15,8 +15,8 @@ from typing import Any
 from freebody.algorithms.rnea import Recursion, rnea
 from freebody.derivations import expression as ex
 from freebody.derivations.expression import Equation, Expression, Symbol
-from freebody.derivations.names import sym
 from freebody.derivations.naming import motors
+from freebody.derivations.printed_names import sym
 from freebody.derivations.symbols import RATE, SECOND, Symbols
 from freebody.elementary import Scalar, cos, sin
 from freebody.model.parameters import Parameter, Quantity

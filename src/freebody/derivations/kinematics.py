@@ -17,8 +17,8 @@ from freebody.algorithms import kinematics as algorithms
 from freebody.arrays import Array
 from freebody.derivations.determinant import columns_of, determinant
 from freebody.derivations.expression import Expression
-from freebody.derivations.forms import Layout
 from freebody.derivations.symbols import Symbols, symbols
+from freebody.derivations.textbook_form import Layout
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.model.model import Model

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from freebody.derivations import expression as ex
 from freebody.derivations.expression import Expression, Symbol
-from freebody.derivations.names import entry, sym, vec
+from freebody.derivations.printed_names import entry, sym, vec
 from freebody.derivations.symbols import names_by_body
 from freebody.lazy import cached_property
 from freebody.model.bodies import Body

@@ -13,8 +13,17 @@ import numpy as np
 from freebody.derivations.check.example import occurs, typical
 from freebody.derivations.expression import Equation
 from freebody.derivations.formula import FormulaError, names_in, parse
+from freebody.derivations.formula_values import (
+    Each,
+    Value,
+    minus,
+    plain,
+    plus,
+    rank,
+    shape_name,
+    value,
+)
 from freebody.derivations.quantities import of_link
-from freebody.derivations.values import Each, Value, minus, plain, plus, rank, shape_name, value
 from freebody.scalars.composed import Composed
 from freebody.scalars.trig import Trig
 

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from freebody.derivations import expression as ex
+from freebody.derivations.angle_sums import Monomial, gathered, raw
 from freebody.derivations.determinant import shortest_determinant
 from freebody.derivations.expression import Equation, Expression
 from freebody.derivations.factors import factored
 from freebody.derivations.kinematics import Kinematics
-from freebody.derivations.names import sym
-from freebody.derivations.waves import Monomial, gathered, raw
+from freebody.derivations.printed_names import sym
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 

@@ -14,7 +14,7 @@ from freebody.derivations import derive as plain
 from freebody.derivations.derivation import Derivation, Drawings, Step
 from freebody.derivations.expression import Expression, Symbol, nodes
 from freebody.derivations.methods import METHODS
-from freebody.derivations.names import vec
+from freebody.derivations.printed_names import vec
 from freebody.figures import theme
 from freebody.figures.drawing import Drawing, Element, canonical
 from freebody.figures.figure import save

@@ -6,8 +6,8 @@ import numpy as np
 
 import freebody as fb
 from freebody.derivations.formula import parse
+from freebody.derivations.formula_values import value
 from freebody.derivations.relation import printed_numbers
-from freebody.derivations.values import value
 from freebody_notes.checks import ByFunction, Related
 from freebody_notes.item import Outcome
 

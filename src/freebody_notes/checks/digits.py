@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from freebody.derivations.formula import as_printed, parse
+from freebody.derivations.formula_values import value
 from freebody.derivations.relation import agrees, relation
-from freebody.derivations.values import value
 from freebody_notes.checks.calls import source
 from freebody_notes.checks.evidence import number
 from freebody_notes.checks.relation import vectors

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from freebody.derivations.functions import printed
-from freebody.derivations.names import sym
+from freebody.derivations.printed_names import sym
 from freebody.derivations.quantities import Quantities
 from freebody.derivations.relation import Relation
 from freebody.outputs.numbers import shortest

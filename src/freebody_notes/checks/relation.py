@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from freebody.derivations.formula import FormulaError, as_printed
+from freebody.derivations.formula_values import Each, plain, rank
 from freebody.derivations.quantities import Quantities, of_link
 from freebody.derivations.relation import relation
-from freebody.derivations.values import Each, plain, rank
 from freebody.errors import UnknownNameError
 from freebody.lazy import cached_property
 from freebody_notes.checks.calls import ARM, made, source

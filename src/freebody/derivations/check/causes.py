@@ -15,7 +15,7 @@ from itertools import pairwise
 from freebody.derivations.check.residues import PRIME, Point, Turn, plus, residue
 from freebody.derivations.check.setting import RightEquations
 from freebody.derivations.check.targets import AskedQuantity, Targets
-from freebody.derivations.names import sym
+from freebody.derivations.printed_names import sym
 from freebody.scalars.trig import Trig
 
 Thought = tuple[str, int]

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
+from freebody.derivations.angle_sums import Monomial, Terms, Wave, gathered, raw
 from freebody.derivations.check.setting import RightEquations
 from freebody.derivations.expression import Expression, mul
-from freebody.derivations.forms import Layout
-from freebody.derivations.waves import Monomial, Terms, Wave, gathered, raw
+from freebody.derivations.textbook_form import Layout
 from freebody.scalars.trig import Trig
 
 MOST_TERMS = 20_000

@@ -31,8 +31,8 @@ from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.check.wording import Wording, quoted
 from freebody.derivations.check.workspace import Workspace
 from freebody.derivations.grammar.lexer import tokens
-from freebody.derivations.names import sym
 from freebody.derivations.nodes import nodes
+from freebody.derivations.printed_names import sym
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig

@@ -8,9 +8,9 @@ from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 from freebody.derivations.equations import Equations
-from freebody.derivations.forms import Layout
-from freebody.derivations.order import Order
+from freebody.derivations.symbol_order import Order
 from freebody.derivations.symbols import RATE, SECOND, Symbols
+from freebody.derivations.textbook_form import Layout
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig, TrigRing
 

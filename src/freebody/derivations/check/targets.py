@@ -15,7 +15,7 @@ from freebody.derivations.check.vocabulary import spellings
 from freebody.derivations.determinant import determinant
 from freebody.derivations.evaluate import arithmetic, evaluate
 from freebody.derivations.expression import Expression
-from freebody.derivations.names import sym
+from freebody.derivations.printed_names import sym
 from freebody.derivations.symbols import names_by_body
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig

@@ -15,8 +15,8 @@ from freebody.derivations.check.tree import Named, Wave
 from freebody.derivations.check.verdict import Mistake
 from freebody.derivations.check.workspace import Workspace
 from freebody.derivations.grammar.source import Source
-from freebody.derivations.names import sym
 from freebody.derivations.nodes import Expression, Number, Power, Product, Sum
+from freebody.derivations.printed_names import sym
 
 _LONG = 70
 _OPPOSITE = {

@@ -14,8 +14,8 @@ from freebody.derivations import expression as ex
 from freebody.derivations.determinant import determinant
 from freebody.derivations.expression import Expression
 from freebody.derivations.factors import factored
-from freebody.derivations.forms import Layout
 from freebody.derivations.symbols import Symbols
+from freebody.derivations.textbook_form import Layout
 from freebody.scalars.trig import Trig
 
 Entries = list[list[Trig]]

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from freebody.derivations.grammar.source import Source
-from freebody.derivations.names import GREEK
+from freebody.derivations.printed_names import GREEK
 
 DOT, PRIME = "˙", "'"
 _LETTERS = {letter: name for name, letter in GREEK.items()} | {

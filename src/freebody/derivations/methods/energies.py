@@ -9,7 +9,7 @@ from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Step
 from freebody.derivations.expression import Equation, eq
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.names import vec
+from freebody.derivations.printed_names import vec
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import dot, neg

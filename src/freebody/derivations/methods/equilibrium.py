@@ -9,7 +9,7 @@ from freebody.derivations.expression import Expression, eq
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.wording import motorless
-from freebody.derivations.names import sym, vec
+from freebody.derivations.printed_names import sym, vec
 
 
 class Equilibrium:

@@ -13,11 +13,11 @@ from freebody.derivations.closed.linear import Ratio, product, quotient
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expression import Equation, Expression, eq
 from freebody.derivations.methods import glossary, lagrange
-from freebody.derivations.methods.loops import LONG, Loops
+from freebody.derivations.methods.cut_loops import LONG, Loops
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.methods.work import virtual_work
-from freebody.derivations.names import entry, sym
+from freebody.derivations.methods.virtual_work import virtual_work
+from freebody.derivations.printed_names import entry, sym
 from freebody.derivations.symbols import RATE, SECOND
 from freebody.scalars.trig import Trig
 

@@ -6,7 +6,7 @@ from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Step
 from freebody.derivations.expression import Equation, Expression, eq
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.names import vec
+from freebody.derivations.printed_names import vec
 from freebody.elementary import Scalar
 
 

@@ -9,7 +9,7 @@ from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Meaning
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.wording import joints_that
-from freebody.derivations.names import sym, vec
+from freebody.derivations.printed_names import sym, vec
 from freebody.derivations.render.literal import literal
 from freebody.derivations.symbols import RATE, SECOND
 from freebody.model.joints import JointWords

@@ -15,12 +15,12 @@ from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expression import Equation, Expression, eq
 from freebody.derivations.methods import glossary, wording
-from freebody.derivations.methods.closing import closed_form
+from freebody.derivations.methods.body_motion import motion
+from freebody.derivations.methods.closed_form_steps import closed_form
 from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.method import Method, Worked
-from freebody.derivations.methods.motion import motion
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.names import sym, vec
+from freebody.derivations.printed_names import sym, vec
 from freebody.derivations.symbols import RATE
 from freebody.errors import listed
 from freebody.scalars.trig import Trig

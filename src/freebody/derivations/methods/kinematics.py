@@ -12,10 +12,10 @@ from freebody.derivations.expression import Equation, Expression, eq
 from freebody.derivations.kinematics import Kinematics
 from freebody.derivations.methods import loop_kinematics
 from freebody.derivations.methods.glossary import METER
+from freebody.derivations.methods.inverse_position import inverse_position
 from freebody.derivations.methods.method import Method, Worked
-from freebody.derivations.methods.positions import inverse_position
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.names import sym, vec
+from freebody.derivations.printed_names import sym, vec
 from freebody.derivations.singularities import jacobian_determinant
 from freebody.derivations.symbols import RATE, SECOND
 from freebody.lazy import cached_property

@@ -11,10 +11,10 @@ from freebody.derivations.closed.linear import product, quotient
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expression import Equation, Expression, eq
 from freebody.derivations.methods import glossary
-from freebody.derivations.methods.loops import LONG, Loops
+from freebody.derivations.methods.cut_loops import LONG, Loops
 from freebody.derivations.methods.method import Worked
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.names import entry, sym, vec
+from freebody.derivations.printed_names import entry, sym, vec
 from freebody.derivations.singularities import Determinant
 from freebody.derivations.symbols import RATE
 

@@ -14,13 +14,13 @@ from freebody.derivations.closed.statics import LoopStatics
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expression import Equation, Expression, eq
 from freebody.derivations.methods import glossary
+from freebody.derivations.methods.cut_loops import LONG, Loops
 from freebody.derivations.methods.equilibrium import Equilibrium
 from freebody.derivations.methods.geometry import geometry
-from freebody.derivations.methods.loops import LONG, Loops
 from freebody.derivations.methods.method import Worked
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.names import entry, sym
+from freebody.derivations.printed_names import entry, sym
 from freebody.errors import listed
 from freebody.lazy import cached_property
 from freebody.model.tree import TreeLoop

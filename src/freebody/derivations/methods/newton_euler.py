@@ -14,14 +14,14 @@ from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expression import Expression, eq
 from freebody.derivations.methods import glossary, wording
-from freebody.derivations.methods.closing import closed_form
+from freebody.derivations.methods.body_motion import motion
+from freebody.derivations.methods.closed_form_steps import closed_form
 from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.method import Method, MethodOption, Worked
-from freebody.derivations.methods.motion import motion
-from freebody.derivations.methods.pivots import about_pivots, arms_of_pivots
+from freebody.derivations.methods.moments_about_pivots import about_pivots, arms_of_pivots
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.names import vec
+from freebody.derivations.printed_names import vec
 from freebody.scalars.trig import Trig
 
 

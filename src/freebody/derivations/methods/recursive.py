@@ -10,13 +10,13 @@ from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expression import Equation, Expression, eq
 from freebody.derivations.methods import glossary
-from freebody.derivations.methods.closing import closed_form
+from freebody.derivations.methods.closed_form_steps import closed_form
 from freebody.derivations.methods.geometry import geometry, rotation_name
-from freebody.derivations.methods.inward import Inward
+from freebody.derivations.methods.inward_recursion import Inward
 from freebody.derivations.methods.method import Method, MethodOption, Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.wording import coriolis
-from freebody.derivations.names import sym, vec
+from freebody.derivations.printed_names import sym, vec
 from freebody.derivations.symbols import RATE, SECOND
 from freebody.spatial import times, transposed
 

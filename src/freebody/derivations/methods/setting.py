@@ -15,11 +15,11 @@ from freebody.algorithms.kinematics import BodyMotions, Pose, outward, world_pos
 from freebody.derivations import expression as ex
 from freebody.derivations.equations import Equations
 from freebody.derivations.expression import Expression
-from freebody.derivations.forms import Layout
-from freebody.derivations.lengths import by_lengths
-from freebody.derivations.names import sym, vec
+from freebody.derivations.grouped_by_length import by_lengths
 from freebody.derivations.naming import Naming
+from freebody.derivations.printed_names import sym, vec
 from freebody.derivations.symbols import Symbols
+from freebody.derivations.textbook_form import Layout
 from freebody.elementary import Scalar
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property

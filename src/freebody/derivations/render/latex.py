@@ -6,7 +6,7 @@ import re
 from fractions import Fraction
 
 from freebody.derivations.expression import Expression, Number, Symbol
-from freebody.derivations.names import GREEK
+from freebody.derivations.printed_names import GREEK
 from freebody.derivations.render.literal import tex, tex_math
 from freebody.derivations.render.typesetter import BREAK, Typesetter, is_call
 

@@ -17,8 +17,8 @@ from freebody.algorithms.regrouped_parameters import kept, regrouped
 from freebody.derivations import expression as ex
 from freebody.derivations.closed_form import SHORT, ClosedForm
 from freebody.derivations.expression import Equation
-from freebody.derivations.names import sym
-from freebody.derivations.order import Order
+from freebody.derivations.printed_names import sym
+from freebody.derivations.symbol_order import Order
 from freebody.derivations.symbols import RATE, SECOND, Symbols, symbols
 from freebody.lazy import cached_property
 from freebody.model.inertial_parameters import body_parameters

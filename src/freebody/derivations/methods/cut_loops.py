@@ -13,7 +13,7 @@ from freebody.derivations.closed.loops import LoopEquations
 from freebody.derivations.derivation import Step
 from freebody.derivations.expression import Equation, Expression, eq
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.names import entry, sym
+from freebody.derivations.printed_names import entry, sym
 from freebody.derivations.render.literal import literal
 from freebody.errors import listed
 from freebody.lazy import cached_property

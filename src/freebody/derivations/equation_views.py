@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 from freebody.derivations import expression as ex
 from freebody.derivations.expression import Equation, Expression, Symbol
-from freebody.derivations.forms import Layout
-from freebody.derivations.names import entry
 from freebody.derivations.naming import motors
+from freebody.derivations.printed_names import entry
 from freebody.derivations.symbols import RATE, SECOND
+from freebody.derivations.textbook_form import Layout
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 

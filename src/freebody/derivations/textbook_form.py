@@ -15,12 +15,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from freebody.derivations import expression as ex
+from freebody.derivations.angle_sums import Monomial, Raw, Terms, Wave, as_products, gathered, raw
 from freebody.derivations.expression import Expression
-from freebody.derivations.names import sym
-from freebody.derivations.order import Order
-from freebody.derivations.pairs import paired
+from freebody.derivations.printed_names import sym
+from freebody.derivations.sums_to_products import paired
+from freebody.derivations.symbol_order import Order
 from freebody.derivations.symbols import SECOND, Symbols
-from freebody.derivations.waves import Monomial, Raw, Terms, Wave, as_products, gathered, raw
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 

@@ -11,7 +11,7 @@ from freebody.derivations.methods.geometry import rotation_name
 from freebody.derivations.methods.reactions import drive_part
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.wording import working_part
-from freebody.derivations.names import vec
+from freebody.derivations.printed_names import vec
 from freebody.scalars.trig import Trig
 
 

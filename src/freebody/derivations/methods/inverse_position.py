@@ -7,7 +7,7 @@ from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Step
 from freebody.derivations.expression import Expression, eq
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.names import sym
+from freebody.derivations.printed_names import sym
 
 
 def inverse_position(s: Setting) -> list[Step]:

@@ -9,9 +9,9 @@ from fractions import Fraction
 from typing import Any
 
 from freebody.derivations import expression as ex
+from freebody.derivations.angle_sums import Blocks
 from freebody.derivations.expression import Expression
 from freebody.derivations.symbols import RATE, SECOND, Symbols
-from freebody.derivations.waves import Blocks
 from freebody.lazy import cached_property
 from freebody.model.bodies import Body
 from freebody.model.parameters import Parameter, each_parameter

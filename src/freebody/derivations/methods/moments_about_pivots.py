@@ -9,7 +9,7 @@ from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expression import Equation, Expression, eq
 from freebody.derivations.methods.glossary import INERTIA, METER
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.names import sym, vec
+from freebody.derivations.printed_names import sym, vec
 from freebody.scalars.trig import Trig
 from freebody.spatial import dot
 
