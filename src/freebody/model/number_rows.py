@@ -174,11 +174,12 @@ class NumberRows:
         for slot in {mass, *com, *tensor}:
             self.inertias.setdefault(slot, []).append(itemgetter(mass, *tensor))
         k = self._position(part.placement, (*path, "placement"))
-        (R, _), dim = pose_part(part.placement, self.space.dim).pose, self.space.dim
+        space, dim = self.space, self.space.dim
+        R, _ = pose_part(part.placement, dim).pose
         take = itemgetter(mass, *com, *tensor)
 
         def entries(values: SlotValues, places: list[Vector]) -> Any:
-            return inertial_entries(self.space, in_shape(dim, take(values)), (R, places[k]))
+            return inertial_entries(space, in_shape(dim, take(values)), (R, places[k]))
 
         slots = frozenset((mass, *com, *tensor)) | self.positions[k].slots
         return RowPart(slots, entries, tuple(linear_row(part, dim).tolist()))
