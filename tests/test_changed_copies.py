@@ -276,10 +276,10 @@ def test_a_row_of_changes_keeps_no_row_of_models():
         met.append(weakref.ref(model))
     assert sum(ref() is not None for ref in met) == 1
     assert model.bodies[2].inertias[0].inertia.mass == 30.0
-    layout = weakref.ref(model.__dict__["layout"])
-    assert layout() is not None
+    rows = weakref.ref(model.__dict__["layout"].rows)
+    assert rows() is not None
     del model
-    assert layout() is None  # nothing in it refers back to it
+    assert rows() is None  # nothing in it refers back to it
 
 
 def test_a_value_that_is_missing_is_named_though_the_origin_had_it():
