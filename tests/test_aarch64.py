@@ -118,6 +118,7 @@ def same(there: np.ndarray, here: np.ndarray) -> None:
     [
         ("ur5e", "inverse_dynamics"),
         ("ur5e", "forward_dynamics"),
+        ("ur5e", "mass_matrix"),
         ("panda", "inverse_dynamics"),
         ("panda", "forward_dynamics"),
         ("five_bar", "forward_dynamics"),

@@ -67,7 +67,7 @@ def test_the_text_grows_with_the_program_and_its_functions_do_not():
     to the program."""
 
     def lengths(length):
-        compiled = random_kernel(11, length, target="cpu")
+        compiled = random_kernel(11, length, target="cpu", width=8)
         functions = re.findall(r"^define .*?^}", compiled.source, flags=re.M | re.S)
         return [text.count("\n") for text in functions], sum(compiled.program.operations.values())
 
