@@ -6,6 +6,7 @@ import re
 import shlex
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -156,3 +157,25 @@ def test_files_that_the_architecture_sends_to_are_there():
         assert (ROOT / package / full).exists(), full
         found += 1
     assert found > 15
+
+
+def test_what_contributing_names_is_there():
+    """Files, by their path or its end, tables in capitals, and the layers in their order."""
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    files = [
+        p
+        for part in ("src", "tests", "tools", "benchmarks", ".ci")
+        for p in (ROOT / part).rglob("*")
+    ]
+    ends = {path.relative_to(ROOT).as_posix() for path in files}
+    named = set(re.findall(r"[\w/.]+\.(?:py|toml)\b", text)) - {"tests/test_x.py", "pyproject.toml"}
+    missing = {name for name in named if not any(f"/{end}".endswith(f"/{name}") for end in ends)}
+    assert missing == set()
+    code = "".join(p.read_text(encoding="utf-8") for p in files if p.suffix == ".py")
+    tables = set(re.findall(r"`(_?[A-Z]{3,}[A-Z_]*)`", text))
+    assert len(tables) > 10
+    assert {name for name in tables if not re.search(rf"\b{name}\b", code)} == set()
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    contracts = settings["tool"]["importlinter"]["contracts"]
+    layers = next(c["layers"] for c in contracts if c["id"] == "layers")
+    assert " · ".join(layers) in text
