@@ -136,7 +136,7 @@ def main() -> None:
     if lacking := driver.missing():
         sys.exit(f"not run: {lacking}")
     if asked.whole:
-        parts.LARGEST = 0.0
+        parts.LARGEST, parts.ALIVE = 0.0, sys.maxsize
     with driver.current(0):
         card = driver.call("cuDeviceGetName", 100, 0).split(b"\0")[0].decode()
     print(

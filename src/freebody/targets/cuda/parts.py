@@ -26,7 +26,7 @@ MOST = 2.0
 """Values alive at a time, over the room that there is, beyond which no division was ever found that
 pays."""
 
-OUTPUTS, ALIVE, FEWEST = 1000, 800, 200
+OUTPUTS, ALIVE, FEWEST = 1024, 800, 200
 """Results, and values alive at a time, of one part at most: `ptxas` takes time with the square of
 both. Parts of fewer results than the third are not divided for the values."""
 
