@@ -11,7 +11,7 @@ import pytest
 
 import freebody as fb
 from freebody.cli.app import run
-from freebody.derivations.check.source import AnswerError, AnswerText
+from freebody.derivations.check.answer_text import AnswerError, AnswerText
 from support.extras import extra
 
 ARM = fb.planar("RR")

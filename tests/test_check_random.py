@@ -9,8 +9,8 @@ from collections import Counter
 import pytest
 
 import freebody as fb
-from freebody.derivations.check.setting import setting
-from freebody.derivations.check.targets import polynomial
+from freebody.derivations.check.asked_quantities import polynomial
+from freebody.derivations.check.right_equations import setting
 from support.answers import (
     KINDS,
     WORDS,

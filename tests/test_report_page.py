@@ -9,7 +9,7 @@ import pytest
 
 import freebody as fb
 from freebody.outputs.numbers import significant
-from freebody.report.tables import PrintedNumber, Text, aligned, typeset
+from freebody.report.tables import PrintedNumber, WordsCell, aligned, typeset
 from support.report_numbers import compare, data_file
 
 
@@ -111,7 +111,7 @@ def test_small_and_missing_numbers_are_not_printed_as_zero():
     assert numbers(67.0, 5.0, 0.000946) == ["67.00", "5.00", "9.5·10⁻⁴"]
     assert numbers(67.0, 5.0, 1e-15) == ["67.00", "5.00", "0"]
     assert numbers(float("nan"), float("inf"), 2.0) == ["–", "∞", "2.00"]
-    assert aligned([Text("word")]) == [Text("word")]
+    assert aligned([WordsCell("word")]) == [WordsCell("word")]
 
 
 @pytest.mark.parametrize(

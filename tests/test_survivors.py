@@ -9,7 +9,7 @@ import pytest
 
 import freebody as fb
 from freebody.derivations.check.example import example
-from freebody.derivations.check.setting import setting
+from freebody.derivations.check.right_equations import setting
 from freebody.derivations.closed.linear import product
 from freebody.derivations.printed_names import sym
 from freebody.derivations.render.latex import width

@@ -14,11 +14,11 @@ from itertools import product as words_of
 import freebody as fb
 from freebody.algorithms.kinematics import jacobian
 from freebody.derivations import expression as ex
-from freebody.derivations.check.exact import PolynomialReader
+from freebody.derivations.check.answer_text import AnswerText
+from freebody.derivations.check.asked_quantities import polynomial
+from freebody.derivations.check.exact_polynomials import PolynomialReader
 from freebody.derivations.check.reading import AnswerParser
-from freebody.derivations.check.setting import RightEquations
-from freebody.derivations.check.source import AnswerText
-from freebody.derivations.check.targets import polynomial
+from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.verdict import Verdict
 from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.equations import Equations

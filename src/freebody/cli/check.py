@@ -39,8 +39,8 @@ def check(
 
     Exit status 0: all are right. 1: a mistake was found. 2: something cannot be read.
     """
+    from freebody.derivations.check.answer_text import AnswerError
     from freebody.derivations.check.check import check as verdict_on
-    from freebody.derivations.check.source import AnswerError
 
     text = _text(answer)
     meanings = dict(map(_renaming, names or []))

@@ -19,7 +19,7 @@ from freebody.report.tables import (
     Head,
     PrintedNumber,
     ReportTable,
-    Text,
+    WordsCell,
     alone,
     table,
     typeset,
@@ -146,9 +146,9 @@ def bodies(study: Study) -> ReportTable:
     parents = ["ground" if body.parent < 0 else names[body.parent] for body in model.bodies]
     tip = "centre of mass from the joint's origin, in the body's axes at its joint"
     columns: list[Column] = [
-        (Head("Joint", number=False), [Text(body.joint.name) for body in model.bodies]),
-        (Head("Kind", number=False), [Text(_kind(body.joint)) for body in model.bodies]),
-        (Head("Hangs on", number=False), [Text(parent) for parent in parents]),
+        (Head("Joint", number=False), [WordsCell(body.joint.name) for body in model.bodies]),
+        (Head("Kind", number=False), [WordsCell(_kind(body.joint)) for body in model.bodies]),
+        (Head("Hangs on", number=False), [WordsCell(parent) for parent in parents]),
     ]
     book = facts(study)
     printed = [Printed("Mass, estimated" if model.is_estimated else "Mass", "body_mass", "kg")] + [
@@ -226,7 +226,7 @@ def checks(study: Study) -> ReportTable:
     """Each check with its value and bar."""
     names, book = [c.name for c in study.checks], facts(study)
     results = [
-        Text("passed" if c.passed else "failed", css="ok" if c.passed else "bad")
+        WordsCell("passed" if c.passed else "failed", css="ok" if c.passed else "bad")
         for c in study.checks
     ]
     columns: list[Column] = [(Head("Result", number=False), results)]
@@ -241,7 +241,7 @@ def checks(study: Study) -> ReportTable:
     columns.append(
         (
             Head("What is compared", number=False),
-            [Text(typeset(c.text), css="wide") for c in study.checks],
+            [WordsCell(typeset(c.text), css="wide") for c in study.checks],
         )
     )
     return _listed("Two ways to the same quantity", "Check", names, columns)
@@ -255,7 +255,7 @@ def loads(study: Study, body: BodyLoads) -> ReportTable:
         for load in body.loads
     ]
     columns: list[Column] = [
-        (Head("exerted by", number=False), [Text(load.other) for load in body.loads])
+        (Head("exerted by", number=False), [WordsCell(load.other) for load in body.loads])
     ]
     for j, axis in enumerate(forces):
         columns.append(
@@ -278,7 +278,7 @@ def _force(study: Study, body: BodyLoads, load: Load, axis: str, j: int) -> Cell
 
 def _moment(study: Study, load: Load, axis: str, j: int) -> Cell:
     if load.joint is None:
-        return Text("", css="n")
+        return WordsCell("", css="n")
     return _reaction(study, "reaction_moment", load, {"moment_axis": axis}, float(load.moment[j]))
 
 
@@ -323,9 +323,9 @@ def _listed(
     numbers: Iterable[int] | None = None,
 ) -> ReportTable:
     """Named rows with numbers, by default from 1."""
-    first: list[Cell] = [Text(name, strong=True) for name in names]
+    first: list[Cell] = [WordsCell(name, strong=True) for name in names]
     counted = range(1, len(first) + 1) if numbers is None else numbers
-    before: list[Cell] = [Text(str(n), css="count") for n in counted]
+    before: list[Cell] = [WordsCell(str(n), css="count") for n in counted]
     heads = [Head(""), Head(title, number=False), *(head for head, _ in columns)]
     return table(caption, heads, [before, first, *(cells for _, cells in columns)])
 

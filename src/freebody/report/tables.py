@@ -46,7 +46,7 @@ class PrintedNumber:
 
 
 @dataclass(frozen=True)
-class Text:
+class WordsCell:
     """A cell of words; `strong` for what a row is about."""
 
     text: str
@@ -54,7 +54,7 @@ class Text:
     css: str = ""
 
 
-Cell = PrintedNumber | Text
+Cell = PrintedNumber | WordsCell
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ def alone(number: PrintedNumber, digits: int = 3) -> PrintedNumber:
 def _printed(cell: Cell, decimals: int, noise: float) -> Cell:
     """With so many decimals; with digits of its own where that would print 0, unless it is lost in
     `noise`."""
-    if isinstance(cell, Text) or cell.text:
+    if isinstance(cell, WordsCell) or cell.text:
         return cell
     size = cell.value * cell.scale
     if not math.isfinite(size):

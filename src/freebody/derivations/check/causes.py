@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 
-from freebody.derivations.check.residues import PRIME, Point, Turn, plus, residue
-from freebody.derivations.check.setting import RightEquations
-from freebody.derivations.check.targets import AskedQuantity, Targets
+from freebody.derivations.check.asked_quantities import AskedQuantity, Targets
+from freebody.derivations.check.finite_field import PRIME, Point, Turn, plus, residue
+from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.printed_names import sym
 from freebody.scalars.trig import Trig
 

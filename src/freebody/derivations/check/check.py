@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from freebody.derivations.check.answer import claims
+from freebody.derivations.check.answer_text import AnswerError
+from freebody.derivations.check.asked_quantities import Targets
+from freebody.derivations.check.claims import claims
 from freebody.derivations.check.judge import Judge
-from freebody.derivations.check.setting import setting
-from freebody.derivations.check.source import AnswerError
-from freebody.derivations.check.targets import Targets
+from freebody.derivations.check.right_equations import setting
 from freebody.derivations.check.verdict import Verdict
 from freebody.derivations.equations import equations
 from freebody.model.model import Model

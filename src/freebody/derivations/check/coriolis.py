@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from freebody.derivations.check.answer import Claim
-from freebody.derivations.check.setting import RightEquations
+from freebody.derivations.check.claims import Claim
+from freebody.derivations.check.right_equations import RightEquations
 from freebody.scalars.trig import Trig
 
 _ALONE = "Many matrices C have C q̇ = c: compared with Christoffel's; give the whole row to have C q̇ = c looked at."

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from freebody.derivations.angle_sums import Monomial, Terms, Wave, gathered, raw
-from freebody.derivations.check.setting import RightEquations
+from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.expression import Expression, mul
 from freebody.derivations.textbook_form import Layout
 from freebody.scalars.trig import Trig

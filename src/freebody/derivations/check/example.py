@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 
-from freebody.derivations.check.setting import RightEquations
+from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.verdict import Example
 from freebody.derivations.printed_names import sym
 from freebody.outputs.numbers import shortest

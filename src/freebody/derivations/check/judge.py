@@ -6,9 +6,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from freebody.derivations.check import coriolis, example, idle
-from freebody.derivations.check.answer import Claim
+from freebody.derivations.check import coriolis, example, undriven_joints
+from freebody.derivations.check.answer_text import AnswerText
+from freebody.derivations.check.answer_tree import Named
+from freebody.derivations.check.asked_quantities import Targets
 from freebody.derivations.check.causes import Causes, related
+from freebody.derivations.check.claims import Claim
 from freebody.derivations.check.differences import (
     Difference,
     differences,
@@ -16,20 +19,17 @@ from freebody.derivations.check.differences import (
     printed,
     terms,
 )
-from freebody.derivations.check.notation import misread
+from freebody.derivations.check.finite_field import Point, random_point
+from freebody.derivations.check.finite_field_tree import Workspace
+from freebody.derivations.check.misreadings import misread
 from freebody.derivations.check.reading import AnswerParser
 from freebody.derivations.check.repairs import Repair, Repairs
-from freebody.derivations.check.residues import Point, random_point
-from freebody.derivations.check.rounded import MEASURED, Rounded
-from freebody.derivations.check.setting import RightEquations
-from freebody.derivations.check.source import AnswerText
-from freebody.derivations.check.targets import Targets
-from freebody.derivations.check.tree import Named
+from freebody.derivations.check.right_equations import RightEquations
+from freebody.derivations.check.rounded_numbers import MEASURED, Rounded
 from freebody.derivations.check.units import misfit, unit_text
 from freebody.derivations.check.verdict import EquationVerdict, Mistake
 from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.check.wording import Wording, quoted
-from freebody.derivations.check.workspace import Workspace
 from freebody.derivations.grammar.lexer import tokens
 from freebody.derivations.nodes import nodes
 from freebody.derivations.printed_names import sym
@@ -97,7 +97,7 @@ class Judge:
         matrices C."""
         note = self.coriolis.get(claim.target.index, "") if claim.target.family == "C" else ""
         if claim.target.idle and (
-            claim.value.is_zero or idle.is_same(self.setting, claim.value, right)
+            claim.value.is_zero or undriven_joints.is_same(self.setting, claim.value, right)
         ):
             joint = claim.target.index[0]
             note = f"Nothing drives joint {joint}: {sym(f'tau{joint}')} = 0."

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 
-from freebody.derivations.check.exact import LARGEST_EXPONENT, PolynomialReader
-from freebody.derivations.check.tree import Named, Wave
+from freebody.derivations.check.answer_tree import Named, Wave
+from freebody.derivations.check.exact_polynomials import LARGEST_EXPONENT, PolynomialReader
 from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.parser import PI, Parser, around, product_of

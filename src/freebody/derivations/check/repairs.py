@@ -14,10 +14,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
 
-from freebody.derivations.check.residues import PRIME, rational
-from freebody.derivations.check.setting import RightEquations
-from freebody.derivations.check.tree import Angle, Named, Wave
-from freebody.derivations.check.workspace import Workspace
+from freebody.derivations.check.answer_tree import Angle, Named, Wave
+from freebody.derivations.check.finite_field import PRIME, rational
+from freebody.derivations.check.finite_field_tree import Workspace
+from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.nodes import (
     Expression,
     Negative,

@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from freebody.derivations.check.setting import RightEquations
+from freebody.derivations.check.right_equations import RightEquations
 from freebody.scalars.trig import Trig
 
 Unit = tuple[int, int, int]

@@ -9,8 +9,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NoReturn
 
-from freebody.derivations.check.setting import FAMILIES, RightEquations
-from freebody.derivations.check.tree import Angle
+from freebody.derivations.check.answer_tree import Angle
+from freebody.derivations.check.right_equations import FAMILIES, RightEquations
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.source import Source, Span
 from freebody.derivations.grammar.words import DOT, PRIME, spell
@@ -19,7 +19,7 @@ from freebody.errors import likely
 from freebody.scalars.trig import Trig
 
 if TYPE_CHECKING:
-    from freebody.derivations.check.targets import AskedQuantity
+    from freebody.derivations.check.asked_quantities import AskedQuantity
 
 FUNCTIONS = {
     "sin": "sin", "Sin": "sin", "SIN": "sin", "cos": "cos", "Cos": "cos", "COS": "cos", "sgn": "sgn", "sign": "sgn",

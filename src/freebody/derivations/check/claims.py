@@ -7,14 +7,14 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from freebody.derivations.check import idle
-from freebody.derivations.check.exact import PolynomialReader
+from freebody.derivations.check import undriven_joints
+from freebody.derivations.check.answer_text import AnswerError, AnswerText
+from freebody.derivations.check.answer_tree import Named
+from freebody.derivations.check.asked_quantities import AskedQuantity, Targets
+from freebody.derivations.check.circular_answers import GivenQuantity, refuse_circles, uses
+from freebody.derivations.check.exact_polynomials import PolynomialReader
 from freebody.derivations.check.reading import AnswerParser
-from freebody.derivations.check.references import GivenQuantity, refuse_circles, uses
-from freebody.derivations.check.setting import FAMILIES, RightEquations
-from freebody.derivations.check.source import AnswerError, AnswerText
-from freebody.derivations.check.targets import AskedQuantity, Targets
-from freebody.derivations.check.tree import Named
+from freebody.derivations.check.right_equations import FAMILIES, RightEquations
 from freebody.derivations.check.vocabulary import Vocabulary, spellings
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import Token, tokens
@@ -371,7 +371,7 @@ class _ClaimReader:
             for claim in before
             if claim.target.family == "0" or claim.target.idle
         ]
-        target = idle.equation(self.targets, self.value(node), taken)
+        target = undriven_joints.equation(self.targets, self.value(node), taken)
         return self._claim(f"The equation of joint {target.index[0]}", target, node)
 
     def _solved(self, line: Line, target: AskedQuantity) -> tuple[Trig, Trig | None]:

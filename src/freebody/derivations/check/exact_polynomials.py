@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import reduce
 
-from freebody.derivations.check.tree import Angle, Named, Wave
+from freebody.derivations.check.answer_tree import Angle, Named, Wave
 from freebody.derivations.evaluate import NoValue, Rules, arithmetic, evaluate
 from freebody.derivations.grammar.source import Source
 from freebody.derivations.nodes import Expression, Matrix, Quotient

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from freebody.derivations.check.residues import PRIME, Point
+from freebody.derivations.check.finite_field import PRIME, Point
 from freebody.derivations.nodes import Expression, Negative, Power, Product, Quotient, Sum, nodes
 from freebody.lazy import cached_property
 

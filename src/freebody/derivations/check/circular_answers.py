@@ -7,14 +7,14 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from freebody.derivations.check.targets import AskedQuantity
-from freebody.derivations.check.tree import Named
+from freebody.derivations.check.answer_tree import Named
+from freebody.derivations.check.asked_quantities import AskedQuantity
 from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.grammar.source import Source, Span
 from freebody.derivations.nodes import Expression, nodes
 
 if TYPE_CHECKING:
-    from freebody.derivations.check.answer import Claim
+    from freebody.derivations.check.claims import Claim
 
 
 @dataclass(frozen=True)

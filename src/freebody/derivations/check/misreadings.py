@@ -6,12 +6,12 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from freebody.derivations.check.answer import Claim
-from freebody.derivations.check.setting import RightEquations
-from freebody.derivations.check.targets import Targets
-from freebody.derivations.check.tree import Named, Wave
+from freebody.derivations.check.answer_tree import Named, Wave
+from freebody.derivations.check.asked_quantities import Targets
+from freebody.derivations.check.claims import Claim
+from freebody.derivations.check.finite_field_tree import Workspace
+from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.verdict import Mistake
-from freebody.derivations.check.workspace import Workspace
 from freebody.derivations.nodes import Expression, Negative, Number, Sum, replaced
 from freebody.derivations.symbols import RATE, SECOND
 

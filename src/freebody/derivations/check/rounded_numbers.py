@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from freebody.derivations.check.differences import Difference, Key, differences, is_too_long, terms
-from freebody.derivations.check.exact import PolynomialReader
-from freebody.derivations.check.parts import Parts, Product, parts, whole
-from freebody.derivations.check.setting import RightEquations
+from freebody.derivations.check.exact_polynomials import PolynomialReader
+from freebody.derivations.check.right_equations import RightEquations
+from freebody.derivations.check.terms_by_motion import Parts, Product, parts, whole
 from freebody.derivations.grammar.source import Source
 from freebody.derivations.nodes import Expression, Number, nodes, replaced
 from freebody.errors import FreebodyError

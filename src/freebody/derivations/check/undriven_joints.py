@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from fractions import Fraction
 
-from freebody.derivations.check.parts import parts
-from freebody.derivations.check.setting import RightEquations
-from freebody.derivations.check.targets import AskedQuantity, Targets
+from freebody.derivations.check.asked_quantities import AskedQuantity, Targets
+from freebody.derivations.check.right_equations import RightEquations
+from freebody.derivations.check.terms_by_motion import parts
 from freebody.scalars.trig import Trig
 
 

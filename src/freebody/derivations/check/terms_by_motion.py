@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from fractions import Fraction
 
-from freebody.derivations.check.setting import RightEquations
+from freebody.derivations.check.right_equations import RightEquations
 from freebody.scalars.trig import Trig
 
 Product = tuple[tuple[str, int], ...]

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
 
-from freebody.derivations.check.tree import Angle, Named, Wave
+from freebody.derivations.check.answer_tree import Angle, Named, Wave
 from freebody.derivations.evaluate import Rules, arithmetic, evaluate
 from freebody.derivations.nodes import Expression
 from freebody.lazy import cached_property

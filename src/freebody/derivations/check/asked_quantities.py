@@ -10,7 +10,7 @@ from typing import Any
 
 from freebody.algorithms.kinematics import frame_pose, jacobian, joint_poses, world_poses
 from freebody.derivations import expression as ex
-from freebody.derivations.check.setting import RightEquations
+from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.vocabulary import spellings
 from freebody.derivations.determinant import determinant
 from freebody.derivations.evaluate import arithmetic, evaluate
