@@ -51,7 +51,7 @@ def quantity(element: Element) -> str:
             return ""
 
 
-def label(element: Element, labels: str) -> tuple[str, str]:
+def beside(element: Element, labels: str) -> tuple[str, str]:
     """What stands beside an element, a formula and plain text after it."""
     name = element.text if isinstance(element, Label) else getattr(element, "label", "")
     value = quantity(element) if name and labels != "names" else ""

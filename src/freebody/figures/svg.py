@@ -64,7 +64,7 @@ class Page:
         self, element: Element, css: str, anchors: Sequence[tuple[float, float, float, float]]
     ) -> None:
         """Ask for room for what stands beside an element."""
-        formula, after = labelling.label(element, self.drawing.labels)
+        formula, after = labelling.beside(element, self.drawing.labels)
         if formula or after:
             wide = mathtext.width(formula) + texts.width(after, _VALUE)
             self.wanted.append(Wanted(formula, css, anchors, mathtext.SIZE, wide, after))
@@ -270,7 +270,7 @@ assert set(_DRAW) == set(Element.__args__)
 
 
 def _tooltip(page: Page, e: Arrow | Turn) -> str:
-    _, after = labelling.label(e, page.drawing.labels)
+    _, after = labelling.beside(e, page.drawing.labels)
     return f"<title>{escape(mathtext.plain(e.label or e.name) + after)}</title>"
 
 
