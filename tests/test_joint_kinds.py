@@ -15,6 +15,7 @@ import freebody as fb
 from freebody.derivations.base_parameters import base_parameters
 from freebody.derivations.symbols import symbols
 from freebody.figures.snapshot import clear_pose
+from freebody.inverse.solutions import turning_coordinates
 from freebody.model.build import build_model
 from freebody.model.description import Joint, Link, Mimic, RobotDescription
 from freebody.model.gravity import gravity_of
@@ -311,6 +312,21 @@ def test_equations_of_every_kind(kind: str):
     columns = fb.regressor(model, q, qd, qdd)[..., [b.column for b in base]]
     torques = (columns * values[:, None, :]).sum(-1)
     close(torques, fb.inverse_dynamics(model, q, qd, qdd), 1e-9)
+
+
+def test_which_coordinates_repeat_after_a_whole_turn():
+    """Not those of a screw, nor of a turn that a slide or a screw follows."""
+    model = build_model(described(*THREE))
+    assert turning_coordinates(model).tolist() == [False, True, True, True, False]
+    led = (
+        Joint("r", "revolute", "base", "a", axis=(0.0, 0.0, 1.0)),
+        Joint("t", "revolute", "a", "b", axis=(1.0, 0.0, 0.0), mimic=Mimic("r", 2.0)),
+    )
+    assert turning_coordinates(build_model(described(*led))).tolist() == [True]
+    for kind in ("prismatic", "helical"):
+        numbers = (0.1,) * len(KINDS[kind].numbers)
+        follower = replace(led[1], kind=kind, numbers=numbers)
+        assert turning_coordinates(build_model(described(led[0], follower))).tolist() == [False]
 
 
 COMMON = {"fixed", "free", "planar", "point", "distance"}

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from freebody.algorithms.loop_scales import repeating
 from freebody.arrays import Array
 from freebody.inverse.numerical_solver import EXACT, NumericalSolver
 from freebody.model.model import Model
@@ -130,12 +131,8 @@ def wrapped(solver: NumericalSolver, q: Array, reference: Array) -> Array:
     to `reference`."""
     q = q.copy()
     low, high = solver.bounds
-    for body, at in zip(solver.model.bodies, solver.model.coordinates, strict=True):
-        if body.joint.mimic is not None or not body.kind.turns:
-            continue
-        k, turn = at.q[0], 2 * np.pi
-        if not _repeats(solver.model, k):
-            continue
+    turn = 2 * np.pi
+    for k in np.flatnonzero(turning_coordinates(solver.model)):
         x = q[:, k] - turn * np.round((q[:, k] - reference[k]) / turn)
         with np.errstate(invalid="ignore"):
             up = (
@@ -153,12 +150,6 @@ def wrapped(solver: NumericalSolver, q: Array, reference: Array) -> Array:
     return q
 
 
-def _repeats(model: Model, k: int) -> bool:
-    """Whether a whole turn of coordinate k changes nothing: all that follow it do so a whole number
-    of times."""
-    return all(at.ratio == round(at.ratio) for at in model.coordinates if at.q == (k,))
-
-
 def _distinct(model: Model, q: Array, rows: np.ndarray, apart: float) -> np.ndarray:
     """Of rows of q the first of those that are one position."""
     kept: list[int] = []
@@ -173,11 +164,11 @@ def _distinct(model: Model, q: Array, rows: np.ndarray, apart: float) -> np.ndar
 
 
 def turning_coordinates(model: Model) -> np.ndarray:
-    """Which entries of q are angles that repeat (nq,)."""
-    mask = np.zeros(model.nq, dtype=bool)
+    """Which entries of q are angles that repeat (nq,), also for what follows them."""
+    mask, again = np.zeros(model.nq, dtype=bool), repeating(model.tree)
     for body, at in zip(model.bodies, model.coordinates, strict=True):
-        if body.joint.mimic is None and body.kind.turns:
-            mask[at.q[0]] = _repeats(model, at.q[0])
+        if body.kind.nq == body.kind.nv:
+            mask[list(at.q)] = [again[k] for k in at.v]
     return mask
 
 
