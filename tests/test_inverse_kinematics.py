@@ -281,7 +281,7 @@ def test_general_geometry(kind, seed, monkeypatch):
     found = checked(model, T, task=task)
     assert found.method.startswith("closed form")
     assert holds(model, found.q, q)
-    monkeypatch.setattr(module, "fitting", lambda *_: None)
+    monkeypatch.setattr(module, "closed_form_for", lambda *_: None)
     searched = checked(model, T, task=task, starts=100)
     assert all(holds(model, found.q, other, 1e-5) for other in searched.q)
 
