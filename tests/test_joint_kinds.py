@@ -154,8 +154,8 @@ def test_a_universal_loop_is_a_universal_joint():
 
 
 def test_a_cardan_shaft_obeys_hookes_law():
-    """tan θ2 = cos β tan θ1 between shafts at an angle β that a universal joint links; its rate, and
-    the torque that it passes on."""
+    """tan θ2 = cos β tan θ1 between shafts at an angle β that a universal joint links; its rate,
+    and the torque that it passes on."""
     bend = 0.6
     turned = shift(0.0, 0.0, 0.0).then(rpy(bend, 0.0, 0.0))
     tree = build_model(

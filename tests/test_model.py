@@ -158,7 +158,8 @@ def test_joints_that_cannot_be():
         changed(1, limits=Limits(velocity=math.nan)),
     )
     says(
-        "joint 'elbow': friction, rotors and springs belong to joints of one coordinate, not a free one; "
+        "joint 'elbow': friction, rotors and springs belong to joints of one coordinate, "
+        "not a free one; "
         "remove them.",
         changed(1, kind="free", drive=Drive(viscous=1.0)),
     )

@@ -83,7 +83,10 @@ class Derivation(Titled):
     comes from there."""
 
     def _title(self) -> str:
-        return f"Derivation for {self.equations.symbols.model.name!r}: {self.title}; {counted(len(self.steps), 'step')}"
+        return (
+            f"Derivation for {self.equations.symbols.model.name!r}: {self.title}; "
+            f"{counted(len(self.steps), 'step')}"
+        )
 
     @property
     def result(self) -> Equations:

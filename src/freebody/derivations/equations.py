@@ -103,7 +103,10 @@ class Equations(Titled, ClosedForm):
                 f"<mtr><mtd><mtext>{escape(line)}</mtext></mtd></mtr>"
                 for line in self._too_long().splitlines()
             )
-            return f'<math xmlns="http://www.w3.org/1998/Math/MathML" display="block"><mtable>{lines}</mtable></math>'
+            return (
+                '<math xmlns="http://www.w3.org/1998/Math/MathML" '
+                f'display="block"><mtable>{lines}</mtable></math>'
+            )
         return page.html(self.groups(view, names))
 
     def _too_long(self) -> str:

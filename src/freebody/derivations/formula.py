@@ -26,7 +26,8 @@ from freebody.derivations.nodes import NOWHERE
 from freebody.derivations.printed_names import GREEK, sym
 
 FUNCTIONS = (
-    "sin", "cos", "tan", "sqrt", "exp", "log", "arcsin", "arccos", "arctan", "norm", "det", "sum", "diag", "skew",
+    "sin", "cos", "tan", "sqrt", "exp", "log", "arcsin", "arccos", "arctan", "norm", "det", "sum",
+    "diag", "skew",
 )  # fmt: skip
 """Functions of one argument; `sum` adds up what is given for each of several bodies."""
 
@@ -175,7 +176,8 @@ _PRINTED: Rules = {
     ),
     ex.Number: lambda node, at: ex.num(node.value, node.decimal),
     **dict.fromkeys(
-        (ex.Symbol, ex.Function, ex.Arguments, ex.Vector, ex.Matrix, ex.Cross, ex.Dot, ex.Transposed, ex.Derivative),
+        (ex.Symbol, ex.Function, ex.Arguments, ex.Vector, ex.Matrix, ex.Cross, ex.Dot,
+         ex.Transposed, ex.Derivative),
         _inside,
     ),
 }  # fmt: skip

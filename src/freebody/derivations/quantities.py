@@ -140,7 +140,8 @@ class _QuantityValues:
         eq, tau = self.s.equations, tuple(self._element(x) for x in self.record.tau)
         n = range(len(eq.M))
         found: Values = {
-            "tau": tau, "M": tuple(map(tuple, eq.M)), "C": tuple(map(tuple, eq.C)), "c": tuple(eq.c),
+            "tau": tau, "M": tuple(map(tuple, eq.M)), "C": tuple(map(tuple, eq.C)),
+            "c": tuple(eq.c),
             "G": tuple(eq.g), "T": eq.T, "V": eq.V, "L": eq.T - eq.V,
         }  # fmt: skip
         found |= {f"H{i + 1}{j + 1}": eq.M[i][j] for i in n for j in n}
@@ -193,7 +194,8 @@ class _QuantityValues:
         R, p = self.record.motion.joints[i]
         E, one = transposed(R), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
         found: Values = {
-            f"R{n}_{n - 1}": tuple(map(self._vector, E)), f"R{n - 1}_{n}": tuple(map(self._vector, R)),
+            f"R{n}_{n - 1}": tuple(map(self._vector, E)),
+            f"R{n - 1}_{n}": tuple(map(self._vector, R)),
             f"R{n}": tuple(map(self._vector, s.world[i][0])),
             f"w{n}": self._vector(times(s.world[i][0], self.record.motion.w[i])),
             f"z{n}": self._vector(tuple(row[2] for row in s.world[i][0])),
@@ -233,7 +235,8 @@ class _QuantityValues:
             f"m{n}": self._element(s.mass(i)),
             f"f{n - 1}{n}": self._axes(i, record.f[i]), f"{spin}{n}": self._angular(record.n[i]),
             f"fc{n}": self._axes(i, force), f"{spin}c{n}": self._angular(moment),
-            f"T{n}": self._element(twice) * Fraction(1, 2), f"V{n}": -self._element(s.mass(i) * height),
+            f"T{n}": self._element(twice) * Fraction(1, 2),
+            f"V{n}": -self._element(s.mass(i) * height),
         }  # fmt: skip
         found[f"I{n}"] = (
             self._element(s.inertia(i)) if s.planar else tuple(map(self._vector, s.inertia(i)))

@@ -231,7 +231,8 @@ def _require_whole_ratios(model: Model) -> None:
                 f"as "
                 f"{mimic.joint!r}: closed forms need a whole number, since sines and cosines of a "
                 f"fraction of an angle "
-                'are no polynomials in its own. Load with mimic="free", or let the slower joint lead.'
+                'are no polynomials in its own. Load with mimic="free", '
+                "or let the slower joint lead."
             )
 
 

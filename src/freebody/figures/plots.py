@@ -66,7 +66,8 @@ def plot(what: Plot) -> Picture:
     if what.now is not None:
         x = ruled.x(what.now)
         body.append(
-            f'<path class="now" d="M{x:.1f} {box[1]:.1f}V{box[3]:.1f}"><title>t = {what.now:.4g} s</title></path>'
+            f'<path class="now" d="M{x:.1f} {box[1]:.1f}V{box[3]:.1f}"><title>t = {what.now:.4g} '
+            "s</title></path>"
         )
     body += [_limit(ruled, level) for level in what.limits if low <= level <= high]
     colours = what.colours or range(len(what.curves))
@@ -192,7 +193,8 @@ def _grid(axes: _Axes, unit: str) -> list[str]:
         x, text = float(axes.x(t)), _tick(t, instants)
         out.append(f'<path class="axis" d="M{x:.1f} {bottom:.1f}v4"/>')
         out.append(
-            f'<text class="tick" x="{x:.1f}" y="{bottom + 16:.1f}" text-anchor="middle">{text}</text>'
+            f'<text class="tick" x="{x:.1f}" y="{bottom + 16:.1f}" '
+            f'text-anchor="middle">{text}</text>'
         )
     if not axes.log and axes.range[0] < 0 < axes.range[1]:
         y = float(axes.y(0.0))
@@ -231,7 +233,10 @@ def _tick(value: float, all_values: Sequence[float]) -> str:
 def _limit(axes: _Axes, level: float) -> str:
     left, _, right, _ = axes.box
     y = float(axes.y(level))
-    return f'<path class="limit" d="M{left:.1f} {y:.1f}H{right:.1f}"><title>limit {significant(level)}</title></path>'
+    return (
+        f'<path class="limit" d="M{left:.1f} {y:.1f}H{right:.1f}"><title>limit '
+        f"{significant(level)}</title></path>"
+    )
 
 
 def _curve(axes: _Axes, what: Plot, name: str, curve: Array, colour: int) -> str:

@@ -78,8 +78,8 @@ class Page:
         sweep: float,
         shares: Sequence[float],
     ) -> None:
-        """Keep clear of an arc of r pixels around an element's place, from the direction `start` over
-        `sweep` (rad), and ask for room outside it at shares of its length."""
+        """Keep clear of an arc of r pixels around an element's place, from the direction `start`
+        over `sweep` (rad), and ask for room outside it at shares of its length."""
         x, y = self.at(e.at)
         count = max(8, int(abs(sweep) * r / 5))
 
@@ -107,7 +107,8 @@ class Picture:
         size = f'width="{self.width:g}" height="{self.height:.0f}"'
         title = escape(self.title, quote=True)
         return legal(
-            f'<svg {place or XMLNS} class="fig" viewBox="0 0 {self.width:g} {self.height:.0f}" {size} '
+            f'<svg {place or XMLNS} class="fig" viewBox="0 0 {self.width:g} {self.height:.0f}" '
+            f"{size} "
             f'role="img" aria-label="{title}">{style}{self.body}</svg>'
         )
 
@@ -275,7 +276,10 @@ def _tooltip(page: Page, e: Arrow | Turn) -> str:
 
 
 def _centred(css: str, x: float, y: float, text: str) -> str:
-    return f'<text class="{css}" x="{x:.1f}" y="{y:.1f}" text-anchor="middle">{texts.marked(text)}</text>'
+    return (
+        f'<text class="{css}" x="{x:.1f}" y="{y:.1f}" '
+        f'text-anchor="middle">{texts.marked(text)}</text>'
+    )
 
 
 def _label(placed: Placed) -> str:

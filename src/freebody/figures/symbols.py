@@ -112,7 +112,8 @@ def sphere(at: Pixel, size: float, heading: Pixel, role: str) -> str:
     x, y = at
     return (
         f'<circle class="side" cx="{x:.1f}" cy="{y:.1f}" r="{size:g}"/>'
-        f'<circle class="cap" cx="{x - 0.3 * size:.1f}" cy="{y - 0.3 * size:.1f}" r="{0.3 * size:.1f}" stroke="none"/>'
+        f'<circle class="cap" cx="{x - 0.3 * size:.1f}" cy="{y - 0.3 * size:.1f}" '
+        f'r="{0.3 * size:.1f}" stroke="none"/>'
     )
 
 
@@ -122,7 +123,10 @@ def com(at: Pixel, size: float, heading: Pixel, role: str) -> str:
     arc = f"A{size:g} {size:g} 0 0"
     upper = f"M{x:.1f} {y:.1f}h{size:g}{arc} 0 {x:.1f} {y - size:.1f}Z"
     quarters = f"{upper}M{x:.1f} {y:.1f}h{-size:g}{arc} 0 {x:.1f} {y + size:.1f}Z"
-    return f'<circle class="com" cx="{x:.1f}" cy="{y:.1f}" r="{size:g}"/><path class="comq" d="{quarters}"/>'
+    return (
+        f'<circle class="com" cx="{x:.1f}" cy="{y:.1f}" r="{size:g}"/><path class="comq" '
+        f'd="{quarters}"/>'
+    )
 
 
 def ground(at: Pixel, size: float, heading: Pixel, role: str) -> str:
@@ -208,6 +212,9 @@ def ruler(at: Pixel, length: float, label: str, role: str) -> str:
     x, y = at
     text = f'<text class="tick" x="{x:g}" y="{y - 6:g}">{marked(label)}</text>'
     if role == "length":
-        bar = f"M{x:g} {y - 3:g}V{y + 3:g}M{x:g} {y:g}H{x + length:.1f}M{x + length:.1f} {y - 3:g}V{y + 3:g}"
+        bar = (
+            f"M{x:g} {y - 3:g}V{y + 3:g}M{x:g} {y:g}H{x + length:.1f}M{x + length:.1f} "
+            f"{y - 3:g}V{y + 3:g}"
+        )
         return f'<path class="axis" d="{bar}"/>{text}'
     return arrow((x, y), (x + length, y), role) + text

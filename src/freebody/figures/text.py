@@ -34,9 +34,8 @@ def html(text: str) -> str:
     parts, at = [], 0
     for match in _SUBSCRIPT.finditer(text):
         upright, symbol = _split_symbol(text[at : match.start()])
-        parts.append(
-            f"{escape(upright)}<i>{escape(symbol)}</i><sub>{escape(match.group(1) or match.group(2))}</sub>"
-        )
+        low = escape(match.group(1) or match.group(2))
+        parts.append(f"{escape(upright)}<i>{escape(symbol)}</i><sub>{low}</sub>")
         at = match.end()
     return "".join(parts) + escape(text[at:])
 

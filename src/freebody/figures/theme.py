@@ -15,22 +15,28 @@ FORCES = {
 """The colour, one of those below, of what acts on a body, by its role (`loads.Load`)."""
 
 _LIGHT = {
-    "paper": "#ffffff", "ink": "#1c2430", "soft": "#66707d", "dimension": "#66707d", "faint": "#c9d0d8",
+    "paper": "#ffffff", "ink": "#1c2430", "soft": "#66707d", "dimension": "#66707d",
+    "faint": "#c9d0d8",
     "hair": "#e6eaee",
     "link": "#dfe6ee", "link-edge": "#4a5a6e", "link-far": "#eff3f6", "link-far-edge": "#9aa7b5",
-    "joint": "#ffffff", "joint-side": "#9fb2c8", "ghost": "#c3cdd8", "shadow": "#e4e8ec", "path": "#c4570a",
-    "reaction": "#1459b8", "moment": "#b01e5c", "weight": "#2b7a3d", "external": "#c4570a", "inertia": "#7d8792",
+    "joint": "#ffffff", "joint-side": "#9fb2c8", "ghost": "#c3cdd8", "shadow": "#e4e8ec",
+    "path": "#c4570a",
+    "reaction": "#1459b8", "moment": "#b01e5c", "weight": "#2b7a3d", "external": "#c4570a",
+    "inertia": "#7d8792",
     "velocity": "#0b7d8c", "acceleration": "#7048c6", "position": "#1c2430", "solid": "#edf1f5",
     "x": "#c22f2f", "y": "#2b7a3d", "z": "#1459b8", "limit": "#b3261e",
     "s0": "#1459b8", "s1": "#d1600a", "s2": "#1b8a5a", "s3": "#b01e5c",
     "s4": "#7048c6", "s5": "#0f8ea6", "s6": "#8a6a00", "s7": "#5b6672",
 }  # fmt: skip
 _DARK = {
-    "paper": "#14181e", "ink": "#e8ecf1", "soft": "#9aa5b1", "dimension": "#9aa5b1", "faint": "#48525e",
+    "paper": "#14181e", "ink": "#e8ecf1", "soft": "#9aa5b1", "dimension": "#9aa5b1",
+    "faint": "#48525e",
     "hair": "#2a313a",
     "link": "#2d3947", "link-edge": "#9db0c6", "link-far": "#20272f", "link-far-edge": "#5d6b7a",
-    "joint": "#14181e", "joint-side": "#53677e", "ghost": "#3b4754", "shadow": "#20262d", "path": "#f2a15f",
-    "reaction": "#7db0ff", "moment": "#ff86b3", "weight": "#74cf8a", "external": "#f2a15f", "inertia": "#8b96a3",
+    "joint": "#14181e", "joint-side": "#53677e", "ghost": "#3b4754", "shadow": "#20262d",
+    "path": "#f2a15f",
+    "reaction": "#7db0ff", "moment": "#ff86b3", "weight": "#74cf8a", "external": "#f2a15f",
+    "inertia": "#8b96a3",
     "velocity": "#55d0e0", "acceleration": "#b79cff", "position": "#e8ecf1", "solid": "#232b35",
     "x": "#ff8a80", "y": "#74cf8a", "z": "#7db0ff", "limit": "#ff8a80",
     "s0": "#7db0ff", "s1": "#f2a15f", "s2": "#5fd3a0", "s3": "#ff86b3",
@@ -46,7 +52,8 @@ _RULES = """
 .fig .grid{fill:none;stroke:@hair;stroke-width:1}
 .fig .shadow{fill:none;stroke:@shadow;stroke-width:7;stroke-linecap:round;stroke-linejoin:round}
 .fig .ghost{fill:none;stroke:@ghost;stroke-width:2.5;stroke-linecap:round;stroke-linejoin:round}
-.fig .locus-first{fill:none;stroke:@z;stroke-width:1.6}.fig .locus-second{fill:none;stroke:@x;stroke-width:1.6}
+.fig .locus-first{fill:none;stroke:@z;stroke-width:1.6}
+.fig .locus-second{fill:none;stroke:@x;stroke-width:1.6}
 .fig .tippath{fill:none;stroke:@path;stroke-width:1.6}.fig .tipdot{fill:@path}
 .fig .edge{fill:none;stroke:@link-edge;stroke-linecap:round;stroke-linejoin:round}
 .fig .bar{fill:none;stroke:@link;stroke-linecap:round;stroke-linejoin:round}
@@ -66,7 +73,8 @@ _RULES = """
 .fig .limit{fill:none;stroke:@limit;stroke-width:1.2;stroke-dasharray:6 3}
 .fig .now{fill:none;stroke:@soft;stroke-width:1;stroke-dasharray:2 3}
 .fig .name{font-size:13px;font-weight:600}
-.fig .f{font-family:"STIX Two Text","Cambria Math",Cambria,"Times New Roman","Liberation Serif",serif;font-size:15px}
+.fig .f{font-family:"STIX Two Text","Cambria Math",Cambria,"Times New Roman","Liberation Serif",
+serif;font-size:15px}
 .fig .f .num{font-family:system-ui,-apple-system,"Segoe UI",Roboto,Arial,sans-serif}
 .fig .f .r{font-style:normal}.fig .f .b{font-weight:700}
 .fig .solid{fill:@solid;stroke:@link-edge;stroke-width:1.6;stroke-linejoin:round}

@@ -34,7 +34,8 @@ def shown(model: Model) -> Shown | None:
 
 
 def _has_closed_form(model: Model) -> bool:
-    """Whether there are few joints of one coordinate each, none that follows another, and no loop."""
+    """Whether there are few joints of one coordinate each, none that follows another, and no
+    loop."""
     bodies = model.bodies
     simple = all(body.kind.turns or body.kind.slides for body in bodies)
     return (

@@ -131,7 +131,10 @@ class Causes:
         for body in bodies if len(bodies) > 1 else ():
             names = {name for name, (i, _) in inertial.items() if i == body}
             link = self.setting.symbols.model.bodies[body].name
-            text = f"Everything that carries the mass or the moment of inertia of {link} is missing; the rest is right."
+            text = (
+                f"Everything that carries the mass or the moment of inertia of {link} is "
+                "missing; the rest is right."
+            )
             yield text, self._weighted(lambda p, own=names: 0 if own & set(p) else 1)
         moments = {name for name, (_, kind) in inertial.items() if kind == 1}
         yield (

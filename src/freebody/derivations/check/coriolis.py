@@ -9,7 +9,10 @@ from freebody.derivations.check.claims import Claim
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.scalars.trig import Trig
 
-_ALONE = "Many matrices C have C q̇ = c: compared with Christoffel's; give the whole row to have C q̇ = c looked at."
+_ALONE = (
+    "Many matrices C have C q̇ = c: compared with Christoffel's; "
+    "give the whole row to have C q̇ = c looked at."
+)
 
 
 def notes(setting: RightEquations, claims: Sequence[Claim]) -> Mapping[tuple[int, ...], str]:

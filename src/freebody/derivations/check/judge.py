@@ -69,7 +69,10 @@ class Judge:
         if claim.value == right:
             return EquationVerdict(claim.label, title, True, note=self._zeros(claim))
         if claim.target.family in ("V", "L", "Vi") and self._is_constant(claim.value - right):
-            note = f"It differs by the constant {self.setting.form(claim.value - right)}: the zero of V is free."
+            note = (
+                f"It differs by the constant {self.setting.form(claim.value - right)}: "
+                "the zero of V is free."
+            )
             return EquationVerdict(claim.label, title, True, note=note)
         return (
             self._other_ways(claim, right)

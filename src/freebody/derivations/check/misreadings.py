@@ -73,7 +73,10 @@ def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator
     if found:
         written, name = claim.source[next(iter(found)).span], next(iter(found.values()))
         assert isinstance(name, Named)
-        text = f"‘{written}’ on the right is read as a cosine; write {name.name} for the velocity term."
+        text = (
+            f"‘{written}’ on the right is read as a cosine; write {name.name} for the velocity "
+            "term."
+        )
         yield Misreading(found, text, name.name)
 
 
@@ -114,7 +117,10 @@ def _slides(setting: RightEquations, targets: Targets, work: Workspace) -> Itera
             name = slide + {"tip": "", "tip_d": RATE, "tip_dd": SECOND}[target.family]
             found[node] = Named(name, setting.ring[name], span=node.span)
     if found:
-        text = f"x is read as the tip's coordinate; for the slide write {slide}, or say names={{'x': '{slide}'}}."
+        text = (
+            f"x is read as the tip's coordinate; for the slide write {slide}, "
+            f"or say names={{'x': '{slide}'}}."
+        )
         yield Misreading(found, text, slide)
 
 

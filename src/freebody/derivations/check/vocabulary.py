@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from freebody.derivations.check.asked_quantities import AskedQuantity
 
 FUNCTIONS = {
-    "sin": "sin", "Sin": "sin", "SIN": "sin", "cos": "cos", "Cos": "cos", "COS": "cos", "sgn": "sgn", "sign": "sgn",
+    "sin": "sin", "Sin": "sin", "SIN": "sin", "cos": "cos", "Cos": "cos", "COS": "cos",
+    "sgn": "sgn", "sign": "sgn",
     "Derivative": "Derivative", "diff": "Derivative", "Matrix": "Matrix", "array": "Matrix",
 }  # fmt: skip
 _NOT_POLYNOMIAL = {
@@ -242,5 +243,6 @@ def spellings(letter: str, k: str, dots: int) -> Iterable[str]:
         DOT * dots + f"{letter}{k}",
         f"{letter}{k}{PRIME * dots}", f"{letter}{PRIME * dots}{k}",
         f"{letter}{k}{d}", f"{d}{letter}{k}", f"{letter}{d}{k}",
-        f"{letter}{k}{dot}", f"{letter}{dot}{k}", f"{letter}{k}{'dot' * dots}", f"{letter}{'dot' * dots}{k}",
+        f"{letter}{k}{dot}", f"{letter}{dot}{k}", f"{letter}{k}{'dot' * dots}",
+        f"{letter}{'dot' * dots}{k}",
     ))  # fmt: skip

@@ -82,18 +82,30 @@ class Wording:
         other = self._name(new)
         if kind == "length" and other.startswith("lc"):
             k = other.removeprefix("lc")
-            return f": the centre of mass of link {k} is {sym(other)} from its joint, {sym('l' + k)} is the whole link"
+            return (
+                f": the centre of mass of link {k} is {sym(other)} from its joint, "
+                f"{sym('l' + k)} is the whole link"
+            )
         if kind == "length":
-            return f": the next joint is {sym(other)} away, {sym('lc' + other[1:])} reaches to the centre of mass only"
+            return (
+                f": the next joint is {sym(other)} away, {sym('lc' + other[1:])} reaches to the "
+                "centre of mass only"
+            )
         if (
             kind == "angle"
             and isinstance(new, Wave)
             and isinstance(old, Wave)
             and len(new.angle) > len(old.angle) > 0
         ):
-            return ": angles are measured from the link before, so that the direction of a link is a sum of angles"
+            return (
+                ": angles are measured from the link before, so that the direction of a link is "
+                "a sum of angles"
+            )
         if kind == "rate" and isinstance(new, Sum):
-            return ": rates are relative to the link before, so that a link's angular velocity is a sum of rates"
+            return (
+                ": rates are relative to the link before, so that a link's angular velocity is "
+                "a sum of rates"
+            )
         return ""
 
     def _name(self, node: Expression) -> str:
@@ -133,7 +145,10 @@ class Wording:
                 message = f"The factor {should}{inside} is missing in your answer."
             case "extra factor":
                 assert isinstance(repair.new, Product)
-                message = f"{should} has an extra factor {right.node(repair.new.factors[-1])} in your answer."
+                message = (
+                    f"{should} has an extra factor {right.node(repair.new.factors[-1])} in "
+                    "your answer."
+                )
             case _:
                 message = f"In place of {should}{inside} you have {_cut(has)}{reason}."
         yours, right_text = has, right.source[repair.node.span]

@@ -1,8 +1,8 @@
 """Loop equations in closed form: Φ(q) = 0, Φ_q and c as exact polynomials (2.33, 2.34, 5.21, 5.22,
 5.28).
 
-The text is that of `algorithms.loop_constraints`. There the equation of a distance d is (|r|² - d²) /
-2d, whose gradient is a unit vector; here it is the notes' |r|² - d², a polynomial, 2d times as
+The text is that of `algorithms.loop_constraints`. There the equation of a distance d is (|r|² - d²)
+/ 2d, whose gradient is a unit vector; here it is the notes' |r|² - d², a polynomial, 2d times as
 large.
 """
 

@@ -1,5 +1,5 @@
-"""Tokens into a tree, by recursive descent; nothing is run. A language is a subclass: what its names
-and functions are, and whether products may go without a sign, 2 l1 lc2 cos θ2."""
+"""Tokens into a tree, by recursive descent; nothing is run. A language is a subclass: what its
+names and functions are, and whether products may go without a sign, 2 l1 lc2 cos θ2."""
 
 from __future__ import annotations
 

@@ -25,7 +25,8 @@ def motion(s: Setting) -> list[Step]:
             "Velocities of the centres of mass",
             "They are the time derivatives of the centres' positions."
             if s.planar
-            else "They are the time derivatives of the centres' positions, given in each body's own axes.",
+            else "They are the time derivatives of the centres' positions, "
+            "given in each body's own axes.",
             tuple(v),
             {"R": ("3.8",), "RR": ("3.18", "3.19")}.get(s.cited, () if s.planar else ("6.19",)),
             figure="velocities",
@@ -53,4 +54,7 @@ def _second(s: Setting) -> str:
             "with a squared "
             "velocity point towards the pivots."
         )
-    return "A second time derivative: terms with accelerations, and products of velocities, since the axes turn."
+    return (
+        "A second time derivative: terms with accelerations, and products of velocities, "
+        "since the axes turn."
+    )

@@ -37,7 +37,10 @@ def closed_form(setting: Setting) -> Step:
             " The notes' (3.22) to (3.24) are printed with slips; these are the corrected ones."
         )
     if setting.load:
-        reason += " The motors do not act alone: with each stands the part of the load on the tip, at r_P."
+        reason += (
+            " The motors do not act alone: with each stands the part of the load on the tip, "
+            "at r_P."
+        )
         groups = [_loaded(setting, groups[0]), *groups[1:]]
     lines = tuple(line for group in groups for line in group)
     return Step("The closed form", reason, lines, numbers, result=True)

@@ -116,7 +116,10 @@ class Loops:
             square = f"the square of the distance from {a} to {b}"
             return f"{listed(rows)} {verb} that {square} is that of {literal(loop.name)}'s length."
         if not loop.closure.turns and not loop.closure.slides:
-            return f"{listed(rows)} {verb} that the way from {first} to {second} is zero, component by component."
+            return (
+                f"{listed(rows)} {verb} that the way from {first} to {second} is zero, "
+                "component by component."
+            )
         return f"{listed(rows)} {verb} that {literal(loop.name)} stays closed: {_parts(loop)}."
 
     @cached_property
@@ -166,7 +169,10 @@ class Loops:
         rate = ex.Symbol("Phi_q_d", "Φ", ("q",), dots=1)
         rule = eq(ex.mul(self.phi_q, _dotted("q", 2)), ex.neg(ex.mul(rate, _dotted("q", 1))), "c")
         lines = [eq(entry("c", k), self.s.show(x)) for k, x in enumerate(self.equations.c, 1)]
-        reason = "Differentiated once more: what the accelerations must satisfy, c holding the products of rates."
+        reason = (
+            "Differentiated once more: what the accelerations must satisfy, "
+            "c holding the products of rates."
+        )
         return Step("Accelerations under the loops", reason, (rule, *lines), ("5.28",))
 
     def wrenches(self) -> Step:
@@ -190,7 +196,10 @@ class Loops:
         target, other = map(self.body, self.ends(loop))
         at = literal(loop.frames[0])
         if loop.closure.distance:
-            return f"half the rod's tension over its length: positive, it pulls {target} at {at} towards {other}"
+            return (
+                f"half the rod's tension over its length: positive, it pulls {target} at {at} "
+                f"towards {other}"
+            )
         parts = (
             "force"
             if not loop.closure.turns and not loop.closure.slides

@@ -93,7 +93,10 @@ def kinetic_step(s: Setting, energies: Energies) -> Step:
         lines.append(eq(f"T{s.numbers[i]}", rule, s.show(energies.kinetic(i))))
     if energies.has_rotors:
         lines.append(eq("T_r", s.show(energies.rotors)))
-    reason = "A body has the energy of its mass moving with the centre, and that of turning about the centre"
+    reason = (
+        "A body has the energy of its mass moving with the centre, and that of turning about "
+        "the centre"
+    )
     rotors = "; the motors' rotors add T_r" if energies.has_rotors else ""
     numbers = {"RR": ("5.3", "5.11", "5.13", "5.17", "5.19")}.get(s.cited, ("5.3",))
     return Step("Kinetic energies", f"{reason}{rotors}.", tuple(lines), numbers)

@@ -96,7 +96,10 @@ class Equilibrium:
         numbers = ("2.47", "2.48") if s.cited == "RR" else ()
         reason = "The vectors put in, the torques that hold the arm still are found."
         if not all(map(s.driven, s.order)):
-            reason += f"{motorless(s)} The arm can be held only where the equation with 0 on its left is met."
+            reason += (
+                f"{motorless(s)} The arm can be held only where the equation with 0 on its "
+                "left is met."
+            )
         return Step(
             "The torques" if all(map(s.turns, s.order)) else "Torques and forces",
             reason,
@@ -112,7 +115,10 @@ class Equilibrium:
         rows = [[s.symbols.element(x) for x in row] for row in J[: s.tree.space.dim]]
         part = ex.neg(ex.mul(ex.transposed(sym("J")), vec("f")))
         weights = " The rest is what the weights need." if s.weighs else ""
-        slips = " (The notes print (2.49) to (2.52) without the minus: they are the torques that exert f.)"
+        slips = (
+            " (The notes print (2.49) to (2.52) without the minus: "
+            "they are the torques that exert f.)"
+        )
         return Step(
             "The load through the Jacobian",
             "The load's part of the torques is -Jᵀ f, J being the Jacobian of the tip: the virtual "

@@ -113,7 +113,10 @@ class _FirstKindSteps:
             else "The joint is passive: along it act"
         )
         own += ", the load" if s.load else ""
-        reason = f"{own}{' and ' if s.driven(i) or s.load else ' '}the loops, by -Φ_qᵀ λ, which stands on the left."
+        reason = (
+            f"{own}{' and ' if s.driven(i) or s.load else ' '}the loops, by -Φ_qᵀ λ, "
+            "which stands on the left."
+        )
         if not friction.is_zero:
             reason += " Friction opposes."
         lines = (eq(left, right), eq(s.motor(i), s.show(total)))
@@ -272,11 +275,11 @@ class _FirstKindSteps:
         written = self._written(r)
         if sum(map(ex.size, written)) <= 3 * LONG:
             lines += written
+        count = len(r.independent)
+        remaining = "is one equation" if count == 1 else f"are {count} equations"
         reason = (
             "The loops do no work in the motions they allow: multiplied by Nᵀ the multipliers "
-            "leave, and what remains "
-            f"{'is one equation' if len(r.independent) == 1 else f'are {len(r.independent)} equations'} in independent "
-            "coordinates, the second kind."
+            f"leave, and what remains {remaining} in independent coordinates, the second kind."
         )
         return Step("The second kind", reason, tuple(lines), ("5.24",), result=True)
 

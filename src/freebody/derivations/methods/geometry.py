@@ -18,7 +18,10 @@ def geometry(setting: Setting, rotations: bool = False, inertias: bool = True) -
         lines += _vectors(setting, i)
         if not setting.planar:
             lines += _in_space(setting, i, rotations, inertias)
-    reach = "s_i leads from joint i to the next joint (or the tip), s_ci from joint i to the centre of mass of body i"
+    reach = (
+        "s_i leads from joint i to the next joint (or the tip), "
+        "s_ci from joint i to the centre of mass of body i"
+    )
     if setting.planar:
         slides = any(map(setting.slides, setting.order))
         along = ", and u_i is the direction in which joint i slides" if slides else ""

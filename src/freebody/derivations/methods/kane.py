@@ -45,7 +45,10 @@ def _speeds(s: Setting) -> Step:
         "the joints are "
         "chosen: velocities are linear in them, and each can be varied alone."
     )
-    one = "One generalized speed describes the motion of one degree of freedom. The rate of the joint is chosen."
+    one = (
+        "One generalized speed describes the motion of one degree of freedom. "
+        "The rate of the joint is chosen."
+    )
     reason = (one if len(s.order) == 1 else many) + wording.motorless(s)
     return Step("Choose generalized speeds", reason, (eq(vec("q_d"), rates),))
 
@@ -158,7 +161,10 @@ class _JointRate:
         acting += ["friction and springs of the joint"] if not self._resisting.is_zero else []
         found = listed(acting) or "nothing"
         if not self.is_first:
-            return f"The same sums with the partial velocities of joint {self.number}; in the active force: {found}."
+            return (
+                f"The same sums with the partial velocities of joint {self.number}; "
+                f"in the active force: {found}."
+            )
         return (
             f"The generalized active force F_{self.number} is the sum of all forces, each times "
             f"the partial velocity "

@@ -148,7 +148,10 @@ class _Tip:
     def _velocity(self, lines: list[Equation]) -> Step:
         name = vec("r_P_d")
         first = eq(name, *lines[0].sides)
-        reason = "Differentiating with respect to time; a sine's derivative is the cosine times the rate of its angle."
+        reason = (
+            "Differentiating with respect to time; a sine's derivative is the cosine times "
+            "the rate of its angle."
+        )
         return Step(
             "Velocity of the tip",
             reason,

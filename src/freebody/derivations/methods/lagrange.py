@@ -76,7 +76,8 @@ def _coordinates(s: Setting) -> Step:
     reason = (
         f"The joint's variable fixes the pose of the body; its motor's {motor} does work along it."
         if one
-        else f"The joint variables fix the pose of every body and can be varied one by one; along each only its own "
+        else "The joint variables fix the pose of every body and can be varied one by one; "
+        "along each only its own "
         f"motor's {motor} does work."
     )
     reason += wording.motorless(s)
@@ -87,7 +88,10 @@ def _coordinates(s: Setting) -> Step:
 def _positions(s: Setting) -> Step:
     lines = [eq(s.name("rc", i), s.column(s.centre_position(i))) for i in s.weighted]
     if s.planar:
-        reason = "The energies need where each centre of mass is and how fast it moves; the drawing shows where."
+        reason = (
+            "The energies need where each centre of mass is and how fast it moves; "
+            "the drawing shows where."
+        )
     else:
         reason = (
             "The energies need where each centre of mass is and how fast it moves; following the "

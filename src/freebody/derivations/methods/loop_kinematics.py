@@ -18,7 +18,10 @@ from freebody.derivations.printed_names import entry, sym, vec
 from freebody.derivations.singularities import Determinant
 from freebody.derivations.symbols import RATE
 
-SOUGHT = "Sought: how the tip P moves with the joints, and the joints' motion for a given one of the tip."
+SOUGHT = (
+    "Sought: how the tip P moves with the joints, and the joints' motion for a given one of "
+    "the tip."
+)
 
 
 def derive(setting: Setting) -> Worked:
@@ -61,7 +64,8 @@ class _TipAndDrives:
         how = (
             "The rates of the tip and those of the drives stand in different columns."
             if direct
-            else "The equations are combined so that the passive joints' rates leave, as one multiplies with the "
+            else "The equations are combined so that the passive joints' rates leave, "
+            "as one multiplies with the "
             "direction of a bar to be rid of its turning."
         )
         slips = (

@@ -239,7 +239,10 @@ class _Balance(Equilibrium):
                     else []
                 )
             lines.append(eq(s.motor(i), *dict.fromkeys(sides)))
-        reason = "The balance about the driven joints, by the multipliers, then with these put in where that is short."
+        reason = (
+            "The balance about the driven joints, by the multipliers, "
+            "then with these put in where that is short."
+        )
         return Step("What the motors give", reason, tuple(lines), result=True)
 
     def reactions_step(self) -> Step:

@@ -14,12 +14,18 @@ def free_body(s: Setting, i: int) -> str:
     if s.numbers[i] > 1:
         return acting
     about = "the moments about it" if s.planar else "the moments about it, as vectors,"
-    return f"{acting} The forces accelerate the centre of mass (Newton), {about} change the angular velocity (Euler)."
+    return (
+        f"{acting} The forces accelerate the centre of mass (Newton), "
+        f"{about} change the angular velocity (Euler)."
+    )
 
 
 def _acting(s: Setting, i: int) -> list[str]:
     n, parent = s.numbers[i], s.numbers[s.tree.bodies[i].parent]
-    held = f"the reaction f_{parent},{n} of {'the ground' if parent == 0 else f'body {parent}'} at joint {n}"
+    held = (
+        f"the reaction f_{parent},{n} of {'the ground' if parent == 0 else f'body {parent}'} at "
+        f"joint {n}"
+    )
     acting = [held]
     if not s.is_pin(i):
         acting.append(f"the moment n_{parent},{n} there")

@@ -69,7 +69,8 @@ def _text_table(derivation: Derivation, width: int) -> list[str]:
     for names, meaning in rows:
         pad = " " * max(1, size + 2 - _cells(names))
         lines += textwrap.wrap(
-            f"{names}{pad}{_meaning(meaning)}", width - 3, initial_indent="   ", subsequent_indent=" " * (size + 5),
+            f"{names}{pad}{_meaning(meaning)}", width - 3, initial_indent="   ",
+            subsequent_indent=" " * (size + 5),
             drop_whitespace=True, break_long_words=False, break_on_hyphens=False,
         )  # fmt: skip
     return lines
@@ -159,7 +160,8 @@ def _boxed(formula: str) -> str:
 
 def _latex_table(derivation: Derivation) -> list[str]:
     rows = [
-        rf"{', '.join(f'${x.latex()}$' for x in m.symbols)} & {tex_prose(m.words)} & {tex_prose(m.unit)} \\"
+        rf"{', '.join(f'${x.latex()}$' for x in m.symbols)} & {tex_prose(m.words)} & "
+        rf"{tex_prose(m.unit)} \\"
         for m in derivation.glossary
     ]
     return [
@@ -226,11 +228,13 @@ h2 .notes{font-weight:400;color:#5a6675;font-size:.85rem;margin-left:.4em}
 p{max-width:44rem}.equations{overflow-x:auto;padding:.3rem 0}
 .result{border:1.5px solid #8a94a3;border-radius:.4rem;padding:.8rem;margin-top:.8rem}
 .symbols{border-collapse:collapse;font-size:.92rem;margin:1rem 0}
-.symbols td{padding:.12rem 1.2rem .12rem 0;vertical-align:baseline}.symbols td:last-child{white-space:nowrap}
+.symbols td{padding:.12rem 1.2rem .12rem 0;vertical-align:baseline}
+.symbols td:last-child{white-space:nowrap}
 math{font-size:1.08rem}p math,td math{font-size:1em}
 figure{margin:1rem 0;text-align:center}figure svg{max-width:100%;height:auto}
 .source{color:#5a6675;font-size:.9rem;margin-top:3rem}
-@media (prefers-color-scheme:dark){body{color:#e4e9f0;background:#12161c}.source,h2 .notes{color:#9aa6b5}}
+@media (prefers-color-scheme:dark){body{color:#e4e9f0;background:#12161c}
+.source,h2 .notes{color:#9aa6b5}}
 @media print{main{max-width:none;padding:0}section{break-inside:avoid-page}}
 """
 

@@ -12,7 +12,8 @@ from freebody.derivations.render.typesetter import BREAK, Typesetter, is_call
 
 _GREEK = {letter: "\\lambda" if name == "lam" else f"\\{name}" for name, letter in GREEK.items()}
 _DOTS = ("{}", "\\dot{{{}}}", "\\ddot{{{}}}")
-_NAMES = {x: f"\\{x}" for x in ("sin", "cos", "tan", "arcsin", "arccos", "arctan", "det", "exp", "log")} | {
+_NAMES = {x: f"\\{x}" for x in ("sin", "cos", "tan", "arcsin", "arccos", "arctan", "det", "exp",
+                                "log")} | {
     "sgn": "\\operatorname{sgn}", "∑": "\\sum ",
 }  # fmt: skip
 

@@ -1,5 +1,5 @@
-"""Free bodies: one alone with all that acts on it, one with all that it carries, or all pulled apart
-at the joints."""
+"""Free bodies: one alone with all that acts on it, one with all that it carries, or all pulled
+apart at the joints."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""A robot without names of its geometry: its parts, in the plane or in space, and how layers are put
-on them."""
+"""A robot without names of its geometry: its parts, in the plane or in space, and how layers are
+put on them."""
 
 from __future__ import annotations
 
