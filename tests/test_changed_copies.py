@@ -178,6 +178,8 @@ def test_rows_of_changes_are_those_of_a_model_of_which_nothing_is_known():
         lambda m: m.bind({"payload.mass": 0.0}),
         lambda m: m.with_payload(mass=0.0),
         lambda m: m.with_payload(mass=1.0, frame="nowhere"),
+        lambda m: m.with_payload(mass=1.0, frame=["frame3"]),
+        lambda m: m.with_drive(["elbow_joint"], rest=0.1),
         lambda m: m.with_payload(fb.Inertia(1.0, (0.0,) * 3, (1.0, 0.0, 0.0, 1.0, 0.0, 5.0))),
         lambda m: m.with_payload(fb.Inertia.point(1.0, (0.0, 0.0))),
         lambda m: m.bind({"forearm_link.mass": 3.0, ("forearm_link", "mass"): 2.0}),

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from freebody.errors import MissingValueError
+from freebody.errors import FreebodyError
 from freebody.model import changes, numbers
 from freebody.model.inertia import Inertia, is_surely_physical
 from freebody.model.layout import CHANGING, NumberLayout
@@ -97,6 +97,7 @@ def _loaded(model: Model, inertia: Inertia, frame: str | None, name: str) -> Mod
         or {*map(type, entries)} != _FLOAT
         or inertia.dim != layout.dim
         or not is_surely_physical(inertia.mass, inertia.tensor)
+        or not (type(frame) in (str, type(None)) and type(name) is str)
     ):
         return None
     grown = layout.loaded(frame, name)
@@ -134,7 +135,7 @@ def _layout(model: Model) -> NumberLayout | None:
         return None
     try:
         found = None if model.family else NumberLayout(model)
-    except MissingValueError:
+    except FreebodyError:  # said where the numbers are asked for
         found = None
     return own.setdefault("layout", found)
 
