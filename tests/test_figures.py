@@ -341,6 +341,8 @@ def test_pages_of_derivations_show_values_on_wish():
     assert "1.00 m" in both
     assert "1.00 m" not in named
     assert "Values in these drawings: q = (0.600, 0.750)" in both, "the state is said"
+    loaded = fb.derive(fb.load("2R"), "statics").html("both")
+    assert re.search(r"f = \(\d[\d.]*, −[\d.]+\) N at the tip", loaded), "and the load"
     assert named == fb.derive(fb.load("2R")).html()
     with pytest.raises(
         MissingValueError, match="a derivation's drawings with labels='values' of 'RR'"

@@ -87,6 +87,9 @@ def _state(seen: Snapshot) -> list[str]:
     """The state that values belong to, in words."""
     arrays = (("q", seen.q), ("q̇", seen.qd), ("q̈", seen.qdd))
     rows = [f"{name} = ({', '.join(significant(x) for x in array)})" for name, array in arrays]
+    if seen.wrenches is not None:
+        force = ", ".join(significant(x) for x in np.asarray(seen.wrenches)[: seen.model.dim])
+        rows.append(f"f = ({force}) N at the tip")
     return [f"Values in these drawings: {rows[0]}", *rows[1:]]
 
 
