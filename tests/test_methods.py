@@ -35,7 +35,7 @@ OTHERWISE = [
 
 def home(method: Method) -> Path:
     """The file of a method's record."""
-    return Path(method.derive.__code__.co_filename)
+    return Path(method.work_out.__code__.co_filename)
 
 
 def literals(path: Path) -> list[ast.Constant]:

@@ -1,4 +1,4 @@
-"""`derive`: the equations of motion step by step, by one of the methods of
+"""What `fb.derive` tells: the equations of motion step by step, by one of the methods of
 `derivations/methods`."""
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ LOADS = {2: ("fx", "fy"), 3: ("fx", "fy", "fz")}
 """Names of the components of the force on the tip."""
 
 
-def derive(
+def undrawn_derivation(
     model: Model, method: str | None = None, *, load: bool | None = None, **options: Any
 ) -> Derivation:
     """A derivation of the model's equations as an ordered list of steps.
@@ -150,4 +150,4 @@ def _listed() -> str:
     return "\n".join(lines)
 
 
-derive.__doc__ = f"{derive.__doc__ or ''}\n    Methods:\n{_listed()}\n"
+undrawn_derivation.__doc__ = f"{undrawn_derivation.__doc__ or ''}\n    Methods:\n{_listed()}\n"

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from freebody.derivations import derive as plain
 from freebody.derivations.derivation import Derivation, Drawings, Step
+from freebody.derivations.derive import undrawn_derivation
 from freebody.derivations.expression import Expression, Symbol, nodes
 from freebody.derivations.methods import METHODS
 from freebody.derivations.printed_names import vec
@@ -35,10 +35,10 @@ _LOAD = {2: (0.85, -0.53), 3: (0.5, -0.65, -0.6)}
 """Direction of the load on the tip in drawings."""
 
 
-@wraps(plain.derive)
+@wraps(undrawn_derivation, assigned=("__doc__",))
 def derive(model: Model, method: str | None = None, **options: Any) -> Derivation:
     """A derivation that draws what it speaks of where it is shown as a page or in a notebook."""
-    return replace(plain.derive(model, method, **options), draw=drawings)
+    return replace(undrawn_derivation(model, method, **options), draw=drawings)
 
 
 def drawings(derivation: Derivation, labels: str = "names") -> Drawings:

@@ -26,7 +26,7 @@ SHORT = 14
 """Numbers and symbols up to which a denominator is written in every quotient."""
 
 
-def derive(setting: Setting) -> Worked:
+def work_out(setting: Setting) -> Worked:
     """The steps; of an open chain that of the second kind, for there are no multipliers."""
     if not setting.tree.loops:
         return _open_chain(setting)
@@ -52,7 +52,7 @@ def _symbols(s: Setting) -> Iterator[Meaning]:
 
 def _open_chain(setting: Setting) -> Worked:
     """No loops: Φ is empty and (5.23) is (5.24)."""
-    second = lagrange.derive(setting)
+    second = lagrange.work_out(setting)
     reason = (
         "No loop is closed: there are no equations Φ(q) = 0 between the joint variables, no "
         "multipliers, and "
@@ -363,6 +363,6 @@ METHOD = Method(
     "Lagrange's equations of the first kind",
     "loops as constraints with multipliers, and their reduction to independent coordinates",
     "lecture notes, section 5.4",
-    derive,
+    work_out,
     closed=(2, 3),
 )

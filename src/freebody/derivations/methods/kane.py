@@ -27,7 +27,7 @@ from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, dot, scale
 
 
-def derive(setting: Setting) -> Worked:
+def work_out(setting: Setting) -> Worked:
     """The steps, and the torques that make the generalized forces of every joint add up to zero."""
     s = setting
     joints = [_JointRate(s, i) for i in s.order]
@@ -295,7 +295,7 @@ METHOD = Method(
     "Kane's equations",
     "partial velocities, generalized active and inertia forces, which add up to zero",
     "Kane and Levinson, Dynamics: Theory and Applications, 1985",
-    derive,
+    work_out,
     reference="T. R. Kane and D. A. Levinson, Dynamics: Theory and Applications, McGraw-Hill, 1985",
     aliases=("kanes-equations",),
 )

@@ -22,10 +22,10 @@ from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 
-def derive(setting: Setting) -> Worked:
+def work_out(setting: Setting) -> Worked:
     """The steps; there are no torques in them. Of a closed chain: see `loop_kinematics`."""
     if setting.tree.loops:
-        return loop_kinematics.derive(setting)
+        return loop_kinematics.work_out(setting)
     work = _Tip(setting)
     steps = [
         work.position(),
@@ -283,7 +283,7 @@ METHOD = Method(
     "Kinematics",
     "position, velocity, Jacobian, singular poses and acceleration of the tip",
     "lecture notes, sections 2.2 and 2.3",
-    derive,
+    work_out,
     closed=(2, 3),
     finds_torques=False,
 )

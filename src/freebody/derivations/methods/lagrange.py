@@ -23,7 +23,7 @@ from freebody.scalars.trig import Trig
 HALF = ex.num(Fraction(1, 2))
 
 
-def derive(setting: Setting) -> Worked:
+def work_out(setting: Setting) -> Worked:
     """The steps, by energies."""
     s = setting
     energies, found = lagrangian(s)
@@ -214,6 +214,6 @@ METHOD = Method(
     "Lagrange's equations of the second kind",
     "kinetic and potential energies, one equation a coordinate",
     "lecture notes, chapter 5 and section 6.2",
-    derive,
+    work_out,
     aliases=("lagrange-second-kind",),
 )

@@ -24,7 +24,7 @@ SOUGHT = (
 )
 
 
-def derive(setting: Setting) -> Worked:
+def work_out(setting: Setting) -> Worked:
     """The steps; drives and rows of the tip's motion as many as there are freedoms."""
     loops = Loops(setting)
     work = _TipAndDrives(setting, loops, loops.equations.input_output())

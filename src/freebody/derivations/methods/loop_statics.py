@@ -27,7 +27,7 @@ from freebody.model.tree import TreeLoop
 from freebody.spatial import Vector, sub
 
 
-def derive(setting: Setting) -> Worked:
+def work_out(setting: Setting) -> Worked:
     """The steps; planar chains only."""
     loops = Loops(setting)
     work = _Balance(setting, loops, _LoopReactions(setting, loops))

@@ -47,7 +47,7 @@ class Method:
     """A way to the equations of a robot.
 
     name: what users write, as they may each of the aliases. title: heading of a derivation. words:
-    what is done, for lists of the methods. source: where the method is described. derive: from a
+    what is done, for lists of the methods. source: where the method is described. work_out: from a
     setting and the options to the steps. reference: the source in full, for the foot of a
     derivation, where it is not the lecture notes. spaces, closed: the numbers of dimensions in
     which it serves open and closed chains; elsewhere: the functions that give numbers for closed
@@ -60,7 +60,7 @@ class Method:
     title: str
     words: str
     source: str
-    derive: Callable[..., Worked]
+    work_out: Callable[..., Worked]
     reference: str = ""
     aliases: tuple[str, ...] = ()
     options: tuple[MethodOption, ...] = ()
@@ -76,6 +76,6 @@ class Method:
         for name, value in chosen.items():
             if value not in own[name].choices:
                 raise UnknownNameError(name, value, self.name, own[name].choices)
-        return self.derive(
+        return self.work_out(
             setting, **{name: option.choices[0] for name, option in own.items()} | chosen
         )

@@ -25,7 +25,7 @@ from freebody.derivations.printed_names import vec
 from freebody.scalars.trig import Trig
 
 
-def derive(setting: Setting, route: str) -> Worked:
+def work_out(setting: Setting, route: str) -> Worked:
     """The steps; route: moments of each body about its centre of mass, or of what hangs on a joint
     about its pivot."""
     inward = tuple(reversed(setting.order))
@@ -176,7 +176,7 @@ METHOD = Method(
     "Newton and Euler, body by body",
     "forces and moments on each body, the reactions eliminated",
     "lecture notes, chapter 3 and section 6.1",
-    derive,
+    work_out,
     options=(
         MethodOption("route", ("centre", "pivot"), "moments about centres of mass or pivots"),
     ),

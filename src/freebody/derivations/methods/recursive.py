@@ -23,7 +23,7 @@ from freebody.spatial import times, transposed
 GRAVITIES = ("base", "explicit")
 
 
-def derive(setting: Setting, gravity: str) -> Worked:
+def work_out(setting: Setting, gravity: str) -> Worked:
     """The steps; gravity: as acceleration -g of the base, or as each body's weight."""
     base = gravity == "base" or not setting.weighs
     record = _recursion(setting, gravity)
@@ -200,7 +200,7 @@ METHOD = Method(
     "The recursive method of Newton and Euler",
     "motion from the base outward, forces from the tip inward",
     "lecture notes, sections 4.3 and 6.3",
-    derive,
+    work_out,
     aliases=("recursive-newton-euler",),
     options=(
         MethodOption("gravity", GRAVITIES, "gravity as acceleration of the base, or as weights"),

@@ -15,10 +15,10 @@ from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 
 
-def derive(setting: Setting) -> Worked:
+def work_out(setting: Setting) -> Worked:
     """The steps; the setting is at rest. Of a closed chain: see `loop_statics`."""
     if setting.tree.loops:
-        return loop_statics.derive(setting)
+        return loop_statics.work_out(setting)
     reactions = SolvedReactions(setting)
     work = Equilibrium(setting, reactions)
     tau = {i: reactions.motor(i) for i in setting.order}
@@ -45,7 +45,7 @@ METHOD = Method(
     "Statics",
     "equilibrium of each body at rest, with a force on the tip",
     "lecture notes, section 2.4",
-    derive,
+    work_out,
     closed=(2,),
     elsewhere="fb.static_torque and fb.reactions",
     at_rest=True,
