@@ -53,7 +53,7 @@ def quantities(model: fb.Model, every: bool) -> list[str]:
     there = [
         x
         for x, f in FORMULAS.items()
-        if f.chains != other and (model.loops or not x.startswith(loops))
+        if f.chains not in (other, "arm") and (model.loops or not x.startswith(loops))
     ]
     return there if every else [x for x in QUANTITIES if x in there]
 

@@ -71,7 +71,7 @@ def formulas(model: fb.Model) -> list[str]:
     return [
         x
         for x, formula in FORMULAS.items()
-        if formula.chains != other and (model.loops or not x.startswith(loops))
+        if formula.chains not in (other, "arm") and (model.loops or not x.startswith(loops))
     ]
 
 

@@ -12,9 +12,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from freebody.algorithms.lines import parallel, perpendicular
+from freebody.algorithms.screws import Screw
 from freebody.arrays import Array
 from freebody.inverse import subproblems as sp
-from freebody.inverse.chain import Screw
 from freebody.trees.triangles import side_of
 
 
@@ -64,10 +65,10 @@ def pair(
 ) -> list[str]:
     """Of two joints at x (2,) that bring c to a point."""
     if s1.turning and s2.turning:
-        if sp.parallel(s1.w, s2.w):
+        if parallel(s1.w, s2.w):
             return [elbow(s1, s2, c, x, words=words)]
         return [shoulder(s1, s2, s2.moved(x[1], c))]
-    if s1.turning != s2.turning and sp.perpendicular(s1.w, s2.w):
+    if s1.turning != s2.turning and perpendicular(s1.w, s2.w):
         return [_forward(s1, s2, c, x)]
     return []
 
@@ -90,11 +91,11 @@ def arm(screws: Sequence[Screw], c: Array, x: Array) -> list[str]:
     if (
         s2.turning
         and s3.turning
-        and sp.parallel(s2.w, s3.w)
+        and parallel(s2.w, s3.w)
         and sp.size(sp.across(s2.w, s3.p - s2.p)) > 1e-9
     ):
         side = names[0] if names else ""
         return [*names, elbow(s2, s3, c, x[1:], side)] if not side.startswith("elbow") else names
-    if s2.turning != s3.turning and sp.perpendicular(s2.w, s3.w):
+    if s2.turning != s3.turning and perpendicular(s2.w, s3.w):
         return [*names, _forward(s2, s3, c, x[1:])]
     return names

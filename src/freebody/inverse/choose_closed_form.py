@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from freebody.algorithms.lines import off_axis, parallel
+from freebody.algorithms.screws import SAME, ScrewChain, chain_to
 from freebody.arrays import Array
-from freebody.inverse import subproblems as sp
-from freebody.inverse.chain import SAME, ScrewChain, chain_to
 from freebody.inverse.closed_form import (
     ClosedFormSolver,
     Displacement,
@@ -25,7 +25,7 @@ _UP = np.array([0.0, 0.0, 1.0])
 
 def closed_form_for(model: Model, frame: str, task: Task) -> ClosedFormSolver | None:
     """The closed form that gives all solutions of a task, or None."""
-    chain = chain_to(model, frame)
+    chain = chain_to(model.tree, frame)
     if chain is not None and not task.angular:
         chain = _without_idle(chain)
     if chain is None or len(chain.screws) > 6:
@@ -47,7 +47,7 @@ def _without_idle(chain: ScrewChain) -> ScrewChain:
     n = len(chain.screws)
     while n > 1 and chain.screws[n - 1].turning:
         s = chain.screws[n - 1]
-        if sp.size(sp.across(s.w, chain.p - s.p)) > SAME * chain.length:
+        if off_axis(s, chain.p) > SAME * chain.length:
             break
         n -= 1
     return replace(
@@ -63,7 +63,7 @@ def _level_in_space(model: Model, chain: ScrewChain, task: Task) -> ClosedFormSo
     form = parallel_axes_arm(chain, None, bool(task.angular), _elbows(model, chain))
     if not isinstance(form, ParallelAxesArm):
         return None
-    along = [k for k in range(3) if sp.parallel(np.eye(3)[k], form.normal)]
+    along = [k for k in range(3) if parallel(np.eye(3)[k], form.normal)]
     needed = {k for k in range(3) if k not in along or form.lift is not None}
     turned = not task.angular or task.turns or bool(along and along[0] in task.angular)
     return form if needed <= set(task.linear) and turned else None

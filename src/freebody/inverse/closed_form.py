@@ -14,11 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from freebody.algorithms.lines import can_meet, common_point, parallel
+from freebody.algorithms.screws import Screw, ScrewChain
 from freebody.arrays import Array
 from freebody.inverse import branch_names
 from freebody.inverse import subproblems as sp
-from freebody.inverse.chain import Screw, ScrewChain
-from freebody.inverse.position import Candidates, can_meet, last_of_three, meet, reach
+from freebody.inverse.position import Candidates, last_of_three, meet, reach
 
 Reached = tuple[tuple[Screw, ...], Array, Array]
 
@@ -259,7 +260,7 @@ def three_joints(chain: ScrewChain) -> ClosedFormSolver | None:
 def three_turns(chain: ScrewChain) -> ClosedFormSolver | None:
     """The form for the orientation of a three-joint arm."""
     s = chain.screws
-    bent = not sp.parallel(s[0].w, s[1].w) and not sp.parallel(s[1].w, s[2].w)
+    bent = not parallel(s[0].w, s[1].w) and not parallel(s[1].w, s[2].w)
     return ThreeJointOrientation(chain) if bent and all(x.turning for x in s) else None
 
 
@@ -278,11 +279,7 @@ def reversed_chain(chain: ScrewChain) -> ScrewChain:
 
 def _wristed(chain: ScrewChain) -> ClosedFormSolver | None:
     s = chain.screws
-    if (
-        not all(x.turning for x in s[3:])
-        or sp.parallel(s[3].w, s[4].w)
-        or sp.parallel(s[4].w, s[5].w)
-    ):
+    if not all(x.turning for x in s[3:]) or parallel(s[3].w, s[4].w) or parallel(s[4].w, s[5].w):
         return None
     c = common_point(s[3:], chain.length)
     if c is None or last_of_three(s[0], s[1], s[2], c, chain.length) is None:
@@ -292,21 +289,11 @@ def _wristed(chain: ScrewChain) -> ClosedFormSolver | None:
 
 def _three_parallel(chain: ScrewChain) -> ClosedFormSolver | None:
     s = chain.screws
-    if not all(x.turning for x in s) or not (
-        sp.parallel(s[1].w, s[2].w) and sp.parallel(s[2].w, s[3].w)
-    ):
+    if not all(x.turning for x in s) or not (parallel(s[1].w, s[2].w) and parallel(s[2].w, s[3].w)):
         return None
-    if sp.parallel(s[0].w, s[1].w) or sp.parallel(s[3].w, s[4].w) or sp.parallel(s[4].w, s[5].w):
+    if parallel(s[0].w, s[1].w) or parallel(s[3].w, s[4].w) or parallel(s[4].w, s[5].w):
         return None
     c = common_point(s[4:], chain.length)
     if c is None or not can_meet(s[1], s[2], chain.length):
         return None
     return ThreeParallelAxes(chain, c)
-
-
-def common_point(screws: Sequence[Screw], scale: float) -> np.ndarray | None:
-    """The point (3,) through which all axes go, if there is one."""
-    across = [np.eye(3) - np.outer(s.w, s.w) for s in screws]
-    A, b = np.vstack(across), np.concatenate([P @ s.p for P, s in zip(across, screws, strict=True)])
-    point = np.linalg.lstsq(A, b, rcond=None)[0]
-    return np.asarray(point) if np.abs(A @ point - b).max() < 1e-9 * scale else None

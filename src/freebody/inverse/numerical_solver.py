@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.algorithms.kinematics import ancestors
+from freebody.algorithms.screws import arm_length
 from freebody.arrays import Array
-from freebody.inverse.chain import arm_length
 from freebody.inverse.levenberg_marquardt import descend
 from freebody.inverse.task import Task
 from freebody.kernels import structural
@@ -34,7 +34,7 @@ class NumericalSolver:
     @cached_property
     def length(self) -> float:
         """Length of the arm (m): what a radian is worth."""
-        return arm_length(self.model, self.frame)
+        return arm_length(self.model.tree, self.frame)
 
     @cached_property
     def bounds(self) -> tuple[Array, Array]:

@@ -12,12 +12,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from freebody.algorithms.lines import can_meet, parallel, perpendicular
+from freebody.algorithms.screws import Screw, ScrewChain
 from freebody.arrays import Array
 from freebody.inverse import branch_names
 from freebody.inverse import subproblems as sp
-from freebody.inverse.chain import Screw, ScrewChain
 from freebody.inverse.closed_form import ClosedFormSolver, Displacement, Reached
-from freebody.inverse.position import Candidates, can_meet, meet
+from freebody.inverse.position import Candidates, meet
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,13 +129,11 @@ def parallel_axes_arm(
     position alone."""
     axes = [s.w for s in chain.screws if s.turning]
     n = normal if normal is not None else axes[0] if axes else None
-    if n is None or not all(sp.parallel(w, n) for w in axes):
+    if n is None or not all(parallel(w, n) for w in axes):
         return None
-    lifts = [i for i, s in enumerate(chain.screws) if not s.turning and sp.parallel(s.w, n)]
+    lifts = [i for i, s in enumerate(chain.screws) if not s.turning and parallel(s.w, n)]
     slides = [s for s in chain.screws if not s.turning]
-    if len(lifts) > 1 or any(
-        not sp.parallel(s.w, n) and not sp.perpendicular(s.w, n) for s in slides
-    ):
+    if len(lifts) > 1 or any(not parallel(s.w, n) and not perpendicular(s.w, n) for s in slides):
         return None
     across = tuple(i for i in range(len(chain.screws)) if i not in lifts)
     form = ParallelAxesArm(chain, n, across, lifts[0] if lifts else None, words)

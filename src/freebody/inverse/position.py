@@ -13,9 +13,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from freebody.algorithms.lines import (
+    can_meet,
+    changes_distance,
+    changes_height,
+    kept_centre,
+    kept_height,
+    nearest_points,
+    parallel,
+    perpendicular,
+)
+from freebody.algorithms.screws import Screw
 from freebody.arrays import Array
 from freebody.inverse import subproblems as sp
-from freebody.inverse.chain import SAME, Screw
 
 Polynomial = Callable[[Array], Array]
 
@@ -42,14 +52,14 @@ def _meeting_points(s1: Screw, s2: Screw, c: Array, p: Array) -> Array:
     """y (..., 2, 3) on the path of p under joint 1 backwards and on the path of c under joint 2."""
     w1, w2 = s1.w, s2.w
     if s1.turning and s2.turning:
-        if sp.parallel(w1, w2):
+        if parallel(w1, w2):
             x2 = sp.at_chord(s2, c, s1.p, sp.size(sp.across(w1, p - s1.p)))
             return s2.moved(x2, c[..., None, :])
         return _on_circle(s1, p, w2, (c - s1.p) @ w2)
     if s1.turning != s2.turning:
         turning, sliding = (s1, s2) if s1.turning else (s2, s1)
         on_circle, on_line = (p, c) if s1.turning else (c, p)
-        if sp.perpendicular(w1, w2):
+        if perpendicular(w1, w2):
             n = np.cross(turning.w, sliding.w)
             return _on_circle(turning, on_circle, n, (on_line - turning.p) @ n)
         y = on_line + (((on_circle - on_line) @ turning.w) / (w1 @ w2))[..., None] * sliding.w
@@ -79,54 +89,22 @@ def _second_slide(w1: Array, w2: Array, way: Array) -> Array:
     return (way @ m) / (m @ m)
 
 
-def can_meet(s1: Screw, s2: Screw, scale: float) -> bool:
-    """Whether two joints move a point along two directions: no common axis, no two parallel
-    slides."""
-    if s1.turning != s2.turning or not sp.parallel(s1.w, s2.w):
-        return True
-    return s1.turning and bool(sp.size(sp.across(s1.w, s2.p - s1.p)) > SAME * scale)
-
-
 def last_of_three(s1: Screw, s2: Screw, s3: Screw, c: Array, scale: float) -> Polynomial | None:
     """The equation of the third joint: a function p (..., 3) -> x3 (..., k), or None where it
     decides nothing."""
     if not can_meet(s1, s2, scale):
         return None
-    normal = _kept_height(s1, s2)
+    normal = kept_height(s1, s2)
     if normal is not None:
-        if not _changes_height(s3, c, normal, scale):
+        if not changes_height(s3, c, normal, scale):
             return None
         return lambda p: sp.at_height(s3, c, normal, p @ normal)
-    if s1.turning and s2.turning:
-        o1, o2 = _nearest_points(s1, s2)
-        if sp.size(o2 - o1) < SAME * scale:
-            on_axis = s3.turning and sp.size(sp.across(s3.w, o1 - s3.p)) < SAME * scale
-            return None if on_axis else lambda p: sp.at_distance(s3, c, o1, sp.size(p - o1))
+    centre = kept_centre(s1, s2, scale)
+    if centre is not None:
+        if not changes_distance(s3, centre, scale):
+            return None
+        return lambda p: sp.at_distance(s3, c, centre, sp.size(p - centre))
     return lambda p: _by_polynomial(s1, s2, s3, c, p, scale)
-
-
-def _kept_height(s1: Screw, s2: Screw) -> Array | None:
-    """A direction along which neither joint moves any point, if there is one."""
-    w1, w2 = s1.w, s2.w
-    if s1.turning and s2.turning:
-        return w1 if sp.parallel(w1, w2) else None
-    if s1.turning != s2.turning:
-        return (w1 if s1.turning else w2) if sp.perpendicular(w1, w2) else None
-    n = np.cross(w1, w2)
-    return n / sp.size(n)
-
-
-def _changes_height(s3: Screw, c: Array, n: Array, scale: float) -> bool:
-    if not s3.turning:
-        return not sp.perpendicular(s3.w, n)
-    return not sp.parallel(s3.w, n) and bool(sp.size(sp.across(s3.w, c - s3.p)) > SAME * scale)
-
-
-def _nearest_points(s1: Screw, s2: Screw) -> tuple[Array, Array]:
-    """The feet of the common normal of two axes that are not parallel."""
-    A = np.stack([s1.w, -s2.w], axis=-1)
-    t = np.linalg.lstsq(A, s2.p - s1.p, rcond=None)[0]
-    return s1.p + t[0] * s1.w, s2.p + t[1] * s2.w
 
 
 def _by_polynomial(s1: Screw, s2: Screw, s3: Screw, c: Array, p: Array, scale: float) -> Array:
@@ -149,7 +127,7 @@ def _by_polynomial(s1: Screw, s2: Screw, s3: Screw, c: Array, p: Array, scale: f
 def _miss(s1: Screw, s2: Screw, c3: Array, p: Array) -> Array:
     """How far |y|² is from its due, for y from the linear conditions; c3 (5, 3), p (N, 1, 3)."""
     if s1.turning and s2.turning:
-        o1, o2 = _nearest_points(s1, s2)
+        o1, o2 = nearest_points(s1, s2)
         A = np.stack([s1.w, s2.w, o2 - o1])
         squares = sp.dot(p - o1, p - o1) - sp.dot(c3 - o2, c3 - o2) + o2 @ o2 - o1 @ o1
         b = np.stack(np.broadcast_arrays(p @ s1.w, c3 @ s2.w, squares / 2), axis=-1)

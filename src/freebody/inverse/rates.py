@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from freebody.algorithms.screws import arm_length
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, FreebodyWarning, SingularError
-from freebody.inverse.chain import arm_length
 from freebody.inverse.task import row_names, rows_of
 from freebody.labels import aligned, labels_of
 from freebody.model.model import Model
@@ -147,7 +147,7 @@ class _JacobianRows:
         self.function, self.letter = function, letter
         self.frame = f"frame {frame!r} of {model.name!r}"
         self.names = [row_names(model.dim)[r] for r in rows]
-        length = arm_length(model, frame)
+        length = arm_length(model.tree, frame)
         self.scale = np.array([1.0 / length if r < model.dim else 1.0 for r in rows])
 
 

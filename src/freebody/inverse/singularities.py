@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.algorithms.kinematics import ancestors
+from freebody.algorithms.screws import arm_length
 from freebody.arrays import Array
 from freebody.derivations.determinant import columns_of
 from freebody.derivations.expression import Expression
 from freebody.derivations.kinematics import Kinematics, kinematics
 from freebody.derivations.singularities import Condition, Determinant, jacobian_determinant
 from freebody.errors import FreebodyError
-from freebody.inverse.chain import arm_length
 from freebody.inverse.task import row_names, rows_of
 from freebody.model.model import Model
 from freebody.outputs.display import Titled
@@ -99,7 +99,7 @@ class Singularities(Titled):
         return self._scale(rows)[:, None] * J[..., rows, :][..., _moving(self.model, self.frame)]
 
     def _scale(self, rows: list[int]) -> Array:
-        length = arm_length(self.model, self.frame)
+        length = arm_length(self.model.tree, self.frame)
         return np.array([1.0 / length if r < self.model.dim else 1.0 for r in rows])
 
     def search(self, starts: int = 32, seed: int = 0) -> Array:

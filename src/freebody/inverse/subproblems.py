@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from freebody.algorithms.screws import Screw
 from freebody.arrays import Array
-from freebody.inverse.chain import SAME, Screw
 from freebody.trees.triangles import LOOSE, by_triangle
 
 _ON_AXIS = 1e-11
@@ -36,16 +36,6 @@ def across(w: Array, v: Array) -> Array:
 def size(v: Array) -> Array:
     """Length over the last axis."""
     return np.sqrt(dot(v, v))
-
-
-def parallel(a: Array, b: Array) -> bool:
-    """Whether two unit vectors have one direction, or opposite ones."""
-    return bool(size(cross(a, b)) < SAME)
-
-
-def perpendicular(a: Array, b: Array) -> bool:
-    """Whether two unit vectors are at right angles."""
-    return bool(abs(a @ b) < SAME)
 
 
 def root(a: Array, b: Array) -> Array:

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from freebody.algorithms.screws import Screw
 from freebody.arrays import Array
-from freebody.inverse.chain import Screw
 from freebody.inverse.closed_form import ClosedFormSolver, Displacement
 from freebody.inverse.levenberg_marquardt import descend
 from freebody.inverse.numerical_solver import NumericalSolver

@@ -6,6 +6,7 @@ from typing import Any
 
 from freebody.algorithms.regressor import parameter_values
 from freebody.kernels.formulas import FORMULAS, INPUTS, Option
+from freebody.kernels.formulas.inverse import known_branches
 from freebody.kernels.formulas.record import Dimensions
 from freebody.model.inertial_parameters import parameter_names
 from freebody.model.model import Model
@@ -19,7 +20,7 @@ def arguments(model: Model, names: tuple[str, ...], option: Option) -> tuple[Arg
     plain = [
         Argument(name, shape(model, given.dims, option))
         for name, given in INPUTS.items()
-        if name in wanted and (name != "point" or option.point)
+        if name in wanted and _is_given(name, option)
     ]
     loads = option.wrench_frames if "wrenches" in wanted else ()
     # by index: the frames' names come from outside, and a program's names stand in generated text
@@ -27,6 +28,11 @@ def arguments(model: Model, names: tuple[str, ...], option: Option) -> tuple[Arg
         *plain,
         *(Argument(_wrench(k), shape(model, ("six",), option)) for k in range(len(loads))),
     )
+
+
+def _is_given(name: str, option: Option) -> bool:
+    """Whether an input that not all models or calls have is one here."""
+    return {"point": option.point, "redundancy": option.redundant}.get(name, True)
 
 
 def _wrench(k: int) -> str:
@@ -65,6 +71,7 @@ def shape(
             - len(option.partition.rows if option.partition else ())
         ),
         "reactions": lambda: len(model.bodies) + len(model.loops),
+        "branches": lambda: known_branches(tree or model.tree, option).count,
         "parameters": lambda: len(
             parameter_names(model) if tree is None else parameter_values(tree)
         ),

@@ -11,6 +11,7 @@ from typing import Any
 from freebody import __version__
 from freebody.errors import FreebodyError, KindError, UnknownNameError
 from freebody.identifiers import is_identifier
+from freebody.kernels.formulas import Option
 from freebody.kernels.inputs import InputKernel, KernelInputs
 from freebody.kernels.program_description import ProgramDescription, of_program
 from freebody.kernels.selection import Asked, asked
@@ -67,11 +68,11 @@ def export(
     """
     if not isinstance(out, str | os.PathLike):
         raise KindError("fb.export", "out", out, "the name of a folder")
-    unit, described, given = _unit("fb.export", what, names, language, name, dtype, options)
+    unit, described, given, option = _unit("fb.export", what, names, language, name, dtype, options)
     known = LANGUAGES[language]
     model = what if isinstance(what, Model) else None
     files = known.package(
-        unit, vectors(unit.program, dtype, model, given.values if given else None)
+        unit, vectors(unit.program, dtype, model, given.values if given else None, option)
     )
     word = next(iter(files)).partition(".")[0]
     files["README.txt"] = _readme(word, known.test.format(name=word), known.note, list(files))
@@ -88,8 +89,9 @@ def _unit(
     name: str | None,
     dtype: str,
     options: dict[str, Any],
-) -> tuple[Unit, dict[str, Any], KernelInputs | None]:
-    """What is written, the names behind its words, and the numbers that are inputs."""
+) -> tuple[Unit, dict[str, Any], KernelInputs | None, Option | None]:
+    """What is written, the names behind its words, the numbers that are inputs, and what was
+    chosen of a model."""
     if not isinstance(language, str) or language not in LANGUAGES:
         raise UnknownNameError("language", language, function, LANGUAGES)
     dtypes = LANGUAGES[language].dtypes
@@ -115,11 +117,11 @@ def _unit(
             else None
         )
         comment, words = of_program(traced, given)
-        return Unit(traced, name or traced.name, comment, None, dtype), words, given
+        return Unit(traced, name or traced.name, comment, None, dtype), words, given, None
     traced = share_reciprocals(chosen.program())
     about = ProgramDescription(chosen.model, chosen.names, chosen.option, chosen.given, traced)
     unit = Unit(traced, name or traced.name, about.comment, about.joints, dtype, about.marks)
-    return unit, about.names, chosen.given
+    return unit, about.names, chosen.given, chosen.option
 
 
 def _readme(word: str, command: str, note: str, files: list[str]) -> str:

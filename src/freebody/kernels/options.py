@@ -9,6 +9,7 @@ from typing import Any
 from freebody.errors import FreebodyError, KindError, UnknownNameError
 from freebody.kernels.closed_chains import closed_chain_function
 from freebody.kernels.formulas import FORMULAS, Option
+from freebody.kernels.formulas.inverse import known_branches
 from freebody.model.model import Model
 
 
@@ -41,7 +42,7 @@ def chosen_option(
             raise UnknownNameError("quantity", name, function, FORMULAS)
         if listed.count(name) > 1:
             raise FreebodyError(f"{function}: the quantity {name!r} is asked for twice.")
-        if FORMULAS[name].chains == "open":
+        if FORMULAS[name].chains in ("open", "arm"):
             model.require_tree(f"{function}: {name}")
         if FORMULAS[name].chains == "closed" and not model.loops:
             raise FreebodyError(
@@ -60,6 +61,8 @@ def chosen_option(
         tuple(model.frame(f).name for f in wrench_frames),
         rows=motion_rows(model, rows),
     )
+    if any("redundancy" in FORMULAS[name].inputs for name in listed):
+        option = option._replace(redundant=known_branches(model.tree, option).held is not None)
     return listed, _near_home(function, model, listed, option) if model.loops else option
 
 

@@ -10,7 +10,8 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, LoopError
 from freebody.kernels.closed_chains import closed_chain_function
-from freebody.kernels.formulas import INPUTS, POSITIONS
+from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
+from freebody.kernels.formulas.inverse import known_branches
 from freebody.model.model import Model
 from freebody.program import Program
 from freebody.program.passes import with_epsilon
@@ -28,13 +29,18 @@ _MARGIN = 16.0
 
 
 def vectors(
-    program: Program, dtype: str, model: Model | None = None, numbers: Array | None = None
+    program: Program,
+    dtype: str,
+    model: Model | None = None,
+    numbers: Array | None = None,
+    option: Option | None = None,
 ) -> SelfTestSamples:
     """Inputs at which all outputs are finite, what they give in extended precision, and how far off
     the text may be: sixteen times what NumPy in `dtype` is off here, at least 1e-13 (float32:
     1e-5).
 
-    numbers: (k,) the model's own values of p, which is tried within a tenth of them.
+    numbers: (k,) the model's own values of p, which is tried within a tenth of them. option: what
+    was chosen of the model, such as the frame that is to reach its target.
     Raises FreebodyError where none are found.
     """
     rng = np.random.default_rng(0)
@@ -46,6 +52,8 @@ def vectors(
     ]
     if model is not None and model.loops:
         given = _closed(model, [a.name for a in program.inputs], given)
+    if model is not None and option is not None and program.inputs[0].name == "target":
+        given = _reached(model, option, given, rng)
     given = [x.astype(dtype).astype(np.float64) for x in given]
     epsilon = float(np.finfo(dtype).eps)  # the same samples are valid, but for rounding
     exact = _run(with_epsilon(program, epsilon), given, np.longdouble)
@@ -87,6 +95,20 @@ def _samples(
             values[:, k] *= 0.1
         values[:, k] += home.get(position, 0.0)
     return _unit_quaternions(model, values)
+
+
+def _reached(
+    model: Model, option: Option, given: list[Array], rng: np.random.Generator
+) -> list[Array]:
+    """Targets (tries, pose) that positions all round reach, and where the joint that is held stands
+    there."""
+    q = np.pi * _samples("q", (model.nq,), None, rng)
+    (T,) = FORMULAS["forward_kinematics"].evaluate(
+        model.tree, option, q=tuple(_unit_quaternions(model, q).T)
+    )
+    poses = np.stack([np.broadcast_to(x, (_TRIES,)) for row in T for x in row], axis=-1)
+    held = known_branches(model.tree, option).held
+    return [poses, *([] if held is None else [q[:, [held]]]), *given[1 if held is None else 2 :]]
 
 
 def _unit_quaternions(model: Model, positions: Array) -> Array:

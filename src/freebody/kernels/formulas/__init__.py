@@ -9,6 +9,7 @@ from freebody.kernels.formulas import (
     derivatives,
     dynamics,
     energies,
+    inverse,
     kinematics,
     loops,
     operational,
@@ -24,6 +25,7 @@ FORMULAS: dict[str, Formula] = {
     name: formula
     for family in (
         kinematics,
+        inverse,
         dynamics,
         derivatives,
         operational,

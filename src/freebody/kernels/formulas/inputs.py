@@ -35,6 +35,10 @@ INPUTS = {
         ("reactions", "six"), "wrench of each joint, then of each loop: force, then moment (N, N m)"
     ),
     "point": Input(("dim",), "a point, world axes (m)"),
+    "target": Input(("pose", "pose"), "pose to be reached, homogeneous matrix, world axes (m)"),
+    "redundancy": Input(
+        (), "position of the joint that is held: the last of seven, or the first (rad, m)"
+    ),
     "h": Input((), "length of the step (s)", 1e-2),
     "q_ref": Input(("nq",), "positions that the feedback leads to, as q"),
     "qd_ref": Input(("nv",), "rates that the feedback leads to (rad/s, m/s)"),

@@ -12,7 +12,8 @@ from freebody.arrays import Array
 Dimensions = tuple[str | int, ...]
 """Numbers, or names that a model turns into numbers: nq, nv, nj, six, dim, angular (3 or 1), pose
 (dim + 1), rows, parameters, constraints (loop equations), equations (those that count), loose
-(those that the partition leaves out), reactions (joints and loops)."""
+(those that the partition leaves out), reactions (joints and loops), branches (of inverse
+kinematics)."""
 
 Evaluate = Callable[..., tuple[Any, ...]]
 """(tree, option, **inputs) -> a tuple of nested sequences of scalars; of inputs, `wrenches` is a
@@ -34,7 +35,7 @@ class Option(NamedTuple):
     wrench_frames: tuple[str, ...] = ()
     point: bool = False
     rows: tuple[int, ...] = ()
-    """Rows of a frame's motion, for the quantities of operational space."""
+    """Rows of a frame's motion, for the quantities of operational space and inverse kinematics."""
     equations: tuple[int, ...] | None = None
     """Loop equations that count; None: all. The others follow from them."""
     partition: Partition | None = None
@@ -45,6 +46,8 @@ class Option(NamedTuple):
     checks: str = ""
     """Of a closed chain: NaN where the choice of equations does not tell ("solution"), and where
     its loops do not allow the state either ("state")."""
+    redundant: bool = False
+    """Whether the arm has a joint whose position is given, for inverse kinematics."""
 
 
 class Output(NamedTuple):
@@ -67,10 +70,10 @@ class Formula:
     axes: those that it may be asked for in, besides the world's. of_rows: whether rows of the
     frame's motion can be chosen.
     chains: which it says something of; "open": it leaves loops out, so that a closed chain must not
-    be given to it. settled: what of a closed chain is chosen near home, once for all positions of a
-    kernel: the "equations" that tell all, those left out that depend on others, or the "partition"
-    of equations and coordinates by its drives, or one for what the "loops" do, to which drives do
-    not matter.
+    be given to it; "arm": of open chains those with a closed form alone. settled: what of a closed
+    chain is chosen near home, once for all positions of a kernel: the "equations" that tell all,
+    those left out that depend on others, or the "partition" of equations and coordinates by its
+    drives, or one for what the "loops" do, to which drives do not matter.
     by_columns: how a matrix of a large robot is made column by column.
     derivatives: of an open chain without wrenches, formulas of the one output's derivatives on the
     tangent space, and the inputs by which their outputs are, in their order.
@@ -84,7 +87,7 @@ class Formula:
     of_frame: bool = False
     axes: tuple[str, ...] = ()
     of_rows: bool = False
-    chains: Literal["all", "open", "closed"] = "all"
+    chains: Literal["all", "open", "closed", "arm"] = "all"
     settled: Literal["equations", "partition", "loops"] | None = None
     by_columns: ByColumns | None = None
     derivatives: Mapping[str, tuple[str, ...]] = field(default_factory=dict)

@@ -14,7 +14,6 @@ import numpy as np
 
 from freebody.algorithms.kinematics import ancestors
 from freebody.arrays import Array
-from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.spatial import compose, identity
 
@@ -86,10 +85,9 @@ class ScrewChain:
         return q[..., self.index] * self.ratio + self.offset
 
 
-def chain_to(model: Model, frame: str) -> ScrewChain | None:
-    """The screws to a frame; None where a joint has several coordinates of its own, or two share
-    one, or turns and slides at once."""
-    tree = model.tree
+def chain_to(tree: Tree, frame: str) -> ScrewChain | None:
+    """The screws to a frame of a tree of numbers; None where a joint has several coordinates of its
+    own, or two share one, or turns and slides at once."""
     body, R, p = tree.frames[frame]
     path = ancestors(tree, body)[::-1]
     places = [tree.bodies[i].coordinates.q for i in path]
@@ -118,10 +116,9 @@ def chain_to(model: Model, frame: str) -> ScrewChain | None:
     )
 
 
-def arm_length(model: Model, frame: str) -> float:
+def arm_length(tree: Tree, frame: str) -> float:
     """Distances from joint to joint on the way to a frame, added up (m); 1 where they are all
     zero."""
-    tree = model.tree
     body, _, p = tree.frames[frame]
     offsets = [p, *(tree.bodies[i].p for i in ancestors(tree, body)[:-1])]
     return float(sum(np.linalg.norm(np.array(x, dtype=float)) for x in offsets)) or 1.0

@@ -1,0 +1,156 @@
+"""Inverse kinematics: every branch of a pose, beside EAIK where it is installed.
+
+    python benchmarks/branches.py [--poses 1000000] [--robots ur5e puma560 …]
+
+For each robot, of one thread: nanoseconds a pose in batches of 4096 (`out=`), microseconds of one
+call from Python, and for EAIK a pose of its own batch call, in turns within one run, the quickest
+of some rounds. Then, for so many random poses, in pieces: how far the position that made each pose
+is from the nearest branch, and how far forward kinematics takes the branches from the pose.
+"""
+
+import argparse
+import time
+import warnings
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+import freebody as fb
+
+ROBOTS = ("ur5e", "puma560", "industrial", "scara", "panda", "iiwa14")
+BATCH = 4096
+ROUNDS = 15
+PIECE = 50_000
+
+
+def load(name: str) -> fb.Model:
+    """A bundled robot, or an industrial arm: offsets at shoulder and elbow, a spherical wrist (the
+    lengths are an ABB IRB 6640's, in m)."""
+    if name != "industrial":
+        return fb.load(name, physical="ignore")
+    half = np.pi / 2
+    rows = [
+        {"d": 0.78, "a": 0.32, "alpha": -half},
+        {"a": 1.075, "theta": -half},
+        {"a": 0.2, "alpha": -half},
+        {"d": 1.1425, "alpha": half},
+        {"alpha": -half},
+        {"d": 0.2},
+    ]
+    return fb.dh(
+        [{"m": 1.0, "com": [0, 0, 0], "I": [0] * 6, **row} for row in rows], convention="standard"
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--poses", type=int, default=1_000_000)
+    parser.add_argument("--robots", nargs="+", choices=ROBOTS, default=ROBOTS)
+    given = parser.parse_args()
+    warnings.simplefilter("ignore", fb.PhysicalWarning)
+    print(
+        f"{'robot':11}{'branches':>9}{'ns a pose':>11}{'µs a call':>11}{'EAIK µs a pose':>16}"
+        f"{'own, worst':>12}{'residual':>10}{'unclear':>9}"
+    )
+    for name in given.robots:
+        model = load(name)
+        kernel: Any = fb.kernel(model, "inverse_kinematics")
+        q, poses = random_poses(model, BATCH, 0)
+        arrays = inputs(model, kernel, q, poses)
+        one = [np.array(x[0]) for x in arrays]
+        runs: dict[str, tuple[Callable[[], object], int, float]] = {
+            "batch": (partial(kernel, *arrays, out=kernel(*arrays), threads=1), 3, BATCH / 1e9),
+            "call": (partial(kernel, *one), 300, 1e-6),
+        }
+        rival = eaik(model, poses)
+        if rival is not None:
+            runs["eaik"] = (rival, 1, BATCH / 1e6)
+        times = quickest(runs)
+        own, residual, unclear = verified(model, kernel, given.poses)
+        print(
+            f"{name:11}{kernel.program.outputs[0].shape[0]:9}{times['batch']:11.0f}"
+            f"{times['call']:11.2f}{times.get('eaik', np.nan):16.2f}{own:12.1e}{residual:10.1e}"
+            f"{unclear:9}",
+            flush=True,
+        )
+
+
+def random_poses(model: fb.Model, count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Positions within the limits, and the poses of the tip there."""
+    q, _, _ = fb.random_state(model, seed, count)
+    return q, fb.forward_kinematics(model, q)
+
+
+def inputs(model: fb.Model, kernel: Any, q: np.ndarray, poses: np.ndarray) -> list[np.ndarray]:
+    """What the kernel takes: the joint of seven that is held stands as it did."""
+    return [poses, q[:, 6].copy()] if len(kernel.program.inputs) == 2 else [poses]
+
+
+def quickest(runs: dict[str, tuple[Callable[[], object], int, float]]) -> dict[str, float]:
+    """Seconds of each, over its unit: the mean of its repetitions, in the quickest of rounds that
+    take turns."""
+    found = dict.fromkeys(runs, np.inf)
+    for _ in range(ROUNDS):
+        for name, (call, times, unit) in runs.items():
+            start = time.perf_counter()
+            for _ in range(times):
+                call()
+            found[name] = min(found[name], (time.perf_counter() - start) / times / unit)
+    return found
+
+
+def eaik(model: fb.Model, poses: np.ndarray) -> Callable[[], object] | None:
+    """EAIK's batch call for the same arm, by its axes; None where it has none, or is not there."""
+    try:
+        from eaik.IK_HP import HPRobot  # pyright: ignore[reportMissingImports]
+    except ImportError:
+        return None
+    if model.nq != 6:
+        return None
+    chain = screws(model)
+    H = np.array([s.w for s in chain.screws])
+    at = np.array([s.p for s in chain.screws])
+    P = np.vstack([at[:1], np.diff(at, axis=0), chain.p - at[-1:]])
+    turned = poses.copy()
+    turned[:, :3, :3] = poses[:, :3, :3] @ chain.R.T  # its frames are the base's at zero
+    robot = HPRobot(H, P)
+    if not robot.hasKnownDecomposition():
+        return None
+    (first,) = robot.IK_batched(turned[:1], 1)
+    assert np.abs(robot.fwdKin(np.array(first.Q)[0]) - turned[0]).max() < 1e-8, "not the same arm"
+    return partial(robot.IK_batched, turned, 1)
+
+
+def screws(model: fb.Model) -> Any:
+    """The joints as lines at zero."""
+    from freebody.algorithms.screws import chain_to
+
+    return chain_to(model.tree, model.frame().name)
+
+
+def verified(model: fb.Model, kernel: Any, poses: int) -> tuple[float, float, int]:
+    """(own, residual, unclear): see the head of the file; unclear: poses of which a branch clears
+    its bounds by less than 1e-6."""
+    turning = np.array([body.kind.turns for body in model.bodies if body.joint.mimic is None])
+    worst_own = worst = 0.0
+    unclear = 0
+    for seed in range(-(-poses // PIECE)):
+        q, T = random_poses(model, min(PIECE, poses - seed * PIECE), seed)
+        found, valid, clear = kernel(*inputs(model, kernel, q, T))
+        good = valid == 1.0
+        moving = slice(0, 7) if len(kernel.program.inputs) == 2 else slice(None)
+        way = found[..., moving] - q[:, None, moving]
+        way -= np.where(turning[moving], 2 * np.pi * np.round(way / (2 * np.pi)), 0.0)
+        own = np.where(good, np.abs(way).max(axis=-1), np.inf).min(axis=1)
+        miss = np.abs(fb.forward_kinematics(model, found[good]) - np.repeat(T, good.sum(1), axis=0))
+        worst_own, worst = max(worst_own, own.max()), max(worst, miss.max(initial=0.0))
+        unclear += int((np.abs(clear).min(axis=1) < 1e-6).sum())
+    return worst_own, worst, unclear
+
+
+if __name__ == "__main__":
+    main()

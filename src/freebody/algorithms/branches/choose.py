@@ -1,0 +1,129 @@
+"""Which recipe fits an arm: by how its lines lie, never by a name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from freebody.algorithms.branches.arms import Wrist, arm
+from freebody.algorithms.branches.recipes import (
+    Across,
+    OneJointHeld,
+    OrientationByThree,
+    PositionByThree,
+    Recipe,
+    SeenFromTip,
+    SphericalWrist,
+    ThreeParallel,
+)
+from freebody.algorithms.lines import can_meet, common_point, off_axis, parallel, perpendicular
+from freebody.algorithms.screws import SAME, Screw, ScrewChain
+from freebody.arrays import Array
+
+Kind = Literal["pose", "position", "orientation"]
+"""What of a frame's pose a target tells."""
+
+
+def recipe_for(chain: ScrewChain, kind: Kind, plane: bool) -> Recipe | None:
+    """The recipe that gives all branches, or None; of seven joints with one of them held."""
+    s, length = chain.screws, chain.length
+    level = _across(chain, kind, np.array([0.0, 0.0, 1.0]) if plane else None)
+    if level is not None or plane:
+        return level
+    if kind == "pose":
+        if len(s) == 7:
+            return _with_one_held(s, length)
+        return _six(s, length) if len(s) == 6 else None
+    if len(s) != 3:
+        return None
+    if kind == "position":
+        found = arm(s, chain.p, length)
+        return None if found is None else PositionByThree(found, chain.p)
+    return OrientationByThree(Wrist(s)) if _wristed(s) else None
+
+
+def without_idle(chain: ScrewChain) -> ScrewChain:
+    """The chain but for its last joints that turn about the frame's origin: they do not move it."""
+    n = len(chain.screws)
+    while n > 1 and chain.screws[n - 1].turning:
+        if off_axis(chain.screws[n - 1], chain.p) > SAME * chain.length:
+            break
+        n -= 1
+    return replace(
+        chain,
+        screws=chain.screws[:n],
+        index=chain.index[:n],
+        ratio=chain.ratio[:n],
+        offset=chain.offset[:n],
+    )
+
+
+def _with_one_held(s: Sequence[Screw], length: float) -> Recipe | None:
+    for held, rest, first in ((s[6], s[:6], False), (s[0], s[1:], True)):
+        found = _six(rest, length)
+        if found is not None:
+            return OneJointHeld(found, held, first)
+    return None
+
+
+def _six(s: Sequence[Screw], length: float) -> Recipe | None:
+    for turned in (s, s[::-1]):
+        found = _spherical_wrist(turned, length) or _three_parallel(turned, length)
+        if found is not None:
+            return found if turned is s else SeenFromTip(found)
+    return None
+
+
+def _wristed(s: Sequence[Screw]) -> bool:
+    bent = not parallel(s[0].w, s[1].w) and not parallel(s[1].w, s[2].w)
+    return bent and all(x.turning for x in s)
+
+
+def _spherical_wrist(s: Sequence[Screw], length: float) -> Recipe | None:
+    if not _wristed(s[3:]):
+        return None
+    c = common_point(s[3:], length)
+    found = None if c is None else arm(s[:3], c, length)
+    return None if c is None or found is None else SphericalWrist(found, Wrist(s[3:]), c)
+
+
+def _three_parallel(s: Sequence[Screw], length: float) -> Recipe | None:
+    if not all(x.turning for x in s):
+        return None
+    if not (parallel(s[1].w, s[2].w) and parallel(s[2].w, s[3].w)):
+        return None
+    if parallel(s[0].w, s[1].w) or parallel(s[3].w, s[4].w) or parallel(s[4].w, s[5].w):
+        return None
+    c = common_point(s[4:], length)
+    return None if c is None or not can_meet(s[1], s[2], length) else ThreeParallel(s, c, length)
+
+
+def _across(chain: ScrewChain, kind: Kind, normal: Array | None) -> Recipe | None:
+    """The recipe for an arm whose turning axes are all parallel: to the normal, if one is given."""
+    s, turned = chain.screws, kind == "pose"
+    axes = [x.w for x in s if x.turning]
+    n = normal if normal is not None else axes[0] if axes else None
+    if kind == "orientation" or n is None or not all(parallel(w, n) for w in axes):
+        return None
+    lifts = [i for i, x in enumerate(s) if not x.turning and parallel(x.w, n)]
+    slides = [x.w for x in s if not x.turning]
+    if len(lifts) > 1 or any(not parallel(w, n) and not perpendicular(w, n) for w in slides):
+        return None
+    across = tuple(i for i in range(len(s)) if i not in lifts)
+    if not _regular([s[i] for i in across], turned, chain.length):
+        return None
+    return Across(s, n, across, lifts[0] if lifts else None, chain.p, chain.length)
+
+
+def _regular(s: Sequence[Screw], turned: bool, length: float) -> bool:
+    """Whether joints across a normal are as many as they have to do, and do not repeat each
+    other."""
+    if len(s) == 3 and turned and any(x.turning for x in s):
+        if s[2].turning or s[0].turning:
+            first, second = (s[0], s[1]) if s[2].turning else (s[2], s[1])
+            return can_meet(first, second, length)
+        return s[1].turning
+    return len(s) == 1 or (len(s) == 2 and can_meet(s[0], s[1], length))

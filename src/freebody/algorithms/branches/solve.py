@@ -1,0 +1,163 @@
+"""All closed-form branches of an arm for a target: positions, which of them are solutions, and how
+clearly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from freebody.algorithms.branches.arms import Places, numbers
+from freebody.algorithms.branches.choose import Kind, recipe_for, without_idle
+from freebody.algorithms.branches.recipes import OneJointHeld, Recipe, WantedMotion
+from freebody.algorithms.screws import ScrewChain, chain_to
+from freebody.elementary import Scalar, epsilon, less, less_equal, maximum, where
+from freebody.model.tree import Tree
+from freebody.spatial import Matrix, Vector, dot, sub, times, transposed
+
+REACHED = 1e-10
+"""A branch brings the frame this near to its target (m and rad), else it is none."""
+
+_REACHED_IN_32_BITS = 5e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Branches:
+    """The recipe of one chain for one kind of target."""
+
+    chain: ScrewChain
+    kind: Kind
+    recipe: Recipe
+    dim: int
+
+    @property
+    def held(self) -> int | None:
+        """Of an arm with one joint more than the target asks for the place in q of the joint whose
+        position has to be given."""
+        if not isinstance(self.recipe, OneJointHeld):
+            return None
+        return int(self.chain.index[0 if self.recipe.first else -1])
+
+    @cached_property
+    def count(self) -> int:
+        """How many branches stand side by side."""
+        with np.errstate(all="ignore"):
+            one = np.float64(1.0)
+            home = tuple(tuple(one * x for x in row) for row in self.chain.R)
+            return len(self._ways(*self._displacement(home, tuple(one * self.chain.p)), one))
+
+    def solve(
+        self, target: Matrix, held: Scalar | None = None
+    ) -> tuple[list[list[Scalar]], list[Scalar], list[Scalar]]:
+        """Per branch the positions of the chain's joints, 1 where these reach the target, else 0,
+        and how clear that is.
+
+        target: homogeneous matrix of scalars; held: the position of the joint that is held.
+        """
+        R, p = self._in_space(target)
+        ways = self._ways(*self._displacement(R, p), held)
+        chain, x, valid, clear = self.chain, [], [], []
+        for places, clearly in ways:
+            miss = self._miss(places, R, p)
+            limit = where(less(epsilon(miss), 1e-10), REACHED**2, _REACHED_IN_32_BITS**2)
+            values = [place.value() for place in places]
+            if held is not None:  # as it was given, whole turns too
+                values[-1 if self._holds_last() else 0] = self._of_joint(held)
+            x.append(
+                [
+                    (value - offset) / ratio
+                    for value, ratio, offset in zip(
+                        values, map(float, chain.ratio), map(float, chain.offset), strict=True
+                    )
+                ]
+            )
+            valid.append(less_equal(miss, limit))
+            clear.append(clearly)
+        return x, valid, clear
+
+    def _holds_last(self) -> bool:
+        return isinstance(self.recipe, OneJointHeld) and not self.recipe.first
+
+    def _of_joint(self, held: Scalar) -> Scalar:
+        """The position of the joint itself where its coordinate is `held`."""
+        k = -1 if self._holds_last() else 0
+        return float(self.chain.ratio[k]) * held + float(self.chain.offset[k])
+
+    def _ways(self, R: Matrix, p: Vector, held: Scalar | None) -> list[tuple[Places, Scalar]]:
+        X = WantedMotion(R, p)
+        if isinstance(self.recipe, OneJointHeld):
+            assert held is not None  # an input of the formula for such an arm
+            return self.recipe.at(X, self._of_joint(held))
+        return self.recipe.ways(X)
+
+    def _in_space(self, target: Matrix) -> tuple[Matrix, Vector]:
+        d = self.dim
+        if d == 3:
+            return tuple(row[:3] for row in target[:3]), tuple(row[3] for row in target[:3])
+        (a, b, x), (c, e, y) = target[:2]
+        return ((a, b, 0.0), (c, e, 0.0), (0.0, 0.0, 1.0)), (x, y, 0.0)
+
+    def _displacement(self, R: Matrix, p: Vector) -> tuple[Matrix, Vector]:
+        """T T(0)⁻¹; of a point the shift that brings the frame to it from zero."""
+        home = numbers(self.chain.p)
+        if self.kind == "position":
+            return tuple(tuple(map(float, row)) for row in np.eye(3)), sub(p, home)
+        back = tuple(tuple(map(float, row)) for row in self.chain.R)
+        turned = tuple(tuple(dot(row, other) for other in back) for row in R)
+        return turned, sub(p, times(turned, home))
+
+    def _miss(self, places: Places, R: Matrix, p: Vector) -> Scalar:
+        """By forward kinematics the square of the distance from the target (m), or of the angle
+        (rad) if it is larger; compared half way along the chain."""
+        half = len(places) // 2
+        misses = []
+        if self.kind != "orientation":
+            want, have = p, numbers(self.chain.p)
+            for place in places[:half]:
+                want = place.back().point(want)
+            for place in reversed(places[half:]):
+                have = place.point(have)
+            way = sub(want, have)
+            misses.append(dot(way, way))
+        if self.kind != "position":
+            total: Scalar = 0.0
+            for want, have in zip(transposed(R), self.chain.R.T, strict=True):
+                have = numbers(have)
+                for place in places[:half]:
+                    want = place.back().direction(want)
+                for place in reversed(places[half:]):
+                    have = place.direction(have)
+                way = sub(want, have)
+                total = total + dot(way, way)
+            misses.append(0.5 * total)  # three columns differ by 2 angle² together
+        return misses[0] if len(misses) == 1 else maximum(*misses)
+
+
+def branches(tree: Tree, frame: str, rows: tuple[int, ...]) -> Branches | None:
+    """The recipe for a frame of a tree of numbers and for the rows of its motion that a target
+    tells; None where there is none."""
+    d = tree.space.dim
+    every = 6 if d == 3 else 3
+    kinds: dict[tuple[int, ...], Kind] = {
+        tuple(range(every)): "pose",
+        tuple(range(d)): "position",
+        tuple(range(d, every)): "orientation",
+    }
+    kind = kinds.get(tuple(sorted(rows)))
+    chain = chain_to(tree, frame)
+    if chain is None or kind is None:
+        return None
+    if kind == "position":
+        chain = without_idle(chain)
+    recipe = recipe_for(chain, kind, d == 2)
+    return None if recipe is None else Branches(chain, kind, recipe, d)
+
+
+def places_beside(tree: Tree) -> list[Scalar]:
+    """q of the joints that do not move the frame: 0, of a quaternion no turn."""
+    q: list[Scalar] = [0.0] * tree.nq
+    for body in tree.bodies:
+        if body.primitive.nq > body.primitive.nv:
+            q[body.coordinates.q[-4]] = 1.0
+    return q

@@ -1,0 +1,236 @@
+"""All inverse kinematics branches side by side in one kernel: each reaches its target, none is
+missing, and what is said to be none is none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.errors import FreebodyError
+from support.arms import apart, arm, direction, meeting, parallel, skew
+
+
+def industrial(rng):
+    """Axes 2 and 3 parallel and across axis 1, which they miss: an arm with a shoulder's offset and
+    a wrist."""
+    w, n = np.array([0.0, 0.0, 1.0]), direction(rng) * [1, 1, 0]
+    second = [("R", s * n, rng.normal(size=3)) for s in (1, -1)]
+    return [("R", w, np.zeros(3)), *second, *meeting(3, rng)]
+
+
+def planar(word, lengths):
+    n = len(word)
+    return fb.planar(word, l=lengths, lc=[0.3] * n, m=[1.0] * n, I=[0.1] * n)
+
+
+def scara(rng):
+    w = direction(rng)
+    turns = [("R", s * w, rng.normal(size=3)) for s in (1, -1, 1)]
+    turns.insert(int(rng.integers(4)), ("P", -w, np.zeros(3)))
+    return turns
+
+
+POSES = {
+    "an industrial arm": (industrial, 8),
+    "an industrial arm, backwards": (lambda rng: industrial(rng)[::-1], 8),
+    "a shoulder and an elbow": (
+        lambda rng: meeting(2, rng) + skew("R", rng) + meeting(3, rng),
+        8,
+    ),
+    "a shoulder and a slide": (lambda rng: meeting(2, rng) + skew("P", rng) + meeting(3, rng), 8),
+    "parallel axes and a wrist": (
+        lambda rng: parallel(2, rng) + skew("R", rng) + meeting(3, rng),
+        8,
+    ),
+    "slides and a wrist": (lambda rng: skew("PPP", rng) + meeting(3, rng), 2),
+    "like a UR": (lambda rng: skew("R", rng) + parallel(3, rng) + meeting(2, rng), 8),
+    "like a UR, backwards": (
+        lambda rng: (skew("R", rng) + parallel(3, rng) + meeting(2, rng))[::-1],
+        8,
+    ),
+    "a SCARA": (scara, 2),
+    "seven, the last held": (
+        lambda rng: meeting(3, rng) + skew("R", rng) + meeting(2, rng) + skew("R", rng),
+        8,
+    ),
+    "seven, the first held": (
+        lambda rng: (meeting(3, rng) + skew("R", rng) + meeting(2, rng) + skew("R", rng))[::-1],
+        8,
+    ),
+}
+
+
+def reached(model, found, target):
+    """How far forward kinematics takes each valid branch (N, k) from its target; 0 of others."""
+    q, valid, _ = found
+    T = fb.forward_kinematics(model, np.nan_to_num(q))
+    return np.where(valid == 1.0, np.abs(T - target[:, None]).max(axis=(-1, -2)), 0.0)
+
+
+def own(model, found, q):
+    """How far the nearest branch (N,) is from the position that made the target."""
+    return np.array(
+        [
+            min((apart(model, x, q[i]) for x in rows if np.isfinite(x).all()), default=np.inf)
+            for i, rows in enumerate(found[0])
+        ]
+    )
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("kind", POSES)
+def test_every_branch(kind, seed):
+    """Robots that nobody tuned the recipes to, in frames that nobody would choose."""
+    make, count = POSES[kind]
+    axes = make(np.random.default_rng(seed))
+    model = arm(axes, seed)
+    k = fb.kernel(model, "inverse_kinematics", target="numpy")
+    q, _, _ = fb.random_state(model, seed, 60)
+    T = fb.forward_kinematics(model, q)
+    held = [q[:, -1] if kind.endswith("last held") else q[:, 0]] if len(axes) == 7 else []
+    found = k(T, *held)
+    assert found[0].shape == (60, count, len(axes))
+    assert reached(model, found, T).max() < 1e-11
+    assert (np.isfinite(found[0]).all(axis=-1) == (found[1] == 1.0)).all()
+    clear = np.abs(found[2]).min(axis=1) > 1e-6
+    assert clear.sum() > 50
+    assert own(model, found, q)[clear].max() < 1e-6
+    assert ((found[2] > 0) == (found[1] == 1.0))[clear].all()
+    if not held:
+        careful = fb.inverse_kinematics(model, T[clear], task="pose")
+        assert (careful.count == found[1][clear].sum(axis=1)).all()
+    else:
+        at = 6 if kind.endswith("last held") else 0
+        there = found[0][found[1] == 1.0]
+        rows = np.broadcast_to(held[0][:, None], found[1].shape)[found[1] == 1.0]
+        assert (there[:, at] == rows).all()
+
+
+@pytest.mark.parametrize("word", ["RR", "RP", "PR", "PP", "RRR", "RRP", "RPR", "PRR", "PPR", "PRP"])
+def test_planar_words(word):
+    model = planar(word, [0.7, 0.6, 0.3][: len(word)])
+    rows = {} if len(word) == 3 else {"rows": ("vx", "vy")}
+    k = fb.kernel(model, "inverse_kinematics", target="numpy", **rows)
+    q, _, _ = fb.random_state(model, 1, 50)
+    T = fb.forward_kinematics(model, q)
+    found = k(T)
+    assert own(model, found, q).max() < 1e-6
+    asked = T if len(word) == 3 else T[:, :2, 2]
+    careful = fb.inverse_kinematics(model, asked)
+    assert (careful.count == found[1].sum(axis=1)).all()
+
+
+@pytest.mark.parametrize("word", ["RRR", "RRP", "PPP"])
+def test_position_and_orientation_alone(word):
+    rng = np.random.default_rng(3)
+    axes = meeting(2, rng) + skew(word[2], rng) if word[0] == "R" else skew(word, rng)
+    model = arm(axes, 4)
+    k = fb.kernel(model, "inverse_kinematics", rows=("vx", "vy", "vz"), target="numpy")
+    q, _, _ = fb.random_state(model, 2, 40)
+    T = fb.forward_kinematics(model, q)
+    assert own(model, k(T), q).max() < 1e-6
+    if word == "RRR":
+        k = fb.kernel(model, "inverse_kinematics", rows=("wx", "wy", "wz"), target="numpy")
+        assert own(model, k(T), q).max() < 1e-6
+
+
+@pytest.mark.parametrize("name", ["ur5e", "puma560", "scara", "panda", "iiwa14"])
+def test_bundled(name):
+    """Compiled, in 64 and 32 bits; the same as the formula over arrays."""
+    model = fb.load(name, physical="ignore")
+    q, _, _ = fb.random_state(model, 3, 2000)
+    T = fb.forward_kinematics(model, q)
+    given = [T, q[:, 6]] if name in ("panda", "iiwa14") else [T]
+    found = fb.kernel(model, "inverse_kinematics")(*given)
+    assert reached(model, found, T)[np.abs(found[2]) > 1e-6].max() < 1e-12
+    used = np.delete(found[0], [7], axis=-1) if name == "panda" else found[0]
+    moving = q[:, : used.shape[-1]]
+    way = np.abs(used - moving[:, None])
+    turning = np.array([b.kind.name == "revolute" for b in model.bodies])[: used.shape[-1]]
+    way = np.where(turning, np.abs((way + np.pi) % (2 * np.pi) - np.pi), way)
+    assert np.nanmin(way.max(axis=-1), axis=1).max() < 1e-5
+    rough = fb.kernel(model, "inverse_kinematics", dtype="float32")(*given)
+    clear = np.abs(found[2]).min(axis=1) > 1e-2
+    assert (rough[1] == found[1])[clear].mean() > 0.999
+
+
+SINGULAR = {
+    "wrist straight": [0.3, -1.0, 0.9, 0.4, 0.0, 0.2],
+    "elbow straight": [0.3, -1.0, 0.0, 0.4, 1.0, 0.2],
+    "home": [0.0] * 6,
+}
+
+
+@pytest.mark.parametrize("name", ["ur5e", "puma560"])
+@pytest.mark.parametrize("where", SINGULAR)
+@pytest.mark.parametrize("away", [0.0, 1e-12, 1e-9, 1e-7, 1e-4])
+def test_at_singular_poses(name, where, away):
+    """What is called a branch is one there too, and what is lost is not clear."""
+    model = fb.load(name, physical="ignore")
+    q = np.array(SINGULAR[where]) + away
+    T = fb.forward_kinematics(model, q)[None]
+    found = fb.kernel(model, "inverse_kinematics")(T)
+    assert reached(model, found, T).max() < 3e-10
+    if away < 1e-8 and not (name == "puma560" and where == "elbow straight"):  # not there: a3
+        assert np.abs(found[2]).min() < 1e-6
+    if np.abs(found[2]).min() > 1e-6:
+        assert own(model, found, q[None])[0] < 1e-6
+
+
+def test_what_is_no_target():
+    """NaN, reflections, shears, and points beyond the arm: no branch, and no neighbour touched."""
+    model = fb.load("ur5e")
+    k = fb.kernel(model, "inverse_kinematics")
+    good = fb.forward_kinematics(model, [0.3, -1.0, 0.9, 0.4, 0.7, 0.2])
+    mirrored = good @ np.diag([1.0, 1.0, -1.0, 1.0])
+    sheared = good.copy()
+    sheared[0, 1] += 1e-6
+    far = good.copy()
+    far[0, 3] += 3.0
+    nothing = good.copy()
+    nothing[2, 2] = np.nan
+    q, valid, _ = k(np.stack([good, mirrored, sheared, far, nothing, good]))
+    assert (valid[0] == valid[5]).all()
+    assert valid[0].sum() == 8
+    assert not valid[1:4].any()
+    assert np.isnan(q[1:5]).all()
+    assert np.isnan(valid[4]).all()
+
+
+def test_at_the_edge():
+    """A 2R at its full reach has one posture, found twice, and none a little farther out."""
+    model = planar("RR", [0.7, 0.5])
+    k = fb.kernel(model, "inverse_kinematics", rows=("vx", "vy"), target="numpy")
+    for reach, there in ((1.2, True), (1.2 + 1e-9, False), (1.2 - 1e-9, True), (0.1, False)):
+        T = np.array([[1.0, 0.0, reach * 0.6], [0.0, 1.0, reach * 0.8], [0.0, 0.0, 1.0]])
+        _, valid, clear = k(T)
+        assert bool(valid.all()) is there
+        assert (clear < 1e-6).all()
+
+
+def test_what_has_none():
+    generic = arm(skew("RRRRRR", np.random.default_rng(1)), 1)
+    ur = fb.load("ur5e")
+    for words, model, options in (
+        ("no closed form without a polynomial", generic, {}),
+        ("no closed form without a polynomial", ur, {"rows": ("vx",)}),
+        ("can be no inputs", ur, {"inputs": "elbow_joint.a"}),
+        ("closed chain", fb.load("five_bar"), {}),
+    ):
+        with pytest.raises(FreebodyError, match=words):
+            fb.kernel(model, "inverse_kinematics", **options)
+    # masses move no joint
+    k = fb.kernel(ur, "inverse_kinematics", inputs="*.mass", target="numpy")
+    T = fb.forward_kinematics(ur, [0.3, -1.0, 0.9, 0.4, 0.7, 0.2])
+    assert k(T)[1].sum() == 8
+
+
+@pytest.mark.parametrize(("name", "language"), [("ur5e", "c"), ("panda", "javascript")])
+def test_exports(name, language, tmp_path):
+    """As C and JavaScript, by their own tests."""
+    from test_exports import passes, require
+
+    require(language)
+    fb.export(fb.load(name), "inverse_kinematics", tmp_path, language)
+    passes(tmp_path, language, "inverse_kinematics")
