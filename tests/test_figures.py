@@ -351,9 +351,9 @@ def test_pages_of_derivations_show_values_on_wish():
 
 
 def test_colours_of_forces_are_in_the_theme():
-    from freebody.figures import theme
+    from freebody.figures import colours
 
-    assert set(theme.FORCES.values()) <= set(theme.page_colours(dark=True))
+    assert set(colours.FORCES.values()) <= set(colours.page_colours(dark=True))
 
 
 # ---------------------------------------------------------------- labels, numbers, curves

@@ -16,7 +16,7 @@ from freebody.derivations.expression import Equation, Words
 from freebody.derivations.render import page as formulas
 from freebody.derivations.render.mathml import mathml
 from freebody.derivations.render.prose import web_prose
-from freebody.figures import theme
+from freebody.figures import colours
 from freebody.outputs.page import policy
 from freebody_notes.contents import Chapter, chapters
 from freebody_notes.exercises import exercises, solution
@@ -82,8 +82,8 @@ def page(findings: Sequence[ExecutedItem]) -> str:
             only_words=sum(f.item.is_text for f in findings),
             seconds=sum(f.seconds for f in findings),
             exercises=[(exercise, solution(exercise)) for exercise in exercises()],
-            colours=(theme.page_colours(dark=False), theme.page_colours(dark=True)),
-            figure_style=Markup(theme.style("@media screen and (prefers-color-scheme:dark)")),
+            colours=(colours.page_colours(dark=False), colours.page_colours(dark=True)),
+            figure_style=Markup(colours.style("@media screen and (prefers-color-scheme:dark)")),
         )
     )
 

@@ -15,7 +15,7 @@ from freebody.derivations.derive import undrawn_derivation
 from freebody.derivations.expression import Expression, Symbol, nodes
 from freebody.derivations.methods import METHODS
 from freebody.derivations.printed_names import vec
-from freebody.figures import theme
+from freebody.figures import colours
 from freebody.figures.drawing import Drawing, Element, canonical
 from freebody.figures.figure import save
 from freebody.figures.labelling import labels_of
@@ -45,7 +45,8 @@ def drawings(derivation: Derivation, labels: str = "names") -> Drawings:
     """SVG text for "overview" and for every figure that a step asks for and that can be drawn."""
     shown = illustrations(derivation, labels).items()
     return Drawings(
-        {name: picture(drawing, WIDE, TALL).inline() for name, drawing in shown}, theme.style(_DARK)
+        {name: picture(drawing, WIDE, TALL).inline() for name, drawing in shown},
+        colours.style(_DARK),
     )
 
 

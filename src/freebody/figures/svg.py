@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures import labelling, mathtext, symbols, theme
+from freebody.figures import colours, labelling, mathtext, symbols
 from freebody.figures import text as texts
 from freebody.figures.drawing import (
     Arc,
@@ -103,7 +103,7 @@ class Picture:
     def text(self, css: bool = True, place: str = "") -> str:
         """The SVG document. css: with a style sheet, to stand alone. place: attributes x and y,
         inside another."""
-        style = f"<style>{theme.style()}</style>" if css else ""
+        style = f"<style>{colours.style()}</style>" if css else ""
         size = f'width="{self.width:g}" height="{self.height:.0f}"'
         title = escape(self.title, quote=True)
         return legal(

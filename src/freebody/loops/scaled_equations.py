@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from freebody.algorithms.kinematics import ancestors, frame_pose, joint_poses, world_poses
+from freebody.algorithms.kinematics import frame_pose, joint_poses, world_poses
 from freebody.algorithms.loop_scales import (
     equations_of_lengths,
     mechanism_length,
@@ -19,6 +19,7 @@ from freebody.algorithms.loop_scales import (
 from freebody.arrays import Array
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
+from freebody.loops.tolerance import tolerance_of_loop
 from freebody.model.bodies import Body
 from freebody.model.contributions import pose_part
 from freebody.model.geometry import first_member, geometric_fact
@@ -31,11 +32,6 @@ from freebody.spatial import Vector, dot, of_dimension, times
 from freebody.trees.states import difference
 
 _NOTHING = 1e-13  # an equation that holds wherever the mechanism goes
-_OF_LENGTH = 1e-3
-"""What rounding may do to a loop, relative to its size: files print three digits at least."""
-_MOST = (1e-3, 1e-3)
-"""(m, rad): files print metres to four digits and angles to three, and a loop adds up a few of
-them."""
 
 
 class _Places(Pieces):
@@ -109,7 +105,7 @@ def scales(model: Model) -> Scales:
     for i, loop in enumerate(tree.loops):
         turns = len(loop.closure.turns)
         lengths = loop.closure.size(tree.space) - turns
-        apart, turned = tolerance_of_loop(model, i)
+        apart, turned = tolerance_of_loop(model, tree, i)
         tolerance += [apart / reach] * lengths + [turned] * turns
     along = np.array(rates_of_lengths(tree), dtype=bool)
     whole = np.array(repeating(tree), dtype=bool)
@@ -117,20 +113,6 @@ def scales(model: Model) -> Scales:
     return Scales(
         reach, np.where(lengths, 1.0 / reach, 1.0), lengths, rates, whole, np.array(tolerance)
     )
-
-
-def tolerance_of_loop(model: Model, index: int) -> tuple[float, float]:
-    """(metres, radians): the model's `loop_tolerance`, or its default for a loop of that size."""
-    if model.loop_tolerance is not None:
-        return model.loop_tolerance
-    tree = mechanism(model)
-    loop = tree.loops[index]
-    first, second = (ancestors(tree, tree.frames[frame][0]) for frame in loop.frames)
-    offsets = [tree.bodies[i].p for i in set(first) ^ set(second)]
-    offsets += [tree.frames[frame][2] for frame in loop.frames] + [(loop.distance,)]
-    size = max(float(np.linalg.norm(np.asarray(p, dtype=float))) for p in offsets)
-    metres, radians = _MOST
-    return min(metres, _OF_LENGTH * size), radians
 
 
 def length(model: Model) -> float:

@@ -15,7 +15,7 @@ import numpy as np
 from markupsafe import Markup
 
 import freebody
-from freebody.figures import theme
+from freebody.figures import colours
 from freebody.formats.loading import SUFFIXES
 from freebody.loops.mobility import mobility
 from freebody.model.description import DOUBTFUL, ESTIMATED
@@ -78,8 +78,8 @@ def page(study: Study) -> str:
                 zip(diagrams, (tables.loads(study, body) for body in loads), strict=True)
             ),
             versions=_versions(),
-            colours=(theme.page_colours(dark=False), theme.page_colours(dark=True)),
-            figure_style=Markup(theme.style("@media screen and (prefers-color-scheme:dark)")),
+            colours=(colours.page_colours(dark=False), colours.page_colours(dark=True)),
+            figure_style=Markup(colours.style("@media screen and (prefers-color-scheme:dark)")),
         )
     )
 

@@ -9,7 +9,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.figures.drawing import FLAT, Arc, Drawing, Label, Line, Mark, Turn, point
 from freebody.figures.figure import Figure
-from freebody.figures.joints import flat_joint
+from freebody.figures.joint_symbols import flat_joint
 from freebody.figures.layers import forces, geometry, plane
 from freebody.figures.layers.plane import add_body
 from freebody.figures.layers.structure import structure

@@ -6,7 +6,7 @@ import numpy as np
 
 from freebody.figures.drawing import Arrow, Drawing, Label, Line, Mark, axonometric, point
 from freebody.figures.figure import Figure
-from freebody.figures.joints import solid_joint
+from freebody.figures.joint_symbols import solid_joint
 from freebody.figures.layers import space
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot, snapshot

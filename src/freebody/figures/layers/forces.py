@@ -11,8 +11,9 @@ from functools import partial
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.figures.colours import FORCES
 from freebody.figures.drawing import SAME, Arrow, Dimension, Drawing, Element, Line, Turn, point
-from freebody.figures.joints import flat_joint, solid_joint
+from freebody.figures.joint_symbols import flat_joint, solid_joint
 from freebody.figures.layers import axes, geometry, space, vectors
 from freebody.figures.layers.plane import add_body, letter
 from freebody.figures.layers.structure import Layer, of_each, view_of
@@ -20,7 +21,6 @@ from freebody.figures.loads import BodyLoads, Load
 from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot
-from freebody.figures.theme import FORCES
 from freebody.outputs.numbers import significant
 
 _SHORTEST = 0.12

@@ -9,7 +9,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.figures.drawing import SAME, Drawing, Line, Mark, Point, point
-from freebody.figures.joints import flat_joint
+from freebody.figures.joint_symbols import flat_joint
 from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot

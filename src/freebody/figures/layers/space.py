@@ -20,7 +20,7 @@ from freebody.figures.drawing import (
     best_view,
     point,
 )
-from freebody.figures.joints import solid_joint
+from freebody.figures.joint_symbols import solid_joint
 from freebody.figures.layers.plane import bars, closures
 from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace, Skeleton
