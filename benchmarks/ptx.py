@@ -109,7 +109,7 @@ def figures(model: fb.Model, quantity: str, dtype: str) -> tuple[str, ...]:
     count, size = instructions(text, dtype), 8 if dtype == "float64" else 4
     program = fb.kernel(model, quantity, target="numpy").program
     there = size * (program.input_size + program.output_size)
-    limits = INSTRUCTIONS[dtype] / count / 1e9, BYTES / there / 1e9
+    limits = INSTRUCTIONS[dtype] / max(count, 1) / 1e9, BYTES / there / 1e9
     shown = (
         len(registers),
         max(registers),

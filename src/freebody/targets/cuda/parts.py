@@ -30,6 +30,10 @@ OUTPUTS, ALIVE, FEWEST = 1024, 800, 200
 """Results, and values alive at a time, of one part at most: `ptxas` takes time with the square of
 both. Parts of fewer results than the third are not divided for the values."""
 
+QUIETER = 0.875
+"""Values alive one result after the other, over those in the traced order, up to which a whole
+program is computed so: most then spilled less, some half as much; above, as many spilled more."""
+
 FEW = 1000
 """Results that are constants, beyond which a part of their own writes them, in a loop."""
 
@@ -70,7 +74,7 @@ def _fitting(program: Program, results: Sequence[int], dtype: str) -> list[Part]
     order, room = sorted(results, key=_by_columns(program)), ROOM[dtype]
     whole = part(program, order)
     if whole.alive > MOST * room:
-        return [_quiet(whole, order)]
+        return [_quiet(whole, order, QUIETER)]
     made: list[Part] = []
     done = cost = 0
     while done < len(order):
@@ -83,13 +87,13 @@ def _fitting(program: Program, results: Sequence[int], dtype: str) -> list[Part]
                 key=lambda n: part(program, order[done : done + n]).alive > room,
             )
             if not count:
-                return [_quiet(whole, order)]
+                return [_quiet(whole, order, QUIETER)]
             rest = part(program, order[done : done + count])
         made.append(rest)
         done += count
         cost += rest.operations
         if cost > LARGEST * whole.operations:
-            return [_quiet(whole, order)]
+            return [_quiet(whole, order, QUIETER)]
     return made or [whole]
 
 
@@ -105,9 +109,11 @@ def _assembled(piece: Part) -> list[Part]:
     return [piece for half in halves for piece in _assembled(half)]
 
 
-def _quiet(piece: Part, results: Sequence[int]) -> Part:
-    """The part as it was traced, or one result after the other, where fewer values are alive."""
-    return min(piece, one_by_one(piece, results), key=lambda some: some.alive)
+def _quiet(piece: Part, results: Sequence[int], most: float = 1.0) -> Part:
+    """The part as it was traced, or one result after the other, where fewer values are alive: at
+    most this share of them."""
+    other = one_by_one(piece, results)
+    return other if other.alive <= most * piece.alive else piece
 
 
 def _entries(program: Program) -> list[tuple[int, tuple[int, ...]]]:
